@@ -1,0 +1,1 @@
+//! The motion core of Lineshaft.

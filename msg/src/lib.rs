@@ -1,0 +1,2 @@
+//! The ROS 2 interfaces of Lineshaft.
+#![forbid(unsafe_code)]

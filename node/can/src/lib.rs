@@ -1,0 +1,2 @@
+//! CAN for Lineshaft.
+#![forbid(unsafe_code)]

@@ -1,0 +1,2 @@
+//! The ROS 2 layer of Lineshaft.
+#![forbid(unsafe_code)]
