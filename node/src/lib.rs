@@ -1,1 +1,3 @@
 //! The Lineshaft program.
+
+pub mod document;

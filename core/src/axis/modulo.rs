@@ -1,0 +1,136 @@
+//! The turn of a rotary axis. Its length is an exact fraction, so it need not be whole increments and never drifts.
+
+use crate::command::Direction;
+use crate::position::Position;
+
+/// Length of a turn [inc] as a fraction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Modulo {
+    numerator: i64,
+    denominator: i64,
+}
+
+impl Modulo {
+    /// A turn of numerator / denominator increments; none unless 0 < denominator < 2^31, numerator < 2^61 and the turn is
+    /// one increment or more.
+    pub fn new(numerator: i64, denominator: i64) -> Option<Self> {
+        let legal = (1..1 << 31).contains(&denominator) && (denominator..1 << 61).contains(&numerator);
+        legal.then_some(Self { numerator, denominator })
+    }
+
+    /// A turn in units of 2^-32 inc / denominator.
+    fn turn(self) -> i128 {
+        i128::from(self.numerator) << 32
+    }
+
+    /// Whole turns, and the position within the turn.
+    pub fn split(self, position: Position) -> (i64, Position) {
+        let denominator = i128::from(self.denominator);
+        // |raw| < 2^94 and denominator < 2^31: the product stays below 2^125.
+        let scaled = position.raw() * denominator;
+        let (turns, within) = (scaled.div_euclid(self.turn()), scaled.rem_euclid(self.turn()));
+        (turns as i64, Position::from_raw(within.div_euclid(denominator)))
+    }
+
+    /// The target nearest to `now` in the given direction that shows as `wanted` within its turn, rounded to a whole
+    /// increment. `stop` is where the axis would come to rest: no direction asks it to turn back from there.
+    pub fn target(self, wanted: Position, now: Position, stop: Position, direction: Direction, last: f64) -> i64 {
+        let denominator = i128::from(self.denominator);
+        let wanted = (wanted.raw() * denominator).rem_euclid(self.turn());
+        let ahead = |from: Position| (wanted - from.raw() * denominator).rem_euclid(self.turn());
+        let up = |from: Position| from.raw() * denominator + ahead(from);
+        let down = |from: Position| {
+            let way = ahead(from);
+            from.raw() * denominator + if way == 0 { 0 } else { way - self.turn() }
+        };
+        let scaled = match direction {
+            Direction::Positive => up(stop.max(now)),
+            Direction::Negative => down(stop.min(now)),
+            Direction::Current if last > 0.0 => up(stop.max(now)),
+            Direction::Current if last < 0.0 => down(stop.min(now)),
+            Direction::Shortest | Direction::Current => {
+                let way = ahead(now);
+                if 2 * way <= self.turn() { up(now) } else { down(now) }
+            }
+        };
+        round(scaled, denominator)
+    }
+}
+
+/// Nearest whole increments of a value in units of 2^-32 inc / denominator, half away from zero.
+fn round(scaled: i128, denominator: i128) -> i64 {
+    let unit = denominator << 32;
+    let magnitude = (scaled.abs() + unit / 2) / unit;
+    let signed = if scaled < 0 { -magnitude } else { magnitude };
+    i64::try_from(signed).unwrap_or(if scaled < 0 { i64::MIN } else { i64::MAX })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn target(wanted: i64, now: i64, direction: Direction, last: f64) -> i64 {
+        let now = Position::whole(now);
+        Modulo::new(36_000, 1).unwrap().target(Position::whole(wanted), now, now, direction, last)
+    }
+
+    #[test]
+    fn each_direction_goes_its_way() {
+        use Direction::*;
+        assert_eq!(target(35_000, 1_000, Shortest, 0.0), -1_000);
+        assert_eq!(target(35_000, 1_000, Positive, 0.0), 35_000);
+        assert_eq!(target(2_000, 1_000, Negative, 0.0), 2_000 - 36_000);
+        assert_eq!(target(1_000, 1_000, Positive, 0.0), 1_000);
+        assert_eq!(target(1_000, 1_000, Negative, 0.0), 1_000);
+        assert_eq!(target(35_000, 1_000, Current, 1.0), 35_000);
+        assert_eq!(target(2_000, 1_000, Current, -1.0), 2_000 - 36_000);
+        assert_eq!(target(35_000, 1_000, Current, 0.0), -1_000);
+        assert_eq!(target(19_000, 1_000, Shortest, 0.0), 19_000, "both ways are equal: up");
+        assert_eq!(target(10, -72_000_000_000, Shortest, 0.0), -72_000_000_000 + 10);
+    }
+
+    #[test]
+    fn an_axis_that_cannot_stop_before_the_target_takes_the_next_turn() {
+        let modulo = Modulo::new(36_000, 1).unwrap();
+        let (now, stop) = (Position::whole(100), Position::whole(300));
+        assert_eq!(modulo.target(Position::whole(200), now, stop, Direction::Positive, 1.0), 36_200);
+    }
+
+    #[test]
+    fn a_turn_of_a_third_of_an_increment_more_never_drifts() {
+        // 1000 1/3 inc per turn: 3 million turns are 3 001 000 000 inc.
+        let modulo = Modulo::new(3001, 3).unwrap();
+        assert_eq!(modulo.split(Position::whole(3_001_000_000)), (3_000_000, Position::ZERO));
+        assert_eq!(modulo.split(Position::whole(-1)).0, -1);
+        let mut now = Position::ZERO;
+        for turn in 1..=3000_i64 {
+            let wanted = Position::ZERO;
+            let next =
+                modulo.target(wanted, now + Position::whole(1), now + Position::whole(1), Direction::Positive, 0.0);
+            assert_eq!(next, (turn * 3001 * 2 + 3) / 6, "turn {turn}");
+            now = Position::whole(next);
+        }
+    }
+
+    #[test]
+    fn what_is_no_turn_is_refused() {
+        for (numerator, denominator) in [(0, 1), (1, 0), (-5, 1), (1, 2), (1 << 61, 1), (5, 1 << 31)] {
+            assert_eq!(Modulo::new(numerator, denominator), None);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn turns_and_rest_make_the_position(
+            raw in -(1_i128 << 93)..(1_i128 << 93), numerator in 1_000_i64..1 << 40, denominator in 1_i64..1000,
+        ) {
+            let modulo = Modulo::new(numerator, denominator).unwrap();
+            let (turns, within) = modulo.split(Position::from_raw(raw));
+            let scaled = i128::from(turns) * modulo.turn() + within.raw() * i128::from(denominator);
+            let lost = raw * i128::from(denominator) - scaled;
+            prop_assert!((0..i128::from(denominator)).contains(&lost));
+            prop_assert!(within.raw() >= 0 && within.raw() * i128::from(denominator) < modulo.turn());
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! What moves an axis in a cycle, and what keeps it within its limits.
+
+use super::power::Power;
+use super::{Axis, AxisState, Context, Reference};
+use crate::code::Code;
+use crate::event::{Event, Kind, Number, Severity};
+use crate::position::Position;
+use crate::profile::{self, Limits, Motion, Plan};
+use crate::sync::follower::{Follower, Phase};
+use crate::sync::gear::Gear;
+
+/// Cycles after which a constant velocity starts from its own place again: f64 stays exact enough for ever.
+const REBASE_CYCLES: u64 = 1 << 20;
+/// What rounding may put a stopping point beyond a limit [inc].
+const ROUNDING: f64 = 1e-6;
+
+/// What generates the command position.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
+pub(super) enum Generator {
+    /// Nothing: the position holds.
+    Rest,
+    /// A profile, since cycle `start`.
+    Plan {
+        plan: Plan,
+        start: u64,
+        /// Deceleration that its goal asked for [inc/s^2].
+        deceleration: f64,
+    },
+    /// A coupling.
+    Follow(Follower),
+}
+
+impl Generator {
+    pub(super) fn plan(plan: Plan, start: u64, deceleration: f64) -> Self {
+        Generator::Plan { plan, start, deceleration }
+    }
+}
+
+impl Axis {
+    /// The command position of this cycle.
+    pub(super) fn advance(&mut self, cx: &mut Context<'_>) {
+        if !self.is_on() {
+            self.command = Motion::at_rest(self.actual.position);
+            self.generator = Generator::Rest;
+            return;
+        }
+        let before = self.command;
+        match self.generator {
+            Generator::Rest => self.command = Motion::at_rest(before.position),
+            Generator::Plan { plan, start, deceleration } => self.read_plan(cx, plan, start, deceleration),
+            Generator::Follow(follower) => self.follow(cx, follower),
+        }
+        if self.command.velocity != 0.0 {
+            self.last_direction = self.command.velocity;
+        }
+    }
+
+    fn read_plan(&mut self, cx: &mut Context<'_>, plan: Plan, start: u64, deceleration: f64) {
+        let elapsed = cx.cycle.saturating_sub(start);
+        let next = plan.at(elapsed);
+        let ends_at_rest = plan.end_velocity() == 0.0;
+        if !ends_at_rest {
+            if self.stop_at_limit(cx, next) {
+                return;
+            }
+            if elapsed > plan.cycles().saturating_add(REBASE_CYCLES) {
+                let same = profile::to_velocity(next, next.velocity, self.usual_limits(), self.setup.cycle_ns);
+                self.generator = Generator::plan(same, cx.cycle, deceleration);
+            }
+        } else if elapsed >= plan.cycles() {
+            self.generator = Generator::Rest;
+        }
+        self.command = next;
+    }
+
+    fn follow(&mut self, cx: &mut Context<'_>, mut follower: Follower) {
+        let lead = cx.leads.get(follower.leader);
+        let bound = Position::whole(Gear::MAX_CHANGE);
+        if !lead.valid || lead.change > bound || lead.change < -bound {
+            let code = if lead.valid { Code::ENCODER_JUMP } else { Code::LEADER_LOST };
+            // Without a leader it stands on its last motion, from which it stops.
+            self.command.acceleration = 0.0;
+            return self.react(cx, code, Number::Position(lead.change.floor()), Number::None);
+        }
+        let was = follower.phase();
+        let next = follower.step(self.command, lead, self.cycle_s());
+        if self.stop_at_limit(cx, next) {
+            return;
+        }
+        if was == Phase::Synchronized && follower.phase() == Phase::CatchingUp {
+            let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SYNC_LOST);
+            cx.events.push(Event { position: next.position, ..event });
+        }
+        self.generator = Generator::Follow(follower);
+        self.command = next;
+    }
+
+    /// Would `next` leave no way to stop before a limit? Then the axis stops at it instead, from its last motion, and
+    /// that is an error.
+    fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion) -> bool {
+        let up = next.velocity > 0.0;
+        let limit = Position::whole(self.limit(up));
+        let down = self.parameters.deceleration_limit();
+        let sign = if up { 1.0 } else { -1.0 };
+        let room = sign * (limit - next.position).to_f64();
+        if next.velocity == 0.0 || room + ROUNDING >= next.velocity * next.velocity / (2.0 * down) {
+            return false;
+        }
+        let before = self.command;
+        // The motion before kept the rule, so it can stop in time; it started a cycle ago.
+        let plan = self.plan_stop(before, down);
+        self.generator = Generator::plan(plan, cx.cycle.saturating_sub(1), down);
+        self.command = plan.at(1);
+        let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
+        cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
+        self.raise(cx, code, Number::None, Number::Position(limit.floor()));
+        self.judge.after_stop = self.parameters.error_reaction;
+        self.set_state(cx, AxisState::ErrorStop);
+        true
+    }
+
+    /// The software limit in a direction, or the end of all positions.
+    pub(super) fn limit(&self, up: bool) -> i64 {
+        if up {
+            self.parameters.max_position.unwrap_or(Position::LIMIT - 1)
+        } else {
+            self.parameters.min_position.unwrap_or(1 - Position::LIMIT)
+        }
+    }
+
+    /// A plan to rest with `deceleration`, or as much more as it takes to stay within the limit.
+    pub(super) fn plan_stop(&self, from: Motion, deceleration: f64) -> Plan {
+        let speed = from.velocity.abs();
+        let up = from.velocity > 0.0;
+        let room = (Position::whole(self.limit(up)) - from.position).to_f64() * if up { 1.0 } else { -1.0 };
+        let stopping = speed * speed / (2.0 * deceleration);
+        if speed == 0.0 || room <= 0.0 || stopping + 1.0 < room {
+            return profile::stop(from, deceleration, self.setup.cycle_ns);
+        }
+        // The whole increment behind the stopping point may be the limit itself, or lie beyond it.
+        let deceleration = deceleration.max(speed * speed / (2.0 * room));
+        let limits = Limits { velocity: speed, acceleration: deceleration, deceleration };
+        profile::to_rest(from, Position::whole(self.limit(up)), limits, self.setup.cycle_ns)
+    }
+
+    /// Stops from the present motion; at rest it stays where its drive is asked to be.
+    pub(super) fn brake_to_rest(&mut self, cx: &mut Context<'_>, deceleration: f64) {
+        self.reference = Reference::Stop;
+        if self.command.velocity == 0.0 {
+            self.command = Motion::at_rest(Position::whole(self.command.position.floor()));
+            self.generator = Generator::Rest;
+            return;
+        }
+        let plan = self.plan_stop(self.command, deceleration);
+        self.generator = Generator::plan(plan, cx.cycle, deceleration);
+        if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion) {
+            self.set_state(cx, AxisState::DiscreteMotion);
+        }
+    }
+
+    /// The deceleration that the active motion was asked for.
+    pub(super) fn active_deceleration(&self) -> f64 {
+        match self.generator {
+            Generator::Plan { deceleration, .. } => deceleration,
+            _ => self.parameters.usual_deceleration(),
+        }
+    }
+
+    pub(super) fn usual_limits(&self) -> Limits {
+        Limits {
+            velocity: self.parameters.usual_velocity(),
+            acceleration: self.parameters.usual_acceleration(),
+            deceleration: self.parameters.usual_deceleration(),
+        }
+    }
+
+    /// Takes the newest streamed velocity, and stops when none has come for too long.
+    pub(super) fn follow_stream(&mut self, cx: &mut Context<'_>) {
+        let free = self.state == AxisState::Standstill || self.reference == Reference::Stream;
+        let newest = cx.stream.filter(|stream| stream.generation != self.stream_generation);
+        let wanted = newest.and_then(|stream| *stream.velocity.get(usize::from(self.setup.index))?);
+        self.stream_age = self.stream_age.saturating_add(1);
+        if let Some(stream) = newest {
+            self.stream_generation = stream.generation;
+        }
+        // NaN fails the comparison: a bad setpoint is no sign of life.
+        if let Some(velocity) = wanted
+            && free
+            && self.power == Power::On
+            && velocity.abs() <= self.parameters.max_velocity
+        {
+            self.stream_age = 0;
+            let limits = self.usual_limits();
+            let plan = profile::to_velocity(self.command, velocity, limits, self.setup.cycle_ns);
+            self.generator = Generator::plan(plan, cx.cycle, limits.deceleration);
+            self.reference = Reference::Stream;
+            self.set_state(cx, AxisState::ContinuousMotion);
+        }
+        let timeout = self.parameters.setpoint_timeout.unsigned_abs();
+        let silent = self.stream_age.saturating_mul(self.setup.cycle_ns) > timeout;
+        if self.reference == Reference::Stream && self.command.velocity != 0.0 && silent {
+            self.brake_to_rest(cx, self.parameters.usual_deceleration());
+            cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::STREAM_TIMEOUT));
+        }
+    }
+}

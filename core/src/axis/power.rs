@@ -1,0 +1,155 @@
+//! Switching a drive on and off (CiA 402 state machine, seen from the master).
+
+use super::{Axis, AxisState, Context, Generator};
+use crate::code::Code;
+use crate::drive::{DriveInput, DriveOutput, DriveState, MODE_CSP, control};
+use crate::event::{Event, Kind, Number, Severity};
+use crate::profile::Motion;
+
+/// How long a drive may take to switch on, and to leave its fault [ns].
+const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
+/// Cycles without new data from a drive until it counts as lost.
+const MAX_STALE_CYCLES: u32 = 10;
+
+/// What the axis wants of its drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Power {
+    /// No voltage.
+    Off,
+    /// On its way to operation enabled, since that cycle.
+    SwitchingOn { since: u64 },
+    /// Operation enabled: the axis commands it.
+    On,
+    /// Stopping first, then off.
+    SwitchingOff,
+    /// The drive stops by itself (error reaction 4).
+    DriveStops,
+    /// Resetting the drive's fault, since that cycle.
+    Resetting { since: u64 },
+}
+
+impl Axis {
+    /// True while the command position is the axis' own, not the actual position.
+    pub(super) fn is_on(&self) -> bool {
+        matches!(self.power, Power::On | Power::SwitchingOff)
+    }
+
+    pub(super) fn is_virtual(&self) -> bool {
+        self.setup.drive.is_none()
+    }
+
+    /// Sees to it that a drive that fails, goes away or falls silent stops the axis in the same cycle.
+    pub(super) fn supervise(&mut self, cx: &mut Context<'_>) {
+        let Some(input) = cx.input else { return };
+        let failure = self.failure(input);
+        match self.power {
+            Power::On | Power::SwitchingOff => {
+                if let Some(code) = failure {
+                    self.fail_off(cx, code);
+                } else if self.drive_state != DriveState::Enabled {
+                    self.fail_off(cx, Code::DRIVE_DISABLED);
+                }
+            }
+            Power::SwitchingOn { since } => {
+                if let Some(code) = failure {
+                    self.fail_off(cx, code);
+                } else if self.drive_state == DriveState::Enabled {
+                    self.power = Power::On;
+                    self.command = Motion::at_rest(self.actual.position);
+                    self.judge.fill(self.command.position.floor());
+                    self.set_state(cx, AxisState::Standstill);
+                } else if self.has_timed_out(cx.cycle, since) {
+                    self.fail_off(cx, Code::ENABLE_TIMEOUT);
+                }
+            }
+            Power::Resetting { since } => {
+                if failure.is_none() {
+                    self.power = Power::Off;
+                    self.clear_error(cx);
+                } else if self.has_timed_out(cx.cycle, since) {
+                    self.power = Power::Off;
+                    self.waiting.fail(cx.events, self.setup.index, Code::RESET_FAILED, super::stops::Until::Healthy);
+                }
+            }
+            Power::Off | Power::DriveStops => {}
+        }
+    }
+
+    fn has_timed_out(&self, cycle: u64, since: u64) -> bool {
+        cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > SWITCH_TIMEOUT_NS
+    }
+
+    fn failure(&self, input: &DriveInput) -> Option<Code> {
+        if !input.online {
+            return Some(Code::DRIVE_LOST);
+        }
+        if self.stale_cycles > MAX_STALE_CYCLES {
+            return Some(Code::DRIVE_STALE);
+        }
+        matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction)
+            .then(|| Code::drive_fault(input.fault))
+    }
+
+    /// An error that leaves no way to command the drive.
+    fn fail_off(&mut self, cx: &mut Context<'_>, code: Code) {
+        self.raise(cx, code, Number::None, Number::None);
+        self.power = Power::Off;
+        self.generator = Generator::Rest;
+        self.command = Motion::at_rest(self.actual.position);
+        self.set_state(cx, AxisState::ErrorStop);
+    }
+
+    /// Records the first error and tells it.
+    pub(super) fn report(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
+        if self.error.is_none() {
+            self.error = code;
+            let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
+            cx.events.push(Event { position: self.actual.position, ..event });
+        }
+    }
+
+    /// Records the first error, tells it, and ends what runs.
+    pub(super) fn raise(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
+        self.report(cx, code, found, allowed);
+        self.end_goal(cx, code);
+    }
+
+    /// Switches the axis off at once.
+    pub(super) fn switch_off(&mut self, cx: &mut Context<'_>) {
+        self.power = Power::Off;
+        self.generator = Generator::Rest;
+        if self.error.is_none() {
+            self.set_state(cx, AxisState::Disabled);
+        }
+    }
+
+    /// Chooses the control word and fills in the drive's outputs.
+    pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
+        if self.power == Power::SwitchingOff && matches!(self.generator, Generator::Rest) {
+            self.switch_off(cx);
+        }
+        let word = match self.power {
+            Power::Off => control::DISABLE_VOLTAGE,
+            Power::DriveStops => control::QUICK_STOP,
+            Power::On | Power::SwitchingOff => control::ENABLE,
+            // The reset needs a rising edge: every other cycle without the bit.
+            Power::Resetting { since } if (cx.cycle - since) % 2 == 1 => control::FAULT_RESET,
+            Power::Resetting { .. } => control::DISABLE_VOLTAGE,
+            Power::SwitchingOn { .. } => match self.drive_state {
+                DriveState::SwitchOnDisabled => control::SHUTDOWN,
+                DriveState::Ready => control::SWITCH_ON,
+                DriveState::SwitchedOn | DriveState::Enabled => control::ENABLE,
+                _ => control::DISABLE_VOLTAGE,
+            },
+        };
+        self.output = DriveOutput {
+            position: self.command.position.floor().wrapping_sub(self.origin),
+            velocity: self.command.velocity,
+            acceleration: self.command.acceleration,
+            effort: 0.0,
+            control: word,
+            mode: MODE_CSP,
+            homing: None,
+        };
+    }
+}

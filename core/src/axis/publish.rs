@@ -1,0 +1,108 @@
+//! Writing an axis' signals.
+
+use super::{Axis, Generator};
+use crate::position::Position;
+use crate::signal::Board;
+use crate::signal::axis::AxisSignal;
+use crate::sync::Leads;
+use crate::sync::follower::Phase;
+
+/// What the axis shows of its coupling.
+#[derive(Clone, Copy, Debug, Default)]
+struct Coupling {
+    master: i64,
+    error: i64,
+    accurate: bool,
+    in_sync: bool,
+}
+
+impl Axis {
+    fn coupling(&self, leads: &Leads) -> Coupling {
+        let Generator::Follow(follower) = &self.generator else { return Coupling::default() };
+        let error = follower.error(self.command.position).floor();
+        let window = self.parameters.sync_accuracy;
+        // MACS-SYNC-16: a positive window shows the error without its sign.
+        let shown = if window >= 0 { error.saturating_abs() } else { error };
+        Coupling {
+            master: leads.get(follower.leader).position.floor(),
+            error: shown,
+            accurate: error.unsigned_abs() <= window.unsigned_abs(),
+            in_sync: follower.phase() == Phase::Synchronized,
+        }
+    }
+
+    /// Writes all signals of this cycle.
+    pub fn publish(&self, board: &mut Board, leads: &Leads) {
+        let command = self.command;
+        let position = command.position.floor();
+        let coupling = self.coupling(leads);
+        let (turns, within) = match self.setup.modulo {
+            Some(modulo) => modulo.split(command.position),
+            None => (0, command.position),
+        };
+        let target = match &self.generator {
+            Generator::Plan { plan, .. } if plan.end_velocity() == 0.0 => plan.end().floor(),
+            _ => position,
+        };
+        let in_velocity = matches!(&self.generator, Generator::Plan { plan, .. }
+            if plan.end_velocity() != 0.0 && command.velocity == plan.end_velocity() && command.acceleration == 0.0);
+        let actual = self.actual.position.floor();
+        let p = &self.parameters;
+
+        let words = board.block(self.signals, AxisSignal::COUNT);
+        let mut set = |signal: AxisSignal, word: u64| {
+            if let Some(place) = words.get_mut(signal as usize) {
+                *place = word;
+            }
+        };
+        let int = i64::cast_unsigned;
+        let bit = u64::from;
+        let real = f64::to_bits;
+        use AxisSignal::*;
+        set(State, self.state as u64);
+        set(DriveState, self.drive_state as u64);
+        set(Reference, self.reference as u64);
+        set(Enabled, bit(self.is_on()));
+        set(InPosition, bit(self.judge.in_position));
+        set(InVelocity, bit(in_velocity));
+        set(InSync, bit(coupling.in_sync));
+        set(Warning, bit(self.warning));
+        set(Brake, bit(self.brake));
+        set(Error, u64::from(self.error.0));
+        set(CommandPosition, int(position));
+        set(CommandFraction, real(command.position.fraction()));
+        set(CommandVelocity, real(command.velocity));
+        set(CommandAcceleration, real(command.acceleration));
+        set(CommandJerk, real(command.jerk));
+        set(TargetPosition, int(target));
+        set(ActualCount, int(self.counter_raw()));
+        set(ActualPosition, int(actual));
+        set(ActualVelocity, real(self.actual.velocity));
+        set(ActualEffort, real(self.effort));
+        set(FollowingError, int(self.judge.following_error));
+        set(RegulatorError, int(if self.is_on() { position.saturating_sub(actual) } else { 0 }));
+        set(ModuloPosition, int(within.floor()));
+        set(Turns, int(turns));
+        set(SyncMaster, int(coupling.master));
+        set(SyncError, int(coupling.error));
+        set(SyncStatus, bit(coupling.accurate));
+        set(LimitSoftwarePositive, bit(p.max_position.is_some_and(|limit| position >= limit)));
+        set(LimitSoftwareNegative, bit(p.min_position.is_some_and(|limit| position <= limit)));
+        set(OutputPosition, int(self.output.position));
+        set(OutputVelocity, real(self.output.velocity));
+        set(OutputEffort, real(self.output.effort));
+        set(OutputControl, u64::from(self.output.control));
+    }
+
+    /// Shows a latched position.
+    pub fn publish_latch(&self, board: &mut Board, position: Position) {
+        let count = AxisSignal::LatchCount.of(self.signals);
+        board.set_int(AxisSignal::LatchPosition.of(self.signals), position.floor());
+        board.set_real(AxisSignal::LatchFraction.of(self.signals), position.fraction());
+        board.set_int(count, board.int(count).wrapping_add(1));
+    }
+
+    fn counter_raw(&self) -> i64 {
+        self.counter.position().wrapping_sub(self.origin)
+    }
+}

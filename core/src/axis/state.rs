@@ -1,0 +1,80 @@
+//! The states of an axis, numbered as in the interface.
+
+/// State of an axis (PLCopen motion control, state diagram).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AxisState {
+    /// Switched off.
+    #[default]
+    Disabled = 0,
+    /// On and at rest.
+    Standstill = 1,
+    /// On the way to a position, or to rest after a halt.
+    DiscreteMotion = 2,
+    /// At or on the way to a velocity.
+    ContinuousMotion = 3,
+    /// Looking for its zero.
+    Homing = 4,
+    /// Coupled to a leader.
+    SynchronizedMotion = 5,
+    /// Stopped by quick_stop; locked until reset_errors.
+    Stopping = 6,
+    /// Stopped by an error; locked until reset_errors.
+    ErrorStop = 7,
+}
+
+/// Names of [`AxisState`], by number.
+pub const AXIS_STATES: &[&str] = &[
+    "DISABLED",
+    "STANDSTILL",
+    "DISCRETE_MOTION",
+    "CONTINUOUS_MOTION",
+    "HOMING",
+    "SYNCHRONIZED_MOTION",
+    "STOPPING",
+    "ERROR_STOP",
+];
+
+/// Names of [`DriveState`](crate::drive::DriveState), by number.
+pub const DRIVE_STATES: &[&str] = &[
+    "NOT_READY_TO_SWITCH_ON",
+    "SWITCH_ON_DISABLED",
+    "READY_TO_SWITCH_ON",
+    "SWITCHED_ON",
+    "OPERATION_ENABLED",
+    "QUICK_STOP_ACTIVE",
+    "FAULT_REACTION_ACTIVE",
+    "FAULT",
+];
+
+/// Which reference commands an axis: 0 to 7 as AMC-SEL, then our own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reference {
+    /// Nothing, or a halt.
+    #[default]
+    Stop = 0,
+    /// An absolute position.
+    PositionAbsolute = 1,
+    /// A velocity.
+    Speed = 2,
+    /// A gear.
+    Gear = 4,
+    /// A relative position.
+    PositionRelative = 6,
+    /// Streamed setpoints.
+    Stream = 9,
+}
+
+/// Names of [`Reference`], by number.
+pub const REFERENCES: &[&str] = &[
+    "STOP",
+    "POSITION_ABSOLUTE",
+    "SPEED",
+    "CAM",
+    "GEAR",
+    "HOME",
+    "POSITION_RELATIVE",
+    "POSITION_PROFILE",
+    "FUNCTION",
+    "STREAM",
+    "TRAJECTORY",
+];

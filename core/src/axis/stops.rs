@@ -1,0 +1,246 @@
+//! The commands that every axis answers: enable, disable, halt, quick_stop, reset_errors, cancel; and who waits for
+//! their end.
+
+use super::power::Power;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::command::{Action, Disengage};
+use crate::drive::DriveState;
+use crate::event::{Event, EventQueue, Kind, Refusal, Severity};
+use crate::object::Object;
+use crate::position::Position;
+use crate::profile::{self, Motion};
+
+/// What a waiting command waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Until {
+    /// The axis can be moved.
+    Enabled,
+    /// The axis is off.
+    Disabled,
+    /// The axis stands still.
+    Standstill,
+    /// The axis has no error and no lock.
+    Healthy,
+}
+
+/// Most commands that wait for one axis at a time.
+const MAX_WAITING: usize = 8;
+
+/// Commands that wait for the end of what they asked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Waiting([Option<(u64, Until)>; MAX_WAITING]);
+
+impl Waiting {
+    fn has_room(&self) -> bool {
+        self.0.iter().any(Option::is_none)
+    }
+
+    fn waits_for(&self, until: Until) -> bool {
+        self.0.iter().flatten().any(|(_, waits)| *waits == until)
+    }
+
+    fn add(&mut self, sequence: u64, until: Until) -> bool {
+        let place = self.0.iter_mut().find(|place| place.is_none());
+        place.is_some_and(|place| place.replace((sequence, until)).is_none())
+    }
+
+    /// Ends all that wait for `until`, with `code`.
+    fn end(&mut self, events: &mut EventQueue, axis: u16, until: Until, code: Code, position: Position) {
+        for place in &mut self.0 {
+            if let Some((sequence, _)) = place.filter(|(_, waits)| *waits == until) {
+                let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
+                let event = Event::new(severity, Kind::Done, Object::Axis(axis), code).of_command(sequence);
+                events.push(Event { position, ..event });
+                *place = None;
+            }
+        }
+    }
+
+    /// Ends all that wait for `until` without success.
+    pub(super) fn fail(&mut self, events: &mut EventQueue, axis: u16, code: Code, until: Until) {
+        self.end(events, axis, until, code, Position::ZERO);
+    }
+}
+
+impl Axis {
+    /// May a command for several axes be applied to this one? Asked of all of them before any changes.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn admits(&self, action: &Action) -> Result<(), Refusal> {
+        let axes = match action {
+            Action::Enable(axes)
+            | Action::Disable(axes)
+            | Action::Halt(axes)
+            | Action::QuickStop(axes)
+            | Action::ResetErrors(axes) => axes,
+            _ => return Ok(()),
+        };
+        let refuse = |code| Err(Refusal::new(code, self.object()));
+        if !axes.contains(self.setup.index) {
+            return Ok(());
+        }
+        // A stop is never refused: with nobody left to tell, it still stops.
+        let stops = matches!(action, Action::Disable(_) | Action::Halt(_) | Action::QuickStop(_));
+        if !stops && !self.waiting.has_room() {
+            return refuse(Code::TOO_MANY_WAITING);
+        }
+        if matches!(action, Action::Enable(_)) {
+            match self.power {
+                _ if self.state == AxisState::ErrorStop => return refuse(Code::IN_ERROR),
+                Power::SwitchingOff => return refuse(Code::NOT_AT_STANDSTILL),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets a command wait; where too many do, it is answered at once that nobody will tell it the end.
+    fn wait(&mut self, cx: &mut Context<'_>, sequence: u64, until: Until) {
+        if !self.waiting.add(sequence, until) {
+            let code = Code::TOO_MANY_WAITING;
+            cx.events.push(Event::new(Severity::Warn, Kind::Done, self.object(), code).of_command(sequence));
+        }
+    }
+
+    pub(super) fn enable(&mut self, cx: &mut Context<'_>, sequence: u64) {
+        if self.power == Power::Off {
+            self.power = Power::SwitchingOn { since: cx.cycle };
+        }
+        self.wait(cx, sequence, Until::Enabled);
+    }
+
+    pub(super) fn disable(&mut self, cx: &mut Context<'_>, sequence: u64) {
+        self.end_goal(cx, Code::DISABLED);
+        if self.is_virtual() {
+            // A virtual axis is always on: there is only its motion to end.
+            self.brake_to_rest(cx, self.parameters.deceleration_limit());
+            self.wait(cx, sequence, Until::Standstill);
+            return;
+        }
+        match self.power {
+            Power::On => {
+                self.power = Power::SwitchingOff;
+                self.brake_to_rest(cx, self.parameters.deceleration_limit());
+            }
+            Power::SwitchingOff => {}
+            _ => self.switch_off(cx),
+        }
+        self.wait(cx, sequence, Until::Disabled);
+    }
+
+    pub(super) fn halt(&mut self, cx: &mut Context<'_>, sequence: u64) {
+        let deceleration = self.active_deceleration();
+        self.end_goal(cx, Code::HALTED);
+        if self.is_moving_freely() {
+            self.brake_to_rest(cx, deceleration);
+        }
+        self.wait(cx, sequence, Until::Standstill);
+    }
+
+    pub(super) fn quick_stop(&mut self, cx: &mut Context<'_>, sequence: u64) {
+        self.end_goal(cx, Code::QUICK_STOP);
+        if self.is_on() && self.state != AxisState::ErrorStop {
+            self.brake_to_rest(cx, self.parameters.deceleration_limit());
+            self.set_state(cx, AxisState::Stopping);
+        }
+        self.wait(cx, sequence, Until::Standstill);
+    }
+
+    /// Waits for rest, then clears what can be cleared: [`settle_waiting`](Self::settle_waiting) does it.
+    pub(super) fn reset(&mut self, cx: &mut Context<'_>, sequence: u64) {
+        self.wait(cx, sequence, Until::Healthy);
+    }
+
+    /// Clears error and lock of an axis at rest; a drive in fault has to leave it first.
+    fn begin_reset(&mut self, cx: &mut Context<'_>) {
+        let drive_fails = cx.input.is_some_and(|input| {
+            !input.online || matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction)
+        });
+        if drive_fails && !self.error.is_none() {
+            self.power = Power::Resetting { since: cx.cycle };
+        } else {
+            self.clear_error(cx);
+        }
+    }
+
+    /// Leaves ERROR_STOP and STOPPING.
+    pub(super) fn clear_error(&mut self, cx: &mut Context<'_>) {
+        if !self.error.is_none() {
+            let event = Event::new(Severity::Info, Kind::Reset, self.object(), self.error);
+            cx.events.push(event);
+        }
+        self.error = Code::NONE;
+        self.brake = false;
+        if self.power == Power::DriveStops {
+            self.power = Power::Off;
+        }
+        self.judge.forget();
+        if matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
+            let state = if self.is_on() { AxisState::Standstill } else { AxisState::Disabled };
+            self.set_state(cx, state);
+        }
+    }
+
+    /// Ends the active goal with a controlled stop; the goal lives until the axis stands.
+    pub(super) fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64) {
+        cx.events.push(Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE).of_command(sequence));
+        let deceleration = self.active_deceleration();
+        let goes_on = matches!(&self.generator, Generator::Follow(f) if f.disengage == Disengage::KeepVelocity);
+        if goes_on {
+            self.end_goal(cx, Code::CANCELLED);
+            let motion = Motion { acceleration: 0.0, ..self.command };
+            let limits = self.usual_limits();
+            let plan = profile::to_velocity(motion, motion.velocity, limits, self.setup.cycle_ns);
+            self.generator = Generator::plan(plan, cx.cycle, deceleration);
+            self.reference = Reference::Speed;
+            self.set_state(cx, AxisState::ContinuousMotion);
+        } else {
+            if let Some(goal) = &mut self.goal {
+                goal.ending = Some(Code::CANCELLED);
+            }
+            self.brake_to_rest(cx, deceleration);
+        }
+        cx.events.push(Event::new(Severity::Info, Kind::Done, self.object(), Code::NONE).of_command(sequence));
+    }
+
+    /// True where a halt may take the motion over: not while an error or a quick stop ends it.
+    fn is_moving_freely(&self) -> bool {
+        use AxisState::{ContinuousMotion, DiscreteMotion, SynchronizedMotion};
+        self.power == Power::On && matches!(self.state, DiscreteMotion | ContinuousMotion | SynchronizedMotion)
+    }
+
+    /// Tells those who wait, once what they wait for is there or cannot come any more.
+    pub(super) fn settle_waiting(&mut self, cx: &mut Context<'_>) {
+        if self.waiting.0.iter().all(Option::is_none) {
+            return;
+        }
+        let stands = matches!(self.generator, Generator::Rest);
+        let locked = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop) || !self.error.is_none();
+        let resetting = matches!(self.power, Power::Resetting { .. });
+        if stands && locked && !resetting && self.waiting.waits_for(Until::Healthy) {
+            self.begin_reset(cx);
+        }
+        let position = self.command.position;
+        let failed = if self.error.is_none() { None } else { Some(self.error) };
+        let axis = self.setup.index;
+        let mut end = |until, code| self.waiting.end(cx.events, axis, until, code, position);
+        match self.power {
+            Power::On => end(Until::Enabled, Code::NONE),
+            Power::Off => {
+                end(Until::Disabled, Code::NONE);
+                end(Until::Enabled, failed.unwrap_or(Code::DISABLED));
+            }
+            _ => {}
+        }
+        if stands {
+            end(Until::Standstill, Code::NONE);
+        } else if self.goal.is_some_and(|goal| goal.ending.is_none()) {
+            end(Until::Standstill, Code::REPLACED);
+        }
+        if failed.is_none() && self.state != AxisState::Stopping {
+            end(Until::Healthy, Code::NONE);
+        }
+    }
+}

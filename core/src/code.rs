@@ -1,0 +1,147 @@
+//! Codes of errors, refusals and ends of goals.
+//!
+//! Ranges (contract section 2): 0 none, MACS numbers as they are, 10000 + own, 0x10000 + drive (object 603Fh).
+
+/// Why something was refused, ended or failed. The numbers are part of the interface and never change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Code(pub u32);
+
+macro_rules! codes {
+    ($($(#[doc = $doc:literal])+ $name:ident = $number:literal;)*) => {
+        impl Code {
+            $($(#[doc = $doc])+ pub const $name: Code = Code($number);)*
+
+            /// Every code of this program but those of drives, with its name.
+            pub const ALL: &'static [(&'static str, Code)] = &[$((stringify!($name), Code::$name)),*];
+        }
+    };
+}
+
+codes! {
+    /// No error.
+    NONE = 0;
+    /// A drive, or another node that is guarded, does not answer (MACS error 88).
+    DRIVE_LOST = 88;
+    /// Motion into a limit at which the axis stands already (MACS error 98, F_LIMIT_VIOLATION).
+    LIMIT_VIOLATION = 98;
+
+    /// The goal's target lies above `max_position`.
+    ABOVE_MAX_POSITION = 10001;
+    /// The goal's target lies below `min_position`.
+    BELOW_MIN_POSITION = 10002;
+    /// Velocity beyond `max_velocity`.
+    VELOCITY_TOO_HIGH = 10003;
+    /// Acceleration beyond `max_acceleration`.
+    ACCELERATION_TOO_HIGH = 10004;
+    /// Deceleration beyond `max_deceleration`.
+    DECELERATION_TOO_HIGH = 10005;
+    /// Jerk beyond `max_jerk`.
+    JERK_TOO_HIGH = 10006;
+    /// The axis is disabled.
+    NOT_ENABLED = 10007;
+    /// The axis stands in ERROR_STOP: reset_errors first.
+    IN_ERROR = 10008;
+    /// The axis is locked by quick_stop: reset_errors first.
+    QUICK_STOPPED = 10009;
+    /// A number is negative, NaN or infinite where that has no meaning.
+    BAD_NUMBER = 10010;
+    /// |position| must stay below 2^62 increments.
+    POSITION_OUT_OF_RANGE = 10011;
+    /// On its way the move cannot stop before `max_position` with this deceleration.
+    CANNOT_STOP_BEFORE_MAX_POSITION = 10012;
+    /// On its way the move cannot stop before `min_position` with this deceleration.
+    CANNOT_STOP_BEFORE_MIN_POSITION = 10013;
+    /// The axis would follow itself, directly or through others.
+    LEADER_LOOP = 10014;
+    /// A ratio with denominator 0, or one part 0 and the other not.
+    BAD_RATIO = 10015;
+    /// The command names a mode that this version does not have.
+    NOT_BUILT = 10016;
+    /// No goal of that number is active.
+    UNKNOWN_GOAL = 10017;
+    /// A parameter value lies outside its range.
+    PARAMETER_OUT_OF_RANGE = 10018;
+    /// Parameters contradict each other (a limit above its counterpart, a default above its maximum).
+    PARAMETERS_CONTRADICT = 10019;
+    /// The active goal would leave the limits that the parameters ask for.
+    GOAL_BEYOND_NEW_LIMITS = 10020;
+    /// Too many commands wait for this axis.
+    TOO_MANY_WAITING = 10021;
+    /// A request was refused before it became a command (its text says why).
+    BAD_REQUEST = 10022;
+    /// The axis does not stand still, and the command needs that.
+    NOT_AT_STANDSTILL = 10023;
+
+    /// A newer command took the axis over.
+    REPLACED = 10101;
+    /// halt ended the goal.
+    HALTED = 10102;
+    /// The client cancelled the goal.
+    CANCELLED = 10103;
+    /// quick_stop ended the goal.
+    QUICK_STOP = 10104;
+    /// disable ended the goal.
+    DISABLED = 10105;
+
+    /// Following error beyond `max_following_error` (MACS position error, which has no number in the source).
+    FOLLOWING_ERROR = 10201;
+    /// The axis stopped at `max_position`.
+    SOFTWARE_LIMIT_POSITIVE = 10202;
+    /// The axis stopped at `min_position`.
+    SOFTWARE_LIMIT_NEGATIVE = 10203;
+    /// The drive left operation enabled by itself.
+    DRIVE_DISABLED = 10204;
+    /// The drive did not reach operation enabled in time.
+    ENABLE_TIMEOUT = 10205;
+    /// An encoder gives no valid value.
+    ENCODER_INVALID = 10206;
+    /// What the axis follows is lost (its encoder is invalid or its drive is away).
+    LEADER_LOST = 10207;
+    /// A drive gave no new data for too long.
+    DRIVE_STALE = 10208;
+    /// Streamed setpoints stopped coming.
+    STREAM_TIMEOUT = 10209;
+    /// The encoder jumped further in one cycle than any motion explains.
+    ENCODER_JUMP = 10210;
+    /// Gear motion beyond `max_velocity` or `max_acceleration`: the axis lags and catches up.
+    SYNC_LOST = 10211;
+    /// Cycles were missed.
+    OVERRUN = 10212;
+    /// The drive did not leave its fault after the reset.
+    RESET_FAILED = 10213;
+    /// More events in one cycle than there is room for.
+    EVENTS_LOST = 10214;
+}
+
+impl Code {
+    /// First code of drive faults: 0x10000 + object 603Fh.
+    pub const DRIVE_FAULT: u32 = 0x1_0000;
+
+    /// A drive's own fault code (603Fh).
+    pub const fn drive_fault(fault: u16) -> Self {
+        Self(Self::DRIVE_FAULT + fault as u32)
+    }
+
+    /// True where nothing is wrong.
+    pub const fn is_none(self) -> bool {
+        self.0 == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_number_stands_twice() {
+        let mut seen: Vec<_> = Code::ALL.iter().map(|(_, code)| code.0).collect();
+        seen.sort_unstable();
+        seen.dedup();
+        assert_eq!(seen.len(), Code::ALL.len());
+    }
+
+    #[test]
+    fn a_drive_fault_keeps_its_603f_code() {
+        assert_eq!(Code::drive_fault(0x8611).0, 0x1_8611);
+    }
+}

@@ -1,0 +1,211 @@
+//! Commands: whatever changes the machine between cycles.
+//!
+//! A command is applied at a cycle boundary and answered once by an event: `accepted`, or `refused` with a code and the
+//! values that the sentence needs (contract section 1). It carries increments; units end at the border.
+
+use crate::object::{AxisSet, Leader};
+use crate::parameter::Change;
+use crate::position::Position;
+
+/// Who gave a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A ROS 2 client.
+    Ros,
+    /// A step of a scenario.
+    Scenario,
+    /// The command line (Ctrl-C among it).
+    Cli,
+    /// The machine itself.
+    Machine,
+}
+
+/// One command with its place in the order of all commands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Command {
+    /// Grows by one with every command; names the goal that a motion command starts.
+    pub sequence: u64,
+    /// Who gave it.
+    pub source: Source,
+    /// What to do.
+    pub action: Action,
+}
+
+/// What a command does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Switches axes on; done when each drive is in operation enabled.
+    Enable(AxisSet),
+    /// Stops axes with their maximum deceleration, then switches them off.
+    Disable(AxisSet),
+    /// Stops axes with the deceleration of their goal; a new goal may follow at once (MC_Halt).
+    Halt(AxisSet),
+    /// Stops axes with their maximum deceleration and locks them until [`Action::ResetErrors`] (MC_Stop).
+    QuickStop(AxisSet),
+    /// Clears errors and the lock of a quick stop.
+    ResetErrors(AxisSet),
+    /// Moves one axis.
+    Move(Move),
+    /// Couples one axis to a leader.
+    Synchronize(Synchronize),
+    /// Ends the goal that the command of this sequence number started, with a controlled stop.
+    Cancel {
+        /// Sequence number of the goal's command.
+        goal: u64,
+    },
+    /// Sets parameters of axes: all of them, or none.
+    SetParameters(Box<[Change]>),
+    /// Sets a memory cell; integers saturate at the cell's type.
+    SetMemory {
+        /// Place in section `memory`.
+        index: u16,
+        /// New value; a whole number for integer cells.
+        value: f64,
+    },
+    /// A request that never became a command: it is answered with the event `refused` of code BAD_REQUEST, so that every
+    /// refusal stands in the event stream.
+    Refuse,
+}
+
+/// A length at the border: nearest whole increments and what the rounding left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Length {
+    /// Nearest whole increments, half away from zero.
+    pub nearest: i64,
+    /// Exact value minus `nearest`, to 2^-32 inc: with it repeated relative moves do not drift (MACS-UNIT-05).
+    pub rest: Position,
+}
+
+impl Length {
+    /// A length of whole increments.
+    pub const fn whole(increments: i64) -> Self {
+        Self { nearest: increments, rest: Position::ZERO }
+    }
+
+    /// The value to 2^-32 inc.
+    pub fn exact(self) -> Position {
+        Position::whole(self.nearest) + self.rest
+    }
+}
+
+/// How [`Move::target`] is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MoveMode {
+    /// To a position; on a modulo axis within its turn, by [`Direction`].
+    Absolute,
+    /// By a distance from the command position.
+    Relative,
+    /// By a distance from the target of the active goal, from the command position without one.
+    Additive,
+    /// At a velocity, without end.
+    Velocity,
+}
+
+/// Which way an absolute move on a modulo axis goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// The nearer way; up when both are equal.
+    #[default]
+    Shortest,
+    /// Up only.
+    Positive,
+    /// Down only.
+    Negative,
+    /// As the axis moves now, or moved last; the nearer way when it never moved.
+    Current,
+}
+
+/// A positioning or velocity goal of one axis. Velocity, acceleration and deceleration of 0 ask for the defaults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// The axis.
+    pub axis: u16,
+    /// How the target is meant.
+    pub mode: MoveMode,
+    /// Position or distance [inc]; unused in mode velocity.
+    pub target: Length,
+    /// [inc/s]; signed in mode velocity, where 0 is 0.
+    pub velocity: f64,
+    /// [inc/s^2]
+    pub acceleration: f64,
+    /// [inc/s^2]
+    pub deceleration: f64,
+    /// [inc/s^3]; the trapezoid has no use for it, but it is checked against `max_jerk`.
+    pub jerk: f64,
+    /// Modulo axes, absolute.
+    pub direction: Direction,
+}
+
+/// How a follower relates to its leader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SyncMode {
+    /// SYNCV: equal velocity times the ratio.
+    Velocity,
+    /// SYNCP: what is lost while the follower speeds up is caught up.
+    Position,
+}
+
+/// What a follower does when it is uncoupled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Disengage {
+    /// Stops.
+    #[default]
+    Stop,
+    /// Goes on at its velocity.
+    KeepVelocity,
+}
+
+/// A coupling of one axis to a leader.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Synchronize {
+    /// The axis that follows.
+    pub axis: u16,
+    /// What it follows.
+    pub leader: Leader,
+    /// How.
+    pub mode: SyncMode,
+    /// What happens at the end.
+    pub disengage: Disengage,
+    /// Slave increments per `denominator` master increments; 0 : 0 asks for SYNCFACTS : SYNCFACTM.
+    pub numerator: i64,
+    /// Master increments; a negative ratio reverses.
+    pub denominator: i64,
+    /// Shift of the slave [inc], mode position only.
+    pub offset: Length,
+    /// Largest slave velocity while catching up [inc/s]; 0 asks for the default.
+    pub velocity: f64,
+    /// Slave acceleration while catching up [inc/s^2]; 0 asks for the default.
+    pub acceleration: f64,
+}
+
+/// The newest of the streamed setpoints: a velocity for some axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Setpoints {
+    /// Grows with every new set: the same number twice is the same set, and is no sign of life.
+    pub generation: u64,
+    /// One entry per axis, in file order: velocity [inc/s], or none.
+    pub velocity: Vec<Option<f64>>,
+}
+
+/// What enters a cycle beside the inputs: the stop lane and the queue, in this order, and the mailbox.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Commands<'a> {
+    /// halt, quick_stop, disable: applied before the queue.
+    pub stop: &'a [Command],
+    /// Everything else, by sequence number.
+    pub queue: &'a [Command],
+    /// Newest streamed setpoints.
+    pub stream: Option<&'a Setpoints>,
+}
+
+impl<'a> Commands<'a> {
+    /// Only a queue.
+    pub fn queue(queue: &'a [Command]) -> Self {
+        Self { queue, ..Self::default() }
+    }
+
+    /// All commands in the order in which they apply.
+    pub fn iter(&self) -> impl Iterator<Item = &'a Command> + use<'a> {
+        self.stop.iter().chain(self.queue)
+    }
+}

@@ -1,0 +1,283 @@
+//! The backend contract: what enters and leaves a cycle, and who exchanges it (contract section 8).
+
+use crate::object::Object;
+
+/// Most latches of one cycle; what comes beyond is counted in [`Inputs::latches_lost`].
+pub const MAX_LATCHES: usize = 16;
+
+/// What an encoder reads.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EncoderInput {
+    /// Raw counts.
+    pub count: i64,
+    /// Grows when the raw coordinate was set anew: that change is no motion.
+    pub epoch: u32,
+    /// False: the value is not to be used.
+    pub valid: bool,
+}
+
+/// What a drive tells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriveInput {
+    /// Raw position counts (6064h).
+    pub count: i64,
+    /// Grows when the raw coordinate was set anew: that change is no motion.
+    pub epoch: u32,
+    /// [counts/s]
+    pub velocity: f64,
+    /// In the drive's unit.
+    pub effort: f64,
+    /// Status word (6041h).
+    pub status: u16,
+    /// Mode of operation display (6061h).
+    pub mode: i8,
+    /// Error code (603Fh).
+    pub fault: u16,
+    /// The drive answers.
+    pub online: bool,
+    /// The values are of this cycle; else the last ones.
+    pub fresh: bool,
+}
+
+/// Which edge a latch took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edge {
+    /// From 0 to 1.
+    Rising,
+    /// From 1 to 0.
+    Falling,
+}
+
+/// A position or an instant caught between t_k-1 and t_k. At least one of age and position is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Latch {
+    /// The input, encoder or axis that latched.
+    pub object: Object,
+    /// Which edge.
+    pub edge: Edge,
+    /// How long before t_k [ns], below the cycle's length.
+    pub age_ns: Option<u32>,
+    /// Raw counts.
+    pub position: Option<i64>,
+}
+
+/// Everything that is sampled at t_k. The arrays are in file order and never change their lengths.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Inputs {
+    /// k
+    pub cycle: u64,
+    /// Cycles that were missed since the last one.
+    pub missed: u32,
+    /// Digital inputs, 64 to a word, the first one in bit 0.
+    pub digital: Vec<u64>,
+    /// [V]
+    pub analog: Vec<f64>,
+    /// Entries of `encoders`.
+    pub encoder: Vec<EncoderInput>,
+    /// Axes that have a drive.
+    pub drive: Vec<DriveInput>,
+    /// Latches of (t_k-1, t_k]; at most [`MAX_LATCHES`].
+    pub latch: Vec<Latch>,
+    /// Latches that found no room.
+    pub latches_lost: u32,
+}
+
+impl Inputs {
+    /// A digital input by its number.
+    pub fn digital(&self, index: usize) -> bool {
+        self.digital.get(index / 64).is_some_and(|word| word >> (index % 64) & 1 == 1)
+    }
+
+    /// Sets a digital input by its number; one that does not exist stays so.
+    pub fn set_digital(&mut self, index: usize, on: bool) {
+        if let Some(word) = self.digital.get_mut(index / 64) {
+            *word = *word & !(1 << (index % 64)) | u64::from(on) << (index % 64);
+        }
+    }
+
+    /// Adds a latch, or counts it as lost; takes no memory.
+    pub fn add_latch(&mut self, latch: Latch) {
+        if self.latch.len() < MAX_LATCHES.min(self.latch.capacity()) {
+            self.latch.push(latch);
+        } else {
+            self.latches_lost = self.latches_lost.saturating_add(1);
+        }
+    }
+}
+
+/// What a drive is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriveOutput {
+    /// Raw position counts (607Ah).
+    pub position: i64,
+    /// [counts/s]
+    pub velocity: f64,
+    /// [counts/s^2]
+    pub acceleration: f64,
+    /// In the drive's unit.
+    pub effort: f64,
+    /// Control word (6040h).
+    pub control: u16,
+    /// Mode of operation (6060h).
+    pub mode: i8,
+    /// Homing method to run in the drive.
+    pub homing: Option<i8>,
+}
+
+/// Everything that a cycle asks for. The arrays are in file order and never change their lengths.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outputs {
+    /// Digital outputs, 64 to a word, the first one in bit 0.
+    pub digital: Vec<u64>,
+    /// [V]
+    pub analog: Vec<f64>,
+    /// Axes that have a drive.
+    pub drive: Vec<DriveOutput>,
+}
+
+/// How a drive is commanded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interface {
+    /// The drive closes the position loop.
+    #[default]
+    Position,
+    /// The drive closes the velocity loop.
+    Velocity,
+    /// The drive closes the torque loop.
+    Torque,
+}
+
+/// What a backend offers for one drive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Capabilities {
+    /// What the outputs of k ask shows in the inputs of k + 1 + delay.
+    pub delay: u32,
+    /// It commands velocity as well as position.
+    pub velocity: bool,
+    /// It commands torque as well as position.
+    pub torque: bool,
+    /// It latches positions.
+    pub latches: bool,
+    /// It homes by itself.
+    pub homes: bool,
+    /// It has a brake.
+    pub brake: bool,
+}
+
+/// Whatever drives hang on. A backend reads and writes only its own objects, so that several share a machine.
+pub trait Backend {
+    /// What it offers for a drive, by the drive's place in [`Inputs::drive`]; none for a drive of another backend.
+    fn capabilities(&self, drive: usize) -> Option<Capabilities>;
+
+    /// Makes it ready to exchange.
+    ///
+    /// # Errors
+    /// A sentence that says what is not there.
+    fn start(&mut self) -> Result<(), String>;
+
+    /// Fills in what it knows of cycle `inputs.cycle`; does not block.
+    fn read(&mut self, inputs: &mut Inputs);
+
+    /// Hands over what the cycle asks for; does not block.
+    fn write(&mut self, outputs: &Outputs);
+
+    /// Leaves its drives in a safe state.
+    fn stop(&mut self);
+}
+
+/// State of a drive (CiA 402), numbered as in the interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DriveState {
+    /// Not ready to switch on.
+    #[default]
+    NotReady = 0,
+    /// Switch on disabled.
+    SwitchOnDisabled = 1,
+    /// Ready to switch on.
+    Ready = 2,
+    /// Switched on.
+    SwitchedOn = 3,
+    /// Operation enabled.
+    Enabled = 4,
+    /// Quick stop active.
+    QuickStop = 5,
+    /// Fault reaction active.
+    FaultReaction = 6,
+    /// Fault.
+    Fault = 7,
+}
+
+impl DriveState {
+    /// The state that a status word shows (CiA 402-2, table of the status word).
+    pub fn from_status(status: u16) -> Self {
+        match (status & 0x4F, status & 0x6F) {
+            (0x00, _) => Self::NotReady,
+            (0x40, _) => Self::SwitchOnDisabled,
+            (_, 0x21) => Self::Ready,
+            (_, 0x23) => Self::SwitchedOn,
+            (_, 0x27) => Self::Enabled,
+            (_, 0x07) => Self::QuickStop,
+            (0x0F, _) => Self::FaultReaction,
+            (0x08, _) => Self::Fault,
+            // Any other pattern is none of CiA 402: nothing may be asked of such a drive.
+            _ => Self::NotReady,
+        }
+    }
+
+    /// The status word that shows this state, with voltage enabled (bit 4) from ready on.
+    pub fn status(self) -> u16 {
+        match self {
+            Self::NotReady => 0x0000,
+            Self::SwitchOnDisabled => 0x0040,
+            Self::Ready => 0x0031,
+            Self::SwitchedOn => 0x0033,
+            Self::Enabled => 0x0037,
+            Self::QuickStop => 0x0017,
+            Self::FaultReaction => 0x001F,
+            Self::Fault => 0x0008,
+        }
+    }
+}
+
+/// Control words (CiA 402-2, table of the control word).
+pub mod control {
+    /// Switches the voltage off: the drive coasts.
+    pub const DISABLE_VOLTAGE: u16 = 0x00;
+    /// Quick stop: the drive stops on its own ramp.
+    pub const QUICK_STOP: u16 = 0x02;
+    /// Shutdown: to ready to switch on.
+    pub const SHUTDOWN: u16 = 0x06;
+    /// To switched on.
+    pub const SWITCH_ON: u16 = 0x07;
+    /// To operation enabled.
+    pub const ENABLE: u16 = 0x0F;
+    /// Its rising edge resets a fault.
+    pub const FAULT_RESET: u16 = 0x80;
+}
+
+/// Status word bit 7: the drive warns.
+pub const STATUS_WARNING: u16 = 0x80;
+/// Mode of operation: cyclic synchronous position.
+pub const MODE_CSP: i8 = 8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_state_reads_back_from_its_status_word() {
+        use DriveState::*;
+        for state in [NotReady, SwitchOnDisabled, Ready, SwitchedOn, Enabled, QuickStop, FaultReaction, Fault] {
+            assert_eq!(DriveState::from_status(state.status()), state);
+            assert_eq!(DriveState::from_status(state.status() | STATUS_WARNING | 0x1600), state, "don't-care bits");
+        }
+    }
+
+    #[test]
+    fn the_seventeenth_latch_is_counted() {
+        let mut inputs = Inputs { latch: Vec::with_capacity(MAX_LATCHES), ..Inputs::default() };
+        let latch = Latch { object: Object::Io(0), edge: Edge::Rising, age_ns: Some(0), position: None };
+        (0..17).for_each(|_| inputs.add_latch(latch));
+        assert_eq!((inputs.latch.len(), inputs.latches_lost), (16, 1));
+    }
+}

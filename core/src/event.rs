@@ -1,0 +1,246 @@
+//! Events: what happened in a cycle, as numbers; [`text`](crate::text) makes sentences of them outside the cycle.
+
+use crate::code::Code;
+use crate::object::Object;
+use crate::position::Position;
+
+/// How much it matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Expected.
+    Info = 0,
+    /// Worth a look.
+    Warn = 1,
+    /// The machine or an axis failed.
+    Error = 2,
+}
+
+/// What kind of event; the names stand in the interface (`lineshaft_msgs/Event.kind`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A command was accepted.
+    Accepted,
+    /// A command was refused; nothing changed.
+    Refused,
+    /// A command or goal ended; code 0 when it reached what it wanted.
+    Done,
+    /// An axis changed its state.
+    State,
+    /// An error appeared.
+    Error,
+    /// Errors were reset.
+    Reset,
+    /// A latch was taken.
+    Latch,
+    /// A limit was reached or left.
+    Limit,
+    /// Parameters changed.
+    Parameter,
+    /// Cycles were missed.
+    Overrun,
+    /// Something to know that is no error.
+    Warning,
+}
+
+impl Kind {
+    /// Every kind with its name.
+    pub const ALL: [(Kind, &'static str); 11] = [
+        (Kind::Accepted, "accepted"),
+        (Kind::Refused, "refused"),
+        (Kind::Done, "done"),
+        (Kind::State, "state"),
+        (Kind::Error, "error"),
+        (Kind::Reset, "reset"),
+        (Kind::Latch, "latch"),
+        (Kind::Limit, "limit"),
+        (Kind::Parameter, "parameter"),
+        (Kind::Overrun, "overrun"),
+        (Kind::Warning, "warning"),
+    ];
+
+    /// The name in the interface.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(kind, _)| *kind == self).map_or("", |(_, name)| name)
+    }
+}
+
+/// A number with its meaning, for the sentence of an event.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Number {
+    /// Nothing to say.
+    #[default]
+    None,
+    /// [inc]
+    Position(i64),
+    /// [inc/s]
+    Velocity(f64),
+    /// [inc/s^2]
+    Acceleration(f64),
+    /// [inc/s^3]
+    Jerk(f64),
+    /// A plain count, number or choice.
+    Count(i64),
+    /// [ns]
+    Time(i64),
+    /// A plain real number.
+    Real(f64),
+}
+
+/// One event of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Grows by one per event, without gaps.
+    pub sequence: u64,
+    /// The cycle.
+    pub cycle: u64,
+    /// How long before t_k it happened [ns], below the cycle's length.
+    pub age_ns: u32,
+    /// How much it matters.
+    pub severity: Severity,
+    /// What kind.
+    pub kind: Kind,
+    /// Which object it is about.
+    pub source: Object,
+    /// Which code; [`Code::NONE`] where nothing is wrong.
+    pub code: Code,
+    /// Sequence number of the command that this answers or ends; 0 for none.
+    pub command: u64,
+    /// A position that belongs to it (latched, reached).
+    pub position: Position,
+    /// Catalogue row that this is about.
+    pub parameter: Option<u16>,
+    /// What was asked or found.
+    pub asked: Number,
+    /// What is allowed.
+    pub limit: Number,
+}
+
+impl Event {
+    /// An event without numbers; the queue fills in sequence and cycle.
+    pub fn new(severity: Severity, kind: Kind, source: Object, code: Code) -> Self {
+        Self {
+            sequence: 0,
+            cycle: 0,
+            age_ns: 0,
+            severity,
+            kind,
+            source,
+            code,
+            command: 0,
+            position: Position::ZERO,
+            parameter: None,
+            asked: Number::None,
+            limit: Number::None,
+        }
+    }
+
+    /// The same, about a command.
+    pub fn of_command(self, sequence: u64) -> Self {
+        Self { command: sequence, ..self }
+    }
+
+    /// The same, with numbers for the sentence.
+    pub fn with(self, asked: Number, limit: Number) -> Self {
+        Self { asked, limit, ..self }
+    }
+}
+
+/// Why a command is refused: a code, the object and the numbers that its sentence needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refusal {
+    /// Why.
+    pub code: Code,
+    /// About which object.
+    pub object: Object,
+    /// Catalogue row that this is about.
+    pub parameter: Option<u16>,
+    /// What was asked.
+    pub asked: Number,
+    /// What is allowed.
+    pub limit: Number,
+}
+
+impl Refusal {
+    /// A refusal that needs no numbers.
+    pub fn new(code: Code, object: Object) -> Self {
+        Self { code, object, parameter: None, asked: Number::None, limit: Number::None }
+    }
+
+    /// The same with numbers.
+    pub fn with(self, asked: Number, limit: Number) -> Self {
+        Self { asked, limit, ..self }
+    }
+
+    /// The event that answers command `sequence`.
+    pub fn event(&self, sequence: u64) -> Event {
+        let event = Event::new(Severity::Warn, Kind::Refused, self.object, self.code).of_command(sequence);
+        Event { parameter: self.parameter, asked: self.asked, limit: self.limit, ..event }
+    }
+}
+
+/// The events of one cycle, in room that is taken before the first one.
+#[derive(Clone, Debug)]
+pub struct EventQueue {
+    events: Vec<Event>,
+    next: u64,
+    cycle: u64,
+    lost: u64,
+}
+
+impl EventQueue {
+    /// Room for `capacity` events a cycle.
+    pub fn new(capacity: usize) -> Self {
+        Self { events: Vec::with_capacity(capacity.max(2)), next: 0, cycle: 0, lost: 0 }
+    }
+
+    /// Empties the queue for cycle `cycle`.
+    pub fn begin(&mut self, cycle: u64) {
+        self.events.clear();
+        self.cycle = cycle;
+        self.lost = 0;
+    }
+
+    /// Adds an event. When there is no room, the last event tells how many were lost.
+    pub fn push(&mut self, event: Event) {
+        // One place is kept for the notice.
+        if self.events.len() + 1 < self.events.capacity() {
+            self.events.push(Event { sequence: self.next, cycle: self.cycle, ..event });
+            self.next = self.next.wrapping_add(1);
+            return;
+        }
+        if self.lost == 0 {
+            let notice = Event::new(Severity::Error, Kind::Warning, Object::Machine, Code::EVENTS_LOST);
+            self.events.push(Event { sequence: self.next, cycle: self.cycle, ..notice });
+            self.next = self.next.wrapping_add(1);
+        }
+        self.lost = self.lost.saturating_add(1);
+        if let Some(notice) = self.events.last_mut() {
+            notice.asked = Number::Count(self.lost as i64);
+        }
+    }
+
+    /// The events of this cycle.
+    pub fn as_slice(&self) -> &[Event] {
+        &self.events
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_queue_tells_how_many_events_it_lost_and_takes_no_memory() {
+        let mut queue = EventQueue::new(4);
+        queue.begin(7);
+        let room = queue.events.capacity();
+        for _ in 0..room + 4 {
+            queue.push(Event::new(Severity::Info, Kind::State, Object::Machine, Code::NONE));
+        }
+        assert_eq!(queue.events.capacity(), room);
+        let last = queue.as_slice().last().unwrap();
+        assert_eq!((last.code, last.asked, last.cycle), (Code::EVENTS_LOST, Number::Count(5), 7));
+        let sequences: Vec<u64> = queue.as_slice().iter().map(|event| event.sequence).collect();
+        assert_eq!(sequences, (0..room as u64).collect::<Vec<_>>());
+    }
+}

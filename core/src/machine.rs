@@ -1,0 +1,215 @@
+//! One cycle of it all.
+//!
+//! Law      commands | inputs | encoders | axes, a leader before its followers | outputs | signals, events
+//! Reads    [`Inputs`] of t_k, the commands that are due
+//! Writes   [`Outputs`], the signal board, the events of the cycle
+//! Refuses  commands, each by one event; the cycle itself cannot fail: faults are states
+//! Source   contract section 1
+
+mod commands;
+mod order;
+mod signals;
+
+use crate::axis::{Axis, Context};
+use crate::code::Code;
+use crate::command::Commands;
+use crate::config::{ConfigError, IoKind, MachineConfig};
+use crate::drive::{DriveOutput, EncoderInput, Inputs, MAX_LATCHES, Outputs};
+use crate::encoder::{Encoder, Lead};
+use crate::event::{Event, EventQueue, Kind, Number, Severity};
+use crate::object::{Leader, Object};
+use crate::parameter::AxisParameters;
+use crate::signal::{Board, Directory};
+use crate::sync::Leads;
+use signals::Signals;
+
+/// Most commands of one cycle; who gives more is refused, and may try again.
+pub const MAX_COMMANDS: usize = 64;
+
+/// A machine, as far as it has run.
+#[derive(Debug)]
+pub struct Machine {
+    config: MachineConfig,
+    directory: Directory,
+    signals: Signals,
+    board: Board,
+    axes: Vec<Axis>,
+    encoders: Vec<Encoder>,
+    /// Axes, a leader before its followers.
+    order: Vec<u16>,
+    leads: Leads,
+    events: EventQueue,
+    cycle: u64,
+    overruns: u64,
+    /// Room for the parameters of axes while a set of changes is checked.
+    candidates: Vec<AxisParameters>,
+    /// Room for who will follow whom once the commands of this cycle have applied.
+    couplings: Vec<Option<Leader>>,
+}
+
+impl Machine {
+    /// A machine at rest, before cycle 0.
+    ///
+    /// # Errors
+    /// What the config lacks.
+    pub fn new(config: MachineConfig) -> Result<Self, ConfigError> {
+        config.check()?;
+        let mut directory = Directory::default();
+        let signals = Signals::new(&mut directory, &config);
+        let setups = config.setups();
+        let axes: Vec<Axis> = std::iter::zip(&setups, &config.axes)
+            .zip(&signals.axes)
+            .map(|((&setup, axis), &first)| Axis::new(setup, axis.parameters, first))
+            .collect();
+        let encoders: Vec<Encoder> = config.encoders.iter().map(|encoder| Encoder::new(encoder.bits)).collect();
+        let leads = Leads {
+            command: vec![Lead { valid: true, ..Lead::default() }; axes.len()],
+            actual: axes.iter().map(Axis::actual).collect(),
+            encoder: encoders.iter().map(Encoder::lead).collect(),
+        };
+        let mut board = Board::new(&directory);
+        signals.set_memory_initials(&mut board, &config);
+        Ok(Self {
+            board,
+            order: (0..axes.len() as u16).collect(),
+            leads,
+            events: EventQueue::new(64 + 8 * axes.len()),
+            cycle: 0,
+            overruns: 0,
+            candidates: axes.iter().map(|axis| axis.parameters).collect(),
+            couplings: vec![None; axes.len()],
+            axes,
+            encoders,
+            signals,
+            directory,
+            config,
+        })
+    }
+
+    /// Inputs of the machine's shape, as before anything was read.
+    pub fn inputs(&self) -> Inputs {
+        let words = |kind| self.config.count_io(kind).div_ceil(64);
+        Inputs {
+            cycle: 0,
+            missed: 0,
+            digital: vec![0; words(IoKind::DigitalInput)],
+            analog: vec![0.0; self.config.count_io(IoKind::AnalogInput)],
+            encoder: vec![EncoderInput::default(); self.encoders.len()],
+            drive: vec![Default::default(); self.config.count_drives()],
+            latch: Vec::with_capacity(MAX_LATCHES),
+            latches_lost: 0,
+        }
+    }
+
+    /// Outputs of the machine's shape.
+    pub fn outputs(&self) -> Outputs {
+        Outputs {
+            digital: vec![0; self.config.count_io(IoKind::DigitalOutput).div_ceil(64)],
+            analog: vec![0.0; self.config.count_io(IoKind::AnalogOutput)],
+            drive: vec![DriveOutput::default(); self.config.count_drives()],
+        }
+    }
+
+    /// One cycle. Allocates nothing, locks nothing, waits for nothing, cannot fail.
+    pub fn cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
+        self.events.begin(self.cycle);
+        self.count_overruns(inputs);
+        let admitted = self.admit(commands);
+        self.read_inputs(inputs);
+        let mut answered = 0;
+        for place in 0..self.order.len() {
+            self.step_axis(place, inputs, commands, admitted, &mut answered);
+        }
+        self.answer_the_rest(commands, admitted & !answered);
+        for axis in &self.axes {
+            if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
+                *output = axis.output();
+            }
+        }
+        self.signals.publish_machine(&mut self.board, &self.axes, self.overruns);
+        self.cycle = self.cycle.wrapping_add(1);
+    }
+
+    fn count_overruns(&mut self, inputs: &Inputs) {
+        if inputs.missed > 0 {
+            self.overruns = self.overruns.saturating_add(u64::from(inputs.missed));
+            let event = Event::new(Severity::Warn, Kind::Overrun, Object::Machine, Code::OVERRUN);
+            self.events.push(event.with(Number::Count(i64::from(inputs.missed)), Number::None));
+        }
+    }
+
+    fn read_inputs(&mut self, inputs: &Inputs) {
+        let cycle_s = self.config.cycle_ns as f64 / 1e9;
+        self.signals.publish_io(&mut self.board, inputs);
+        for (index, encoder) in self.encoders.iter_mut().enumerate() {
+            let input = inputs.encoder.get(index).copied().unwrap_or_default();
+            let lead = encoder.step(input.count, input.epoch, input.valid, cycle_s);
+            self.signals.publish_encoder(&mut self.board, index, input, lead);
+            self.leads.encoder[index] = lead;
+        }
+        for (axis, actual) in self.axes.iter_mut().zip(&mut self.leads.actual) {
+            axis.sense(axis.drive().and_then(|drive| inputs.drive.get(drive)));
+            *actual = axis.actual();
+        }
+        self.take_latches(inputs);
+    }
+
+    fn step_axis(&mut self, place: usize, inputs: &Inputs, commands: Commands<'_>, admitted: u64, answered: &mut u64) {
+        let index = usize::from(self.order[place]);
+        let axis = &mut self.axes[index];
+        let mut cx = Context {
+            cycle: self.cycle,
+            input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
+            leads: &self.leads,
+            stream: commands.stream,
+            events: &mut self.events,
+        };
+        let live = commands.iter().take(MAX_COMMANDS).enumerate().filter(|(place, _)| admitted >> place & 1 == 1);
+        axis.step(&mut cx, live, answered);
+        axis.publish(&mut self.board, &self.leads);
+        let (motion, before) = (axis.command(), self.leads.command[index].position);
+        self.leads.command[index] = Lead {
+            position: motion.position,
+            change: motion.position - before,
+            velocity: motion.velocity,
+            counted: false,
+            valid: true,
+        };
+        if axis.drive().is_none() {
+            self.leads.actual[index] = axis.actual();
+        }
+    }
+
+    /// The cycle that comes next: how many have run.
+    pub fn next_cycle(&self) -> u64 {
+        self.cycle
+    }
+
+    /// What it is made of.
+    pub fn config(&self) -> &MachineConfig {
+        &self.config
+    }
+
+    /// Names and types of its signals.
+    pub fn directory(&self) -> &Directory {
+        &self.directory
+    }
+
+    /// The signals as the last cycle left them.
+    pub fn board(&self) -> &Board {
+        &self.board
+    }
+
+    /// The events of the last cycle.
+    pub fn events(&self) -> &[Event] {
+        self.events.as_slice()
+    }
+
+    /// Parameters in force.
+    pub fn parameters(&self, axis: u16) -> Option<&AxisParameters> {
+        self.axes.get(usize::from(axis)).map(|axis| &axis.parameters)
+    }
+}
+
+#[cfg(test)]
+mod tests;

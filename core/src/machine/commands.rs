@@ -1,0 +1,181 @@
+//! Commands before the axes see them: what concerns several objects at once is checked for all of them, then done.
+
+use super::{MAX_COMMANDS, Machine};
+use crate::code::Code;
+use crate::command::{Action, Command, Commands, Synchronize};
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::object::Object;
+use crate::parameter::{Change, ROWS, Range, Refused, Value};
+
+impl Machine {
+    /// Answers what is answered here and returns which commands the axes have to look at, as bits.
+    pub(super) fn admit(&mut self, commands: Commands<'_>) -> u64 {
+        let mut admitted = 0;
+        let mut couples = false;
+        for (place, command) in commands.iter().enumerate() {
+            if place == 0 {
+                self.note_couplings();
+            }
+            let result = if place < MAX_COMMANDS {
+                self.admit_one(command)
+            } else {
+                Err(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine))
+            };
+            match result {
+                Ok(to_axes) => {
+                    admitted |= u64::from(to_axes) << place;
+                    couples |= to_axes && matches!(command.action, Action::Synchronize(_));
+                }
+                Err(refusal) => self.events.push(refusal.event(command.sequence)),
+            }
+        }
+        if couples {
+            self.sort_axes();
+        }
+        admitted
+    }
+
+    fn note_couplings(&mut self) {
+        for (coupling, axis) in self.couplings.iter_mut().zip(&self.axes) {
+            *coupling = axis.leader();
+        }
+    }
+
+    /// True where the axes have to look at the command.
+    fn admit_one(&mut self, command: &Command) -> Result<bool, Refusal> {
+        match &command.action {
+            Action::Enable(axes)
+            | Action::Disable(axes)
+            | Action::Halt(axes)
+            | Action::QuickStop(axes)
+            | Action::ResetErrors(axes) => {
+                if axes.iter().any(|axis| usize::from(axis) >= self.axes.len()) {
+                    return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
+                }
+                self.axes.iter().try_for_each(|axis| axis.admits(&command.action))?;
+                self.accept(command, Object::Machine);
+                Ok(true)
+            }
+            Action::Synchronize(request) => self.admit_synchronize(request),
+            Action::Move(_) | Action::Cancel { .. } => Ok(true),
+            Action::SetParameters(changes) => {
+                self.set_parameters(command, changes)?;
+                Ok(false)
+            }
+            Action::SetMemory { index, value } => {
+                let object = Object::Memory(*index);
+                if !value.is_finite() || !self.signals.set_memory(&mut self.board, *index, *value) {
+                    return Err(Refusal::new(Code::BAD_NUMBER, object).with(Number::Real(*value), Number::None));
+                }
+                self.accept(command, object);
+                Ok(false)
+            }
+            Action::Refuse => Err(Refusal::new(Code::BAD_REQUEST, Object::Machine)),
+        }
+    }
+
+    fn accept(&mut self, command: &Command, object: Object) {
+        let event = Event::new(Severity::Info, Kind::Accepted, object, Code::NONE);
+        self.events.push(event.of_command(command.sequence));
+    }
+
+    fn admit_synchronize(&mut self, request: &Synchronize) -> Result<bool, Refusal> {
+        if self.closes_loop(request.axis, request.leader) {
+            return Err(Refusal::new(Code::LEADER_LOOP, Object::Axis(request.axis)));
+        }
+        // Should the axis refuse, the note only keeps others of this cycle from closing a loop with it.
+        if let Some(coupling) = self.couplings.get_mut(usize::from(request.axis)) {
+            *coupling = Some(request.leader);
+        }
+        Ok(true)
+    }
+
+    /// What no axis has answered: a goal that is not active, an axis that does not exist.
+    pub(super) fn answer_the_rest(&mut self, commands: Commands<'_>, left: u64) {
+        for (place, command) in commands.iter().take(MAX_COMMANDS).enumerate() {
+            let code = match command.action {
+                Action::Cancel { .. } => Code::UNKNOWN_GOAL,
+                Action::Move(_) | Action::Synchronize(_) => Code::BAD_REQUEST,
+                _ => continue,
+            };
+            if left >> place & 1 == 1 {
+                self.events.push(Refusal::new(code, Object::Machine).event(command.sequence));
+            }
+        }
+    }
+
+    /// Sets all of them, or none.
+    fn set_parameters(&mut self, command: &Command, changes: &[Change]) -> Result<(), Refusal> {
+        for change in changes {
+            let axis = self.axes.get(usize::from(change.axis));
+            let axis = axis.ok_or(Refusal::new(Code::BAD_REQUEST, Object::Machine))?;
+            self.candidates[usize::from(change.axis)] = axis.parameters;
+        }
+        for change in changes {
+            let row = ROWS.get(usize::from(change.row));
+            let row = row.ok_or(Refusal::new(Code::BAD_REQUEST, Object::Machine))?;
+            let candidate = &mut self.candidates[usize::from(change.axis)];
+            row.assign(candidate, change.value).map_err(|refused| refusal_of(change, refused))?;
+        }
+        changes.iter().try_for_each(|change| self.check_candidate(change))?;
+        for change in changes {
+            let index = usize::from(change.axis);
+            self.axes[index].parameters = self.candidates[index];
+        }
+        self.accept(command, changes.first().map_or(Object::Machine, Change::object));
+        for change in changes {
+            let event = Event::new(Severity::Info, Kind::Parameter, change.object(), Code::NONE);
+            let event = event.of_command(command.sequence).with(number_of(change), Number::None);
+            self.events.push(Event { parameter: Some(change.row), ..event });
+        }
+        Ok(())
+    }
+
+    /// The whole set of an axis must agree, with itself and with what the axis is doing.
+    fn check_candidate(&self, change: &Change) -> Result<(), Refusal> {
+        let index = usize::from(change.axis);
+        let (axis, candidate) = (&self.axes[index], &self.candidates[index]);
+        let refuse = |code| Refusal { parameter: Some(change.row), ..Refusal::new(code, change.object()) };
+        candidate.check().map_err(|_| refuse(Code::PARAMETERS_CONTRADICT).with(number_of(change), Number::None))?;
+        let inside = |end: i64| {
+            candidate.min_position.is_none_or(|low| end >= low) && candidate.max_position.is_none_or(|high| end <= high)
+        };
+        match axis.planned_end() {
+            Some(end) if !inside(end) => {
+                let numbers = (number_of(change), Number::Position(end));
+                Err(refuse(Code::GOAL_BEYOND_NEW_LIMITS).with(numbers.0, numbers.1))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A change's value with its meaning.
+fn number_of(change: &Change) -> Number {
+    use crate::parameter::Measure;
+    let measure = ROWS.get(usize::from(change.row)).map(|row| row.measure);
+    match (change.value, measure) {
+        (Value::Unset, _) | (_, None) => Number::None,
+        (Value::Int(value), Some(Measure::Position | Measure::Distance)) => Number::Position(value),
+        (Value::Int(value), Some(Measure::Time)) => Number::Time(value),
+        (Value::Int(value), _) => Number::Count(value),
+        (Value::Real(value), Some(Measure::Acceleration)) => Number::Acceleration(value),
+        (Value::Real(value), Some(Measure::Jerk)) => Number::Jerk(value),
+        (Value::Real(value), _) => Number::Velocity(value),
+    }
+}
+
+fn refusal_of(change: &Change, refused: Refused) -> Refusal {
+    let code = match refused {
+        Refused::NotBuilt => Code::NOT_BUILT,
+        Refused::OutOfRange | Refused::WrongType => Code::PARAMETER_OUT_OF_RANGE,
+    };
+    let row = ROWS.get(usize::from(change.row));
+    let limit = match row.map(|row| row.range) {
+        Some(Range::Int(_, high)) => number_of(&Change { value: Value::Int(high), ..*change }),
+        Some(Range::PositiveUpTo(high)) => number_of(&Change { value: Value::Real(high), ..*change }),
+        None => Number::None,
+    };
+    let refusal = Refusal::new(code, change.object()).with(number_of(change), limit);
+    Refusal { parameter: Some(change.row), ..refusal }
+}

@@ -1,0 +1,173 @@
+//! The signals of everything but axes, and latches.
+
+use super::Machine;
+use crate::axis::Axis;
+use crate::code::Code;
+use crate::config::{IoKind, MachineConfig, MemoryKind};
+use crate::drive::{EncoderInput, Inputs, Latch};
+use crate::encoder::Lead;
+use crate::event::{Event, Kind, Number, Severity};
+use crate::object::Object;
+use crate::position::Position;
+use crate::signal::axis::AxisSignal;
+use crate::signal::{Board, Directory, Entry, Measure, Signal, Type};
+
+/// Names of `machine.state`, by number.
+const MACHINE_STATES: &[&str] = &["INACTIVE", "ACTIVE", "ERROR"];
+const ACTIVE: i64 = 1;
+const ERROR: i64 = 2;
+
+/// Where the signals of the objects stand.
+#[derive(Debug)]
+pub(super) struct Signals {
+    /// Signal, kind, and place among its kind.
+    io: Vec<(Signal, IoKind, usize)>,
+    memory: Vec<(Signal, MemoryKind)>,
+    /// First of: count, position, velocity, error.
+    encoders: Vec<Signal>,
+    /// First of [`AxisSignal`].
+    pub axes: Vec<Signal>,
+    /// First of: state, error, overruns.
+    machine: Signal,
+}
+
+impl Signals {
+    pub(super) fn new(directory: &mut Directory, config: &MachineConfig) -> Self {
+        let io = config.io.iter().enumerate().map(|(index, entry)| {
+            let (kind, measure, drivable, help) = match entry.kind {
+                IoKind::DigitalInput => (Type::Bit, Measure::None, true, "digital input"),
+                IoKind::DigitalOutput => (Type::Bit, Measure::None, false, "digital output"),
+                IoKind::AnalogInput => (Type::Real, Measure::Voltage, true, "analog input"),
+                IoKind::AnalogOutput => (Type::Real, Measure::Voltage, false, "analog output"),
+            };
+            let name = entry.name.clone();
+            let signal = directory.add(Entry { name, kind, measure, drivable, help });
+            (signal, entry.kind, config.io_place(index))
+        });
+        let io = io.collect();
+        let memory = config.memory.iter().map(|entry| {
+            let kind = match entry.kind {
+                MemoryKind::F64 => Type::Real,
+                MemoryKind::Bit => Type::Bit,
+                _ => Type::Int,
+            };
+            let name = entry.name.clone();
+            let entry_of = Entry { name, kind, measure: Measure::None, drivable: true, help: "memory cell" };
+            (directory.add(entry_of), entry.kind)
+        });
+        let memory = memory.collect();
+        let encoders = config.encoders.iter().map(|entry| add_encoder(directory, &entry.name)).collect();
+        let axes = config.axes.iter().map(|axis| AxisSignal::add_all(directory, &axis.name)).collect();
+        Self { io, memory, encoders, axes, machine: add_machine(directory) }
+    }
+
+    pub(super) fn set_memory_initials(&self, board: &mut Board, config: &MachineConfig) {
+        for (index, entry) in config.memory.iter().enumerate() {
+            self.set_memory(board, index as u16, entry.initial);
+        }
+    }
+
+    /// Sets a memory cell, saturating at its type; false when there is none.
+    pub(super) fn set_memory(&self, board: &mut Board, index: u16, value: f64) -> bool {
+        let Some(&(signal, kind)) = self.memory.get(usize::from(index)) else { return false };
+        match kind {
+            MemoryKind::F64 => board.set_real(signal, value),
+            MemoryKind::Bit => board.set_int(signal, i64::from(value != 0.0)),
+            // Casts from f64 saturate.
+            MemoryKind::I16 => board.set_int(signal, i64::from(value as i16)),
+            MemoryKind::I32 => board.set_int(signal, i64::from(value as i32)),
+            MemoryKind::I64 => board.set_int(signal, value as i64),
+        }
+        true
+    }
+
+    pub(super) fn publish_io(&self, board: &mut Board, inputs: &Inputs) {
+        for &(signal, kind, place) in &self.io {
+            match kind {
+                IoKind::DigitalInput => board.set_int(signal, i64::from(inputs.digital(place))),
+                IoKind::AnalogInput => board.set_real(signal, inputs.analog.get(place).copied().unwrap_or(0.0)),
+                IoKind::DigitalOutput | IoKind::AnalogOutput => {}
+            }
+        }
+    }
+
+    pub(super) fn publish_encoder(&self, board: &mut Board, index: usize, input: EncoderInput, lead: Lead) {
+        let Some(&first) = self.encoders.get(index) else { return };
+        board.set_int(first, input.count);
+        board.set_int(first.plus(1), lead.position.floor());
+        board.set_real(first.plus(2), lead.velocity);
+        board.set_int(first.plus(3), if lead.valid { 0 } else { i64::from(Code::ENCODER_INVALID.0) });
+    }
+
+    pub(super) fn publish_machine(&self, board: &mut Board, axes: &[Axis], overruns: u64) {
+        let error = axes.iter().map(Axis::error).find(|error| !error.is_none()).unwrap_or(Code::NONE);
+        board.set_int(self.machine, if error.is_none() { ACTIVE } else { ERROR });
+        board.set_int(self.machine.plus(1), i64::from(error.0));
+        board.set_int(self.machine.plus(2), overruns.cast_signed());
+    }
+}
+
+fn add_encoder(directory: &mut Directory, name: &str) -> Signal {
+    let mut add = |text: &str, kind, measure, drivable, help| {
+        directory.add(Entry { name: format!("{name}.{text}"), kind, measure, drivable, help })
+    };
+    let first = add("count", Type::Int, Measure::Position, true, "raw counts");
+    add("position", Type::Int, Measure::Position, false, "position, without wrap");
+    add("velocity", Type::Real, Measure::Velocity, false, "velocity over the last cycle");
+    add("error", Type::Int, Measure::None, false, "code of what is wrong with it, 0 for nothing");
+    first
+}
+
+fn add_machine(directory: &mut Directory) -> Signal {
+    let mut add = |text: &str, kind, help| {
+        let name = format!("machine.{text}");
+        directory.add(Entry { name, kind, measure: Measure::None, drivable: false, help })
+    };
+    let first = add("state", Type::Enum(MACHINE_STATES), "state of the machine");
+    add("error", Type::Int, "code of the first axis error, 0 for none");
+    add("overruns", Type::Int, "cycles missed so far");
+    first
+}
+
+impl Machine {
+    /// Tells the latches of this cycle, with the position of what latched at that instant.
+    pub(super) fn take_latches(&mut self, inputs: &Inputs) {
+        for latch in &inputs.latch {
+            let lead = match latch.object {
+                Object::Encoder(index) => self.leads.encoder.get(usize::from(index)).copied(),
+                Object::Axis(index) => self.leads.actual.get(usize::from(index)).copied(),
+                _ => None,
+            };
+            let (position, age_ns) = locate(latch, lead, self.config.cycle_ns);
+            let event = Event::new(Severity::Info, Kind::Latch, latch.object, Code::NONE);
+            let edge = Number::Count(i64::from(latch.edge == crate::drive::Edge::Rising));
+            self.events.push(Event { age_ns, position, ..event.with(edge, Number::None) });
+            if let Object::Axis(index) = latch.object
+                && let Some(axis) = self.axes.get(usize::from(index))
+            {
+                axis.publish_latch(&mut self.board, position);
+            }
+        }
+    }
+}
+
+/// Position and age of a latch: what it does not bring lies on the straight line through this cycle's change.
+fn locate(latch: &Latch, lead: Option<Lead>, cycle_ns: u64) -> (Position, u32) {
+    let lead = lead.unwrap_or_default();
+    let cycle = cycle_ns as f64;
+    match (latch.position, latch.age_ns) {
+        (Some(position), Some(age)) => (Position::whole(position), age),
+        (None, age) => {
+            let age = age.unwrap_or(0);
+            let back = lead.change.to_f64() * (f64::from(age) / cycle);
+            (lead.position - Position::from_f64(back), age)
+        }
+        (Some(position), None) => {
+            let position = Position::whole(position);
+            let change = lead.change.to_f64();
+            let share = if change == 0.0 { 0.0 } else { (lead.position - position).to_f64() / change };
+            // The cast saturates; an age is below a cycle.
+            (position, ((share.clamp(0.0, 1.0) * cycle) as u32).min(cycle_ns.saturating_sub(1) as u32))
+        }
+    }
+}

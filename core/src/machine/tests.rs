@@ -1,0 +1,7 @@
+mod rig;
+
+mod limits;
+mod moves;
+mod parameters;
+mod stops;
+mod synchronize;

@@ -1,0 +1,111 @@
+use super::rig::{Rig, X, config, to};
+use crate::command::{Action, Move};
+use crate::config::{IoConfig, IoKind, MemoryConfig, MemoryKind};
+use crate::drive::{Edge, Latch};
+use crate::event::Kind;
+use crate::object::Object;
+use crate::parameter::{Change, Row, Value};
+use crate::position::Position;
+
+fn change(key: &str, value: Value) -> Change {
+    Change { axis: X, row: Row::find(key).unwrap().0, value }
+}
+
+fn set(rig: &mut Rig, changes: &[Change]) -> u64 {
+    rig.give(Action::SetParameters(changes.into()))
+}
+
+#[test]
+fn a_set_is_checked_whole_and_changes_all_or_nothing() {
+    let mut rig = Rig::enabled();
+    let before = *rig.machine.parameters(X).unwrap();
+    let bad = set(&mut rig, &[change("max_velocity", Value::Real(5e4)), change("error_reaction", Value::Int(6))]);
+    assert_eq!(rig.refusal(bad), "x: error_reaction is 6; 0 to 5 is allowed");
+    let contradiction =
+        set(&mut rig, &[change("min_position", Value::Int(10)), change("max_position", Value::Int(10))]);
+    assert!(rig.refusal(contradiction).contains("contradicts"));
+    let unbuilt = set(&mut rig, &[change("profile", Value::Int(2))]);
+    assert_eq!(rig.refusal(unbuilt), "x: profile jerk does not exist yet");
+    assert_eq!(rig.machine.parameters(X), Some(&before));
+    // Each alone would contradict the other's old value: as a set they agree.
+    let good = set(&mut rig, &[change("min_position", Value::Int(100)), change("max_position", Value::Int(200))]);
+    assert!(rig.was_accepted(good));
+    let again = set(&mut rig, &[change("min_position", Value::Int(300)), change("max_position", Value::Int(400))]);
+    assert!(rig.was_accepted(again));
+    let told = rig.events.iter().filter(|event| event.kind == Kind::Parameter && event.command == again).count();
+    assert_eq!(told, 2);
+    let unset = set(&mut rig, &[change("min_position", Value::Unset)]);
+    assert!(rig.was_accepted(unset));
+    assert_eq!(rig.machine.parameters(X).unwrap().min_position, None);
+}
+
+#[test]
+fn a_running_motion_keeps_its_velocity_and_the_next_one_takes_the_new() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(Move { velocity: 80_000.0, ..to(X, 100_000) }));
+    rig.run(300);
+    set(&mut rig, &[change("max_velocity", Value::Real(10_000.0))]);
+    rig.run(10);
+    assert_eq!(rig.real("x.command.velocity"), 80_000.0);
+    let again = rig.give(Action::Move(Move { velocity: 80_000.0, ..to(X, 0) }));
+    assert!(rig.refusal(again).contains("max_velocity 10 mm/s"));
+}
+
+#[test]
+fn limits_that_would_leave_out_the_active_target_are_refused() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(to(X, 50_000)));
+    let refused = set(&mut rig, &[change("max_position", Value::Int(40_000))]);
+    assert_eq!(rig.refusal(refused), "x: max_position 40 mm would leave out the target 50 mm of the active goal");
+}
+
+#[test]
+fn memory_saturates_at_its_type() {
+    let mut config = config(0);
+    let cell = |name: &str, kind, initial| MemoryConfig { name: name.into(), kind, initial };
+    config.memory =
+        vec![cell("a", MemoryKind::I16, 500.0), cell("b", MemoryKind::Bit, 0.0), cell("c", MemoryKind::F64, 0.5)];
+    let mut rig = Rig::of(config);
+    assert_eq!((rig.int("a"), rig.real("c")), (500, 0.5));
+    rig.give_all(vec![
+        Action::SetMemory { index: 0, value: -1e9 },
+        Action::SetMemory { index: 1, value: 7.0 },
+        Action::SetMemory { index: 2, value: -2.25 },
+    ]);
+    assert_eq!((rig.int("a"), rig.int("b"), rig.real("c")), (-32_768, 1, -2.25));
+    let bad = rig.give(Action::SetMemory { index: 2, value: f64::NAN });
+    assert!(rig.refusal(bad).contains("NaN"));
+}
+
+#[test]
+fn a_latch_of_an_axis_lies_on_the_line_between_two_cycles() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(super::rig::at(X, 50_000.0)));
+    rig.run(300);
+    let latch = Latch { object: Object::Axis(X), edge: Edge::Rising, age_ns: Some(250_000), position: None };
+    assert!(rig.plant.add_latch(latch));
+    rig.run(1);
+    // 50 inc per cycle: a quarter of a cycle is 12.5 inc.
+    let expected = Position::whole(rig.int("x.actual.position")) - Position::from_f64(12.5);
+    assert_eq!((rig.int("x.latch.position"), rig.int("x.latch.count")), (expected.floor(), 1));
+    assert_eq!(rig.real("x.latch.fraction"), 0.5);
+    let event = rig.events.iter().find(|event| event.kind == Kind::Latch).unwrap();
+    assert_eq!((event.age_ns, event.position), (250_000, expected));
+}
+
+#[test]
+fn inputs_show_on_the_board() {
+    let mut config = config(0);
+    let input = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
+    config.io = vec![
+        input("start", IoKind::DigitalInput),
+        input("lamp", IoKind::DigitalOutput),
+        input("stop", IoKind::DigitalInput),
+        input("feed", IoKind::AnalogInput),
+    ];
+    let mut rig = Rig::of(config);
+    rig.plant.set_digital(1, true);
+    rig.plant.set_analog(0, -2.5);
+    rig.run(1);
+    assert_eq!((rig.int("start"), rig.int("stop"), rig.int("lamp"), rig.real("feed")), (0, 1, 0, -2.5));
+}

@@ -1,0 +1,178 @@
+//! A small machine with a simulated plant, for the tests of the cycle.
+
+use crate::command::{Action, Command, Commands, Direction, Length, Move, MoveMode, Source};
+use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
+use crate::drive::{Backend, Inputs, Outputs};
+use crate::event::{Event, Kind};
+use crate::machine::Machine;
+use crate::object::AxisSet;
+use crate::parameter::AxisParameters;
+use crate::signal::Value;
+use crate::sim::{Model, Plant};
+use crate::unit::{Fraction, Quantity, Scale, Unit};
+
+pub(super) const LINE: u16 = 0;
+pub(super) const X: u16 = 1;
+pub(super) const Y: u16 = 2;
+
+pub(super) struct Rig {
+    pub machine: Machine,
+    pub plant: Plant,
+    inputs: Inputs,
+    outputs: Outputs,
+    sequence: u64,
+    pub events: Vec<Event>,
+}
+
+fn scale() -> Scale {
+    let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
+    Scale::new(Fraction::from_integer(1000), per).unwrap().with_unit(Unit::MILLIMETRE).unwrap()
+}
+
+/// 1000 inc/mm; 100 mm/s, 1 m/s^2.
+pub(super) fn parameters() -> AxisParameters {
+    AxisParameters { error_reaction: 2, ..AxisParameters::new(100_000.0, 1_000_000.0) }
+}
+
+pub(super) fn config(delay: u32) -> MachineConfig {
+    let axis = |name: &str, drive| AxisConfig {
+        name: name.into(),
+        scale: scale(),
+        modulo: None,
+        drive,
+        parameters: parameters(),
+    };
+    MachineConfig {
+        cycle_ns: 1_000_000,
+        encoders: vec![EncoderConfig { name: "belt".into(), bits: 16, scale: scale() }],
+        axes: vec![axis("line", None), axis("x", Some(delay)), axis("y", Some(0))],
+        ..MachineConfig::default()
+    }
+}
+
+impl Rig {
+    pub(super) fn new() -> Self {
+        Self::of(config(0))
+    }
+
+    pub(super) fn of(config: MachineConfig) -> Self {
+        let plant = Plant::new(&config, &[Some(Model::Ideal), Some(Model::Ideal)]);
+        let machine = Machine::new(config).unwrap();
+        let (inputs, outputs) = (machine.inputs(), machine.outputs());
+        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new() }
+    }
+
+    /// With x and y switched on.
+    pub(super) fn enabled() -> Self {
+        let mut rig = Self::new();
+        rig.enable();
+        rig
+    }
+
+    pub(super) fn enable(&mut self) {
+        let sequence = self.give(Action::Enable(AxisSet::first(3)));
+        self.run(40);
+        assert_eq!(self.done(sequence).len(), 3);
+    }
+
+    /// One cycle with these actions; their sequence numbers end at the returned one.
+    pub(super) fn give_all(&mut self, actions: Vec<Action>) -> u64 {
+        let commands: Vec<Command> = actions
+            .into_iter()
+            .map(|action| {
+                self.sequence += 1;
+                Command { sequence: self.sequence, source: Source::Scenario, action }
+            })
+            .collect();
+        self.cycle(Commands::queue(&commands));
+        self.sequence
+    }
+
+    pub(super) fn give(&mut self, action: Action) -> u64 {
+        self.give_all(vec![action])
+    }
+
+    pub(super) fn cycle(&mut self, commands: Commands<'_>) {
+        self.inputs.cycle = self.machine.next_cycle();
+        self.plant.read(&mut self.inputs);
+        self.machine.cycle(&self.inputs, commands, &mut self.outputs);
+        self.plant.write(&self.outputs);
+        self.events.extend_from_slice(self.machine.events());
+    }
+
+    pub(super) fn run(&mut self, cycles: u64) {
+        for _ in 0..cycles {
+            self.cycle(Commands::default());
+        }
+    }
+
+    /// Runs until a signal has a value.
+    pub(super) fn run_until(&mut self, name: &str, value: i64) -> u64 {
+        for cycle in 0..200_000 {
+            if self.int(name) == value {
+                return cycle;
+            }
+            self.run(1);
+        }
+        panic!("{name} never became {value}; it is {}", self.int(name));
+    }
+
+    pub(super) fn value(&self, name: &str) -> Value {
+        let directory = self.machine.directory();
+        let signal = directory.find(name).unwrap_or_else(|| panic!("no signal {name}"));
+        self.machine.board().value(signal, directory.entry(signal).kind)
+    }
+
+    pub(super) fn int(&self, name: &str) -> i64 {
+        match self.value(name) {
+            Value::Int(value) => value,
+            Value::Real(value) => panic!("{name} is real: {value}"),
+        }
+    }
+
+    pub(super) fn real(&self, name: &str) -> f64 {
+        self.value(name).to_f64()
+    }
+
+    pub(super) fn state(&self, axis: &str) -> &'static str {
+        crate::axis::AXIS_STATES[self.int(&format!("{axis}.state")) as usize]
+    }
+
+    fn of_command(&self, sequence: u64, kind: Kind) -> Vec<Event> {
+        self.events.iter().filter(|event| event.command == sequence && event.kind == kind).copied().collect()
+    }
+
+    pub(super) fn done(&self, sequence: u64) -> Vec<Event> {
+        self.of_command(sequence, Kind::Done)
+    }
+
+    /// The sentence of a refused command.
+    pub(super) fn refusal(&self, sequence: u64) -> String {
+        let refused = self.of_command(sequence, Kind::Refused);
+        assert_eq!(refused.len(), 1, "answered once");
+        assert!(self.of_command(sequence, Kind::Accepted).is_empty());
+        crate::text::sentence(&refused[0], self.machine.config())
+    }
+
+    pub(super) fn was_accepted(&self, sequence: u64) -> bool {
+        assert!(self.of_command(sequence, Kind::Refused).is_empty());
+        self.of_command(sequence, Kind::Accepted).len() == 1
+    }
+}
+
+pub(super) fn to(axis: u16, position: i64) -> Move {
+    Move {
+        axis,
+        mode: MoveMode::Absolute,
+        target: Length::whole(position),
+        velocity: 0.0,
+        acceleration: 0.0,
+        deceleration: 0.0,
+        jerk: 0.0,
+        direction: Direction::Shortest,
+    }
+}
+
+pub(super) fn at(axis: u16, velocity: f64) -> Move {
+    Move { mode: MoveMode::Velocity, velocity, ..to(axis, 0) }
+}

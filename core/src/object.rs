@@ -1,0 +1,99 @@
+//! Which thing of a cell is meant: handles that stay the same as long as the cell does.
+
+/// Largest number of axes of one machine.
+pub const MAX_AXES: usize = 512;
+
+/// An object of a cell by its place in its section, in file order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Object {
+    /// The machine as a whole.
+    Machine,
+    /// An entry of `io`.
+    Io(u16),
+    /// An entry of `memory`.
+    Memory(u16),
+    /// An entry of `encoders`.
+    Encoder(u16),
+    /// An entry of `axes`.
+    Axis(u16),
+}
+
+/// What an axis can follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leader {
+    /// The command position of an axis (`line`, `line.command`).
+    AxisCommand(u16),
+    /// The actual position of an axis (`x.actual`).
+    AxisActual(u16),
+    /// An encoder (`belt`).
+    Encoder(u16),
+}
+
+/// A set of axes, without a heap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AxisSet([u64; MAX_AXES / 64]);
+
+impl AxisSet {
+    /// No axis.
+    pub const EMPTY: Self = Self([0; MAX_AXES / 64]);
+
+    /// The one axis.
+    pub fn one(axis: u16) -> Self {
+        let mut set = Self::EMPTY;
+        set.insert(axis);
+        set
+    }
+
+    /// The first `count` axes.
+    pub fn first(count: usize) -> Self {
+        (0..count.min(MAX_AXES)).map(|axis| axis as u16).collect()
+    }
+
+    /// Adds an axis; one beyond [`MAX_AXES`] is left out, as no machine has it.
+    pub fn insert(&mut self, axis: u16) {
+        if let Some(word) = self.0.get_mut(usize::from(axis) / 64) {
+            *word |= 1 << (axis % 64);
+        }
+    }
+
+    /// Is the axis in the set?
+    pub fn contains(&self, axis: u16) -> bool {
+        self.0.get(usize::from(axis) / 64).is_some_and(|word| word >> (axis % 64) & 1 == 1)
+    }
+
+    /// The axes, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = u16> + '_ {
+        (0..MAX_AXES as u16).filter(|&axis| self.contains(axis))
+    }
+
+    /// How many axes.
+    pub fn len(&self) -> usize {
+        self.0.iter().map(|word| word.count_ones() as usize).sum()
+    }
+
+    /// True without any axis.
+    pub fn is_empty(&self) -> bool {
+        self.0 == [0; MAX_AXES / 64]
+    }
+}
+
+impl FromIterator<u16> for AxisSet {
+    fn from_iter<I: IntoIterator<Item = u16>>(axes: I) -> Self {
+        let mut set = Self::EMPTY;
+        axes.into_iter().for_each(|axis| set.insert(axis));
+        set
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_holds_what_was_put_in() {
+        let set: AxisSet = [0, 63, 64, 511].into_iter().collect();
+        assert_eq!(set.iter().collect::<Vec<_>>(), [0, 63, 64, 511]);
+        assert_eq!((set.len(), set.contains(1), set.contains(600)), (4, false, false));
+        assert_eq!(AxisSet::first(600).len(), MAX_AXES);
+    }
+}

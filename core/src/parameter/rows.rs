@@ -1,0 +1,285 @@
+//! The rows of the catalogue.
+
+use super::{Effect, Measure, PROFILES, Range, Row, Value};
+
+const POSITION: Range = Range::Int(-((1 << 62) - 1), (1 << 62) - 1);
+const MLONG: i64 = (1 << 30) - 1;
+/// Velocity and its derivatives: far beyond any machine, and small enough that no product overflows.
+const REAL: Range = Range::PositiveUpTo(1e15);
+const HOUR_NS: i64 = 3_600_000_000_000;
+
+fn real(value: Value) -> Option<f64> {
+    match value {
+        Value::Real(number) => Some(number),
+        _ => None,
+    }
+}
+
+fn int(value: Value) -> Option<i64> {
+    match value {
+        Value::Int(number) => Some(number),
+        _ => None,
+    }
+}
+
+fn option(value: Option<f64>) -> Value {
+    value.map_or(Value::Unset, Value::Real)
+}
+
+const BASE: Row = Row {
+    key: "",
+    mnemonic: "",
+    number: 0,
+    measure: Measure::Integer,
+    range: POSITION,
+    default: Value::Unset,
+    default_text: "",
+    required: false,
+    effect: Effect::AtOnce,
+    built: None,
+    description: "",
+    source: "",
+    get: |_| Value::Unset,
+    set: |_, _| (),
+};
+
+/// Every parameter of an axis.
+pub const ROWS: &[Row] = &[
+    Row {
+        key: "min_position",
+        mnemonic: "NEGLIMIT",
+        number: 4,
+        measure: Measure::Position,
+        default_text: "no limit",
+        description: "Lowest position that a goal may ask for or pass; the axis stops before it.",
+        source: "MACS-LIM-01, MACS-LIM-02",
+        get: |p| p.min_position.map_or(Value::Unset, Value::Int),
+        set: |p, v| p.min_position = int(v),
+        ..BASE
+    },
+    Row {
+        key: "max_position",
+        mnemonic: "POSLIMIT",
+        number: 5,
+        measure: Measure::Position,
+        default_text: "no limit",
+        description: "Highest position that a goal may ask for or pass; the axis stops before it.",
+        source: "MACS-LIM-01, MACS-LIM-02",
+        get: |p| p.max_position.map_or(Value::Unset, Value::Int),
+        set: |p, v| p.max_position = int(v),
+        ..BASE
+    },
+    Row {
+        key: "max_velocity",
+        mnemonic: "VELMAX",
+        number: 1,
+        measure: Measure::Velocity,
+        range: REAL,
+        required: true,
+        effect: Effect::NextMotion,
+        description: "Highest velocity; a goal that asks for more is refused.",
+        source: "MACS-PROF-01",
+        get: |p| Value::Real(p.max_velocity),
+        set: |p, v| p.max_velocity = real(v).unwrap_or(p.max_velocity),
+        ..BASE
+    },
+    Row {
+        key: "max_acceleration",
+        mnemonic: "RAMPMIN",
+        number: 31,
+        measure: Measure::Acceleration,
+        range: REAL,
+        required: true,
+        effect: Effect::NextMotion,
+        description: "Highest acceleration; a goal that asks for more is refused.",
+        source: "MACS-PROF-03",
+        get: |p| Value::Real(p.max_acceleration),
+        set: |p, v| p.max_acceleration = real(v).unwrap_or(p.max_acceleration),
+        ..BASE
+    },
+    Row {
+        key: "max_deceleration",
+        measure: Measure::Acceleration,
+        range: REAL,
+        default_text: "as max_acceleration",
+        effect: Effect::NextMotion,
+        description: "Highest deceleration; quick_stop, limits and error reactions stop with it.",
+        source: "MACS-PROF-03, MACS-PROF-13",
+        get: |p| option(p.max_deceleration),
+        set: |p, v| p.max_deceleration = real(v),
+        ..BASE
+    },
+    Row {
+        key: "max_jerk",
+        mnemonic: "JERKMIN",
+        number: 98,
+        measure: Measure::Jerk,
+        range: REAL,
+        default_text: "no limit",
+        effect: Effect::NextMotion,
+        description: "Highest jerk, for profile jerk; a goal that asks for more is refused.",
+        source: "MACS-PROF-10",
+        get: |p| option(p.max_jerk),
+        set: |p, v| p.max_jerk = real(v),
+        ..BASE
+    },
+    Row {
+        key: "profile",
+        mnemonic: "RAMPTYPE",
+        number: 32,
+        measure: Measure::Choice(PROFILES),
+        range: Range::Int(0, 2),
+        default: Value::Int(0),
+        built: Some(0),
+        effect: Effect::NextMotion,
+        description: "Shape of the ramps.",
+        source: "MACS-PROF-07",
+        get: |p| Value::Int(p.profile),
+        set: |p, v| p.profile = int(v).unwrap_or(p.profile),
+        ..BASE
+    },
+    Row {
+        key: "default_velocity",
+        mnemonic: "DFLTVEL",
+        number: 33,
+        measure: Measure::Velocity,
+        range: REAL,
+        default_text: "half of max_velocity",
+        effect: Effect::NextMotion,
+        description: "Velocity of a goal that gives none.",
+        source: "MACS-PROF-06",
+        get: |p| option(p.default_velocity),
+        set: |p, v| p.default_velocity = real(v),
+        ..BASE
+    },
+    Row {
+        key: "default_acceleration",
+        mnemonic: "DFLTACC",
+        number: 34,
+        measure: Measure::Acceleration,
+        range: REAL,
+        default_text: "half of max_acceleration",
+        effect: Effect::NextMotion,
+        description: "Acceleration of a goal that gives none; its deceleration takes the same share of max_deceleration.",
+        source: "MACS-PROF-06",
+        get: |p| option(p.default_acceleration),
+        set: |p, v| p.default_acceleration = real(v),
+        ..BASE
+    },
+    Row {
+        key: "max_following_error",
+        mnemonic: "POSERR",
+        number: 15,
+        measure: Measure::Distance,
+        range: Range::Int(1, (1 << 62) - 1),
+        default: Value::Int(1000),
+        description: "Following error that is tolerated; beyond it the axis stops by error_reaction.",
+        source: "MACS-ERR-06",
+        get: |p| Value::Int(p.max_following_error),
+        set: |p, v| p.max_following_error = int(v).unwrap_or(p.max_following_error),
+        ..BASE
+    },
+    Row {
+        key: "following_error_time",
+        mnemonic: "POSERRTIME",
+        number: 111,
+        measure: Measure::Time,
+        range: Range::Int(0, 10_000_000_000),
+        default: Value::Int(0),
+        description: "How long the following error may be exceeded before it is an error; 0: not at all.",
+        source: "MACS-ERR-07",
+        get: |p| Value::Int(p.following_error_time),
+        set: |p, v| p.following_error_time = int(v).unwrap_or(p.following_error_time),
+        ..BASE
+    },
+    Row {
+        key: "in_position_window",
+        mnemonic: "TESTWIN",
+        number: 8,
+        measure: Measure::Distance,
+        range: Range::Int(0, (1 << 62) - 1),
+        default: Value::Int(0),
+        description: "A goal is reached when the actual position is this near to the target; 0: the command is enough.",
+        source: "MACS-TGT-01, MACS-TGT-02",
+        get: |p| Value::Int(p.in_position_window),
+        set: |p, v| p.in_position_window = int(v).unwrap_or(p.in_position_window),
+        ..BASE
+    },
+    Row {
+        key: "in_position_time",
+        mnemonic: "TESTTIM",
+        number: 24,
+        measure: Measure::Time,
+        range: Range::Int(0, HOUR_NS),
+        default: Value::Int(0),
+        description: "How long the actual position has to stay within in_position_window; leaving it starts anew.",
+        source: "MACS-TGT-04, MACS-TGT-05",
+        get: |p| Value::Int(p.in_position_time),
+        set: |p, v| p.in_position_time = int(v).unwrap_or(p.in_position_time),
+        ..BASE
+    },
+    Row {
+        key: "error_reaction",
+        mnemonic: "ERRCOND",
+        number: 43,
+        measure: Measure::Integer,
+        range: Range::Int(0, 5),
+        default: Value::Int(0),
+        description: "Reaction to an error: 0 coast, 1 coast with brake, 2 stop with max_deceleration and hold, 3 as 2 and \
+                      brake after the stop, 4 the drive's own quick stop, 5 only report.",
+        source: "MACS-ERR-02",
+        get: |p| Value::Int(p.error_reaction),
+        set: |p, v| p.error_reaction = int(v).unwrap_or(p.error_reaction),
+        ..BASE
+    },
+    Row {
+        key: "syncfactm",
+        mnemonic: "SYNCFACTM",
+        number: 49,
+        range: Range::Int(-MLONG, MLONG),
+        default: Value::Int(1),
+        effect: Effect::NextSynchronize,
+        description: "Gear factor, master side, where a synchronize gives 0 : 0; negative reverses.",
+        source: "MACS-SYNC-02, MACS-DIR-04",
+        get: |p| Value::Int(p.sync_master),
+        set: |p, v| p.sync_master = int(v).unwrap_or(p.sync_master),
+        ..BASE
+    },
+    Row {
+        key: "syncfacts",
+        mnemonic: "SYNCFACTS",
+        number: 50,
+        range: Range::Int(1, MLONG),
+        default: Value::Int(1),
+        effect: Effect::NextSynchronize,
+        description: "Gear factor, slave side, where a synchronize gives 0 : 0.",
+        source: "MACS-SYNC-02",
+        get: |p| Value::Int(p.sync_slave),
+        set: |p, v| p.sync_slave = int(v).unwrap_or(p.sync_slave),
+        ..BASE
+    },
+    Row {
+        key: "syncaccuracy",
+        mnemonic: "SYNCACCURACY",
+        number: 55,
+        range: Range::Int(-MLONG, MLONG),
+        default: Value::Int(1000),
+        effect: Effect::NextSynchronize,
+        description: "Sync error [inc] up to which the coupling counts as accurate; a negative value shows the error with its sign.",
+        source: "MACS-SYNC-16",
+        get: |p| Value::Int(p.sync_accuracy),
+        set: |p, v| p.sync_accuracy = int(v).unwrap_or(p.sync_accuracy),
+        ..BASE
+    },
+    Row {
+        key: "setpoint_timeout",
+        measure: Measure::Time,
+        range: Range::Int(1_000_000, HOUR_NS),
+        default: Value::Int(100_000_000),
+        description: "How long a streamed setpoint holds; without a newer one the axis stops.",
+        source: "contract section 1",
+        get: |p| Value::Int(p.setpoint_timeout),
+        set: |p, v| p.setpoint_timeout = int(v).unwrap_or(p.setpoint_timeout),
+        ..BASE
+    },
+];

@@ -1,0 +1,399 @@
+//! Requests from outside, in names and units, made into commands.
+//!
+//! What is wrong in a request itself (an unknown name, a number that is none) is refused here with a sentence and never
+//! reaches the machine. What limits or states forbid is refused by the machine.
+
+use crate::command::{Length, Move, MoveMode, Synchronize};
+use crate::config::{AxisConfig, MachineConfig};
+use crate::object::{AxisSet, Leader};
+use crate::parameter::{self, Change, ParameterInput, Row};
+use crate::position::Position;
+use crate::unit::{Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
+
+/// Why a request is refused before it becomes a command.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RequestError {
+    /// A name that no axis has.
+    #[error("no axis is called `{name}`; there are {known}")]
+    UnknownAxis {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A name that nothing has that could lead.
+    #[error("`{name}` cannot lead; {known} can")]
+    UnknownLeader {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A name that no parameter has.
+    #[error("no parameter is called `{name}`{hint}")]
+    UnknownParameter {
+        /// The name given.
+        name: String,
+        /// What may have been meant.
+        hint: String,
+    },
+    /// A number for a field that has names.
+    #[error("{field} is {value}; {allowed}")]
+    BadChoice {
+        /// The field.
+        field: &'static str,
+        /// The value given.
+        value: i64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// A value that the request's units cannot hold.
+    #[error("{field}: {error}")]
+    BadValue {
+        /// The field.
+        field: String,
+        /// What is wrong with it.
+        error: UnitError,
+    },
+    /// A parameter's value of the wrong type.
+    #[error("{name} is `{value}`; {allowed} is expected")]
+    BadParameter {
+        /// The parameter.
+        name: String,
+        /// The value given.
+        value: String,
+        /// What it may be.
+        allowed: String,
+    },
+    /// Something that this version does not have.
+    #[error("{0} does not exist yet")]
+    NotBuilt(String),
+}
+
+/// In which units a request gives its bare numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Units {
+    /// m or rad, and their derivatives by s.
+    #[default]
+    Si,
+    /// The axis unit, and its derivatives by s.
+    AxisUnit,
+    /// Increments, and their derivatives by s.
+    Increments,
+}
+
+impl Units {
+    /// From the numbers of the interface.
+    ///
+    /// # Errors
+    /// A number that has no meaning.
+    pub fn from_number(number: u8) -> Result<Self, RequestError> {
+        match number {
+            0 => Ok(Self::Si),
+            1 => Ok(Self::AxisUnit),
+            2 => Ok(Self::Increments),
+            other => Err(RequestError::BadChoice {
+                field: "units",
+                value: other.into(),
+                allowed: "0 SI, 1 AXIS_UNIT, 2 INCREMENTS are allowed",
+            }),
+        }
+    }
+
+    fn unit(self, scale: &Scale) -> Unit {
+        match self {
+            Self::Si => scale.kind().dimension(0).si_unit(),
+            Self::AxisUnit => scale.unit(),
+            Self::Increments => Unit::INCREMENT,
+        }
+    }
+}
+
+/// A value of a request: a bare number in the request's units, or one with its own unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Amount {
+    /// In the units of the request.
+    Number(f64),
+    /// In its own.
+    Quantity(Quantity),
+}
+
+impl Default for Amount {
+    fn default() -> Self {
+        Self::Number(0.0)
+    }
+}
+
+impl Amount {
+    fn quantity(self, units: Units, scale: &Scale, order: u8) -> Result<Quantity, UnitError> {
+        match self {
+            Self::Number(number) => Quantity::from_f64(number, units.unit(scale).with_order(order)),
+            Self::Quantity(quantity) => Ok(quantity),
+        }
+    }
+
+    /// As a position or distance [inc].
+    ///
+    /// # Errors
+    /// No finite number, the wrong dimension, beyond 2^62 inc.
+    pub fn length(self, units: Units, scale: &Scale) -> Result<Length, UnitError> {
+        let quantity = self.quantity(units, scale, 0)?;
+        let nearest = scale.position(&quantity)?;
+        let exact = scale.exact(&quantity)?;
+        Ok(Length { nearest, rest: rest(&exact, nearest) })
+    }
+
+    /// As a velocity (order 1), acceleration (2) or jerk (3) [inc/s^order].
+    ///
+    /// # Errors
+    /// No finite number, the wrong dimension.
+    pub fn rate(self, units: Units, scale: &Scale, order: u8) -> Result<f64, UnitError> {
+        scale.rate(&self.quantity(units, scale, order)?, order)
+    }
+}
+
+/// What rounding to `nearest` left, to 2^-32; below a half in truth it stays below a half.
+fn rest(exact: &Fraction, nearest: i64) -> Position {
+    let left = exact - Fraction::from_integer(nearest.into());
+    let half = Fraction::new(1, 2);
+    let position = Position::from_f64(fraction_to_f64(&left));
+    let bound = Position::from_f64(0.5).raw() - i128::from(left < half && left > -half);
+    Position::from_raw(position.raw().clamp(-bound, bound))
+}
+
+/// A positioning goal with names and units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MoveRequest {
+    /// Axis.
+    pub axis: String,
+    /// 0 absolute, 1 relative, 2 additive, 3 velocity, 4 superimposed.
+    pub mode: u8,
+    /// Units of the bare numbers.
+    pub units: Units,
+    /// Target or distance.
+    pub position: Amount,
+    /// 0: the default.
+    pub velocity: Amount,
+    /// 0: the default.
+    pub acceleration: Amount,
+    /// 0: the default.
+    pub deceleration: Amount,
+    /// 0: the default.
+    pub jerk: Amount,
+    /// 0 aborting, 1 buffered, 2 to 5 blending.
+    pub buffer_mode: u8,
+    /// 0 shortest, 1 positive, 2 negative, 3 current.
+    pub direction: u8,
+}
+
+/// A coupling with names and units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SynchronizeRequest {
+    /// Axis that follows.
+    pub axis: String,
+    /// What it follows.
+    pub master: String,
+    /// For engage ON_EVENT.
+    pub event: String,
+    /// 0 velocity, 1 position, 2 marker.
+    pub mode: u8,
+    /// 0 immediately, 1 at position, 2 on event.
+    pub engage: u8,
+    /// 0 stop, 1 keep velocity.
+    pub disengage: u8,
+    /// Slave increments.
+    pub numerator: i64,
+    /// Master increments.
+    pub denominator: i64,
+    /// Shift of the slave.
+    pub offset: Amount,
+    /// 0: the default.
+    pub velocity: Amount,
+    /// 0: the default.
+    pub acceleration: Amount,
+}
+
+impl MachineConfig {
+    /// The axis of that name.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn find_axis(&self, name: &str) -> Result<(u16, &AxisConfig), RequestError> {
+        let found = self.axes.iter().enumerate().find(|(_, axis)| axis.name == name);
+        found.map(|(index, axis)| (index as u16, axis)).ok_or_else(|| RequestError::UnknownAxis {
+            name: crate::unit::excerpt(name),
+            known: list(self.axes.iter().map(|axis| axis.name.clone())),
+        })
+    }
+
+    /// A set of axes by name; all of them for no name.
+    ///
+    /// # Errors
+    /// A name that no axis has.
+    pub fn find_axes<S: AsRef<str>>(&self, names: &[S]) -> Result<AxisSet, RequestError> {
+        if names.is_empty() {
+            return Ok(AxisSet::first(self.axes.len()));
+        }
+        names.iter().map(|name| self.find_axis(name.as_ref()).map(|(index, _)| index)).collect()
+    }
+
+    /// What can lead, by name: an axis (its command), `axis.command`, `axis.actual`, an encoder.
+    ///
+    /// # Errors
+    /// Nothing of that name can.
+    pub fn find_leader(&self, name: &str) -> Result<Leader, RequestError> {
+        let (object, part) = name.split_once('.').unwrap_or((name, "command"));
+        let axis = self.find_axis(object).ok().map(|(index, _)| index);
+        let encoder = self.encoders.iter().position(|encoder| encoder.name == name);
+        match (axis, part, encoder) {
+            (Some(axis), "command", _) => Ok(Leader::AxisCommand(axis)),
+            (Some(axis), "actual", _) => Ok(Leader::AxisActual(axis)),
+            (_, _, Some(encoder)) => Ok(Leader::Encoder(encoder as u16)),
+            _ => Err(RequestError::UnknownLeader { name: crate::unit::excerpt(name), known: self.leaders() }),
+        }
+    }
+
+    fn leaders(&self) -> String {
+        let axes = self.axes.iter().flat_map(|axis| [axis.name.clone(), format!("{}.actual", axis.name)]);
+        list(axes.chain(self.encoders.iter().map(|encoder| encoder.name.clone())))
+    }
+
+    /// A positioning goal as a command's content.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_move(&self, request: &MoveRequest) -> Result<Move, RequestError> {
+        let (index, axis) = self.find_axis(&request.axis)?;
+        let (units, scale) = (request.units, &axis.scale);
+        let rate = |field: &str, amount: Amount, order| {
+            let bad = |error| RequestError::BadValue { field: field.to_owned(), error };
+            amount.rate(units, scale, order).map_err(bad)
+        };
+        Ok(Move {
+            axis: index,
+            mode: move_mode(request.mode)?,
+            target: request
+                .position
+                .length(units, scale)
+                .map_err(|error| RequestError::BadValue { field: "position".into(), error })?,
+            velocity: rate("velocity", request.velocity, 1)?,
+            acceleration: rate("acceleration", request.acceleration, 2)?,
+            deceleration: rate("deceleration", request.deceleration, 2)?,
+            jerk: rate("jerk", request.jerk, 3)?,
+            direction: direction(request.direction, request.buffer_mode)?,
+        })
+    }
+
+    /// A coupling as a command's content.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
+        use crate::command::{Disengage, SyncMode};
+        let (index, axis) = self.find_axis(&request.axis)?;
+        let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
+        let bad = |field: &str, error| RequestError::BadValue { field: field.to_owned(), error };
+        let mode = match request.mode {
+            0 => SyncMode::Velocity,
+            1 => SyncMode::Position,
+            2 => return Err(RequestError::NotBuilt("synchronize in mode MARKER".into())),
+            other => return Err(choice("mode", other, "0 VELOCITY, 1 POSITION, 2 MARKER are allowed")),
+        };
+        match request.engage {
+            0 => {}
+            1 => return Err(RequestError::NotBuilt("engage AT_POSITION".into())),
+            2 => return Err(RequestError::NotBuilt("engage ON_EVENT".into())),
+            other => return Err(choice("engage", other, "0 IMMEDIATELY, 1 AT_POSITION, 2 ON_EVENT are allowed")),
+        }
+        let disengage = match request.disengage {
+            0 => Disengage::Stop,
+            1 => Disengage::KeepVelocity,
+            other => return Err(choice("disengage", other, "0 STOP, 1 KEEP_VELOCITY are allowed")),
+        };
+        let (units, scale) = (Units::Si, &axis.scale);
+        Ok(Synchronize {
+            axis: index,
+            leader: self.find_leader(&request.master)?,
+            mode,
+            disengage,
+            numerator: request.numerator,
+            denominator: request.denominator,
+            offset: request.offset.length(units, scale).map_err(|error| bad("offset", error))?,
+            velocity: request.velocity.rate(units, scale, 1).map_err(|error| bad("velocity", error))?,
+            acceleration: request.acceleration.rate(units, scale, 2).map_err(|error| bad("acceleration", error))?,
+        })
+    }
+
+    /// A parameter `axis.key` and a value as a change.
+    ///
+    /// # Errors
+    /// A name that no parameter has, a value of the wrong type or unit; ranges are checked by the machine.
+    pub fn resolve_parameter(&self, name: &str, input: &ParameterInput) -> Result<Change, RequestError> {
+        let unknown = |hint: String| RequestError::UnknownParameter { name: crate::unit::excerpt(name), hint };
+        let (object, key) = name.split_once('.').ok_or_else(|| unknown("; parameters are written axis.key".into()))?;
+        let (index, axis) = self.find_axis(object)?;
+        let (row, entry) = Row::find(key).ok_or_else(|| unknown(String::new()))?;
+        let value = parameter::convert(entry, &axis.scale, input).map_err(|error| error.named(name, entry))?;
+        Ok(Change { axis: index, row, value })
+    }
+}
+
+impl parameter::ConvertError {
+    fn named(self, name: &str, row: &Row) -> RequestError {
+        match self {
+            Self::Unit(error) => RequestError::BadValue { field: name.to_owned(), error },
+            Self::Type(value) => {
+                RequestError::BadParameter { name: name.to_owned(), value, allowed: row.measure.expected() }
+            }
+        }
+    }
+}
+
+fn move_mode(mode: u8) -> Result<MoveMode, RequestError> {
+    match mode {
+        0 => Ok(MoveMode::Absolute),
+        1 => Ok(MoveMode::Relative),
+        2 => Ok(MoveMode::Additive),
+        3 => Ok(MoveMode::Velocity),
+        4 => Err(RequestError::NotBuilt("move_axis in mode SUPERIMPOSED".into())),
+        other => Err(RequestError::BadChoice {
+            field: "mode",
+            value: other.into(),
+            allowed: "0 ABSOLUTE, 1 RELATIVE, 2 ADDITIVE, 3 VELOCITY, 4 SUPERIMPOSED are allowed",
+        }),
+    }
+}
+
+fn direction(direction: u8, buffer_mode: u8) -> Result<crate::command::Direction, RequestError> {
+    use crate::command::Direction;
+    match buffer_mode {
+        0 => {}
+        1..=5 => return Err(RequestError::NotBuilt("a buffer_mode other than ABORTING".into())),
+        other => {
+            return Err(RequestError::BadChoice {
+                field: "buffer_mode",
+                value: other.into(),
+                allowed: "0 ABORTING, 1 BUFFERED, 2 to 5 BLENDING are allowed",
+            });
+        }
+    }
+    match direction {
+        0 => Ok(Direction::Shortest),
+        1 => Ok(Direction::Positive),
+        2 => Ok(Direction::Negative),
+        3 => Ok(Direction::Current),
+        other => Err(RequestError::BadChoice {
+            field: "direction",
+            value: other.into(),
+            allowed: "0 SHORTEST, 1 POSITIVE, 2 NEGATIVE, 3 CURRENT are allowed",
+        }),
+    }
+}
+
+fn list(names: impl Iterator<Item = String>) -> String {
+    let names: Vec<String> = names.collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+#[cfg(test)]
+mod tests;

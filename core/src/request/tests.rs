@@ -1,0 +1,124 @@
+use super::*;
+use crate::config::EncoderConfig;
+use crate::parameter::AxisParameters;
+
+fn scale(increments: i128, unit: Unit) -> Scale {
+    let per = Quantity::new(Fraction::from_integer(1), unit);
+    Scale::new(Fraction::from_integer(increments), per).unwrap().with_unit(unit).unwrap()
+}
+
+fn config() -> MachineConfig {
+    let axis = |name: &str, scale| AxisConfig {
+        name: name.into(),
+        scale,
+        modulo: None,
+        drive: None,
+        parameters: AxisParameters::new(1e6, 1e7),
+    };
+    MachineConfig {
+        cycle_ns: 1_000_000,
+        encoders: vec![EncoderConfig { name: "belt".into(), bits: 16, scale: scale(40, Unit::MILLIMETRE) }],
+        axes: vec![axis("x", scale(1000, Unit::MILLIMETRE)), axis("turret", scale(100, Unit::DEGREE))],
+        ..MachineConfig::default()
+    }
+}
+
+fn to(axis: &str, units: Units, position: f64) -> MoveRequest {
+    MoveRequest { axis: axis.into(), units, position: Amount::Number(position), ..MoveRequest::default() }
+}
+
+/// Proves: MACS-UNIT-05
+#[test]
+fn the_same_place_is_the_same_increment_in_every_unit() {
+    let config = config();
+    let target = |request| config.resolve_move(&request).unwrap().target.nearest;
+    assert_eq!(target(to("x", Units::Si, 0.12)), 120_000);
+    assert_eq!(target(to("x", Units::AxisUnit, 120.0)), 120_000);
+    assert_eq!(target(to("x", Units::Increments, 120_000.0)), 120_000);
+    assert_eq!(target(to("x", Units::Increments, -2.5)), -3);
+    assert_eq!(target(to("turret", Units::Si, std::f64::consts::PI)), 18_000);
+    assert_eq!(target(to("turret", Units::AxisUnit, 180.0)), 18_000);
+    let quantity = Quantity::parse("12 cm", &config.axes[0].scale.dimensions(0)).unwrap();
+    let request = MoveRequest { position: Amount::Quantity(quantity), ..to("x", Units::Increments, 0.0) };
+    assert_eq!(target(request), 120_000);
+}
+
+#[test]
+fn what_rounding_leaves_is_kept_and_never_rounds_again() {
+    let scale = scale(1, Unit::METRE);
+    let length = |text: &str| {
+        let quantity = Quantity::parse(text, &scale.dimensions(0)).unwrap();
+        Amount::Quantity(quantity).length(Units::Si, &scale).unwrap()
+    };
+    assert_eq!((length("2.5 m").nearest, length("2.5 m").rest), (3, Position::from_f64(-0.5)));
+    assert_eq!((length("-2.5 m").nearest, length("-2.5 m").rest), (-3, Position::from_f64(0.5)));
+    // A hair below the half: 2^-32 cannot show it, the whole number has to stay.
+    let below = length("2.499999999999999 m");
+    assert_eq!((below.nearest, below.exact().nearest()), (2, 2));
+}
+
+#[test]
+fn what_is_wrong_in_a_request_is_said_with_what_is_allowed() {
+    let config = config();
+    let error = |request| config.resolve_move(&request).unwrap_err().to_string();
+    assert_eq!(error(to("z", Units::Si, 0.0)), "no axis is called `z`; there are x, turret");
+    assert!(error(to("x", Units::Si, f64::NAN)).starts_with("position: "));
+    assert!(error(to("x", Units::Si, 1e300)).starts_with("position: "));
+    let bad = |change: fn(&mut MoveRequest)| {
+        let mut request = to("x", Units::Si, 0.0);
+        change(&mut request);
+        error(request)
+    };
+    assert!(bad(|r| r.mode = 9).starts_with("mode is 9; 0 ABSOLUTE"));
+    assert_eq!(bad(|r| r.mode = 4), "move_axis in mode SUPERIMPOSED does not exist yet");
+    assert_eq!(bad(|r| r.buffer_mode = 1), "a buffer_mode other than ABORTING does not exist yet");
+    assert!(bad(|r| r.buffer_mode = 200).starts_with("buffer_mode is 200"));
+    assert!(bad(|r| r.direction = 4).starts_with("direction is 4"));
+    assert!(bad(|r| r.jerk = Amount::Number(f64::INFINITY)).starts_with("jerk: "));
+    assert!(Units::from_number(3).is_err());
+}
+
+#[test]
+fn leaders_are_found_by_their_names() {
+    let config = config();
+    assert_eq!(config.find_leader("x"), Ok(Leader::AxisCommand(0)));
+    assert_eq!(config.find_leader("turret.command"), Ok(Leader::AxisCommand(1)));
+    assert_eq!(config.find_leader("x.actual"), Ok(Leader::AxisActual(0)));
+    assert_eq!(config.find_leader("belt"), Ok(Leader::Encoder(0)));
+    let error = config.find_leader("x.target").unwrap_err().to_string();
+    assert_eq!(error, "`x.target` cannot lead; x, x.actual, turret, turret.actual, belt can");
+}
+
+#[test]
+fn what_is_not_built_is_refused_by_name() {
+    let config = config();
+    let couple = SynchronizeRequest { axis: "x".into(), master: "belt".into(), mode: 1, ..Default::default() };
+    let error = |request| config.resolve_synchronize(&request).unwrap_err().to_string();
+    assert!(config.resolve_synchronize(&couple).is_ok());
+    assert!(error(SynchronizeRequest { mode: 2, ..couple.clone() }).contains("MARKER does not exist yet"));
+    assert!(error(SynchronizeRequest { engage: 1, ..couple.clone() }).contains("AT_POSITION does not exist yet"));
+    assert!(error(SynchronizeRequest { engage: 2, ..couple.clone() }).contains("ON_EVENT does not exist yet"));
+    assert!(error(SynchronizeRequest { disengage: 7, ..couple }).starts_with("disengage is 7"));
+}
+
+#[test]
+fn parameters_take_units_and_names() {
+    use crate::parameter::Value;
+    let config = config();
+    let set = |name: &str, input| config.resolve_parameter(name, &input);
+    let velocity = Quantity::parse("0.8 m/s", &config.axes[0].scale.dimensions(1)).unwrap();
+    let change = set("x.max_velocity", ParameterInput::Quantity(velocity)).unwrap();
+    assert_eq!((change.axis, change.value), (0, Value::Real(800_000.0)));
+    assert_eq!(set("x.max_velocity", ParameterInput::Number(0.8)).unwrap(), change);
+    let profile = set("turret.profile", ParameterInput::Text("jerk".into())).unwrap();
+    assert_eq!(profile.value, Value::Int(2));
+    let error = |name: &str, input| set(name, input).unwrap_err().to_string();
+    assert!(error("x.max_velocty", ParameterInput::Number(1.0)).contains("no parameter is called `x.max_velocty`"));
+    assert!(error("max_velocity", ParameterInput::Number(1.0)).contains("axis.key"));
+    assert!(error("q.max_velocity", ParameterInput::Number(1.0)).contains("no axis is called `q`"));
+    let text = error("x.profile", ParameterInput::Text("cubic".into()));
+    assert_eq!(text, "x.profile is `cubic`; one of trapezoid, s_ramp, jerk is expected");
+    assert!(error("x.error_reaction", ParameterInput::Number(1.5)).contains("a whole number is expected"));
+    let wrong = Quantity::parse("3 mm", &config.axes[0].scale.dimensions(0)).unwrap();
+    assert!(error("x.max_velocity", ParameterInput::Quantity(wrong)).starts_with("x.max_velocity: "));
+}

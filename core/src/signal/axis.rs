@@ -1,0 +1,91 @@
+//! The signals of an axis (contract section 4).
+
+use super::{Directory, Entry, Measure, Signal, Type};
+use crate::axis::{AXIS_STATES, DRIVE_STATES, REFERENCES};
+
+macro_rules! axis_signals {
+    ($($name:ident $text:literal $kind:expr, $measure:ident $(, $drivable:ident)?; $help:literal)*) => {
+        /// A signal of an axis, by its place in the axis' block.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(usize)]
+        pub enum AxisSignal {
+            $(#[doc = $help] $name,)*
+        }
+
+        impl AxisSignal {
+            /// All of them: place, name behind the axis' name, type, measure, drivable, help.
+            const TABLE: &'static [(AxisSignal, &'static str, Type, Measure, bool, &'static str)] = &[
+                $((AxisSignal::$name, $text, $kind, Measure::$measure, axis_signals!(@ $($drivable)?), $help),)*
+            ];
+        }
+    };
+    (@ drivable) => { true };
+    (@) => { false };
+}
+
+use Type::{Bit, Enum, Int, Real, Word};
+
+axis_signals! {
+    State "state" Enum(AXIS_STATES), None; "PLCopen state"
+    DriveState "drive_state" Enum(DRIVE_STATES), None; "CiA 402 state"
+    Reference "reference" Enum(REFERENCES), None; "which reference commands the axis"
+    Enabled "enabled" Bit, None; "the axis can be moved"
+    Homed "homed" Bit, None; "the axis knows its zero"
+    InPosition "in_position" Bit, None; "at rest at the target, within in_position_window"
+    InVelocity "in_velocity" Bit, None; "the velocity goal is reached"
+    InSync "in_sync" Bit, None; "coupled, and nothing left to catch up"
+    Warning "warning" Bit, None; "the drive warns (CiA 402 status bit 7)"
+    Brake "brake" Bit, None; "1 = closed"
+    Error "error" Int, None; "code of the error that stopped the axis, 0 for none"
+    CommandPosition "command.position" Int, Position; "command position, floor"
+    CommandFraction "command.fraction" Real, None; "its fraction, 0 to 1"
+    CommandVelocity "command.velocity" Real, Velocity; "command velocity"
+    CommandAcceleration "command.acceleration" Real, Acceleration; "command acceleration"
+    CommandJerk "command.jerk" Real, Jerk; "command jerk"
+    TargetPosition "target.position" Int, Position; "where the present move ends"
+    ActualCount "actual.count" Int, Position, drivable; "raw counts, before origin"
+    ActualPosition "actual.position" Int, Position; "actual position"
+    ActualVelocity "actual.velocity" Real, Velocity; "actual velocity"
+    ActualEffort "actual.effort" Real, None; "torque or force in the drive's unit"
+    FollowingError "following_error" Int, Position; "command of 1 + delay cycles ago minus actual position"
+    RegulatorError "regulator.error" Int, Position; "command minus actual position of this cycle"
+    RegulatorOutput "regulator.output" Real, None; "output of the position loop, -1 to 1"
+    ModuloPosition "modulo.position" Int, Position; "command position within its turn"
+    Turns "turns" Int, None; "whole turns of the command position"
+    SyncMaster "sync.master" Int, Position; "position of the leader"
+    SyncError "sync.error" Int, Position; "geared leader minus command position"
+    SyncStatus "sync.status" Word, None; "bit 0 accurate"
+    MarkerError "marker.error" Real, Position; "error between marks"
+    MarkerCorrection "marker.correction" Real, Position; "correction for the marks"
+    LimitPositive "limit.positive" Bit, None; "positive limit switch"
+    LimitNegative "limit.negative" Bit, None; "negative limit switch"
+    LimitSoftwarePositive "limit.software_positive" Bit, None; "the command stands at max_position or beyond"
+    LimitSoftwareNegative "limit.software_negative" Bit, None; "the command stands at min_position or beyond"
+    LatchPosition "latch.position" Int, Position; "last latched position, floor"
+    LatchFraction "latch.fraction" Real, None; "its fraction, 0 to 1"
+    LatchCount "latch.count" Int, None; "latches so far"
+    OutputPosition "output.position" Int, Position; "position asked of the drive, in its counts"
+    OutputVelocity "output.velocity" Real, Velocity; "velocity asked of the drive"
+    OutputEffort "output.effort" Real, None; "effort asked of the drive"
+    OutputControl "output.control" Word, None; "control word to the drive (6040h)"
+}
+
+impl AxisSignal {
+    /// How many signals an axis has.
+    pub const COUNT: usize = Self::TABLE.len();
+
+    /// The place on the board, given the first signal of the axis.
+    pub fn of(self, first: Signal) -> Signal {
+        first.plus(self as usize)
+    }
+
+    /// Adds the signals of axis `name` and returns the first one.
+    pub(crate) fn add_all(directory: &mut Directory, name: &str) -> Signal {
+        let mut first = None;
+        for &(_, text, kind, measure, drivable, help) in Self::TABLE {
+            let signal = directory.add(Entry { name: format!("{name}.{text}"), kind, measure, drivable, help });
+            first.get_or_insert(signal);
+        }
+        first.expect("the table above is not empty")
+    }
+}

@@ -1,0 +1,162 @@
+//! A simulated drive: the CiA 402 state machine over a model of its motion.
+
+use std::collections::VecDeque;
+
+use super::{Model, SecondOrder};
+use crate::drive::{DriveInput, DriveOutput, DriveState, control};
+
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    Ideal,
+    SecondOrder { law: SecondOrder, state: super::second_order::State },
+}
+
+/// One simulated drive.
+#[derive(Clone, Debug)]
+pub struct SimDrive {
+    motion: Motion,
+    /// Outputs on their way, oldest first; one for each cycle of the delay and one more.
+    on_the_way: VecDeque<DriveOutput>,
+    delay: u32,
+    state: DriveState,
+    count: i64,
+    velocity: f64,
+    epoch: u32,
+    fault: u16,
+    online: bool,
+    pending_jump: i64,
+    last_control: u16,
+    mode: i8,
+    cycle_s: f64,
+}
+
+impl SimDrive {
+    /// A drive that is powered, online and off.
+    pub fn new(model: Model, delay: u32, cycle_ns: u64) -> Self {
+        let motion = match model {
+            Model::Ideal => Motion::Ideal,
+            Model::SecondOrder(law) => Motion::SecondOrder { law, state: Default::default() },
+        };
+        let mut on_the_way = VecDeque::with_capacity(delay as usize + 2);
+        on_the_way.resize(delay as usize + 1, DriveOutput::default());
+        Self {
+            motion,
+            on_the_way,
+            delay,
+            state: DriveState::NotReady,
+            count: 0,
+            velocity: 0.0,
+            epoch: 0,
+            fault: 0,
+            online: true,
+            pending_jump: 0,
+            last_control: 0,
+            mode: 0,
+            cycle_s: cycle_ns as f64 / 1e9,
+        }
+    }
+
+    /// Delay of the drive in cycles.
+    pub fn delay(&self) -> u32 {
+        self.delay
+    }
+
+    /// Puts the drive into fault with a code of object 603Fh.
+    pub fn inject_fault(&mut self, code: u16) {
+        self.fault = code;
+        self.state = DriveState::FaultReaction;
+    }
+
+    /// Takes the drive off the bus for good.
+    pub fn lose(&mut self) {
+        self.online = false;
+    }
+
+    /// Lets its encoder read `by` more counts from the next inputs on, as after a slip; switched on, it works that off.
+    pub fn jump(&mut self, by: i64) {
+        self.pending_jump = self.pending_jump.wrapping_add(by);
+    }
+
+    /// What it tells now, after it has done what reached it.
+    pub(super) fn read(&mut self) -> DriveInput {
+        if let Some(output) = self.on_the_way.pop_front() {
+            self.obey(output);
+        }
+        let jump = std::mem::take(&mut self.pending_jump);
+        self.count = self.count.wrapping_add(jump);
+        if let Motion::SecondOrder { state, .. } = &mut self.motion {
+            state.shift(jump);
+        }
+        DriveInput {
+            count: self.count,
+            epoch: self.epoch,
+            velocity: self.velocity,
+            effort: 0.0,
+            status: self.state.status(),
+            mode: self.mode,
+            fault: self.fault,
+            online: self.online,
+            fresh: self.online,
+        }
+    }
+
+    pub(super) fn write(&mut self, output: DriveOutput) {
+        self.on_the_way.push_back(output);
+    }
+
+    fn obey(&mut self, output: DriveOutput) {
+        self.mode = output.mode;
+        self.change_state(output.control);
+        self.last_control = output.control;
+        if self.state == DriveState::Enabled {
+            self.move_to(output.position);
+        } else {
+            self.velocity = 0.0;
+            if let Motion::SecondOrder { state, .. } = &mut self.motion {
+                state.rest_at(self.count);
+            }
+        }
+    }
+
+    fn move_to(&mut self, position: i64) {
+        match &mut self.motion {
+            Motion::Ideal => {
+                self.velocity = position.wrapping_sub(self.count) as f64 / self.cycle_s;
+                self.count = position;
+            }
+            Motion::SecondOrder { law, state } => {
+                law.step(state, position);
+                self.count = state.position();
+                self.velocity = state.velocity();
+            }
+        }
+    }
+
+    fn change_state(&mut self, word: u16) {
+        use DriveState::*;
+        let rises = |bit: u16| word & bit != 0 && self.last_control & bit == 0;
+        self.state = match self.state {
+            NotReady => SwitchOnDisabled,
+            FaultReaction => Fault,
+            Fault if rises(control::FAULT_RESET) => {
+                self.fault = 0;
+                SwitchOnDisabled
+            }
+            Fault => Fault,
+            // Bit 1 off: no voltage.
+            _ if word & 0x02 == 0 => SwitchOnDisabled,
+            // Bit 2 off: quick stop.
+            Enabled | QuickStop if word & 0x04 == 0 => QuickStop,
+            _ if word & 0x04 == 0 => SwitchOnDisabled,
+            QuickStop => QuickStop,
+            _ if word & 0x01 == 0 => Ready,
+            Ready if word & 0x08 == 0 => SwitchedOn,
+            Ready | SwitchedOn | Enabled if word & 0x08 != 0 => match self.state {
+                Ready => SwitchedOn,
+                _ => Enabled,
+            },
+            SwitchedOn | Enabled => SwitchedOn,
+            other => other,
+        };
+    }
+}

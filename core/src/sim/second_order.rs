@@ -1,0 +1,108 @@
+//! A drive whose position follows its setpoint as a damped second-order system.
+//!
+//! Law      y'' = w^2 (r - y) - 2 d w y', w = 2 pi bandwidth, r straight between the setpoints of two cycles; solved
+//!          exactly over a cycle, not approximated, so that no bandwidth makes it unstable
+//! Reads    the setpoint [inc]
+//! Writes   position, whole and nearest [inc], and velocity [inc/s]
+//! Refuses  bandwidth or damping that is not above 0 and finite
+
+use libm::{cos, cosh, exp, sin, sinh};
+use std::f64::consts::TAU;
+
+/// Why a model is refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// [Hz]
+    #[error("bandwidth is {0} Hz; more than 0 Hz up to 100000 Hz is allowed")]
+    Bandwidth(f64),
+    /// Damping ratio.
+    #[error("damping is {0}; 0.01 to 100 is allowed")]
+    Damping(f64),
+}
+
+/// The law over one cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SecondOrder {
+    cycle_s: f64,
+    /// 2 damping / w: how long the position lags behind a steady setpoint [s].
+    lag_s: f64,
+    /// Free motion over a cycle: new [position, velocity] from old ones.
+    free: [[f64; 2]; 2],
+}
+
+/// Where the simulated motor is: its position relative to the last setpoint, and its velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct State {
+    setpoint: i64,
+    ahead: f64,
+    velocity: f64,
+}
+
+impl State {
+    pub(super) fn rest_at(&mut self, position: i64) {
+        *self = Self { setpoint: position, ahead: 0.0, velocity: 0.0 };
+    }
+
+    pub(super) fn shift(&mut self, by: i64) {
+        self.ahead += by as f64;
+    }
+
+    pub(super) fn position(&self) -> i64 {
+        // The cast saturates.
+        self.setpoint.saturating_add(self.ahead.round() as i64)
+    }
+
+    pub(super) fn velocity(&self) -> f64 {
+        self.velocity
+    }
+}
+
+impl SecondOrder {
+    /// A model of that bandwidth [Hz] and damping ratio, stepped once per cycle.
+    ///
+    /// # Errors
+    /// Values outside their range.
+    pub fn new(bandwidth: f64, damping: f64, cycle_ns: u64) -> Result<Self, ModelError> {
+        if !(bandwidth > 0.0 && bandwidth <= 1e5) {
+            return Err(ModelError::Bandwidth(bandwidth));
+        }
+        if !(0.01..=100.0).contains(&damping) {
+            return Err(ModelError::Damping(damping));
+        }
+        let cycle_s = cycle_ns as f64 / 1e9;
+        let w = TAU * bandwidth;
+        Ok(Self { cycle_s, lag_s: 2.0 * damping / w, free: free_motion(w, damping, cycle_s) })
+    }
+
+    pub(super) fn step(&self, state: &mut State, setpoint: i64) {
+        let change = setpoint.wrapping_sub(state.setpoint) as f64;
+        let slope = change / self.cycle_s;
+        // Against a setpoint that moves steadily the position rests `lag` behind: around that it moves freely.
+        let lag = self.lag_s * slope;
+        let (position, velocity) = (state.ahead + lag, state.velocity - slope);
+        let [[a, b], [c, d]] = self.free;
+        state.ahead = a * position + b * velocity - lag;
+        state.velocity = c * position + d * velocity + slope;
+        state.setpoint = setpoint;
+    }
+}
+
+/// The exact solution of y'' = -w^2 y - 2 d w y' after a time.
+fn free_motion(w: f64, damping: f64, time: f64) -> [[f64; 2]; 2] {
+    let decay = damping * w;
+    let discriminant = damping * damping - 1.0;
+    let root = w * discriminant.abs().sqrt();
+    // s = sin(root t) / root, c = cos(root t), or what these become at and beyond critical damping; both times e^-decay t.
+    let (c, s) = if root * time < 1e-9 {
+        (exp(-decay * time), time * exp(-decay * time))
+    } else if discriminant < 0.0 {
+        (exp(-decay * time) * cos(root * time), exp(-decay * time) * sin(root * time) / root)
+    } else if root * time > 300.0 {
+        // cosh would overflow: only the slow part is left.
+        let slow = exp((root - decay) * time) / 2.0;
+        (slow, slow / root)
+    } else {
+        (exp(-decay * time) * cosh(root * time), exp(-decay * time) * sinh(root * time) / root)
+    };
+    [[c + decay * s, s], [-w * w * s, c - decay * s]]
+}

@@ -1,0 +1,143 @@
+//! A coupled axis: it speeds up to its leader, catches up what it lost, and then follows exactly.
+//!
+//! Law      coupled: slave(k) = slave(k-1) + gear(master change of k).
+//!          catching up (mode position): velocity = geared master velocity + w, where w is the largest velocity from which
+//!          the slave can still slow down to the master with its acceleration in whole cycles without passing it:
+//!          with e the way to catch up and d the change of velocity in a cycle (all in inc per cycle), n the least
+//!          number with e <= d (n + 1)(n + 2) / 2: w = e / (n + 1) + d n / 2; it arrives after n + 1 cycles exactly.
+//! Reads    the leader's change; the slave's last motion
+//! Writes   the slave's motion, to 2^-32 inc
+//! Refuses  nothing here: ratio, velocity and acceleration were checked by the axis
+//! Source   MACS-SYNC-02, MACS-SYNC-04, MACS-SYNC-06, MACS-SYNC-07, A-30
+
+use super::gear::{Gear, Ratio};
+use crate::command::{Disengage, SyncMode};
+use crate::encoder::Lead;
+use crate::object::Leader;
+use crate::position::Position;
+use crate::profile::Motion;
+
+/// How far a coupling has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// The slave speeds up or catches up.
+    CatchingUp,
+    /// The slave follows exactly.
+    Synchronized,
+}
+
+/// What limits the slave [inc/s, inc/s^2].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// While catching up.
+    pub velocity: f64,
+    /// While catching up.
+    pub acceleration: f64,
+    /// Always.
+    pub max_velocity: f64,
+    /// Always.
+    pub max_acceleration: f64,
+}
+
+/// A coupling of one axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Follower {
+    /// What it follows.
+    pub leader: Leader,
+    /// What happens at the end.
+    pub disengage: Disengage,
+    mode: SyncMode,
+    gear: Gear,
+    phase: Phase,
+    /// Where the gear wants the slave.
+    target: Position,
+    bounds: Bounds,
+}
+
+impl Follower {
+    /// Couples an axis that stands or moves as `slave` says; `offset` shifts it against the leader.
+    pub fn new(
+        leader: Leader,
+        ratio: Ratio,
+        mode: SyncMode,
+        disengage: Disengage,
+        slave: Motion,
+        offset: Position,
+        bounds: Bounds,
+    ) -> Self {
+        let gear = Gear::new(ratio);
+        Self { leader, disengage, mode, gear, phase: Phase::CatchingUp, target: slave.position + offset, bounds }
+    }
+
+    /// How far it has come.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// Geared leader minus slave [inc]; 0 in mode velocity, which has no position relation.
+    pub fn error(&self, slave: Position) -> Position {
+        match self.mode {
+            SyncMode::Position => self.target - slave,
+            SyncMode::Velocity => Position::ZERO,
+        }
+    }
+
+    /// One cycle: the slave's next motion.
+    pub fn step(&mut self, slave: Motion, lead: Lead, cycle_s: f64) -> Motion {
+        let change = self.gear.step(lead.change);
+        self.target += change;
+        // From here on in inc per cycle.
+        let geared = change.to_f64();
+        let before = slave.velocity * cycle_s;
+        // A counted leader is uneven by one increment even at constant speed: that is no acceleration.
+        let uneven = if lead.counted { self.gear.ratio().to_f64().abs() } else { 0.0 };
+        let position = match self.phase {
+            Phase::Synchronized if self.can_follow(geared, before, uneven, cycle_s) => slave.position + change,
+            _ => self.catch_up(slave.position, change, before, uneven, cycle_s),
+        };
+        let velocity = (position - slave.position).to_f64() / cycle_s;
+        Motion { position, velocity, acceleration: (velocity - slave.velocity) / cycle_s, jerk: 0.0 }
+    }
+
+    fn can_follow(&self, geared: f64, before: f64, uneven: f64, cycle_s: f64) -> bool {
+        // Positions are multiples of 2^-32: each of the two steps may be off by one.
+        const GRID: f64 = 2.0 / (1_u64 << 32) as f64;
+        geared.abs() <= self.bounds.max_velocity * cycle_s + uneven + GRID
+            && (geared - before).abs()
+                <= self.bounds.max_acceleration * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + GRID
+    }
+
+    /// The position after a cycle of catching up; turns to synchronized when it arrives.
+    fn catch_up(&mut self, position: Position, change: Position, before: f64, uneven: f64, cycle_s: f64) -> Position {
+        let geared = change.to_f64();
+        let rate = self.bounds.acceleration * cycle_s * cycle_s;
+        let way = match self.mode {
+            SyncMode::Position => (self.target - change - position).to_f64(),
+            SyncMode::Velocity => 0.0,
+        };
+        let (closing, arrives) = closing(way, rate);
+        let top = self.bounds.velocity * cycle_s;
+        let wanted = (geared + closing).clamp(-top, top);
+        let step = wanted.clamp(before - rate - uneven, before + rate + uneven);
+        // Bit for bit the velocity that is asked for: nothing held it back.
+        if arrives && step == geared + closing {
+            self.phase = Phase::Synchronized;
+            return match self.mode {
+                SyncMode::Position => self.target,
+                SyncMode::Velocity => position + change,
+            };
+        }
+        self.phase = Phase::CatchingUp;
+        position + Position::from_f64(step)
+    }
+}
+
+/// The velocity against the leader with which a way is closed, and whether that is in this one cycle.
+fn closing(way: f64, rate: f64) -> (f64, bool) {
+    let cycles = ((-3.0 + (1.0 + 8.0 * way.abs() / rate).sqrt()) / 2.0).ceil().max(0.0);
+    let speed = way.abs() / (cycles + 1.0) + rate * cycles / 2.0;
+    (speed.copysign(way), cycles == 0.0)
+}
+
+#[cfg(test)]
+mod tests;

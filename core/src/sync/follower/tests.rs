@@ -1,0 +1,129 @@
+use super::*;
+use proptest::prelude::*;
+
+const T: f64 = 0.001;
+const BOUNDS: Bounds = Bounds { velocity: 5e4, acceleration: 1e5, max_velocity: 1e5, max_acceleration: 4e5 };
+
+fn follower(numerator: i64, denominator: i64, mode: SyncMode) -> Follower {
+    let ratio = Ratio::new(numerator, denominator).unwrap();
+    Follower::new(Leader::Encoder(0), ratio, mode, Disengage::Stop, Motion::default(), Position::ZERO, BOUNDS)
+}
+
+fn lead(change: i64) -> Lead {
+    Lead { change: Position::whole(change), counted: true, valid: true, ..Lead::default() }
+}
+
+/// Proves: MACS-SYNC-04, MACS-SYNC-06
+#[test]
+fn on_the_run_the_slave_catches_up_what_it_lost_while_it_sped_up() {
+    let mut follower = follower(1, 1, SyncMode::Position);
+    let mut slave = Motion::default();
+    let mut master = 0;
+    for k in 0..2000 {
+        master += 20;
+        let before = slave;
+        slave = follower.step(slave, lead(20), T);
+        assert!(slave.velocity <= 5e4 + 1e-6 && slave.velocity >= 0.0, "cycle {k}: {}", slave.velocity);
+        // 1e5 inc/s^2 and the unevenness of one count in a cycle.
+        assert!((slave.velocity - before.velocity).abs() <= 1e5 * T + 1.0 / T + 1e-6, "cycle {k}");
+    }
+    assert_eq!(follower.phase(), Phase::Synchronized);
+    assert_eq!(slave.position, Position::whole(master));
+    assert_eq!(slave.velocity, 2e4);
+}
+
+/// Proves: MACS-SYNC-07
+#[test]
+fn in_velocity_mode_what_is_lost_stays_lost() {
+    let mut follower = follower(1, 1, SyncMode::Velocity);
+    let mut slave = Motion::default();
+    let (mut master, mut behind) = (0, None);
+    for _ in 0..1000 {
+        master += 20;
+        slave = follower.step(slave, lead(20), T);
+        if follower.phase() == Phase::Synchronized {
+            let now = Position::whole(master) - slave.position;
+            assert_eq!(*behind.get_or_insert(now), now);
+        }
+    }
+    assert!(behind.unwrap() > Position::ZERO);
+}
+
+/// Proves: MACS-SYNC-02
+#[test]
+fn a_slave_at_rest_is_coupled_at_once_and_follows_every_fraction() {
+    let mut follower = follower(355, 113, SyncMode::Position);
+    let mut slave = Motion::default();
+    let mut master = 0_i64;
+    for k in 0..5000_i64 {
+        // Up to 30 inc a cycle and back through zero, one more or less every ten cycles.
+        let step = (k / 10 + 30).rem_euclid(120);
+        let step = (step - 60).abs() - 30;
+        master += step;
+        slave = follower.step(slave, lead(step), T);
+        assert_eq!(slave.position.floor(), (master * 355).div_euclid(113), "cycle {k}");
+        assert_eq!(follower.phase(), Phase::Synchronized);
+    }
+}
+
+#[test]
+fn a_leader_that_is_too_fast_is_left_and_caught_again() {
+    let mut follower = follower(1, 1, SyncMode::Position);
+    let mut slave = Motion::default();
+    let mut master = 0;
+    let mut phases = Vec::new();
+    for k in 0..3000 {
+        let step = if (100..300).contains(&k) { 150 } else { 10 };
+        master += step;
+        slave = follower.step(slave, lead(step), T);
+        assert!(slave.velocity.abs() <= 1e5 + 1e-6);
+        if phases.last() != Some(&follower.phase()) {
+            phases.push(follower.phase());
+        }
+    }
+    use Phase::*;
+    assert_eq!(phases, [CatchingUp, Synchronized, CatchingUp, Synchronized]);
+    assert_eq!(slave.position, Position::whole(master));
+}
+
+#[test]
+fn an_offset_is_worked_off_and_kept() {
+    let ratio = Ratio::new(1, 1).unwrap();
+    let offset = Position::whole(-777);
+    let (mode, end) = (SyncMode::Position, Disengage::Stop);
+    let mut follower = Follower::new(Leader::Encoder(0), ratio, mode, end, Motion::default(), offset, BOUNDS);
+    let mut slave = Motion::default();
+    for _ in 0..1000 {
+        slave = follower.step(slave, lead(3), T);
+    }
+    assert_eq!(slave.position, Position::whole(3000 - 777));
+}
+
+proptest! {
+    /// However the leader moves within what the slave can do: once the leader is steady the slave arrives, exactly, and
+    /// it never leaves its velocity or acceleration while it catches up.
+    #[test]
+    fn the_slave_arrives_exactly(
+        start_velocity in -4e4..4e4_f64,
+        leader_step in -30_i64..30,
+        numerator in prop_oneof![-500_i64..-100, 100_i64..500],
+        offset in -5000_i64..5000,
+    ) {
+        let ratio = Ratio::new(numerator, 500).unwrap();
+        let start = Motion { velocity: start_velocity, ..Motion::default() };
+        let (mode, end) = (SyncMode::Position, Disengage::Stop);
+        let offset = Position::whole(offset);
+        let mut follower = Follower::new(Leader::Encoder(0), ratio, mode, end, start, offset, BOUNDS);
+        let mut slave = start;
+        let uneven = numerator.abs() as f64 / 500.0 / T;
+        for _ in 0..3000 {
+            let before = slave.velocity;
+            slave = follower.step(slave, lead(leader_step), T);
+            prop_assert!(slave.velocity.abs() <= BOUNDS.velocity + 1e-3);
+            prop_assert!((slave.velocity - before).abs() <= BOUNDS.acceleration * T + uneven + 1e-3);
+        }
+        prop_assert_eq!(follower.phase(), Phase::Synchronized);
+        let total = Position::whole(3000 * leader_step);
+        prop_assert_eq!(slave.position, offset + Gear::new(ratio).step(total));
+    }
+}

@@ -1,0 +1,202 @@
+//! Exact electronic gear.
+//!
+//! Law      slave = floor((numerator * master + remainder) / denominator), the remainder is kept: no ratio ever drifts
+//! Reads    the master's change per cycle; the caller has taken the difference, so the source may wrap
+//! Writes   the slave's change per cycle, to 2^-32 inc
+//! Refuses  denominator 0, numerator 0 (a ratio that moves nothing), parts beyond 2^62
+//! Source   MACS-SYNC-02
+
+use crate::position::Position;
+
+/// Ratio slave : master in lowest terms; the denominator is positive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ratio {
+    numerator: i64,
+    denominator: i64,
+}
+
+impl Ratio {
+    /// Largest magnitude of a part, exclusive: 2^62.
+    pub const LIMIT: i64 = 1 << 62;
+
+    /// A ratio of slave increments to master increments, reduced; none for a part that is 0 or not below 2^62.
+    pub fn new(numerator: i64, denominator: i64) -> Option<Self> {
+        let legal = |part: i64| part != 0 && part.unsigned_abs() < Self::LIMIT.unsigned_abs();
+        if !legal(numerator) || !legal(denominator) {
+            return None;
+        }
+        let divisor = gcd(numerator.unsigned_abs(), denominator.unsigned_abs()) as i64;
+        let sign = denominator.signum();
+        Some(Self { numerator: sign * numerator / divisor, denominator: sign * denominator / divisor })
+    }
+
+    /// The value, rounded.
+    pub fn to_f64(self) -> f64 {
+        self.numerator as f64 / self.denominator as f64
+    }
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    let (mut a, mut b) = (a, b);
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+/// A gear between two positions.
+#[derive(Clone, Copy, Debug)]
+pub struct Gear {
+    ratio: Ratio,
+    /// In units of 2^-32 inc / denominator; 0 <= remainder < denominator.
+    remainder: i128,
+}
+
+impl Gear {
+    /// Largest master change per cycle [inc]; more is a fault of its source, which the caller has to treat as one.
+    pub const MAX_CHANGE: i64 = 1 << 31;
+
+    /// A gear that starts without remainder.
+    pub fn new(ratio: Ratio) -> Self {
+        Self { ratio, remainder: 0 }
+    }
+
+    /// The ratio.
+    pub fn ratio(&self) -> Ratio {
+        self.ratio
+    }
+
+    /// Takes another ratio; the remainder passes on, rounded once to 2^-32 inc (contract section 1).
+    pub fn set_ratio(&mut self, ratio: Ratio) {
+        // The fraction of 2^-32 stands in the slave's position already: what is left rounds to no or one such unit. A
+        // whole unit is a full denominator, which the next step gives out.
+        let round_up = 2 * self.remainder >= i128::from(self.ratio.denominator);
+        self.remainder = if round_up { i128::from(ratio.denominator) } else { 0 };
+        self.ratio = ratio;
+    }
+
+    /// Advances by the master's change and returns the slave's.
+    pub fn step(&mut self, master_change: Position) -> Position {
+        let bound = Position::whole(Self::MAX_CHANGE).raw();
+        let change = master_change.raw().clamp(-bound, bound);
+        // |numerator| < 2^62 and |change| <= 2^63, the remainder is below 2^62: the sum stays below 2^126.
+        let total = i128::from(self.ratio.numerator) * change + self.remainder;
+        let denominator = i128::from(self.ratio.denominator);
+        let (quotient, remainder) = div_rem_floor(total, denominator);
+        self.remainder = remainder;
+        Position::from_raw(quotient)
+    }
+}
+
+/// Floored division by a positive denominator; in 64 bits where the number allows, as 128-bit division is slow.
+fn div_rem_floor(total: i128, denominator: i128) -> (i128, i128) {
+    match (i64::try_from(total), i64::try_from(denominator)) {
+        (Ok(total), Ok(denominator)) => {
+            (i128::from(total.div_euclid(denominator)), i128::from(total.rem_euclid(denominator)))
+        }
+        _ => (total.div_euclid(denominator), total.rem_euclid(denominator)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn gear(numerator: i64, denominator: i64) -> Gear {
+        Gear::new(Ratio::new(numerator, denominator).unwrap())
+    }
+
+    /// Proves: MACS-SYNC-02, MACS-O-33
+    #[test]
+    fn one_to_two_halves_a_thousand() {
+        let mut gear = gear(1, 2);
+        let slave = (0..1000).fold(Position::ZERO, |sum, _| sum + gear.step(Position::whole(1)));
+        assert_eq!(slave, Position::whole(500));
+    }
+
+    /// Proves: MACS-SYNC-02
+    #[test]
+    fn ten_to_the_twelve_increments_at_355_to_113_with_reversals_end_on_the_exact_increment() {
+        let mut gear = gear(355, 113);
+        let (mut master, mut travelled, mut slave, mut k) = (0_i64, 0_i64, Position::ZERO, 0_i64);
+        while travelled < 1_000_000_000_000 {
+            // Uneven steps, every seventh one back.
+            let step = 700_001 + k % 1013 - if k % 7 == 6 { 1_900_007 } else { 0 };
+            slave += gear.step(Position::whole(step));
+            master += step;
+            travelled += step.abs();
+            k += 1;
+        }
+        let exact = (i128::from(master) * 355).div_euclid(113);
+        assert_eq!(i128::from(slave.floor()), exact);
+        while master != 0 {
+            let back = (-master).max(-1_000_000_007);
+            slave += gear.step(Position::whole(back));
+            master += back;
+        }
+        assert_eq!(slave, Position::ZERO);
+    }
+
+    #[test]
+    fn a_negative_master_leaves_a_non_negative_remainder() {
+        let mut gear = gear(1, 3);
+        assert_eq!(gear.step(Position::whole(-1)).floor(), -1);
+        assert!(gear.remainder >= 0);
+    }
+
+    /// Proves: MACS-DIR-04, MACS-SYNC-02
+    #[test]
+    fn signs_meet_in_the_numerator_and_zero_is_refused() {
+        assert_eq!(Ratio::new(-2, -4), Ratio::new(1, 2));
+        assert_eq!(Ratio::new(2, -4), Ratio::new(-1, 2));
+        assert_eq!(Ratio::new(1, 0), None);
+        assert_eq!(Ratio::new(0, 1), None);
+        assert_eq!(Ratio::new(i64::MIN, 1), None);
+        assert_eq!(Ratio::new(1 << 62, 1), None);
+        assert!(Ratio::new((1 << 62) - 1, 1).is_some());
+    }
+
+    #[test]
+    fn the_largest_change_at_the_largest_ratio_does_not_overflow() {
+        let mut gear = gear(Ratio::LIMIT - 1, Ratio::LIMIT - 3);
+        for change in [i64::MAX, i64::MIN, 0] {
+            gear.step(Position::whole(change));
+        }
+    }
+
+    /// 1/3 inc is 1431655765.33 units of 2^-32 and 2/3 inc 2863311530.67: the first remainder rounds down to none, the
+    /// second up to one unit.
+    #[test]
+    fn a_change_of_ratio_rounds_the_remainder_once_to_a_unit_of_2_to_the_minus_32() {
+        for (first, units) in [(1, 1_431_655_765 + 1_431_655_765), (2, 2_863_311_530 + 1 + 1_431_655_765)] {
+            let mut gear = gear(first, 3);
+            let mut slave = gear.step(Position::whole(1));
+            gear.set_ratio(Ratio::new(1, 3).unwrap());
+            slave += gear.step(Position::whole(1));
+            assert_eq!(slave.raw(), units);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_sum_of_steps_is_the_step_of_the_sum(
+            numerator in prop_oneof![-1000_i64..-1, 1_i64..1000, 1_i64 << 40..1 << 61],
+            denominator in prop_oneof![1_i64..1000, 1_i64 << 40..1 << 61],
+            changes in prop::collection::vec(-(1_i128 << 60)..(1_i128 << 60), 1..50),
+        ) {
+            let ratio = Ratio::new(numerator, denominator).unwrap();
+            let mut one_by_one = Gear::new(ratio);
+            let mut sum = Position::ZERO;
+            let mut fraction_of_all = 0_i128;
+            for &change in &changes {
+                sum += one_by_one.step(Position::from_raw(change));
+                fraction_of_all += change;
+            }
+            prop_assume!(fraction_of_all.unsigned_abs() < 1 << 62);
+            let mut at_once = Gear::new(ratio);
+            prop_assert_eq!(sum, at_once.step(Position::from_raw(fraction_of_all)));
+            prop_assert_eq!(one_by_one.remainder, at_once.remainder);
+        }
+    }
+}

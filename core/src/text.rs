@@ -1,0 +1,218 @@
+//! Sentences of events, made outside the cycle from their numbers.
+//!
+//! Every sentence names the object, what was asked or found, and what is allowed, in the axis' own units.
+
+use crate::axis::AXIS_STATES;
+use crate::code::Code;
+use crate::config::MachineConfig;
+use crate::event::{Event, Kind, Number};
+use crate::object::Object;
+use crate::parameter::{Measure, ROWS, Row};
+
+/// The sentence of an event.
+pub fn sentence(event: &Event, config: &MachineConfig) -> String {
+    let name = config.name(event.source);
+    let text = match event.kind {
+        Kind::Accepted => "accepted".to_owned(),
+        Kind::State => format!("now {}", state_name(event.asked)),
+        Kind::Parameter => changed(event, config),
+        Kind::Latch => latched(event, config),
+        Kind::Overrun => format!("{} cycles missed", plain(event.asked)),
+        Kind::Reset => format!("reset after: {}", reason(event, config)),
+        Kind::Done if event.code.is_none() => "done".to_owned(),
+        _ => reason(event, config),
+    };
+    format!("{name}: {text}")
+}
+
+fn state_name(number: Number) -> &'static str {
+    match number {
+        Number::Count(state) => AXIS_STATES.get(state.unsigned_abs() as usize).copied().unwrap_or("?"),
+        _ => "?",
+    }
+}
+
+fn row(event: &Event) -> Option<&'static Row> {
+    ROWS.get(usize::from(event.parameter?))
+}
+
+fn changed(event: &Event, config: &MachineConfig) -> String {
+    let Some(row) = row(event) else { return "parameter changed".to_owned() };
+    let value = parameter_value(row, event.asked, event.source, config);
+    format!("{} is {value}, effective {}", row.key, row.effect.text())
+}
+
+fn parameter_value(row: &Row, number: Number, source: Object, config: &MachineConfig) -> String {
+    match (row.measure, number) {
+        (Measure::Choice(names), Number::Count(place)) => {
+            names.get(place.unsigned_abs() as usize).map_or_else(|| place.to_string(), |name| (*name).to_owned())
+        }
+        (_, Number::None) => row.default_text.to_owned(),
+        _ => number_text(number, source, config),
+    }
+}
+
+fn latched(event: &Event, config: &MachineConfig) -> String {
+    let edge = if event.asked == Number::Count(1) { "rising" } else { "falling" };
+    match event.source {
+        Object::Axis(_) | Object::Encoder(_) => {
+            let position = number_text(Number::Position(event.position.floor()), event.source, config);
+            format!("{edge} edge at {position}, {} us before the cycle", event.age_ns / 1000)
+        }
+        _ => format!("{edge} edge, {} us before the cycle", event.age_ns / 1000),
+    }
+}
+
+/// A number in the units of its object.
+fn number_text(number: Number, source: Object, config: &MachineConfig) -> String {
+    let scale = match source {
+        Object::Axis(index) => config.axes.get(usize::from(index)).map(|axis| &axis.scale),
+        Object::Encoder(index) => config.encoders.get(usize::from(index)).map(|encoder| &encoder.scale),
+        _ => None,
+    };
+    match (number, scale) {
+        (Number::Position(value), Some(scale)) => scale.format_increments(value),
+        (Number::Velocity(value), Some(scale)) => scale.format_rate(value, 1),
+        (Number::Acceleration(value), Some(scale)) => scale.format_rate(value, 2),
+        (Number::Jerk(value), Some(scale)) => scale.format_rate(value, 3),
+        (number, _) => plain(number),
+    }
+}
+
+fn plain(number: Number) -> String {
+    match number {
+        Number::None => "nothing".to_owned(),
+        Number::Position(value) => format!("{value} inc"),
+        Number::Count(value) => value.to_string(),
+        Number::Time(value) => format!("{} ms", value as f64 / 1e6),
+        Number::Velocity(value) => format!("{value} inc/s"),
+        Number::Acceleration(value) => format!("{value} inc/s^2"),
+        Number::Jerk(value) => format!("{value} inc/s^3"),
+        Number::Real(value) => value.to_string(),
+    }
+}
+
+/// Why something was refused, ended or failed.
+fn reason(event: &Event, config: &MachineConfig) -> String {
+    let asked = || number_text(event.asked, event.source, config);
+    let limit = || number_text(event.limit, event.source, config);
+    let fixed = |text: &str| text.to_owned();
+    match event.code {
+        Code::DRIVE_LOST => fixed("the drive does not answer"),
+        Code::LIMIT_VIOLATION => format!("velocity {} leads further into the limit at {}", asked(), limit()),
+        Code::ABOVE_MAX_POSITION => format!("target {} lies above max_position {}", asked(), limit()),
+        Code::BELOW_MIN_POSITION => format!("target {} lies below min_position {}", asked(), limit()),
+        Code::VELOCITY_TOO_HIGH => format!("velocity {} lies above max_velocity {}", asked(), limit()),
+        Code::ACCELERATION_TOO_HIGH => format!("acceleration {} lies above max_acceleration {}", asked(), limit()),
+        Code::DECELERATION_TOO_HIGH => format!("deceleration {} lies above max_deceleration {}", asked(), limit()),
+        Code::JERK_TOO_HIGH => format!("jerk {} lies above max_jerk {}", asked(), limit()),
+        Code::NOT_ENABLED => fixed("the axis is not enabled; enable it first"),
+        Code::IN_ERROR => fixed("the axis stands in ERROR_STOP; reset_errors first"),
+        Code::QUICK_STOPPED => fixed("quick_stop has locked the axis; reset_errors first"),
+        Code::BAD_NUMBER => format!("{} is not allowed here; a finite number that is not negative is", asked()),
+        Code::POSITION_OUT_OF_RANGE => fixed("the target lies beyond 2^62 increments"),
+        Code::CANNOT_STOP_BEFORE_MAX_POSITION => {
+            format!("with deceleration {} it would reach {}, beyond max_position, on its way", asked(), limit())
+        }
+        Code::CANNOT_STOP_BEFORE_MIN_POSITION => {
+            format!("with deceleration {} it would reach {}, beyond min_position, on its way", asked(), limit())
+        }
+        Code::LEADER_LOOP => fixed("the axis would follow itself"),
+        Code::BAD_RATIO => {
+            format!("ratio {} : {} is none; both parts must not be 0 and stay below 2^62", asked(), limit())
+        }
+        Code::NOT_BUILT => not_built(event, config),
+        Code::UNKNOWN_GOAL => fixed("no such goal is active"),
+        Code::PARAMETER_OUT_OF_RANGE => out_of_range(event, config),
+        Code::PARAMETERS_CONTRADICT => format!("{} {} contradicts the axis' other parameters", key(event), asked()),
+        Code::GOAL_BEYOND_NEW_LIMITS => {
+            format!("{} {} would leave out the target {} of the active goal", key(event), asked(), limit())
+        }
+        Code::TOO_MANY_WAITING => fixed("too many commands wait; try again"),
+        Code::BAD_REQUEST => fixed("the request is not understood"),
+        Code::NOT_AT_STANDSTILL => fixed("the axis is still stopping"),
+        Code::REPLACED => fixed("a newer command took the axis over"),
+        Code::HALTED => fixed("halt ended the goal"),
+        Code::CANCELLED => fixed("the goal was cancelled"),
+        Code::QUICK_STOP => fixed("quick_stop ended the goal"),
+        Code::DISABLED => fixed("the axis was switched off"),
+        Code::FOLLOWING_ERROR => format!("following error {} lies beyond max_following_error {}", asked(), limit()),
+        Code::SOFTWARE_LIMIT_POSITIVE => format!("stopped at max_position {}", limit_of(event, config)),
+        Code::SOFTWARE_LIMIT_NEGATIVE => format!("stopped at min_position {}", limit_of(event, config)),
+        Code::DRIVE_DISABLED => fixed("the drive left operation enabled by itself"),
+        Code::ENABLE_TIMEOUT => fixed("the drive did not reach operation enabled within 5 s"),
+        Code::ENCODER_INVALID => fixed("the encoder gives no valid value"),
+        Code::LEADER_LOST => fixed("what the axis follows is lost"),
+        Code::DRIVE_STALE => fixed("the drive sent nothing new for more than 10 cycles"),
+        Code::STREAM_TIMEOUT => fixed("streamed setpoints stopped coming"),
+        Code::ENCODER_JUMP => format!("the leader jumped by {} in one cycle", asked()),
+        Code::SYNC_LOST => fixed("the leader is faster than the axis may be; it lags and catches up"),
+        Code::RESET_FAILED => fixed("the drive did not leave its fault within 5 s"),
+        Code::EVENTS_LOST => format!("{} events of this cycle had no room", plain(event.asked)),
+        Code(number) if number >= Code::DRIVE_FAULT => format!("drive fault {:04X}h", number - Code::DRIVE_FAULT),
+        Code(number) => format!("code {number}"),
+    }
+}
+
+/// The limit's position, which limit events carry as theirs.
+fn limit_of(event: &Event, config: &MachineConfig) -> String {
+    match event.limit {
+        Number::None => number_text(Number::Position(event.position.floor()), event.source, config),
+        limit => number_text(limit, event.source, config),
+    }
+}
+
+fn key(event: &Event) -> &'static str {
+    row(event).map_or("parameter", |row| row.key)
+}
+
+fn not_built(event: &Event, config: &MachineConfig) -> String {
+    match row(event) {
+        Some(row) => {
+            let value = parameter_value(row, event.asked, event.source, config);
+            format!("{} {value} does not exist yet", row.key)
+        }
+        None => "this does not exist yet".to_owned(),
+    }
+}
+
+fn out_of_range(event: &Event, config: &MachineConfig) -> String {
+    use crate::parameter::Range;
+    let Some(row) = row(event) else { return "a parameter lies outside its range".to_owned() };
+    let text = |number| number_text(number, event.source, config);
+    let range = match (row.range, row.measure) {
+        (Range::Int(low, high), Measure::Position | Measure::Distance) => {
+            format!("{} to {}", text(Number::Position(low)), text(Number::Position(high)))
+        }
+        (Range::Int(low, high), Measure::Time) => {
+            format!("{} to {}", text(Number::Time(low)), text(Number::Time(high)))
+        }
+        (Range::Int(low, high), _) => format!("{low} to {high}"),
+        (Range::PositiveUpTo(_), _) => format!("more than 0 up to {}", text(event.limit)),
+    };
+    format!("{} is {}; {range} is allowed", row.key, parameter_value(row, event.asked, event.source, config))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::event::{Event, Severity};
+
+    #[test]
+    fn every_code_has_a_sentence_of_its_own() {
+        let config = MachineConfig::default();
+        let mut seen = std::collections::BTreeSet::new();
+        for (name, code) in Code::ALL.iter().filter(|(_, code)| !code.is_none() && *code != Code::OVERRUN) {
+            let event = Event::new(Severity::Warn, Kind::Refused, Object::Machine, *code);
+            let sentence = sentence(&event, &config);
+            assert!(!sentence.contains("code "), "{name}: {sentence}");
+            assert!(seen.insert(sentence.clone()), "{name} says the same as another: {sentence}");
+        }
+    }
+
+    #[test]
+    fn a_drive_fault_shows_its_603f_code() {
+        let event = Event::new(Severity::Error, Kind::Error, Object::Machine, Code::drive_fault(0x8611));
+        assert_eq!(sentence(&event, &MachineConfig::default()), "machine: drive fault 8611h");
+    }
+}

@@ -1,0 +1,168 @@
+//! Why a number, a unit or a scale is refused.
+
+use super::{Dimension, Fraction, Quantity, fraction_to_text};
+use thiserror::Error;
+
+/// A refusal: what was given and what is allowed. [`UnitError::hint`] says how to write it instead.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum UnitError {
+    /// The text is no decimal number.
+    #[error("`{text}` is not a number")]
+    NotANumber {
+        /// The text as given.
+        text: String,
+    },
+    /// The number needs more digits than an exact fraction of 128-bit integers holds.
+    #[error("`{text}` has too many digits; numbers from 1e-38 to 1e38 with up to 38 digits are exact")]
+    TooManyDigits {
+        /// The number as given.
+        text: String,
+    },
+    /// NaN or infinite, or beyond 1e38.
+    #[error("{value} is not a finite number within +-1e38")]
+    NotFinite {
+        /// The value as given.
+        value: f64,
+    },
+    /// Number and unit stand together without a blank.
+    #[error("`{text}` has no blank between number and unit")]
+    NoBlank {
+        /// The text as given.
+        text: String,
+        /// Bytes of the number at its start.
+        number: usize,
+    },
+    /// No such unit.
+    #[error("`{unit}` in `{text}` is not a unit; {} has {}", .expected.article(), .expected.units())]
+    UnknownUnit {
+        /// The whole text as given.
+        text: String,
+        /// The part that should be a unit.
+        unit: String,
+        /// What was expected.
+        expected: Dimension,
+        /// A unit that is probably meant.
+        meant: Option<&'static str>,
+    },
+    /// A unit of another dimension.
+    #[error(
+        "`{given}` is {}; {} such as `{}` is expected",
+        .given.unit().dimension().article(), .expected.article(), .given.example(*.expected)
+    )]
+    WrongDimension {
+        /// The quantity as given.
+        given: Quantity,
+        /// What was expected.
+        expected: Dimension,
+    },
+    /// A position that no axis may have.
+    #[error("{given} is {} increments; a position stays below 2^62 = 4611686018427387904 increments", Magnitude(.increments))]
+    OutOfRange {
+        /// The value as given, with its unit.
+        given: String,
+        /// The increments it would be; `None` when they are beyond 128 bits.
+        increments: Option<Fraction>,
+    },
+    /// Exact arithmetic left 128 bits.
+    #[error("`{given}` cannot be converted exactly: numerator and denominator of the result exceed 128 bits")]
+    Inexact {
+        /// The value as given.
+        given: Quantity,
+    },
+    /// A time that is no whole number of nanoseconds within i64.
+    #[error("`{given}` is not a whole number of nanoseconds; times are whole nanoseconds up to 292 years")]
+    NotNanoseconds {
+        /// The time as given.
+        given: Quantity,
+    },
+    /// A part of a scale that must be positive is not.
+    #[error("{part} of the scale is {}; a value above 0 is allowed", fraction_to_text(.value))]
+    NotPositive {
+        /// `increments` or `per`.
+        part: &'static str,
+        /// The value as given.
+        value: Fraction,
+    },
+    /// A MACS unit factor beyond its range.
+    #[error("{name} is {value}; 1..1073741823 is allowed")]
+    MacsFactor {
+        /// The parameter.
+        name: &'static str,
+        /// The value as given.
+        value: i128,
+    },
+    /// A MACS position beyond +-MLONG quadcounts.
+    #[error("{} user units are {} qc; -1073741823..1073741823 qc is allowed", fraction_to_text(.user_units), Magnitude(.increments))]
+    MacsPosition {
+        /// The position as given.
+        user_units: Fraction,
+        /// The quadcounts it would be; `None` when they are beyond 128 bits.
+        increments: Option<Fraction>,
+    },
+}
+
+impl UnitError {
+    /// How to write it instead, where that is known.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NotANumber { text } if text.contains(',') => Some("write a decimal point, not a comma".to_owned()),
+            Self::NoBlank { text, number } => {
+                let (number, unit) = text.split_at_checked(*number)?;
+                Some(format!("write `{number} {unit}`"))
+            }
+            Self::UnknownUnit { meant, .. } => meant.map(|unit| format!("did you mean `{unit}`?")),
+            _ => None,
+        }
+    }
+}
+
+/// Increments in a sentence, known or beyond all arithmetic.
+struct Magnitude<'a>(&'a Option<Fraction>);
+
+impl std::fmt::Display for Magnitude<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            Some(increments) => f.write_str(&fraction_to_text(increments)),
+            None => f.write_str("more than 2^127"),
+        }
+    }
+}
+
+/// A piece of foreign text for a sentence: on one line and at most 60 characters long.
+pub fn excerpt(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let mut piece = String::new();
+    for (index, c) in text.chars().enumerate() {
+        if index == LONGEST {
+            piece.push_str("..");
+            break;
+        }
+        // U+2028 and U+2029 break lines like a control character.
+        if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') {
+            piece.extend(c.escape_default());
+        } else {
+            piece.push(c);
+        }
+    }
+    piece
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_excerpt_is_short_and_on_one_line() {
+        assert_eq!(excerpt("1 ms\n\u{2028}ü"), "1 ms\\n\\u{2028}ü");
+        assert_eq!(excerpt(&"9".repeat(61)), format!("{}..", "9".repeat(60)));
+        assert_eq!(excerpt(&"9".repeat(60)), "9".repeat(60));
+    }
+
+    #[test]
+    fn a_refusal_does_not_repeat_a_whole_file() {
+        let text = "1 ".repeat(1 << 20);
+        let error = Quantity::parse(&text, &[Dimension::Time]).unwrap_err();
+        assert!(error.to_string().len() < 300, "{error}");
+    }
+}

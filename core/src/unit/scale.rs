@@ -1,0 +1,263 @@
+//! From quantities to increments and back.
+
+use super::fraction::nine_digits;
+use super::{
+    Dimension, Fraction, MacsFactors, Quantity, Unit, UnitError, fraction_from_f64, fraction_to_f64, fraction_to_text,
+    round,
+};
+use num_traits::{CheckedDiv, CheckedMul, Signed};
+use std::f64::consts::TAU;
+
+/// Positions stay below 2^62 increments.
+const LIMIT: u64 = 1 << 62;
+
+/// Whether an axis moves along a line (m) or turns (rad).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ScaleKind {
+    /// Lengths; SI m.
+    Linear,
+    /// Angles; SI rad.
+    Rotary,
+}
+
+impl ScaleKind {
+    /// The dimension of the `order`-th derivative (0..=3) of the position.
+    pub fn dimension(self, order: u8) -> Dimension {
+        match self {
+            Self::Linear => Dimension::Length(order),
+            Self::Rotary => Dimension::Angle(order),
+        }
+    }
+}
+
+/// Increments per unit of travel, an exact positive fraction, and the axis unit in which people read the axis.
+///
+/// Law: increments = round(value in m or revolutions * scale); f64 results are the exact fraction, rounded once. With rad,
+/// pi takes part as an f64.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scale {
+    kind: ScaleKind,
+    /// inc/m or inc/rev.
+    per_base: Fraction,
+    unit: Unit,
+}
+
+impl Scale {
+    /// `increments` per length or angle `per`; the axis unit is m or rad until [`Scale::with_unit`].
+    ///
+    /// # Errors
+    /// [`UnitError::NotPositive`]; [`UnitError::WrongDimension`] unless `per` is a length or an angle;
+    /// [`UnitError::Inexact`] where the fraction leaves 128 bits.
+    pub fn new(increments: Fraction, per: Quantity) -> Result<Self, UnitError> {
+        for (part, value) in [("increments", increments), ("per", per.value())] {
+            if !value.is_positive() {
+                return Err(UnitError::NotPositive { part, value });
+            }
+        }
+        let kind = match per.unit().dimension() {
+            Dimension::Length(0) => ScaleKind::Linear,
+            Dimension::Angle(0) => ScaleKind::Rotary,
+            _ => return Err(UnitError::WrongDimension { given: per, expected: Dimension::Length(0) }),
+        };
+        let per_base = increments.checked_div(&in_base(&per)?).filter(Signed::is_positive);
+        let per_base = per_base.ok_or(UnitError::Inexact { given: per })?;
+        Ok(Self { kind, per_base, unit: kind.dimension(0).si_unit() })
+    }
+
+    /// The scale of MACS unit factors, where one user unit is `user_unit`, such as 0.1 mm.
+    ///
+    /// # Errors
+    /// As [`Scale::new`]; [`UnitError::MacsFactor`].
+    pub fn from_macs(factors: &MacsFactors, user_unit: Quantity) -> Result<Self, UnitError> {
+        Self::new(factors.increments_per_user_unit()?, user_unit)
+    }
+
+    /// The same scale, read in another axis unit: a length, an angle or inc, as the kind is.
+    ///
+    /// # Errors
+    /// [`UnitError::WrongDimension`].
+    pub fn with_unit(self, unit: Unit) -> Result<Self, UnitError> {
+        if unit.dimension() == self.kind.dimension(0) || unit == Unit::INCREMENT {
+            return Ok(Self { unit, ..self });
+        }
+        Err(UnitError::WrongDimension {
+            given: Quantity::new(Fraction::from(1), unit),
+            expected: self.kind.dimension(0),
+        })
+    }
+
+    /// Linear or rotary.
+    pub fn kind(&self) -> ScaleKind {
+        self.kind
+    }
+
+    /// The axis unit.
+    pub fn unit(&self) -> Unit {
+        self.unit
+    }
+
+    /// The dimensions that a quantity of the `order`-th derivative (0..=3) may have here, the SI one first.
+    pub fn dimensions(&self, order: u8) -> [Dimension; 2] {
+        [self.kind.dimension(order), Dimension::Increments(order)]
+    }
+
+    /// Increments (per s^n) of a quantity, unrounded: for a modulo, which need not be whole, and for the absolute end of a
+    /// relative move. In rad: the nearest f64 of turns, taken as a decimal.
+    ///
+    /// # Errors
+    /// [`UnitError::WrongDimension`] unless it is of the scale's kind or in increments; [`UnitError::Inexact`].
+    pub fn exact(&self, quantity: &Quantity) -> Result<Fraction, UnitError> {
+        let base = in_base(quantity)?;
+        match (quantity.unit().dimension(), self.kind) {
+            (Dimension::Increments(_), _) => Ok(base),
+            (Dimension::Length(_), ScaleKind::Linear) | (Dimension::Angle(_), ScaleKind::Rotary) => {
+                base.checked_mul(&self.per_base).ok_or(UnitError::Inexact { given: *quantity })
+            }
+            _ => Err(UnitError::WrongDimension { given: *quantity, expected: self.kind.dimension(0) }),
+        }
+    }
+
+    /// Whole increments of a position: nearest, half away from zero, |result| < 2^62.
+    ///
+    /// # Errors
+    /// As [`Scale::exact`]; a derivative is [`UnitError::WrongDimension`]; [`UnitError::OutOfRange`].
+    pub fn position(&self, quantity: &Quantity) -> Result<i64, UnitError> {
+        if !self.dimensions(0).contains(&quantity.unit().dimension()) {
+            return Err(UnitError::WrongDimension { given: *quantity, expected: self.kind.dimension(0) });
+        }
+        let exact = match self.exact(quantity) {
+            Err(UnitError::Inexact { .. }) => None,
+            other => Some(other?),
+        };
+        // What leaves 128 bits may still be a small number with many digits: that is inexact, not out of range.
+        if exact.is_none() && self.rough(quantity).abs() < LIMIT as f64 {
+            return Err(UnitError::Inexact { given: *quantity });
+        }
+        exact
+            .and_then(|exact| round(&exact))
+            .filter(|whole| whole.unsigned_abs() < LIMIT)
+            .ok_or_else(|| UnitError::OutOfRange { given: format!("`{quantity}`"), increments: exact })
+    }
+
+    /// A velocity, acceleration or jerk (`order` 1..=3) in inc/s^order, correctly rounded from the exact fraction.
+    ///
+    /// # Errors
+    /// As [`Scale::exact`]; another order is [`UnitError::WrongDimension`].
+    pub fn rate(&self, quantity: &Quantity, order: u8) -> Result<f64, UnitError> {
+        if !self.dimensions(order).contains(&quantity.unit().dimension()) {
+            return Err(UnitError::WrongDimension { given: *quantity, expected: self.kind.dimension(order) });
+        }
+        self.exact(quantity).map(|exact| fraction_to_f64(&exact))
+    }
+
+    /// [`Scale::position`] of an SI number (m or rad) by its shortest decimal.
+    ///
+    /// # Errors
+    /// [`UnitError::NotFinite`]; as [`Scale::position`].
+    pub fn position_from_si(&self, metres_or_radians: f64) -> Result<i64, UnitError> {
+        self.position(&Quantity::from_f64(metres_or_radians, self.si_unit())?)
+    }
+
+    /// [`Scale::position`] of a number in the axis unit by its shortest decimal.
+    ///
+    /// # Errors
+    /// As [`Scale::position_from_si`].
+    pub fn position_from_unit(&self, value: f64) -> Result<i64, UnitError> {
+        self.position(&Quantity::from_f64(value, self.unit)?)
+    }
+
+    /// [`Scale::rate`] of an SI number (m/s^order or rad/s^order, `order` 1..=3).
+    ///
+    /// # Errors
+    /// [`UnitError::NotFinite`]; as [`Scale::rate`].
+    pub fn rate_from_si(&self, value: f64, order: u8) -> Result<f64, UnitError> {
+        self.rate(&Quantity::from_f64(value, self.si_unit().with_order(order))?, order)
+    }
+
+    /// [`Scale::rate`] of a number in the axis unit per s^order (`order` 1..=3).
+    ///
+    /// # Errors
+    /// As [`Scale::rate_from_si`].
+    pub fn rate_from_unit(&self, value: f64, order: u8) -> Result<f64, UnitError> {
+        self.rate(&Quantity::from_f64(value, self.unit.with_order(order))?, order)
+    }
+
+    /// A position in m or rad; `fraction` is what the floor left, 0..1 inc.
+    pub fn position_to_si(&self, increments: i64, fraction: f64) -> f64 {
+        self.position_in(self.si_unit(), increments, fraction)
+    }
+
+    /// A position in the axis unit; `fraction` is what the floor left, 0..1 inc.
+    pub fn position_to_unit(&self, increments: i64, fraction: f64) -> f64 {
+        self.position_in(self.unit, increments, fraction)
+    }
+
+    /// Any derivative in inc/s^n as m/s^n or rad/s^n.
+    pub fn rate_to_si(&self, rate: f64) -> f64 {
+        rate / self.per(self.si_unit())
+    }
+
+    /// Any derivative in inc/s^n as axis unit per s^n.
+    pub fn rate_to_unit(&self, rate: f64) -> f64 {
+        rate / self.per(self.unit)
+    }
+
+    /// A position for a message: `900 mm`; exact where 15 digits hold it, else nine digits.
+    pub fn format_increments(&self, increments: i64) -> String {
+        let exact = self.exact_per(self.unit).and_then(|per| Fraction::from(i128::from(increments)).checked_div(&per));
+        let number =
+            exact.map_or_else(|| nine_digits(self.position_to_unit(increments, 0.0)), |exact| fraction_to_text(&exact));
+        format!("{number} {}", self.unit)
+    }
+
+    /// A velocity, acceleration or jerk (`order` 1..=3) in inc/s^order for a message: `0.5 m/s`, at most nine digits.
+    pub fn format_rate(&self, rate: f64, order: u8) -> String {
+        format!("{} {}", nine_digits(self.rate_to_unit(rate)), self.unit.with_order(order))
+    }
+
+    fn si_unit(&self) -> Unit {
+        self.kind.dimension(0).si_unit()
+    }
+
+    /// Increments per `unit`; `None` for rad.
+    fn exact_per(&self, unit: Unit) -> Option<Fraction> {
+        if unit == Unit::INCREMENT { Some(Fraction::from(1)) } else { self.per_base.checked_mul(&unit.in_base()?) }
+    }
+
+    /// Increments per `unit`, the nearest f64.
+    fn per(&self, unit: Unit) -> f64 {
+        match self.exact_per(unit) {
+            Some(exact) => fraction_to_f64(&exact),
+            None => {
+                fraction_to_f64(&self.per_base) * unit.in_base().map_or(1.0 / TAU, |factor| fraction_to_f64(&factor))
+            }
+        }
+    }
+
+    fn position_in(&self, unit: Unit, increments: i64, fraction: f64) -> f64 {
+        let whole = Fraction::from(i128::from(increments));
+        let rest = fraction / self.per(unit);
+        match self.exact_per(unit).and_then(|per| whole.checked_div(&per)) {
+            Some(exact) => fraction_to_f64(&exact) + rest,
+            None => increments as f64 / self.per(unit) + rest,
+        }
+    }
+
+    /// Increments of a position in f64, where the exact fraction leaves 128 bits.
+    fn rough(&self, quantity: &Quantity) -> f64 {
+        let plain = quantity.unit().with_order(0);
+        fraction_to_f64(&quantity.value()) * if plain == Unit::INCREMENT { 1.0 } else { self.per(plain) }
+    }
+}
+
+/// The quantity in m, revolutions or increments (per s^n).
+fn in_base(quantity: &Quantity) -> Result<Fraction, UnitError> {
+    match (quantity.exact(), quantity.unit().in_base()) {
+        (Some(exact), _) => Ok(exact),
+        (None, Some(_)) => Err(UnitError::Inexact { given: *quantity }),
+        (None, None) => fraction_from_f64(fraction_to_f64(&quantity.value()) / TAU),
+    }
+}
+
+#[cfg(test)]
+mod tests;

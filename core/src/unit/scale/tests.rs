@@ -1,0 +1,213 @@
+use super::*;
+use proptest::prelude::*;
+
+fn quantity(text: &str, dimension: Dimension) -> Quantity {
+    Quantity::parse(text, &[dimension]).unwrap()
+}
+
+fn length(text: &str) -> Quantity {
+    quantity(text, Dimension::Length(0))
+}
+
+fn angle(text: &str) -> Quantity {
+    quantity(text, Dimension::Angle(0))
+}
+
+/// Axis x of the contract's example cell: 1048576 inc per 10 mm.
+fn x() -> Scale {
+    Scale::new(Fraction::from(1_048_576), length("10 mm")).unwrap().with_unit(Unit::MILLIMETRE).unwrap()
+}
+
+/// Its turret: 36000 inc per turn.
+fn turret() -> Scale {
+    Scale::new(Fraction::from(36_000), angle("360 deg")).unwrap().with_unit(Unit::DEGREE).unwrap()
+}
+
+#[test]
+fn positions_of_the_example_cell() {
+    assert_eq!(x().position(&length("900 mm")), Ok(94_371_840));
+    assert_eq!(x().position(&length("-50 mm")), Ok(-5_242_880));
+    assert_eq!(x().position(&quantity("77 inc", Dimension::Increments(0))), Ok(77));
+    assert_eq!(turret().position(&angle("-1.5 rev")), Ok(-54_000));
+    assert_eq!(turret().position(&angle("3.141592653589793 rad")), Ok(18_000));
+}
+
+#[test]
+fn rates_are_the_exact_fraction_rounded_once() {
+    assert_eq!(x().rate(&quantity("1.2 m/s", Dimension::Length(1)), 1), Ok(125_829_120.0));
+    assert_eq!(x().rate(&quantity("72 m/min", Dimension::Length(1)), 1), Ok(125_829_120.0));
+    assert_eq!(x().rate(&quantity("200 m/s^3", Dimension::Length(3)), 3), Ok(20_971_520_000.0));
+    assert_eq!(turret().rate(&quantity("10 rpm", Dimension::Angle(1)), 1), Ok(6000.0));
+    assert_eq!(turret().rate(&quantity("5 inc/s^2", Dimension::Increments(2)), 2), Ok(5.0));
+    let third = Scale::new(Fraction::from(1), length("3 m")).unwrap();
+    assert_eq!(third.rate(&quantity("1 m/s", Dimension::Length(1)), 1), Ok(1.0 / 3.0));
+}
+
+#[test]
+fn a_derivative_of_the_wrong_order_or_kind_is_refused() {
+    let sentence = |result: Result<f64, UnitError>| result.unwrap_err().to_string();
+    assert_eq!(
+        sentence(x().rate(&quantity("8 m/s", Dimension::Length(1)), 2)),
+        "`8 m/s` is a velocity; an acceleration such as `8 m/s^2` is expected"
+    );
+    assert_eq!(
+        x().position(&angle("90 deg")).unwrap_err().to_string(),
+        "`90 deg` is an angle; a length such as `90 m` is expected"
+    );
+    assert!(turret().position(&quantity("90 deg/s", Dimension::Angle(1))).is_err());
+    assert!(x().exact(&quantity("1 s", Dimension::Time)).is_err());
+}
+
+/// Proves: MACS-UNIT-05
+#[test]
+fn halves_round_away_from_zero() {
+    let scale = Scale::new(Fraction::from(1), length("1 mm")).unwrap();
+    for (text, increments) in [
+        ("0.5 mm", 1),
+        ("-0.5 mm", -1),
+        ("1.5 mm", 2),
+        ("-2.5 mm", -3),
+        ("0.499999999999999999999 mm", 0),
+        ("2499 um", 2),
+    ] {
+        assert_eq!(scale.position(&length(text)), Ok(increments), "{text}");
+    }
+}
+
+#[test]
+fn the_same_number_is_the_same_increment_at_each_door() {
+    // 0.12 is below 12/100 as a binary fraction: taken literally it would round the half down.
+    let scale = Scale::new(Fraction::from(125), length("30 m")).unwrap();
+    assert_eq!(scale.position(&length("0.12 m")), Ok(1));
+    assert_eq!(scale.position_from_si(0.12), Ok(1));
+    assert_eq!(scale.with_unit(Unit::MILLIMETRE).unwrap().position_from_unit(120.0), Ok(1));
+}
+
+#[test]
+fn positions_stay_below_two_to_the_62() {
+    let scale = Scale::new(Fraction::from(1), length("1 m")).unwrap();
+    assert_eq!(scale.position(&length("4611686018427387903 m")), Ok(4_611_686_018_427_387_903));
+    assert_eq!(scale.position(&length("-4611686018427387903 m")), Ok(-4_611_686_018_427_387_903));
+    for text in ["4611686018427387904 m", "4611686018427387903.5 m", "-4611686018427387904 m"] {
+        assert!(matches!(scale.position(&length(text)), Err(UnitError::OutOfRange { .. })), "{text}");
+    }
+    assert_eq!(
+        x().position_from_unit(1e14).unwrap_err().to_string(),
+        "`100000000000000 mm` is 10485760000000000000 increments; \
+         a position stays below 2^62 = 4611686018427387904 increments"
+    );
+    assert_eq!(
+        x().position(&length("1e38 m")).unwrap_err().to_string(),
+        "`100000000000000000000000000000000000000 m` is more than 2^127 increments; \
+         a position stays below 2^62 = 4611686018427387904 increments"
+    );
+    assert!(matches!(x().position_from_si(f64::NAN), Err(UnitError::NotFinite { .. })));
+    assert!(matches!(x().rate_from_si(f64::INFINITY, 1), Err(UnitError::NotFinite { .. })));
+}
+
+#[test]
+fn a_small_number_with_too_many_digits_is_inexact_not_out_of_range() {
+    let scale = Scale::new(Fraction::from(1), length("123456789 m")).unwrap();
+    let error = scale.position(&length("0.1234567890123456789012345678901234567 m")).unwrap_err();
+    assert!(matches!(error, UnitError::Inexact { .. }), "{error}");
+}
+
+#[test]
+fn a_scale_is_positive_and_per_length_or_angle() {
+    let sentence = |increments, per| Scale::new(increments, per).unwrap_err().to_string();
+    let one = Fraction::from(1);
+    assert_eq!(sentence(Fraction::from(0), length("1 m")), "increments of the scale is 0; a value above 0 is allowed");
+    assert_eq!(sentence(one, length("-2 mm")), "per of the scale is -2; a value above 0 is allowed");
+    assert_eq!(
+        sentence(one, quantity("3 inc", Dimension::Increments(0))),
+        "`3 inc` is a number of increments; a length such as `3 m` is expected"
+    );
+    assert!(Scale::new(one, length("1e38 m")).is_ok());
+    assert!(matches!(Scale::new(Fraction::new(1, 10_i128.pow(30)), length("1e38 m")), Err(UnitError::Inexact { .. })));
+    assert!(x().with_unit(Unit::DEGREE).is_err());
+    assert!(turret().with_unit(Unit::SECOND).is_err());
+}
+
+#[test]
+fn a_modulo_need_not_be_whole() {
+    let scale = Scale::new(Fraction::from(1000), angle("7 rev")).unwrap();
+    assert_eq!(scale.exact(&angle("360 deg")), Ok(Fraction::new(1000, 7)));
+}
+
+/// A MACS axis whose user unit is a tenth of a millimetre.
+///
+/// Proves: MACS-UNIT-02
+#[test]
+fn macs_factors_make_a_scale() {
+    let factors = MacsFactors { posfact_z: 50375, posfact_n: 1000, ..MacsFactors::default() };
+    let scale = Scale::from_macs(&factors, length("0.1 mm")).unwrap();
+    assert_eq!(scale.position(&length("0.8 mm")), Ok(403));
+    assert!(Scale::from_macs(&MacsFactors { posfact_n: 0, ..factors }, length("1 mm")).is_err());
+}
+
+#[test]
+fn messages_speak_the_axis_unit() {
+    assert_eq!(x().format_increments(94_371_840), "900 mm");
+    assert_eq!(x().format_increments(-1), "-0.00000953674316 mm");
+    assert_eq!(x().format_rate(52_428_800.0, 1), "500 mm/s");
+    assert_eq!(x().with_unit(Unit::METRE).unwrap().format_rate(52_428_800.0, 1), "0.5 m/s");
+    assert_eq!(x().with_unit(Unit::INCREMENT).unwrap().format_increments(17), "17 inc");
+    assert_eq!(turret().format_increments(100), "1 deg");
+    assert_eq!(turret().format_rate(9000.0, 2), "90 deg/s^2");
+    assert_eq!(turret().with_unit(Unit::RADIAN).unwrap().format_increments(18_000), "3.14159265 rad");
+    assert_eq!(Scale::new(Fraction::from(3), length("1 m")).unwrap().format_increments(1), "0.333333333 m");
+    assert_eq!(x().format_rate(f64::NAN, 1), "NaN mm/s");
+}
+
+#[test]
+fn si_and_axis_unit_as_f64() {
+    assert_eq!(x().position_to_si(94_371_840, 0.0), 0.9);
+    assert_eq!(x().position_to_unit(94_371_840, 0.0), 900.0);
+    assert_eq!(x().position_to_unit(0, 0.5), 5.0 / 1_048_576.0);
+    assert_eq!(x().rate_to_si(104_857_600.0), 1.0);
+    assert_eq!(x().rate_from_unit(1000.0, 1), Ok(104_857_600.0));
+    assert_eq!(turret().position_to_si(36_000, 0.0), TAU);
+    assert_eq!(turret().rate_to_unit(100.0), 1.0);
+    assert_eq!(turret().rate_from_si(TAU, 1), Ok(36_000.0));
+}
+
+fn any_scale() -> impl Strategy<Value = Scale> {
+    (1_i128..1 << 40, 1_i128..1 << 20, any::<bool>()).prop_map(|(increments, thousandths, rotary)| {
+        let unit = if rotary { Unit::DEGREE } else { Unit::MILLIMETRE };
+        Scale::new(Fraction::from(increments), Quantity::new(Fraction::new(thousandths, 1000), unit))
+            .unwrap()
+            .with_unit(unit)
+            .unwrap()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(500))]
+
+    #[test]
+    fn increments_to_an_exact_unit_and_back_is_identity(scale in any_scale(), increments in -(1_i64 << 61)..1 << 61) {
+        let value = Fraction::from(i128::from(increments)) / scale.exact_per(scale.unit()).unwrap();
+        prop_assert_eq!(scale.position(&Quantity::new(value, scale.unit())), Ok(increments));
+    }
+
+    /// An f64 has 53 bits: 2^48 inc leave room for the roundings on the way, also those of pi.
+    #[test]
+    fn increments_to_f64_and_back_is_identity(scale in any_scale(), increments in -(1_i64 << 48)..1 << 48) {
+        prop_assert_eq!(scale.position_from_si(scale.position_to_si(increments, 0.0)), Ok(increments));
+        prop_assert_eq!(scale.position_from_unit(scale.position_to_unit(increments, 0.0)), Ok(increments));
+    }
+
+    #[test]
+    fn halves_by_construction(scale in any_scale(), increments in 0_i64..1 << 60) {
+        let half = Fraction::new(2 * i128::from(increments) + 1, 2) / scale.exact_per(scale.unit()).unwrap();
+        prop_assert_eq!(scale.position(&Quantity::new(half, scale.unit())), Ok(increments + 1));
+        prop_assert_eq!(scale.position(&Quantity::new(-half, scale.unit())), Ok(-increments - 1));
+    }
+
+    #[test]
+    fn monotone(scale in any_scale(), a in -1e3_f64..1e3, b in -1e3_f64..1e3) {
+        let (low, high) = if a <= b { (a, b) } else { (b, a) };
+        prop_assert!(scale.position_from_unit(low).unwrap() <= scale.position_from_unit(high).unwrap());
+        prop_assert!(scale.rate_from_unit(low, 1).unwrap() <= scale.rate_from_unit(high, 1).unwrap());
+    }
+}

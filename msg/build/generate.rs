@@ -1,0 +1,187 @@
+//! Writes the Rust types of the interfaces.
+
+use std::fmt::Write as _;
+
+use crate::files::OWN;
+use crate::interface::{Element, Field, Interface, Kind, Section, Shape};
+use crate::schema::schema;
+
+/// The field that ROS 2 gives a struct without fields: one byte on the wire.
+const DUMMY_FIELD: &str = "structure_needs_at_least_one_member";
+
+/// The source of all modules: `msg`, `srv`, `action` of this package and `foreign` with those of the others.
+pub(crate) fn generate(interfaces: &[Interface]) -> String {
+    let mut out = package(interfaces, OWN);
+    out += "/// Interfaces of other packages that the node speaks, one module per package.\npub mod foreign {\n";
+    let mut packages: Vec<&str> = interfaces.iter().map(|interface| interface.package.as_str()).collect();
+    packages.dedup();
+    for name in packages.into_iter().filter(|name| *name != OWN) {
+        out +=
+            &format!("/// Interfaces of the package `{name}`.\npub mod {name} {{\n{}}}\n", package(interfaces, name));
+    }
+    out += "}\n";
+    out + &list(interfaces)
+}
+
+/// A macro that calls another one with every message struct: tests that hold for all of them use it.
+fn list(interfaces: &[Interface]) -> String {
+    let mut out = "#[cfg(test)]\nmacro_rules! for_every_struct { ($call:ident) => {\n".to_owned();
+    for interface in interfaces {
+        for suffix in interface.kind.sections() {
+            out += &format!("$call!({}::{}{suffix});\n", module(&interface.package, interface.kind), interface.name);
+        }
+    }
+    out + "} }\n"
+}
+
+fn package(interfaces: &[Interface], package: &str) -> String {
+    let mut out = String::new();
+    for kind in Kind::ALL {
+        let mut members = interfaces.iter().filter(|i| i.package == package && i.kind == kind).peekable();
+        if members.peek().is_none() {
+            continue;
+        }
+        let what = match kind {
+            Kind::Msg => "Messages",
+            Kind::Srv => "Services",
+            Kind::Action => "Actions",
+        };
+        out += &format!("/// {what} of the package `{package}`.\npub mod {} {{\n", kind.name());
+        members.for_each(|interface| out += &self::interface(interfaces, interface));
+        out += "}\n";
+    }
+    out
+}
+
+fn interface(interfaces: &[Interface], interface: &Interface) -> String {
+    let mut out = match interface.kind {
+        Kind::Msg => String::new(),
+        Kind::Srv => service(interface),
+        Kind::Action => action(interface),
+    };
+    for (section, suffix) in interface.sections.iter().zip(interface.kind.sections()) {
+        out += &structure(interfaces, interface, section, suffix);
+    }
+    out
+}
+
+fn structure(interfaces: &[Interface], interface: &Interface, section: &Section, suffix: &str) -> String {
+    let Interface { package, kind, name, .. } = interface;
+    let kind = kind.name();
+    let separator = if suffix.is_empty() { "" } else { "_" };
+    let ros_name = format!("{package}/{kind}/{name}{separator}{suffix}");
+    let mut out = doc(&section.doc, &format!("{suffix} of [`{name}`]."));
+    // The serde name is what a decoding error calls the type.
+    out += "#[derive(Clone, Debug, Default, PartialEq, ::serde::Serialize, ::serde::Deserialize)]\n";
+    out += &format!("#[serde(rename = \"{ros_name}\")]\npub struct {name}{suffix} {{\n");
+    for field in &section.fields {
+        out += &doc(&field.doc, "");
+        // A name in ROS 2 may be a keyword in Rust (`type`); the raw form is the same name.
+        out += &format!("pub r#{}: {},\n", field.name, rust_type(field));
+    }
+    if section.fields.is_empty() {
+        out += &format!(
+            "/// Takes one byte on the wire, where an empty struct cannot be; its value has no meaning.\n\
+             pub {DUMMY_FIELD}: u8,\n"
+        );
+    }
+    out += "}\n";
+    if !section.constants.is_empty() {
+        out += &format!("impl {name}{suffix} {{\n");
+        for constant in &section.constants {
+            out += &doc(&constant.doc, "");
+            out += &format!("pub const {}: {} = {};\n", constant.name, constant.primitive.rust, constant.value);
+        }
+        out += "}\n";
+    }
+    out += &format!("impl crate::Message for {name}{suffix} {{\nconst NAME: &'static str = \"{ros_name}\";\n");
+    out += &format!(
+        "const DDS_NAME: &'static str = \"{package}::{kind}::dds_::{name}{separator}{suffix}_\";\n\
+         const SCHEMA: &'static str = {:?};\n}}\n",
+        schema(interfaces, section)
+    );
+    out
+}
+
+fn service(interface: &Interface) -> String {
+    let Interface { package, name, sections, .. } = interface;
+    let mut out = doc(sections.first().map_or(&[], |section| &section.doc), &format!("Service {name}."));
+    out += &format!(
+        "#[derive(Clone, Copy, Debug)]\npub enum {name} {{}}\nimpl crate::Service for {name} {{\n\
+         type Request = {name}Request;\ntype Response = {name}Response;\n\
+         const NAME: &'static str = \"{package}/srv/{name}\";\n"
+    );
+    for part in ["Request", "Response"] {
+        let constant = part.to_uppercase();
+        out += &format!("const {constant}_DDS_NAME: &'static str = \"{package}::srv::dds_::{name}_{part}_\";\n");
+    }
+    out + "}\n"
+}
+
+fn action(interface: &Interface) -> String {
+    let Interface { package, name, sections, .. } = interface;
+    let mut out = doc(sections.first().map_or(&[], |section| &section.doc), &format!("Action {name}."));
+    out += &format!(
+        "#[derive(Clone, Copy, Debug)]\npub enum {name} {{}}\nimpl crate::Action for {name} {{\n\
+         type Goal = {name}Goal;\ntype Result = {name}Result;\ntype Feedback = {name}Feedback;\n\
+         const NAME: &'static str = \"{package}/action/{name}\";\n"
+    );
+    for service in ["SendGoal", "GetResult"] {
+        let constant = if service == "SendGoal" { "SEND_GOAL" } else { "GET_RESULT" };
+        out += &format!("const {constant}_NAME: &'static str = \"{package}/action/{name}_{service}\";\n");
+        for part in ["Request", "Response"] {
+            let dds = format!("{package}::action::dds_::{name}_{service}_{part}_");
+            out += &format!("const {constant}_{}_DDS_NAME: &'static str = \"{dds}\";\n", part.to_uppercase());
+        }
+    }
+    out += &format!(
+        "const FEEDBACK_MESSAGE_DDS_NAME: &'static str = \"{package}::action::dds_::{name}_FeedbackMessage_\";\n"
+    );
+    out + "}\n"
+}
+
+fn rust_type(field: &Field) -> String {
+    let element = match &field.element {
+        Element::Primitive(primitive) => primitive.rust.to_owned(),
+        Element::Text(None) => "::std::string::String".to_owned(),
+        Element::Text(Some(bound)) => format!("crate::Bounded<::std::string::String, {bound}>"),
+        Element::Message { package, name } => format!("{}::{name}", module(package, Kind::Msg)),
+    };
+    match field.shape {
+        Shape::One => element,
+        Shape::Array(length) => format!("[{element}; {length}]"),
+        Shape::Sequence => format!("::std::vec::Vec<{element}>"),
+        Shape::Bounded(bound) => format!("crate::Bounded<::std::vec::Vec<{element}>, {bound}>"),
+    }
+}
+
+fn module(package: &str, kind: Kind) -> String {
+    let kind = kind.name();
+    if package == OWN { format!("crate::{kind}") } else { format!("crate::foreign::{package}::{kind}") }
+}
+
+/// Comment lines as documentation.
+fn doc(lines: &[String], otherwise: &str) -> String {
+    let mut out = String::new();
+    for line in lines {
+        let _ = writeln!(out, "/// {}", escaped(line));
+    }
+    if lines.is_empty() {
+        let _ = writeln!(out, "/// {otherwise}");
+    }
+    out
+}
+
+/// Units in brackets are no links and `~/name` strikes nothing out; what stands in back quotes is code already.
+fn escaped(line: &str) -> String {
+    let mut out = String::new();
+    let mut code = false;
+    for c in line.chars() {
+        code ^= c == '`';
+        if !code && "[]<>*~".contains(c) {
+            out.push('\\');
+        }
+        out.push(c);
+    }
+    out
+}

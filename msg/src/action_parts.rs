@@ -1,0 +1,77 @@
+//! The structs and services that ROS 2 makes of every action; only the goal, result and feedback inside them differ.
+
+use std::marker::PhantomData;
+
+use serde::{Deserialize, Serialize};
+
+use crate::foreign::builtin_interfaces::msg::Time;
+use crate::foreign::unique_identifier_msgs::msg::UUID;
+use crate::{Action, Service};
+
+/// Asks a server to take a goal.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SendGoalRequest<G> {
+    /// Identifier that the client chose.
+    pub goal_id: UUID,
+    /// What it wants.
+    pub goal: G,
+}
+
+/// Whether the goal was taken.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SendGoalResponse {
+    /// False: rejected.
+    pub accepted: bool,
+    /// When it was accepted.
+    pub stamp: Time,
+}
+
+/// Asks for the result of a goal; answered when the goal has ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GetResultRequest {
+    /// Which goal.
+    pub goal_id: UUID,
+}
+
+/// The result of a goal.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GetResultResponse<R> {
+    /// A constant of [`GoalStatus`](crate::foreign::action_msgs::msg::GoalStatus): 4..6, or 0 for a goal that is
+    /// not known.
+    pub status: i8,
+    /// How it ended.
+    pub result: R,
+}
+
+/// How far a goal is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FeedbackMessage<F> {
+    /// Which goal.
+    pub goal_id: UUID,
+    /// How far it is.
+    pub feedback: F,
+}
+
+/// The service of action `A` that takes goals.
+#[derive(Clone, Copy, Debug)]
+pub struct SendGoal<A>(PhantomData<A>);
+
+impl<A: Action> Service for SendGoal<A> {
+    type Request = SendGoalRequest<A::Goal>;
+    type Response = SendGoalResponse;
+    const NAME: &'static str = A::SEND_GOAL_NAME;
+    const REQUEST_DDS_NAME: &'static str = A::SEND_GOAL_REQUEST_DDS_NAME;
+    const RESPONSE_DDS_NAME: &'static str = A::SEND_GOAL_RESPONSE_DDS_NAME;
+}
+
+/// The service of action `A` that gives results.
+#[derive(Clone, Copy, Debug)]
+pub struct GetResult<A>(PhantomData<A>);
+
+impl<A: Action> Service for GetResult<A> {
+    type Request = GetResultRequest;
+    type Response = GetResultResponse<A::Result>;
+    const NAME: &'static str = A::GET_RESULT_NAME;
+    const REQUEST_DDS_NAME: &'static str = A::GET_RESULT_REQUEST_DDS_NAME;
+    const RESPONSE_DDS_NAME: &'static str = A::GET_RESULT_RESPONSE_DDS_NAME;
+}

@@ -1,0 +1,8 @@
+//! What holds for the interfaces as a whole.
+
+mod any_value;
+mod contract;
+mod golden;
+mod names;
+mod package;
+mod wire;

@@ -1,0 +1,321 @@
+//! The interface files against the contract: names, order, types and constants, written down here a second time.
+
+use std::path::Path;
+
+use crate::action::{HomeAxisFeedback, HomeAxisGoal, MoveAxisGoal, SynchronizeFeedback, SynchronizeGoal};
+use crate::files::{OWN, read_all};
+use crate::foreign::action_msgs::msg::GoalStatus;
+use crate::foreign::action_msgs::srv::CancelGoalResponse;
+use crate::foreign::rcl_interfaces::msg::{Log, ParameterType};
+use crate::foreign::rcl_interfaces::srv::ListParametersRequest;
+use crate::interface::{Field, Interface, Section};
+use crate::msg::{AxisState, CycleInputs, Event};
+use crate::srv::CommandFunctionRequest;
+
+/// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
+const OWN_INTERFACES: [(&str, &str); 11] = [
+    (
+        "msg/AxisState",
+        "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
+        uint8 SYNCHRONIZED_MOTION=5 STOPPING=6 ERROR_STOP=7
+        string name
+        uint8 state drive_state reference
+        int8 mode_of_operation
+        bool enabled homed in_position in_velocity in_sync warning positive_limit negative_limit
+        uint32 error_code
+        float64 command_position command_velocity command_acceleration
+        float64 position velocity effort following_error sync_error
+        int64 command_increments position_increments following_error_increments sync_error_increments",
+    ),
+    (
+        "msg/AxisStates",
+        "std_msgs/Header header
+        uint64 cycle
+        lineshaft_msgs/AxisState[] axes",
+    ),
+    (
+        "msg/Event",
+        "uint8 INFO=0 WARN=1 ERROR=2
+        std_msgs/Header header
+        uint64 sequence cycle
+        uint32 age_ns
+        uint8 severity
+        string kind source
+        uint32 code
+        int64 increments
+        float64 fraction value
+        string text",
+    ),
+    (
+        "msg/AppliedCommand",
+        "uint64 cycle sequence
+        string source command",
+    ),
+    (
+        "msg/CycleInputs",
+        "uint8 FALLING=0 RISING=1
+        uint64 cycle
+        uint32 missed
+        uint64[] digital
+        float64[] analog
+        int64[] encoder_count
+        uint32[] encoder_epoch
+        bool[] encoder_valid
+        int64[] drive_count
+        uint32[] drive_epoch
+        float64[] drive_velocity drive_effort
+        uint16[] drive_status
+        int8[] drive_mode
+        uint16[] drive_fault
+        bool[] drive_online drive_fresh
+        string[] latch_object
+        uint8[] latch_edge
+        bool[] latch_has_age
+        uint32[] latch_age_ns
+        bool[] latch_has_position
+        int64[] latch_position
+        uint32 latches_lost",
+    ),
+    (
+        "action/MoveAxis",
+        "uint8 ABSOLUTE=0 RELATIVE=1 ADDITIVE=2 VELOCITY=3 SUPERIMPOSED=4
+        uint8 SI=0 AXIS_UNIT=1 INCREMENTS=2
+        uint8 ABORTING=0 BUFFERED=1 BLENDING_LOW=2 BLENDING_PREVIOUS=3 BLENDING_NEXT=4 BLENDING_HIGH=5
+        uint8 SHORTEST=0 POSITIVE=1 NEGATIVE=2 CURRENT=3
+        string axis
+        uint8 mode units
+        float64 position velocity acceleration deceleration jerk
+        uint8 buffer_mode direction
+        ---
+        uint32 code
+        string message
+        float64 position
+        int64 position_increments
+        ---
+        float64 position velocity distance_to_go
+        int64 position_increments",
+    ),
+    (
+        "action/HomeAxis",
+        "uint8 CONFIGURED=0 CIA402=1 MACS=2
+        string axis
+        uint8 scheme
+        int8 method
+        ---
+        uint32 code
+        string message
+        int64 shift_increments
+        ---
+        uint8 SEARCH_SWITCH=1 LEAVE_SWITCH=2 SEARCH_INDEX=3 MOVE_TO_OFFSET=4 IN_DRIVE=5
+        uint8 phase
+        float64 position",
+    ),
+    (
+        "action/Synchronize",
+        "uint8 VELOCITY=0 POSITION=1 MARKER=2
+        uint8 IMMEDIATELY=0 AT_POSITION=1 ON_EVENT=2
+        uint8 STOP=0 KEEP_VELOCITY=1
+        string axis master event
+        uint8 mode engage disengage
+        int64 numerator denominator
+        int64 master_increments slave_increments start_distance_increments
+        float64 offset velocity acceleration
+        ---
+        uint32 code
+        string message
+        int64 position_increments
+        ---
+        uint8 WAITING=0 CATCHING_UP=1 SYNCHRONIZED=2
+        uint8 phase
+        int64 sync_error_increments
+        float64 sync_error marker_error correction",
+    ),
+    (
+        "srv/AxesCommand",
+        "string[] axes
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/SetPosition",
+        "string axis
+        float64 position
+        uint8 units
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/CommandFunction",
+        "uint8 RESET=0 START=1 VALUE_NEW=5 READ_VALUE=6
+        string function
+        uint8 command
+        rcl_interfaces/Parameter[] parameters
+        ---
+        bool success
+        string message
+        rcl_interfaces/Parameter[] active",
+    ),
+];
+
+/// The layouts of other packages that are easy to get wrong, in the same form.
+const FOREIGN_INTERFACES: [(&str, &str, &str); 10] = [
+    ("builtin_interfaces", "msg/Time", "int32 sec\nuint32 nanosec"),
+    ("std_msgs", "msg/Header", "builtin_interfaces/Time stamp\nstring frame_id"),
+    ("std_srvs", "srv/Trigger", "---\nbool success\nstring message"),
+    (
+        "rcl_interfaces",
+        "msg/Log",
+        "byte DEBUG=10 INFO=20 WARN=30 ERROR=40 FATAL=50
+        builtin_interfaces/Time stamp
+        uint8 level
+        string name msg file function
+        uint32 line",
+    ),
+    (
+        "rcl_interfaces",
+        "msg/ParameterDescriptor",
+        "string name
+        uint8 type
+        string description additional_constraints
+        bool read_only dynamic_typing
+        rcl_interfaces/FloatingPointRange[<=1] floating_point_range
+        rcl_interfaces/IntegerRange[<=1] integer_range",
+    ),
+    (
+        "rcl_interfaces",
+        "srv/ListParameters",
+        "uint64 DEPTH_RECURSIVE=0
+        string[] prefixes
+        uint64 depth
+        ---
+        rcl_interfaces/ListParametersResult result",
+    ),
+    ("rmw_dds_common", "msg/Gid", "uint8[16] data"),
+    (
+        "rmw_dds_common",
+        "msg/NodeEntitiesInfo",
+        "string<=256 node_namespace node_name\nrmw_dds_common/Gid[] reader_gid_seq writer_gid_seq",
+    ),
+    ("unique_identifier_msgs", "msg/UUID", "uint8[16] uuid"),
+    ("sensor_msgs", "msg/JointState", "std_msgs/Header header\nstring[] name\nfloat64[] position velocity effort"),
+];
+
+fn interfaces() -> Vec<Interface> {
+    read_all(Path::new(env!("CARGO_MANIFEST_DIR"))).expect("every file parses")
+}
+
+/// `type name` or `type NAME=value`, constants first, one list per part.
+fn declared(interface: &Interface) -> Vec<Vec<String>> {
+    let part = |section: &Section| {
+        let constants = section.constants.iter().map(|c| format!("{} {}={}", c.primitive.name, c.name, c.value));
+        let fields = section.fields.iter().map(|field: &Field| format!("{} {}", field.type_text(), field.name));
+        constants.chain(fields).collect()
+    };
+    interface.sections.iter().map(part).collect()
+}
+
+fn expected(packed: &str) -> Vec<Vec<String>> {
+    let mut parts = vec![Vec::new()];
+    for line in packed.lines().map(str::trim) {
+        match line.split_once(' ') {
+            None => parts.push(Vec::new()),
+            Some((kind, names)) => {
+                let last = parts.last_mut().expect("there is a first part");
+                last.extend(names.split(' ').map(|name| format!("{kind} {name}")));
+            }
+        }
+    }
+    parts
+}
+
+#[test]
+fn own_files_are_those_of_the_contract_to_the_letter() {
+    let interfaces = interfaces();
+    let own: Vec<&Interface> = interfaces.iter().filter(|interface| interface.package == OWN).collect();
+    for (path, packed) in OWN_INTERFACES {
+        let found = own.iter().find(|i| format!("{}/{}", i.kind.name(), i.name) == path);
+        assert_eq!(declared(found.expect(path)), expected(packed), "{path}");
+    }
+    assert_eq!(own.len(), OWN_INTERFACES.len(), "an interface that the contract does not have");
+}
+
+#[test]
+fn foreign_files_have_the_layout_that_the_wire_needs() {
+    let interfaces = interfaces();
+    for (package, path, packed) in FOREIGN_INTERFACES {
+        let found = interfaces.iter().find(|i| i.package == package && format!("{}/{}", i.kind.name(), i.name) == path);
+        assert_eq!(declared(found.expect(path)), expected(packed), "{package}/{path}");
+    }
+}
+
+#[test]
+fn a_goal_of_move_axis_has_its_fields_in_order() {
+    let interfaces = interfaces();
+    let move_axis = interfaces.iter().find(|interface| interface.name == "MoveAxis").unwrap();
+    let fields: Vec<String> =
+        move_axis.sections[0].fields.iter().map(|field| format!("{} {}", field.type_text(), field.name)).collect();
+    let written = [
+        "string axis",
+        "uint8 mode",
+        "uint8 units",
+        "float64 position",
+        "float64 velocity",
+        "float64 acceleration",
+        "float64 deceleration",
+        "float64 jerk",
+        "uint8 buffer_mode",
+        "uint8 direction",
+    ];
+    assert_eq!(fields, written);
+}
+
+macro_rules! constants {
+    ($number:ty: $($of:ident { $($name:ident = $value:literal),* })*) => {
+        $($(assert_eq!(<$of>::$name, $value as $number, "{}", stringify!($of::$name));)*)*
+    };
+}
+
+#[test]
+fn every_constant_has_its_value() {
+    constants! { u8:
+        AxisState {
+            DISABLED = 0, STANDSTILL = 1, DISCRETE_MOTION = 2, CONTINUOUS_MOTION = 3, HOMING = 4,
+            SYNCHRONIZED_MOTION = 5, STOPPING = 6, ERROR_STOP = 7
+        }
+        Event { INFO = 0, WARN = 1, ERROR = 2 }
+        CycleInputs { FALLING = 0, RISING = 1 }
+        MoveAxisGoal {
+            ABSOLUTE = 0, RELATIVE = 1, ADDITIVE = 2, VELOCITY = 3, SUPERIMPOSED = 4, SI = 0, AXIS_UNIT = 1,
+            INCREMENTS = 2, ABORTING = 0, BUFFERED = 1, BLENDING_LOW = 2, BLENDING_PREVIOUS = 3, BLENDING_NEXT = 4,
+            BLENDING_HIGH = 5, SHORTEST = 0, POSITIVE = 1, NEGATIVE = 2, CURRENT = 3
+        }
+        HomeAxisGoal { CONFIGURED = 0, CIA402 = 1, MACS = 2 }
+        HomeAxisFeedback {
+            SEARCH_SWITCH = 1, LEAVE_SWITCH = 2, SEARCH_INDEX = 3, MOVE_TO_OFFSET = 4, IN_DRIVE = 5
+        }
+        SynchronizeGoal {
+            VELOCITY = 0, POSITION = 1, MARKER = 2, IMMEDIATELY = 0, AT_POSITION = 1, ON_EVENT = 2, STOP = 0,
+            KEEP_VELOCITY = 1
+        }
+        SynchronizeFeedback { WAITING = 0, CATCHING_UP = 1, SYNCHRONIZED = 2 }
+        CommandFunctionRequest { RESET = 0, START = 1, VALUE_NEW = 5, READ_VALUE = 6 }
+        Log { DEBUG = 10, INFO = 20, WARN = 30, ERROR = 40, FATAL = 50 }
+        ParameterType {
+            PARAMETER_NOT_SET = 0, PARAMETER_BOOL = 1, PARAMETER_INTEGER = 2, PARAMETER_DOUBLE = 3,
+            PARAMETER_STRING = 4, PARAMETER_BYTE_ARRAY = 5, PARAMETER_BOOL_ARRAY = 6, PARAMETER_INTEGER_ARRAY = 7,
+            PARAMETER_DOUBLE_ARRAY = 8, PARAMETER_STRING_ARRAY = 9
+        }
+    }
+    constants! { i8:
+        GoalStatus {
+            STATUS_UNKNOWN = 0, STATUS_ACCEPTED = 1, STATUS_EXECUTING = 2, STATUS_CANCELING = 3, STATUS_SUCCEEDED = 4,
+            STATUS_CANCELED = 5, STATUS_ABORTED = 6
+        }
+        CancelGoalResponse {
+            ERROR_NONE = 0, ERROR_REJECTED = 1, ERROR_UNKNOWN_GOAL_ID = 2, ERROR_GOAL_TERMINATED = 3
+        }
+    }
+    constants! { u64: ListParametersRequest { DEPTH_RECURSIVE = 0 } }
+}

@@ -1,0 +1,62 @@
+//! What every message, service and action can say about itself.
+
+use std::fmt::Debug;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// A struct that travels: a message, or a part of a service or an action.
+pub trait Message: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static {
+    /// Name in ROS 2, for instance `lineshaft_msgs/msg/AxisState` or `lineshaft_msgs/srv/SetPosition_Request`.
+    const NAME: &'static str;
+    /// Name in DDS, for instance `lineshaft_msgs::msg::dds_::AxisState_`.
+    const DDS_NAME: &'static str;
+    /// Text for bags in the schema encoding `ros2msg`: the struct's own lines, then those of each message that it
+    /// needs, after a line of 80 `=` and a line `MSG: package/Type`.
+    const SCHEMA: &'static str;
+}
+
+/// A request and its answer.
+pub trait Service: 'static {
+    /// What the client asks.
+    type Request: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static;
+    /// What the server answers.
+    type Response: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static;
+    /// Name in ROS 2, for instance `lineshaft_msgs/srv/SetPosition`.
+    const NAME: &'static str;
+    /// Name of the request in DDS, for instance `lineshaft_msgs::srv::dds_::SetPosition_Request_`.
+    const REQUEST_DDS_NAME: &'static str;
+    /// Name of the response in DDS, for instance `lineshaft_msgs::srv::dds_::SetPosition_Response_`.
+    const RESPONSE_DDS_NAME: &'static str;
+}
+
+/// A goal that takes time, its feedback and its result.
+///
+/// On the wire an action is the services [`SendGoal`](crate::SendGoal), [`GetResult`](crate::GetResult) and
+/// [`CancelGoal`](crate::foreign::action_msgs::srv::CancelGoal), and the topics of
+/// [`FeedbackMessage`](crate::FeedbackMessage) and
+/// [`GoalStatusArray`](crate::foreign::action_msgs::msg::GoalStatusArray).
+pub trait Action: 'static {
+    /// What the client wants.
+    type Goal: Message;
+    /// How it ended.
+    type Result: Message;
+    /// How far it is.
+    type Feedback: Message;
+    /// Name in ROS 2, for instance `lineshaft_msgs/action/MoveAxis`.
+    const NAME: &'static str;
+    /// Name of the service that takes goals, `.._SendGoal`.
+    const SEND_GOAL_NAME: &'static str;
+    /// DDS name of [`SendGoalRequest`](crate::SendGoalRequest).
+    const SEND_GOAL_REQUEST_DDS_NAME: &'static str;
+    /// DDS name of [`SendGoalResponse`](crate::SendGoalResponse).
+    const SEND_GOAL_RESPONSE_DDS_NAME: &'static str;
+    /// Name of the service that gives results, `.._GetResult`.
+    const GET_RESULT_NAME: &'static str;
+    /// DDS name of [`GetResultRequest`](crate::GetResultRequest).
+    const GET_RESULT_REQUEST_DDS_NAME: &'static str;
+    /// DDS name of [`GetResultResponse`](crate::GetResultResponse).
+    const GET_RESULT_RESPONSE_DDS_NAME: &'static str;
+    /// DDS name of [`FeedbackMessage`](crate::FeedbackMessage).
+    const FEEDBACK_MESSAGE_DDS_NAME: &'static str;
+}

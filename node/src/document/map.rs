@@ -1,0 +1,114 @@
+//! Reading of a mapping, key by key.
+
+use super::problem::quote;
+use super::value::suggest;
+use super::{Node, Place, Problems, Value};
+use lineshaft_core::unit::excerpt;
+
+/// Known keys that a sentence lists when nothing is alike.
+const MAX_LISTED: usize = 8;
+
+/// A mapping that is being read. [`Map::finish`] reports the keys that nobody asked for.
+#[derive(Debug)]
+pub struct Map<'d> {
+    what: String,
+    place: Place,
+    entries: &'d [(Node, Node)],
+    problems: &'d Problems,
+    asked: Vec<String>,
+    missing: Vec<String>,
+}
+
+impl<'d> Map<'d> {
+    pub(super) fn new(what: String, place: Place, entries: &'d [(Node, Node)], problems: &'d Problems) -> Self {
+        // The name of an object may be in it: foreign text.
+        let what = excerpt(&what);
+        Self { what, place, entries, problems, asked: Vec::new(), missing: Vec::new() }
+    }
+
+    /// The value of a key that may be left out.
+    pub fn optional(&mut self, key: &str) -> Option<Value<'d>> {
+        self.allow(&[key]);
+        let (_, node) = self.entries.iter().find(|(name, _)| name.text() == key)?;
+        Some(Value::new(node, key.to_owned(), self.problems))
+    }
+
+    /// The value of a key that must stand; without it, that is reported when the reading of this mapping is over.
+    pub fn required(&mut self, key: &str) -> Option<Value<'d>> {
+        let value = self.optional(key);
+        if value.is_none() {
+            self.missing.push(key.to_owned());
+        }
+        value
+    }
+
+    /// Keys that are known though nobody has asked for them: no problem, and suggested for what is alike.
+    pub fn allow(&mut self, keys: &[&str]) {
+        self.asked.extend(keys.iter().map(|&key| key.to_owned()));
+    }
+
+    /// Keys and values that nobody has asked for yet, in file order; now they count as asked for.
+    pub fn rest(&mut self) -> Vec<(Value<'d>, Value<'d>)> {
+        let rest: Vec<_> = self.entries.iter().filter(|(key, _)| !self.is_asked(key.text())).collect();
+        self.asked.extend(rest.iter().map(|(key, _)| key.text().to_owned()));
+        rest.into_iter().map(|(key, value)| Value::entry(key, value, self.problems)).collect()
+    }
+
+    /// Is the key there, with or without a value?
+    pub fn has(&self, key: &str) -> bool {
+        self.entries.iter().any(|(name, _)| name.text() == key)
+    }
+
+    /// Where the mapping starts.
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
+    /// Notes a problem of the mapping as a whole.
+    pub fn refuse(&self, sentence: impl Into<String>, hint: Option<String>) {
+        self.problems.push(self.place, sentence, hint);
+    }
+
+    /// Ends the reading: every key that nobody asked for is a problem. A missing key is not reported as well when an unknown
+    /// one looks like its misspelling.
+    pub fn finish(mut self) {
+        for (key, _) in self.entries {
+            if self.is_asked(key.text()) {
+                continue;
+            }
+            let meant = if self.problems.is_full() { None } else { self.meant(key.text()) };
+            self.missing.retain(|missing| meant.as_ref() != Some(missing));
+            let sentence = format!("unknown key {} in {}", quote(key.text()), self.what);
+            self.problems.push(key.place, sentence, self.hint(key.text(), meant.as_deref()));
+        }
+    }
+
+    fn is_asked(&self, key: &str) -> bool {
+        self.asked.iter().any(|asked| asked == key)
+    }
+
+    /// The known key that is most like an unknown one, of those that do not stand already.
+    fn meant(&self, key: &str) -> Option<String> {
+        suggest(key, self.asked.iter().map(String::as_str).filter(|known| !self.has(known))).map(str::to_owned)
+    }
+
+    fn hint(&self, key: &str, meant: Option<&str>) -> Option<String> {
+        if key == "<<" {
+            return Some("merge keys are not read; write the keys out".to_owned());
+        }
+        match meant {
+            Some(meant) => Some(format!("did you mean `{meant}`?")),
+            None if self.asked.is_empty() || self.asked.len() > MAX_LISTED => None,
+            None => Some(format!("known are {}", self.asked.join(", "))),
+        }
+    }
+}
+
+/// Reports missing keys, also when a reader gave up before [`Map::finish`].
+impl Drop for Map<'_> {
+    fn drop(&mut self) {
+        for key in &self.missing {
+            self.problems.push(self.place, format!("missing key `{key}` in {}", self.what), None);
+        }
+    }
+}

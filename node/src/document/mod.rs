@@ -1,0 +1,153 @@
+//! YAML documents that report all their errors at once, each with file, line and column.
+//!
+//! [`Document`] holds the tree of a file with the place of every value and every scalar as it was written, so that the
+//! reader of a key decides what `1 ms`, `1e3` or `yes` means there. [`Value`] and [`Map`] read it: a reader that cannot
+//! return what is asked for notes a [`Problem`] and returns `None`, so that the reading goes on with the next key.
+//!
+//! ```
+//! use lineshaft::document::{Allowed, Document};
+//! use lineshaft_core::unit::Dimension;
+//!
+//! let document = Document::parse("cell.yaml", "cycle: 1 m\nbits: 70\nautostrat: true\n");
+//! if let Some(mut cell) = document.root("the cell").and_then(|root| root.map("the cell")) {
+//!     let cycle = cell.required("cycle").and_then(|v| v.quantity(&[Dimension::Time], &Allowed::Positive));
+//!     let bits = cell.optional("bits").and_then(|v| v.integer(1..=64_u8));
+//!     let autostart = cell.optional("autostart").and_then(|v| v.boolean());
+//!     cell.finish();
+//!     assert_eq!((cycle, bits, autostart), (None, None, None));
+//! }
+//! assert_eq!(
+//!     document.problems().to_string(),
+//!     "cell.yaml:1:8: cycle: `1 m` is a length; a time such as `1 s` is expected\n\
+//!      cell.yaml:2:7: bits is 70; 1..64 is allowed\n\
+//!      cell.yaml:3:1: unknown key `autostrat` in the cell, did you mean `autostart`?\n"
+//! );
+//! ```
+//!
+//! This is the only place that knows the YAML parser.
+
+mod map;
+mod parse;
+mod problem;
+mod value;
+
+pub use map::Map;
+pub use problem::{Place, Problem, Problems};
+pub use value::{Allowed, Value};
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Longest document [bytes].
+pub const MAX_BYTES: usize = 4 << 20;
+/// Deepest nesting of lists and mappings.
+pub const MAX_DEPTH: usize = 64;
+/// Most values in a document.
+pub const MAX_VALUES: usize = 250_000;
+
+/// A YAML file: its text, its tree if it has one, and the problems found so far.
+#[derive(Debug)]
+pub struct Document {
+    text: String,
+    root: Option<Node>,
+    problems: Problems,
+}
+
+impl Document {
+    /// Reads a file. What is wrong with it is in [`Document::problems`].
+    pub fn read(path: &Path) -> Self {
+        let name = path.display().to_string();
+        let mut bytes = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes));
+        let failed = |place, sentence: String| {
+            let problems = Problems::new(&name);
+            problems.push(place, sentence, None);
+            Self { text: String::new(), root: None, problems }
+        };
+        if let Err(error) = read {
+            return failed(Place::START, format!("cannot read the file: {error}"));
+        }
+        match String::from_utf8(bytes) {
+            Ok(text) => Self::parse(&name, text),
+            Err(error) if error.as_bytes().len() > MAX_BYTES => failed(Place::START, too_long()),
+            Err(error) => {
+                let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+                failed(Place::after(&String::from_utf8_lossy(valid)), "the file is not UTF-8 text".to_owned())
+            }
+        }
+    }
+
+    /// Parses a text; `name` stands for the file in problems.
+    pub fn parse(name: &str, text: impl Into<String>) -> Self {
+        let (text, problems) = (text.into(), Problems::new(name));
+        let root = if text.len() > MAX_BYTES {
+            problems.push(Place::START, too_long(), None);
+            None
+        } else {
+            parse::tree(&text, &problems)
+        };
+        Self { text, root, problems }
+    }
+
+    /// The value of the whole document, called `label` in problems; `None` when it could not be read.
+    pub fn root(&self, label: &str) -> Option<Value<'_>> {
+        self.root.as_ref().map(|node| Value::new(node, label.to_owned(), &self.problems))
+    }
+
+    /// The text as it was read.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// What is wrong, so far.
+    pub fn problems(&self) -> &Problems {
+        &self.problems
+    }
+
+    /// What is wrong, when the reading is over.
+    pub fn into_problems(self) -> Problems {
+        self.problems
+    }
+}
+
+fn too_long() -> String {
+    format!("the file is longer than {MAX_BYTES} bytes")
+}
+
+/// A value of the tree and where it starts.
+#[derive(Clone, Debug)]
+struct Node {
+    place: Place,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// As written; `quoted` also for block scalars.
+    Scalar {
+        text: String,
+        quoted: bool,
+    },
+    List(Vec<Node>),
+    /// In file order; every key is a scalar and stands once.
+    Map(Vec<(Node, Node)>),
+}
+
+impl Node {
+    /// True for an empty value, `~` and `null`.
+    fn is_null(&self) -> bool {
+        matches!(&self.kind, Kind::Scalar { text, quoted: false } if matches!(text.as_str(), "" | "~" | "null" | "Null" | "NULL"))
+    }
+
+    /// Text of a scalar, else empty.
+    fn text(&self) -> &str {
+        match &self.kind {
+            Kind::Scalar { text, .. } => text,
+            Kind::List(_) | Kind::Map(_) => "",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,189 @@
+//! From the parser's events to a tree.
+//!
+//! Built from the event stream, not with the parser's own loader: that one recurses per level of nesting, ends at the
+//! first duplicate key and interprets scalars before anyone knows what they stand for.
+
+use super::problem::quote;
+use super::{Kind, MAX_DEPTH, MAX_VALUES, Node, Place, Problems};
+use saphyr_parser::{Event, Marker, Parser, ScalarStyle};
+use std::collections::HashMap;
+
+/// What anchors and aliases may repeat [bytes]; nested aliases otherwise grow a small file without bound.
+const MAX_REPEATED: usize = 16 << 20;
+
+/// The tree of the first document in `text`, `None` after a problem that leaves none. An empty text is a null.
+pub(super) fn tree(text: &str, problems: &Problems) -> Option<Node> {
+    let mut parser = Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
+    let mut builder =
+        Builder { problems, open: Vec::new(), anchors: HashMap::new(), root: None, values: 0, repeated: 0 };
+    let mut documents = 0;
+    while let Some(event) = parser.next_event() {
+        let (event, place) = match event {
+            Ok((event, span)) => (event, place(span.start)),
+            Err(error) => {
+                // The parser has a depth limit of its own and may come to it first, as it scans ahead.
+                let sentence = match error.info() {
+                    "recursion limit exceeded" => too_deep(),
+                    info => format!("this is not YAML: {info}"),
+                };
+                problems.push(place(*error.marker()), sentence, None);
+                return None;
+            }
+        };
+        if matches!(event, Event::DocumentStart(_)) {
+            documents += 1;
+            if documents > 1 {
+                problems.push(place, "a second document starts here; a file holds one", None);
+                break;
+            }
+        }
+        if let Err(sentence) = builder.event(event, place) {
+            problems.push(place, sentence, None);
+            return None;
+        }
+    }
+    Some(
+        builder.root.unwrap_or(Node { place: Place::START, kind: Kind::Scalar { text: String::new(), quoted: false } }),
+    )
+}
+
+fn too_deep() -> String {
+    format!("lists and mappings are nested deeper than {MAX_DEPTH} levels")
+}
+
+fn place(marker: Marker) -> Place {
+    Place { line: marker.line().max(1), col: marker.col() + 1 }
+}
+
+struct Builder<'p> {
+    problems: &'p Problems,
+    open: Vec<Open>,
+    anchors: HashMap<usize, Finished>,
+    root: Option<Node>,
+    values: usize,
+    repeated: usize,
+}
+
+/// A list or mapping whose end has not come yet.
+struct Open {
+    place: Place,
+    anchor: usize,
+    bytes: usize,
+    items: Items,
+}
+
+enum Items {
+    List(Vec<Node>),
+    Map { entries: Vec<(Node, Node)>, key: Option<Node> },
+}
+
+/// A node and roughly the memory that it takes.
+#[derive(Clone)]
+struct Finished {
+    node: Node,
+    bytes: usize,
+}
+
+impl Builder<'_> {
+    /// Takes an event; an error ends the reading.
+    fn event(&mut self, event: Event<'_>, place: Place) -> Result<(), String> {
+        match event {
+            Event::Scalar(text, style, anchor, tag) => {
+                self.refuse_tag(tag.as_deref(), place);
+                let bytes = size_of::<Node>() + text.len();
+                let kind = Kind::Scalar { text: text.into_owned(), quoted: style != ScalarStyle::Plain };
+                self.finish(Finished { node: Node { place, kind }, bytes }, anchor)
+            }
+            Event::SequenceStart(anchor, tag) => {
+                self.refuse_tag(tag.as_deref(), place);
+                self.open(place, anchor, Items::List(Vec::new()))
+            }
+            Event::MappingStart(anchor, tag) => {
+                self.refuse_tag(tag.as_deref(), place);
+                self.open(place, anchor, Items::Map { entries: Vec::new(), key: None })
+            }
+            Event::SequenceEnd | Event::MappingEnd => self.close(),
+            Event::Alias(anchor) => match self.anchors.get(&anchor).cloned() {
+                Some(finished) => self.repeat(finished.bytes).and_then(|()| self.finish(finished, 0)),
+                None => Err("this alias stands inside of the value that it repeats".to_owned()),
+            },
+            _ => Ok(()),
+        }
+    }
+
+    fn open(&mut self, place: Place, anchor: usize, items: Items) -> Result<(), String> {
+        if self.open.len() == MAX_DEPTH {
+            return Err(too_deep());
+        }
+        self.open.push(Open { place, anchor, bytes: size_of::<Node>(), items });
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), String> {
+        let Some(Open { place, anchor, bytes, items }) = self.open.pop() else { return Ok(()) };
+        let kind = match items {
+            Items::List(items) => Kind::List(items),
+            Items::Map { entries, .. } => Kind::Map(self.without_duplicates(entries)),
+        };
+        self.finish(Finished { node: Node { place, kind }, bytes }, anchor)
+    }
+
+    /// Puts a complete node where it belongs.
+    fn finish(&mut self, finished: Finished, anchor: usize) -> Result<(), String> {
+        self.values += 1;
+        if self.values > MAX_VALUES {
+            return Err(format!("the file has more than {MAX_VALUES} values"));
+        }
+        if anchor > 0 {
+            self.repeat(finished.bytes)?;
+            self.anchors.insert(anchor, finished.clone());
+        }
+        let Finished { node, bytes } = finished;
+        let Some(parent) = self.open.last_mut() else {
+            self.root = Some(node);
+            return Ok(());
+        };
+        parent.bytes += bytes;
+        match &mut parent.items {
+            Items::List(items) => items.push(node),
+            Items::Map { entries, key } => match key.take() {
+                None => *key = Some(node),
+                Some(key) if matches!(key.kind, Kind::Scalar { .. }) && !key.is_null() => entries.push((key, node)),
+                Some(key) => {
+                    self.problems.push(key.place, "a key is a text; lists, mappings and nothing are not", None)
+                }
+            },
+        }
+        Ok(())
+    }
+
+    fn repeat(&mut self, bytes: usize) -> Result<(), String> {
+        self.repeated += bytes;
+        if self.repeated > MAX_REPEATED {
+            return Err(format!("anchors and aliases repeat more than {MAX_REPEATED} bytes"));
+        }
+        Ok(())
+    }
+
+    fn without_duplicates(&self, entries: Vec<(Node, Node)>) -> Vec<(Node, Node)> {
+        let mut first: HashMap<String, Place> = HashMap::new();
+        let mut kept = Vec::with_capacity(entries.len());
+        for (key, value) in entries {
+            if let Some(Place { line, col }) = first.get(key.text()) {
+                let sentence = format!("key {} stands here again; it is first at {line}:{col}", quote(key.text()));
+                self.problems.push(key.place, sentence, None);
+            } else {
+                first.insert(key.text().to_owned(), key.place);
+                kept.push((key, value));
+            }
+        }
+        kept
+    }
+
+    fn refuse_tag(&self, tag: Option<&saphyr_parser::Tag>, place: Place) {
+        if let Some(tag) = tag {
+            let name = if tag.is_yaml_core_schema() { format!("!!{}", tag.suffix) } else { tag.to_string() };
+            self.problems.push(place, format!("tag {} is not read", quote(&name)), Some("leave it out".to_owned()));
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! Typed reading of one value.
+
+use super::problem::quote;
+use super::{Kind, Map, Node, Place, Problems};
+use lineshaft_core::unit::{Dimension, Fraction, Quantity, UnitError, excerpt, parse_decimal, parse_fraction};
+use num_rational::Ratio;
+use std::ops::RangeInclusive;
+
+/// Names that no object may have.
+const RESERVED: [&str; 3] = ["machine", "end", "ros"];
+/// Longest name of an object.
+const MAX_NAME: usize = 32;
+
+/// Which quantities a key takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Allowed {
+    /// Every one.
+    Any,
+    /// Above 0.
+    Positive,
+    /// 0 and above.
+    NotNegative,
+    /// From the first to the second, both included; quantities of another dimension are not compared.
+    Between(Quantity, Quantity),
+}
+
+/// A value of a document that somebody reads. Each reader notes a problem where it returns `None`.
+#[derive(Clone, Debug)]
+pub struct Value<'d> {
+    node: &'d Node,
+    label: String,
+    problems: &'d Problems,
+}
+
+impl<'d> Value<'d> {
+    pub(super) fn new(node: &'d Node, label: String, problems: &'d Problems) -> Self {
+        Self { node, label, problems }
+    }
+
+    pub(super) fn entry(key: &'d Node, value: &'d Node, problems: &'d Problems) -> (Self, Self) {
+        let label = excerpt(key.text());
+        (Self::new(key, "the key".to_owned(), problems), Self::new(value, label, problems))
+    }
+
+    /// Where the value starts.
+    pub fn place(&self) -> Place {
+        self.node.place
+    }
+
+    /// What problems call it: its key, with the index in a list, `inputs[1]`.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// Notes a problem here.
+    pub fn refuse(&self, sentence: impl Into<String>, hint: Option<String>) {
+        self.problems.push(self.node.place, sentence, hint);
+    }
+
+    /// Empty, `~` or `null`?
+    pub fn is_null(&self) -> bool {
+        self.node.is_null()
+    }
+
+    /// Is it a list?
+    pub fn is_list(&self) -> bool {
+        matches!(self.node.kind, Kind::List(_))
+    }
+
+    /// Is it a mapping?
+    pub fn is_map(&self) -> bool {
+        matches!(self.node.kind, Kind::Map(_))
+    }
+
+    /// The text as written if it is a scalar with a value, for a look ahead; notes no problem.
+    pub fn peek(&self) -> Option<&'d str> {
+        Some(self.node.text()).filter(|_| matches!(self.node.kind, Kind::Scalar { .. }) && !self.is_null())
+    }
+
+    /// Does it read as a whole number? For a look ahead; notes no problem.
+    pub fn is_integer(&self) -> bool {
+        self.plain().is_some_and(|text| whole_number(text).is_ok())
+    }
+
+    /// Any scalar, as written.
+    pub fn text(&self) -> Option<&'d str> {
+        self.scalar("a text")
+    }
+
+    /// `true` or `false`, nothing else.
+    pub fn boolean(&self) -> Option<bool> {
+        let text = self.scalar("true or false")?;
+        match self.plain().unwrap_or_default() {
+            "true" => return Some(true),
+            "false" => return Some(false),
+            _ => {}
+        }
+        let hint = match text.to_lowercase().as_str() {
+            "true" | "false" if text.to_lowercase() == text => Some("write it without quotes".to_owned()),
+            "yes" | "on" | "y" | "1" | "true" => Some("write `true`".to_owned()),
+            "no" | "off" | "n" | "0" | "false" => Some("write `false`".to_owned()),
+            _ => None,
+        };
+        self.refuse(format!("{} is {}; true or false is allowed", self.label, quote(text)), hint);
+        None
+    }
+
+    /// A whole number within `range`: decimal (also `1e6`), `0x1F` or `0o17`.
+    pub fn integer<T>(&self, range: RangeInclusive<T>) -> Option<T>
+    where
+        T: Copy + TryInto<i128> + TryFrom<i128>,
+    {
+        let text = self.scalar("a whole number")?;
+        // The bounds of every integer type but u128 fit; for those of u128 there is no use here.
+        let (low, high) = ((*range.start()).try_into().ok()?, (*range.end()).try_into().ok()?);
+        match self.plain().map_or(Err(NotWhole::Other), whole_number) {
+            Ok(value) if (low..=high).contains(&value) => return T::try_from(value).ok(),
+            Ok(value) => self.refuse(format!("{} is {value}; {low}..{high} is allowed", self.label), None),
+            Err(NotWhole::TooLarge) => {
+                self.refuse(format!("{} is {}; {low}..{high} is allowed", self.label, quote(text)), None);
+            }
+            Err(NotWhole::Other) => {
+                let sentence = format!("{} is {}; a whole number {low}..{high} is allowed", self.label, quote(text));
+                self.refuse(sentence, self.quotes_hint(|text| whole_number(text).is_ok()));
+            }
+        }
+        None
+    }
+
+    /// A finite number within `range`; an infinite bound is none.
+    pub fn number(&self, range: RangeInclusive<f64>) -> Option<f64> {
+        let text = self.scalar("a number")?;
+        match self.plain().and_then(finite) {
+            Some(value) if range.contains(&value) => return Some(value),
+            Some(_) => {
+                let (low, high) = range.into_inner();
+                let allowed = match (low.is_finite(), high.is_finite()) {
+                    (true, true) => format!("{low}..{high}"),
+                    (true, false) => format!("{low} and above"),
+                    (false, _) => format!("{high} and below"),
+                };
+                self.refuse(format!("{} is {text}; {allowed} is allowed", self.label), None);
+            }
+            None => {
+                let sentence = format!("{} is {}; a finite number is expected", self.label, quote(text));
+                let comma = finite(&text.replacen(',', ".", 1)).filter(|_| text.contains(','));
+                let comma = comma.map(|_| "write a decimal point, not a comma".to_owned());
+                self.refuse(sentence, comma.or_else(|| self.quotes_hint(|text| finite(text).is_some())));
+            }
+        }
+        None
+    }
+
+    /// An exact number: a decimal or a fraction such as `1/3`.
+    pub fn fraction(&self) -> Option<Fraction> {
+        let text = self.scalar("a number")?;
+        self.unit_result(parse_fraction(text))
+    }
+
+    /// A quantity `NUMBER UNIT` of one of the dimensions; a bare number is SI of the first.
+    pub fn quantity(&self, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
+        let expected = dimensions.first().map_or("a quantity", |dimension| dimension.article());
+        let text = self.scalar(expected)?;
+        let quantity = self.unit_result(Quantity::parse(text, dimensions))?;
+        let zero = Ratio::from(0);
+        let (good, range) = match allowed {
+            Allowed::Any => return Some(quantity),
+            Allowed::Positive => (quantity.value() > zero, "a value above 0".to_owned()),
+            Allowed::NotNegative => (quantity.value() >= zero, "0 and above".to_owned()),
+            // No order, no bound: `500 inc` is neither below nor above `1 m`.
+            Allowed::Between(low, high) => {
+                let below = quantity.partial_cmp(low).is_some_and(|order| order.is_lt());
+                let above = quantity.partial_cmp(high).is_some_and(|order| order.is_gt());
+                (!below && !above, format!("{low}..{high}"))
+            }
+        };
+        if !good {
+            self.refuse(format!("{} is {}; {range} is allowed", self.label, quote(text)), None);
+        }
+        good.then_some(quantity)
+    }
+
+    /// One of several names.
+    pub fn choice<T: Copy>(&self, names: &[(&str, T)]) -> Option<T> {
+        let text = self.scalar("a name")?;
+        if let Some((_, value)) = names.iter().find(|(name, _)| *name == text) {
+            return Some(*value);
+        }
+        let all: Vec<_> = names.iter().map(|(name, _)| *name).collect();
+        let hint = suggest(text, all.iter().copied()).map(|meant| format!("did you mean `{meant}`?"));
+        let one_of = if all.len() == 1 { "" } else { "one of " };
+        self.refuse(format!("{} is {}; {one_of}{} is allowed", self.label, quote(text), all.join(", ")), hint);
+        None
+    }
+
+    /// The name of an object of a cell: `[a-z][a-z0-9_]*`, at most 32 long, not machine, end or ros.
+    pub fn name(&self) -> Option<&'d str> {
+        let text = self.scalar("a name")?;
+        if RESERVED.contains(&text) {
+            self.refuse(format!("{} is taken; machine, end and ros name no object", quote(text)), None);
+            return None;
+        }
+        if is_name(text) {
+            return Some(text);
+        }
+        let given = if text.len() > MAX_NAME && text.is_ascii() {
+            format!(" has {} characters and", text.len())
+        } else {
+            String::new()
+        };
+        let plain = text.to_lowercase().replace(['-', ' ', '.', '/'], "_");
+        let hint = (plain != text && is_name(&plain)).then(|| format!("write `{plain}`"));
+        let sentence = "is no name; a letter a..z, then a..z, 0..9 and _, at most 32 characters, is allowed";
+        self.refuse(format!("{}{given} {sentence}", quote(text)), hint);
+        None
+    }
+
+    /// The values of a list; an empty value is an empty list.
+    pub fn list(&self) -> Option<Vec<Value<'d>>> {
+        let items = match &self.node.kind {
+            Kind::List(items) => items.as_slice(),
+            _ if self.is_null() => &[],
+            _ => return self.wrong_kind("a list"),
+        };
+        let label = |index| format!("{}[{index}]", self.label);
+        Some(items.iter().enumerate().map(|(index, node)| Value::new(node, label(index), self.problems)).collect())
+    }
+
+    /// A mapping to be read key by key, called `what` in problems (axis `x`); an empty value is an empty mapping.
+    pub fn map(&self, what: impl Into<String>) -> Option<Map<'d>> {
+        Some(Map::new(what.into(), self.node.place, self.pairs()?, self.problems))
+    }
+
+    /// The keys and values of a mapping in file order, for a section with names as keys; an empty value has none.
+    pub fn entries(&self) -> Option<Vec<(Value<'d>, Value<'d>)>> {
+        Some(self.pairs()?.iter().map(|(key, value)| Value::entry(key, value, self.problems)).collect())
+    }
+
+    fn pairs(&self) -> Option<&'d [(Node, Node)]> {
+        match &self.node.kind {
+            Kind::Map(entries) => Some(entries),
+            _ if self.is_null() => Some(&[]),
+            _ => self.wrong_kind("a mapping"),
+        }
+    }
+
+    fn scalar(&self, expected: &str) -> Option<&'d str> {
+        self.peek().or_else(|| self.wrong_kind(expected))
+    }
+
+    fn wrong_kind<T>(&self, expected: &str) -> Option<T> {
+        let given = match &self.node.kind {
+            _ if self.is_null() => "has no value".to_owned(),
+            Kind::Scalar { text, .. } => format!("is {}", quote(text)),
+            Kind::List(_) => "is a list".to_owned(),
+            Kind::Map(_) => "is a mapping".to_owned(),
+        };
+        self.refuse(format!("{} {given}; {expected} is expected", self.label), None);
+        None
+    }
+
+    /// The text of a scalar that stands without quotes.
+    fn plain(&self) -> Option<&'d str> {
+        match &self.node.kind {
+            Kind::Scalar { text, quoted: false } => Some(text),
+            _ => None,
+        }
+    }
+
+    fn quotes_hint(&self, would_do: impl Fn(&str) -> bool) -> Option<String> {
+        (self.plain().is_none() && would_do(self.node.text())).then(|| "write it without quotes".to_owned())
+    }
+
+    fn unit_result<T>(&self, result: Result<T, UnitError>) -> Option<T> {
+        result.map_err(|error| self.refuse(format!("{}: {error}", self.label), error.hint())).ok()
+    }
+}
+
+enum NotWhole {
+    TooLarge,
+    Other,
+}
+
+fn whole_number(text: &str) -> Result<i128, NotWhole> {
+    for (prefix, radix) in [("0x", 16), ("0o", 8)] {
+        if let Some(digits) = text.strip_prefix(prefix).filter(|digits| !digits.starts_with(['+', '-'])) {
+            return i128::from_str_radix(digits, radix).map_err(|error| match error.kind() {
+                std::num::IntErrorKind::PosOverflow => NotWhole::TooLarge,
+                _ => NotWhole::Other,
+            });
+        }
+    }
+    match parse_decimal(text) {
+        Ok(value) if value.is_integer() => Ok(value.to_integer()),
+        Err(UnitError::TooManyDigits { .. }) => Err(NotWhole::TooLarge),
+        _ => Err(NotWhole::Other),
+    }
+}
+
+/// A decimal number in f64; not the words `inf` and `nan`, which Rust would read.
+fn finite(text: &str) -> Option<f64> {
+    let plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
+    text.parse().ok().filter(|value: &f64| plain && value.is_finite())
+}
+
+fn is_name(text: &str) -> bool {
+    let tail = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_';
+    text.len() <= MAX_NAME && text.starts_with(|c: char| c.is_ascii_lowercase()) && text.bytes().all(tail)
+}
+
+/// What is most like `text`, if anything is: a third of its letters may be wrong.
+pub(super) fn suggest<'n>(text: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    /// Nothing that long is a misspelt key, and the distance takes time as the product of the lengths.
+    const LONGEST: usize = 64;
+    if text.len() > LONGEST {
+        return None;
+    }
+    let distance = |name: &str| strsim::damerau_levenshtein(&text.to_lowercase(), &name.to_lowercase());
+    let near = names.map(|name| (distance(name), name)).filter(|(far, name)| *far * 3 <= text.len().max(name.len()));
+    near.min_by_key(|(far, _)| *far).map(|(_, name)| name)
+}

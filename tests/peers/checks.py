@@ -1,0 +1,279 @@
+"""Checks of a running node that need more than one request: actions, malformed requests, new clients, the graph."""
+import math
+import struct
+import time
+from dataclasses import dataclass
+
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
+from cyclonedds.idl import IdlStruct, types as t
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+
+import ros2wire as rw
+from lineshaft_msgs import ACTIONS, AxesRequest, AxesResponse, MoveGoal
+from report import Checklist, Failure, show
+
+RELATIVE, SI = 1, 0
+CANCEL_ACCEPTED, UNKNOWN_GOAL, TERMINATED = 0, 2, 3
+
+
+def move_client(dp, node):
+    return rw.ActionClient(dp, f"{node}/move_axis", *ACTIONS["move_axis"]).wait()
+
+
+def action_conformance(peer, a):
+    """What rcl_action's server does, on MoveAxis; the axis must be enabled, and free for 200 distances upward."""
+    c, checks = move_client(peer.dp, a.node), Checklist()
+
+    def goal(times=1.0, **fields):
+        return MoveGoal(**{"axis": a.axis, "mode": RELATIVE, "units": SI, "position": a.distance * times,
+                           "velocity": a.velocity, **fields})
+
+    def start(client, times=1.0):
+        gid, r = client.send_goal(goal(times))
+        checks.check("the goal is accepted", lambda: r.accepted, True)
+        return gid
+
+    rejections(c, checks, goal)
+    gid = start(c)
+    checks.check("it ends SUCCEEDED", lambda: rw.STATUS[c.get_result(gid).status], "SUCCEEDED")
+    checks.check("a second get_result is served from the cache", lambda: c.get_result(gid, rw.REPLY_S).status, 4)
+    time.sleep(0.1)
+    checks.check("feedback was seen", lambda: len(c.feedback(gid)), lambda n: n > 0)
+    checks.check("the status topic ends with SUCCEEDED", lambda: c.statuses()[-1].get(gid.hex()), "SUCCEEDED")
+    checks.check("a goal id cannot be used twice", lambda: c.send_goal(goal(), gid)[1].accepted, False)
+
+    gid = start(c, 100.0)
+    time.sleep(0.1)
+    checks.check("a running goal is canceled", lambda: cancel_codes(c, gid), (CANCEL_ACCEPTED, [gid.hex()]))
+    checks.check("it ends CANCELED", lambda: rw.STATUS[c.get_result(gid).status], "CANCELED")
+    checks.check("cancel of a finished goal says so", lambda: cancel_codes(c, gid)[0], TERMINATED)
+    checks.check("cancel of an unknown goal says so", lambda: cancel_codes(c, rw.UUID.random())[0], UNKNOWN_GOAL)
+    gid = start(c, 100.0)
+    checks.check("cancel without id or stamp means all goals", lambda: cancel_codes(c, None),
+                 (CANCEL_ACCEPTED, [gid.hex()]))
+    checks.check("and that one ends CANCELED too", lambda: rw.STATUS[c.get_result(gid).status], "CANCELED")
+    checks.check("get_result of an unknown goal is STATUS_UNKNOWN",
+                 lambda: c.get_result(rw.UUID.random(), rw.REPLY_S).status, 0)
+    askers(c, checks, start, a.node)
+    checks.close()
+
+
+def cancel_codes(client, gid):
+    r = client.cancel(gid)
+    return r.return_code, [g.goal_id.hex() for g in r.goals_canceling]
+
+
+def rejections(c, checks, goal):
+    wrong = {
+        "NaN as position": goal(position=math.nan),
+        "an infinite position": goal(position=math.inf),
+        "NaN as velocity": goal(velocity=math.nan),
+        "an unknown axis": goal(axis="no_such_axis"),
+        "an empty axis name": goal(axis=""),
+        "an unknown mode": goal(mode=200),
+        "an unknown unit": goal(units=200),
+        "an unknown buffer mode": goal(buffer_mode=200),
+    }
+    for name, g in wrong.items():
+        gid, r = c.send_goal(g)
+        checks.check(f"{name} is rejected", lambda r=r: r.accepted, False)
+    checks.check("get_result of a rejected goal is STATUS_UNKNOWN",
+                 lambda: c.get_result(gid, rw.REPLY_S).status, 0)
+
+
+def askers(c, checks, start, node):
+    """Several askers, several goals, and one who comes late."""
+    gid, b = start(c), move_client(rw.participant(), node)
+    sent = [(x, x.c_result.send(rw.GetResultRequest(gid))) for x in (c, b)]
+    for i, (x, seq) in enumerate(sent):
+        checks.check(f"asker {i + 1} of 2 gets the result", lambda: x.c_result.receive(seq).status, 4)
+    goals = [start(c, s) for s in (1.0, -1.0, 1.0)]
+    checks.check("the last of three goals succeeds", lambda: c.get_result(goals[-1]).status, 4)
+    for i in (1, 0):
+        checks.check(f"goal {i + 1} of three, replaced, still has its result",
+                     lambda: c.get_result(goals[i], rw.REPLY_S).status, lambda s: s in (4, 6))
+    late = move_client(rw.participant(), node)
+    time.sleep(0.5)
+    checks.check("a late joiner gets one status array", lambda: len(late.statuses()), 1)
+
+
+class RawClient:
+    """A client of `service` on a participant of its own that writes given bytes, encapsulation header included."""
+
+    def __init__(self, service, request_type):
+        @dataclass
+        class Raw(IdlStruct, typename=request_type):
+            unused: t.uint8 = 0
+
+            def serialize(self, **_):
+                return self.payload
+        self.Raw, self.name = Raw, service.name
+        dp, q = rw.participant(), rw.SERVICE_QOS
+        self.w = DataWriter(dp, Topic(dp, f"rq{service.name}Request", Raw, qos=q), qos=q)
+        self.r = DataReader(dp, Topic(dp, f"rr{service.name}Reply", service.Resp, qos=q), qos=q)
+        self.client = int.from_bytes(self.w.guid.bytes[8:16], "little")
+
+    def wait(self):
+        rw.wait_until(lambda: self.w.get_matched_subscriptions() and self.r.get_matched_publications(), rw.MATCH_S,
+                      f"nobody serves {self.name}")
+        return self
+
+    def write(self, payload):
+        sample = self.Raw()
+        sample.payload = payload
+        self.w.write(sample)
+
+    def deliver(self, shapes, accepted, must_answer):
+        """Sends each of the named shapes under a number of its own; returns the names that were answered with yes, and
+        those of `must_answer` that were not answered at all."""
+        names, answered, yes = list(shapes), set(), []
+
+        def take():
+            for m in self.r.take(100):
+                if m.sample_info.valid_data and m.client == self.client:
+                    name = names[m.seq] if 0 <= m.seq < len(names) else f"number {m.seq}"
+                    answered.add(name)
+                    if accepted(m.data):
+                        yes.append(name)
+        for number, name in enumerate(names):
+            payload = shapes[name]
+            numbered = len(payload) >= HEADER.stop and "header" not in name
+            if numbered:
+                payload = payload[:SEQUENCE.start] + struct.pack("<q", number) + payload[SEQUENCE.stop:]
+            self.write(payload)
+            # Slowly, because both ends keep no more than ten samples.
+            for _ in range(5):
+                time.sleep(0.004)
+                take()
+        time.sleep(0.5)
+        take()
+        silent = sorted(must_answer - answered)
+        show(to=self.name, sent=len(shapes), answered=len(answered), accepted=yes, silent=silent)
+        return yes + silent
+
+
+HEADER = slice(4, 20)  # rmw_cyclonedds' header, after the four bytes of encapsulation
+SEQUENCE = slice(12, 20)
+
+
+def malformed(good, length_at):
+    """Named wrong forms of one good request; `length_at` is where its first string or sequence length stands."""
+    padded = good.ljust(-(-len(good) // 4) * 4, b"\0")
+    shapes = {
+        "4 bytes too many": padded + bytes(4),
+        "8 bytes too many": padded + bytes(8),
+        "1000 bytes too many": padded + bytes(1000),
+        "no header, the form of another RMW": good[:4] + good[HEADER.stop:],
+        "the header twice": good[:HEADER.stop] + good[HEADER] + good[HEADER.stop:],
+        "unknown encapsulation": b"\x00\xff\x00\x00" + good[4:],
+        "a length of 4 GiB": good[:length_at] + b"\xff\xff\xff\xff" + good[length_at + 4:],
+        "a length beyond the end": good[:length_at] + struct.pack("<I", len(good)) + good[length_at + 4:],
+    }
+    shapes.update({f"cut after {n} bytes": padded[:n] for n in range(8, len(padded), 4)})
+    return shapes
+
+
+def bad_requests(peer, a):
+    """Sends requests that must not do anything, and compares the machine before, meanwhile and after.
+
+    `a.axis` should be enabled, so that it could move, and `a.other` disabled, so that it could be enabled.
+    """
+    states, joints = peer.axis_states(a.node), peer.joint_states()
+    before = peer.latest_axes(a.node)
+    joints.take()
+
+    bad = bad_goals(peer, a) + bad_enables(peer, a)
+    time.sleep(0.5)
+    want = {x.name: (x.command_increments, x.enabled, x.state) for x in before.axes}
+    changed = sorted({x.name for m in states.take() for x in m.axes
+                      if (x.command_increments, x.enabled, x.state) != want[x.name]})
+    positions = [dict(zip(m.name, m.position)) for m in joints.take()]
+    moved = sorted({n for p in positions for n, v in p.items() if abs(v - positions[0][n]) > 1e-6})
+    show(changed=changed, moved=moved, joint_states=len(positions))
+    if bad or changed or moved:
+        raise Failure(f"accepted or not answered: {bad}, axis_states changed: {changed}, joint_states moved: {moved}")
+    r = peer.axes(a.node, "reset_errors").call(AxesRequest([a.axis]))
+    show(still_answers=True, success=r.success, message=r.message)
+
+
+def bad_goals(peer, a):
+    client = peer.action(a.node, "move_axis")
+    raw = RawClient(client.c_goal, "lineshaft_msgs::action::dds_::MoveAxis_SendGoal_Request_").wait()
+
+    def sample(**fields):
+        g = MoveGoal(**{"axis": a.axis, "mode": RELATIVE, "units": SI, "position": 0.01, **fields})
+        request = client.c_goal.Req(raw.client, 0, client.SendGoalRequest(rw.UUID.random(), g))
+        return request.serialize(use_version_2=False)
+
+    broken = malformed(sample(), length_at=36)  # 4 encapsulation, 16 header, 16 goal id
+    broken["an axis name that is not UTF-8"] = sample().replace(a.axis.encode() + b"\0", b"\xff" * len(a.axis) + b"\0")
+    wrong = {"an axis name of 1 MB": sample(axis="x" * 1_000_000)}
+    for field in ("position", "velocity", "acceleration", "deceleration", "jerk"):
+        for value in (math.nan, math.inf, -math.inf):
+            wrong[f"{value} as {field}"] = sample(**{field: value})
+    return raw.deliver({**broken, **wrong}, lambda r: r.accepted, set(wrong))
+
+
+def bad_enables(peer, a):
+    client = peer.axes(a.node, "enable")
+    raw = RawClient(client, "lineshaft_msgs::srv::dds_::AxesCommand_Request_").wait()
+
+    def sample(*axes):
+        return client.Req(raw.client, 0, AxesRequest(list(axes))).serialize(use_version_2=False)
+
+    broken = malformed(sample(a.other), length_at=20)
+    wrong = {
+        "an axis name of 1 MB": sample("x" * 1_000_000),
+        "an unknown axis after a good one": sample(a.other, "no_such_axis"),
+        "an empty axis name": sample(""),
+    }
+    return raw.deliver({**broken, **wrong}, lambda r: r.success, set(wrong))
+
+
+def first_replies(peer, a):
+    """New clients, each on a participant of its own, call as soon as they see the server: no reply may be lost."""
+    lost, slowest = 0, 0.0
+    for _ in range(a.clients):
+        c = rw.ServiceClient(rw.participant(), f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest,
+                             AxesResponse).wait()
+        start = time.monotonic()
+        try:
+            c.call(AxesRequest([a.axis]), 3.0)
+            slowest = max(slowest, time.monotonic() - start)
+        except TimeoutError:
+            lost += 1
+    show(clients=a.clients, lost=lost, slowest_s=slowest)
+    if lost:
+        raise Failure(f"{lost} of {a.clients} new clients lost their first reply")
+
+
+def graph(peer, a):
+    """The node's endpoints as ros_discovery_info announces them, with the topics that DDS discovery knows for them."""
+    s = peer.once("graph", lambda: rw.Subscription(peer.dp, "ros_discovery_info", rw.ParticipantEntitiesInfo,
+                                                   rw.DISCOVERY_QOS, prefix=""))
+    peer.made.setdefault("graph nodes", {})
+    readers = {kind: BuiltinDataReader(peer.dp, kind) for kind in
+               (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)}
+    nodes = peer.made["graph nodes"]
+
+    def announced():
+        for m in s.take():
+            for n in m.node_entities_info_seq:
+                nodes[n.node_namespace.rstrip("/") + "/" + n.node_name] = n
+        return a.node in nodes
+    rw.wait_until(announced, rw.MATCH_S, f"{a.node} is not in ros_discovery_info")
+    time.sleep(0.5)
+    announced()
+
+    def topics(kind, gids):
+        known = {e.key.bytes: e.topic_name for e in readers[kind].read(10_000) if e.sample_info.valid_data}
+        found = [known.get(bytes(g.data)) for g in gids]
+        return sorted(x for x in found if x), found.count(None)
+    node = nodes[a.node]
+    writes, strange_w = topics(BuiltinTopicDcpsPublication, node.writer_gid_seq)
+    reads, strange_r = topics(BuiltinTopicDcpsSubscription, node.reader_gid_seq)
+    show(node=a.node, writes=writes, reads=reads, unknown=strange_w + strange_r)
+    if strange_w + strange_r:
+        raise Failure(f"{strange_w + strange_r} announced endpoints do not exist")

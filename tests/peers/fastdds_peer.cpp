@@ -1,0 +1,376 @@
+// A ROS 2 peer on Fast DDS 2 for the end-to-end tests: one JSON line per observation, exit 1 on failure.
+//
+// The messages are written and read here byte by byte, from docs/contract.md, section 7.
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "fastdds_wire.hpp"
+
+using namespace wire;
+
+namespace {
+
+const char* const USAGE =
+    "usage: fastdds_peer COMMAND [ARGUMENT..], the domain from ROS_DOMAIN_ID\n"
+    "  joint-states [--seconds 3] [--count N]\n"
+    "  axes NODE enable|disable|halt|quick_stop|reset_errors [AXIS..]\n"
+    "  move NODE --axis A [--mode absolute] [--units si] [--position P] [--velocity V] [--cancel-after S] [--wait]\n"
+    "  result NODE move_axis GOAL [--expect SUCCEEDED]\n"
+    "  cancel NODE move_axis GOAL\n"
+    "  bad-requests NODE [--axis x]\n"
+    "  serve    such lines from standard input; after each {\"done\": command, \"ok\": bool, \"error\": sentence}\n";
+
+// ---- MoveAxis
+
+using GoalId = std::array<uint8_t, 16>;
+
+GoalId random_goal() {
+  static std::random_device source;
+  GoalId id;
+  for (auto& byte : id) byte = source();
+  return id;
+}
+
+std::string hex(const uint8_t* p) {
+  static const char* digits = "0123456789abcdef";
+  std::string out;
+  for (int i = 0; i < 16; i++) (out += digits[p[i] >> 4]) += digits[p[i] & 15];
+  return out;
+}
+
+GoalId from_hex(const std::string& text) {
+  GoalId id;
+  if (text.size() != 2 * id.size()) throw Failure("a goal id has 32 hexadecimal digits, not " + text);
+  for (size_t i = 0; i < id.size(); i++) id[i] = std::stoul(text.substr(2 * i, 2), nullptr, 16);
+  return id;
+}
+
+const std::vector<std::string> MODES{"absolute", "relative", "additive", "velocity", "superimposed"};
+const std::vector<std::string> UNITS{"si", "axis_unit", "increments"};
+const std::vector<std::string> STATUS{"UNKNOWN",   "ACCEPTED", "EXECUTING", "CANCELING",
+                                      "SUCCEEDED", "CANCELED", "ABORTED"};
+
+struct MoveGoal {
+  std::string axis;
+  uint8_t mode = 0, units = 0;
+  double position = 0, velocity = 0, acceleration = 0, deceleration = 0, jerk = 0;
+  uint8_t buffer_mode = 0, direction = 0;
+
+  Bytes request(const GoalId& id) const {
+    Writer w;
+    w.raw(id.data(), id.size()).text(axis).put(mode).put(units);
+    for (double v : {position, velocity, acceleration, deceleration, jerk}) w.put(v);
+    return w.put(buffer_mode).put(direction).bytes();
+  }
+};
+
+struct Feedback {
+  size_t count = 0;
+  double position = 0, velocity = 0, distance_to_go = 0;
+  int64_t increments = 0;
+};
+
+class MoveClient {
+ public:
+  MoveClient(Dds& dds, const std::string& node)
+      : goals(dds, node + "/move_axis/_action/send_goal", TYPE + "SendGoal"),
+        results_(dds, node + "/move_axis/_action/get_result", TYPE + "GetResult"),
+        cancels_(dds, node + "/move_axis/_action/cancel_goal", "action_msgs::srv::dds_::CancelGoal"),
+        feedback_(dds, node + "/move_axis/_action/feedback", TYPE + "FeedbackMessage_"),
+        status_(dds, node + "/move_axis/_action/status", "action_msgs::msg::dds_::GoalStatusArray_", true) {}
+
+  GoalId send(const MoveGoal& goal) {
+    GoalId id = random_goal();
+    Bytes reply = goals.call(goal.request(id));
+    bool accepted = Reader(reply).get<uint8_t>() != 0;
+    Object().add("goal", hex(id.data())).add("accepted", accepted).show();
+    if (!accepted) throw Failure("the goal was rejected");
+    return id;
+  }
+
+  void cancel(const GoalId& id) {
+    Bytes reply = cancels_.call(Writer().raw(id.data(), id.size()).put<int32_t>(0).put<uint32_t>(0).bytes());
+    Reader r(reply);
+    int code = r.get<int8_t>();
+    auto canceling = r.sequence<std::string>([](Reader& r) {
+      auto goal = hex(r.take(16));
+      r.get<int32_t>();
+      r.get<uint32_t>();
+      return goal;
+    });
+    Object().add("cancel", code).add("canceling", canceling).show();
+    if (code) throw Failure("cancel was answered with code " + std::to_string(code));
+  }
+
+  void finish(const GoalId& id, const std::string& expected) {
+    Bytes reply = results_.call(Writer().raw(id.data(), id.size()).bytes(), RESULT_S);
+    Reader r(reply);
+    std::string status = STATUS.at(r.get<int8_t>());
+    auto code = r.get<uint32_t>();
+    auto message = r.text();
+    auto position = r.get<double>();
+    auto increments = r.get<int64_t>();
+    sleep_ms(50);  // feedback and status are other topics: let what was sent before the result arrive
+    collect();
+    const Feedback& f = seen_[hex(id.data())];
+    Object last, result, feedback;
+    last.add("position", f.position).add("velocity", f.velocity).add("distance_to_go", f.distance_to_go);
+    last.add("position_increments", f.increments);
+    feedback.add("count", f.count).add("last", f.count ? last.done() : Json{"null"});
+    result.add("code", code).add("message", message).add("position", position).add("position_increments", increments);
+    Object().add("status", status).add("result", result.done()).add("feedback", feedback.done())
+        .add("statuses", statuses_[hex(id.data())]).show();
+    if (status != expected) throw Failure("the goal ended " + status + ", not " + expected + ": " + message);
+  }
+
+  Service goals;
+
+ private:
+  static const std::string TYPE;
+
+  void collect() {
+    feedback_.drain([&](Reader& r) {
+      Feedback& f = seen_[hex(r.take(16))];
+      f.count++;
+      f.position = r.get<double>();
+      f.velocity = r.get<double>();
+      f.distance_to_go = r.get<double>();
+      f.increments = r.get<int64_t>();
+    });
+    status_.drain([&](Reader& r) {
+      for (auto n = r.get<uint32_t>(); n > 0; n--) {
+        auto goal = hex(r.take(16));
+        r.get<int32_t>();
+        r.get<uint32_t>();
+        statuses_[goal].push_back(STATUS.at(r.get<int8_t>()));
+      }
+    });
+  }
+
+  Service results_, cancels_;
+  Subscription feedback_, status_;
+  std::map<std::string, Feedback> seen_;
+  std::map<std::string, std::vector<std::string>> statuses_;
+};
+
+const std::string MoveClient::TYPE = "lineshaft_msgs::action::dds_::MoveAxis_";
+
+// ---- Commands
+
+class Arguments {
+ public:
+  explicit Arguments(std::istream& words) {
+    for (std::string word; words >> word;) {
+      if (word.rfind("--", 0) != 0) plain_.push_back(word);
+      else if (word == "--wait") named_[word];
+      else if (!(words >> named_[word])) throw Failure(word + " needs a value");
+    }
+  }
+  bool has(const std::string& name) const { return named_.count(name) > 0; }
+  std::string text(const std::string& name, const std::string& otherwise) const {
+    auto found = named_.find(name);
+    return found == named_.end() ? otherwise : found->second;
+  }
+  double number(const std::string& name, double otherwise) const {
+    return has(name) ? std::stod(named_.at(name)) : otherwise;
+  }
+  uint8_t choice(const std::string& name, const std::vector<std::string>& all) const {
+    auto word = text(name, all.front());
+    for (size_t i = 0; i < all.size(); i++)
+      if (all[i] == word) return i;
+    throw Failure(name + " cannot be " + word);
+  }
+  const std::string& operator[](size_t i) const {
+    if (i >= plain_.size()) throw Failure(std::string("an argument is missing\n") + USAGE);
+    return plain_[i];
+  }
+  std::vector<std::string> from(size_t i) const {
+    return i < plain_.size() ? std::vector<std::string>(plain_.begin() + i, plain_.end()) : std::vector<std::string>();
+  }
+
+ private:
+  std::vector<std::string> plain_;
+  std::map<std::string, std::string> named_;
+};
+
+class Peer {
+ public:
+  void run(const std::string& line) {
+    std::istringstream words(line);
+    Arguments a(words);
+    auto found = COMMANDS.find(a[0]);
+    if (found == COMMANDS.end()) throw Failure("unknown command " + a[0] + "\n" + USAGE);
+    (this->*found->second)(a);
+  }
+
+ private:
+  void joint_states(const Arguments& a) {
+    auto& s = once(joints_, "", [&] {
+      return new Subscription(dds_, "/joint_states", "sensor_msgs::msg::dds_::JointState_");
+    });
+    s.drain([](Reader&) {});
+    double seconds = a.number("--seconds", 3.0), count = a.number("--count", 1e9), first = -1, last = -1;
+    size_t n = 0;
+    Object message;
+    for (auto start = Clock::now(); n < count && since(start) < seconds; sleep_ms(1)) {
+      s.drain([&](Reader& r) {
+        last = since(start);
+        if (n++ == 0) first = last;
+        message = joint_state(r);
+      });
+    }
+    if (n == 0) throw Failure("no joint states");
+    double rate = n > 1 && last > first ? (n - 1) / (last - first) : 0.0;
+    Object().add("received", n).add("first_s", first).add("rate", rate).add("last", message.done()).show();
+    if (a.has("--count") && n < count) throw Failure("too few joint states");
+  }
+
+  static Object joint_state(Reader& r) {
+    r.get<int32_t>();
+    r.get<uint32_t>();
+    r.text();
+    auto number = [](Reader& r) { return r.get<double>(); };
+    Object message;
+    message.add("name", r.sequence<std::string>([](Reader& r) { return r.text(); }));
+    message.add("position", r.sequence<double>(number));
+    message.add("velocity", r.sequence<double>(number));
+    return message.add("effort", r.sequence<double>(number));
+  }
+
+  void axes(const Arguments& a) {
+    Writer w;
+    auto names = a.from(3);
+    w.put<uint32_t>(names.size());
+    for (auto& name : names) w.text(name);
+    Bytes reply = axes_service(a[1] + "/" + a[2]).call(w.bytes());
+    Reader r(reply);
+    bool success = r.get<uint8_t>() != 0;
+    auto message = r.text();
+    Object().add("verb", a[2]).add("success", success).add("message", message).show();
+    if (!success) throw Failure(message);
+  }
+
+  void move(const Arguments& a) {
+    MoveGoal goal;
+    goal.axis = a.text("--axis", "");
+    goal.mode = a.choice("--mode", MODES);
+    goal.units = a.choice("--units", UNITS);
+    goal.position = a.number("--position", 0);
+    goal.velocity = a.number("--velocity", 0);
+    auto& client = move_client(a[1]);
+    auto id = client.send(goal);
+    bool cancels = a.has("--cancel-after");
+    if (cancels) {
+      sleep_ms(static_cast<int>(1000 * a.number("--cancel-after", 0)));
+      client.cancel(id);
+    }
+    if (cancels || a.has("--wait")) client.finish(id, a.text("--expect", cancels ? "CANCELED" : "SUCCEEDED"));
+  }
+
+  void result(const Arguments& a) { move_client(a[1]).finish(from_hex(a[3]), a.text("--expect", "SUCCEEDED")); }
+
+  void cancel(const Arguments& a) { move_client(a[1]).cancel(from_hex(a[3])); }
+
+  // Requests in the form of the other RMW, or of no RMW, from a Fast DDS writer: none may be answered with yes.
+  void bad_requests(const Arguments& a) {
+    auto& service = move_client(a[1]).goals;
+    MoveGoal goal;
+    goal.axis = a.text("--axis", "x");
+    goal.mode = 1;
+    goal.position = 0.01;
+    size_t sent = 0;
+    std::vector<std::string> accepted;
+    auto deliver = [&](const std::string& name, const Bytes& bytes, bool identified = true) {
+      service.send(bytes, identified);
+      sent++;
+      sleep_ms(20);
+      for (auto& reply : service.collect())
+        if (Reader(reply.second).get<uint8_t>()) accepted.push_back(name);
+      service.collect().clear();
+    };
+    Bytes good = goal.request(random_goal());
+    Bytes header = good;
+    header.insert(header.begin() + 4, 16, 7);
+    deliver("the header of the other RMW", header);
+    deliver("the header of the other RMW and no identity", header, false);
+    Bytes longer = good;
+    longer.insert(longer.end(), 8, 0);
+    deliver("8 bytes too many", longer);
+    for (size_t n = 4; n + 4 < good.size(); n++) deliver("cut", Bytes(good.begin(), good.begin() + n));
+    for (double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+      goal.position = value;
+      deliver("a number that is not finite", goal.request(random_goal()));
+    }
+    sleep_ms(500);
+    for (auto& reply : service.collect())
+      if (Reader(reply.second).get<uint8_t>()) accepted.push_back("a late answer");
+    Object().add("to", service.name()).add("sent", sent).add("accepted", accepted).show();
+    if (!accepted.empty()) throw Failure("a bad request was accepted");
+  }
+
+  Service& axes_service(const std::string& name) {
+    return once(services_, name, [&] { return new Service(dds_, name, "lineshaft_msgs::srv::dds_::AxesCommand"); });
+  }
+
+  MoveClient& move_client(const std::string& node) {
+    return once(moves_, node, [&] { return new MoveClient(dds_, node); });
+  }
+
+  template <class T>
+  static T& once(std::map<std::string, std::unique_ptr<T>>& all, const std::string& key,
+                 const std::function<T*()>& make) {
+    auto found = all.find(key);
+    if (found == all.end()) found = all.emplace(key, std::unique_ptr<T>(make())).first;
+    return *found->second;
+  }
+  template <class T, class Make>
+  static T& once(std::map<std::string, std::unique_ptr<T>>& all, const std::string& key, Make make) {
+    return once(all, key, std::function<T*()>(make));
+  }
+
+  static const std::map<std::string, void (Peer::*)(const Arguments&)> COMMANDS;
+  Dds dds_;
+  std::map<std::string, std::unique_ptr<Subscription>> joints_;
+  std::map<std::string, std::unique_ptr<Service>> services_;
+  std::map<std::string, std::unique_ptr<MoveClient>> moves_;
+};
+
+const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
+    {"joint-states", &Peer::joint_states}, {"axes", &Peer::axes},     {"move", &Peer::move},
+    {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
+};
+
+void serve(Peer& peer) {
+  for (std::string line; std::getline(std::cin, line);) {
+    Object done;
+    done.add("done", line.substr(0, line.find(' ')));
+    try {
+      peer.run(line);
+      done.add("ok", true);
+    } catch (const std::exception& e) {
+      done.add("ok", false).add("error", e.what());
+    }
+    done.show();
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string line;
+  for (int i = 1; i < argc; i++) line += (i > 1 ? " " : "") + std::string(argv[i]);
+  if (line.empty() || line == "--help") {
+    std::cout << USAGE;
+    return line.empty() ? 2 : 0;
+  }
+  try {
+    Peer peer;
+    if (line == "serve") serve(peer);
+    else peer.run(line);
+  } catch (const std::exception& e) {
+    Object().add("error", e.what()).show();
+    return 1;
+  }
+  return 0;
+}

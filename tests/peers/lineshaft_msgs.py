@@ -1,0 +1,147 @@
+"""The interfaces of the package lineshaft_msgs, from docs/contract.md, section 7, not from the node's own types."""
+from dataclasses import dataclass, field
+
+from cyclonedds.idl import IdlStruct, types as t
+
+from ros2wire import Header
+
+AXIS_STATES = ("DISABLED", "STANDSTILL", "DISCRETE_MOTION", "CONTINUOUS_MOTION", "HOMING", "SYNCHRONIZED_MOTION",
+               "STOPPING", "ERROR_STOP")
+MOVE_MODES = ("absolute", "relative", "additive", "velocity", "superimposed")
+UNITS = ("si", "axis_unit", "increments")
+SYNC_MODES = ("velocity", "position", "marker")
+
+
+@dataclass
+class AxisState(IdlStruct, typename="lineshaft_msgs::msg::dds_::AxisState_"):
+    name: str = ""
+    state: t.uint8 = 0
+    drive_state: t.uint8 = 0
+    reference: t.uint8 = 0
+    mode_of_operation: t.int8 = 0
+    enabled: bool = False
+    homed: bool = False
+    in_position: bool = False
+    in_velocity: bool = False
+    in_sync: bool = False
+    warning: bool = False
+    positive_limit: bool = False
+    negative_limit: bool = False
+    error_code: t.uint32 = 0
+    command_position: t.float64 = 0.0
+    command_velocity: t.float64 = 0.0
+    command_acceleration: t.float64 = 0.0
+    position: t.float64 = 0.0
+    velocity: t.float64 = 0.0
+    effort: t.float64 = 0.0
+    following_error: t.float64 = 0.0
+    sync_error: t.float64 = 0.0
+    command_increments: t.int64 = 0
+    position_increments: t.int64 = 0
+    following_error_increments: t.int64 = 0
+    sync_error_increments: t.int64 = 0
+
+
+@dataclass
+class AxisStates(IdlStruct, typename="lineshaft_msgs::msg::dds_::AxisStates_"):
+    header: Header = field(default_factory=Header)
+    cycle: t.uint64 = 0
+    axes: t.sequence[AxisState] = field(default_factory=list)
+
+
+@dataclass
+class Event(IdlStruct, typename="lineshaft_msgs::msg::dds_::Event_"):
+    header: Header = field(default_factory=Header)
+    sequence: t.uint64 = 0
+    cycle: t.uint64 = 0
+    age_ns: t.uint32 = 0
+    severity: t.uint8 = 0
+    kind: str = ""
+    source: str = ""
+    code: t.uint32 = 0
+    increments: t.int64 = 0
+    fraction: t.float64 = 0.0
+    value: t.float64 = 0.0
+    text: str = ""
+
+
+@dataclass
+class AxesRequest(IdlStruct, typename="AxesRequest"):
+    axes: t.sequence[str] = field(default_factory=list)
+
+
+@dataclass
+class AxesResponse(IdlStruct, typename="AxesResponse"):
+    success: bool = False
+    message: str = ""
+
+
+@dataclass
+class MoveGoal(IdlStruct, typename="MoveGoal"):
+    axis: str = ""
+    mode: t.uint8 = 0
+    units: t.uint8 = 0
+    position: t.float64 = 0.0
+    velocity: t.float64 = 0.0
+    acceleration: t.float64 = 0.0
+    deceleration: t.float64 = 0.0
+    jerk: t.float64 = 0.0
+    buffer_mode: t.uint8 = 0
+    direction: t.uint8 = 0
+
+
+@dataclass
+class MoveResult(IdlStruct, typename="MoveResult"):
+    code: t.uint32 = 0
+    message: str = ""
+    position: t.float64 = 0.0
+    position_increments: t.int64 = 0
+
+
+@dataclass
+class MoveFeedback(IdlStruct, typename="MoveFeedback"):
+    position: t.float64 = 0.0
+    velocity: t.float64 = 0.0
+    distance_to_go: t.float64 = 0.0
+    position_increments: t.int64 = 0
+
+
+@dataclass
+class SyncGoal(IdlStruct, typename="SyncGoal"):
+    axis: str = ""
+    master: str = ""
+    event: str = ""
+    mode: t.uint8 = 0
+    engage: t.uint8 = 0
+    disengage: t.uint8 = 0
+    numerator: t.int64 = 0
+    denominator: t.int64 = 0
+    master_increments: t.int64 = 0
+    slave_increments: t.int64 = 0
+    start_distance_increments: t.int64 = 0
+    offset: t.float64 = 0.0
+    velocity: t.float64 = 0.0
+    acceleration: t.float64 = 0.0
+
+
+@dataclass
+class SyncResult(IdlStruct, typename="SyncResult"):
+    code: t.uint32 = 0
+    message: str = ""
+    position_increments: t.int64 = 0
+
+
+@dataclass
+class SyncFeedback(IdlStruct, typename="SyncFeedback"):
+    phase: t.uint8 = 0
+    sync_error_increments: t.int64 = 0
+    sync_error: t.float64 = 0.0
+    marker_error: t.float64 = 0.0
+    correction: t.float64 = 0.0
+
+
+# Action name: its type and the bodies of goal, result and feedback.
+ACTIONS = {
+    "move_axis": ("lineshaft_msgs/MoveAxis", MoveGoal, MoveResult, MoveFeedback),
+    "synchronize": ("lineshaft_msgs/Synchronize", SyncGoal, SyncResult, SyncFeedback),
+}

@@ -1,0 +1,294 @@
+#!/usr/bin/env python3
+"""A ROS 2 peer on Cyclone DDS for the end-to-end tests: one JSON line per observation, exit 1 on failure.
+
+    pip install -r requirements.txt
+    export ROS_DOMAIN_ID=77  # CYCLONEDDS_URI defaults to loopback only, unicast discovery
+    lineshaft_peer.py move /lineshaft --axis x --units increments --position 12345
+
+`serve` keeps one participant and reads such command lines from standard input, words between blanks. It answers each
+with the same JSON lines and a last one {"done": command, "ok": bool, "error": sentence}.
+"""
+import argparse
+import sys
+import time
+
+import checks
+import ros2wire as rw
+from lineshaft_msgs import (ACTIONS, AXIS_STATES, MOVE_MODES, SYNC_MODES, UNITS, AxesRequest, AxesResponse, AxisStates,
+                            Event, MoveGoal, SyncGoal)
+from report import Failure, plain, show
+
+STREAM = rw.qos(depth=10_000)  # nothing is lost while a command waits for something else
+AXES_VERBS = ("enable", "disable", "halt", "quick_stop", "reset_errors")
+
+
+class Peer:
+    """One participant with its endpoints, each made at first use and kept."""
+
+    def __init__(self):
+        self.dp = rw.participant()
+        self.made = {}
+
+    def once(self, key, make):
+        if key not in self.made:
+            self.made[key] = make().wait()
+        return self.made[key]
+
+    def stream(self, topic, cls):
+        return self.once(topic, lambda: rw.Subscription(self.dp, topic, cls, STREAM))
+
+    def joint_states(self):
+        return self.stream("/joint_states", rw.JointState)
+
+    def axis_states(self, node):
+        return self.stream(f"{node}/axis_states", AxisStates)
+
+    def axes(self, node, verb):
+        name = f"{node}/{verb}"
+        return self.once(name, lambda: rw.ServiceClient(self.dp, name, "lineshaft_msgs/AxesCommand", AxesRequest,
+                                                        AxesResponse))
+
+    def action(self, node, action):
+        return self.once(f"{node}/{action}", lambda: rw.ActionClient(self.dp, f"{node}/{action}", *ACTIONS[action]))
+
+    def latest_axes(self, node):
+        """The first axis_states that arrives from now on."""
+        s = self.axis_states(node)
+        s.take()
+        return first(s, "axis_states stopped")
+
+
+def first(subscription, complaint):
+    got = []
+    rw.wait_until(lambda: got.extend(subscription.take()) or got, rw.REPLY_S, complaint)
+    return got[-1]
+
+
+def shown_axes(m):
+    axes = {a.name: {k: v for k, v in plain(a).items() if k != "name"} for a in m.axes}
+    for a in axes.values():
+        a["state"] = AXIS_STATES[a["state"]]
+    return {"stamp": plain(m.header.stamp), "cycle": m.cycle, "axes": axes}
+
+
+def joint_states(peer, a):
+    s = peer.joint_states()
+    s.take()
+    start, times, last = time.monotonic(), [], None
+    while len(times) < a.count and time.monotonic() - start < a.seconds:
+        for m in s.take():
+            times.append(time.monotonic() - start)
+            last = m
+        time.sleep(0.001)
+    if not times:
+        raise Failure("no joint states")
+    span = times[-1] - times[0]
+    show(received=len(times), first_s=times[0], rate=(len(times) - 1) / span if span else 0.0, last=last)
+    if len(times) < a.count and a.count != NO_LIMIT:
+        raise Failure(f"{len(times)} joint states in {a.seconds} s, {a.count} wanted")
+
+
+def axis_states(peer, a):
+    if not a.all:
+        show(**shown_axes(peer.latest_axes(a.node)))
+        return
+    for m in peer.axis_states(a.node).take():
+        show(**shown_axes(m))
+
+
+def echo(subscription, seconds, until=None):
+    end = time.monotonic() + seconds
+    while True:
+        for m in subscription.take():
+            show(message=m)
+            if until and m.kind == until:
+                return
+        if time.monotonic() > end:
+            break
+        time.sleep(0.002)
+    if until:
+        raise Failure(f"no event of kind {until} within {seconds} s")
+
+
+def events(peer, a):
+    echo(peer.stream(f"{a.node}/events", Event), a.seconds, a.until)
+
+
+def log(peer, a):
+    echo(peer.once("/rosout", lambda: rw.Subscription(peer.dp, "/rosout", rw.Log, rw.ROSOUT_QOS)), a.seconds)
+
+
+def axes(peer, a):
+    r = peer.axes(a.node, a.verb).call(AxesRequest(a.axes), a.timeout)
+    show(verb=a.verb, success=r.success, message=r.message)
+    if not r.success:
+        raise Failure(r.message)
+
+
+def send(client, goal):
+    gid, r = client.send_goal(goal)
+    show(goal=gid.hex(), accepted=r.accepted)
+    if not r.accepted:
+        raise Failure("the goal was rejected")
+    return gid
+
+
+def finish(client, gid, expected):
+    r = client.get_result(gid)
+    time.sleep(0.05)  # feedback and status are other topics: let what was sent before the result arrive
+    feedback = client.feedback(gid)
+    show(status=rw.STATUS[r.status], result=r.result, statuses=[s.get(gid.hex()) for s in client.statuses()],
+         feedback={"count": len(feedback), "last": feedback[-1] if feedback else None})
+    if rw.STATUS[r.status] != expected:
+        raise Failure(f"the goal ended {rw.STATUS[r.status]}, not {expected}: {r.result.message}")
+
+
+def cancel_goal(client, gid):
+    r = client.cancel(gid)
+    show(cancel=r.return_code, canceling=[g.goal_id.hex() for g in r.goals_canceling])
+    if r.return_code:
+        raise Failure(f"cancel was answered with code {r.return_code}")
+
+
+def move(peer, a):
+    client = peer.action(a.node, "move_axis")
+    gid = send(client, MoveGoal(a.axis, MOVE_MODES.index(a.mode), UNITS.index(a.units), a.position, a.velocity,
+                                a.acceleration, a.deceleration, a.jerk, a.buffer_mode, a.direction))
+    if a.cancel_after is not None:
+        time.sleep(a.cancel_after)
+        cancel_goal(client, gid)
+    if a.wait or a.cancel_after is not None:
+        finish(client, gid, a.expect or ("SUCCEEDED" if a.cancel_after is None else "CANCELED"))
+
+
+def synchronize(peer, a):
+    client = peer.action(a.node, "synchronize")
+    gid = send(client, SyncGoal(axis=a.axis, master=a.master, mode=SYNC_MODES.index(a.mode), numerator=a.numerator,
+                                denominator=a.denominator))
+
+    def coupled():
+        f = client.feedback(gid)
+        return f and f[-1].phase == 2
+    rw.wait_until(coupled, rw.REPLY_S, "the axis is not synchronized")
+    show(phase=2, feedback=client.feedback(gid)[-1])
+    if a.seconds is not None:
+        time.sleep(a.seconds)
+        cancel_goal(client, gid)
+        finish(client, gid, "CANCELED")
+
+
+def result(peer, a):
+    finish(peer.action(a.node, a.action), rw.UUID.of_hex(a.goal), a.expect)
+
+
+def cancel(peer, a):
+    cancel_goal(peer.action(a.node, a.action), rw.UUID.of_hex(a.goal))
+
+
+def params(peer, a):
+    client = peer.once(f"{a.node} parameters", lambda: rw.ParameterClient(peer.dp, a.node))
+    if a.op == "list":
+        show(list=client.list(a.args))
+    elif a.op in ("get", "types", "describe"):
+        show(**{a.op: getattr(client, a.op)(*a.args)})
+    else:
+        values = dict(x.split("=", 1) for x in a.args)
+        show(**{a.op: getattr(client, a.op)({k: rw.parsed(v) for k, v in values.items()})})
+
+
+def talk(peer, a):
+    """A stream of joint states of one joint, so that the peers can be tested against each other."""
+    w = rw.publisher(peer.dp, "/joint_states", rw.JointState, rw.qos())
+    show(talking=a.seconds)
+    end = time.monotonic() + a.seconds
+    while time.monotonic() < end:
+        w.write(rw.JointState(name=["peer"], position=[1.5], velocity=[0.0], effort=[0.0]))
+        time.sleep(0.01)
+
+
+NO_LIMIT = 1_000_000_000
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise Failure(message)
+
+
+def parser():
+    top = Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    sub = top.add_subparsers(dest="command", required=True)
+
+    def command(name, run, node=True, **options):
+        p = sub.add_parser(name)
+        p.set_defaults(run=run)
+        if node:
+            p.add_argument("node", help="full name, such as /lineshaft")
+        for option, default in options.items():
+            p.add_argument(f"--{option.replace('_', '-')}", type=type(default), default=default)
+        return p
+    command("joint-states", joint_states, node=False, seconds=3.0, count=NO_LIMIT)
+    p = command("axis-states", axis_states)
+    p.add_argument("--all", action="store_true", help="all since the last call, instead of the next one")
+    p = command("events", events, seconds=0.0)
+    p.add_argument("--until", help="stop after the first event of this kind; none is a failure")
+    command("log", log, node=False, seconds=1.0)
+    p = command("axes", axes, timeout=rw.REPLY_S)
+    p.add_argument("verb", choices=AXES_VERBS)
+    p.add_argument("axes", nargs="*")
+    p = command("move", move, position=0.0, velocity=0.0, acceleration=0.0, deceleration=0.0, jerk=0.0, buffer_mode=0,
+                direction=0)
+    p.add_argument("--axis", required=True)
+    p.add_argument("--mode", choices=MOVE_MODES, default="absolute")
+    p.add_argument("--units", choices=UNITS, default="si")
+    p.add_argument("--cancel-after", type=float)
+    p.add_argument("--wait", action="store_true")
+    p.add_argument("--expect", choices=rw.STATUS.values())
+    p = command("synchronize", synchronize, numerator=1, denominator=1)
+    p.add_argument("--axis", required=True)
+    p.add_argument("--master", required=True)
+    p.add_argument("--mode", choices=SYNC_MODES, default="position")
+    p.add_argument("--seconds", type=float, help="cancel after this time; left out: stay coupled")
+    p = command("result", result, expect="SUCCEEDED")
+    p.add_argument("action", choices=ACTIONS)
+    p.add_argument("goal", help="as printed by move and synchronize")
+    p = command("cancel", cancel)
+    p.add_argument("action", choices=ACTIONS)
+    p.add_argument("goal")
+    p = command("params", params)
+    p.add_argument("op", choices=("list", "get", "types", "describe", "set", "set_atomically"))
+    p.add_argument("args", nargs="*", help="names, prefixes, or name=value")
+    command("action-conformance", checks.action_conformance, axis="x", distance=0.005, velocity=0.02)
+    command("bad-requests", checks.bad_requests, axis="x", other="turret")
+    command("first-replies", checks.first_replies, clients=20, axis="x")
+    command("graph", checks.graph)
+    command("talk", talk, node=False, seconds=3.0)
+    return top
+
+
+def serve(peer, commands):
+    for line in sys.stdin:
+        words = line.split()
+        done = {"done": words[0] if words else "", "ok": True}
+        try:
+            a = commands.parse_args(words)
+            a.run(peer, a)
+        except (Failure, TimeoutError) as e:
+            done.update(ok=False, error=str(e))
+        show(**done)
+
+
+def main():
+    commands = parser()
+    if sys.argv[1:] == ["serve"]:
+        return serve(Peer(), commands)
+    try:
+        a = commands.parse_args()
+        a.run(Peer(), a)
+    except (Failure, TimeoutError) as e:
+        show(error=str(e))
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,222 @@
+//! The built-in demo on ROS 2, seen and driven by peers on Eclipse Cyclone DDS and Fast DDS.
+//!
+//! The demo is the node /lineshaft with x (linear), turret (rotary) and the virtual axis line.
+
+mod support;
+
+use std::{thread, time::Duration};
+
+use serde_json::{Value, json};
+use support::{domain::Domain, peer::Peer, program::Program};
+
+/// Far more than the program needs to end.
+const EXIT: Duration = Duration::from_secs(20);
+
+/// A running demo and who talks to it.
+struct Demo {
+    cyclone: Peer,
+    program: Program,
+    domain: Domain,
+}
+
+impl Demo {
+    /// Returns when the demo publishes.
+    fn start() -> Self {
+        let domain = Domain::take();
+        let mut cyclone = Peer::cyclone(&domain);
+        let program = Program::start(&["run"], &domain);
+        cyclone.run("axis-states /lineshaft");
+        Self { cyclone, program, domain }
+    }
+
+    /// With x and turret enabled.
+    fn enabled() -> Self {
+        let mut demo = Self::start();
+        demo.cyclone.run("axes /lineshaft enable x turret");
+        for axis in ["x", "turret"] {
+            let state = demo.axis(axis);
+            assert_eq!(state["enabled"], true, "{axis}: {state}");
+            assert_eq!(state["state"], "STANDSTILL", "{axis}: {state}");
+        }
+        demo
+    }
+
+    /// What axis_states says of an axis now.
+    fn axis(&mut self, axis: &str) -> Value {
+        self.cyclone.run("axis-states /lineshaft")["axes"][axis].clone()
+    }
+}
+
+fn command(axis: &Value) -> i64 {
+    axis["command_increments"].as_i64().expect("a whole number of increments")
+}
+
+#[test]
+fn both_peers_see_joint_states_at_100_hz() {
+    let Demo { cyclone, program: _program, domain } = Demo::start();
+    let fastdds = Peer::fastdds(&domain);
+    for mut peer in [cyclone, fastdds] {
+        let seen = peer.run("joint-states --count 200 --seconds 20");
+        assert_eq!(seen["last"]["name"], json!(["x", "turret"]), "all axes but virtual ones, in file order");
+        for field in ["position", "velocity"] {
+            assert_eq!(seen["last"][field].as_array().map(Vec::len), Some(2), "{field}");
+        }
+        let rate = seen["rate"].as_f64().unwrap();
+        assert!((80.0..=120.0).contains(&rate), "{rate} joint states per second");
+    }
+}
+
+#[test]
+fn the_graph_shows_the_node_and_only_endpoints_that_exist() {
+    let mut demo = Demo::start();
+    let seen = demo.cyclone.run("graph /lineshaft");
+    let has = |kind: &str, topic: &str| seen[kind].as_array().unwrap().contains(&json!(topic));
+    for topic in ["rt/joint_states", "rt/lineshaft/axis_states", "rt/lineshaft/events", "rr/lineshaft/enableReply"] {
+        assert!(has("writes", topic), "{topic} in {seen:?}");
+    }
+    for topic in ["rq/lineshaft/enableRequest", "rq/lineshaft/move_axis/_action/send_goalRequest"] {
+        assert!(has("reads", topic), "{topic} in {seen:?}");
+    }
+}
+
+#[test]
+fn an_axis_is_enabled_and_disabled_by_both_peers() {
+    let mut demo = Demo::start();
+    let mut fastdds = Peer::fastdds(&demo.domain);
+    assert_eq!(demo.axis("x")["state"], "DISABLED");
+    assert_eq!(demo.axis("line")["enabled"], true, "a virtual axis is always enabled");
+
+    fastdds.run("axes /lineshaft enable x");
+    assert_eq!(demo.axis("x")["state"], "STANDSTILL");
+    assert_eq!(demo.axis("turret")["state"], "DISABLED");
+    demo.cyclone.run("axes /lineshaft disable x");
+    assert_eq!(demo.axis("x")["state"], "DISABLED");
+
+    for error in [
+        demo.cyclone.fails("axes /lineshaft enable x no_such_axis"),
+        fastdds.fails("axes /lineshaft enable x no_such_axis"),
+    ] {
+        assert!(error.contains("no_such_axis"), "{error}");
+    }
+    assert_eq!(demo.axis("x")["state"], "DISABLED", "a refused request changes nothing");
+}
+
+#[test]
+fn a_disabled_axis_does_not_move() {
+    let mut demo = Demo::start();
+    let before = command(&demo.axis("x"));
+    let seen = demo
+        .cyclone
+        .run("move /lineshaft --axis x --mode relative --units increments --position 1000 --wait --expect ABORTED");
+    assert_ne!(seen["result"]["message"], "");
+    assert_eq!(command(&demo.axis("x")), before);
+}
+
+#[test]
+fn moves_end_on_the_exact_increment() {
+    let mut demo = Demo::enabled();
+    let mut fastdds = Peer::fastdds(&demo.domain);
+    for (through_fastdds, target) in [(false, 12_345_679), (true, -1_234_567)] {
+        let peer = if through_fastdds { &mut fastdds } else { &mut demo.cyclone };
+        let seen = peer.run(&format!("move /lineshaft --axis x --units increments --position {target} --wait"));
+        assert_eq!(seen["status"], "SUCCEEDED");
+        assert_eq!(seen["result"]["code"], 0);
+        assert!(seen["feedback"]["count"].as_u64().unwrap() > 1, "{seen:?}");
+        assert_eq!(command(&demo.axis("x")), target);
+    }
+}
+
+#[test]
+fn a_canceled_move_halts() {
+    let mut demo = Demo::enabled();
+    let mut fastdds = Peer::fastdds(&demo.domain);
+    for (through_fastdds, end) in [(false, 400_000_000.0), (true, -400_000_000.0)] {
+        let before = command(&demo.axis("turret"));
+        let peer = if through_fastdds { &mut fastdds } else { &mut demo.cyclone };
+        let seen = peer.run(&format!(
+            "move /lineshaft --axis turret --mode relative --units increments --position {end} --cancel-after 0.5"
+        ));
+        assert_eq!(seen["status"], "CANCELED");
+        let halted = demo.axis("turret");
+        assert_eq!(halted["state"], "STANDSTILL");
+        assert_eq!(halted["command_velocity"], 0.0);
+        assert_ne!(command(&halted), before, "it was on its way");
+        assert_eq!(command(&demo.axis("turret")), command(&halted), "and stays where it has stopped");
+    }
+}
+
+#[test]
+fn a_synchronized_axis_follows_the_line_exactly() {
+    let mut demo = Demo::enabled();
+    let seen = demo
+        .cyclone
+        .run("synchronize /lineshaft --axis x --master line --mode position --numerator 355 --denominator 113");
+    let goal = seen["goal"].as_str().unwrap().to_owned();
+    assert_eq!(demo.axis("x")["state"], "SYNCHRONIZED_MOTION");
+    let (x, line) = (command(&demo.axis("x")), command(&demo.axis("line")));
+
+    for distance in [300_001, -200_003] {
+        demo.cyclone.run("axis-states /lineshaft --all");
+        demo.cyclone.run(&format!(
+            "move /lineshaft --axis line --mode relative --units increments --position {distance} --wait"
+        ));
+        let seen = demo.cyclone.run("axis-states /lineshaft --all");
+        assert!(seen.all().len() > 10, "{} samples of the motion", seen.all().len());
+        for sample in seen.all() {
+            let (slave, master) = (command(&sample["axes"]["x"]) - x, command(&sample["axes"]["line"]) - line);
+            assert_eq!(slave, (355 * master).div_euclid(113), "cycle {}, line at {master}", sample["cycle"]);
+        }
+    }
+    assert_eq!(command(&demo.axis("line")) - line, 300_001 - 200_003);
+
+    demo.cyclone.run(&format!("cancel /lineshaft synchronize {goal}"));
+    demo.cyclone.run(&format!("result /lineshaft synchronize {goal} --expect CANCELED"));
+    let uncoupled = command(&demo.axis("x"));
+    demo.cyclone.run("move /lineshaft --axis line --mode relative --units increments --position 10000 --wait");
+    assert_eq!(command(&demo.axis("x")), uncoupled, "the line no longer drives it");
+}
+
+#[test]
+fn move_axis_behaves_as_ros_actions_do() {
+    Demo::enabled().cyclone.run("action-conformance /lineshaft --axis x");
+}
+
+#[test]
+fn bad_requests_move_nothing() {
+    let mut demo = Demo::start();
+    let mut fastdds = Peer::fastdds(&demo.domain);
+    demo.cyclone.run("axes /lineshaft enable x"); // so that x could move; turret stays disabled
+    let before = demo.axis("x");
+    demo.cyclone.run("bad-requests /lineshaft --axis x --other turret");
+    fastdds.run("bad-requests /lineshaft --axis x");
+    let after = demo.axis("x");
+    for field in ["command_increments", "state", "enabled"] {
+        assert_eq!(after[field], before[field], "{field}");
+    }
+    for mut peer in [demo.cyclone, fastdds] {
+        peer.run("move /lineshaft --axis x --mode relative --units increments --position 1000 --wait");
+    }
+}
+
+#[test]
+fn every_new_client_gets_its_first_reply() {
+    Demo::start().cyclone.run("first-replies /lineshaft --clients 20");
+}
+
+#[test]
+fn ctrl_c_ends_the_program_in_good_order() {
+    let mut demo = Demo::enabled();
+    demo.cyclone.run("move /lineshaft --axis turret --mode relative --units increments --position 400000000");
+    demo.program.interrupt();
+    let status = demo.program.wait_exit(EXIT);
+    assert_eq!(status.code(), Some(0), "{}", demo.program.log());
+}
+
+#[test]
+fn a_second_ctrl_c_ends_it_at_once() {
+    let mut demo = Demo::start();
+    demo.program.interrupt();
+    thread::sleep(Duration::from_millis(20));
+    demo.program.interrupt();
+    demo.program.wait_exit(Duration::from_secs(5));
+}

@@ -1,0 +1,136 @@
+//! A child process whose output is captured and which does not outlive its owner.
+
+use std::{
+    io::{BufRead, BufReader, Read},
+    process::{Child, ChildStdin, Command, ExitStatus, Stdio},
+    sync::mpsc::{self, Receiver, RecvTimeoutError},
+    sync::{Arc, Mutex},
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use rustix::process::{Pid, Signal, kill_process};
+
+use super::domain::Domain;
+
+/// Variables that would send a process to another network, DDS configuration or RMW.
+const FOREIGN: [&str; 8] = [
+    "CYCLONEDDS_URI",
+    "FASTDDS_DEFAULT_PROFILES_FILE",
+    "FASTRTPS_DEFAULT_PROFILES_FILE",
+    "FASTDDS_BUILTIN_TRANSPORTS",
+    "RMW_IMPLEMENTATION",
+    "ROS_DISCOVERY_SERVER",
+    "ROS_LOCALHOST_ONLY",
+    "ROS_STATIC_PEERS",
+];
+
+/// A running process; killed by its own id when dropped.
+pub(super) struct Captured {
+    name: String,
+    child: Child,
+    lines: Receiver<String>,
+    log: Arc<Mutex<String>>,
+    readers: Vec<JoinHandle<()>>,
+}
+
+impl Captured {
+    /// Starts `command` on loopback in `domain`.
+    pub(super) fn start(name: &str, mut command: Command, domain: &Domain, stdin: Stdio) -> Self {
+        for variable in FOREIGN {
+            command.env_remove(variable);
+        }
+        let mut child = command
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env("ROS_DOMAIN_ID", domain.to_string())
+            .stdin(stdin)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap_or_else(|e| panic!("{name} does not start: {e}"));
+        let log = Arc::new(Mutex::new(String::new()));
+        let (send, lines) = mpsc::channel();
+        let stdout = child.stdout.take().expect("stdout is piped");
+        let stderr = child.stderr.take().expect("stderr is piped");
+        let readers = vec![
+            read(stdout, log.clone(), move |line| {
+                // Nobody may listen to the lines of this process: they are in the log all the same.
+                let _ = send.send(line);
+            }),
+            read(stderr, log.clone(), drop),
+        ];
+        Self { name: name.to_owned(), child, lines, log, readers }
+    }
+
+    pub(super) fn stdin(&mut self) -> ChildStdin {
+        self.child.stdin.take().expect("stdin was asked for and is taken once")
+    }
+
+    /// The next line of standard output, waiting at most `timeout`.
+    #[track_caller]
+    pub(super) fn line(&mut self, timeout: Duration) -> String {
+        match self.lines.recv_timeout(timeout) {
+            Ok(line) => line,
+            Err(RecvTimeoutError::Timeout) => panic!("{} says nothing for {timeout:?}", self.name),
+            Err(RecvTimeoutError::Disconnected) => panic!("{} has ended too early", self.name),
+        }
+    }
+
+    #[track_caller]
+    pub(super) fn signal(&self, signal: Signal) {
+        let pid = Pid::from_child(&self.child);
+        if let Err(e) = kill_process(pid, signal) {
+            panic!("{} cannot be signalled: {e}", self.name);
+        }
+    }
+
+    /// Waits for the process to end by itself; its status and all that it wrote.
+    #[track_caller]
+    pub(super) fn wait(&mut self, timeout: Duration) -> ExitStatus {
+        let end = Instant::now() + timeout;
+        loop {
+            if let Some(status) = self.child.try_wait().expect("a child of ours can be waited for") {
+                self.readers.drain(..).for_each(|r| r.join().expect("a reader of lines does not panic"));
+                return status;
+            }
+            assert!(Instant::now() < end, "{} still runs after {timeout:?}", self.name);
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// All that it has written so far.
+    pub(super) fn log(&self) -> String {
+        self.log.lock().expect("a reader of lines does not panic").clone()
+    }
+}
+
+fn read(
+    from: impl Read + Send + 'static,
+    log: Arc<Mutex<String>>,
+    each: impl Fn(String) + Send + 'static,
+) -> JoinHandle<()> {
+    thread::spawn(move || {
+        let mut from = BufReader::new(from);
+        let mut bytes = Vec::new();
+        while from.read_until(b'\n', &mut bytes).is_ok_and(|n| n > 0) {
+            let line = String::from_utf8_lossy(&bytes).trim_end().to_owned();
+            bytes.clear();
+            let mut log = log.lock().expect("a reader of lines does not panic");
+            log.push_str(&line);
+            log.push('\n');
+            drop(log);
+            each(line);
+        }
+    })
+}
+
+impl Drop for Captured {
+    fn drop(&mut self) {
+        // Both fail when it has ended already, which is fine.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        if thread::panicking() {
+            eprintln!("--- {} wrote:\n{}---", self.name, self.log());
+        }
+    }
+}

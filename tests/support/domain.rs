@@ -1,0 +1,48 @@
+//! ROS domains that no two tests share, in whichever process they run.
+
+use std::{
+    env, fmt,
+    fs::{File, OpenOptions},
+    ops::RangeInclusive,
+    process,
+    sync::atomic::{AtomicU32, Ordering},
+};
+
+/// The domains that tests may take; whoever works by hand takes one below.
+const DOMAINS: RangeInclusive<u32> = 100..=200;
+
+/// A ROS domain that belongs to one test for as long as this value lives.
+pub(crate) struct Domain {
+    id: u32,
+    /// Its lock is the claim; the system frees it when the process ends, however it ends.
+    _lock: File,
+}
+
+impl Domain {
+    /// Takes a free domain.
+    ///
+    /// Panics when all are taken.
+    pub(crate) fn take() -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let count = DOMAINS.end() - DOMAINS.start() + 1;
+        // Test processes start at different places, so that they seldom try what another has.
+        let first = process::id().wrapping_mul(7).wrapping_add(NEXT.fetch_add(1, Ordering::Relaxed));
+        (0..count)
+            .map(|i| DOMAINS.start() + first.wrapping_add(i) % count)
+            .find_map(|id| Some(Self { id, _lock: claim(id)? }))
+            .expect("a free ROS domain between 100 and 200: end the tests that hold them")
+    }
+}
+
+/// The locked claim on a domain; `None` when somebody else has it. All checkouts on a machine share its ports.
+fn claim(id: u32) -> Option<File> {
+    let path = env::temp_dir().join(format!("lineshaft-test-domain-{id}.lock"));
+    let file = OpenOptions::new().create(true).truncate(false).write(true).open(path).ok()?;
+    file.try_lock().ok().map(|()| file)
+}
+
+impl fmt::Display for Domain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.id.fmt(f)
+    }
+}

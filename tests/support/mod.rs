@@ -1,0 +1,11 @@
+//! What the end-to-end tests share: the program under test, the peers that talk to it, and their set-up.
+//!
+//! A test target says `mod support;`. Nothing here skips: what a test needs and cannot be had is a failure that says
+//! in one sentence what to install.
+#![allow(dead_code, reason = "every test target compiles this module and uses a part of it")]
+
+mod child;
+pub(crate) mod domain;
+pub(crate) mod peer;
+pub(crate) mod program;
+pub(crate) mod setup;

@@ -1,0 +1,39 @@
+//! The program under test.
+
+use std::{
+    process::{Command, ExitStatus, Stdio},
+    time::Duration,
+};
+
+use rustix::process::Signal;
+
+use super::{child::Captured, domain::Domain};
+
+/// A running `lineshaft`.
+pub(crate) struct Program(Captured);
+
+impl Program {
+    /// Starts the program with `args` on loopback in `domain`.
+    pub(crate) fn start(args: &[&str], domain: &Domain) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+        command.args(args);
+        Self(Captured::start("lineshaft", command, domain, Stdio::null()))
+    }
+
+    /// Sends the signal of Ctrl-C.
+    #[track_caller]
+    pub(crate) fn interrupt(&self) {
+        self.0.signal(Signal::INT);
+    }
+
+    /// Waits until it ends by itself; panics when it does not within `timeout`.
+    #[track_caller]
+    pub(crate) fn wait_exit(&mut self, timeout: Duration) -> ExitStatus {
+        self.0.wait(timeout)
+    }
+
+    /// What it has written to standard output and standard error so far.
+    pub(crate) fn log(&self) -> String {
+        self.0.log()
+    }
+}

@@ -1,0 +1,150 @@
+//! Sets the peers up in `target/peers`: a Python environment, and a C++ program with the libraries that it needs.
+//!
+//! Done once and again only when what it was made from has changed. Test processes that come at the same time wait for
+//! the first one.
+
+use std::{
+    env,
+    fs::{self, File},
+    path::{Path, PathBuf},
+    process::{Command, Output},
+    sync::OnceLock,
+};
+
+/// Where the sources of the peers are.
+pub(super) fn sources() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").join("tests/peers")
+}
+
+/// The Python interpreter that has everything in `requirements.txt`.
+///
+/// Panics with a sentence on what to do when the environment cannot be made.
+pub(crate) fn python() -> &'static Path {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| {
+        let requirements = sources().join("requirements.txt");
+        let folder = made("venv", &read(&requirements), |folder| make_environment(folder, &requirements));
+        folder.join("bin/python")
+    })
+}
+
+/// The Fast DDS peer, built.
+///
+/// Panics with a sentence on what to install when it cannot be built.
+pub(crate) fn fastdds_peer() -> &'static Path {
+    static PEER: OnceLock<PathBuf> = OnceLock::new();
+    PEER.get_or_init(|| {
+        let (code, wire) = (sources().join("fastdds_peer.cpp"), sources().join("fastdds_wire.hpp"));
+        made("fastdds", &(read(&code) + &read(&wire)), |folder| build(folder, &code)).join("fastdds_peer")
+    })
+}
+
+/// The folder `name` as `make` leaves it. `from` is all that it depends on, and is kept beside it.
+fn made(name: &str, from: &str, make: impl FnOnce(&Path)) -> PathBuf {
+    let peers = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("it is inside the target folder").join("peers");
+    fs::create_dir_all(&peers).unwrap_or_else(|e| panic!("{} cannot be made: {e}", peers.display()));
+    let lock = File::create(peers.join(format!("{name}.lock"))).expect("the folder was just made");
+    lock.lock().expect("the file system of the target folder has locks");
+
+    let (folder, stamp) = (peers.join(name), peers.join(format!("{name}.stamp")));
+    let from = format!("{}\n{from}", folder.display()); // an environment does not work at another place
+    if fs::read_to_string(&stamp).is_ok_and(|made_from| made_from == from) {
+        return folder;
+    }
+    for old in [fs::remove_file(&stamp), fs::remove_dir_all(&folder)] {
+        drop(old); // there was none
+    }
+    make(&folder);
+    fs::write(&stamp, from).unwrap_or_else(|e| panic!("{} cannot be written: {e}", stamp.display()));
+    folder
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|e| panic!("{} cannot be read: {e}", path.display()))
+}
+
+fn make_environment(folder: &Path, requirements: &Path) {
+    let venv = run(Command::new("python3").args(["-m", "venv"]).arg(folder));
+    require(venv, "The tests need Python 3.10 to 3.13 with its module venv (Debian: apt-get install python3-venv)");
+    let pip = run(Command::new(folder.join("bin/python"))
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "-r"])
+        .arg(requirements));
+    require(
+        pip,
+        "The tests need, once, the Python packages of tests/peers/requirements.txt for Python 3.10 to 3.13: connect to \
+         the network or point pip to a mirror (pip config set global.index-url URL)",
+    );
+}
+
+fn build(folder: &Path, code: &Path) {
+    fs::create_dir_all(folder).unwrap_or_else(|e| panic!("{} cannot be made: {e}", folder.display()));
+    let root = if Path::new("/usr/include/fastdds/dds/domain/DomainParticipant.hpp").exists() {
+        PathBuf::from("/")
+    } else {
+        unpack_library(folder)
+    };
+    let multiarch = run(Command::new("g++").arg("-print-multiarch"));
+    let multiarch = require(multiarch, "The tests need a C++ compiler (Debian: apt-get install g++)");
+    let (include, lib) = (root.join("usr/include"), root.join("usr/lib").join(multiarch.trim()));
+    let mut compiler = Command::new("g++");
+    compiler.args(["-std=c++17", "-O0", "-w"]).arg(code).arg("-o").arg(folder.join("fastdds_peer"));
+    if root != Path::new("/") {
+        compiler.arg("-isystem").arg(&include).arg("-isystem").arg(include.join(multiarch.trim()));
+        // The older kind of run path also holds for the libraries that the libraries need.
+        compiler.arg("-L").arg(&lib).arg(format!("-Wl,--disable-new-dtags,-rpath,{}", lib.display()));
+    }
+    let libraries = ["fastrtps", "fastcdr", "foonathan_memory", "tinyxml2", "ssl", "crypto", "pthread"];
+    compiler.args(libraries.map(|name| format!("-l{name}")));
+    require(run(&mut compiler), "The Fast DDS peer does not build with this system's libfastrtps-dev (2.x is needed)");
+}
+
+/// Debian's Fast DDS and what it needs beyond the installed packages, unpacked into `folder` without being installed.
+fn unpack_library(folder: &Path) -> PathBuf {
+    const NEED: &str = "The tests need Fast DDS 2 for C++: install libfastrtps-dev (Debian, Ubuntu), or run `apt-get \
+                        update` as root so that the tests can fetch it themselves";
+    let (debs, root) = (folder.join("debs"), folder.join("root"));
+    for new in [&debs, &root] {
+        fs::create_dir_all(new).unwrap_or_else(|e| panic!("{} cannot be made: {e}", new.display()));
+    }
+    // Package lists that are missing or too old are renewed where that is allowed.
+    let fetched = fetch(&debs).or_else(|_| {
+        if rustix::process::geteuid().is_root() {
+            drop(run(Command::new("apt-get").args(["update", "-qq"])));
+        }
+        fetch(&debs)
+    });
+    require(fetched, NEED);
+    for deb in fs::read_dir(&debs).expect("the folder was just made") {
+        let deb = deb.expect("the folder was just made").path();
+        require(run(Command::new("dpkg").arg("-x").arg(deb).arg(&root)), NEED);
+    }
+    root
+}
+
+/// Downloads the packages that an installation of libfastrtps-dev would add to this system.
+fn fetch(debs: &Path) -> Result<String, String> {
+    let plan = run(Command::new("apt-get").args(["install", "-s", "--no-install-recommends", "libfastrtps-dev"]))?;
+    let names: Vec<_> = plan.lines().filter_map(|l| l.strip_prefix("Inst ")?.split_whitespace().next()).collect();
+    run(Command::new("apt-get").arg("download").args(names).current_dir(debs))
+}
+
+/// The standard output of a command that has succeeded, or what went wrong.
+fn run(command: &mut Command) -> Result<String, String> {
+    // Sentences of the tools are parsed and shown in one language.
+    match command.env("LC_ALL", "C").output() {
+        Ok(Output { status, stdout, .. }) if status.success() => Ok(String::from_utf8_lossy(&stdout).into_owned()),
+        Ok(Output { status, stderr, .. }) => {
+            Err(format!("{} ended with {status}: {}", name(command), String::from_utf8_lossy(&stderr).trim()))
+        }
+        Err(e) => Err(format!("{}: {e}", name(command))),
+    }
+}
+
+fn name(command: &Command) -> String {
+    command.get_program().to_string_lossy().into_owned()
+}
+
+/// Panics with the sentence on what to do, then what went wrong.
+fn require(result: Result<String, String>, sentence: &str) -> String {
+    result.unwrap_or_else(|e| panic!("{sentence}. {e}"))
+}
