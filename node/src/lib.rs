@@ -1,3 +1,6 @@
-//! The Lineshaft program.
+//! The Lineshaft program: cells, scenarios, the cycle thread and the command line.
+#![forbid(unsafe_code)]
 
+pub mod cell;
 pub mod document;
+pub mod run;

@@ -1,2 +1,7 @@
 //! The command line of Lineshaft.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    lineshaft::cli::main(std::env::args())
+}

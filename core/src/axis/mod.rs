@@ -85,6 +85,8 @@ pub struct Axis {
     origin: i64,
     actual: Lead,
     effort: f64,
+    /// Mode of operation that the drive shows.
+    mode: i8,
     command: Motion,
     generator: Generator,
     goal: Option<Goal>,
@@ -118,6 +120,7 @@ impl Axis {
             origin: 0,
             actual: Lead { valid: is_virtual, ..Lead::default() },
             effort: 0.0,
+            mode: 0,
             command: Motion::default(),
             generator: Generator::Rest,
             goal: None,
@@ -252,6 +255,7 @@ impl Axis {
         let change = if input.online { self.counter.take(input.count, input.epoch) } else { 0 };
         self.origin = self.counter.position().wrapping_sub(input.count);
         self.effort = input.effort;
+        self.mode = input.mode;
         self.actual = Lead {
             position: Position::whole(self.counter.position()),
             change: Position::whole(change),

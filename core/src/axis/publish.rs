@@ -63,6 +63,7 @@ impl Axis {
         set(DriveState, self.drive_state as u64);
         set(Reference, self.reference as u64);
         set(Enabled, bit(self.is_on()));
+        set(ModeOfOperation, int(self.mode.into()));
         set(InPosition, bit(self.judge.in_position));
         set(InVelocity, bit(in_velocity));
         set(InSync, bit(coupling.in_sync));

@@ -30,6 +30,7 @@ axis_signals! {
     DriveState "drive_state" Enum(DRIVE_STATES), None; "CiA 402 state"
     Reference "reference" Enum(REFERENCES), None; "which reference commands the axis"
     Enabled "enabled" Bit, None; "the axis can be moved"
+    ModeOfOperation "mode_of_operation" Int, None; "mode that the drive shows (6061h)"
     Homed "homed" Bit, None; "the axis knows its zero"
     InPosition "in_position" Bit, None; "at rest at the target, within in_position_window"
     InVelocity "in_velocity" Bit, None; "the velocity goal is reached"

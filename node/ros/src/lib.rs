@@ -1,2 +1,8 @@
-//! The ROS 2 layer of Lineshaft.
+//! ROS 2 for Lineshaft.
+//!
+//! [`layer`] is a small ROS 2 client library: node, publishers, services, actions, logs. It answers clients of rmw_fastrtps
+//! and of rmw_cyclonedds, and knows nothing of axes.
 #![forbid(unsafe_code)]
+
+pub mod layer;
+pub mod surface;

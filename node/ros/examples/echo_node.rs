@@ -1,0 +1,157 @@
+//! The smallest node with a service and an action: `/echo/home` answers, `/echo/move_to` takes its time.
+//!
+//!     ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST cargo run -p lineshaft-ros --example echo_node
+//!     ros2 service call /echo/home std_srvs/srv/Trigger
+
+use std::error::Error;
+use std::time::Duration;
+
+use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
+use lineshaft_msgs::foreign::std_msgs::msg::Header;
+use lineshaft_msgs::foreign::std_srvs::srv::{Trigger, TriggerResponse};
+use lineshaft_msgs::{Action, Message};
+use lineshaft_ros::layer::{
+    ActionEvent, ActionOptions, ActionServer, Environment, GoalHandle, Node, NodeName, PublishError, Publisher, Qos,
+    RosArguments, ServiceServer, Severity, Source, log_filter, now,
+};
+use serde::{Deserialize, Serialize};
+use tokio::time::interval;
+
+#[tokio::main(flavor = "multi_thread", worker_threads = 2)]
+async fn main() -> Result<(), Box<dyn Error>> {
+    tracing_subscriber::fmt().with_env_filter(log_filter("info")).with_writer(std::io::stderr).init();
+    let (arguments, rest) = RosArguments::take(std::env::args().skip(1))?;
+    if let Some(unknown) = rest.first() {
+        return Err(format!("{unknown:?} is not understood, only --ros-args is").into());
+    }
+    let namespace = arguments.namespace.as_deref().unwrap_or("/");
+    let name = NodeName::new(namespace, arguments.name.as_deref().unwrap_or("echo"))?;
+    let node = Node::new(name, &Environment::read()?)?;
+
+    let rosout = node.rosout()?;
+    tokio::spawn(publish(node.publisher("joint_states", Qos::STREAM)?));
+    tokio::spawn(home(node.service::<Trigger>("~/home", Qos::SERVICE)?));
+    tokio::spawn(move_to(node.action("~/move_to", ActionOptions::default())?));
+    rosout.log(Severity::Info, format!("{} is there", node.name()), Source::default());
+    tokio::signal::ctrl_c().await?;
+    Ok(())
+}
+
+async fn publish(joint_states: Publisher<JointState>) {
+    let mut tick = interval(Duration::from_millis(10));
+    for cycle in 0u32.. {
+        tick.tick().await;
+        let position = (f64::from(cycle) * 0.01).sin();
+        let header = Header { stamp: now(), frame_id: String::new() };
+        let message =
+            JointState { header, name: vec!["x".to_owned()], position: vec![position], ..JointState::default() };
+        match joint_states.publish(&message) {
+            Ok(()) => {}
+            Err(PublishError::Closed { .. }) => return,
+            Err(error) => tracing::warn!("{error}"),
+        }
+    }
+}
+
+async fn home(mut server: ServiceServer<Trigger>) {
+    let mut calls = 0;
+    while let Some(request) = server.next().await {
+        calls += 1;
+        let response = TriggerResponse { success: true, message: format!("call {calls}") };
+        // Each answer for itself: a client that is slow to appear holds up nobody.
+        tokio::spawn(async move {
+            if let Err(error) = request.reply.send(response).await {
+                tracing::debug!("{error}");
+            }
+        });
+    }
+}
+
+async fn move_to(mut server: ActionServer<MoveTo>) {
+    while let Some(event) = server.next().await {
+        match event {
+            ActionEvent::Goal(request) if request.goal().positions.is_empty() => request.reject(),
+            ActionEvent::Goal(request) => drop(tokio::spawn(pursue(request.accept()))),
+            ActionEvent::Cancel(request) => request.accept(),
+        }
+    }
+}
+
+/// Pretends to move for the duration of the goal.
+async fn pursue(goal: GoalHandle<MoveTo>) {
+    goal.execute();
+    let MoveToGoal { positions, duration } = goal.goal().clone();
+    let steps = (duration / 0.02).max(1.0);
+    let mut tick = interval(Duration::from_millis(20));
+    let mut step = 0.0;
+    while step < steps {
+        tokio::select! {
+            _ = tick.tick() => {
+                step += 1.0;
+                let feedback = MoveToFeedback { progress: step / steps, positions: positions.clone() };
+                if let Err(error) = goal.feedback(&feedback) {
+                    tracing::warn!("{error}");
+                }
+            }
+            () = goal.cancel_requested() => {
+                return goal.canceled(MoveToResult { error_code: -1, error_string: "canceled".to_owned() });
+            }
+        }
+    }
+    goal.succeed(MoveToResult::default());
+}
+
+/// An action that is not in `lineshaft_msgs`: what its generator writes, by hand.
+enum MoveTo {}
+
+impl Action for MoveTo {
+    type Goal = MoveToGoal;
+    type Result = MoveToResult;
+    type Feedback = MoveToFeedback;
+    const NAME: &'static str = "spike_msgs/action/MoveTo";
+    const SEND_GOAL_NAME: &'static str = "spike_msgs/action/MoveTo_SendGoal";
+    const SEND_GOAL_REQUEST_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_SendGoal_Request_";
+    const SEND_GOAL_RESPONSE_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_SendGoal_Response_";
+    const GET_RESULT_NAME: &'static str = "spike_msgs/action/MoveTo_GetResult";
+    const GET_RESULT_REQUEST_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_GetResult_Request_";
+    const GET_RESULT_RESPONSE_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_GetResult_Response_";
+    const FEEDBACK_MESSAGE_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_FeedbackMessage_";
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct MoveToGoal {
+    positions: Vec<f64>,
+    /// In seconds.
+    duration: f64,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct MoveToResult {
+    error_code: i32,
+    error_string: String,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct MoveToFeedback {
+    /// 0..1.
+    progress: f64,
+    positions: Vec<f64>,
+}
+
+impl Message for MoveToGoal {
+    const NAME: &'static str = "spike_msgs/action/MoveTo_Goal";
+    const DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_Goal_";
+    const SCHEMA: &'static str = "float64[] positions\nfloat64 duration\n";
+}
+
+impl Message for MoveToResult {
+    const NAME: &'static str = "spike_msgs/action/MoveTo_Result";
+    const DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_Result_";
+    const SCHEMA: &'static str = "int32 error_code\nstring error_string\n";
+}
+
+impl Message for MoveToFeedback {
+    const NAME: &'static str = "spike_msgs/action/MoveTo_Feedback";
+    const DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_Feedback_";
+    const SCHEMA: &'static str = "float64 progress\nfloat64[] positions\n";
+}

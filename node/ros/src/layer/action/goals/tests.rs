@@ -1,0 +1,168 @@
+use super::*;
+
+const KEEP: Duration = Duration::from_secs(10);
+const NONE: i8 = 0;
+const UNKNOWN_GOAL: i8 = 2;
+const TERMINATED: i8 = 3;
+
+/// Results are texts, askers are numbers.
+type Tested = Goals<&'static str, u32>;
+
+fn id(n: u8) -> GoalId {
+    GoalId([n; 16])
+}
+
+fn at(sec: i32, nanosec: u32) -> Stamp {
+    Stamp { sec, nanosec }
+}
+
+fn goals() -> (Tested, Instant) {
+    (Goals::new(KEEP, 4), Instant::now())
+}
+
+/// With goal n accepted at n seconds, and being done.
+fn executing(ns: &[u8]) -> (Tested, Instant) {
+    let (mut goals, now) = goals();
+    for n in ns {
+        assert!(goals.offer(id(*n), now));
+        goals.accept(id(*n), at(i32::from(*n), 0));
+        assert!(goals.execute(id(*n)));
+    }
+    (goals, now)
+}
+
+fn status(goals: &Tested, n: u8) -> Option<Status> {
+    goals.shown().find(|shown| shown.id == id(n)).map(|shown| shown.status)
+}
+
+fn selected(goals: &mut Tested, goal: GoalId, stamp: Stamp, now: Instant) -> (i8, Vec<GoalId>) {
+    let selection = goals.select(goal, stamp, now);
+    (selection.code, selection.open)
+}
+
+#[test]
+fn numbers_are_those_of_action_msgs() {
+    // action_msgs/msg/GoalStatus
+    let all =
+        [Status::Accepted, Status::Executing, Status::Canceling, Status::Succeeded, Status::Canceled, Status::Aborted];
+    assert_eq!(all.map(|status| status as i8), [1, 2, 3, 4, 5, 6]);
+    assert_eq!(GoalId(std::array::from_fn(|i| i as u8)).to_string(), "00010203-0405-0607-0809-0a0b0c0d0e0f");
+}
+
+#[test]
+fn a_goal_goes_from_accepted_to_succeeded() {
+    let (mut goals, now) = goals();
+    assert!(goals.offer(id(1), now));
+    let canceled = goals.accept(id(1), at(5, 6));
+    assert_eq!(goals.shown().collect::<Vec<_>>(), [Shown { id: id(1), stamp: at(5, 6), status: Status::Accepted }]);
+    assert!(goals.execute(id(1)));
+    assert!(!goals.execute(id(1)), "it is being done already");
+    assert_eq!(goals.ask(id(1), 70, now), Asked::Waits);
+    assert_eq!(goals.ask(id(1), 71, now), Asked::Waits);
+    assert_eq!(goals.end(id(1), End::Succeeded, "there", now), Some((Status::Succeeded, vec![70, 71])));
+    assert_eq!(goals.end(id(1), End::Aborted, "again", now), None, "it ends once");
+    assert_eq!(goals.ask(id(1), 72, now), Asked::Ended(72, Status::Succeeded, "there"));
+    assert_eq!(goals.ask(id(1), 73, now), Asked::Ended(73, Status::Succeeded, "there"));
+    assert!(!*canceled.borrow());
+}
+
+#[test]
+fn an_id_is_used_once() {
+    let (mut goals, now) = goals();
+    assert!(goals.offer(id(1), now));
+    assert!(!goals.offer(id(1), now), "while it is being decided");
+    goals.withdraw(id(1));
+    assert_eq!(goals.ask(id(1), 1, now), Asked::Unknown(1), "a rejected goal is not known");
+    assert!(goals.offer(id(1), now), "a rejected goal may be sent again");
+    goals.accept(id(1), at(1, 0));
+    assert!(!goals.offer(id(1), now), "while it is there");
+    goals.end(id(1), End::Aborted, "", now);
+    assert!(!goals.offer(id(1), now), "after its end");
+    assert!(goals.offer(id(1), now + KEEP), "until it is forgotten");
+}
+
+#[test]
+fn results_are_forgotten_when_their_time_is_over() {
+    let (mut goals, now) = executing(&[1, 2]);
+    goals.end(id(1), End::Succeeded, "one", now);
+    let before = now + KEEP - Duration::from_nanos(1);
+    assert_eq!(goals.ask(id(1), 1, before), Asked::Ended(1, Status::Succeeded, "one"));
+    assert_eq!(goals.ask(id(1), 2, now + KEEP), Asked::Unknown(2));
+    assert_eq!(goals.ask(id(2), 3, now + KEEP * 1000), Asked::Waits, "what has not ended is never forgotten");
+    assert_eq!(goals.shown().count(), 1);
+}
+
+#[test]
+fn of_too_many_ended_goals_the_first_to_end_is_forgotten() {
+    let (mut goals, now) = executing(&[1, 2, 3, 4, 5, 6]);
+    let later = |s| now + Duration::from_secs(s);
+    for (after, n) in [2u8, 1, 3, 4].iter().enumerate() {
+        goals.end(id(*n), End::Succeeded, "", later(after as u64));
+    }
+    assert_eq!(goals.shown().count(), 6, "four may be kept");
+    goals.end(id(5), End::Succeeded, "", later(5));
+    assert_eq!(status(&goals, 2), None);
+    assert_eq!((status(&goals, 1), status(&goals, 6)), (Some(Status::Succeeded), Some(Status::Executing)));
+}
+
+#[test]
+fn a_canceled_goal_may_still_end_in_any_way() {
+    let ways =
+        [(End::Canceled, Status::Canceled), (End::Succeeded, Status::Succeeded), (End::Aborted, Status::Aborted)];
+    for (end, ended) in ways {
+        let (mut goals, now) = goals();
+        goals.offer(id(1), now);
+        let canceled = goals.accept(id(1), at(1, 0));
+        let canceling = goals.cancel(&[id(1)]);
+        assert_eq!(canceling, [Shown { id: id(1), stamp: at(1, 0), status: Status::Canceling }]);
+        assert!(*canceled.borrow());
+        assert!(!goals.execute(id(1)), "it does not go back");
+        assert_eq!(goals.end(id(1), end, "", now), Some((ended, vec![])));
+    }
+}
+
+#[test]
+fn what_nobody_canceled_does_not_end_canceled() {
+    let (mut goals, now) = executing(&[1]);
+    assert_eq!(goals.end(id(1), End::Canceled, "", now), Some((Status::Aborted, vec![])));
+    assert_eq!(goals.cancel(&[id(1)]), [], "and an ended goal is not canceled");
+}
+
+#[test]
+fn cancel_by_id() {
+    let (mut goals, now) = executing(&[1, 2, 3]);
+    goals.end(id(3), End::Succeeded, "", now);
+    assert_eq!(selected(&mut goals, id(2), Stamp::default(), now), (NONE, vec![id(2)]));
+    assert_eq!(selected(&mut goals, id(9), Stamp::default(), now), (UNKNOWN_GOAL, vec![]));
+    assert_eq!(selected(&mut goals, id(3), Stamp::default(), now), (TERMINATED, vec![]));
+    assert_eq!(selected(&mut goals, id(3), Stamp::default(), now + KEEP), (UNKNOWN_GOAL, vec![]));
+    goals.cancel(&[id(2)]);
+    let again = goals.select(id(2), Stamp::default(), now);
+    assert_eq!(again, Selection { code: NONE, open: vec![], canceling: vec![id(2)] });
+}
+
+#[test]
+fn cancel_by_time_includes_the_time_itself() {
+    let (mut goals, now) = executing(&[1, 2, 3]);
+    let none = GoalId::default();
+    assert_eq!(selected(&mut goals, none, at(2, 0), now), (NONE, vec![id(1), id(2)]));
+    assert_eq!(selected(&mut goals, none, at(1, 999_999_999), now), (NONE, vec![id(1)]));
+    assert_eq!(selected(&mut goals, none, at(0, 1), now), (NONE, vec![]));
+}
+
+#[test]
+fn cancel_by_id_and_time_means_that_one_and_the_older_ones() {
+    let (mut goals, now) = executing(&[1, 2, 3, 4]);
+    goals.end(id(1), End::Succeeded, "", now);
+    assert_eq!(selected(&mut goals, id(4), at(2, 0), now), (NONE, vec![id(2), id(4)]));
+    assert_eq!(selected(&mut goals, id(9), at(2, 0), now), (NONE, vec![id(2)]));
+}
+
+#[test]
+fn cancel_all() {
+    let (mut goals, now) = executing(&[1, 2, 3]);
+    goals.end(id(2), End::Succeeded, "", now);
+    assert_eq!(selected(&mut goals, GoalId::default(), Stamp::default(), now), (NONE, vec![id(1), id(3)]));
+    let (mut none, now) = executing(&[]);
+    assert_eq!(selected(&mut none, GoalId::default(), Stamp::default(), now), (NONE, vec![]));
+}

@@ -1,0 +1,220 @@
+//! What the application holds: requests to decide, and goals to work on.
+
+use std::sync::Arc;
+
+use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalResponse;
+use lineshaft_msgs::{Action, SendGoalResponse};
+use tokio::sync::watch;
+
+use super::goals::{End, GoalId, Selection, Stamp};
+use super::server::{Shared, goal_info};
+use crate::layer::clock;
+use crate::layer::publisher::PublishError;
+use crate::layer::service::Reply;
+
+/// A goal that waits to be accepted or rejected; one that is dropped is rejected.
+pub struct GoalRequest<A: Action> {
+    id: GoalId,
+    shared: Arc<Shared<A>>,
+    goal: A::Goal,
+    /// `None` once it is decided.
+    reply: Option<Reply<SendGoalResponse>>,
+}
+
+impl<A: Action> GoalRequest<A> {
+    pub(super) fn new(shared: Arc<Shared<A>>, id: GoalId, goal: A::Goal, reply: Reply<SendGoalResponse>) -> Self {
+        Self { id, shared, goal, reply: Some(reply) }
+    }
+
+    /// Its identifier.
+    pub fn id(&self) -> GoalId {
+        self.id
+    }
+
+    /// What the client wants.
+    pub fn goal(&self) -> &A::Goal {
+        &self.goal
+    }
+
+    /// Accepts it; [`GoalHandle::execute`] begins it.
+    pub fn accept(mut self) -> GoalHandle<A> {
+        let stamp = clock::now();
+        let mut goals = self.shared.goals();
+        let canceled = goals.accept(self.id, Stamp::from(&stamp));
+        self.shared.show(&goals);
+        drop(goals);
+        if let Some(reply) = self.reply.take() {
+            reply.send_soon(SendGoalResponse { accepted: true, stamp });
+        }
+        GoalHandle { id: self.id, shared: self.shared.clone(), goal: self.goal.clone(), canceled, ended: false }
+    }
+
+    /// Rejects it. ROS has no place for the reason.
+    pub fn reject(mut self) {
+        self.decide_not();
+    }
+
+    /// False when it was decided before.
+    fn decide_not(&mut self) -> bool {
+        let Some(reply) = self.reply.take() else { return false };
+        self.shared.goals().withdraw(self.id);
+        reply.send_soon(SendGoalResponse { accepted: false, stamp: clock::now() });
+        true
+    }
+}
+
+impl<A: Action> Drop for GoalRequest<A> {
+    fn drop(&mut self) {
+        if self.decide_not() {
+            tracing::warn!("{}: goal {} was dropped undecided, which rejects it", self.shared.name, self.id);
+        }
+    }
+}
+
+/// An accepted goal. One that is dropped before its end is aborted.
+pub struct GoalHandle<A: Action> {
+    id: GoalId,
+    shared: Arc<Shared<A>>,
+    goal: A::Goal,
+    canceled: watch::Receiver<bool>,
+    ended: bool,
+}
+
+impl<A: Action> GoalHandle<A> {
+    /// Its identifier.
+    pub fn id(&self) -> GoalId {
+        self.id
+    }
+
+    /// What the client wants.
+    pub fn goal(&self) -> &A::Goal {
+        &self.goal
+    }
+
+    /// Says that it is being done; once is enough.
+    pub fn execute(&self) {
+        let mut goals = self.shared.goals();
+        if goals.execute(self.id) {
+            self.shared.show(&goals);
+        }
+    }
+
+    /// Publishes how far it is. Never waits; how often is the caller's choice.
+    pub fn feedback(&self, feedback: &A::Feedback) -> Result<(), PublishError> {
+        self.shared.feedback(self.id, feedback)
+    }
+
+    /// Whether a client has canceled it: it is to stop, and then to end [`canceled`](Self::canceled).
+    pub fn is_cancel_requested(&self) -> bool {
+        *self.canceled.borrow()
+    }
+
+    /// Ends when a client has canceled it, at once when one has already.
+    pub async fn cancel_requested(&self) {
+        let mut canceled = self.canceled.clone();
+        if canceled.wait_for(|canceled| *canceled).await.is_err() {
+            // The goal has ended elsewhere: nobody can cancel it any more.
+            std::future::pending::<()>().await;
+        }
+    }
+
+    /// It was reached.
+    pub fn succeed(mut self, result: A::Result) {
+        self.end(End::Succeeded, result);
+    }
+
+    /// It cannot be reached.
+    pub fn abort(mut self, result: A::Result) {
+        self.end(End::Aborted, result);
+    }
+
+    /// It was given up because a client has canceled it. Without that it ends aborted.
+    pub fn canceled(mut self, result: A::Result) {
+        if !self.is_cancel_requested() {
+            tracing::warn!("{}: goal {} ends aborted: nobody has canceled it", self.shared.name, self.id);
+        }
+        self.end(End::Canceled, result);
+    }
+
+    fn end(&mut self, end: End, result: A::Result) {
+        self.ended = true;
+        self.shared.end(self.id, end, result);
+    }
+}
+
+impl<A: Action> Drop for GoalHandle<A> {
+    fn drop(&mut self) {
+        if !self.ended {
+            tracing::warn!("{}: goal {} was dropped before its end, which aborts it", self.shared.name, self.id);
+            self.end(End::Aborted, A::Result::default());
+        }
+    }
+}
+
+/// Goals that a client wants to cancel; a request that is dropped is refused.
+pub struct CancelRequest<A: Action> {
+    shared: Arc<Shared<A>>,
+    selection: Selection,
+    /// `None` once it is decided.
+    reply: Option<Reply<CancelGoalResponse>>,
+}
+
+impl<A: Action> CancelRequest<A> {
+    pub(super) fn new(shared: Arc<Shared<A>>, selection: Selection, reply: Reply<CancelGoalResponse>) -> Self {
+        Self { shared, selection, reply: Some(reply) }
+    }
+
+    /// The goals in question. Those that are canceling already are not among them.
+    pub fn goals(&self) -> &[GoalId] {
+        &self.selection.open
+    }
+
+    /// Lets all of them cancel; their handles tell it.
+    pub fn accept(self) {
+        self.accept_some(|_| true);
+    }
+
+    /// Lets some of them cancel.
+    pub fn accept_some(mut self, accept: impl Fn(GoalId) -> bool) {
+        self.decide(accept);
+    }
+
+    /// Lets none of them cancel.
+    pub fn reject(mut self) {
+        self.decide(|_| false);
+    }
+
+    /// False when it was decided before.
+    fn decide(&mut self, accept: impl Fn(GoalId) -> bool) -> bool {
+        let Some(reply) = self.reply.take() else { return false };
+        let open = self.selection.open.iter().copied();
+        let accepted: Vec<_> = open.filter(|id| accept(*id)).chain(self.selection.canceling.iter().copied()).collect();
+        let mut goals = self.shared.goals();
+        let canceling = goals.cancel(&accepted);
+        if !self.selection.open.is_empty() && !canceling.is_empty() {
+            self.shared.show(&goals);
+        }
+        drop(goals);
+        let rejected = accepted.is_empty() && !self.selection.open.is_empty();
+        // Accepted, but by now all have ended.
+        let terminated = !accepted.is_empty() && canceling.is_empty();
+        let return_code = match (rejected, terminated) {
+            (true, _) => CancelGoalResponse::ERROR_REJECTED,
+            (_, true) => CancelGoalResponse::ERROR_GOAL_TERMINATED,
+            _ => CancelGoalResponse::ERROR_NONE,
+        };
+        reply.send_soon(CancelGoalResponse {
+            return_code,
+            goals_canceling: canceling.into_iter().map(goal_info).collect(),
+        });
+        true
+    }
+}
+
+impl<A: Action> Drop for CancelRequest<A> {
+    fn drop(&mut self) {
+        if self.decide(|_| false) {
+            tracing::warn!("{}: a cancel request was dropped undecided, which refuses it", self.shared.name);
+        }
+    }
+}

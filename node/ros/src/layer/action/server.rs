@@ -1,0 +1,231 @@
+//! The server of an action: one task answers its three services, whatever the application does.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use lineshaft_msgs::foreign::action_msgs::msg::{GoalInfo, GoalStatus, GoalStatusArray};
+use lineshaft_msgs::foreign::action_msgs::srv::{CancelGoal, CancelGoalResponse};
+use lineshaft_msgs::foreign::unique_identifier_msgs::msg::UUID;
+use lineshaft_msgs::{Action, FeedbackMessage, GetResult, GetResultResponse, Message, SendGoal, SendGoalResponse, cdr};
+use tokio::sync::mpsc::{self, Receiver, Sender};
+use tokio::task::JoinHandle;
+
+use super::goals::{Asked, End, GoalId, Goals, Shown, Stamp};
+use super::requests::{CancelRequest, GoalRequest};
+use crate::layer::endpoint::{Context, CreateError};
+use crate::layer::latched::Latched;
+use crate::layer::name::FullName;
+use crate::layer::publisher::{PublishError, Untyped};
+use crate::layer::qos::Qos;
+use crate::layer::service::{Reply, Request, ServiceServer};
+
+/// Events that wait for the application; with more, goals and cancel requests are rejected.
+const WAITING: usize = 256;
+/// Between two looks for results whose time is over.
+const TIDY: Duration = Duration::from_secs(1);
+
+/// Who decides about cancel requests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cancels {
+    /// Nobody: each is accepted at once, and the goal's handle tells it.
+    Accept,
+    /// The application, with [`ActionEvent::Cancel`].
+    Ask,
+}
+
+/// How an action is served.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ActionOptions {
+    /// How long results are kept after the end of their goals. Default 10 s, as rcl_action.
+    pub result_timeout: Duration,
+    /// Greatest number of ended goals that are kept; of more, the first to end are forgotten. Default 256.
+    pub kept_goals: usize,
+    /// Who decides about cancel requests. Default nobody.
+    pub cancels: Cancels,
+}
+
+impl Default for ActionOptions {
+    fn default() -> Self {
+        Self { result_timeout: Duration::from_secs(10), kept_goals: 256, cancels: Cancels::Accept }
+    }
+}
+
+/// What an action server asks its application.
+pub enum ActionEvent<A: Action> {
+    /// A client wants something.
+    Goal(GoalRequest<A>),
+    /// A client wants it no more; only with [`Cancels::Ask`].
+    Cancel(CancelRequest<A>),
+}
+
+/// Serves an action; dropping it takes the action from the node. Goals that have not ended stay with their handles.
+pub struct ActionServer<A: Action> {
+    events: Receiver<ActionEvent<A>>,
+    shared: Arc<Shared<A>>,
+    task: JoinHandle<()>,
+}
+
+impl<A: Action> ActionServer<A> {
+    pub(in crate::layer) fn new(
+        context: &Context,
+        name: FullName,
+        options: ActionOptions,
+    ) -> Result<Self, CreateError> {
+        let services = Services {
+            goals: ServiceServer::new(context, name.action_part("send_goal"), Qos::SERVICE)?,
+            results: ServiceServer::new(context, name.action_part("get_result"), Qos::SERVICE)?,
+            cancels: ServiceServer::new(context, name.action_part("cancel_goal"), Qos::SERVICE)?,
+        };
+        let feedback = Untyped::new(context, name.action_part("feedback"), A::FEEDBACK_MESSAGE_DDS_NAME, Qos::STREAM)?;
+        let status = status(context, &name)?;
+        let goals = Mutex::new(Goals::new(options.result_timeout, options.kept_goals));
+        let shared = Arc::new(Shared { goals, status, feedback, name });
+        let (sender, events) = mpsc::channel(WAITING);
+        let dispatch = Dispatch { shared: shared.clone(), events: sender, cancels: options.cancels };
+        let task = context.runtime.spawn(dispatch.run(services));
+        Ok(Self { events, shared, task })
+    }
+
+    /// Full name of the action.
+    pub fn name(&self) -> &FullName {
+        &self.shared.name
+    }
+
+    /// What the application is asked next; `None` once the node is gone.
+    pub async fn next(&mut self) -> Option<ActionEvent<A>> {
+        self.events.recv().await
+    }
+}
+
+impl<A: Action> Drop for ActionServer<A> {
+    fn drop(&mut self) {
+        self.task.abort();
+    }
+}
+
+fn status(context: &Context, name: &FullName) -> Result<Latched, CreateError> {
+    let topic = name.action_part("status").topic();
+    let first = context.writer(&topic, GoalStatusArray::DDS_NAME, Qos::STATUS)?;
+    let again = context.clone();
+    let make = move || again.writer(&topic, GoalStatusArray::DDS_NAME, Qos::STATUS).ok();
+    Ok(Latched::start(&context.runtime, Duration::ZERO, first, make))
+}
+
+/// Somebody who waits for a result.
+type Asker<A> = Reply<GetResultResponse<<A as Action>::Result>>;
+
+/// What the server's task and the handles of its goals have in common.
+pub(super) struct Shared<A: Action> {
+    goals: Mutex<Goals<A::Result, Asker<A>>>,
+    status: Latched,
+    feedback: Untyped,
+    pub(super) name: FullName,
+}
+
+impl<A: Action> Shared<A> {
+    /// A panic elsewhere leaves the goals whole: each change is one call.
+    pub(super) fn goals(&self) -> MutexGuard<'_, Goals<A::Result, Asker<A>>> {
+        self.goals.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Publishes the status of all goals. They are locked, so that arrays go out in the order of the changes.
+    pub(super) fn show(&self, goals: &Goals<A::Result, Asker<A>>) {
+        let status = |shown: Shown| GoalStatus { goal_info: goal_info(shown), status: shown.status as i8 };
+        self.status.set(cdr::encode(&GoalStatusArray { status_list: goals.shown().map(status).collect() }));
+    }
+
+    /// Ends a goal and answers all who wait for it.
+    pub(super) fn end(&self, id: GoalId, end: End, result: A::Result) {
+        let mut goals = self.goals();
+        let Some((status, waiting)) = goals.end(id, end, result.clone(), Instant::now()) else { return };
+        self.show(&goals);
+        drop(goals);
+        for asker in waiting {
+            asker.send_soon(GetResultResponse { status: status as i8, result: result.clone() });
+        }
+    }
+
+    pub(super) fn feedback(&self, id: GoalId, feedback: &A::Feedback) -> Result<(), PublishError> {
+        self.feedback.publish(&FeedbackMessage { goal_id: UUID { uuid: id.0 }, feedback: feedback.clone() })
+    }
+}
+
+pub(super) fn goal_info(shown: Shown) -> GoalInfo {
+    GoalInfo { goal_id: UUID { uuid: shown.id.0 }, stamp: shown.stamp.into() }
+}
+
+struct Services<A: Action> {
+    goals: ServiceServer<SendGoal<A>>,
+    results: ServiceServer<GetResult<A>>,
+    cancels: ServiceServer<CancelGoal>,
+}
+
+/// Answers what needs no application, and passes the rest on. Never waits for the application.
+struct Dispatch<A: Action> {
+    shared: Arc<Shared<A>>,
+    events: Sender<ActionEvent<A>>,
+    cancels: Cancels,
+}
+
+impl<A: Action> Dispatch<A> {
+    async fn run(self, mut services: Services<A>) {
+        let mut tidy = tokio::time::interval(TIDY);
+        loop {
+            tokio::select! {
+                request = services.cancels.next() => match request {
+                    Some(request) => self.cancel(request),
+                    None => return,
+                },
+                request = services.goals.next() => match request {
+                    Some(request) => self.goal(request),
+                    None => return,
+                },
+                request = services.results.next() => match request {
+                    Some(Request { message, reply }) => self.result(GoalId(message.goal_id.uuid), reply),
+                    None => return,
+                },
+                _ = tidy.tick() => self.shared.goals().expire(Instant::now()),
+            }
+        }
+    }
+
+    fn goal(&self, Request { message, reply }: Request<SendGoal<A>>) {
+        let id = GoalId(message.goal_id.uuid);
+        if !self.shared.goals().offer(id, Instant::now()) {
+            tracing::warn!("{}: goal {id} was rejected: its id is in use", self.shared.name);
+            return reply.send_soon(SendGoalResponse::default());
+        }
+        self.pass_on(ActionEvent::Goal(GoalRequest::new(self.shared.clone(), id, message.goal, reply)));
+    }
+
+    fn result(&self, id: GoalId, asker: Asker<A>) {
+        match self.shared.goals().ask(id, asker, Instant::now()) {
+            Asked::Waits => {}
+            // Status 0 is "unknown"; that is also what the default says.
+            Asked::Unknown(asker) => asker.send_soon(GetResultResponse::default()),
+            Asked::Ended(asker, status, result) => {
+                asker.send_soon(GetResultResponse { status: status as i8, result });
+            }
+        }
+    }
+
+    fn cancel(&self, Request { message, reply }: Request<CancelGoal>) {
+        let GoalInfo { goal_id, stamp } = message.goal_info;
+        let selection = self.shared.goals().select(GoalId(goal_id.uuid), Stamp::from(&stamp), Instant::now());
+        if selection.code != CancelGoalResponse::ERROR_NONE {
+            return reply.send_soon(CancelGoalResponse { return_code: selection.code, ..Default::default() });
+        }
+        let request = CancelRequest::new(self.shared.clone(), selection, reply);
+        match self.cancels {
+            Cancels::Ask if !request.goals().is_empty() => self.pass_on(ActionEvent::Cancel(request)),
+            Cancels::Ask | Cancels::Accept => request.accept(),
+        }
+    }
+
+    /// What is dropped here rejects itself and says so.
+    fn pass_on(&self, event: ActionEvent<A>) {
+        if self.events.try_send(event).is_err() {
+            tracing::error!("{}: the application does not take requests any more", self.shared.name);
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! The only file that knows the DDS library: participant, raw readers, raw writers, discovery.
+//!
+//! Samples pass as bytes. Writing never blocks the caller; what does not fit is refused.
+
+use std::convert::Infallible;
+use std::net::{IpAddr, Ipv4Addr};
+use std::pin::pin;
+use std::task::{Context, Poll};
+
+use bytes::Bytes;
+use futures::{Stream, StreamExt};
+use lineshaft_msgs::cdr::Endian;
+use rustdds::no_key::{
+    self, DataWriter, Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter, SimpleDataReader,
+};
+use rustdds::{
+    DomainParticipant, DomainParticipantBuilder, DomainParticipantStatusEvent, DomainParticipantStatusListener, GUID,
+    QosPolicies, QosPolicyBuilder, RTPSEntity, RepresentationIdentifier, SampleIdentity, SequenceNumber, StatusEvented,
+    Timestamp, Topic, TopicKind, WriteOptionsBuilder, policy,
+};
+
+use super::guid::{Guid, Prefix};
+use super::qos::Qos;
+
+/// Log targets of the library that repeat themselves where nothing is wrong, and the level to keep of each.
+pub(super) const NOISE: &[(&str, &str)] = &[
+    // On loopback without multicast: 30 lines a second about the participant itself.
+    ("rustdds::rtps::writer", "error"),
+    ("rustdds::network", "error"),
+    // At exit: groups that were never joined. What keeps a participant from starting is returned, not only logged.
+    ("rustdds::network::udp_listener", "off"),
+    // Acknowledgements of a reader that has missed many samples, which the library cuts to what fits.
+    ("rustdds::structure::sequence_number", "off"),
+    // A refused write, which its caller reports.
+    ("rustdds::dds::with_key::datawriter", "error"),
+    // Endpoints that outlive their participant.
+    ("rustdds::dds::pubsub", "off"),
+];
+
+/// The library refused to make something.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("DDS cannot make {what}: {reason}")]
+pub struct DdsError {
+    what: String,
+    reason: String,
+}
+
+impl DdsError {
+    fn new(what: impl Into<String>, reason: impl std::fmt::Debug) -> Self {
+        Self { what: what.into(), reason: format!("{reason:?}") }
+    }
+}
+
+/// Why a sample was not written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum WriteFailure {
+    /// No room now.
+    Full,
+    /// The library failed.
+    Broken(String),
+}
+
+/// A sample's name: who wrote it, and the how manyth of that writer it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SampleId {
+    pub(super) writer: Guid,
+    pub(super) number: i64,
+}
+
+/// The `related_sample_identity` that came with a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Related {
+    pub(super) guid: Guid,
+    /// `None`: unknown to the writer.
+    pub(super) number: Option<i64>,
+}
+
+/// A sample as it came.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    pub(super) id: SampleId,
+    pub(super) related: Option<Related>,
+    pub(super) endian: Endian,
+    pub(super) bytes: Bytes,
+}
+
+/// What discovery says about matches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Discovery {
+    Matched { writer: Guid, reader: Guid },
+    Lost { reader: Guid },
+    Gone { participant: Prefix },
+}
+
+/// A member of the DDS domain. Dropping it says good-bye to all others.
+pub(super) struct Participant {
+    publisher: rustdds::Publisher,
+    subscriber: rustdds::Subscriber,
+    listener: DomainParticipantStatusListener,
+    participant: DomainParticipant,
+}
+
+impl Participant {
+    /// Joins `domain` on the networks of these addresses; `None`: on all of the host.
+    pub(super) fn new(domain: u16, networks: Option<&[Ipv4Addr]>) -> Result<Self, DdsError> {
+        let mut builder = DomainParticipantBuilder::new(domain);
+        if let Some(addresses) = networks {
+            builder = builder.with_only_networks(addresses.iter().copied().map(IpAddr::V4));
+        }
+        let fail = |reason| DdsError::new(format!("a participant in domain {domain}"), reason);
+        let participant = builder.build().map_err(fail)?;
+        let defaults = QosPolicyBuilder::new().build();
+        Ok(Self {
+            publisher: participant.create_publisher(&defaults).map_err(fail)?,
+            subscriber: participant.create_subscriber(&defaults).map_err(fail)?,
+            listener: participant.status_listener(),
+            participant,
+        })
+    }
+
+    pub(super) fn guid(&self) -> Guid {
+        self.participant.guid().into()
+    }
+
+    fn topic(&self, name: &str, type_name: &str, qos: Qos) -> Result<Topic, DdsError> {
+        self.participant
+            .create_topic(name.to_owned(), type_name.to_owned(), &policies(qos), TopicKind::NoKey)
+            .map_err(|error| DdsError::new(format!("topic {name}"), error))
+    }
+
+    pub(super) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Writer, DdsError> {
+        let made = self.topic(topic, type_name, qos)?;
+        match self.publisher.create_datawriter_no_key(&made, None) {
+            Ok(inner) => Ok(Writer { inner }),
+            Err(error) => Err(DdsError::new(format!("a writer of {topic}"), error)),
+        }
+    }
+
+    pub(super) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Reader, DdsError> {
+        let made = self.topic(topic, type_name, qos)?;
+        match self.subscriber.create_simple_datareader_no_key(&made, None) {
+            Ok(inner) => Ok(Reader { inner }),
+            Err(error) => Err(DdsError::new(format!("a reader of {topic}"), error)),
+        }
+    }
+
+    /// The next change of matches; pending, with the waker kept, when there is none.
+    pub(super) fn poll_discovery(&self, context: &mut Context<'_>) -> Poll<Option<Discovery>> {
+        let mut events = pin!(self.listener.as_async_status_stream());
+        loop {
+            match events.as_mut().poll_next(context) {
+                Poll::Pending => return Poll::Pending,
+                Poll::Ready(None) => return Poll::Ready(None),
+                Poll::Ready(Some(event)) => {
+                    if let Some(change) = discovery(&event) {
+                        return Poll::Ready(Some(change));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Readers of `topic` on the participant of `client`, which is a writer: those with the same user data when it has
+    /// some (rmw_cyclonedds marks the two ends of a client by it), else all of them.
+    pub(super) fn readers_beside(&self, client: Guid, topic: &str) -> Vec<Guid> {
+        let writers = self.participant.discovered_writers();
+        let mark = writers.iter().find(|w| Guid::from(w.writer_proxy.remote_writer_guid) == client);
+        let mark = mark.map(|w| w.user_data.as_slice()).unwrap_or_default();
+        let beside: Vec<_> = (self.participant.discovered_readers().into_iter())
+            .filter(|r| r.subscription_topic_data.topic_name() == topic)
+            .map(|r| (Guid::from(r.reader_proxy.remote_reader_guid), r.user_data))
+            .filter(|(reader, _)| reader.prefix() == client.prefix())
+            .collect();
+        let marked: Vec<_> = beside.iter().filter(|(_, data)| client_mark(data) == client_mark(mark)).collect();
+        match client_mark(mark) {
+            Some(_) => marked.into_iter().map(|(reader, _)| *reader).collect(),
+            None => beside.into_iter().map(|(reader, _)| reader).collect(),
+        }
+    }
+}
+
+/// The entry `clientid=..;` of an endpoint's user data, without which rmw_cyclonedds never makes a client.
+fn client_mark(user_data: &[u8]) -> Option<&[u8]> {
+    user_data.split(|byte| *byte == b';').find(|entry| entry.starts_with(b"clientid="))
+}
+
+fn discovery(event: &DomainParticipantStatusEvent) -> Option<Discovery> {
+    match event {
+        DomainParticipantStatusEvent::RemoteReaderMatched { local_writer, remote_reader } => {
+            Some(Discovery::Matched { writer: (*local_writer).into(), reader: (*remote_reader).into() })
+        }
+        DomainParticipantStatusEvent::ReaderLost { guid, .. } => Some(Discovery::Lost { reader: (*guid).into() }),
+        DomainParticipantStatusEvent::ParticipantLost { id, .. } => {
+            let mut prefix = [0; 12];
+            prefix.copy_from_slice(id.as_ref());
+            Some(Discovery::Gone { participant: Prefix(prefix) })
+        }
+        _ => None,
+    }
+}
+
+fn policies(qos: Qos) -> QosPolicies {
+    let depth = i32::from(qos.depth);
+    let mut builder = QosPolicyBuilder::new()
+        .reliability(policy::Reliability::Reliable { max_blocking_time: rustdds::Duration::ZERO })
+        .durability(if qos.latched { policy::Durability::TransientLocal } else { policy::Durability::Volatile })
+        .history(policy::History::KeepLast { depth })
+        .resource_limits(policy::ResourceLimits {
+            max_samples: qos.window,
+            max_instances: i32::MAX,
+            max_samples_per_instance: i32::MAX,
+        });
+    if let Some(lifespan) = qos.lifespan {
+        builder = builder.lifespan(policy::Lifespan { duration: rustdds::Duration::from_std(lifespan) });
+    }
+    builder.build()
+}
+
+/// Writes samples of one topic.
+pub(super) struct Writer {
+    inner: DataWriter<Raw, Raw>,
+}
+
+/// To whom a reply goes, and what it answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Address {
+    pub(super) reader: Guid,
+    pub(super) answers: SampleId,
+}
+
+impl Writer {
+    pub(super) fn guid(&self) -> Guid {
+        self.inner.guid().into()
+    }
+
+    /// Writes to all matched readers.
+    pub(super) fn write(&self, bytes: impl Into<Bytes>) -> Result<(), WriteFailure> {
+        self.write_with(bytes.into(), WriteOptionsBuilder::new())
+    }
+
+    /// Writes to one reader, which must be matched.
+    pub(super) fn write_to(&self, bytes: impl Into<Bytes>, address: Address) -> Result<(), WriteFailure> {
+        let answers = SampleIdentity {
+            writer_guid: address.answers.writer.into(),
+            sequence_number: SequenceNumber::from(address.answers.number),
+        };
+        let options =
+            WriteOptionsBuilder::new().related_sample_identity(answers).to_single_reader(address.reader.into());
+        self.write_with(bytes.into(), options)
+    }
+
+    fn write_with(&self, bytes: Bytes, options: WriteOptionsBuilder) -> Result<(), WriteFailure> {
+        let options = options.source_timestamp(Timestamp::now()).build();
+        match self.inner.write_with_options(Raw { endian: Endian::Little, bytes }, options) {
+            Ok(_) => Ok(()),
+            Err(rustdds::dds::WriteError::WouldBlock { .. }) => Err(WriteFailure::Full),
+            Err(error) => Err(WriteFailure::Broken(error.forget_data().to_string())),
+        }
+    }
+}
+
+/// Reads samples of one topic.
+pub(super) struct Reader {
+    inner: SimpleDataReader<Raw, Raw>,
+}
+
+impl Reader {
+    pub(super) fn guid(&self) -> Guid {
+        self.inner.guid().into()
+    }
+
+    /// The next sample, or why it could not be read. Nothing is lost when the future is dropped.
+    pub(super) async fn next(&mut self) -> Result<Sample, String> {
+        let mut samples = pin!(self.inner.as_async_stream());
+        match samples.next().await {
+            Some(Ok(change)) => Ok(sample(&change)),
+            Some(Err(error)) => Err(error.to_string()),
+            // The library's streams never end; should one do, there is nothing more to read.
+            None => std::future::pending().await,
+        }
+    }
+}
+
+fn sample(change: &no_key::DeserializedCacheChange<Raw>) -> Sample {
+    let related = change.related_sample_identity().map(|related| Related {
+        guid: related.writer_guid.into(),
+        number: Some(related.sequence_number).filter(|n| *n != SequenceNumber::UNKNOWN).map(i64::from),
+    });
+    Sample {
+        id: SampleId { writer: change.writer_guid.into(), number: change.sequence_number.into() },
+        related,
+        endian: change.sample.endian,
+        bytes: change.sample.bytes.clone(),
+    }
+}
+
+impl From<GUID> for Guid {
+    fn from(guid: GUID) -> Self {
+        Self(guid.to_bytes())
+    }
+}
+
+impl From<Guid> for GUID {
+    fn from(guid: Guid) -> Self {
+        Self::from_bytes(guid.0)
+    }
+}
+
+/// Bytes that pass the library unchanged, and the adapter that lets them.
+#[derive(Clone, Debug)]
+struct Raw {
+    endian: Endian,
+    bytes: Bytes,
+}
+
+#[derive(Clone)]
+struct Pass;
+
+impl DeserializerAdapter<Raw> for Raw {
+    type Error = Infallible;
+    type Decoded = Self;
+    fn supported_encodings() -> &'static [RepresentationIdentifier] {
+        &[RepresentationIdentifier::CDR_LE, RepresentationIdentifier::CDR_BE]
+    }
+    fn transform_decoded(decoded: Self) -> Self {
+        decoded
+    }
+}
+
+impl DefaultDecoder<Raw> for Raw {
+    type Decoder = Pass;
+    const DECODER: Pass = Pass;
+}
+
+impl Decode<'_, Raw> for Pass {
+    type Error = Infallible;
+    fn decode_bytes(self, bytes: &[u8], encoding: RepresentationIdentifier) -> Result<Raw, Infallible> {
+        let big = encoding == RepresentationIdentifier::CDR_BE;
+        Ok(Raw { endian: if big { Endian::Big } else { Endian::Little }, bytes: Bytes::copy_from_slice(bytes) })
+    }
+}
+
+impl SerializerAdapter<Raw> for Raw {
+    type Error = Infallible;
+    fn output_encoding() -> RepresentationIdentifier {
+        RepresentationIdentifier::CDR_LE
+    }
+    fn to_bytes(value: &Self) -> Result<Bytes, Infallible> {
+        Ok(value.bytes.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mark_of_a_client_stands_among_other_user_data() {
+        assert_eq!(client_mark(b"clientid=01.0f;typehash=RIHS01_ab;"), Some(b"clientid=01.0f".as_slice()));
+        assert_eq!(client_mark(b"typehash=RIHS01_ab;clientid=7;"), Some(b"clientid=7".as_slice()));
+        assert_eq!(client_mark(b"typehash=RIHS01_ab;"), None);
+        assert_eq!(client_mark(b""), None);
+    }
+}

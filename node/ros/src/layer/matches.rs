@@ -1,0 +1,81 @@
+//! Which readers are matched with which of our writers.
+
+use std::collections::HashSet;
+
+use tokio::sync::watch;
+
+use super::dds::Discovery;
+use super::guid::Guid;
+
+/// A writer of ours and a reader.
+type Pairs = HashSet<(Guid, Guid)>;
+
+/// All matches of the participant.
+pub(super) struct Matches {
+    pairs: watch::Sender<Pairs>,
+}
+
+impl Matches {
+    pub(super) fn new() -> Self {
+        Self { pairs: watch::Sender::new(Pairs::new()) }
+    }
+
+    /// Notes a change.
+    pub(super) fn note(&self, change: Discovery) {
+        self.pairs.send_modify(|pairs| match change {
+            Discovery::Matched { writer, reader } => {
+                pairs.insert((writer, reader));
+            }
+            Discovery::Lost { reader } => pairs.retain(|pair| pair.1 != reader),
+            Discovery::Gone { participant } => pairs.retain(|pair| pair.1.prefix() != participant),
+        });
+    }
+
+    /// Forgets a writer that was dropped.
+    pub(super) fn forget(&self, writer: Guid) {
+        self.pairs.send_modify(|pairs| pairs.retain(|pair| pair.0 != writer));
+    }
+
+    /// Readers that are matched with this writer now.
+    pub(super) fn count(&self, writer: Guid) -> usize {
+        self.pairs.borrow().iter().filter(|pair| pair.0 == writer).count()
+    }
+
+    /// Whether the two are matched now.
+    pub(super) fn contains(&self, writer: Guid, reader: Guid) -> bool {
+        self.pairs.borrow().contains(&(writer, reader))
+    }
+
+    /// Changes from now on.
+    pub(super) fn changes(&self) -> watch::Receiver<Pairs> {
+        self.pairs.subscribe()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matches_end_with_the_reader_its_participant_or_our_writer() {
+        let guid = |participant, endpoint| {
+            let mut bytes = [participant; 16];
+            bytes[12..].copy_from_slice(&[0, 0, endpoint, 4]);
+            Guid(bytes)
+        };
+        let (writer, other) = (guid(1, 1), guid(1, 2));
+        let readers = [guid(7, 1), guid(7, 2), guid(8, 1)];
+        let matches = Matches::new();
+        for reader in readers {
+            matches.note(Discovery::Matched { writer, reader });
+            matches.note(Discovery::Matched { writer: other, reader });
+        }
+        assert_eq!(matches.count(writer), 3);
+        matches.note(Discovery::Lost { reader: readers[0] });
+        assert!(!matches.contains(writer, readers[0]) && matches.contains(writer, readers[1]));
+        matches.note(Discovery::Gone { participant: readers[1].prefix() });
+        assert_eq!(matches.count(writer), 1);
+        matches.forget(writer);
+        assert_eq!((matches.count(writer), matches.count(other)), (0, 1));
+    }
+}

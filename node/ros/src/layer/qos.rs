@@ -1,0 +1,55 @@
+//! Qualities of service, in the words of ROS 2.
+
+use std::time::Duration;
+
+/// How samples of a topic are delivered. All of it is reliable: nothing that a motion node says is best effort.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Qos {
+    /// Samples that are kept for a reader; at least 1.
+    pub depth: u16,
+    /// Whether readers that come later get the kept samples (`transient_local` in ROS 2, else `volatile`).
+    pub latched: bool,
+    /// Age after which readers drop a sample; `None`: never.
+    pub lifespan: Option<Duration>,
+    /// Unacknowledged samples that a writer holds before it refuses more.
+    pub window: i32,
+}
+
+impl Qos {
+    /// State that is published again and again.
+    pub const STREAM: Self = Self::volatile(10);
+    /// Events, which must not get lost in a burst.
+    pub const EVENTS: Self = Self::volatile(1000);
+    /// Requests and replies.
+    pub const SERVICE: Self = Self::volatile(10);
+    /// Requests and replies of the parameter services, and parameter events.
+    pub const PARAMETERS: Self = Self::volatile(1000);
+    /// The one value that counts, also for who comes later.
+    pub const STATUS: Self = Self { latched: true, ..Self::volatile(1) };
+    /// Log lines.
+    pub const ROSOUT: Self =
+        Self { latched: true, lifespan: Some(Duration::from_secs(10)), window: 1000, ..Self::volatile(1000) };
+
+    const fn volatile(depth: u16) -> Self {
+        // With a finite window every reader that comes later would close it until its first acknowledgement: the DDS
+        // layer counts all samples of the writer's life as unacknowledged by it. What a frozen reader holds up ends
+        // with its lease, 10 to 20 s.
+        Self { depth, latched: false, lifespan: None, window: i32::MAX }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_those_of_ros_2() {
+        // rmw/qos_profiles.h, rcl/logging_rosout.h, rcl_action/default_qos.h
+        assert_eq!((Qos::STREAM.depth, Qos::STREAM.latched), (10, false));
+        assert_eq!((Qos::SERVICE.depth, Qos::SERVICE.latched), (10, false));
+        assert_eq!((Qos::PARAMETERS.depth, Qos::PARAMETERS.latched), (1000, false));
+        assert_eq!((Qos::STATUS.depth, Qos::STATUS.latched), (1, true));
+        assert_eq!((Qos::ROSOUT.depth, Qos::ROSOUT.latched), (1000, true));
+        assert_eq!(Qos::ROSOUT.lifespan, Some(Duration::from_secs(10)));
+    }
+}

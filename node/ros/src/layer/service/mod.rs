@@ -1,0 +1,159 @@
+//! Services, for callers with rmw_fastrtps and with rmw_cyclonedds alike.
+
+mod caller;
+mod limiter;
+mod replies;
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+use std::time::Instant;
+
+use lineshaft_msgs::Service;
+use serde::Serialize;
+use tokio::sync::watch;
+
+use self::caller::Caller;
+use self::limiter::Limiter;
+use self::replies::Replies;
+use super::dds::{Reader, Sample};
+use super::endpoint::{Context, CreateError, Registered};
+use super::name::FullName;
+use super::qos::Qos;
+
+/// Requests that wait for the server; more than ROS has, because clients of all kinds share them.
+const WAITING: u16 = 1000;
+
+/// A reply that did not go out.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ReplyError {
+    /// The client has no reader for it, or none any more.
+    #[error("{service}: the client that asked is not there to read the reply")]
+    NoReader {
+        /// Full name of the service.
+        service: FullName,
+    },
+    /// Readers hold up too many replies.
+    #[error("{service}: clients do not keep up, the reply was dropped")]
+    Full {
+        /// Full name of the service.
+        service: FullName,
+    },
+    /// The DDS library failed.
+    #[error("{service}: no reply: {reason}")]
+    Dds {
+        /// Full name of the service.
+        service: FullName,
+        /// What it says.
+        reason: String,
+    },
+}
+
+/// Takes the requests of one service; dropping it takes the service from the node.
+///
+/// Requests that are not exactly of the service's form are refused, logged and never handed out.
+pub struct ServiceServer<S> {
+    requests: Registered<Reader>,
+    replies: Arc<Replies>,
+    closed: watch::Receiver<()>,
+    refused: Limiter,
+    service: PhantomData<fn(S)>,
+}
+
+/// A request, and the way to answer it. Any number may be open at a time.
+pub struct Request<S: Service> {
+    /// What the client asks.
+    pub message: S::Request,
+    /// Where to answer.
+    pub reply: Reply<S::Response>,
+}
+
+impl<S: Service> ServiceServer<S> {
+    pub(super) fn new(context: &Context, name: FullName, qos: Qos) -> Result<Self, CreateError> {
+        let requests = Qos { depth: qos.depth.max(WAITING), ..qos };
+        let requests = context.reader(&name.request(), S::REQUEST_DDS_NAME, requests)?;
+        let writer = context.writer(&name.reply(), S::RESPONSE_DDS_NAME, qos)?;
+        Ok(Self {
+            requests,
+            replies: Arc::new(Replies::new(context, writer, name)),
+            closed: context.closed.clone(),
+            refused: Limiter::default(),
+            service: PhantomData,
+        })
+    }
+
+    /// Full name of the service.
+    pub fn name(&self) -> &FullName {
+        self.replies.service()
+    }
+
+    /// The next request; `None` once the node is gone. Nothing is lost when the future is dropped.
+    pub async fn next(&mut self) -> Option<Request<S>> {
+        loop {
+            let taken = tokio::select! {
+                taken = self.requests.next() => taken,
+                _ = self.closed.changed() => return None,
+            };
+            match taken {
+                Ok(sample) => match caller::read::<S::Request>(&sample) {
+                    Ok((caller, message)) => {
+                        let reply = Reply::new(self.replies.clone(), caller);
+                        return Some(Request { message, reply });
+                    }
+                    Err(refusal) => self.refuse(&sample, &refusal),
+                },
+                Err(reason) => tracing::warn!("{}: a request was refused: {reason}", self.name()),
+            }
+        }
+    }
+
+    fn refuse(&mut self, sample: &Sample, refusal: &caller::Refusal) {
+        let from = sample.id.writer.prefix();
+        if let Some(before) = self.refused.say(from, Instant::now()) {
+            let more = if before > 0 { format!(" ({before} more since the last line)") } else { String::new() };
+            tracing::warn!("{}: a request of participant {from} was refused: {refusal}{more}", self.name());
+        }
+    }
+}
+
+/// The way to answer one request.
+pub struct Reply<P> {
+    replies: Arc<Replies>,
+    /// `None` once it is answered.
+    caller: Option<Caller>,
+    response: PhantomData<fn(P)>,
+}
+
+impl<P: Serialize> Reply<P> {
+    fn new(replies: Arc<Replies>, caller: Caller) -> Self {
+        Self { replies, caller: Some(caller), response: PhantomData }
+    }
+
+    /// Answers. Waits until the client's reader is matched, at most 200 ms; replies to other clients do not wait for
+    /// it.
+    pub async fn send(mut self, response: P) -> Result<(), ReplyError> {
+        match self.caller.take() {
+            Some(caller) => self.replies.send(&caller, caller.reply(&response)).await,
+            None => Ok(()),
+        }
+    }
+
+    /// Answers without waiting for it. A reply that fails is logged.
+    pub fn send_soon(mut self, response: P) {
+        if let Some(caller) = self.caller.take() {
+            let (replies, bytes) = (self.replies.clone(), caller.reply(&response));
+            self.replies.spawn(async move {
+                if let Err(error) = replies.send(&caller, bytes).await {
+                    tracing::debug!("{error}");
+                }
+            });
+        }
+    }
+}
+
+impl<P> Drop for Reply<P> {
+    fn drop(&mut self) {
+        if self.caller.is_some() {
+            tracing::warn!("{}: a request was dropped without an answer", self.replies.service());
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! The layer against itself, over loopback. The clients follow DDS-RPC; those of ROS are tried with other DDS
+//! libraries.
+
+use std::marker::PhantomData;
+use std::time::Duration;
+
+use lineshaft_msgs::action::{HomeAxis, HomeAxisFeedback, HomeAxisGoal, HomeAxisResult};
+use lineshaft_msgs::cdr::{decode, encode};
+use lineshaft_msgs::foreign::action_msgs::srv::{CancelGoal, CancelGoalRequest, CancelGoalResponse};
+use lineshaft_msgs::foreign::unique_identifier_msgs::msg::UUID;
+use lineshaft_msgs::srv::{AxesCommand, AxesCommandRequest, AxesCommandResponse};
+use lineshaft_msgs::{GetResult, GetResultRequest, GetResultResponse, SendGoal, SendGoalRequest, Service};
+use tokio::time::{sleep, timeout};
+
+use super::dds::{Reader, Writer};
+use super::endpoint::Registered;
+use super::*;
+
+/// Far more than anything here takes.
+const LONG: Duration = Duration::from_secs(20);
+
+/// A domain that tests with other peers (100..200) do not take, and other runs of these seldom.
+fn environment() -> Environment {
+    let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
+    Environment { domain, networks: Networks::Loopback }
+}
+
+fn node(name: &str) -> Node {
+    Node::new(NodeName::new("/", name).unwrap(), &environment()).unwrap()
+}
+
+/// Writes requests, as soon as there is a server.
+async fn requests<S: Service>(node: &Node, name: &str) -> Registered<Writer> {
+    let topic = node.name().expand(name).unwrap().request();
+    let requests = node.context().writer(&topic, S::REQUEST_DDS_NAME, Qos::SERVICE).unwrap();
+    let matched = async {
+        while requests.matched() == 0 {
+            sleep(Duration::from_millis(2)).await;
+        }
+    };
+    timeout(LONG, matched).await.expect("a server");
+    requests
+}
+
+struct Client<S> {
+    requests: Registered<Writer>,
+    replies: Registered<Reader>,
+    service: PhantomData<S>,
+}
+
+impl<S: Service> Client<S> {
+    /// Returns when it sees the server.
+    async fn new(node: &Node, name: &str) -> Self {
+        let reply = node.name().expand(name).unwrap().reply();
+        let replies = node.context().reader(&reply, S::RESPONSE_DDS_NAME, Qos::SERVICE).unwrap();
+        Self { replies, requests: requests::<S>(node, name).await, service: PhantomData }
+    }
+
+    fn send(&self, request: &S::Request) {
+        self.requests.write(encode(request)).unwrap();
+    }
+
+    async fn receive(&mut self) -> S::Response {
+        let sample = timeout(LONG, self.replies.next()).await.expect("a reply").unwrap();
+        assert_eq!(sample.related.unwrap().guid, self.requests.guid());
+        decode(&sample.bytes, sample.endian).unwrap()
+    }
+
+    async fn call(&mut self, request: &S::Request) -> S::Response {
+        self.send(request);
+        self.receive().await
+    }
+}
+
+fn axes(axis: &str) -> AxesCommandRequest {
+    AxesCommandRequest { axes: vec![axis.to_owned()] }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn requests_are_open_at_the_same_time_and_bad_ones_are_not_handed_out() {
+    let (serving, asking) = (node("requests"), node("requests_client"));
+    let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
+    let mut client = Client::<AxesCommand>::new(&asking, "/requests/enable").await;
+
+    client.send(&axes("first"));
+    client.requests.write([encode(&axes("bad")), vec![0; 8]].concat()).unwrap();
+    client.send(&axes("second"));
+    let mut open = Vec::new();
+    for want in ["first", "second"] {
+        let Request { message, reply } = timeout(LONG, server.next()).await.unwrap().unwrap();
+        assert_eq!(message, axes(want));
+        open.push((message, reply));
+    }
+    // The later one is answered first.
+    while let Some((message, reply)) = open.pop() {
+        let response = AxesCommandResponse { success: true, message: message.axes[0].clone() };
+        reply.send(response.clone()).await.unwrap();
+        assert_eq!(client.receive().await, response);
+    }
+    drop(serving);
+    assert!(timeout(LONG, server.next()).await.unwrap().is_none(), "a server ends with its node");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_client_that_reads_no_replies_holds_up_nobody() {
+    let (serving, asking, other) = (node("patience"), node("patience_client"), node("deaf"));
+    let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
+    let deaf = requests::<AxesCommand>(&other, "/patience/enable").await;
+    deaf.write(encode(&axes("deaf"))).unwrap();
+    let unread = timeout(LONG, server.next()).await.unwrap().unwrap();
+    let waiting = tokio::spawn(unread.reply.send(AxesCommandResponse::default()));
+
+    let mut client = Client::<AxesCommand>::new(&asking, "/patience/enable").await;
+    client.send(&axes("x"));
+    let request = timeout(LONG, server.next()).await.unwrap().unwrap();
+    request.reply.send_soon(AxesCommandResponse { success: true, message: "done".to_owned() });
+    assert_eq!(client.receive().await.message, "done");
+    let error = timeout(LONG, waiting).await.unwrap().unwrap().unwrap_err();
+    assert_eq!(error.to_string(), "/patience/enable: the client that asked is not there to read the reply");
+}
+
+struct Asking {
+    goals: Client<SendGoal<HomeAxis>>,
+    results: Client<GetResult<HomeAxis>>,
+    cancels: Client<CancelGoal>,
+    _node: Node,
+}
+
+impl Asking {
+    async fn new(name: &str) -> Self {
+        let node = node(&format!("{name}_client"));
+        let part = |part: &str| format!("/{name}/home_axis/_action/{part}");
+        Self {
+            goals: Client::new(&node, &part("send_goal")).await,
+            results: Client::new(&node, &part("get_result")).await,
+            cancels: Client::new(&node, &part("cancel_goal")).await,
+            _node: node,
+        }
+    }
+
+    fn send_goal(&self, id: u8) {
+        let goal = HomeAxisGoal { axis: "x".to_owned(), scheme: 0, method: 35 };
+        self.goals.send(&SendGoalRequest { goal_id: UUID { uuid: [id; 16] }, goal });
+    }
+
+    async fn result(&mut self, id: u8) -> (i8, HomeAxisResult) {
+        let GetResultResponse { status, result } =
+            self.results.call(&GetResultRequest { goal_id: UUID { uuid: [id; 16] } }).await;
+        (status, result)
+    }
+
+    fn send_cancel(&self, id: u8) {
+        let mut request = CancelGoalRequest::default();
+        request.goal_info.goal_id.uuid = [id; 16];
+        self.cancels.send(&request);
+    }
+}
+
+async fn goal(server: &mut ActionServer<HomeAxis>) -> GoalRequest<HomeAxis> {
+    match timeout(LONG, server.next()).await.unwrap().unwrap() {
+        ActionEvent::Goal(request) => request,
+        ActionEvent::Cancel(_) => panic!("a cancel request in place of a goal"),
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_the_application_drops_is_rejected_or_aborted() {
+    let serving = node("drops");
+    let mut server = serving.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
+    let mut client = Asking::new("drops").await;
+
+    client.send_goal(1);
+    drop(goal(&mut server).await);
+    assert!(!client.goals.receive().await.accepted);
+    assert_eq!(client.result(1).await, (0, HomeAxisResult::default()), "a rejected goal is not known");
+
+    client.send_goal(2);
+    let handle = goal(&mut server).await.accept();
+    assert!(client.goals.receive().await.accepted);
+    handle.execute();
+    handle.feedback(&HomeAxisFeedback::default()).unwrap();
+    drop(handle);
+    assert_eq!(client.result(2).await, (6, HomeAxisResult::default()));
+
+    client.send_goal(2);
+    assert!(!client.goals.receive().await.accepted, "the id is in use");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_application_decides_about_cancel_requests_if_it_wants() {
+    let serving = node("asks");
+    let options = ActionOptions { cancels: Cancels::Ask, ..ActionOptions::default() };
+    let mut server = serving.action::<HomeAxis>("~/home_axis", options).unwrap();
+    let mut client = Asking::new("asks").await;
+    client.send_goal(1);
+    let handle = goal(&mut server).await.accept();
+    client.goals.receive().await;
+    handle.execute();
+
+    type Decide = fn(CancelRequest<HomeAxis>);
+    let decisions: [(Decide, i8); 3] = [(drop, 1), (CancelRequest::reject, 1), (CancelRequest::accept, 0)];
+    for (decide, code) in decisions {
+        assert!(!handle.is_cancel_requested());
+        client.send_cancel(1);
+        match timeout(LONG, server.next()).await.unwrap().unwrap() {
+            ActionEvent::Cancel(request) => {
+                assert_eq!(request.goals(), [GoalId([1; 16])]);
+                decide(request);
+            }
+            ActionEvent::Goal(_) => panic!("a goal in place of a cancel request"),
+        }
+        let CancelGoalResponse { return_code, goals_canceling } = client.cancels.receive().await;
+        assert_eq!((return_code, goals_canceling.len()), (code, usize::from(code == 0)));
+    }
+    timeout(LONG, handle.cancel_requested()).await.unwrap();
+    client.send_cancel(1);
+    assert_eq!(client.cancels.receive().await.return_code, 0, "it is canceling already: nobody is asked again");
+
+    handle.canceled(HomeAxisResult { shift_increments: 7, ..HomeAxisResult::default() });
+    let (status, result) = client.result(1).await;
+    assert_eq!((status, result.shift_increments), (5, 7));
+    client.send_cancel(1);
+    assert_eq!(client.cancels.receive().await.return_code, 3, "it has ended");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_outlives_its_node_is_harmless() {
+    let gone = node("gone");
+    let publisher = gone.publisher::<lineshaft_msgs::foreign::builtin_interfaces::msg::Time>("t", Qos::STREAM).unwrap();
+    let mut actions = gone.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
+    let rosout = gone.rosout().unwrap();
+    publisher.publish(&now()).unwrap();
+    drop(gone);
+    let error = publisher.publish(&now()).unwrap_err();
+    assert_eq!(error.to_string(), "/t: not published: the node is closed");
+    assert!(timeout(LONG, actions.next()).await.unwrap().is_none());
+    rosout.log(Severity::Info, "nobody hears it", Source::default());
+}

@@ -1,0 +1,92 @@
+//! `~/enable`, `~/disable`, `~/halt`, `~/quick_stop`, `~/reset_errors`: each answers when its axes have done it, or failed.
+
+use super::hub::Hub;
+use crate::layer::{CreateError, Node, Qos, Request, ServiceServer};
+use lineshaft_core::command::Action;
+use lineshaft_core::event::{Event, Kind};
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::text;
+use lineshaft_msgs::srv::{AxesCommand, AxesCommandResponse};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::task::JoinSet;
+
+/// Longer than any drive may take to switch on and any axis to stop: without an answer the machine stands.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Name, what it does, and its past participle for the answer.
+const SERVICES: [(&str, fn(AxisSet) -> Action, &str); 5] = [
+    ("~/enable", Action::Enable, "enabled"),
+    ("~/disable", Action::Disable, "disabled"),
+    ("~/halt", Action::Halt, "halted"),
+    ("~/quick_stop", Action::QuickStop, "stopped"),
+    ("~/reset_errors", Action::ResetErrors, "reset"),
+];
+
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    for (name, action, done) in SERVICES {
+        let server = node.service::<AxesCommand>(name, Qos::SERVICE)?;
+        tasks.spawn(serve(server, Arc::clone(hub), action, done));
+    }
+    Ok(())
+}
+
+async fn serve(
+    mut server: ServiceServer<AxesCommand>,
+    hub: Arc<Hub>,
+    action: fn(AxisSet) -> Action,
+    done: &'static str,
+) {
+    // Waiting requests end with the service.
+    let mut open = JoinSet::new();
+    let service = server.name().to_string();
+    while let Some(Request { message, reply }) = server.next().await {
+        while open.try_join_next().is_some() {}
+        let axes = match hub.host.config().find_axes(&message.axes) {
+            Ok(axes) => axes,
+            Err(error) => {
+                hub.refuse(format!("{service}: {error}"));
+                reply.send_soon(AxesCommandResponse { success: false, message: error.to_string() });
+                continue;
+            }
+        };
+        let hub = Arc::clone(&hub);
+        open.spawn(async move {
+            let response = match tokio::time::timeout(PATIENCE, command(&hub, action(axes), axes.len())).await {
+                Ok(Ok(())) => AxesCommandResponse { success: true, message: summary(axes.len(), done) },
+                Ok(Err(message)) => AxesCommandResponse { success: false, message },
+                Err(_) => AxesCommandResponse {
+                    success: false,
+                    message: format!("no end within {} s; see ~/axis_states", PATIENCE.as_secs()),
+                },
+            };
+            // A client that has gone is no fault of the machine; the layer logs it.
+            let _ = reply.send(response).await;
+        });
+    }
+}
+
+fn summary(count: usize, done: &str) -> String {
+    if count == 1 { format!("1 axis {done}") } else { format!("{count} axes {done}") }
+}
+
+/// Gives a command and waits until each of its axes has told its end.
+async fn command(hub: &Arc<Hub>, action: Action, axes: usize) -> Result<(), String> {
+    let sentence = |event: &Event| text::sentence(event, hub.host.config());
+    let mut answers = hub.submit(action).map_err(|busy| busy.to_string())?;
+    let (mut ended, mut failures) = (0, Vec::new());
+    while ended < axes {
+        let Some(answer) = answers.next().await else { return Err("the machine has stopped".to_owned()) };
+        match answer.event.kind {
+            Kind::Refused => return Err(sentence(&answer.event)),
+            Kind::Done => {
+                ended += 1;
+                if !answer.event.code.is_none() {
+                    failures.push(sentence(&answer.event));
+                }
+            }
+            _ => {}
+        }
+    }
+    if failures.is_empty() { Ok(()) } else { Err(failures.join("; ")) }
+}

@@ -1,0 +1,131 @@
+//! What all actions of the machine have in common: from the request to the end of its goal.
+
+use super::host::Snapshot;
+use super::hub::{Answers, Hub};
+use super::signals::AxisView;
+use crate::layer::{ActionEvent, ActionOptions, ActionServer, CreateError, GoalHandle, Node};
+use lineshaft_core::code::Code;
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::{Event, Kind};
+use lineshaft_core::position::Position;
+use lineshaft_core::request::RequestError;
+use lineshaft_core::text;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::task::JoinSet;
+use tokio::time::MissedTickBehavior;
+
+/// Between two feedback messages.
+const FEEDBACK: Duration = Duration::from_millis(50);
+
+/// How a goal ended.
+pub(super) struct Ending {
+    pub code: Code,
+    /// Why, where it did not succeed.
+    pub message: String,
+    /// Command position at the end.
+    pub position: Position,
+}
+
+/// An action of the interface that moves one axis, with what is its own.
+pub(super) trait AxisAction: lineshaft_msgs::Action {
+    /// Name of the action.
+    const SERVED_AS: &'static str;
+
+    /// The axis and the command that a goal asks for.
+    fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
+
+    /// Feedback from the axis' signals.
+    fn feedback(view: &AxisView, snapshot: &Snapshot) -> Self::Feedback;
+
+    /// The result of a goal.
+    fn result(view: &AxisView, ending: Ending) -> Self::Result;
+}
+
+/// Serves one action.
+pub(super) fn start<A: AxisAction>(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    let server = node.action::<A>(&format!("~/{}", A::SERVED_AS), ActionOptions::default())?;
+    tasks.spawn(serve(server, Arc::clone(hub)));
+    Ok(())
+}
+
+async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
+    let views = AxisView::all(hub.host.as_ref());
+    // Goals that run end with the action.
+    let mut open = JoinSet::new();
+    while let Some(event) = server.next().await {
+        while open.try_join_next().is_some() {}
+        let ActionEvent::Goal(request) = event else { continue };
+        match A::resolve(hub.host.config(), request.goal()) {
+            Ok((axis, command)) => {
+                // Every axis that resolves has a view; without one the goal could not be watched, and is not begun.
+                let Some(view) = views.get(usize::from(axis)) else { continue };
+                open.spawn(run(Arc::clone(&hub), request.accept(), command, view.clone()));
+            }
+            Err(error) => {
+                hub.refuse(format!("{}: goal rejected: {error}", A::SERVED_AS));
+                request.reject();
+            }
+        }
+    }
+}
+
+/// Works on an accepted goal until it ends.
+async fn run<A: AxisAction>(hub: Arc<Hub>, handle: GoalHandle<A>, command: Action, view: AxisView) {
+    let ending = match hub.submit(command) {
+        Ok(answers) => follow(&hub, &handle, answers, &view).await,
+        Err(busy) => Ending { code: Code::TOO_MANY_WAITING, message: busy.to_string(), position: Position::ZERO },
+    };
+    let code = ending.code;
+    let result = A::result(&view, ending);
+    match code {
+        Code::NONE => handle.succeed(result),
+        Code::CANCELLED if handle.is_cancel_requested() => handle.canceled(result),
+        _ => handle.abort(result),
+    }
+}
+
+async fn follow<A: AxisAction>(
+    hub: &Arc<Hub>,
+    handle: &GoalHandle<A>,
+    mut answers: Answers,
+    view: &AxisView,
+) -> Ending {
+    let mut ticks = tokio::time::interval(FEEDBACK);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let goal = answers.sequence;
+    let mut cancelled = false;
+    loop {
+        tokio::select! {
+            answer = answers.next() => match answer {
+                Some(answer) => match answer.event.kind {
+                    Kind::Accepted => handle.execute(),
+                    Kind::Refused | Kind::Done => return ending(hub, &answer.event),
+                    _ => {}
+                },
+                None => return gone(),
+            },
+            () = handle.cancel_requested(), if !cancelled => {
+                cancelled = hub.submit_unheard(Action::Cancel { goal }).is_ok();
+                if !cancelled {
+                    // The lane is full: again a little later.
+                    ticks.tick().await;
+                }
+            }
+            _ = ticks.tick() => {
+                // A client that does not read feedback is its own matter.
+                let _ = handle.feedback(&A::feedback(view, &hub.host.snapshot()));
+            }
+        }
+    }
+}
+
+fn ending(hub: &Hub, event: &Event) -> Ending {
+    let message = if event.code.is_none() { String::new() } else { text::sentence(event, hub.host.config()) };
+    Ending { code: event.code, message, position: event.position }
+}
+
+fn gone() -> Ending {
+    Ending { code: Code::DISABLED, message: "the machine has stopped".to_owned(), position: Position::ZERO }
+}

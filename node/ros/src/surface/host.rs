@@ -1,0 +1,50 @@
+//! What the surface needs of the program that runs the machine.
+
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::Event;
+use lineshaft_core::signal::{Board, Directory};
+use std::sync::Arc;
+
+/// The signals of one cycle, and when it was.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// k
+    pub cycle: u64,
+    /// t_k: nanoseconds since the Unix epoch.
+    pub stamp_ns: u64,
+    /// The signals at the end of the cycle.
+    pub board: Board,
+}
+
+/// An event, and when its cycle was.
+#[derive(Clone, Copy, Debug)]
+pub struct StampedEvent {
+    /// The event.
+    pub event: Event,
+    /// t_k: nanoseconds since the Unix epoch.
+    pub stamp_ns: u64,
+}
+
+/// The lanes are full: the machine does not keep up with what it is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("too many commands wait for the machine; try again")]
+pub struct Busy;
+
+/// The running machine, as the surface sees it.
+pub trait Host: Send + Sync + 'static {
+    /// What the machine is made of.
+    fn config(&self) -> &MachineConfig;
+
+    /// Names of its signals.
+    fn directory(&self) -> &Directory;
+
+    /// Hands a command over and returns its sequence number; the answer comes as an event.
+    ///
+    /// # Errors
+    /// The lane is full; nothing was handed over.
+    fn submit(&self, action: Action) -> Result<u64, Busy>;
+
+    /// The newest signals.
+    fn snapshot(&self) -> Arc<Snapshot>;
+}

@@ -1,0 +1,49 @@
+//! `~/move_axis`.
+
+use super::goal::{AxisAction, Ending};
+use super::host::Snapshot;
+use super::signals::AxisView;
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::request::{Amount, MoveRequest, RequestError, Units};
+use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisResult};
+
+impl AxisAction for MoveAxis {
+    const SERVED_AS: &'static str = "move_axis";
+
+    fn resolve(config: &MachineConfig, goal: &MoveAxisGoal) -> Result<(u16, Action), RequestError> {
+        let request = config.resolve_move(&MoveRequest {
+            axis: goal.axis.clone(),
+            mode: goal.mode,
+            units: Units::from_number(goal.units)?,
+            position: Amount::Number(goal.position),
+            velocity: Amount::Number(goal.velocity),
+            acceleration: Amount::Number(goal.acceleration),
+            deceleration: Amount::Number(goal.deceleration),
+            jerk: Amount::Number(goal.jerk),
+            buffer_mode: goal.buffer_mode,
+            direction: goal.direction,
+        })?;
+        Ok((request.axis, Action::Move(request)))
+    }
+
+    fn feedback(view: &AxisView, snapshot: &Snapshot) -> MoveAxisFeedback {
+        let int = |signal| view.int(snapshot, signal);
+        let position = int(AxisSignal::ActualPosition);
+        let to_go = int(AxisSignal::TargetPosition).saturating_sub(int(AxisSignal::CommandPosition));
+        MoveAxisFeedback {
+            position: view.si(position, 0.0),
+            velocity: view.rate(snapshot, AxisSignal::ActualVelocity),
+            distance_to_go: view.si(to_go, 0.0),
+            position_increments: position,
+        }
+    }
+
+    fn result(view: &AxisView, ending: Ending) -> MoveAxisResult {
+        let Ending { code, message, position } = ending;
+        let increments = position.floor();
+        let si = view.si(increments, position.fraction());
+        MoveAxisResult { code: code.0, message, position: si, position_increments: increments }
+    }
+}

@@ -1,0 +1,48 @@
+//! `~/synchronize`: open while the axis is coupled.
+
+use super::goal::{AxisAction, Ending};
+use super::host::Snapshot;
+use super::signals::AxisView;
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::request::{Amount, RequestError, SynchronizeRequest};
+use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_msgs::action::{Synchronize, SynchronizeFeedback, SynchronizeGoal, SynchronizeResult};
+
+impl AxisAction for Synchronize {
+    const SERVED_AS: &'static str = "synchronize";
+
+    fn resolve(config: &MachineConfig, goal: &SynchronizeGoal) -> Result<(u16, Action), RequestError> {
+        let request = config.resolve_synchronize(&SynchronizeRequest {
+            axis: goal.axis.clone(),
+            master: goal.master.clone(),
+            event: goal.event.clone(),
+            mode: goal.mode,
+            engage: goal.engage,
+            disengage: goal.disengage,
+            numerator: goal.numerator,
+            denominator: goal.denominator,
+            offset: Amount::Number(goal.offset),
+            velocity: Amount::Number(goal.velocity),
+            acceleration: Amount::Number(goal.acceleration),
+        })?;
+        Ok((request.axis, Action::Synchronize(request)))
+    }
+
+    fn feedback(view: &AxisView, snapshot: &Snapshot) -> SynchronizeFeedback {
+        let coupled = view.bit(snapshot, AxisSignal::InSync);
+        let error = view.int(snapshot, AxisSignal::SyncError);
+        SynchronizeFeedback {
+            phase: if coupled { SynchronizeFeedback::SYNCHRONIZED } else { SynchronizeFeedback::CATCHING_UP },
+            sync_error_increments: error,
+            sync_error: view.si(error, 0.0),
+            // No marks yet: both stay 0.
+            ..SynchronizeFeedback::default()
+        }
+    }
+
+    fn result(_view: &AxisView, ending: Ending) -> SynchronizeResult {
+        let Ending { code, message, position } = ending;
+        SynchronizeResult { code: code.0, message, position_increments: position.floor() }
+    }
+}

@@ -1,0 +1,95 @@
+//! Section `backends`, and the keys with which the other sections refer to it.
+
+use super::names::{Entry, Names, Once, Section, quote};
+use crate::document::{Map, Value};
+use lineshaft_core::axis::MAX_DELAY;
+
+/// Cycles from a setpoint to the answer of a CANopen drive in csp (contract section 1).
+const CAN_DELAY: u32 = 1;
+
+/// A backend as it is described.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Backend {
+    Sim { delay: u32 },
+    Can,
+}
+
+impl Backend {
+    /// From what is asked in a cycle to what its inputs show, in cycles beyond the next one.
+    pub(super) fn delay(self) -> u32 {
+        match self {
+            Self::Sim { delay } => delay,
+            Self::Can => CAN_DELAY,
+        }
+    }
+}
+
+/// What the readers of all sections need.
+pub(super) struct Context<'d> {
+    pub names: Names<'d>,
+    /// By place in the section; none where its description has problems.
+    pub backends: Vec<Option<Backend>>,
+    pub cycle_ns: Option<u64>,
+}
+
+pub(super) fn read(entries: &[Entry<'_>]) -> Vec<Option<Backend>> {
+    entries.iter().map(backend).collect()
+}
+
+fn backend(entry: &Entry<'_>) -> Option<Backend> {
+    let mut map = entry.value.map(format!("backend `{}`", entry.name()))?;
+    let is_can = map.required("type").and_then(|value| value.choice(&[("sim", false), ("can", true)]));
+    let backend = match is_can {
+        Some(false) => sim(&mut map),
+        Some(true) => can(&mut map),
+        None => {
+            map.rest();
+            None
+        }
+    };
+    map.finish();
+    backend
+}
+
+fn sim(map: &mut Map<'_>) -> Option<Backend> {
+    // Nothing in the plant is random yet; the seed is for what will be.
+    let seed = map.optional("seed").map(|value| value.integer(0..=u64::MAX));
+    let delay = map.optional("delay").map_or(Some(0), |value| value.integer(0..=MAX_DELAY));
+    (seed != Some(None)).then_some(Backend::Sim { delay: delay? })
+}
+
+fn can(map: &mut Map<'_>) -> Option<Backend> {
+    let transport = map.required("transport").and_then(|value| transport(&value));
+    let bitrate = map.optional("bitrate").map(|value| value.integer(10_000..=1_000_000_u32));
+    (transport.is_some() && bitrate != Some(None)).then_some(Backend::Can)
+}
+
+fn transport(value: &Value<'_>) -> Option<()> {
+    let text = value.text()?;
+    if text.split_once(':').is_some_and(|(kind, of)| !kind.is_empty() && !of.is_empty()) {
+        return Some(());
+    }
+    let sentence = format!("transport is {}; KIND:NAME, such as socketcan:can0, is allowed", quote(text));
+    value.refuse(sentence, None);
+    None
+}
+
+/// Key `backend`: its place in the section.
+pub(super) fn backend_of<'d>(map: &mut Map<'d>, names: &Names<'d>) -> Option<usize> {
+    let value = map.required("backend")?;
+    let (_, place) = names.find(&value, value.text()?, &[Section::Backends])?;
+    Some(place)
+}
+
+/// Keys `backend` and `address` of what has a `kind` of addresses of its own at a backend.
+pub(super) fn address<'d, K: Ord + Copy + std::fmt::Display>(
+    map: &mut Map<'d>, names: &Names<'d>, kind: Option<K>, taken: &mut Once<(usize, K, u16)>,
+) -> Option<(usize, u16)> {
+    let backend = backend_of(map, names);
+    let value = map.required("address")?;
+    let address = value.integer(0..=u16::MAX)?;
+    let (backend, kind) = (backend?, kind?);
+    let name = || names.section(Section::Backends).get(backend).map_or("", Entry::name);
+    let what = || format!("{kind} address {address} of backend `{}`", name());
+    taken.take((backend, kind, address), &value, what).then_some((backend, address))
+}

@@ -1,0 +1,173 @@
+//! Cells: what a machine is made of, read from YAML (contract section 3).
+//!
+//! A cell is read whole and all its errors are reported at once. What it names is resolved to the core's units and handles
+//! here; the core never sees a unit or a name.
+//!
+//! ```
+//! use lineshaft::cell::Cell;
+//!
+//! let text = "lineshaft: 1\ncycle: 1 ms\naxes:\n  line: {type: linear, drive: virtual, scale: {increments: 1000, per: 1 mm},\n    \
+//!             max_velocity: 3 m/s, max_acceleration: 5 m/s}\n";
+//! assert_eq!(
+//!     Cell::parse("cell.yaml", text).unwrap_err().to_string(),
+//!     "cell.yaml:5:45: max_acceleration: `5 m/s` is a velocity; an acceleration such as `5 m/s^2` is expected\n"
+//! );
+//! let cell = Cell::parse("cell.yaml", text.replace("5 m/s}", "5 m/s^2}")).unwrap();
+//! assert_eq!(cell.machine.axes[0].parameters.max_velocity, 3e6);
+//! ```
+
+mod axes;
+mod backends;
+mod devices;
+mod functions;
+mod groups;
+mod names;
+mod parameters;
+mod ros;
+mod scale;
+
+use crate::document::{Allowed, Document, Problems, Value};
+use backends::{Backend, Context};
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::sim::Model;
+use lineshaft_core::unit::Dimension;
+use names::{Names, Section, quote};
+use std::path::Path;
+
+/// The format that this program reads.
+const FORMAT: i64 = 1;
+/// The cell that runs without a file.
+const DEMO: &str = include_str!("../../../launch-configs/demo.yaml");
+
+/// A cell that has no errors.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// What the core needs.
+    pub machine: MachineConfig,
+    /// One for each axis that has a drive, in file order: how it is simulated.
+    pub models: Vec<Model>,
+    /// How it appears in ROS 2.
+    pub ros: RosOptions,
+    /// Groups of axes, in file order: name, places of the axes.
+    pub groups: Vec<(String, Vec<u16>)>,
+    /// Names of backends that are no simulation, in file order: `run` without `--sim` needs them.
+    pub real_backends: Vec<String>,
+    /// The file as it was read.
+    pub text: String,
+}
+
+/// Section `ros`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RosOptions {
+    /// Node name.
+    pub name: String,
+    /// Namespace, starting with `/`.
+    pub namespace: String,
+    /// joint_states per second, 1 to 1000.
+    pub joint_states_rate: f64,
+    /// ~/axis_states per second, 1 to 1000.
+    pub axis_states_rate: f64,
+    /// Go to active by itself.
+    pub autostart: bool,
+    /// Network interfaces by name or address; empty: as the environment says.
+    pub interfaces: Vec<String>,
+}
+
+impl Default for RosOptions {
+    fn default() -> Self {
+        Self {
+            name: "lineshaft".to_owned(),
+            namespace: "/".to_owned(),
+            joint_states_rate: 100.0,
+            axis_states_rate: 100.0,
+            autostart: true,
+            interfaces: Vec::new(),
+        }
+    }
+}
+
+impl Cell {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, at least one problem.
+    pub fn load(path: &Path) -> Result<Self, Problems> {
+        Self::of(Document::read(path))
+    }
+
+    /// Reads a text; `name` stands for the file in problems.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, at least one problem.
+    pub fn parse(name: &str, text: impl Into<String>) -> Result<Self, Problems> {
+        Self::of(Document::parse(name, text))
+    }
+
+    /// The built-in cell: launch-configs/demo.yaml.
+    pub fn demo() -> Self {
+        Self::parse("demo.yaml", DEMO).expect("the text is fixed, and a test reads it")
+    }
+
+    fn of(document: Document) -> Result<Self, Problems> {
+        let cell = document.root("the cell").and_then(|root| read(&root, document.text()));
+        match cell {
+            Some(cell) if document.problems().is_empty() => Ok(cell),
+            _ => Err(document.into_problems()),
+        }
+    }
+}
+
+/// The cell as far as it could be read; good only when no problem was noted.
+fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
+    let mut map = root.map("the cell")?;
+    map.required("lineshaft").iter().for_each(check_format);
+    let cycle_ns = map.required("cycle").and_then(|value| cycle(&value));
+    let ros = map.optional("ros").map_or(Some(RosOptions::default()), |value| ros::read(&value));
+    let names = Names::read(&mut map);
+    map.finish();
+
+    let backends = backends::read(names.section(Section::Backends));
+    let cx = Context { names, backends, cycle_ns };
+    let io = devices::io(&cx);
+    let (memory, encoders) = (devices::memory(&cx), devices::encoders(&cx));
+    let axes = axes::read(&cx);
+    functions::check(&cx, &io);
+    let groups = groups::read(&cx);
+
+    let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
+    let (axes, models): (_, Vec<_>) = axes.into_iter().unzip();
+    let machine = MachineConfig {
+        cycle_ns: cycle_ns?,
+        io: io.into_iter().collect::<Option<_>>()?,
+        memory: memory.into_iter().collect::<Option<_>>()?,
+        encoders: encoders.into_iter().collect::<Option<_>>()?,
+        axes,
+    };
+    let backends = cx.names.section(Section::Backends).iter().zip(&cx.backends);
+    let real = backends.filter(|(_, backend)| **backend == Some(Backend::Can));
+    let real_backends = real.map(|(entry, _)| entry.name().to_owned()).collect();
+    let models = models.into_iter().flatten().collect();
+    Some(Cell { machine, models, ros: ros?, groups, real_backends, text: text.to_owned() })
+}
+
+fn check_format(value: &Value<'_>) {
+    if let Some(format) = value.integer(0..=i64::MAX).filter(|format| *format != FORMAT) {
+        value.refuse(format!("lineshaft is {format}; format version {FORMAT} is allowed"), None);
+    }
+}
+
+fn cycle(value: &Value<'_>) -> Option<u64> {
+    let time = value.quantity(&[Dimension::Time], &Allowed::Any)?;
+    match time.nanoseconds() {
+        Ok(cycle_ns) if (125_000..=20_000_000).contains(&cycle_ns) => return u64::try_from(cycle_ns).ok(),
+        Ok(_) => {
+            let given = quote(value.peek().unwrap_or_default());
+            value.refuse(format!("cycle is {given}; 125 us..20 ms is allowed"), None);
+        }
+        Err(error) => value.refuse(format!("cycle: {error}"), error.hint()),
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests;

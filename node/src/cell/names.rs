@@ -1,0 +1,185 @@
+//! The sections of a cell and the names in them.
+
+use crate::document::{Map, Place, Value};
+use lineshaft_core::unit::excerpt;
+use std::collections::BTreeMap;
+
+/// A section whose keys are names of objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Section {
+    Backends,
+    Io,
+    Memory,
+    Encoders,
+    Axes,
+    Functions,
+    Groups,
+}
+
+impl Section {
+    const ALL: [Self; 7] =
+        [Self::Backends, Self::Io, Self::Memory, Self::Encoders, Self::Axes, Self::Functions, Self::Groups];
+
+    fn key(self) -> &'static str {
+        match self {
+            Self::Backends => "backends",
+            Self::Io => "io",
+            Self::Memory => "memory",
+            Self::Encoders => "encoders",
+            Self::Axes => "axes",
+            Self::Functions => "functions",
+            Self::Groups => "groups",
+        }
+    }
+
+    /// One of its objects, with article.
+    fn article(self) -> &'static str {
+        match self {
+            Self::Backends => "a backend",
+            Self::Io => "an input or output",
+            Self::Memory => "a memory cell",
+            Self::Encoders => "an encoder",
+            Self::Axes => "an axis",
+            Self::Functions => "a function",
+            Self::Groups => "a group",
+        }
+    }
+}
+
+/// A name and what stands behind it.
+#[derive(Debug)]
+pub(super) struct Entry<'d> {
+    pub key: Value<'d>,
+    pub value: Value<'d>,
+}
+
+impl<'d> Entry<'d> {
+    /// The name as written, which may be none.
+    pub(super) fn name(&self) -> &'d str {
+        self.key.peek().unwrap_or_default()
+    }
+}
+
+/// The entries of all sections, in file order.
+#[derive(Debug, Default)]
+pub(super) struct Names<'d> {
+    sections: [Vec<Entry<'d>>; Section::ALL.len()],
+    /// Every place in the sections where a name stands.
+    places: BTreeMap<&'d str, Vec<(Section, usize)>>,
+}
+
+impl<'d> Names<'d> {
+    /// Reads the keys of all sections: each must be a name and stand once in the cell.
+    pub(super) fn read(cell: &mut Map<'d>) -> Self {
+        let mut names = Self::default();
+        for section in Section::ALL {
+            let entries = cell.optional(section.key()).and_then(|value| value.entries()).unwrap_or_default();
+            names.sections[section as usize] =
+                entries.into_iter().map(|(key, value)| Entry { key, value }).collect();
+        }
+        names.index();
+        names
+    }
+
+    fn index(&mut self) {
+        let mut all: Vec<_> = Section::ALL
+            .into_iter()
+            .flat_map(|section| self.sections[section as usize].iter().enumerate().map(move |(i, e)| (section, i, e)))
+            .collect();
+        all.sort_by_key(|(_, _, entry)| entry.key.place());
+        let mut first: BTreeMap<&str, (Section, Place)> = BTreeMap::new();
+        for (section, index, entry) in all {
+            let Some(name) = entry.key.name() else { continue };
+            self.places.entry(name).or_default().push((section, index));
+            if let Some((other, Place { line, col })) = first.get(name) {
+                let sentence = format!("`{name}` is {} already, at {line}:{col}; a name stands once", other.article());
+                entry.key.refuse(sentence, None);
+            } else {
+                first.insert(name, (section, entry.key.place()));
+            }
+        }
+    }
+
+    /// The entries of a section.
+    pub(super) fn section(&self, section: Section) -> &[Entry<'d>] {
+        &self.sections[section as usize]
+    }
+
+    /// The object that `name`, which stands in `value`, means: its section and its place there. Else that is a problem.
+    pub(super) fn find(&self, value: &Value<'d>, name: &str, sections: &[Section]) -> Option<(Section, usize)> {
+        let places = self.places.get(name).map_or(&[][..], Vec::as_slice);
+        if let Some(found) = places.iter().find(|(section, _)| sections.contains(section)) {
+            return Some(*found);
+        }
+        let allowed: Vec<_> = sections.iter().map(|section| section.article()).collect();
+        let (allowed, label) = (allowed.join(" or "), value.label());
+        let (sentence, hint) = match places.first() {
+            Some((other, _)) => {
+                (format!("{label} is `{name}`, which is {}; {allowed} is allowed", other.article()), None)
+            }
+            None => {
+                let known = sections.iter().flat_map(|section| self.section(*section)).map(Entry::name);
+                (format!("{label} is {}; {allowed} is expected", quote(name)), hint(name, known.collect()))
+            }
+        };
+        value.refuse(sentence, hint);
+        None
+    }
+}
+
+/// What was probably meant, or what there is.
+fn hint(name: &str, known: Vec<&str>) -> Option<String> {
+    const MOST_LISTED: usize = 8;
+    const MOST_COMPARED: usize = 1000;
+    const LONGEST: usize = 64;
+    let near = |known| {
+        let far = strsim::damerau_levenshtein(&name.to_lowercase(), known);
+        (far * 3 <= name.len().max(known.len())).then_some((far, known))
+    };
+    let compared = known.iter().copied().take(if name.len() > LONGEST { 0 } else { MOST_COMPARED });
+    if let Some((_, meant)) = compared.filter_map(near).min() {
+        return Some(format!("did you mean `{}`?", excerpt(meant)));
+    }
+    match known.len() {
+        0 => Some("there is none".to_owned()),
+        1..=MOST_LISTED => Some(format!("there is {}", excerpt_all(&known))),
+        _ => None,
+    }
+}
+
+fn excerpt_all(names: &[&str]) -> String {
+    names.iter().map(|name| excerpt(name)).collect::<Vec<_>>().join(", ")
+}
+
+/// A piece of the file in a sentence.
+pub(super) fn quote(text: &str) -> String {
+    format!("`{}`", excerpt(text))
+}
+
+/// What may be taken once, and where it was taken.
+pub(super) struct Once<K>(BTreeMap<K, Place>);
+
+impl<K: Ord> Once<K> {
+    pub(super) fn new() -> Self {
+        Self(BTreeMap::new())
+    }
+
+    /// Takes it; `what` names it in the problem when it was taken before.
+    pub(super) fn take(&mut self, key: K, value: &Value<'_>, what: impl FnOnce() -> String) -> bool {
+        let first = *self.0.entry(key).or_insert(value.place());
+        let Place { line, col } = first;
+        let free = first == value.place();
+        if !free {
+            value.refuse(format!("{} is taken already, at {line}:{col}", what()), None);
+        }
+        free
+    }
+}
+
+/// Refuses what is too much of something.
+pub(super) fn limit(entries: &[Entry<'_>], most: usize) {
+    if let Some(beyond) = entries.get(most) {
+        let sentence = format!("{} names stand in this section; at most {most} are possible", entries.len());
+        beyond.key.refuse(sentence, None);
+    }
+}

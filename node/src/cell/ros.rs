@@ -1,0 +1,83 @@
+//! Section `ros`.
+
+use super::RosOptions;
+use super::names::quote;
+use crate::document::Value;
+use lineshaft_core::unit::Dimension;
+
+/// Longest node name, and longest namespace.
+const LONGEST: usize = 245;
+
+pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
+    let usual = RosOptions::default();
+    let mut map = value.map("ros")?;
+    let name = map.optional("name").map(|value| node_name(&value));
+    let namespace = map.optional("namespace").map(|value| namespace(&value));
+    let joint_states_rate = map.optional("joint_states_rate").map(|value| rate(&value));
+    let axis_states_rate = map.optional("axis_states_rate").map(|value| rate(&value));
+    let autostart = map.optional("autostart").map(|value| value.boolean());
+    let interfaces = map.optional("interfaces").map(|value| interfaces(&value));
+    map.finish();
+    Some(RosOptions {
+        name: name.unwrap_or(Some(usual.name))?,
+        namespace: namespace.unwrap_or(Some(usual.namespace))?,
+        joint_states_rate: joint_states_rate.unwrap_or(Some(usual.joint_states_rate))?,
+        axis_states_rate: axis_states_rate.unwrap_or(Some(usual.axis_states_rate))?,
+        autostart: autostart.unwrap_or(Some(usual.autostart))?,
+        interfaces: interfaces.unwrap_or(Some(usual.interfaces))?,
+    })
+}
+
+fn node_name(value: &Value<'_>) -> Option<String> {
+    let text = value.text()?;
+    if is_token(text) && text.len() <= LONGEST {
+        return Some(text.to_owned());
+    }
+    let allowed = "a letter or _, then letters, digits and _, is allowed";
+    value.refuse(format!("name is {}; {allowed}", quote(text)), None);
+    None
+}
+
+fn namespace(value: &Value<'_>) -> Option<String> {
+    let text = value.text()?;
+    let tokens = text.strip_prefix('/');
+    if text == "/" || tokens.is_some_and(|tokens| tokens.split('/').all(is_token)) && text.len() <= LONGEST {
+        return Some(text.to_owned());
+    }
+    let with_slash = format!("/{}", text.trim_matches('/'));
+    let hint = with_slash[1..].split('/').all(is_token).then(|| format!("write {}", quote(&with_slash)));
+    let allowed = "/ or names that each follow a /, such as /cell_1/press, is allowed";
+    value.refuse(format!("namespace is {}; {allowed}", quote(text)), hint);
+    None
+}
+
+fn is_token(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+}
+
+/// Messages per second.
+fn rate(value: &Value<'_>) -> Option<f64> {
+    let rate = value.quantity(&[Dimension::Frequency], &crate::document::Allowed::Any)?.si();
+    if (1.0..=1000.0).contains(&rate) {
+        return Some(rate);
+    }
+    let given = quote(value.peek().unwrap_or_default());
+    value.refuse(format!("{} is {given}; 1 Hz..1000 Hz is allowed", value.label()), None);
+    None
+}
+
+fn interfaces(value: &Value<'_>) -> Option<Vec<String>> {
+    let mut all = Vec::new();
+    let values = value.list()?;
+    for value in &values {
+        let Some(text) = value.text() else { continue };
+        if text.is_empty() || text.contains(|c: char| c.is_whitespace() || c.is_control()) {
+            let sentence = format!("{} is {}; a network interface such as eth0 or its address", value.label(), quote(text));
+            value.refuse(format!("{sentence} is allowed"), None);
+        } else {
+            all.push(text.to_owned());
+        }
+    }
+    (all.len() == values.len()).then_some(all)
+}

@@ -1,0 +1,265 @@
+//! `lineshaft run`.
+
+use super::check::summary;
+use super::{Exit, RunArgs};
+use crate::cell::Cell;
+use crate::run::bridge::{Bridge, Handle};
+use crate::run::lanes;
+use crate::run::thread::{CycleThread, Statistics};
+use lineshaft_core::command::{Action, Source};
+use lineshaft_core::drive::Backend;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::signal::Signal;
+use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_core::sim::Plant;
+use lineshaft_ros::layer::{Environment, Interface, Networks, Node, NodeName, RosArguments};
+use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
+use lineshaft_ros::surface::{Rates, Surface};
+use rtrb::RingBuffer;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
+
+/// Events between the cycle thread and the bridge: a second of a busy machine.
+const EVENT_ROOM: usize = 8192;
+/// How long axes may take to stop, and then to switch off, before the program ends all the same.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+pub(super) fn run(args: &RunArgs, ros: RosArguments) -> Exit {
+    let (cell, title) = match &args.cell {
+        None => (Cell::demo(), "built-in demo".to_owned()),
+        Some(path) => match Cell::load(path) {
+            Ok(cell) => (cell, path.display().to_string()),
+            Err(problems) => {
+                eprint!("{problems}");
+                return Exit::Usage;
+            }
+        },
+    };
+    match start(args, &cell, &title, ros) {
+        Ok(exit) => exit,
+        Err(sentence) => {
+            eprintln!("error: {sentence}");
+            Exit::Usage
+        }
+    }
+}
+
+/// Everything that can be wrong before the machine starts is said here; nothing has started then.
+fn start(args: &RunArgs, cell: &Cell, title: &str, ros: RosArguments) -> Result<Exit, String> {
+    if let (Some(backend), false) = (cell.real_backends.first(), args.sim) {
+        return Err(format!("backend {backend}: CAN does not exist yet; `lineshaft run --sim` simulates its drives"));
+    }
+    if !cell.ros.autostart {
+        return Err("ros: autostart: false needs the lifecycle services, which do not exist yet".to_owned());
+    }
+    if args.scenario.is_some() {
+        return Err("a scenario on a running machine does not exist yet; use `lineshaft sim`".to_owned());
+    }
+    let name = ros.name.as_deref().unwrap_or(&cell.ros.name);
+    let namespace = ros.namespace.as_deref().unwrap_or(&cell.ros.namespace);
+    let name = NodeName::new(namespace, name).map_err(|error| error.to_string())?;
+    let environment = environment(cell)?;
+    let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
+    tracing::info!("lineshaft {}: {title}: {}, simulated", env!("CARGO_PKG_VERSION"), summary(cell));
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .enable_all()
+        .build()
+        .map_err(|error| format!("no threads for ROS: {error}"))?;
+    let plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
+    let (running, events) = Running::start(args, machine, vec![Box::new(plant)]);
+    let exit = runtime.block_on(serve(cell, name, &environment, running, events));
+    runtime.shutdown_timeout(Duration::from_secs(1));
+    Ok(exit)
+}
+
+fn environment(cell: &Cell) -> Result<Environment, String> {
+    let environment = Environment::read().map_err(|error| error.to_string())?;
+    if cell.ros.interfaces.is_empty() {
+        return Ok(environment);
+    }
+    let existing = Interface::of_host().map_err(|error| error.to_string())?;
+    environment.with_interfaces(&cell.ros.interfaces, &existing).map_err(|error| error.to_string())
+}
+
+/// The threads of a running machine.
+struct Running {
+    handle: Arc<Handle>,
+    statistics: Arc<Statistics>,
+    stop_cycle: Arc<AtomicBool>,
+    stop_bridge: Arc<AtomicBool>,
+    cycle: JoinHandle<()>,
+    bridge: JoinHandle<()>,
+}
+
+impl Running {
+    fn start(
+        args: &RunArgs,
+        machine: Machine,
+        backends: Vec<Box<dyn Backend + Send>>,
+    ) -> (Self, UnboundedReceiver<StampedEvent>) {
+        let (commander, lanes, spent) = lanes::lanes();
+        let (events, events_out) = RingBuffer::new(EVENT_ROOM);
+        let first = Snapshot { cycle: 0, stamp_ns: 0, board: machine.board().clone() };
+        let (snapshot, signals) = triple_buffer::triple_buffer(&first);
+        let handle =
+            Arc::new(Handle::new(machine.config().clone(), machine.directory().clone(), commander, first));
+        let statistics = Arc::new(Statistics::default());
+        let (stop_cycle, stop_bridge) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+        let (listener, heard) = unbounded_channel();
+        let cycle = CycleThread {
+            machine,
+            backends,
+            lanes,
+            events,
+            snapshot,
+            stop: Arc::clone(&stop_cycle),
+            statistics: Arc::clone(&statistics),
+            processor: args.cpu.unwrap_or_default(),
+        };
+        let cycle = std::thread::spawn(move || cycle.run(warn_once));
+        let bridge = Bridge { events: events_out, signals, spent, listeners: vec![listener] };
+        let (for_bridge, end) = (Arc::clone(&handle), Arc::clone(&stop_bridge));
+        let bridge = std::thread::spawn(move || bridge.run(&for_bridge, &end));
+        (Self { handle, statistics, stop_cycle, stop_bridge, cycle, bridge }, heard)
+    }
+
+    /// Ends both threads; an error when one of them has panicked.
+    fn end(self) -> Exit {
+        self.stop_cycle.store(true, Ordering::Relaxed);
+        let cycle = self.cycle.join();
+        self.stop_bridge.store(true, Ordering::Relaxed);
+        let bridge = self.bridge.join();
+        let of = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
+        let statistics = &self.statistics;
+        tracing::info!(
+            "{} cycles, {} missed; latest start {} us after its time, longest cycle {} us",
+            of(&statistics.cycles),
+            of(&statistics.missed),
+            of(&statistics.worst_lateness_ns) / 1000,
+            of(&statistics.worst_duration_ns) / 1000,
+        );
+        if cycle.is_err() || bridge.is_err() {
+            tracing::error!("a thread of the machine has failed; drives are left to their own supervision");
+            return Exit::Failed;
+        }
+        Exit::Good
+    }
+}
+
+fn warn_once(refused: Vec<String>) {
+    if !refused.is_empty() {
+        tracing::warn!("cycles may come late: {}; see docs/realtime.md", refused.join(", "));
+    }
+}
+
+/// Serves ROS until a signal comes or the machine fails.
+async fn serve(
+    cell: &Cell,
+    name: NodeName,
+    environment: &Environment,
+    running: Running,
+    events: UnboundedReceiver<StampedEvent>,
+) -> Exit {
+    let host: Arc<dyn Host> = running.handle.clone();
+    let rates = Rates { joint_states: cell.ros.joint_states_rate, axis_states: cell.ros.axis_states_rate };
+    let surface = Node::new(name.clone(), environment)
+        .map_err(|error| error.to_string())
+        .and_then(|node| Surface::start(node, host, events, rates).map_err(|error| error.to_string()));
+    let surface = match surface {
+        Ok(surface) => surface,
+        Err(error) => {
+            tracing::error!("no ROS 2 node: {error}");
+            running.end();
+            return Exit::Failed;
+        }
+    };
+    let networks = match &environment.networks {
+        Networks::Loopback => "this host only".to_owned(),
+        Networks::All => "all interfaces".to_owned(),
+        Networks::Only(addresses) => addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
+    };
+    tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
+    let failed = wait_for_end(&running).await;
+    if !failed {
+        stop_machine(&running).await;
+    }
+    drop(surface);
+    let exit = running.end();
+    if failed { Exit::Failed } else { exit }
+}
+
+/// Waits for a signal, or for a thread to fail: true then. From the first signal on a second one ends the process.
+async fn wait_for_end(running: &Running) -> bool {
+    let (interrupt, terminate) = (signal(SignalKind::interrupt()), signal(SignalKind::terminate()));
+    let (Ok(mut interrupt), Ok(mut terminate)) = (interrupt, terminate) else {
+        tracing::error!("signals of the system cannot be received");
+        return true;
+    };
+    let mut look = tokio::time::interval(Duration::from_millis(100));
+    loop {
+        tokio::select! {
+            _ = interrupt.recv() => break,
+            _ = terminate.recv() => break,
+            _ = look.tick() => {
+                if running.cycle.is_finished() || running.bridge.is_finished() {
+                    return true;
+                }
+            }
+        }
+    }
+    tracing::info!("halting all axes; Ctrl-C again ends at once");
+    tokio::spawn(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        }
+        std::process::exit(1);
+    });
+    false
+}
+
+/// Halts all axes, then switches them off.
+async fn stop_machine(running: &Running) {
+    let all = AxisSet::first(running.handle.config().axes.len());
+    let handle = &running.handle;
+    let asked = Instant::now();
+    // A full lane empties within a few cycles.
+    while handle.submit_as(Source::Cli, Action::Halt(all)).is_err() && asked.elapsed() < PATIENCE {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    let stands = |snapshot: &Snapshot, first| snapshot.board.real(AxisSignal::CommandVelocity.of(first)) == 0.0;
+    if !until(handle, &axes(handle, true), stands).await {
+        tracing::warn!("not all axes stand after {} s", PATIENCE.as_secs());
+    }
+    let _ = handle.submit_as(Source::Cli, Action::Disable(all));
+    let is_off = |snapshot: &Snapshot, first| !snapshot.board.bit(AxisSignal::Enabled.of(first));
+    if !until(handle, &axes(handle, false), is_off).await {
+        tracing::warn!("not all axes are off after {} s", PATIENCE.as_secs());
+    }
+}
+
+/// First signals of the axes; virtual ones, which are always on, only when they are asked for.
+fn axes(handle: &Handle, with_virtual: bool) -> Vec<Signal> {
+    let axes = handle.config().axes.iter().filter(|axis| with_virtual || axis.drive.is_some());
+    axes.filter_map(|axis| handle.directory().find(&format!("{}.state", axis.name))).collect()
+}
+
+/// Waits until something holds for axes in a snapshot that is newer than now; false when it takes too long.
+async fn until(handle: &Handle, axes: &[Signal], holds: impl Fn(&Snapshot, Signal) -> bool) -> bool {
+    let (begin, start) = (handle.snapshot().cycle, Instant::now());
+    while start.elapsed() < PATIENCE {
+        tokio::time::sleep(Duration::from_millis(2)).await;
+        let snapshot = handle.snapshot();
+        // Two cycles further the command has applied.
+        if snapshot.cycle > begin + 2 && axes.iter().all(|&first| holds(&snapshot, first)) {
+            return true;
+        }
+    }
+    false
+}

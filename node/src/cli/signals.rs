@@ -1,0 +1,54 @@
+//! `lineshaft signals`.
+
+use super::Exit;
+use crate::cell::Cell;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::signal::{Entry, Type};
+use std::io::Write;
+use std::path::Path;
+
+pub(super) fn signals(path: &Path) -> Exit {
+    let cell = match Cell::load(path) {
+        Ok(cell) => cell,
+        Err(problems) => {
+            eprint!("{problems}");
+            return Exit::Usage;
+        }
+    };
+    let machine = match Machine::new(cell.machine) {
+        Ok(machine) => machine,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return Exit::Usage;
+        }
+    };
+    let directory = machine.directory();
+    let width = directory.iter().map(|(_, entry)| entry.name.len()).max().unwrap_or(0);
+    let mut out = std::io::stdout().lock();
+    for (_, entry) in directory.iter() {
+        // A reader that has seen enough, as `head`, is no failure.
+        if writeln!(out, "{:width$}  {}", entry.name, describe(entry)).is_err() {
+            break;
+        }
+    }
+    Exit::Good
+}
+
+fn describe(entry: &Entry) -> String {
+    let kind = match entry.kind {
+        Type::Int => "i64",
+        Type::Real => "f64",
+        Type::Bit => "bit",
+        Type::Enum(_) => "enum",
+        Type::Word => "word",
+    };
+    let drivable = if entry.drivable { ", drivable" } else { "" };
+    let names = match entry.kind {
+        Type::Enum(names) => {
+            let names = names.iter().enumerate().map(|(number, name)| format!("{number} {name}"));
+            format!(": {}", names.collect::<Vec<_>>().join(", "))
+        }
+        _ => String::new(),
+    };
+    format!("{kind:4}  {:8}  {}{drivable}{names}", entry.measure.unit(), entry.help)
+}

@@ -1,0 +1,161 @@
+//! The three ways of commands into the cycle thread.
+
+use lineshaft_core::command::{Action, Command, Commands, Setpoints, Source};
+use lineshaft_core::machine::MAX_COMMANDS;
+use lineshaft_ros::surface::host::Busy;
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::sync::{Mutex, PoisonError};
+
+/// Room of the stop lane: halt, quick_stop and disable.
+const STOP_ROOM: usize = 64;
+/// Room of the queue.
+const QUEUE_ROOM: usize = 256;
+
+/// The end of the lanes at which commands go in; shared by all who give commands.
+#[derive(Debug)]
+pub struct Commander(Mutex<Doors>);
+
+#[derive(Debug)]
+struct Doors {
+    stop: Producer<Command>,
+    queue: Producer<Command>,
+    stream: triple_buffer::Input<Setpoints>,
+    last: u64,
+}
+
+/// The end of the lanes in the cycle thread.
+#[derive(Debug)]
+pub struct Lanes {
+    stop: Consumer<Command>,
+    queue: Consumer<Command>,
+    stream: triple_buffer::Output<Setpoints>,
+    /// Commands that have applied, on their way to be freed elsewhere.
+    spent: Producer<Command>,
+    taken_stop: Vec<Command>,
+    taken_queue: Vec<Command>,
+}
+
+/// Frees what the cycle thread has done with.
+#[derive(Debug)]
+pub struct Spent(Consumer<Command>);
+
+/// Makes the lanes of one machine.
+pub fn lanes() -> (Commander, Lanes, Spent) {
+    let (stop_in, stop) = RingBuffer::new(STOP_ROOM);
+    let (queue_in, queue) = RingBuffer::new(QUEUE_ROOM);
+    // Room for all that can be on its way, so that the cycle thread never has to free a command itself.
+    let (spent, spent_out) = RingBuffer::new(4 * (STOP_ROOM + QUEUE_ROOM));
+    let (stream_in, stream) = triple_buffer::triple_buffer(&Setpoints::default());
+    let doors = Doors { stop: stop_in, queue: queue_in, stream: stream_in, last: 0 };
+    let room = || Vec::with_capacity(MAX_COMMANDS);
+    let lanes = Lanes { stop, queue, stream, spent, taken_stop: room(), taken_queue: room() };
+    (Commander(Mutex::new(doors)), lanes, Spent(spent_out))
+}
+
+impl Commander {
+    /// Hands a command over and returns its sequence number.
+    ///
+    /// # Errors
+    /// Its lane is full.
+    pub fn submit(&self, source: Source, action: Action) -> Result<u64, Busy> {
+        // A poisoned lock means that another thread panicked between two whole pushes: the rings are sound.
+        let mut doors = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let sequence = doors.last + 1;
+        let stops = matches!(action, Action::Halt(_) | Action::QuickStop(_) | Action::Disable(_));
+        let lane = if stops { &mut doors.stop } else { &mut doors.queue };
+        lane.push(Command { sequence, source, action }).map_err(|_| Busy)?;
+        doors.last = sequence;
+        Ok(sequence)
+    }
+
+    /// Puts newer streamed setpoints in the place of the last ones.
+    pub fn stream(&self, setpoints: Setpoints) {
+        let mut doors = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        doors.stream.write(setpoints);
+    }
+}
+
+impl Lanes {
+    /// Takes what is due for a cycle, the stop lane first; what does not fit waits for the next cycle.
+    pub fn take(&mut self) {
+        fill(&mut self.taken_stop, &mut self.stop, MAX_COMMANDS);
+        let left = MAX_COMMANDS - self.taken_stop.len();
+        fill(&mut self.taken_queue, &mut self.queue, left);
+        self.stream.update();
+    }
+
+    /// What was taken.
+    pub fn commands(&self) -> Commands<'_> {
+        Commands { stop: &self.taken_stop, queue: &self.taken_queue, stream: Some(self.stream.output_buffer()) }
+    }
+
+    /// Sends what was taken on its way to be freed.
+    pub fn give_back(&mut self) {
+        for command in self.taken_stop.drain(..).chain(self.taken_queue.drain(..)) {
+            // Only commands with a heap part would be freed here, and only when the bridge has stood still for long.
+            drop(self.spent.push(command));
+        }
+    }
+}
+
+fn fill(taken: &mut Vec<Command>, lane: &mut Consumer<Command>, room: usize) {
+    while taken.len() < room.min(taken.capacity()) {
+        let Ok(command) = lane.pop() else { return };
+        taken.push(command);
+    }
+}
+
+impl Spent {
+    /// Frees what has come back.
+    pub fn free(&mut self) {
+        while self.0.pop().is_ok() {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_core::object::AxisSet;
+
+    const HALT: Action = Action::Halt(AxisSet::EMPTY);
+    const ENABLE: Action = Action::Enable(AxisSet::EMPTY);
+
+    #[test]
+    fn stops_come_first_and_numbers_grow_over_both_lanes() {
+        let (commander, mut lanes, mut spent) = lanes();
+        let numbers: Vec<u64> =
+            [ENABLE, HALT, ENABLE].into_iter().map(|action| commander.submit(Source::Ros, action).unwrap()).collect();
+        assert_eq!(numbers, [1, 2, 3]);
+        lanes.take();
+        let order: Vec<u64> = lanes.commands().iter().map(|command| command.sequence).collect();
+        assert_eq!(order, [2, 1, 3]);
+        lanes.give_back();
+        lanes.take();
+        assert_eq!(lanes.commands().iter().count(), 0);
+        spent.free();
+    }
+
+    #[test]
+    fn a_full_lane_refuses_and_the_other_one_still_takes() {
+        let (commander, mut lanes, _spent) = lanes();
+        let taken = (0..1000).take_while(|_| commander.submit(Source::Ros, ENABLE).is_ok()).count();
+        assert_eq!(taken, QUEUE_ROOM);
+        assert_eq!(commander.submit(Source::Ros, HALT), Ok(QUEUE_ROOM as u64 + 1));
+        lanes.take();
+        assert_eq!(lanes.commands().iter().count(), MAX_COMMANDS, "the rest waits");
+        lanes.give_back();
+        assert!(commander.submit(Source::Ros, ENABLE).is_ok());
+    }
+
+    #[test]
+    fn the_newest_setpoints_win() {
+        let (commander, mut lanes, _spent) = lanes();
+        for generation in 1..=3 {
+            commander.stream(Setpoints { generation, velocity: vec![Some(1.0)] });
+        }
+        lanes.take();
+        assert_eq!(lanes.commands().stream.unwrap().generation, 3);
+        lanes.take();
+        assert_eq!(lanes.commands().stream.unwrap().generation, 3, "nothing newer: the same again");
+    }
+}

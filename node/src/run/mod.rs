@@ -1,0 +1,10 @@
+//! Running a machine in real time: the cycle thread, the ways into and out of it.
+//!
+//! The cycle thread owns the machine and its backends. Commands reach it through two bounded rings (a stop lane and a queue)
+//! and a newest-wins mailbox; events leave it through a ring, signals through a newest-wins snapshot. Nothing that others
+//! do can make it wait. It never writes files, sockets or logs: [`bridge`] does that for it.
+
+pub mod bridge;
+pub mod lanes;
+pub mod realtime;
+pub mod thread;

@@ -1,0 +1,124 @@
+//! The cycle thread: absolute deadlines, one cycle after the other, and nothing that could make it wait.
+
+use super::lanes::Lanes;
+use super::realtime::{self, Processor};
+use lineshaft_core::drive::{Backend, Inputs, Outputs};
+use lineshaft_core::machine::Machine;
+use lineshaft_ros::surface::host::{Snapshot, StampedEvent};
+use rtrb::Producer;
+use rustix::thread::clock_nanosleep_absolute;
+use rustix::time::{ClockId, Timespec, clock_gettime};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// How well the thread keeps its time; written by it, read by anybody.
+#[derive(Debug, Default)]
+pub struct Statistics {
+    /// Cycles run.
+    pub cycles: AtomicU64,
+    /// Cycles missed.
+    pub missed: AtomicU64,
+    /// Latest wake-up after its deadline [ns].
+    pub worst_lateness_ns: AtomicU64,
+    /// Longest cycle, from its wake-up to its end [ns].
+    pub worst_duration_ns: AtomicU64,
+    /// Events that found the ring full.
+    pub events_lost: AtomicU64,
+}
+
+/// Everything that the cycle thread owns.
+pub struct CycleThread {
+    /// The machine.
+    pub machine: Machine,
+    /// Its backends.
+    pub backends: Vec<Box<dyn Backend + Send>>,
+    /// Ways in.
+    pub lanes: Lanes,
+    /// Way out of events.
+    pub events: Producer<StampedEvent>,
+    /// Way out of signals.
+    pub snapshot: triple_buffer::Input<Snapshot>,
+    /// Set from outside to end it.
+    pub stop: Arc<AtomicBool>,
+    /// How it does.
+    pub statistics: Arc<Statistics>,
+    /// Where it runs.
+    pub processor: Processor,
+}
+
+fn nanoseconds(clock: ClockId) -> u64 {
+    let now = clock_gettime(clock);
+    (now.tv_sec.unsigned_abs()).saturating_mul(1_000_000_000).saturating_add(now.tv_nsec.unsigned_abs())
+}
+
+fn sleep_until(deadline: u64) {
+    let request = Timespec {
+        tv_sec: (deadline / 1_000_000_000).cast_signed(),
+        tv_nsec: (deadline % 1_000_000_000).cast_signed(),
+    };
+    // Interrupted by a signal: the deadline is absolute, so sleep on.
+    while clock_nanosleep_absolute(ClockId::Monotonic, &request) == Err(rustix::io::Errno::INTR) {}
+}
+
+impl CycleThread {
+    /// Runs until it is told to stop. `ready` gets what the system did not grant, once, before the first cycle.
+    pub fn run(mut self, ready: impl FnOnce(Vec<String>)) {
+        ready(realtime::claim(self.processor));
+        let cycle_ns = self.machine.config().cycle_ns;
+        let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
+        let start = nanoseconds(ClockId::Monotonic);
+        let wall_start = nanoseconds(ClockId::Realtime);
+        let mut deadline = start;
+        let mut missed = 0;
+        while !self.stop.load(Ordering::Relaxed) {
+            sleep_until(deadline);
+            let woken = nanoseconds(ClockId::Monotonic);
+            inputs.cycle = self.machine.next_cycle();
+            inputs.missed = missed;
+            self.one(&mut inputs, &mut outputs, wall_start.saturating_add(deadline - start));
+            let done = nanoseconds(ClockId::Monotonic);
+            self.count(woken.saturating_sub(deadline), done.saturating_sub(woken));
+            deadline += cycle_ns;
+            missed = self.skip_missed(&mut deadline, done, cycle_ns);
+        }
+        for backend in &mut self.backends {
+            backend.stop();
+        }
+    }
+
+    fn one(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, stamp_ns: u64) {
+        self.lanes.take();
+        for backend in &mut self.backends {
+            backend.read(inputs);
+        }
+        self.machine.cycle(inputs, self.lanes.commands(), outputs);
+        for backend in &mut self.backends {
+            backend.write(outputs);
+        }
+        for &event in self.machine.events() {
+            if self.events.push(StampedEvent { event, stamp_ns }).is_err() {
+                self.statistics.events_lost.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+        let snapshot = self.snapshot.input_buffer_mut();
+        snapshot.cycle = inputs.cycle;
+        snapshot.stamp_ns = stamp_ns;
+        snapshot.board.copy_from(self.machine.board());
+        self.snapshot.publish();
+        self.lanes.give_back();
+    }
+
+    fn count(&self, lateness: u64, duration: u64) {
+        self.statistics.cycles.fetch_add(1, Ordering::Relaxed);
+        self.statistics.worst_lateness_ns.fetch_max(lateness, Ordering::Relaxed);
+        self.statistics.worst_duration_ns.fetch_max(duration, Ordering::Relaxed);
+    }
+
+    /// Moves the deadline past whole cycles that can no longer be kept, and says how many they are.
+    fn skip_missed(&self, deadline: &mut u64, now: u64, cycle_ns: u64) -> u32 {
+        let late = now.saturating_sub(*deadline) / cycle_ns;
+        *deadline += late * cycle_ns;
+        self.statistics.missed.fetch_add(late, Ordering::Relaxed);
+        u32::try_from(late).unwrap_or(u32::MAX)
+    }
+}
