@@ -4,3 +4,4 @@
 pub mod cell;
 pub mod document;
 pub mod run;
+pub mod scenario;

@@ -147,6 +147,9 @@ impl Axis {
     /// Stops from the present motion; at rest it stays where its drive is asked to be.
     pub(super) fn brake_to_rest(&mut self, cx: &mut Context<'_>, deceleration: f64) {
         self.reference = Reference::Stop;
+        if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion) {
+            self.set_state(cx, AxisState::DiscreteMotion);
+        }
         if self.command.velocity == 0.0 {
             self.command = Motion::at_rest(Position::whole(self.command.position.floor()));
             self.generator = Generator::Rest;
@@ -154,9 +157,6 @@ impl Axis {
         }
         let plan = self.plan_stop(self.command, deceleration);
         self.generator = Generator::plan(plan, cx.cycle, deceleration);
-        if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion) {
-            self.set_state(cx, AxisState::DiscreteMotion);
-        }
     }
 
     /// The deceleration that the active motion was asked for.

@@ -1,6 +1,6 @@
 //! Section `axes`: what an axis is made of. Its parameters are read beside.
 
-use super::backends::{Backend, Context, backend_of};
+use super::backends::{Backend, Context, backend_of, name_of};
 use super::names::{Entry, Once, Section, limit, quote};
 use super::parameters;
 use super::scale::Travel;
@@ -60,7 +60,7 @@ fn axis<'d>(entry: &Entry<'d>, cx: &Context<'d>, taken: &mut Taken) -> Option<Ax
     let model = match drive {
         Some(Drive::Virtual) => {
             for value in [&homing, &sim].into_iter().flatten() {
-                let sentence = format!("{} is for axes with a drive; axis `{name}` is virtual", value.label());
+                let sentence = format!("{} is for axes with a drive; axis {} is virtual", value.label(), quote(name));
                 value.refuse(sentence, Some("leave it out".to_owned()));
             }
             None
@@ -110,13 +110,17 @@ fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken)
 
 /// Key `key`, which numbers the drives of a backend.
 fn take(
-    map: &mut Map<'_>, backend: usize, key: &'static str, range: std::ops::RangeInclusive<u16>, cx: &Context<'_>,
+    map: &mut Map<'_>,
+    backend: usize,
+    key: &'static str,
+    range: std::ops::RangeInclusive<u16>,
+    cx: &Context<'_>,
     taken: &mut Taken,
 ) -> Option<()> {
     let value = map.required(key)?;
     let number = value.integer(range)?;
-    let name = || cx.names.section(Section::Backends).get(backend).map_or("", Entry::name);
-    taken.take((backend, key, number), &value, || format!("drive {key} {number} of backend `{}`", name())).then_some(())
+    let what = || format!("drive {key} {number} of backend {}", name_of(backend, &cx.names));
+    taken.take((backend, key, number), &value, what).then_some(())
 }
 
 fn interface(value: &Value<'_>) -> Option<()> {
@@ -141,7 +145,8 @@ fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {
         }
     };
     let parts = (i64::try_from(*exact.numer()).ok(), i64::try_from(*exact.denom()).ok());
-    let modulo = if let (Some(numerator), Some(denominator)) = parts { Modulo::new(numerator, denominator) } else { None };
+    let modulo =
+        if let (Some(numerator), Some(denominator)) = parts { Modulo::new(numerator, denominator) } else { None };
     if modulo.is_none() {
         let allowed = "1 inc to 2^61 inc as a fraction with a denominator below 2^31 is allowed";
         let hint = (quantity.unit() == Dimension::Angle(0).si_unit()).then(|| "write it in deg or rev".to_owned());
@@ -154,10 +159,11 @@ fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {
 fn check_homing(value: &Value<'_>) {
     let Some(mut map) = value.map("homing") else { return };
     let required = map.optional("required").and_then(|value| value.boolean());
-    let method = map.optional("method").map(|value| value.integer(i8::MIN..=i8::MAX));
-    let home_type = map.optional("home_type").map(|value| value.integer(0..=3_u8));
+    map.optional("method").map(|value| value.integer(i8::MIN..=i8::MAX));
+    map.optional("home_type").map(|value| value.integer(0..=3_u8));
+    let has_method = map.has("method") || map.has("home_type");
     map.finish();
-    if required == Some(true) || method.or(home_type.map(|number| number.map(|_| 0))).is_some() {
+    if required == Some(true) || has_method {
         value.refuse("homing does not exist yet", Some("leave it out".to_owned()));
     }
 }
@@ -169,9 +175,11 @@ fn model(value: &Value<'_>, cycle_ns: u64) -> Option<Model> {
     let (bandwidth, damping) = (map.optional("bandwidth"), map.optional("damping"));
     map.finish();
     if second_order == Some(false) {
-        let needless = [&bandwidth, &damping].into_iter().flatten();
-        let sentence = |value: &Value<'_>| format!("{} is for model second_order; this one is ideal", value.label());
-        return needless.map(|value| value.refuse(sentence(value), None)).last().is_none().then_some(Model::Ideal);
+        let needless: Vec<_> = [bandwidth, damping].into_iter().flatten().collect();
+        for value in &needless {
+            value.refuse(format!("{} is for model second_order; this one is ideal", value.label()), None);
+        }
+        return needless.is_empty().then_some(Model::Ideal);
     }
     // Each by itself, so that both are reported.
     let hertz = bandwidth.map_or(Some(BANDWIDTH), |value| {

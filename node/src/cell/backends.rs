@@ -81,15 +81,22 @@ pub(super) fn backend_of<'d>(map: &mut Map<'d>, names: &Names<'d>) -> Option<usi
     Some(place)
 }
 
+/// The name of a backend in a sentence.
+pub(super) fn name_of(backend: usize, names: &Names<'_>) -> String {
+    names.section(Section::Backends).get(backend).map_or_else(String::new, Entry::quoted)
+}
+
 /// Keys `backend` and `address` of what has a `kind` of addresses of its own at a backend.
 pub(super) fn address<'d, K: Ord + Copy + std::fmt::Display>(
-    map: &mut Map<'d>, names: &Names<'d>, kind: Option<K>, taken: &mut Once<(usize, K, u16)>,
+    map: &mut Map<'d>,
+    names: &Names<'d>,
+    kind: Option<K>,
+    taken: &mut Once<(usize, K, u16)>,
 ) -> Option<(usize, u16)> {
     let backend = backend_of(map, names);
     let value = map.required("address")?;
     let address = value.integer(0..=u16::MAX)?;
     let (backend, kind) = (backend?, kind?);
-    let name = || names.section(Section::Backends).get(backend).map_or("", Entry::name);
-    let what = || format!("{kind} address {address} of backend `{}`", name());
+    let what = || format!("{kind} address {address} of backend {}", name_of(backend, names));
     taken.take((backend, kind, address), &value, what).then_some((backend, address))
 }

@@ -12,7 +12,7 @@ const MOST: usize = u16::MAX as usize;
 const EXACT: i64 = 1 << 53;
 
 /// Kinds of inputs and outputs by their names.
-pub(super) const IO_KINDS: [(&str, IoKind); 4] = [
+const IO_KINDS: [(&str, IoKind); 4] = [
     ("di", IoKind::DigitalInput),
     ("do", IoKind::DigitalOutput),
     ("ai", IoKind::AnalogInput),
@@ -91,7 +91,9 @@ pub(super) fn encoders(cx: &Context<'_>) -> Vec<Option<EncoderConfig>> {
 }
 
 fn one_encoder<'d>(
-    entry: &Entry<'d>, cx: &Context<'d>, taken: &mut Once<(usize, &'static str, u16)>,
+    entry: &Entry<'d>,
+    cx: &Context<'d>,
+    taken: &mut Once<(usize, &'static str, u16)>,
 ) -> Option<EncoderConfig> {
     let mut map = entry.value.map(format!("encoder `{}`", entry.name()))?;
     let address = address(&mut map, &cx.names, Some("encoder"), taken);

@@ -5,6 +5,7 @@ use super::backends::Context;
 use super::names::{Entry, Once, Section, quote};
 use crate::document::Value;
 use lineshaft_core::config::{IoConfig, IoKind};
+use lineshaft_core::unit::excerpt;
 
 /// Readings of an axis that follow from its command.
 const OF_COMMAND: [&str; 5] = ["command", "target", "modulo", "turns", "output"];
@@ -39,7 +40,11 @@ pub(super) fn check(cx: &Context<'_>, io: &[Option<IoConfig>]) {
 
 /// The function's part of a loop; none without a slot of its own, so that there are never more than there are slots.
 fn link<'d>(
-    function: usize, entry: &Entry<'d>, cx: &Context<'d>, io: &[Option<IoConfig>], slots: &mut Once<u8>,
+    function: usize,
+    entry: &Entry<'d>,
+    cx: &Context<'d>,
+    io: &[Option<IoConfig>],
+    slots: &mut Once<u8>,
 ) -> Option<Link> {
     let mut map = entry.value.map(format!("function `{}`", entry.name()))?;
     let slot = map.required("slot").and_then(|value| {
@@ -49,7 +54,7 @@ fn link<'d>(
     if let Some(value) = map.required("type")
         && let Some(kind) = value.text()
     {
-        value.refuse(format!("function type {} does not exist yet", lineshaft_core::unit::excerpt(kind)), None);
+        value.refuse(format!("function type {} does not exist yet", excerpt(kind)), None);
     }
     let source = map.optional("source").and_then(|value| source(&value, cx));
     let sink = map.optional("sink").and_then(|value| sink(&value, cx, io));
@@ -95,7 +100,7 @@ fn sink<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Opt
 /// Refuses every function that closes a loop of axes that follow each other's commands.
 fn refuse_loops(links: &[Link], cx: &Context<'_>) {
     let axes = cx.names.section(Section::Axes);
-    let name = |axis: usize| axes.get(axis).map_or("", Entry::name);
+    let name = |axis: usize| excerpt(axes.get(axis).map_or("", Entry::name));
     // Leader and follower, of the functions so far that close no loop.
     let mut follows: Vec<(usize, usize)> = Vec::new();
     for link in links {

@@ -2,7 +2,7 @@
 
 use super::axes::is_virtual;
 use super::backends::Context;
-use super::names::{Entry, Once, Section};
+use super::names::{Entry, Once, Section, quote};
 use crate::document::Value;
 
 /// The groups: name, places of the axes.
@@ -13,7 +13,8 @@ pub(super) fn read(cx: &Context<'_>) -> Vec<(String, Vec<u16>)> {
 fn axes<'d>(entry: &Entry<'d>, cx: &Context<'d>) -> Vec<u16> {
     let Some(values) = entry.value.list() else { return Vec::new() };
     if values.is_empty() {
-        entry.value.refuse(format!("group `{}` is empty; the names of one axis or more are expected", entry.name()), None);
+        let sentence = format!("group {} is empty; the names of one axis or more are expected", entry.quoted());
+        entry.value.refuse(sentence, None);
     }
     let mut once = Once::new();
     values.iter().filter_map(|value| axis(value, cx, &mut once)).collect()
@@ -22,9 +23,9 @@ fn axes<'d>(entry: &Entry<'d>, cx: &Context<'d>) -> Vec<u16> {
 fn axis<'d>(value: &Value<'d>, cx: &Context<'d>, once: &mut Once<usize>) -> Option<u16> {
     let name = value.text()?;
     let (_, place) = cx.names.find(value, name, &[Section::Axes])?;
-    once.take(place, value, || format!("axis `{name}`"));
+    once.take(place, value, || format!("axis {}", quote(name)));
     if cx.names.section(Section::Axes).get(place).is_some_and(is_virtual) {
-        value.refuse(format!("axis `{name}` is virtual; a group has axes with a drive"), None);
+        value.refuse(format!("axis {} is virtual; a group has axes with a drive", quote(name)), None);
     }
     u16::try_from(place).ok()
 }

@@ -10,7 +10,7 @@
 //!             max_velocity: 3 m/s, max_acceleration: 5 m/s}\n";
 //! assert_eq!(
 //!     Cell::parse("cell.yaml", text).unwrap_err().to_string(),
-//!     "cell.yaml:5:45: max_acceleration: `5 m/s` is a velocity; an acceleration such as `5 m/s^2` is expected\n"
+//!     "cell.yaml:5:44: max_acceleration: `5 m/s` is a velocity; an acceleration such as `5 m/s^2` is expected\n"
 //! );
 //! let cell = Cell::parse("cell.yaml", text.replace("5 m/s}", "5 m/s^2}")).unwrap();
 //! assert_eq!(cell.machine.axes[0].parameters.max_velocity, 3e6);
@@ -35,7 +35,7 @@ use names::{Names, Section, quote};
 use std::path::Path;
 
 /// The format that this program reads.
-const FORMAT: i64 = 1;
+const FORMAT: &str = "1";
 /// The cell that runs without a file.
 const DEMO: &str = include_str!("../../../launch-configs/demo.yaml");
 
@@ -151,8 +151,8 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
 }
 
 fn check_format(value: &Value<'_>) {
-    if let Some(format) = value.integer(0..=i64::MAX).filter(|format| *format != FORMAT) {
-        value.refuse(format!("lineshaft is {format}; format version {FORMAT} is allowed"), None);
+    if let Some(format) = value.text().filter(|format| *format != FORMAT) {
+        value.refuse(format!("lineshaft is {}; format version {FORMAT} is allowed", quote(format)), None);
     }
 }
 

@@ -32,17 +32,21 @@ impl Section {
         }
     }
 
-    /// One of its objects, with article.
-    fn article(self) -> &'static str {
+    /// What one of its objects is.
+    fn noun(self) -> &'static str {
         match self {
-            Self::Backends => "a backend",
-            Self::Io => "an input or output",
-            Self::Memory => "a memory cell",
-            Self::Encoders => "an encoder",
-            Self::Axes => "an axis",
-            Self::Functions => "a function",
-            Self::Groups => "a group",
+            Self::Backends => "backend",
+            Self::Io => "input or output",
+            Self::Memory => "memory cell",
+            Self::Encoders => "encoder",
+            Self::Axes => "axis",
+            Self::Functions => "function",
+            Self::Groups => "group",
         }
+    }
+
+    fn article(self) -> &'static str {
+        if self.noun().starts_with(['a', 'e', 'i']) { "an" } else { "a" }
     }
 }
 
@@ -57,6 +61,11 @@ impl<'d> Entry<'d> {
     /// The name as written, which may be none.
     pub(super) fn name(&self) -> &'d str {
         self.key.peek().unwrap_or_default()
+    }
+
+    /// The name in a sentence.
+    pub(super) fn quoted(&self) -> String {
+        quote(self.name())
     }
 }
 
@@ -74,8 +83,7 @@ impl<'d> Names<'d> {
         let mut names = Self::default();
         for section in Section::ALL {
             let entries = cell.optional(section.key()).and_then(|value| value.entries()).unwrap_or_default();
-            names.sections[section as usize] =
-                entries.into_iter().map(|(key, value)| Entry { key, value }).collect();
+            names.sections[section as usize] = entries.into_iter().map(|(key, value)| Entry { key, value }).collect();
         }
         names.index();
         names
@@ -89,10 +97,12 @@ impl<'d> Names<'d> {
         all.sort_by_key(|(_, _, entry)| entry.key.place());
         let mut first: BTreeMap<&str, (Section, Place)> = BTreeMap::new();
         for (section, index, entry) in all {
+            // What has no proper name can still be meant: one problem is enough.
+            self.places.entry(entry.name()).or_default().push((section, index));
             let Some(name) = entry.key.name() else { continue };
-            self.places.entry(name).or_default().push((section, index));
             if let Some((other, Place { line, col })) = first.get(name) {
-                let sentence = format!("`{name}` is {} already, at {line}:{col}; a name stands once", other.article());
+                let what = format!("{} {}", other.article(), other.noun());
+                let sentence = format!("`{name}` is {what} already, at {line}:{col}; a name stands once");
                 entry.key.refuse(sentence, None);
             } else {
                 first.insert(name, (section, entry.key.place()));
@@ -111,15 +121,16 @@ impl<'d> Names<'d> {
         if let Some(found) = places.iter().find(|(section, _)| sections.contains(section)) {
             return Some(*found);
         }
-        let allowed: Vec<_> = sections.iter().map(|section| section.article()).collect();
-        let (allowed, label) = (allowed.join(" or "), value.label());
+        let nouns: Vec<_> = sections.iter().map(|section| section.noun()).collect();
+        let (nouns, label) = (nouns.join(", "), value.label());
         let (sentence, hint) = match places.first() {
             Some((other, _)) => {
-                (format!("{label} is `{name}`, which is {}; {allowed} is allowed", other.article()), None)
+                let what = format!("{} {}", other.article(), other.noun());
+                (format!("{label} is {}, which is {what}; {nouns} is allowed", quote(name)), None)
             }
             None => {
                 let known = sections.iter().flat_map(|section| self.section(*section)).map(Entry::name);
-                (format!("{label} is {}; {allowed} is expected", quote(name)), hint(name, known.collect()))
+                (format!("{label} is {}; no {nouns} has that name", quote(name)), hint(name, known.collect()))
             }
         };
         value.refuse(sentence, hint);
@@ -140,15 +151,13 @@ fn hint(name: &str, known: Vec<&str>) -> Option<String> {
     if let Some((_, meant)) = compared.filter_map(near).min() {
         return Some(format!("did you mean `{}`?", excerpt(meant)));
     }
+    let all = || known.iter().map(|name| excerpt(name)).collect::<Vec<_>>().join(", ");
     match known.len() {
         0 => Some("there is none".to_owned()),
-        1..=MOST_LISTED => Some(format!("there is {}", excerpt_all(&known))),
+        1 => Some(format!("there is {}", all())),
+        2..=MOST_LISTED => Some(format!("there are {}", all())),
         _ => None,
     }
-}
-
-fn excerpt_all(names: &[&str]) -> String {
-    names.iter().map(|name| excerpt(name)).collect::<Vec<_>>().join(", ")
 }
 
 /// A piece of the file in a sentence.
@@ -166,13 +175,14 @@ impl<K: Ord> Once<K> {
 
     /// Takes it; `what` names it in the problem when it was taken before.
     pub(super) fn take(&mut self, key: K, value: &Value<'_>, what: impl FnOnce() -> String) -> bool {
-        let first = *self.0.entry(key).or_insert(value.place());
-        let Place { line, col } = first;
-        let free = first == value.place();
-        if !free {
-            value.refuse(format!("{} is taken already, at {line}:{col}", what()), None);
+        let first = self.0.get(&key).copied();
+        match first {
+            Some(Place { line, col }) => value.refuse(format!("{} is taken already, at {line}:{col}", what()), None),
+            None => {
+                self.0.insert(key, value.place());
+            }
         }
-        free
+        first.is_none()
     }
 }
 

@@ -188,7 +188,9 @@ impl Reader<'_, '_> {
         match (self.row.range, self.row.measure) {
             // What lies above is no position at all and was refused as such.
             (Range::Int(0, _), Measure::Distance) => format!("{} and above", scale.format_increments(0)),
-            (Range::Int(low, _), Measure::Distance) => format!("{} ({low} inc) and above", scale.format_increments(low)),
+            (Range::Int(low, _), Measure::Distance) => {
+                format!("{} ({low} inc) and above", scale.format_increments(low))
+            }
             (Range::Int(low, high), Measure::Position) => {
                 format!("{}..{}", scale.format_increments(low), scale.format_increments(high))
             }

@@ -73,7 +73,8 @@ fn interfaces(value: &Value<'_>) -> Option<Vec<String>> {
     for value in &values {
         let Some(text) = value.text() else { continue };
         if text.is_empty() || text.contains(|c: char| c.is_whitespace() || c.is_control()) {
-            let sentence = format!("{} is {}; a network interface such as eth0 or its address", value.label(), quote(text));
+            let sentence =
+                format!("{} is {}; a network interface such as eth0 or its address", value.label(), quote(text));
             value.refuse(format!("{sentence} is allowed"), None);
         } else {
             all.push(text.to_owned());

@@ -40,8 +40,7 @@ fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<Unit> {
         Some(kind) => of(kind),
         None => [of(ScaleKind::Linear), of(ScaleKind::Rotary)].join(", "),
     };
-    let units: Vec<_> =
-        names.split(", ").chain(["inc"]).filter_map(|name| Some((name, Unit::parse(name)?))).collect();
+    let units: Vec<_> = names.split(", ").chain(["inc"]).filter_map(|name| Some((name, Unit::parse(name)?))).collect();
     value.choice(&units)
 }
 

@@ -8,6 +8,7 @@ mod sim;
 use crate::run::realtime::Processor;
 use clap::{Args, Parser, Subcommand};
 use lineshaft_ros::layer::{RosArguments, log_filter};
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
@@ -149,7 +150,8 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
 
 /// Logs to standard error; `RUST_LOG` decides what, else all that a person would want to know.
 fn start_logging() {
-    let quiet = format!("info,{}", log_filter());
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(quiet));
-    let _ = tracing_subscriber::fmt().with_env_filter(filter).with_target(false).with_writer(std::io::stderr).try_init();
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(log_filter("info")));
+    let lines = tracing_subscriber::fmt().with_env_filter(filter).with_target(false).with_writer(std::io::stderr);
+    // A second start within one process keeps the first.
+    let _ = lines.with_ansi(std::io::stderr().is_terminal()).try_init();
 }

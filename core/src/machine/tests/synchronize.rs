@@ -129,6 +129,20 @@ fn cancel_uncouples_with_a_stop_or_keeps_the_velocity() {
 }
 
 #[test]
+fn a_coupling_that_stands_still_ends_at_once() {
+    for by_halt in [false, true] {
+        let mut rig = Rig::enabled();
+        let goal = rig.give(Action::Synchronize(couple(X, TO_LINE, 355, 113)));
+        rig.run(10);
+        let end = if by_halt { Action::Halt(AxisSet::one(X)) } else { Action::Cancel { goal } };
+        let end = rig.give(end);
+        assert_eq!((rig.state("x"), rig.done(end).len()), ("STANDSTILL", 1));
+        let code = if by_halt { Code::HALTED } else { Code::CANCELLED };
+        assert_eq!(rig.done(goal)[0].code, code);
+    }
+}
+
+#[test]
 fn an_encoder_leads_through_its_wrap_and_its_loss_stops_the_follower() {
     let mut rig = Rig::enabled();
     let belt = Leader::Encoder(0);

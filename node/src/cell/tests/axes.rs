@@ -1,0 +1,338 @@
+//! Axes, problem by problem.
+
+use super::{HEAD, good, said};
+use lineshaft_core::axis::Modulo;
+use lineshaft_core::config::AxisConfig;
+use lineshaft_core::sim::{Model, SecondOrder};
+
+const LINEAR: [(&str, &str); 6] = [
+    ("type", "linear"),
+    ("unit", "mm"),
+    ("scale", "{increments: 1048576, per: 10 mm}"),
+    ("drive", "{backend: plant, address: 0}"),
+    ("max_velocity", "1.2 m/s"),
+    ("max_acceleration", "8 m/s^2"),
+];
+
+/// An axis `x` as [`LINEAR`] says, with some keys other or more; those stand first, from line 8 on and column 5.
+fn axis(keys: &[(&str, &str)]) -> String {
+    let usual = LINEAR.iter().filter(|(key, _)| keys.iter().all(|(other, _)| other != key));
+    let line = |(key, value): &(&str, &str)| format!("    {key}: {value}\n");
+    format!("{HEAD}axes:\n  x:\n{}", keys.iter().chain(usual).map(line).collect::<String>())
+}
+
+/// The same, rotary in degrees with 100 inc per degree.
+fn rotary<'k>(keys: &[(&'k str, &'k str)]) -> String {
+    let rotary = [
+        ("type", "rotary"),
+        ("unit", "deg"),
+        ("scale", "{increments: 36000, per: 360 deg}"),
+        ("max_velocity", "90 deg/s"),
+        ("max_acceleration", "360 deg/s^2"),
+    ];
+    let others = rotary.into_iter().filter(|(key, _)| keys.iter().all(|(other, _)| other != key));
+    axis(&keys.iter().copied().chain(others).collect::<Vec<_>>())
+}
+
+fn read(text: &str) -> AxisConfig {
+    good(text).machine.axes.remove(0)
+}
+
+#[test]
+fn type_unit_and_scale_fit_each_other() {
+    for (keys, expected) in [
+        (&[("type", "lin")][..], "8:11: type is `lin`; one of linear, rotary is allowed"),
+        (&[("unit", "deg")], "8:11: unit is `deg`; one of nm, um, mm, cm, m, inc is allowed"),
+        (&[("unit", "MM")], "8:11: unit is `MM`; one of nm, um, mm, cm, m, inc is allowed, did you mean `mm`?"),
+        (
+            &[("scale", "{increments: 1000, per: 360 deg}")],
+            "8:36: per: `360 deg` is an angle; a length such as `360 m` is expected",
+        ),
+        (&[("scale", "{increments: 1000, per: 0 mm}")], "8:36: per is `0 mm`; a value above 0 is allowed"),
+        (&[("scale", "{increments: -1, per: 1 mm}")], "8:25: increments is `-1`; a number above 0 is allowed"),
+        (&[("scale", "{per: 1 mm}")], "8:12: missing key `increments` in scale"),
+        (&[("scale", "1000")], "8:12: scale is `1000`; a mapping is expected"),
+    ] {
+        assert_eq!(said(&axis(keys)), expected);
+    }
+    assert_eq!(said(&rotary(&[("unit", "mm")])), "8:11: unit is `mm`; one of deg, rad, rev, inc is allowed");
+    assert_eq!(read(&axis(&[("unit", "inc")])).scale.format_increments(5), "5 inc");
+    let no_unit = axis(&[]).replace("    unit: mm\n", "");
+    assert_eq!(read(&no_unit).scale.unit().to_string(), "m");
+}
+
+/// The cell of the oracles O-01 (25 : 1, 500 counts, 4 edges, 5 mm per turn) and O-03 (50.375 qc per unit).
+///
+/// Proves: MACS-UNIT-02, MACS-UNIT-05
+#[test]
+fn increments_of_positions_are_exact_fractions_rounded_once() {
+    let spindle = read(&axis(&[("scale", "{increments: 50000, per: 5 mm}"), ("max_position", "0.1 mm")]));
+    assert_eq!(spindle.parameters.max_position, Some(1000));
+    for (max_position, increments) in [("8 mm", 403), ("1 mm", 50), ("4 mm", 202), ("-4 mm", -202)] {
+        let x = read(&axis(&[("scale", "{increments: 50375/1000, per: 1 mm}"), ("max_position", max_position)]));
+        assert_eq!(x.parameters.max_position, Some(increments), "{max_position}");
+    }
+}
+
+/// Software limits, target window and following error are kept in increments, whatever the axis unit is.
+///
+/// Proves: MACS-UNIT-03
+#[test]
+fn limits_and_windows_are_kept_in_increments() {
+    let keys = |limit, window, error| {
+        axis(&[("max_position", limit), ("in_position_window", window), ("max_following_error", error)])
+    };
+    let in_unit = read(&keys("850 mm", "10 um", "10 mm")).parameters;
+    let in_increments = read(&keys("89128960 inc", "1049 inc", "1048576 inc")).parameters;
+    assert_eq!(in_unit, in_increments);
+    assert_eq!(in_unit.max_position, Some(89_128_960));
+}
+
+#[test]
+fn parameters_tell_their_range_in_the_axis_unit() {
+    for (key, value, expected) in [
+        ("max_velocity", "0 m/s", "is `0 m/s`; more than 0 mm/s up to 20480000 mm/s is allowed"),
+        ("max_velocity", "-1", "is `-1`; more than 0 mm/s up to 20480000 mm/s is allowed"),
+        // 2^31 inc in a cycle of 1 ms, and one more.
+        (
+            "max_velocity",
+            "2147483648001 inc/s",
+            "is `2147483648001 inc/s`; more than 0 mm/s up to 20480000 mm/s is allowed",
+        ),
+        ("default_velocity", "1e9 m/s", "is `1e9 m/s`; more than 0 mm/s up to 20480000 mm/s is allowed"),
+        ("max_acceleration", "-8 m/s^2", "is `-8 m/s^2`; more than 0 mm/s^2 up to 9536743160 mm/s^2 is allowed"),
+        ("max_jerk", "0", "is `0`; more than 0 mm/s^3 up to 9536743160 mm/s^3 is allowed"),
+        ("in_position_window", "-1 mm", "is `-1 mm`; 0 mm and above is allowed"),
+        ("max_following_error", "0 mm", "is `0 mm`; 0.00000953674316 mm (1 inc) and above is allowed"),
+        ("following_error_time", "11 s", "is `11 s`; 0 ms..10000 ms is allowed"),
+        ("setpoint_timeout", "1 us", "is `1 us`; 1 ms..3600000 ms is allowed"),
+        ("error_reaction", "-1", "is -1; 0..5 is allowed"),
+        ("syncfacts", "0", "is 0; 1..1073741823 is allowed"),
+        ("error_reaction", "hold", "is `hold`; a whole number 0..5 is allowed"),
+        ("max_jerk", "", "has no value; a jerk is expected"),
+        ("profile", "round", "is `round`; one of trapezoid, s_ramp, jerk is allowed"),
+    ] {
+        // What is not there is found at the colon.
+        let place = 7 + key.len() - if value.is_empty() { 2 } else { 0 };
+        assert_eq!(said(&axis(&[(key, value)])), format!("8:{place}: {key} {expected}"));
+    }
+    assert_eq!(read(&axis(&[("max_velocity", "2147483648000 inc/s")])).parameters.max_velocity, 2_147_483_648_000.0);
+    assert_eq!(read(&axis(&[("max_velocity", "60 m/min")])).parameters.max_velocity, 104_857_600.0);
+}
+
+#[test]
+fn a_value_that_no_unit_fits_says_why() {
+    for (key, value, expected) in [
+        ("max_acceleration", "8 m/s", "`8 m/s` is a velocity; an acceleration such as `8 m/s^2` is expected"),
+        ("min_position", "3 furlong", "`furlong` in `3 furlong` is not a unit; a length has nm, um, mm, cm, m"),
+        ("max_position", "850mm", "`850mm` has no blank between number and unit, write `850 mm`"),
+        (
+            "max_position",
+            "1e15 m",
+            "`1000000000000000 m` is 104857600000000000000000 increments; a position stays below 2^62 = 4611686018427387904 increments",
+        ),
+        (
+            "in_position_time",
+            "0.1 ns",
+            "`0.1 ns` is not a whole number of nanoseconds; times are whole nanoseconds up to 292 years",
+        ),
+    ] {
+        assert_eq!(said(&axis(&[(key, value)])), format!("8:{}: {key}: {expected}", 7 + key.len()));
+    }
+}
+
+#[test]
+fn what_does_not_exist_yet_is_refused_by_name() {
+    for (key, value, expected) in [
+        ("profile", "jerk", "profile jerk does not exist yet, write `trapezoid`"),
+        ("profile", "s_ramp", "profile s_ramp does not exist yet, write `trapezoid`"),
+        ("homing", "{method: 35}", "homing does not exist yet, leave it out"),
+        ("homing", "{required: true}", "homing does not exist yet, leave it out"),
+        ("homing", "{home_type: 1}", "homing does not exist yet, leave it out"),
+        ("velmax", "3000", "parameter velmax does not exist yet, write `max_velocity`"),
+    ] {
+        assert_eq!(said(&axis(&[(key, value)])), format!("8:{}: {expected}", 7 + key.len()));
+    }
+    let instead = axis(&[("velmax", "3000")]).replace("    max_velocity: 1.2 m/s\n", "");
+    assert_eq!(said(&instead), "8:13: parameter velmax does not exist yet, write `max_velocity`");
+    good(&axis(&[("homing", "{required: false}"), ("profile", "trapezoid")]));
+    assert_eq!(
+        said(&axis(&[("homing", "{method: 400}")])).lines().next(),
+        Some("8:13: homing does not exist yet, leave it out")
+    );
+}
+
+#[test]
+fn keys_that_an_axis_must_have_or_does_not_know() {
+    let without = |key: &str| {
+        axis(&[])
+            .lines()
+            .filter(|line| !line.starts_with(&format!("    {key}:")))
+            .map(|line| format!("{line}\n"))
+            .collect::<String>()
+    };
+    for key in ["type", "scale", "drive", "max_velocity", "max_acceleration"] {
+        assert_eq!(said(&without(key)), format!("8:5: missing key `{key}` in axis `x`"));
+    }
+    assert_eq!(said(&axis(&[("max_velosity", "1")])), "8:5: unknown key `max_velosity` in axis `x`");
+    let misspelt = axis(&[]).replace("max_velocity", "max_velosity");
+    assert_eq!(said(&misspelt), "12:5: unknown key `max_velosity` in axis `x`, did you mean `max_velocity`?");
+    assert_eq!(said(&axis(&[("dirve", "virtual")])), "8:5: unknown key `dirve` in axis `x`");
+}
+
+#[test]
+fn contradictions_stand_at_the_key_that_is_too_high() {
+    let keys = [
+        ("min_position", "900 mm"),
+        ("max_position", "850 mm"),
+        ("default_velocity", "2 m/s"),
+        ("default_acceleration", "8001 mm/s^2"),
+    ];
+    assert_eq!(
+        said(&axis(&keys)),
+        "8:19: min_position 900 mm lies above max_position 850 mm\n\
+         10:23: default_velocity 2000 mm/s lies above max_velocity 1200 mm/s\n\
+         11:27: default_acceleration 8001 mm/s^2 lies above max_acceleration 8000 mm/s^2"
+    );
+    assert_eq!(
+        said(&axis(&[("max_position", "850 mm"), ("min_position", "85 cm")])),
+        "9:19: min_position 850 mm lies at max_position 850 mm; below is allowed"
+    );
+    // A maximum with a problem of its own contradicts nothing.
+    assert_eq!(
+        said(&axis(&[("default_velocity", "2 m/s"), ("max_velocity", "1 m")])),
+        "9:19: max_velocity: `1 m` is a length; a velocity such as `1 m/s` is expected"
+    );
+}
+
+#[test]
+fn drives() {
+    for (drive, expected) in [
+        ("virtuel", "8:12: drive is `virtuel`; virtual or {backend: .., address: ..} is allowed"),
+        ("{backend: plant}", "8:12: missing key `address` in drive of axis `x`"),
+        ("{address: 0}", "8:12: missing key `backend` in drive of axis `x`"),
+        ("{backend: plants, address: 0}", "8:22: backend is `plants`; no backend has that name, did you mean `plant`?"),
+        (
+            "{backend: plant, address: 0, interface: velocity}",
+            "8:52: interface velocity needs the position loop, which does not exist yet",
+        ),
+        (
+            "{backend: plant, address: 0, interface: torque}",
+            "8:52: interface torque needs the position loop, which does not exist yet",
+        ),
+        (
+            "{backend: plant, address: 0, node: 3}",
+            "8:41: unknown key `node` in drive of axis `x`, known are backend, address, interface",
+        ),
+        ("{backend: bus0, eds: x.eds}", "8:12: missing key `node` in drive of axis `x`"),
+        ("{backend: bus0, node: 128}", "8:34: node is 128; 1..127 is allowed"),
+        (
+            "{backend: bus0, node: 1, address: 0}",
+            "8:37: unknown key `address` in drive of axis `x`, known are backend, eds, node, interface",
+        ),
+    ] {
+        assert_eq!(said(&axis(&[("drive", drive)])), expected);
+    }
+    assert_eq!(read(&axis(&[("drive", "{backend: bus0, node: 3, eds: x.eds, interface: position}")])).drive, Some(1));
+    assert_eq!(
+        read(&axis(&[("drive", "{backend: plant, address: 0}")]).replace("{type: sim}", "{type: sim, delay: 32}"))
+            .drive,
+        Some(32)
+    );
+}
+
+#[test]
+fn a_drive_moves_one_axis() {
+    let second = |drive: &str| {
+        let x = axis(&[("drive", drive)]);
+        let (head, x) = x.split_once("  x:\n").unwrap();
+        format!("{head}  x:\n{x}  y:\n{x}")
+    };
+    assert_eq!(
+        said(&second("{backend: plant, address: 7}")),
+        "15:38: drive address 7 of backend `plant` is taken already, at 8:38"
+    );
+    assert_eq!(
+        said(&second("{backend: bus0, node: 7}")),
+        "15:34: drive node 7 of backend `bus0` is taken already, at 8:34"
+    );
+    // An alias stands where its anchor does, and takes what it says all the same.
+    let aliased = second("&d {backend: plant, address: 7}").replacen("&d {backend: plant, address: 7}", "*d", 2);
+    let aliased = aliased.replacen("*d", "&d {backend: plant, address: 7}", 1);
+    assert_eq!(said(&aliased), "8:41: drive address 7 of backend `plant` is taken already, at 8:41");
+}
+
+#[test]
+fn a_turn_is_an_exact_fraction_of_a_rotary_axis() {
+    assert_eq!(read(&rotary(&[("modulo", "360 deg")])).modulo, Modulo::new(36_000, 1));
+    assert_eq!(
+        read(&rotary(&[("modulo", "1 rev"), ("scale", "{increments: 3001/3, per: 1 rev}")])).modulo,
+        Modulo::new(3001, 3)
+    );
+    assert_eq!(read(&rotary(&[("modulo", "500 inc")])).modulo, Modulo::new(500, 1));
+    for (keys, expected) in [
+        (&[("modulo", "0 deg")][..], "8:13: modulo is `0 deg`; a value above 0 is allowed"),
+        (&[("modulo", "10 mm")], "8:13: modulo: `10 mm` is a length; an angle such as `10 rad` is expected"),
+        (
+            &[("modulo", "0.001 deg")],
+            "8:13: modulo is `0.001 deg`, 1/10 inc; 1 inc to 2^61 inc as a fraction with a denominator below 2^31 is allowed",
+        ),
+    ] {
+        assert_eq!(said(&rotary(keys)), expected);
+    }
+    let radians = said(&rotary(&[("modulo", "3.1 rad")]));
+    assert!(radians.ends_with("a denominator below 2^31 is allowed, write it in deg or rev"), "{radians}");
+    assert_eq!(
+        said(&axis(&[("modulo", "10 mm")])),
+        "8:13: modulo is for rotary axes; this one is linear, leave it out"
+    );
+}
+
+#[test]
+fn models() {
+    let model = |sim| good(&axis(&[("sim", sim)])).models.remove(0);
+    let second_order =
+        |bandwidth, damping| Model::SecondOrder(SecondOrder::new(bandwidth, damping, 1_000_000).unwrap());
+    assert_eq!(good(&axis(&[])).models, [Model::Ideal]);
+    assert_eq!(model("{model: ideal}"), Model::Ideal);
+    assert_eq!(model("{model: second_order}"), second_order(60.0, 0.8));
+    assert_eq!(model("{model: second_order, bandwidth: 0.1 kHz, damping: 1}"), second_order(100.0, 1.0));
+    for (sim, expected) in [
+        ("{}", "8:10: missing key `model` in sim"),
+        ("{model: first_order}", "8:18: model is `first_order`; one of ideal, second_order is allowed"),
+        (
+            "{model: second_order, bandwidth: 0 Hz, damping: 0}",
+            "8:43: bandwidth is 0 Hz; more than 0 Hz up to 100000 Hz is allowed\n8:58: damping is 0; 0.01 to 100 is allowed",
+        ),
+        ("{model: ideal, bandwidth: 60 Hz}", "8:36: bandwidth is for model second_order; this one is ideal"),
+        ("{model: ideal, dampnig: 1}", "8:25: unknown key `dampnig` in sim, did you mean `damping`?"),
+    ] {
+        assert_eq!(said(&axis(&[("sim", sim)])), expected);
+    }
+}
+
+#[test]
+fn a_virtual_axis_has_no_drive_to_home_or_simulate() {
+    let keys = [("drive", "virtual"), ("sim", "{model: ideal}"), ("homing", "{required: false}")];
+    assert_eq!(
+        said(&axis(&keys)),
+        "9:10: sim is for axes with a drive; axis `x` is virtual, leave it out\n\
+         10:13: homing is for axes with a drive; axis `x` is virtual, leave it out"
+    );
+    let cell = good(&axis(&[("drive", "virtual")]));
+    assert_eq!((cell.machine.axes[0].drive, cell.models.len()), (None, 0));
+}
+
+#[test]
+fn there_is_room_for_512_axes() {
+    let cell = |count: usize| {
+        let axis = |n| {
+            format!(
+                "  a{n}: {{type: linear, drive: virtual, scale: {{increments: 1, per: 1 mm}}, max_velocity: 1, max_acceleration: 1}}\n"
+            )
+        };
+        format!("{HEAD}axes:\n{}", (0..count).map(axis).collect::<String>())
+    };
+    assert_eq!(good(&cell(512)).machine.axes.len(), 512);
+    assert_eq!(said(&cell(513)), "519:3: 513 names stand in this section; at most 512 are possible");
+}

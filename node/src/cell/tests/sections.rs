@@ -1,0 +1,299 @@
+//! The sections around the axes, problem by problem.
+
+use super::{HEAD, RosOptions, assert_said, good, said, said_of};
+use lineshaft_core::config::{IoKind, MemoryKind};
+
+#[test]
+fn format_and_cycle() {
+    for (format, cycle, sentence) in [
+        ("^0", "1 ms", "lineshaft is `0`; format version 1 is allowed"),
+        ("^one", "1 ms", "lineshaft is `one`; format version 1 is allowed"),
+        ("1", "^124999 ns", "cycle is `124999 ns`; 125 us..20 ms is allowed"),
+        ("1", "^1", "cycle is `1`; 125 us..20 ms is allowed"),
+        ("1", "^-1 ms", "cycle is `-1 ms`; 125 us..20 ms is allowed"),
+        ("1", "^1 mm", "cycle: `1 mm` is a length; a time such as `1 s` is expected"),
+        (
+            "1",
+            "^0.5000001 ms",
+            "cycle: `0.5000001 ms` is not a whole number of nanoseconds; times are whole nanoseconds up to 292 years",
+        ),
+    ] {
+        assert_said(&format!("lineshaft: {format}\ncycle: {cycle}\n"), sentence);
+    }
+    assert_said("lineshaft^:\ncycle: 1 ms\n", "lineshaft has no value; a text is expected");
+    assert_said("lineshaft: 1\ncycle: 1 ms\n^axis: {}", "unknown key `axis` in the cell, did you mean `axes`?");
+    for cycle in ["125 us", "20 ms", "0.001", "333333 ns"] {
+        good(&format!("lineshaft: 1\ncycle: {cycle}\n"));
+    }
+}
+
+#[test]
+fn ros_options() {
+    let text = "ros: {name: Press_2, namespace: /cell_1/left, joint_states_rate: 1, axis_states_rate: 1 kHz,\n  \
+                autostart: false, interfaces: [lo, 192.168.0.1]}\n";
+    assert_eq!(
+        good(&format!("{HEAD}{text}")).ros,
+        RosOptions {
+            name: "Press_2".into(),
+            namespace: "/cell_1/left".into(),
+            joint_states_rate: 1.0,
+            axis_states_rate: 1000.0,
+            autostart: false,
+            interfaces: vec!["lo".into(), "192.168.0.1".into()],
+        }
+    );
+    assert_eq!(good(&format!("{HEAD}ros:\n")).ros, RosOptions::default());
+    let namespace = "/ or names that each follow a /, such as /cell_1/press, is allowed";
+    for (text, sentence) in [
+        ("name: ^2nd", "name is `2nd`; a letter or _, then letters, digits and _, is allowed"),
+        ("namespace: ^cell_1/", &format!("namespace is `cell_1/`; {namespace}, write `/cell_1`")),
+        ("namespace: ^//a", &format!("namespace is `//a`; {namespace}, write `/a`")),
+        ("namespace: ^/a-b", &format!("namespace is `/a-b`; {namespace}")),
+        ("axis_states_rate: ^1001 Hz", "axis_states_rate is `1001 Hz`; 1 Hz..1000 Hz is allowed"),
+        ("axis_states_rate: ^10 ms", "axis_states_rate: `10 ms` is a time; a frequency such as `10 Hz` is expected"),
+        ("autostart: ^yes", "autostart is `yes`; true or false is allowed, write `true`"),
+        ("interfaces: [^'', lo]", "interfaces[0] is ``; a network interface such as eth0 or its address is allowed"),
+        (
+            "^domain: 3",
+            "unknown key `domain` in ros, known are name, namespace, joint_states_rate, axis_states_rate, autostart, interfaces",
+        ),
+    ] {
+        assert_said(&format!("{HEAD}ros: {{{text}}}"), sentence);
+    }
+}
+
+#[test]
+fn backends() {
+    for (text, sentence) in [
+        ("{type: ^simm}", "type is `simm`; one of sim, can is allowed, did you mean `sim`?"),
+        ("^{}", "missing key `type` in backend `p`"),
+        ("{type: sim, seed: ^-1}", "seed is -1; 0..18446744073709551615 is allowed"),
+        ("{type: sim, delay: ^40}", "delay is 40; 0..32 is allowed"),
+        ("{type: sim, ^bitrate: 5}", "unknown key `bitrate` in backend `p`, known are type, seed, delay"),
+        ("^{type: can}", "missing key `transport` in backend `p`"),
+        ("{type: can, transport: ^can0}", "transport is `can0`; KIND:NAME, such as socketcan:can0, is allowed"),
+        ("{type: can, transport: 'a:b', bitrate: ^125}", "bitrate is 125; 10000..1000000 is allowed"),
+    ] {
+        assert_said(&format!("lineshaft: 1\ncycle: 1 ms\nbackends:\n  p: {text}\n"), sentence);
+    }
+    assert_eq!(good(HEAD).real_backends, ["bus0"]);
+}
+
+#[test]
+fn inputs_and_outputs() {
+    for (text, sentence) in [
+        ("{type: ^dx, backend: plant, address: 0}", "type is `dx`; one of di, do, ai, ao is allowed"),
+        ("{type: di, backend: ^x, address: 1}", "backend is `x`; no backend has that name, there are plant, bus0"),
+        ("{type: di, backend: ^a, address: 1}", "backend is `a`, which is an input or output; backend is allowed"),
+        ("{type: di, backend: plant, address: ^0}", "di address 0 of backend `plant` is taken already, at 7:42"),
+        ("^{type: di, backend: plant}", "missing key `address` in io `b`"),
+        ("{type: di, backend: plant, address: ^65536}", "address is 65536; 0..65535 is allowed"),
+        (
+            "{type: do, backend: plant, address: 0, latch: ^true}",
+            "latch is true for type do; only the edges of a di are latched",
+        ),
+        ("{type: do, backend: plant, address: 0, ^lach: true}", "unknown key `lach` in io `b`, did you mean `latch`?"),
+    ] {
+        assert_said(&format!("{HEAD}io:\n  a: {{type: di, backend: plant, address: 0}}\n  b: {text}\n"), sentence);
+    }
+    let no_backend = "lineshaft: 1\ncycle: 1 ms\nio: {a: {type: di, backend: ^plant, address: 0}}";
+    assert_said(no_backend, "backend is `plant`; no backend has that name, there is none");
+    let cell = good(&format!(
+        "{HEAD}io:\n  a: {{type: di, backend: plant, address: 0, latch: true}}\n  b: {{type: do, backend: plant, address: 0}}\n  \
+         c: {{type: di, backend: bus0, address: 0}}\n"
+    ));
+    let read: Vec<_> = cell.machine.io.iter().map(|io| (io.name.as_str(), io.kind, io.latch)).collect();
+    assert_eq!(
+        read,
+        [("a", IoKind::DigitalInput, true), ("b", IoKind::DigitalOutput, false), ("c", IoKind::DigitalInput, false)]
+    );
+}
+
+#[test]
+fn memory_holds_what_its_type_does() {
+    for (text, sentence) in [
+        ("{type: i16, initial: ^32768}", "initial is 32768; -32768..32767 is allowed"),
+        ("{type: i32, initial: ^-2147483649}", "initial is -2147483649; -2147483648..2147483647 is allowed"),
+        (
+            "{type: i64, initial: ^9007199254740993}",
+            "initial is 9007199254740993; -9007199254740992..9007199254740992 is allowed",
+        ),
+        ("{type: i16, initial: ^0.5}", "initial is `0.5`; a whole number -32768..32767 is allowed"),
+        ("{type: f64, initial: ^nan}", "initial is `nan`; a finite number is expected"),
+        ("{type: bit, initial: ^2}", "initial is 2; 0..1 is allowed"),
+        ("{type: ^u8}", "type is `u8`; one of i16, i32, i64, f64, bit is allowed"),
+        ("^{initial: 1}", "missing key `type` in memory `m`"),
+    ] {
+        assert_said(&format!("{HEAD}memory:\n  m: {text}\n"), sentence);
+    }
+    let memory = "{a: {type: f64, initial: 0.1}, b: {type: i16, initial: -32768}, c: {type: bit}}";
+    let cell = good(&format!("{HEAD}memory: {memory}\n"));
+    let read: Vec<_> = cell.machine.memory.iter().map(|memory| (memory.kind, memory.initial)).collect();
+    assert_eq!(read, [(MemoryKind::F64, 0.1), (MemoryKind::I16, -32768.0), (MemoryKind::Bit, 0.0)]);
+}
+
+#[test]
+fn encoders() {
+    let scale = "scale: {increments: 4000, per: 100 mm}";
+    let first = format!("{{backend: plant, address: 1, type: linear, {scale}}}");
+    for (text, sentence) in [
+        (
+            &format!("{{backend: plant, address: 0, bits: ^65, type: linear, {scale}}}")[..],
+            "bits is 65; 1..64 is allowed",
+        ),
+        (&format!("{{backend: plant, address: 0, bits: ^0, type: linear, {scale}}}"), "bits is 0; 1..64 is allowed"),
+        (
+            &format!("{{backend: plant, address: ^1, type: linear, {scale}}}"),
+            "encoder address 1 of backend `plant` is taken already, at 7:32",
+        ),
+        (
+            "{backend: plant, address: 0, type: rotary, scale: {increments: 4000, per: ^100 mm}}",
+            "per: `100 mm` is a length; an angle such as `100 rad` is expected",
+        ),
+        ("^{backend: plant, address: 0, type: linear}", "missing key `scale` in encoder `e`"),
+    ] {
+        assert_said(&format!("{HEAD}encoders:\n  a: {first}\n  e: {text}\n"), sentence);
+    }
+    let cell = good(&format!("{HEAD}encoders: {{e: {first}}}\n"));
+    assert_eq!(cell.machine.encoders[0].bits, 32);
+}
+
+#[test]
+fn a_name_stands_once_in_a_cell() {
+    assert_eq!(
+        said_of(
+            "memory:\n  x: {type: bit}\n  plant: {type: bit}\n  x: {type: i16}\n\
+             io:\n  x: {type: di, backend: plant, address: 0}\n"
+        ),
+        "8:3: `plant` is a backend already, at 4:3; a name stands once\n\
+         9:3: key `x` stands here again; it is first at 7:3\n\
+         11:3: `x` is a memory cell already, at 7:3; a name stands once"
+    );
+    assert_eq!(
+        said_of("memory:\n  ros: {type: bit}\n  a.b: {type: bit}\n"),
+        "7:3: `ros` is taken; machine, end and ros name no object\n\
+         8:3: `a.b` is no name; a letter a..z, then a..z, 0..9 and _, at most 32 characters, is allowed, write `a_b`"
+    );
+    // One problem is enough for what is meant by a name that is none, and a line stays a line.
+    let cell = HEAD.replace("plant:", "\"Pla\\nnt\":");
+    let io = "{type: di, backend: \"Pla\\nnt\", address: 0}";
+    let rule = "a letter a..z, then a..z, 0..9 and _, at most 32 characters, is allowed";
+    assert_eq!(
+        said(&format!("{cell}io:\n  a: {io}\n  b: {io}\n")),
+        format!(
+            "4:3: `Pla\\nnt` is no name; {rule}\n8:46: di address 0 of backend `Pla\\nnt` is taken already, at 7:46"
+        )
+    );
+    // The second is the one further down, whatever the order in which sections are read.
+    assert_said(
+        &three_axes("groups: {g: [x]}\nmemory: {^g: {type: bit}}\n"),
+        "`g` is a group already, at 10:10; a name stands once",
+    );
+}
+
+/// Two axes with drives and a virtual one.
+fn three_axes(more: &str) -> String {
+    let axis = |name: &str, drive: &str| {
+        format!(
+            "  {name}: {{type: linear, drive: {drive}, scale: {{increments: 1, per: 1 mm}}, max_velocity: 1, max_acceleration: 1}}\n"
+        )
+    };
+    let drive = |address: u8| format!("{{backend: plant, address: {address}}}");
+    format!("{HEAD}axes:\n{}{}{}{more}", axis("line", "virtual"), axis("x", &drive(0)), axis("turret", &drive(1)))
+}
+
+#[test]
+fn groups() {
+    assert_eq!(
+        good(&three_axes("groups: {b: [turret], a: [turret, x]}\n")).groups,
+        [("b".to_owned(), vec![2]), ("a".to_owned(), vec![2, 1])]
+    );
+    for (text, sentence) in [
+        ("[x, ^x]", "axis `x` is taken already, at 10:14"),
+        ("[x, ^line]", "axis `line` is virtual; a group has axes with a drive"),
+        ("[^turet]", "g[0] is `turet`; no axis has that name, did you mean `turret`?"),
+        ("[^plant]", "g[0] is `plant`, which is a backend; axis is allowed"),
+        ("^[]", "group `g` is empty; the names of one axis or more are expected"),
+        ("^x", "g is `x`; a list is expected"),
+    ] {
+        assert_said(&three_axes(&format!("groups: {{g: {text}}}\n")), sentence);
+    }
+}
+
+/// The problems of functions from line 12 on, without those that name a type.
+fn functions(text: &str) -> String {
+    let before = "io: {lamp: {type: do, backend: plant, address: 0}}\nfunctions:\n";
+    let said = said(&three_axes(&format!("{before}{text}")));
+    let no_type = "function type varsync does not exist yet";
+    assert_eq!(said.matches(no_type).count(), text.matches("varsync").count(), "{said}");
+    said.lines().filter(|line| !line.contains(no_type)).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn functions_are_refused_by_name_and_checked_all_the_same() {
+    for (text, expected) in [
+        ("{slot: 1, type: varsync, m1: 3, whatever: [1]}", ""),
+        ("{slot: 0, type: varsync}", "13:13: slot 0 is taken already, at 12:13"),
+        ("{slot: 64, type: varsync}", "13:13: slot is 64; 0..63 is allowed"),
+        ("{type: varsync}", "13:6: missing key `slot` in function `g`"),
+        ("{slot: 1}", "13:6: missing key `type` in function `g`"),
+        (
+            "{slot: 1, type: varsync, source: turet.command.position}",
+            "13:39: source is `turet`; no axis, encoder, input or output, memory cell, function has that name, \
+             did you mean `turret`?",
+        ),
+        ("{slot: 1, type: varsync, source: machine.error, sink: none}", ""),
+        (
+            "{slot: 1, type: varsync, sink: lamp}",
+            "13:37: sink is `lamp`, which is no ao; an axis, a memory cell, an ao or none is allowed",
+        ),
+        (
+            "{slot: 1, type: varsync, sink: plant}",
+            "13:37: sink is `plant`, which is a backend; axis, memory cell, input or output is allowed",
+        ),
+    ] {
+        assert_eq!(functions(&format!("  f: {{slot: 0, type: varsync}}\n  g: {text}\n")), expected);
+    }
+}
+
+/// Functions of ascending slots from source to sink.
+fn links(links: &[(&str, &str)]) -> String {
+    let line = |(slot, (source, sink)): (usize, &(&str, &str))| {
+        format!("  f{slot}: {{slot: {slot}, type: varsync, source: {source}, sink: {sink}}}\n")
+    };
+    functions(&links.iter().enumerate().map(line).collect::<String>())
+}
+
+#[test]
+fn axes_that_follow_each_other_in_a_loop_are_named() {
+    let hint = |name: &str| format!(", follow `{name}.actual`");
+    let says = "axes follow each other's commands in a loop:";
+    assert_eq!(links(&[("line", "x"), ("x.command.position", "turret")]), "");
+    assert_eq!(
+        links(&[("x.command", "turret"), ("turret.command.position", "x")]),
+        format!("13:3: {says} x -> turret -> x{}", hint("turret"))
+    );
+    assert_eq!(links(&[("x.turns", "x")]), format!("12:3: {says} x -> x{}", hint("x")));
+    assert_eq!(
+        links(&[("line", "x"), ("x", "turret"), ("turret.target.position", "line")]),
+        format!("14:3: {says} line -> x -> turret -> line{}", hint("turret"))
+    );
+    // Through the output of other functions, also of those that stand further down.
+    assert_eq!(
+        links(&[("f2.sink", "x"), ("x", "turret"), ("turret", "none")]),
+        format!("13:3: {says} turret -> x -> turret{}", hint("x"))
+    );
+    // Two loops, each at the function that closes it.
+    assert_eq!(
+        links(&[("line", "x"), ("x", "line"), ("line", "turret"), ("turret", "line")]),
+        format!("13:3: {says} x -> line -> x{}\n15:3: {says} line -> turret -> line{}", hint("x"), hint("turret"))
+            .replace("x -> line -> x", "line -> x -> line")
+    );
+}
+
+#[test]
+fn an_input_makes_no_loop() {
+    assert_eq!(links(&[("x.actual", "turret"), ("turret", "x")]), "");
+    assert_eq!(links(&[("x.actual.position", "x")]), "");
+    assert_eq!(links(&[("f1.sink", "none"), ("f0.sink", "x")]), "");
+}
