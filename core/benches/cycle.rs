@@ -35,7 +35,8 @@ impl Rig {
             MachineConfig { cycle_ns: 1_000_000, axes: (0..axes).map(axis).collect(), ..MachineConfig::default() };
         let machine = Machine::new(config).expect("a legal machine");
         let (mut inputs, outputs) = (machine.inputs(), machine.outputs());
-        let drive = DriveInput { status: DriveState::Enabled.status(), online: true, fresh: true, ..Default::default() };
+        let drive =
+            DriveInput { status: DriveState::Enabled.status(), online: true, fresh: true, ..Default::default() };
         inputs.drive.fill(drive);
         let mut rig = Self { machine, inputs, outputs };
         rig.give(Action::Enable(AxisSet::first(usize::from(axes))));

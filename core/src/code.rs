@@ -111,6 +111,8 @@ codes! {
     RESET_FAILED = 10213;
     /// More events in one cycle than there is room for.
     EVENTS_LOST = 10214;
+    /// More latches in one cycle than the inputs have room for.
+    LATCHES_LOST = 10215;
 }
 
 impl Code {

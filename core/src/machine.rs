@@ -145,7 +145,11 @@ impl Machine {
             let input = inputs.encoder.get(index).copied().unwrap_or_default();
             let lead = encoder.step(input.count, input.epoch, input.valid, cycle_s);
             self.signals.publish_encoder(&mut self.board, index, input, lead);
-            self.leads.encoder[index] = lead;
+            let was_valid = std::mem::replace(&mut self.leads.encoder[index], lead).valid;
+            if was_valid && !lead.valid {
+                let object = Object::Encoder(index as u16);
+                self.events.push(Event::new(Severity::Error, Kind::Error, object, Code::ENCODER_INVALID));
+            }
         }
         for (axis, actual) in self.axes.iter_mut().zip(&mut self.leads.actual) {
             axis.sense(axis.drive().and_then(|drive| inputs.drive.get(drive)));

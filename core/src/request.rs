@@ -53,7 +53,7 @@ pub enum RequestError {
         /// The field.
         field: String,
         /// What is wrong with it.
-        error: UnitError,
+        error: Box<UnitError>,
     },
     /// A parameter's value of the wrong type.
     #[error("{name} is `{value}`; {allowed} is expected")]
@@ -266,7 +266,7 @@ impl MachineConfig {
         let (index, axis) = self.find_axis(&request.axis)?;
         let (units, scale) = (request.units, &axis.scale);
         let rate = |field: &str, amount: Amount, order| {
-            let bad = |error| RequestError::BadValue { field: field.to_owned(), error };
+            let bad = |error| RequestError::BadValue { field: field.to_owned(), error: Box::new(error) };
             amount.rate(units, scale, order).map_err(bad)
         };
         Ok(Move {
@@ -275,7 +275,7 @@ impl MachineConfig {
             target: request
                 .position
                 .length(units, scale)
-                .map_err(|error| RequestError::BadValue { field: "position".into(), error })?,
+                .map_err(|error| RequestError::BadValue { field: "position".into(), error: Box::new(error) })?,
             velocity: rate("velocity", request.velocity, 1)?,
             acceleration: rate("acceleration", request.acceleration, 2)?,
             deceleration: rate("deceleration", request.deceleration, 2)?,
@@ -292,7 +292,7 @@ impl MachineConfig {
         use crate::command::{Disengage, SyncMode};
         let (index, axis) = self.find_axis(&request.axis)?;
         let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
-        let bad = |field: &str, error| RequestError::BadValue { field: field.to_owned(), error };
+        let bad = |field: &str, error| RequestError::BadValue { field: field.to_owned(), error: Box::new(error) };
         let mode = match request.mode {
             0 => SyncMode::Velocity,
             1 => SyncMode::Position,
@@ -341,7 +341,7 @@ impl MachineConfig {
 impl parameter::ConvertError {
     fn named(self, name: &str, row: &Row) -> RequestError {
         match self {
-            Self::Unit(error) => RequestError::BadValue { field: name.to_owned(), error },
+            Self::Unit(error) => RequestError::BadValue { field: name.to_owned(), error: Box::new(error) },
             Self::Type(value) => {
                 RequestError::BadParameter { name: name.to_owned(), value, allowed: row.measure.expected() }
             }

@@ -149,6 +149,7 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::SYNC_LOST => fixed("the leader is faster than the axis may be; it lags and catches up"),
         Code::RESET_FAILED => fixed("the drive did not leave its fault within 5 s"),
         Code::EVENTS_LOST => format!("{} events of this cycle had no room", plain(event.asked)),
+        Code::LATCHES_LOST => format!("{} latches of this cycle had no room", plain(event.asked)),
         Code(number) if number >= Code::DRIVE_FAULT => format!("drive fault {:04X}h", number - Code::DRIVE_FAULT),
         Code(number) => format!("code {number}"),
     }

@@ -19,14 +19,14 @@ const AXES: u16 = 8;
 
 fn config() -> MachineConfig {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
-    let scale = Scale::new(Fraction::from_integer(1000), per).unwrap();
+    let scale = Scale::new(Fraction::from_integer(1000), per).expect("a legal scale");
     let axis = |index: u16| AxisConfig {
         name: format!("a{index}"),
         scale,
         modulo: lineshaft_core::axis::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
         drive: (index > 0).then_some(u32::from(index % 3)),
         parameters: AxisParameters {
-            max_position: (index % 2 == 0).then_some(40_000),
+            max_position: index.is_multiple_of(2).then_some(40_000),
             error_reaction: i64::from(index % 6),
             ..AxisParameters::new(1e5, 1e6)
         },
@@ -122,7 +122,7 @@ fn no_cycle_takes_or_gives_back_memory() {
         plant.read(&mut inputs);
         count += 20;
         inputs.encoder[0] = EncoderInput { count: count & 0xFFFF, epoch: 0, valid: numbers.below(900) != 0 };
-        inputs.missed = u32::from(cycle % 777 == 0);
+        inputs.missed = u32::from(cycle.is_multiple_of(777));
         inputs.add_latch(Latch {
             object: Object::Axis(numbers.below(8) as u16),
             edge: Edge::Rising,

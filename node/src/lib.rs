@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cell;
+pub mod cli;
 pub mod document;
 pub mod run;
 pub mod scenario;

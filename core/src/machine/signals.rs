@@ -132,6 +132,10 @@ fn add_machine(directory: &mut Directory) -> Signal {
 impl Machine {
     /// Tells the latches of this cycle, with the position of what latched at that instant.
     pub(super) fn take_latches(&mut self, inputs: &Inputs) {
+        if inputs.latches_lost > 0 {
+            let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, Code::LATCHES_LOST);
+            self.events.push(event.with(Number::Count(inputs.latches_lost.into()), Number::None));
+        }
         for latch in &inputs.latch {
             let lead = match latch.object {
                 Object::Encoder(index) => self.leads.encoder.get(usize::from(index)).copied(),

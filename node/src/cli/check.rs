@@ -36,8 +36,7 @@ pub(super) fn summary(cell: &Cell) -> String {
         (machine.memory.len(), "memory cell", "memory cells"),
     ];
     let counts = counts.iter().filter(|(count, ..)| *count > 0);
-    let counts: Vec<String> = counts
-        .map(|(count, one, many)| format!("{count} {}", if *count == 1 { one } else { many }))
-        .collect();
-    format!("{}; cycle {} us", counts.join(", "), machine.cycle_ns as f64 / 1e3)
+    let counts: Vec<String> =
+        counts.map(|(count, one, many)| format!("{count} {}", if *count == 1 { one } else { many })).collect();
+    format!("{}; cycle {} ms", counts.join(", "), machine.cycle_ns as f64 / 1e6)
 }

@@ -109,9 +109,10 @@ struct CellArgs {
 fn processor(text: &str) -> Result<Processor, String> {
     match text {
         "any" => Ok(Processor::Any),
-        number => {
-            number.parse().map(Processor::Number).map_err(|_| "a number of a processor, or `any`, is allowed".to_owned())
-        }
+        number => number
+            .parse()
+            .map(Processor::Number)
+            .map_err(|_| "a number of a processor, or `any`, is allowed".to_owned()),
     }
 }
 

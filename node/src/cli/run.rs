@@ -5,9 +5,9 @@ use super::{Exit, RunArgs};
 use crate::cell::Cell;
 use crate::run::bridge::{Bridge, Handle};
 use crate::run::lanes;
-use crate::run::thread::{CycleThread, Statistics};
+use crate::run::thread::{CycleThread, Play, Statistics};
+use crate::scenario::{Player, Report, Scenario};
 use lineshaft_core::command::{Action, Source};
-use lineshaft_core::drive::Backend;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::signal::Signal;
@@ -19,6 +19,7 @@ use lineshaft_ros::surface::{Rates, Surface};
 use rtrb::RingBuffer;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::signal::unix::{SignalKind, signal};
@@ -40,7 +41,14 @@ pub(super) fn run(args: &RunArgs, ros: RosArguments) -> Exit {
             }
         },
     };
-    match start(args, &cell, &title, ros) {
+    let scenario = match args.scenario.as_deref().map(|path| Scenario::load(path, &cell)).transpose() {
+        Ok(scenario) => scenario,
+        Err(problems) => {
+            eprint!("{problems}");
+            return Exit::Usage;
+        }
+    };
+    match start(args, &cell, &title, scenario, ros) {
         Ok(exit) => exit,
         Err(sentence) => {
             eprintln!("error: {sentence}");
@@ -50,15 +58,18 @@ pub(super) fn run(args: &RunArgs, ros: RosArguments) -> Exit {
 }
 
 /// Everything that can be wrong before the machine starts is said here; nothing has started then.
-fn start(args: &RunArgs, cell: &Cell, title: &str, ros: RosArguments) -> Result<Exit, String> {
+fn start(
+    args: &RunArgs,
+    cell: &Cell,
+    title: &str,
+    scenario: Option<Scenario>,
+    ros: RosArguments,
+) -> Result<Exit, String> {
     if let (Some(backend), false) = (cell.real_backends.first(), args.sim) {
         return Err(format!("backend {backend}: CAN does not exist yet; `lineshaft run --sim` simulates its drives"));
     }
     if !cell.ros.autostart {
         return Err("ros: autostart: false needs the lifecycle services, which do not exist yet".to_owned());
-    }
-    if args.scenario.is_some() {
-        return Err("a scenario on a running machine does not exist yet; use `lineshaft sim`".to_owned());
     }
     let name = ros.name.as_deref().unwrap_or(&cell.ros.name);
     let namespace = ros.namespace.as_deref().unwrap_or(&cell.ros.namespace);
@@ -72,7 +83,7 @@ fn start(args: &RunArgs, cell: &Cell, title: &str, ros: RosArguments) -> Result<
         .build()
         .map_err(|error| format!("no threads for ROS: {error}"))?;
     let plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
-    let (running, events) = Running::start(args, machine, vec![Box::new(plant)]);
+    let (running, events) = Running::start(args, machine, plant, scenario);
     let exit = runtime.block_on(serve(cell, name, &environment, running, events));
     runtime.shutdown_timeout(Duration::from_secs(1));
     Ok(exit)
@@ -95,26 +106,37 @@ struct Running {
     stop_bridge: Arc<AtomicBool>,
     cycle: JoinHandle<()>,
     bridge: JoinHandle<()>,
+    /// The report of the scenario, once it is over; nothing without one.
+    report: Option<Receiver<Report>>,
 }
 
 impl Running {
     fn start(
         args: &RunArgs,
         machine: Machine,
-        backends: Vec<Box<dyn Backend + Send>>,
+        plant: Plant,
+        scenario: Option<Scenario>,
     ) -> (Self, UnboundedReceiver<StampedEvent>) {
         let (commander, lanes, spent) = lanes::lanes();
         let (events, events_out) = RingBuffer::new(EVENT_ROOM);
         let first = Snapshot { cycle: 0, stamp_ns: 0, board: machine.board().clone() };
         let (snapshot, signals) = triple_buffer::triple_buffer(&first);
-        let handle =
-            Arc::new(Handle::new(machine.config().clone(), machine.directory().clone(), commander, first));
+        let handle = Arc::new(Handle::new(machine.config().clone(), machine.directory().clone(), commander, first));
         let statistics = Arc::new(Statistics::default());
         let (stop_cycle, stop_bridge) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         let (listener, heard) = unbounded_channel();
+        let (play, report) = match scenario {
+            None => (None, None),
+            Some(scenario) => {
+                let (send, receive) = channel();
+                let play = Play { player: Player::new(&scenario), numbers: handle.numbers(), report: send };
+                (Some(play), Some(receive))
+            }
+        };
         let cycle = CycleThread {
             machine,
-            backends,
+            plant,
+            play,
             lanes,
             events,
             snapshot,
@@ -126,7 +148,7 @@ impl Running {
         let bridge = Bridge { events: events_out, signals, spent, listeners: vec![listener] };
         let (for_bridge, end) = (Arc::clone(&handle), Arc::clone(&stop_bridge));
         let bridge = std::thread::spawn(move || bridge.run(&for_bridge, &end));
-        (Self { handle, statistics, stop_cycle, stop_bridge, cycle, bridge }, heard)
+        (Self { handle, statistics, stop_cycle, stop_bridge, cycle, bridge, report }, heard)
     }
 
     /// Ends both threads; an error when one of them has panicked.
@@ -185,21 +207,35 @@ async fn serve(
         Networks::Only(addresses) => addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     };
     tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
-    let failed = wait_for_end(&running).await;
-    if !failed {
+    let why = wait_for_end(&running).await;
+    if !matches!(why, Ended::ThreadFailed) {
         stop_machine(&running).await;
     }
     drop(surface);
-    let exit = running.end();
-    if failed { Exit::Failed } else { exit }
+    match (running.end(), why) {
+        (exit, Ended::BySignal) => exit,
+        (exit, Ended::ScenarioOver(report)) => {
+            println!("{report}");
+            if report.passed() { exit } else { Exit::Failed }
+        }
+        (_, Ended::ThreadFailed) => Exit::Failed,
+    }
 }
 
-/// Waits for a signal, or for a thread to fail: true then. From the first signal on a second one ends the process.
-async fn wait_for_end(running: &Running) -> bool {
+/// Why the program ends.
+enum Ended {
+    BySignal,
+    ScenarioOver(Box<Report>),
+    ThreadFailed,
+}
+
+/// Waits for a signal, for the end of the scenario, or for a thread to fail. From a first signal on a second one ends the
+/// process.
+async fn wait_for_end(running: &Running) -> Ended {
     let (interrupt, terminate) = (signal(SignalKind::interrupt()), signal(SignalKind::terminate()));
     let (Ok(mut interrupt), Ok(mut terminate)) = (interrupt, terminate) else {
         tracing::error!("signals of the system cannot be received");
-        return true;
+        return Ended::ThreadFailed;
     };
     let mut look = tokio::time::interval(Duration::from_millis(100));
     loop {
@@ -207,8 +243,11 @@ async fn wait_for_end(running: &Running) -> bool {
             _ = interrupt.recv() => break,
             _ = terminate.recv() => break,
             _ = look.tick() => {
+                if let Some(report) = running.report.as_ref().and_then(|report| report.try_recv().ok()) {
+                    return Ended::ScenarioOver(Box::new(report));
+                }
                 if running.cycle.is_finished() || running.bridge.is_finished() {
-                    return true;
+                    return Ended::ThreadFailed;
                 }
             }
         }
@@ -221,7 +260,7 @@ async fn wait_for_end(running: &Running) -> bool {
         }
         std::process::exit(1);
     });
-    false
+    Ended::BySignal
 }
 
 /// Halts all axes, then switches them off.

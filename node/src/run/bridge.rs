@@ -1,6 +1,6 @@
 //! Between the cycle thread and everybody else: passes events and signals on, frees what came back.
 
-use super::lanes::{Commander, Spent};
+use super::lanes::{Commander, Numbers, Spent};
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Kind, Severity};
@@ -29,6 +29,11 @@ impl Handle {
     /// A handle on a machine that is about to run.
     pub fn new(config: MachineConfig, directory: Directory, commander: Commander, first: Snapshot) -> Self {
         Self { config, directory, commander, newest: RwLock::new(Arc::new(first)) }
+    }
+
+    /// Where the numbers of commands come from.
+    pub fn numbers(&self) -> Numbers {
+        self.commander.numbers()
     }
 
     /// Hands a command over, in the name of `source`.

@@ -4,7 +4,8 @@ use lineshaft_core::command::{Action, Command, Commands, Setpoints, Source};
 use lineshaft_core::machine::MAX_COMMANDS;
 use lineshaft_ros::surface::host::Busy;
 use rtrb::{Consumer, Producer, RingBuffer};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Room of the stop lane: halt, quick_stop and disable.
 const STOP_ROOM: usize = 64;
@@ -13,14 +14,27 @@ const QUEUE_ROOM: usize = 256;
 
 /// The end of the lanes at which commands go in; shared by all who give commands.
 #[derive(Debug)]
-pub struct Commander(Mutex<Doors>);
+pub struct Commander {
+    doors: Mutex<Doors>,
+    numbers: Numbers,
+}
 
 #[derive(Debug)]
 struct Doors {
     stop: Producer<Command>,
     queue: Producer<Command>,
     stream: triple_buffer::Input<Setpoints>,
-    last: u64,
+}
+
+/// The sequence numbers of commands, whoever gives them.
+#[derive(Clone, Debug, Default)]
+pub struct Numbers(Arc<AtomicU64>);
+
+impl Numbers {
+    /// Sets `count` numbers aside and returns the one before the first of them.
+    pub fn reserve(&self, count: u64) -> u64 {
+        self.0.fetch_add(count, Ordering::Relaxed)
+    }
 }
 
 /// The end of the lanes in the cycle thread.
@@ -46,10 +60,10 @@ pub fn lanes() -> (Commander, Lanes, Spent) {
     // Room for all that can be on its way, so that the cycle thread never has to free a command itself.
     let (spent, spent_out) = RingBuffer::new(4 * (STOP_ROOM + QUEUE_ROOM));
     let (stream_in, stream) = triple_buffer::triple_buffer(&Setpoints::default());
-    let doors = Doors { stop: stop_in, queue: queue_in, stream: stream_in, last: 0 };
+    let doors = Mutex::new(Doors { stop: stop_in, queue: queue_in, stream: stream_in });
     let room = || Vec::with_capacity(MAX_COMMANDS);
     let lanes = Lanes { stop, queue, stream, spent, taken_stop: room(), taken_queue: room() };
-    (Commander(Mutex::new(doors)), lanes, Spent(spent_out))
+    (Commander { doors, numbers: Numbers::default() }, lanes, Spent(spent_out))
 }
 
 impl Commander {
@@ -59,18 +73,25 @@ impl Commander {
     /// Its lane is full.
     pub fn submit(&self, source: Source, action: Action) -> Result<u64, Busy> {
         // A poisoned lock means that another thread panicked between two whole pushes: the rings are sound.
-        let mut doors = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let sequence = doors.last + 1;
+        let mut doors = self.doors.lock().unwrap_or_else(PoisonError::into_inner);
         let stops = matches!(action, Action::Halt(_) | Action::QuickStop(_) | Action::Disable(_));
         let lane = if stops { &mut doors.stop } else { &mut doors.queue };
+        if lane.is_full() {
+            return Err(Busy);
+        }
+        let sequence = self.numbers.reserve(1) + 1;
         lane.push(Command { sequence, source, action }).map_err(|_| Busy)?;
-        doors.last = sequence;
         Ok(sequence)
+    }
+
+    /// Where the numbers come from, for whoever gives commands past the lanes.
+    pub fn numbers(&self) -> Numbers {
+        self.numbers.clone()
     }
 
     /// Puts newer streamed setpoints in the place of the last ones.
     pub fn stream(&self, setpoints: Setpoints) {
-        let mut doors = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut doors = self.doors.lock().unwrap_or_else(PoisonError::into_inner);
         doors.stream.write(setpoints);
     }
 }
@@ -82,6 +103,12 @@ impl Lanes {
         let left = MAX_COMMANDS - self.taken_stop.len();
         fill(&mut self.taken_queue, &mut self.queue, left);
         self.stream.update();
+    }
+
+    /// Adds commands that did not come through the lanes; they come after those that did.
+    pub fn add(&mut self, commands: Commands<'_>) {
+        self.taken_stop.extend_from_slice(commands.stop);
+        self.taken_queue.extend_from_slice(commands.queue);
     }
 
     /// What was taken.

@@ -1,15 +1,18 @@
 //! The cycle thread: absolute deadlines, one cycle after the other, and nothing that could make it wait.
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Numbers};
 use super::realtime::{self, Processor};
+use crate::scenario::{Player, Report};
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
+use lineshaft_core::sim::Plant;
 use lineshaft_ros::surface::host::{Snapshot, StampedEvent};
 use rtrb::Producer;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec, clock_gettime};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::Sender;
 
 /// How well the thread keeps its time; written by it, read by anybody.
 #[derive(Debug, Default)]
@@ -26,12 +29,27 @@ pub struct Statistics {
     pub events_lost: AtomicU64,
 }
 
+/// A scenario that plays on the running machine. It takes memory, so such a run is for rehearsals.
+pub struct Play {
+    /// The scenario.
+    pub player: Player,
+    /// Numbers of its commands.
+    pub numbers: Numbers,
+    /// Where its report goes when it is over.
+    pub report: Sender<Report>,
+}
+
+/// Numbers that are set aside for the scenario's commands of one cycle.
+const PLAYED_COMMANDS: u64 = 1024;
+
 /// Everything that the cycle thread owns.
 pub struct CycleThread {
     /// The machine.
     pub machine: Machine,
-    /// Its backends.
-    pub backends: Vec<Box<dyn Backend + Send>>,
+    /// Simulation of its drives.
+    pub plant: Plant,
+    /// A scenario that plays on it.
+    pub play: Option<Play>,
     /// Ways in.
     pub lanes: Lanes,
     /// Way out of events.
@@ -81,20 +99,23 @@ impl CycleThread {
             deadline += cycle_ns;
             missed = self.skip_missed(&mut deadline, done, cycle_ns);
         }
-        for backend in &mut self.backends {
-            backend.stop();
-        }
+        self.plant.stop();
     }
 
     fn one(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, stamp_ns: u64) {
         self.lanes.take();
-        for backend in &mut self.backends {
-            backend.read(inputs);
+        if let Some(play) = &mut self.play {
+            let mut number = play.numbers.reserve(PLAYED_COMMANDS);
+            play.player.before(inputs.cycle, &mut number, Some(&mut self.plant));
+            self.lanes.add(play.player.commands());
+        }
+        self.plant.read(inputs);
+        if let Some(play) = &self.play {
+            play.player.override_inputs(inputs);
         }
         self.machine.cycle(inputs, self.lanes.commands(), outputs);
-        for backend in &mut self.backends {
-            backend.write(outputs);
-        }
+        self.plant.write(outputs);
+        self.end_play();
         for &event in self.machine.events() {
             if self.events.push(StampedEvent { event, stamp_ns }).is_err() {
                 self.statistics.events_lost.fetch_add(1, Ordering::Relaxed);
@@ -106,6 +127,17 @@ impl CycleThread {
         snapshot.board.copy_from(self.machine.board());
         self.snapshot.publish();
         self.lanes.give_back();
+    }
+
+    /// Judges the cycle for the scenario, and reports it when it is over.
+    fn end_play(&mut self) {
+        if let Some(play) = &mut self.play {
+            play.player.after(&self.machine);
+        }
+        if let Some(play) = self.play.take_if(|play| play.player.is_over()) {
+            // Nobody left to hear it: the program is ending.
+            let _ = play.report.send(play.player.finish());
+        }
     }
 
     fn count(&self, lateness: u64, duration: u64) {

@@ -94,6 +94,21 @@ fn a_latch_of_an_axis_lies_on_the_line_between_two_cycles() {
 }
 
 #[test]
+fn latches_that_found_no_room_are_told() {
+    let mut rig = Rig::new();
+    let latch = Latch { object: Object::Axis(X), edge: Edge::Falling, age_ns: Some(0), position: None };
+    let taken = (0..20).filter(|_| rig.plant.add_latch(latch)).count();
+    assert_eq!(taken, 16);
+    let mut inputs = rig.machine.inputs();
+    inputs.latches_lost = 4;
+    let mut outputs = rig.machine.outputs();
+    rig.machine.cycle(&inputs, Default::default(), &mut outputs);
+    let event = rig.machine.events().iter().find(|event| event.kind == Kind::Warning).unwrap();
+    let sentence = crate::text::sentence(event, rig.machine.config());
+    assert_eq!(sentence, "machine: 4 latches of this cycle had no room");
+}
+
+#[test]
 fn inputs_show_on_the_board() {
     let mut config = config(0);
     let input = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };

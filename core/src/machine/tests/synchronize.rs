@@ -166,10 +166,12 @@ fn an_encoder_leads_through_its_wrap_and_its_loss_stops_the_follower() {
     read(&mut rig, way & 0xFFFF, false);
     assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", i64::from(Code::LEADER_LOST.0)));
     assert_eq!(rig.int("belt.error"), i64::from(Code::ENCODER_INVALID.0));
+    let told = |rig: &Rig| rig.events.iter().filter(|event| event.code == Code::ENCODER_INVALID).count();
+    assert_eq!(told(&rig), 1);
     for _ in 0..100 {
         read(&mut rig, way & 0xFFFF, false);
     }
-    assert_eq!(rig.real("x.command.velocity"), 0.0);
+    assert_eq!((rig.real("x.command.velocity"), told(&rig)), (0.0, 1), "told once, not in every cycle");
 }
 
 #[test]

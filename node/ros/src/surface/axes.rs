@@ -14,8 +14,11 @@ use tokio::task::JoinSet;
 /// Longer than any drive may take to switch on and any axis to stop: without an answer the machine stands.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// The command for a set of axes.
+type Command = fn(AxisSet) -> Action;
+
 /// Name, what it does, and its past participle for the answer.
-const SERVICES: [(&str, fn(AxisSet) -> Action, &str); 5] = [
+const SERVICES: [(&str, Command, &str); 5] = [
     ("~/enable", Action::Enable, "enabled"),
     ("~/disable", Action::Disable, "disabled"),
     ("~/halt", Action::Halt, "halted"),
@@ -34,7 +37,7 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 async fn serve(
     mut server: ServiceServer<AxesCommand>,
     hub: Arc<Hub>,
-    action: fn(AxisSet) -> Action,
+    action: Command,
     done: &'static str,
 ) {
     // Waiting requests end with the service.

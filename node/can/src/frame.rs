@@ -1,0 +1,115 @@
+//! Classical CAN frames with 11-bit identifiers, as CANopen uses them (CiA 301).
+
+/// Why something is no frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FrameError {
+    /// Identifiers have 11 bits.
+    #[error("CAN identifier {0:X}h; 0h to 7FFh is allowed")]
+    Id(u16),
+    /// Frames carry up to 8 bytes.
+    #[error("{0} bytes of data; 0 to 8 are allowed")]
+    Length(usize),
+}
+
+/// An 11-bit identifier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Id(u16);
+
+impl Id {
+    /// Network management (CiA 301).
+    pub const NMT: Self = Self(0x000);
+    /// SYNC (CiA 301, object 1005h by default).
+    pub const SYNC: Self = Self(0x080);
+
+    /// An identifier of 0h to 7FFh.
+    ///
+    /// # Errors
+    /// A larger number.
+    pub const fn new(id: u16) -> Result<Self, FrameError> {
+        if id <= 0x7FF { Ok(Self(id)) } else { Err(FrameError::Id(id)) }
+    }
+
+    /// The number.
+    pub const fn get(self) -> u16 {
+        self.0
+    }
+}
+
+/// A data or remote frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame {
+    id: Id,
+    data: [u8; 8],
+    length: u8,
+    remote: bool,
+}
+
+impl Frame {
+    /// A data frame.
+    ///
+    /// # Errors
+    /// More than 8 bytes.
+    pub fn data(id: Id, bytes: &[u8]) -> Result<Self, FrameError> {
+        let mut data = [0; 8];
+        let place = data.get_mut(..bytes.len()).ok_or(FrameError::Length(bytes.len()))?;
+        place.copy_from_slice(bytes);
+        Ok(Self { id, data, length: bytes.len() as u8, remote: false })
+    }
+
+    /// A remote frame that asks for `length` bytes.
+    ///
+    /// # Errors
+    /// More than 8 bytes.
+    pub fn remote(id: Id, length: u8) -> Result<Self, FrameError> {
+        if length > 8 {
+            return Err(FrameError::Length(length.into()));
+        }
+        Ok(Self { id, data: [0; 8], length, remote: true })
+    }
+
+    /// The identifier.
+    pub fn id(&self) -> Id {
+        self.id
+    }
+
+    /// The data; none for a remote frame.
+    pub fn bytes(&self) -> &[u8] {
+        if self.remote { &[] } else { &self.data[..usize::from(self.length)] }
+    }
+
+    /// Number of bytes that it carries or asks for.
+    pub fn length(&self) -> u8 {
+        self.length
+    }
+
+    /// True for a remote frame.
+    pub fn is_remote(&self) -> bool {
+        self.remote
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identifiers_have_eleven_bits() {
+        assert_eq!(Id::new(0x7FF).map(Id::get), Ok(0x7FF));
+        assert_eq!(Id::new(0x800).unwrap_err().to_string(), "CAN identifier 800h; 0h to 7FFh is allowed");
+    }
+
+    #[test]
+    fn frames_carry_up_to_eight_bytes() {
+        let frame = Frame::data(Id::SYNC, &[1, 2, 3]).unwrap();
+        assert_eq!((frame.id(), frame.bytes(), frame.is_remote()), (Id::SYNC, &[1, 2, 3][..], false));
+        assert_eq!(Frame::data(Id::NMT, &[0; 8]).unwrap().length(), 8);
+        assert_eq!(Frame::data(Id::NMT, &[0; 9]), Err(FrameError::Length(9)));
+    }
+
+    #[test]
+    fn a_remote_frame_asks_and_carries_nothing() {
+        let frame = Frame::remote(Id::SYNC, 8).unwrap();
+        assert_eq!((frame.bytes(), frame.length(), frame.is_remote()), (&[][..], 8, true));
+        assert_eq!(Frame::remote(Id::SYNC, 9), Err(FrameError::Length(9)));
+    }
+}

@@ -1,0 +1,381 @@
+//! Section `drive`: what replaces a signal, cycle by cycle.
+//!
+//! Law      n = cycle - at, from n = 0 on:
+//!          values, csv: row n; after the last one `then`: hold it, repeat from the first one, or release the signal
+//!          ramp: from + n per_cycle, exact; whole signals show the floor. `until` is the value at which it ends and then
+//!          holds, repeats or releases; it is met exactly
+//!          sine: mean + amplitude sin(2 pi n T / period); the phase is an exact fraction of the period, so that zeros and
+//!          peaks are met and nothing drifts; whole signals show the nearest, half away from zero
+//! Writes   inputs before the machine reads them; memory cells by commands
+//! Refuses  signals that are no inputs or memory cells, two drives of one signal from the same cycle
+//! Source   contract section 5
+
+use super::moment::positive_cycles;
+use super::names::Names;
+use super::ruler::Ruler;
+use super::{csv, moment};
+use crate::document::{Map, Place, Problems, Value};
+use lineshaft_core::config::IoKind;
+use lineshaft_core::drive::Inputs;
+use lineshaft_core::object::Object;
+use lineshaft_core::signal::{Signal, Type, Value as Number};
+use lineshaft_core::unit::{Fraction, fraction_from_f64, fraction_to_f64};
+use num_traits::{CheckedDiv, CheckedSub, ToPrimitive};
+use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
+
+/// One entry of the section.
+#[derive(Clone, Debug)]
+pub(super) struct Drive {
+    pub place: Place,
+    pub name: String,
+    pub signal: Signal,
+    pub kind: Type,
+    pub target: Target,
+    pub at: u64,
+    source: Source,
+    then: Then,
+}
+
+/// Where the value goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    Digital(usize),
+    Analog(usize),
+    Encoder(usize),
+    Drive(usize),
+    Memory(u16),
+}
+
+#[derive(Clone, Debug)]
+enum Source {
+    Rows(Vec<Number>),
+    Ramp(Ramp),
+    Sine(Sine),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Then {
+    Hold,
+    Repeat,
+    Release,
+}
+
+/// (start + n step) / denominator; the sums of a whole scenario fit.
+#[derive(Clone, Copy, Debug)]
+struct Ramp {
+    start: i128,
+    step: i128,
+    denominator: i128,
+    /// The first n at which the end is reached, and the end.
+    end: Option<(u64, Number)>,
+    is_real: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sine {
+    mean: f64,
+    amplitude: f64,
+    period_ns: u64,
+    cycle_ns: u64,
+    is_real: bool,
+}
+
+impl Ramp {
+    fn at(&self, n: u64) -> Number {
+        if let Some((_, end)) = self.end.filter(|(reached, _)| n >= *reached) {
+            return end;
+        }
+        let value = self.start + self.step * i128::from(n);
+        if self.is_real {
+            return Number::Real(fraction_to_f64(&Fraction::new(value, self.denominator)));
+        }
+        let floor = value.div_euclid(self.denominator);
+        Number::Int(floor.clamp(i64::MIN.into(), i64::MAX.into()) as i64)
+    }
+}
+
+impl Sine {
+    fn at(&self, n: u64) -> Number {
+        let period = u128::from(self.period_ns);
+        // By quarters: at their ends libm is exact.
+        let quarters = u128::from(n) * u128::from(self.cycle_ns) % period * 4;
+        let angle = (quarters % period) as f64 / period as f64 * FRAC_PI_2;
+        let sine = match quarters / period {
+            0 => libm::sin(angle),
+            1 => libm::cos(angle),
+            2 => -libm::sin(angle),
+            _ => -libm::cos(angle),
+        };
+        let value = self.mean + self.amplitude * sine;
+        // Rounding is half away from zero; the cast saturates.
+        if self.is_real { Number::Real(value) } else { Number::Int(libm::round(value) as i64) }
+    }
+}
+
+impl Drive {
+    /// The value of a cycle; none before it starts and after it has released the signal.
+    pub(super) fn value(&self, cycle: u64) -> Option<Number> {
+        let n = cycle.checked_sub(self.at)?;
+        let length = match &self.source {
+            Source::Rows(rows) => rows.len() as u64,
+            Source::Ramp(Ramp { end: Some((reached, _)), .. }) => reached.saturating_add(1),
+            Source::Ramp(_) | Source::Sine(_) => u64::MAX,
+        };
+        let n = match self.then {
+            _ if n < length => n,
+            Then::Hold => length - 1,
+            Then::Repeat => n % length,
+            Then::Release => return None,
+        };
+        match &self.source {
+            Source::Rows(rows) => usize::try_from(n).ok().and_then(|n| rows.get(n)).copied(),
+            Source::Ramp(ramp) => Some(ramp.at(n)),
+            Source::Sine(sine) => Some(sine.at(n)),
+        }
+    }
+
+    /// Replaces an input; memory cells are none.
+    pub(super) fn replace(&self, inputs: &mut Inputs, value: Number) {
+        let whole = || match value {
+            Number::Int(value) => value,
+            Number::Real(value) => value as i64,
+        };
+        match self.target {
+            Target::Digital(place) => inputs.set_digital(place, value.to_f64() != 0.0),
+            Target::Analog(place) => {
+                if let Some(input) = inputs.analog.get_mut(place) {
+                    *input = value.to_f64();
+                }
+            }
+            Target::Encoder(place) => {
+                if let Some(input) = inputs.encoder.get_mut(place) {
+                    input.count = whole();
+                }
+            }
+            Target::Drive(place) => {
+                if let Some(input) = inputs.drive.get_mut(place) {
+                    input.count = whole();
+                }
+            }
+            Target::Memory(_) => {}
+        }
+    }
+}
+
+/// What the entries are read with.
+pub(super) struct Reader<'a> {
+    pub names: &'a Names<'a>,
+    /// Where files are looked for.
+    pub folder: &'a Path,
+    /// Where problems of those files go.
+    pub problems: &'a Problems,
+    pub cycle_ns: u64,
+    /// Length of the scenario.
+    pub cycles: u64,
+}
+
+impl Reader<'_> {
+    /// Reads the section; a later start of the same signal takes over from an earlier one.
+    pub(super) fn read(&self, section: &Value<'_>) -> Vec<Drive> {
+        let mut drives: Vec<Drive> = Vec::new();
+        for item in section.list().unwrap_or_default() {
+            let Some(drive) = self.read_one(&item) else { continue };
+            if drives.iter().any(|other| other.signal == drive.signal && other.at == drive.at) {
+                let when = moment::text(drive.at, self.cycle_ns);
+                item.refuse(format!("{} is driven twice from {when} on", drive.name), None);
+            }
+            drives.push(drive);
+        }
+        drives.sort_by_key(|drive| drive.at);
+        drives
+    }
+
+    fn read_one(&self, item: &Value<'_>) -> Option<Drive> {
+        let mut map = item.map("an entry of drive")?;
+        let signal = map.required("signal").and_then(|value| self.signal(&value));
+        let at = map.optional("at").map_or(Some(0), |value| self.start(&value));
+        let ruler = signal.as_ref().map(|(signal, _)| Ruler::of(self.names, *signal));
+        let source = self.source(&mut map, ruler.as_ref());
+        let then = map.optional("then").map(|value| (value.place(), self.then(&value, source.as_ref())));
+        map.finish();
+        let (signal, target) = signal?;
+        let entry = self.names.directory.entry(signal);
+        let then = match then {
+            None => Then::Hold,
+            Some((_, then)) => then?,
+        };
+        let (name, kind, place) = (entry.name.clone(), entry.kind, item.place());
+        Some(Drive { place, name, signal, kind, target, at: at?, source: source?, then })
+    }
+
+    fn start(&self, value: &Value<'_>) -> Option<u64> {
+        let at = moment::cycles(value, self.cycle_ns)?;
+        super::refuse_beyond_end(value, at, self.cycles, self.cycle_ns).then_some(at)
+    }
+
+    fn signal(&self, value: &Value<'_>) -> Option<(Signal, Target)> {
+        let signal = self.names.signal(value)?;
+        let entry = self.names.directory.entry(signal);
+        let target = if entry.drivable { self.target(&entry.name) } else { None };
+        if target.is_none() {
+            let sentence = format!("{} cannot be driven", entry.name);
+            let rule = "inputs, memory cells, ENCODER.count, and AXIS.actual.count of axes with a drive can";
+            value.refuse(format!("{sentence}; {rule}"), None);
+        }
+        target.map(|target| (signal, target))
+    }
+
+    fn target(&self, name: &str) -> Option<Target> {
+        let config = self.names.config;
+        if let Some(axis) = name.strip_suffix(".actual.count") {
+            let index = config.axes.iter().position(|entry| entry.name == axis)?;
+            return self.names.drive_of(index as u16).map(Target::Drive);
+        }
+        if let Some(encoder) = name.strip_suffix(".count") {
+            let place = config.encoders.iter().position(|entry| entry.name == encoder);
+            return place.map(Target::Encoder);
+        }
+        match self.names.find(name)? {
+            Object::Memory(index) => Some(Target::Memory(index)),
+            Object::Io(index) => match self.names.io(index)? {
+                (IoKind::DigitalInput, place) => Some(Target::Digital(place)),
+                (IoKind::AnalogInput, place) => Some(Target::Analog(place)),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    fn source(&self, map: &mut Map<'_>, ruler: Option<&Ruler>) -> Option<Source> {
+        let given = ["values", "csv", "ramp", "sine"].map(|key| map.optional(key));
+        if given.iter().flatten().count() != 1 {
+            map.refuse("one of values, csv, ramp, sine is expected", None);
+            return None;
+        }
+        let [values, csv, ramp, sine] = given;
+        let ruler = ruler?;
+        if let Some(values) = values {
+            return rows(&values, ruler).map(Source::Rows);
+        }
+        if let Some(value) = csv {
+            return csv::read(&value, self.folder, ruler, self.problems).map(Source::Rows);
+        }
+        let value = ramp.as_ref().or(sine.as_ref())?;
+        if ruler.kind == Type::Bit {
+            value.refuse(format!("a bit has no {}; values and csv are possible", value.label()), None);
+            return None;
+        }
+        if ramp.is_some() {
+            self.ramp(value, ruler).map(Source::Ramp)
+        } else {
+            self.sine(value, ruler).map(Source::Sine)
+        }
+    }
+
+    fn then(&self, value: &Value<'_>, source: Option<&Source>) -> Option<Then> {
+        let then = value.choice(&[("hold", Then::Hold), ("repeat", Then::Repeat), ("release", Then::Release)])?;
+        let endless = match source {
+            Some(Source::Sine(_)) => "a sine",
+            Some(Source::Ramp(Ramp { end: None, .. })) => "a ramp without until",
+            _ => return Some(then),
+        };
+        value.refuse(format!("{endless} has no end, so nothing comes then"), None);
+        None
+    }
+
+    fn ramp(&self, value: &Value<'_>, ruler: &Ruler) -> Option<Ramp> {
+        let mut map = value.map("ramp")?;
+        let from = map.optional("from").map_or(Some(zero(ruler)), |value| ruler.read(&value));
+        let per_cycle = map.required("per_cycle").and_then(|value| value.fraction());
+        let until = map.optional("until").map(|value| (ruler.read(&value), value));
+        map.finish();
+        let (from, per_cycle) = (from?, per_cycle?);
+        let until = match until {
+            None => None,
+            Some((until, value)) => Some((until?, value)),
+        };
+        let Some(ramp) = self.exact_ramp(from, per_cycle, ruler) else {
+            value.refuse("per_cycle and from have too many digits for an exact ramp of this length", None);
+            return None;
+        };
+        let Some((until, value)) = until else { return Some(ramp) };
+        let Some(reached) = cycles_between(from, until, &per_cycle) else {
+            let (from, until) = (ruler.text(from), ruler.text(until));
+            let sentence = format!("a ramp from {from} by {per_cycle} per cycle never gets to {until}");
+            value.refuse(sentence, None);
+            return None;
+        };
+        Some(Ramp { end: Some((reached, until)), ..ramp })
+    }
+
+    /// Brings start and step to one denominator; none where a sum could leave 128 bits within the scenario.
+    fn exact_ramp(&self, from: Number, per_cycle: Fraction, ruler: &Ruler) -> Option<Ramp> {
+        let from = exact(from)?;
+        let denominator = from.denom().checked_mul(*per_cycle.denom())?;
+        let start = from.numer().checked_mul(*per_cycle.denom())?;
+        let step = per_cycle.numer().checked_mul(*from.denom())?;
+        let way = step.checked_abs()?.checked_mul(self.cycles.into())?;
+        start.checked_abs()?.checked_add(way)?;
+        Some(Ramp { start, step, denominator, end: None, is_real: ruler.kind == Type::Real })
+    }
+
+    fn sine(&self, value: &Value<'_>, ruler: &Ruler) -> Option<Sine> {
+        let mut map = value.map("sine")?;
+        let mean = map.optional("mean").map_or(Some(zero(ruler)), |value| ruler.read(&value));
+        let amplitude = map.required("amplitude").and_then(|value| ruler.read(&value));
+        let period = map.required("period").and_then(|value| self.period(&value));
+        map.finish();
+        Some(Sine {
+            mean: mean?.to_f64(),
+            amplitude: amplitude?.to_f64(),
+            period_ns: period?,
+            cycle_ns: self.cycle_ns,
+            is_real: ruler.kind == Type::Real,
+        })
+    }
+
+    /// A period is no cycle: a time need not be whole cycles.
+    fn period(&self, value: &Value<'_>) -> Option<u64> {
+        let ns = if value.is_integer() {
+            positive_cycles(value, self.cycle_ns)?.checked_mul(self.cycle_ns)
+        } else {
+            Some(moment::nanoseconds(value)?)
+        };
+        if ns.is_none_or(|ns| ns == 0) {
+            value.refuse("period is none; more than 0 up to 292 years is allowed", None);
+        }
+        ns.filter(|ns| *ns > 0)
+    }
+}
+
+fn zero(ruler: &Ruler) -> Number {
+    if ruler.kind == Type::Real { Number::Real(0.0) } else { Number::Int(0) }
+}
+
+fn exact(number: Number) -> Option<Fraction> {
+    match number {
+        Number::Int(value) => Some(Fraction::from(i128::from(value))),
+        Number::Real(value) => fraction_from_f64(value).ok(),
+    }
+}
+
+/// The first n at which `from + n step` has come to `until` or beyond.
+fn cycles_between(from: Number, until: Number, step: &Fraction) -> Option<u64> {
+    let way = exact(until)?.checked_sub(&exact(from)?)?;
+    if way == Fraction::from(0) {
+        return Some(0);
+    }
+    way.checked_div(step)?.ceil().to_integer().to_u64()
+}
+
+/// A list of values, not empty.
+pub(super) fn rows(values: &Value<'_>, ruler: &Ruler) -> Option<Vec<Number>> {
+    let items = values.list()?;
+    if items.is_empty() {
+        values.refuse(format!("{} is empty; one value or more is expected", values.label()), None);
+        return None;
+    }
+    let rows: Vec<_> = items.iter().map(|item| ruler.read(item)).collect();
+    rows.into_iter().collect()
+}

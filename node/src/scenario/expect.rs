@@ -1,0 +1,289 @@
+//! Section `expect`: what has to be true.
+//!
+//! Law      values: row n stands at from + n every, exact
+//!          a condition holds in every cycle from..to (always), in one of them (eventually), in none (never); `at` is a
+//!          window of one cycle; without any of them the window is the whole scenario
+//!          events of a kind, source.. occur count times, or min to max times; without any of them at least once
+//!          `since: STEP` counts from the cycle in which that step fired first; `end` stays the last cycle
+//! Source   contract section 5
+
+use super::drive::rows;
+use super::moment::{Moment, positive_cycles, text};
+use super::names::{Names, did_you_mean, nearest};
+use super::predicate::{Predicate, Probe};
+use super::ruler::Ruler;
+use super::step::Step;
+use crate::document::{Map, Place, Value};
+use lineshaft_core::code::Code;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::{Event, Kind, Severity};
+use lineshaft_core::object::Object;
+use lineshaft_core::signal::Value as Number;
+use lineshaft_core::text::sentence;
+use lineshaft_core::unit::excerpt;
+
+/// Kinds of events of the interface that the core has none of yet.
+const LATER_KINDS: [&str; 2] = ["mark", "homed"];
+
+/// One expectation.
+#[derive(Clone, Debug)]
+pub(super) struct Expectation {
+    pub place: Place,
+    /// The step that its cycles count from.
+    pub since: Option<usize>,
+    pub from: Moment,
+    pub to: Moment,
+    pub claim: Claim,
+}
+
+/// What is expected.
+#[derive(Clone, Debug)]
+pub(super) enum Claim {
+    Values { probe: Probe, values: Vec<Number>, every: u64 },
+    Condition { predicate: Predicate, mode: Mode },
+    Events { filter: Filter, min: u64, max: Option<u64> },
+}
+
+/// In which cycles of its window a condition holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    Always,
+    Eventually,
+    Never,
+}
+
+/// Which events count.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Filter {
+    kind: Option<Kind>,
+    source: Option<Object>,
+    severity: Option<Severity>,
+    code: Option<u32>,
+    age_ns: Option<u32>,
+    increments: Option<i64>,
+    text: Option<String>,
+    /// As written, for the report.
+    pub name: String,
+}
+
+impl Filter {
+    /// Does an event count?
+    pub(super) fn takes(&self, event: &Event, config: &MachineConfig) -> bool {
+        self.kind.is_none_or(|kind| kind == event.kind)
+            && self.source.is_none_or(|source| source == event.source)
+            && self.severity.is_none_or(|severity| severity == event.severity)
+            && self.code.is_none_or(|code| code == event.code.0)
+            && self.age_ns.is_none_or(|age| age == event.age_ns)
+            && self.increments.is_none_or(|increments| increments == event.position.floor())
+            && self.text.as_ref().is_none_or(|text| sentence(event, config).contains(text.as_str()))
+    }
+}
+
+/// What expectations are read with.
+pub(super) struct Reader<'a> {
+    pub names: &'a Names<'a>,
+    pub steps: &'a [Step],
+    pub cycle_ns: u64,
+    /// Length of the scenario.
+    pub cycles: u64,
+}
+
+impl Reader<'_> {
+    /// Reads the section.
+    pub(super) fn read(&self, section: &Value<'_>) -> Vec<Expectation> {
+        let items = section.list().unwrap_or_default();
+        items.iter().filter_map(|item| self.read_one(item)).collect()
+    }
+
+    fn read_one(&self, item: &Value<'_>) -> Option<Expectation> {
+        let mut map = item.map("an expectation")?;
+        let since = map.optional("since").map(|value| self.step(&value));
+        let claim = if map.has("event") {
+            self.events(&mut map)
+        } else if map.has("values") {
+            self.values(&mut map)
+        } else {
+            self.condition(&mut map)
+        };
+        let window = self.window(&mut map, claim.as_ref(), since.is_some());
+        map.finish();
+        let since = match since {
+            None => None,
+            Some(step) => Some(step?),
+        };
+        let (from, to) = window?;
+        Some(Expectation { place: item.place(), since, from, to, claim: claim? })
+    }
+
+    fn step(&self, value: &Value<'_>) -> Option<usize> {
+        let name = value.text()?;
+        let found = self.steps.iter().position(|step| step.name.as_deref() == Some(name));
+        if found.is_none() {
+            let names = self.steps.iter().filter_map(|step| step.name.as_deref());
+            value.refuse(format!("no step is called `{}`", excerpt(name)), nearest(name, names).map(did_you_mean));
+        }
+        found
+    }
+
+    /// First and last cycle. Values have no last one: they say it themselves.
+    fn window(&self, map: &mut Map<'_>, claim: Option<&Claim>, is_relative: bool) -> Option<(Moment, Moment)> {
+        let is_list = map.has("values");
+        let at = if is_list { None } else { map.optional("at") };
+        let to = if is_list { None } else { map.optional("to") };
+        let from = map.optional("from");
+        let read = |value: &Value<'_>| {
+            let moment = Moment::read(value, self.cycle_ns)?;
+            let is_inside = match moment {
+                Moment::Cycle(cycle) if !is_relative => {
+                    super::refuse_beyond_end(value, cycle, self.cycles, self.cycle_ns)
+                }
+                _ => true,
+            };
+            is_inside.then_some(moment)
+        };
+        if let Some(at) = at {
+            if let Some(other) = from.or(to) {
+                other.refuse(format!("at and {} stand side by side; one of them is expected", other.label()), None);
+            }
+            return read(&at).map(|moment| (moment, moment));
+        }
+        let first = from.as_ref().map_or(Some(Moment::Cycle(0)), read);
+        let last = to.as_ref().map_or(Some(Moment::End), read);
+        let (first, mut last) = (first?, last?);
+        if let Some(Claim::Values { values, every, .. }) = claim {
+            last = self.last_value(map, first, values.len() as u64, *every, is_relative)?;
+        }
+        let end = self.cycles - 1;
+        if let (false, Some(to)) = (is_relative && last == Moment::End, to)
+            && first.after(0, end) > last.after(0, end)
+        {
+            let (first, last) = (first.after(0, end), last.after(0, end));
+            to.refuse(format!("to is {}, before from {}", text(last, self.cycle_ns), text(first, self.cycle_ns)), None);
+            return None;
+        }
+        Some((first, last))
+    }
+
+    fn last_value(&self, map: &Map<'_>, from: Moment, count: u64, every: u64, is_relative: bool) -> Option<Moment> {
+        let end = self.cycles - 1;
+        if from == Moment::End && count == 1 {
+            return Some(Moment::End);
+        }
+        let last = from.after(0, end).saturating_add(every.saturating_mul(count - 1));
+        if last > end && !is_relative {
+            let (last, end) = (text(last, self.cycle_ns), text(end, self.cycle_ns));
+            map.refuse(format!("value {count} of {count} stands at {last}; the scenario ends with {end}"), None);
+            return None;
+        }
+        Some(Moment::Cycle(last))
+    }
+
+    fn values(&self, map: &mut Map<'_>) -> Option<Claim> {
+        let probe = Probe::read(map, self.names);
+        let every = map.optional("every").map_or(Some(1), |value| positive_cycles(&value, self.cycle_ns));
+        let values = map.optional("values")?;
+        let probe = probe?;
+        let values = rows(&values, &probe.ruler)?;
+        Some(Claim::Values { probe, values, every: every? })
+    }
+
+    fn condition(&self, map: &mut Map<'_>) -> Option<Claim> {
+        let predicate = Predicate::read(map, self.names);
+        let modes = [("always", Mode::Always), ("eventually", Mode::Eventually), ("never", Mode::Never)];
+        let mode = map.optional("mode").map_or(Some(Mode::Always), |value| value.choice(&modes));
+        Some(Claim::Condition { predicate: predicate?, mode: mode? })
+    }
+
+    fn events(&self, map: &mut Map<'_>) -> Option<Claim> {
+        let filter = map.optional("event").and_then(|value| self.filter(&value));
+        let [count, min, max] = ["count", "min", "max"].map(|key| map.optional(key));
+        let read = |value: &Option<Value<'_>>| value.as_ref().map(|value| value.integer(0..=u64::MAX >> 1));
+        let (exact, low, high) = (read(&count), read(&min), read(&max));
+        if let (Some(_), Some(other)) = (&count, min.as_ref().or(max.as_ref())) {
+            other.refuse(format!("count and {} stand side by side; one of them is expected", other.label()), None);
+            return None;
+        }
+        let (low, high) = match (exact, low, high) {
+            (Some(count), _, _) => (count?, Some(count?)),
+            (_, None, None) => (1, None),
+            (_, low, high) => (low.unwrap_or(Some(0))?, high.map_or(Some(None), |high| high.map(Some))?),
+        };
+        if let Some(max) = max.filter(|_| high.is_some_and(|high| high < low)) {
+            max.refuse(format!("max lies below min {low}"), None);
+            return None;
+        }
+        Some(Claim::Events { filter: filter?, min: low, max: high })
+    }
+
+    fn filter(&self, value: &Value<'_>) -> Option<Filter> {
+        let mut map = value.map("event")?;
+        let [kind, source, severity, code, age, increments, text] =
+            ["kind", "source", "severity", "code", "age_ns", "increments", "text"].map(|key| map.optional(key));
+        let severities = [("info", Severity::Info), ("warn", Severity::Warn), ("error", Severity::Error)];
+        let object = source.as_ref().map(|value| self.names.object(value));
+        let written: Vec<String> = [&kind, &source, &severity, &code, &age, &increments, &text]
+            .into_iter()
+            .flatten()
+            .filter_map(|value| Some(format!("{} {}", value.label(), excerpt(value.peek()?))))
+            .collect();
+        let kind = kind.map(|value| read_kind(&value));
+        let severity = severity.map(|value| value.choice(&severities));
+        let code = code.map(|value| read_code(&value));
+        let age_ns = age.map(|value| value.integer(0..=u32::MAX));
+        let increments = increments.map(|value| self.increments(&value, object.flatten()));
+        let part = text.map(|value| value.text().map(str::to_owned));
+        map.finish();
+        Some(Filter {
+            kind: inside_out(kind)?,
+            source: inside_out(object)?,
+            severity: inside_out(severity)?,
+            code: inside_out(code)?,
+            age_ns: inside_out(age_ns)?,
+            increments: inside_out(increments)?,
+            text: inside_out(part)?,
+            name: if written.is_empty() { "any event".to_owned() } else { format!("event {}", written.join(", ")) },
+        })
+    }
+
+    /// A position of the source, with a unit where it has one.
+    fn increments(&self, value: &Value<'_>, source: Option<Object>) -> Option<i64> {
+        let config = self.names.config;
+        let scale = match source {
+            Some(Object::Axis(axis)) => config.axes.get(usize::from(axis)).map(|axis| axis.scale),
+            Some(Object::Encoder(place)) => config.encoders.get(usize::from(place)).map(|encoder| encoder.scale),
+            _ => None,
+        };
+        let Some(scale) = scale else { return value.integer(i64::MIN..=i64::MAX) };
+        match Ruler::of_positions(scale).read(value)? {
+            Number::Int(position) => Some(position),
+            Number::Real(_) => None,
+        }
+    }
+}
+
+/// Left out stays left out; given and wrong ends the reading.
+fn inside_out<T>(value: Option<Option<T>>) -> Option<Option<T>> {
+    value.map_or(Some(None), |value| value.map(Some))
+}
+
+fn read_kind(value: &Value<'_>) -> Option<Kind> {
+    if let Some(later) = value.peek().filter(|text| LATER_KINDS.contains(text)) {
+        value.refuse(format!("events of kind {later} do not exist yet"), None);
+        return None;
+    }
+    let kinds: Vec<_> = Kind::ALL.iter().map(|(kind, name)| (*name, *kind)).collect();
+    value.choice(&kinds)
+}
+
+fn read_code(value: &Value<'_>) -> Option<u32> {
+    if value.is_integer() {
+        return value.integer(0..=u32::MAX);
+    }
+    let text = value.text()?;
+    let found = Code::ALL.iter().find(|(name, _)| *name == text).map(|(_, code)| code.0);
+    if found.is_none() {
+        let hint = nearest(text, Code::ALL.iter().map(|(name, _)| *name)).map(did_you_mean);
+        value.refuse(format!("no code is called `{}`; a number or a name is expected", excerpt(text)), hint);
+    }
+    found
+}

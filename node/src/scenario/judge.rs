@@ -1,0 +1,228 @@
+//! Expectations while a scenario runs, and what became of them.
+
+use super::expect::{Claim, Expectation, Mode};
+use super::moment::text;
+use super::predicate::Predicate;
+use super::report::Failure;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::Event;
+use lineshaft_core::signal::{Board, Value as Number};
+
+/// Cycles of events that a report lists.
+const LISTED: usize = 8;
+
+/// What is remembered of one expectation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Record {
+    /// Cycles of the window so far.
+    judged: u64,
+    /// Cycles, values or events that count against it, or for it where one is enough.
+    count: u64,
+    /// The first cycle that failed it and what was found.
+    first: Option<(u64, String)>,
+    /// The value that came closest: how far it was, cycle, value.
+    closest: Option<(f64, u64, Number)>,
+    /// The last cycle of the window so far.
+    last: Option<(u64, String)>,
+    listed: Vec<u64>,
+}
+
+/// A cycle that has run.
+pub(super) struct Seen<'a> {
+    pub cycle: u64,
+    pub board: &'a Board,
+    pub events: &'a [Event],
+    pub config: &'a MachineConfig,
+    /// For each step, the cycle in which it fired first.
+    pub fired: &'a [Option<u64>],
+}
+
+/// How a scenario has ended, and where.
+pub(super) struct End<'a> {
+    /// Its last cycle.
+    pub last: u64,
+    /// It ran that far.
+    pub is_complete: bool,
+    pub cycle_ns: u64,
+    pub fired: &'a [Option<u64>],
+}
+
+impl Expectation {
+    /// First and last cycle; none while the step that they count from has not fired.
+    fn window(&self, fired: &[Option<u64>], last: u64) -> Option<(u64, u64)> {
+        let base = match self.since {
+            None => 0,
+            Some(step) => fired.get(step).copied().flatten()?,
+        };
+        Some((self.from.after(base, last), self.to.after(base, last)))
+    }
+
+    /// Judges a cycle.
+    pub(super) fn judge(&self, record: &mut Record, seen: &Seen<'_>, last: u64) {
+        let Some((from, to)) = self.window(seen.fired, last) else { return };
+        if !(from..=to).contains(&seen.cycle) {
+            return;
+        }
+        match &self.claim {
+            Claim::Values { probe, values, every } => {
+                let n = seen.cycle - from;
+                let row = usize::try_from(n / every).ok().and_then(|row| values.get(row)).filter(|_| n % every == 0);
+                let Some(row) = row else { return };
+                record.judged += 1;
+                let found = probe.value(seen.board);
+                if found != *row {
+                    record.count += 1;
+                    record.first.get_or_insert_with(|| (seen.cycle, probe.ruler.text(found)));
+                }
+            }
+            Claim::Condition { predicate, mode } => {
+                record.judged += 1;
+                judge_condition(predicate, *mode, record, seen);
+                if seen.cycle == to || seen.cycle == last {
+                    record.last = Some((seen.cycle, predicate.found(seen.board)));
+                }
+            }
+            Claim::Events { filter, .. } => {
+                for _ in seen.events.iter().filter(|event| filter.takes(event, seen.config)) {
+                    record.count += 1;
+                    if record.listed.len() < LISTED {
+                        record.listed.push(seen.cycle);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What is wrong in the end; none when nothing is, or nothing could be judged as an optional step never fired.
+    pub(super) fn verdict(&self, record: &Record, end: &End<'_>) -> Option<Failure> {
+        let (from, to) = self.window(end.fired, end.last)?;
+        let window = Window { from, to: to.min(end.last), end };
+        let sentence = match &self.claim {
+            Claim::Values { probe, values, every } => record.first.as_ref().map(|(cycle, found)| {
+                let row = (cycle - from) / every;
+                let expected = usize::try_from(row).ok().and_then(|row| values.get(row));
+                let expected = expected.map_or_else(String::new, |value| probe.ruler.text(*value));
+                let (name, when, count) = (probe.name(), text(*cycle, end.cycle_ns), values.len());
+                let wrong = record.count;
+                format!(
+                    "{name} is {found} in {when}; {expected} was expected, value {} of {count}; {wrong} of {count} \
+                         values differ",
+                    row + 1
+                )
+            }),
+            Claim::Condition { predicate, mode } => condition_verdict(predicate, *mode, record, &window),
+            Claim::Events { filter, min, max } => {
+                let is_right = record.count >= *min && max.is_none_or(|max| record.count <= max);
+                let may_still_come = !end.is_complete && max.is_none_or(|max| record.count <= max);
+                (!is_right && !may_still_come).then(|| {
+                    let expected = match (min, max) {
+                        (min, Some(max)) if min == max => format!("{min}"),
+                        (min, Some(max)) => format!("{min} to {max}"),
+                        (min, None) => format!("at least {min}"),
+                    };
+                    let name = &filter.name;
+                    format!(
+                        "{name} came {} {}; {expected} was expected{}",
+                        times(record.count),
+                        window.text(),
+                        record.list()
+                    )
+                })
+            }
+        };
+        let sentence = sentence.or_else(|| self.unfinished(to, end))?;
+        Some(Failure { place: self.place, sentence })
+    }
+
+    /// A window that the scenario has not covered proves nothing, but where one cycle is enough.
+    fn unfinished(&self, to: u64, end: &End<'_>) -> Option<String> {
+        let is_settled = matches!(&self.claim, Claim::Condition { mode: Mode::Eventually, .. })
+            || matches!(&self.claim, Claim::Events { max: None, .. });
+        if to <= end.last || is_settled || !end.is_complete {
+            return None;
+        }
+        let (to, last) = (text(to, end.cycle_ns), text(end.last, end.cycle_ns));
+        Some(format!("it reaches up to {to}; the scenario ends with {last}"))
+    }
+}
+
+fn judge_condition(predicate: &Predicate, mode: Mode, record: &mut Record, seen: &Seen<'_>) {
+    let holds = predicate.holds(seen.board);
+    let counts = match mode {
+        Mode::Always => !holds,
+        Mode::Eventually | Mode::Never => holds,
+    };
+    if counts {
+        record.count += 1;
+        record.first.get_or_insert_with(|| (seen.cycle, predicate.found(seen.board)));
+    }
+    if mode == Mode::Eventually
+        && record.count == 0
+        && let Predicate::Test { probe, check } = predicate
+        && let Some(miss) = check.miss(probe.value(seen.board))
+        && record.closest.is_none_or(|(closest, _, _)| miss < closest)
+    {
+        record.closest = Some((miss, seen.cycle, probe.value(seen.board)));
+    }
+}
+
+struct Window<'a> {
+    from: u64,
+    to: u64,
+    end: &'a End<'a>,
+}
+
+impl Window<'_> {
+    fn text(&self) -> String {
+        let cycle_ns = self.end.cycle_ns;
+        if self.from == self.to {
+            return format!("in {}", text(self.from, cycle_ns));
+        }
+        format!("from {} to {}", text(self.from, cycle_ns), text(self.to, cycle_ns))
+    }
+}
+
+impl Record {
+    fn list(&self) -> String {
+        if self.listed.is_empty() {
+            return String::new();
+        }
+        let cycles: Vec<String> = self.listed.iter().map(u64::to_string).collect();
+        let more = if self.count > LISTED as u64 { ", .." } else { "" };
+        format!("; it came in cycle {}{more}", cycles.join(", "))
+    }
+}
+
+fn times(count: u64) -> String {
+    if count == 1 { "once".to_owned() } else { format!("{count} times") }
+}
+
+fn condition_verdict(predicate: &Predicate, mode: Mode, record: &Record, window: &Window<'_>) -> Option<String> {
+    let expected = predicate.expected();
+    let cycle_ns = window.end.cycle_ns;
+    match mode {
+        Mode::Always => record.first.as_ref().map(|(cycle, found)| {
+            let rest = match record.judged {
+                1 => String::new(),
+                judged => format!(" {}; {} of {judged} cycles fail", window.text(), record.count),
+            };
+            format!("{found} in {}; {expected} was expected{rest}", text(*cycle, cycle_ns))
+        }),
+        Mode::Never => record.first.as_ref().map(|(cycle, found)| {
+            let judged = record.judged;
+            let rest = format!("{}; {} of {judged} cycles fail", window.text(), record.count);
+            format!("{found} in {}; {expected} was never to be {rest}", text(*cycle, cycle_ns))
+        }),
+        Mode::Eventually if record.count > 0 || !window.end.is_complete => None,
+        Mode::Eventually => {
+            let closest = match (&record.closest, &record.last, predicate) {
+                (Some((_, cycle, value)), _, Predicate::Test { probe, .. }) if probe.ruler.is_ordered() => {
+                    format!("; closest was {} in {}", probe.ruler.text(*value), text(*cycle, cycle_ns))
+                }
+                (_, Some((cycle, found)), _) => format!("; {found} in {}", text(*cycle, cycle_ns)),
+                _ => String::new(),
+            };
+            Some(format!("{} was expected once {}, and never came{closest}", predicate.text(), window.text()))
+        }
+    }
+}

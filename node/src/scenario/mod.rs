@@ -1,0 +1,247 @@
+//! Scenarios: what happens when, what is traced, and what is expected (contract section 5).
+//!
+//! A [`Scenario`] is read whole against a cell and all its errors are told at once. [`simulate`] runs it on a simulated
+//! machine as fast as it can; whoever runs the cycle himself, as `run --scenario` does, uses a [`Player`] and a [`Trace`].
+//! The [`Report`] says what became of it.
+//!
+//! ```no_run
+//! use lineshaft::{cell::Cell, scenario::{Options, Scenario, simulate}};
+//! use std::path::Path;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let cell = Cell::load(Path::new("cell.yaml"))?;
+//! let scenario = Scenario::load(Path::new("first_move.yaml"), &cell)?;
+//! let report = simulate(&cell, &scenario, &Options::default())?;
+//! print!("{report}");
+//! assert!(report.passed());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! It knows no ROS, no CAN and no thread.
+
+mod csv;
+mod drive;
+mod expect;
+mod inject;
+mod judge;
+mod moment;
+mod names;
+mod outcome;
+mod player;
+mod predicate;
+mod report;
+mod ruler;
+mod simulate;
+mod step;
+mod trace;
+mod verb;
+
+pub use player::Player;
+pub use report::{Failure, Report};
+pub use simulate::{Options, SimulateError, simulate};
+pub use trace::Trace;
+
+use crate::cell::Cell;
+use crate::document::{Document, Map, Place, Problems, Value};
+use drive::Drive;
+use expect::Expectation;
+use globset::GlobBuilder;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::signal::Signal;
+use lineshaft_core::unit::excerpt;
+use names::Names;
+use std::path::Path;
+use std::sync::Arc;
+use step::Step;
+use verb::{Act, Deed, Ids};
+
+/// A scenario that has no errors, for the cell that it was read for. A copy is a handle to the same one.
+#[derive(Clone, Debug)]
+pub struct Scenario(Arc<Plan>);
+
+#[derive(Debug)]
+struct Plan {
+    name: String,
+    file: Arc<str>,
+    place: Place,
+    /// At least 1.
+    cycles: u64,
+    cycle_ns: u64,
+    /// In the order of the board.
+    trace: Vec<Signal>,
+    every: u64,
+    /// By their start.
+    drives: Vec<Drive>,
+    steps: Vec<Step>,
+    /// Of all steps.
+    acts: Vec<Act>,
+    /// How many ids there are.
+    ids: usize,
+    expectations: Vec<Expectation>,
+    config: MachineConfig,
+}
+
+impl Scenario {
+    /// Reads a file. Files that it names are looked for beside it.
+    ///
+    /// # Errors
+    /// All that is wrong with it.
+    pub fn load(path: &Path, cell: &Cell) -> Result<Self, Problems> {
+        Self::read(Document::read(path), path, cell)
+    }
+
+    /// Reads a text; `name` stands for its file, also where files that it names are looked for.
+    ///
+    /// # Errors
+    /// All that is wrong with it.
+    pub fn parse(name: &str, text: &str, cell: &Cell) -> Result<Self, Problems> {
+        Self::read(Document::parse(name, text), Path::new(name), cell)
+    }
+
+    fn read(document: Document, path: &Path, cell: &Cell) -> Result<Self, Problems> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let plan = match Machine::new(cell.machine.clone()) {
+            Ok(machine) => {
+                let names = Names { config: &cell.machine, directory: machine.directory().clone() };
+                document.root("the scenario").and_then(|root| read(&root, &names, folder, &document))
+            }
+            Err(error) => {
+                document.problems().push(Place::START, format!("the cell makes no machine: {error}"), None);
+                None
+            }
+        };
+        match plan {
+            Some(plan) if document.problems().is_empty() => {
+                let file = path.display().to_string().into();
+                Ok(Self(Arc::new(Plan { file, ..plan })))
+            }
+            _ => Err(document.into_problems()),
+        }
+    }
+
+    /// Its name, for people.
+    pub fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// How many cycles it runs; at least 1.
+    pub fn cycles(&self) -> u64 {
+        self.0.cycles
+    }
+
+    /// What of it only a simulated plant can do, if anything: a sentence with its place.
+    pub fn needs_simulation(&self) -> Option<String> {
+        let plan = &self.0;
+        let drives = plan.drives.iter().map(|drive| (drive.place, "drive"));
+        let injects = plan.acts.iter().filter(|act| matches!(act.deed, Deed::Inject(_)));
+        let (place, what) = drives.chain(injects.map(|act| (act.place, "inject"))).min()?;
+        let (file, Place { line, col }) = (&plan.file, place);
+        Some(format!("{file}:{line}:{col}: {what} needs a simulated plant, run with --sim"))
+    }
+}
+
+fn read(root: &Value<'_>, names: &Names<'_>, folder: &Path, document: &Document) -> Option<Plan> {
+    let mut map = root.map("the scenario")?;
+    let cycle_ns = names.config.cycle_ns;
+    let name = map.required("scenario").and_then(|value| value.text());
+    let length = length(&mut map, cycle_ns);
+    // Without a length the rest is read as if there were no end.
+    let cycles = length.unwrap_or(moment::MAX_CYCLES);
+    let trace = trace(&mut map, names);
+    let every = map.optional("every").map_or(Some(1), |value| moment::positive_cycles(&value, cycle_ns));
+    let [drives, steps, expectations] = ["drive", "steps", "expect"].map(|key| map.optional(key));
+    let reader = drive::Reader { names, folder, problems: document.problems(), cycle_ns, cycles };
+    let drives = drives.map_or_else(Vec::new, |section| reader.read(&section));
+    let mut reader = step::Reader { names, cycle_ns, cycles, ids: Ids::default(), acts: Vec::new() };
+    let steps = steps.map_or_else(Vec::new, |section| reader.read(&section));
+    let (ids, acts) = (reader.ids, reader.acts);
+    ids.missing().for_each(|(place, sentence)| document.problems().push(place, sentence, None));
+    let reader = expect::Reader { names, steps: &steps, cycle_ns, cycles };
+    let expectations = expectations.map_or_else(Vec::new, |section| reader.read(&section));
+    let place = map.place();
+    map.finish();
+    Some(Plan {
+        name: name?.to_owned(),
+        file: "".into(),
+        place,
+        cycles: length?,
+        cycle_ns,
+        trace: trace?,
+        every: every?,
+        drives,
+        steps,
+        acts,
+        ids: ids.count(),
+        expectations,
+        config: names.config.clone(),
+    })
+}
+
+/// Keys `for` and `cycles`: the first cycle that does not run any more.
+fn length(map: &mut Map<'_>, cycle_ns: u64) -> Option<u64> {
+    match (map.optional("for"), map.optional("cycles")) {
+        (Some(time), None) => moment::positive_cycles(&time, cycle_ns),
+        (None, Some(cycles)) => cycles.integer(1..=moment::MAX_CYCLES),
+        (Some(_), Some(cycles)) => {
+            cycles.refuse("for and cycles stand side by side; one of them is expected", None);
+            None
+        }
+        (None, None) => {
+            map.refuse("a scenario has no length; `for: 3 s` or `cycles: 3000` is expected", None);
+            None
+        }
+    }
+}
+
+/// Signals by globs, in the order of the board.
+fn trace(map: &mut Map<'_>, names: &Names<'_>) -> Option<Vec<Signal>> {
+    let Some(section) = map.optional("trace") else {
+        return Some(names.directory.iter().map(|(signal, _)| signal).collect());
+    };
+    let mut traced = vec![false; names.directory.len()];
+    let mut is_good = true;
+    for item in section.list()? {
+        is_good &= trace_glob(&item, names, &mut traced).is_some();
+    }
+    let signals = names.directory.iter().map(|(signal, _)| signal);
+    is_good.then(|| signals.zip(traced).filter(|(_, traced)| *traced).map(|(signal, _)| signal).collect())
+}
+
+fn trace_glob(item: &Value<'_>, names: &Names<'_>, traced: &mut [bool]) -> Option<()> {
+    let text = item.text()?;
+    let glob = match GlobBuilder::new(text).build() {
+        Ok(glob) => glob.compile_matcher(),
+        Err(error) => {
+            item.refuse(format!("{} is no pattern: {}", item.label(), error.kind()), None);
+            return None;
+        }
+    };
+    let mut matches = 0;
+    for ((_, entry), traced) in names.directory.iter().zip(traced) {
+        if glob.is_match(&entry.name) {
+            *traced = true;
+            matches += 1;
+        }
+    }
+    if matches == 0 {
+        let all = names.directory.iter().map(|(_, entry)| entry.name.as_str());
+        let hint = names::nearest(text, all).map(names::did_you_mean);
+        item.refuse(format!("no signal matches `{}`", excerpt(text)), hint);
+        return None;
+    }
+    Some(())
+}
+
+/// Notes a problem if a cycle lies beyond the end; true when it does not.
+fn refuse_beyond_end(value: &Value<'_>, cycle: u64, cycles: u64, cycle_ns: u64) -> bool {
+    if cycle >= cycles {
+        let (given, end) = (moment::text(cycle, cycle_ns), moment::text(cycles - 1, cycle_ns));
+        value.refuse(format!("{} is {given}; the scenario ends with {end}", value.label()), None);
+    }
+    cycle < cycles
+}
+
+#[cfg(test)]
+mod tests;

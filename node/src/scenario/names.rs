@@ -1,0 +1,89 @@
+//! What a scenario may name: the signals and objects of a cell.
+
+use crate::document::Value;
+use lineshaft_core::config::{IoKind, MachineConfig};
+use lineshaft_core::object::Object;
+use lineshaft_core::signal::{Directory, Signal};
+use lineshaft_core::unit::{Scale, excerpt};
+
+/// The names of a cell.
+pub(super) struct Names<'c> {
+    pub config: &'c MachineConfig,
+    pub directory: Directory,
+}
+
+impl Names<'_> {
+    /// The signal that a value names.
+    pub(super) fn signal(&self, value: &Value<'_>) -> Option<Signal> {
+        let text = value.text()?;
+        let found = self.directory.find(text);
+        if found.is_none() {
+            let hint = nearest(text, self.directory.iter().map(|(_, entry)| entry.name.as_str()));
+            let hint = hint.map_or("`lineshaft signals CELL` lists them".to_owned(), did_you_mean);
+            value.refuse(format!("no signal is called `{}`", excerpt(text)), Some(hint));
+        }
+        found
+    }
+
+    /// The object that a value names; `machine` is one.
+    pub(super) fn object(&self, value: &Value<'_>) -> Option<Object> {
+        let text = value.text()?;
+        let found = if text == "machine" { Some(Object::Machine) } else { self.find(text) };
+        if found.is_none() {
+            let hint = nearest(text, self.objects().map(|(name, _)| name)).map(did_you_mean);
+            value.refuse(format!("nothing is called `{}` in the cell", excerpt(text)), hint);
+        }
+        found
+    }
+
+    /// The object of that name; the machine has none.
+    pub(super) fn find(&self, name: &str) -> Option<Object> {
+        self.objects().find(|(known, _)| *known == name).map(|(_, object)| object)
+    }
+
+    fn objects(&self) -> impl Iterator<Item = (&str, Object)> {
+        let config = self.config;
+        let io = config.io.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Io(index)));
+        let memory = config.memory.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Memory(index)));
+        let encoders =
+            config.encoders.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Encoder(index)));
+        let axes = config.axes.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Axis(index)));
+        io.chain(memory).chain(encoders).chain(axes)
+    }
+
+    /// The scale of the axis or encoder that a signal belongs to.
+    pub(super) fn scale_of(&self, signal: &str) -> Option<Scale> {
+        let object = signal.split_once('.')?.0;
+        let axis = self.config.axes.iter().find(|axis| axis.name == object).map(|axis| axis.scale);
+        axis.or_else(|| self.config.encoders.iter().find(|encoder| encoder.name == object).map(|encoder| encoder.scale))
+    }
+
+    /// The place among the drives of an axis; none for a virtual one.
+    pub(super) fn drive_of(&self, axis: u16) -> Option<usize> {
+        let axes = self.config.axes.get(..=usize::from(axis))?;
+        axes.last()?.drive?;
+        Some(axes.iter().filter(|axis| axis.drive.is_some()).count() - 1)
+    }
+
+    /// Kind of an entry of `io`, and its place among that kind.
+    pub(super) fn io(&self, index: u16) -> Option<(IoKind, usize)> {
+        let entry = self.config.io.get(usize::from(index))?;
+        Some((entry.kind, self.config.io_place(usize::from(index))))
+    }
+}
+
+/// A hint.
+pub(super) fn did_you_mean(name: &str) -> String {
+    format!("did you mean `{name}`?")
+}
+
+/// The name that is most like `text`, if anything is: a third of its letters may be wrong.
+pub(super) fn nearest<'n>(text: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    /// Nothing that long is a misspelt name, and the distance takes time as the product of the lengths.
+    const LONGEST: usize = 64;
+    if text.len() > LONGEST {
+        return None;
+    }
+    let near = names.map(|name| (strsim::damerau_levenshtein(text, name), name));
+    near.filter(|(far, name)| far * 3 <= text.len().max(name.len())).min_by_key(|(far, _)| *far).map(|(_, name)| name)
+}

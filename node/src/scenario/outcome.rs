@@ -1,0 +1,145 @@
+//! What became of a command of a scenario, over all the times that it was given.
+
+use super::Plan;
+use super::moment::text;
+use super::report::Failure;
+use super::verb::Deed;
+use crate::document::Place;
+use lineshaft_core::code::Code;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::Event;
+use lineshaft_core::parameter::ROWS;
+use lineshaft_core::text::sentence;
+use lineshaft_core::unit::excerpt;
+
+/// How a command was answered.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Answer {
+    Accepted,
+    Refused(Event),
+    /// Not at all: the event found no room.
+    None,
+    /// There was no plant, no such drive, or no room for a latch.
+    NotInjected,
+}
+
+/// What became of an act.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Outcome {
+    /// The first answer that is wrong.
+    wrong: Option<(u64, Answer)>,
+    wrong_times: u64,
+    /// The first refusal that is right.
+    refused: Option<(u64, Event)>,
+    refused_times: u64,
+}
+
+/// Is the answer the one that the step expects?
+pub(super) fn is_expected(answer: &Answer, wanted: Option<&str>, deed: Option<&Deed>, config: &MachineConfig) -> bool {
+    match (answer, wanted) {
+        (Answer::Accepted, None) => true,
+        // The sentence was compared when the scenario was read.
+        (Answer::Refused(_), Some(_)) if matches!(deed, Some(Deed::Refused(_))) => true,
+        (Answer::Refused(event), Some(wanted)) => names(event, wanted, config),
+        _ => false,
+    }
+}
+
+/// Is `wanted` part of the sentence, the name of the parameter or that of the code?
+fn names(event: &Event, wanted: &str, config: &MachineConfig) -> bool {
+    let row = event.parameter.and_then(|row| ROWS.get(usize::from(row)));
+    let code = Code::ALL.iter().find(|(_, code)| *code == event.code);
+    sentence(event, config).contains(wanted)
+        || row.is_some_and(|row| row.key == wanted)
+        || code.is_some_and(|(name, _)| *name == wanted)
+}
+
+/// Whose outcome it is: an act of a step, or an entry of `drive`.
+pub(super) struct Source<'a> {
+    place: Place,
+    verb: &'a str,
+    /// The sentence of a request that never became a command.
+    refusal: Option<&'a str>,
+    /// What the step expects.
+    wanted: Option<&'a str>,
+}
+
+impl<'a> Source<'a> {
+    /// Of the outcome at that place.
+    pub(super) fn of(plan: &'a Plan, index: usize) -> Self {
+        match plan.acts.get(index) {
+            Some(act) => {
+                let step = plan.steps.iter().find(|step| step.acts.contains(&index));
+                let refusal = if let Deed::Refused(sentence) = &act.deed { Some(sentence.as_str()) } else { None };
+                let wanted = step.and_then(|step| step.refused.as_deref());
+                Self { place: act.place, verb: &act.verb, refusal, wanted }
+            }
+            None => {
+                let drive = plan.drives.get(index - plan.acts.len());
+                let place = drive.map_or(Place::START, |drive| drive.place);
+                Self { place, verb: "drive", refusal: None, wanted: None }
+            }
+        }
+    }
+}
+
+impl Outcome {
+    /// Notes an answer.
+    pub(super) fn note(&mut self, cycle: u64, answer: Answer, is_expected: bool) {
+        match answer {
+            Answer::Refused(event) if is_expected => {
+                self.refused.get_or_insert((cycle, event));
+                self.refused_times += 1;
+            }
+            _ if is_expected => {}
+            _ => {
+                self.wrong.get_or_insert((cycle, answer));
+                self.wrong_times += 1;
+            }
+        }
+    }
+
+    /// What is wrong with it.
+    pub(super) fn failure(&self, source: &Source<'_>, plan: &Plan) -> Option<Failure> {
+        let (cycle, answer) = self.wrong.as_ref()?;
+        let verb = source.verb;
+        let wanted = source.wanted.map(excerpt);
+        let said = match (answer, wanted) {
+            (Answer::Refused(event), None) => format!("{verb} was refused: {}", said(event, source, plan)),
+            (Answer::Refused(event), Some(wanted)) => {
+                let said = said(event, source, plan);
+                format!("{verb} was refused: {said}; a refusal with `{wanted}` was expected")
+            }
+            (Answer::Accepted, wanted) => {
+                let wanted = wanted.unwrap_or_default();
+                format!("{verb} was accepted; a refusal with `{wanted}` was expected")
+            }
+            (Answer::None, _) => format!("{verb} was not answered"),
+            (Answer::NotInjected, _) => {
+                format!("{verb} had no effect: the plant has no such drive, or no room for another latch")
+            }
+        };
+        let sentence = format!("{said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.wrong_times));
+        Some(Failure { place: source.place, sentence })
+    }
+
+    /// The refusal that was expected.
+    pub(super) fn expected(&self, source: &Source<'_>, plan: &Plan) -> Option<Failure> {
+        let (cycle, event) = self.refused.as_ref()?;
+        let (verb, said) = (source.verb, said(event, source, plan));
+        let sentence = format!("{verb}: {said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.refused_times));
+        Some(Failure { place: source.place, sentence })
+    }
+}
+
+fn said(event: &Event, source: &Source<'_>, plan: &Plan) -> String {
+    source.refusal.map_or_else(|| sentence(event, &plan.config), str::to_owned)
+}
+
+fn again(times: u64) -> String {
+    match times {
+        0 | 1 => String::new(),
+        2 => ", and once more".to_owned(),
+        times => format!(", and {} times more", times - 1),
+    }
+}

@@ -1,0 +1,310 @@
+//! A running scenario, whoever runs the cycle.
+//!
+//! In each cycle, in this order:
+//!
+//! 1. [`Player::before`]: steps that are due fire; injections go to the plant;
+//! 2. inputs are read, then [`Player::override_inputs`] puts the driven values in;
+//! 3. the machine's cycle, with [`Player::commands`];
+//! 4. [`Player::after`]: answers, conditions and expectations are judged.
+
+use super::drive::Target;
+use super::judge::{End, Record, Seen};
+use super::outcome::{self, Answer, Outcome};
+use super::step::{Step, Trigger};
+use super::verb::Deed;
+use super::{Plan, Report, Scenario, moment};
+use crate::scenario::report::Failure;
+use lineshaft_core::command::{Action, Command, Commands, Source};
+use lineshaft_core::drive::Inputs;
+use lineshaft_core::event::Kind;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::signal::Value as Number;
+use lineshaft_core::sim::Plant;
+
+/// No step is due.
+const NEVER: u64 = u64::MAX;
+
+/// A running scenario.
+#[derive(Debug)]
+pub struct Player {
+    scenario: Scenario,
+    /// The cycle that runs, or ran last.
+    cycle: u64,
+    /// Cycles that have run.
+    ran: u64,
+    steps: Vec<StepState>,
+    /// For each step, the cycle in which it fired first.
+    fired: Vec<Option<u64>>,
+    next_due: u64,
+    /// For each id, the sequence number of the last command that carried it; 0 for none yet.
+    goals: Vec<u64>,
+    stop: Vec<Command>,
+    queue: Vec<Command>,
+    pending: Vec<Pending>,
+    /// For each act, then for each entry of `drive`.
+    outcomes: Vec<Outcome>,
+    /// For each entry of `drive`, what its memory cell held at the end of the last cycle.
+    memory: Vec<Option<Number>>,
+    records: Vec<Record>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct StepState {
+    due: u64,
+    times: u64,
+}
+
+/// A command of this cycle and whose it is.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    sequence: u64,
+    outcome: usize,
+    step: Option<usize>,
+    is_answered: bool,
+}
+
+impl Player {
+    /// A scenario before its cycle 0.
+    pub fn new(scenario: &Scenario) -> Self {
+        let plan = &scenario.0;
+        let due = |step: &Step| match step.trigger {
+            Trigger::At(cycle) => cycle,
+            Trigger::When { .. } => NEVER,
+        };
+        Self {
+            cycle: 0,
+            ran: 0,
+            steps: plan.steps.iter().map(|step| StepState { due: due(step), times: 0 }).collect(),
+            fired: vec![None; plan.steps.len()],
+            next_due: plan.steps.iter().map(due).min().unwrap_or(NEVER),
+            goals: vec![0; plan.ids],
+            stop: Vec::new(),
+            queue: Vec::new(),
+            pending: Vec::new(),
+            outcomes: vec![Outcome::default(); plan.acts.len() + plan.drives.len()],
+            memory: vec![None; plan.drives.len()],
+            records: vec![Record::default(); plan.expectations.len()],
+            scenario: scenario.clone(),
+        }
+    }
+
+    /// Has every cycle of the scenario run?
+    pub fn is_over(&self) -> bool {
+        self.ran >= self.scenario.cycles()
+    }
+
+    /// Starts a cycle, counted from 0 at the start of the scenario: steps that are due fire. Each command takes the next
+    /// number after `sequence`, which is that of the last command of anybody. Without a plant nothing can be injected.
+    pub fn before(&mut self, cycle: u64, sequence: &mut u64, mut plant: Option<&mut Plant>) {
+        self.cycle = cycle;
+        self.stop.clear();
+        self.queue.clear();
+        self.pending.clear();
+        if self.next_due <= cycle {
+            let scenario = self.scenario.clone();
+            for (index, step) in scenario.0.steps.iter().enumerate() {
+                if self.steps[index].due == cycle {
+                    self.fire(index, step, &scenario.0, sequence, plant.as_deref_mut());
+                }
+            }
+            self.next_due = self.steps.iter().map(|step| step.due).min().unwrap_or(NEVER);
+        }
+        self.drive_memory(sequence);
+    }
+
+    fn fire(&mut self, index: usize, step: &Step, plan: &Plan, sequence: &mut u64, mut plant: Option<&mut Plant>) {
+        let state = &mut self.steps[index];
+        state.times += 1;
+        state.due = match step.repeat {
+            Some(repeat) if repeat.count.is_none_or(|count| state.times < count) => {
+                self.cycle.saturating_add(repeat.every)
+            }
+            _ => NEVER,
+        };
+        self.fired[index].get_or_insert(self.cycle);
+        for outcome in step.acts.clone() {
+            let Some(act) = plan.acts.get(outcome) else { continue };
+            let action = match &act.deed {
+                Deed::Command(action) => action.clone(),
+                Deed::Refused(_) => Action::Refuse,
+                Deed::Cancel(id) => Action::Cancel { goal: self.goals.get(*id).copied().unwrap_or(0) },
+                Deed::Inject(injection) => {
+                    if !plant.as_deref_mut().is_some_and(|plant| injection.apply(plant)) {
+                        self.outcomes[outcome].note(self.cycle, Answer::NotInjected, false);
+                    }
+                    continue;
+                }
+            };
+            let number = self.give(action, sequence, outcome, Some(index));
+            if let Some(goal) = act.id.and_then(|id| self.goals.get_mut(id)) {
+                *goal = number;
+            }
+        }
+    }
+
+    fn give(&mut self, action: Action, sequence: &mut u64, outcome: usize, step: Option<usize>) -> u64 {
+        *sequence += 1;
+        let is_stop = matches!(action, Action::Halt(_) | Action::QuickStop(_) | Action::Disable(_));
+        let lane = if is_stop { &mut self.stop } else { &mut self.queue };
+        lane.push(Command { sequence: *sequence, source: Source::Scenario, action });
+        self.pending.push(Pending { sequence: *sequence, outcome, step, is_answered: false });
+        *sequence
+    }
+
+    /// Driven memory cells become commands, wherever the cell does not hold the value already.
+    fn drive_memory(&mut self, sequence: &mut u64) {
+        let scenario = self.scenario.clone();
+        let plan = &scenario.0;
+        for (place, drive) in plan.drives.iter().enumerate() {
+            let Target::Memory(index) = drive.target else { continue };
+            let is_taken_over = plan.drives[place + 1..]
+                .iter()
+                .any(|later| later.signal == drive.signal && later.value(self.cycle).is_some());
+            let wanted = drive.value(self.cycle).filter(|_| !is_taken_over);
+            let is_written = self
+                .queue
+                .iter()
+                .any(|command| matches!(command.action, Action::SetMemory { index: i, .. } if i == index));
+            if let Some(value) = wanted.filter(|value| is_written || self.memory[place] != Some(*value)) {
+                let action = Action::SetMemory { index, value: value.to_f64() };
+                self.give(action, sequence, plan.acts.len() + place, None);
+            }
+        }
+    }
+
+    /// The commands of this cycle.
+    pub fn commands(&self) -> Commands<'_> {
+        Commands { stop: &self.stop, queue: &self.queue, stream: None }
+    }
+
+    /// Puts the driven values of this cycle in the place of what was read.
+    pub fn override_inputs(&self, inputs: &mut Inputs) {
+        for drive in &self.scenario.0.drives {
+            if let Some(value) = drive.value(self.cycle) {
+                drive.replace(inputs, value);
+            }
+        }
+    }
+
+    /// Ends a cycle: `machine` has just run it.
+    pub fn after(&mut self, machine: &Machine) {
+        let scenario = self.scenario.clone();
+        let plan = &scenario.0;
+        self.ran = self.cycle + 1;
+        self.take_answers(machine, plan);
+        self.judge_conditions(machine, plan);
+        let seen = Seen {
+            cycle: self.cycle,
+            board: machine.board(),
+            events: machine.events(),
+            config: machine.config(),
+            fired: &self.fired,
+        };
+        for (expectation, record) in plan.expectations.iter().zip(&mut self.records) {
+            expectation.judge(record, &seen, plan.cycles - 1);
+        }
+        for (memory, drive) in self.memory.iter_mut().zip(&plan.drives) {
+            *memory = Some(machine.board().value(drive.signal, drive.kind));
+        }
+    }
+
+    fn take_answers(&mut self, machine: &Machine, plan: &Plan) {
+        if self.pending.is_empty() {
+            return;
+        }
+        for event in machine.events() {
+            let answer = match event.kind {
+                Kind::Accepted => Answer::Accepted,
+                Kind::Refused => Answer::Refused(*event),
+                _ => continue,
+            };
+            let Some(pending) = self.pending.iter_mut().find(|pending| pending.sequence == event.command) else {
+                continue;
+            };
+            pending.is_answered = true;
+            let step = pending.step.and_then(|step| plan.steps.get(step));
+            let wanted = step.and_then(|step| step.refused.as_deref());
+            let deed = plan.acts.get(pending.outcome).map(|act| &act.deed);
+            let is_expected = outcome::is_expected(&answer, wanted, deed, machine.config());
+            self.outcomes[pending.outcome].note(self.cycle, answer, is_expected);
+        }
+        for pending in self.pending.iter().filter(|pending| !pending.is_answered) {
+            self.outcomes[pending.outcome].note(self.cycle, Answer::None, false);
+        }
+    }
+
+    /// A `when` step that is armed and has not fired yet.
+    fn judge_conditions(&mut self, machine: &Machine, plan: &Plan) {
+        for (index, step) in plan.steps.iter().enumerate() {
+            let Trigger::When { predicate, after } = &step.trigger else { continue };
+            let is_armed = index.checked_sub(1).is_none_or(|before| self.fired[before].is_some());
+            let state = &mut self.steps[index];
+            if is_armed && state.times == 0 && state.due == NEVER && predicate.holds(machine.board()) {
+                state.due = self.cycle.saturating_add(1).saturating_add(*after);
+                self.next_due = self.next_due.min(state.due);
+            }
+        }
+    }
+
+    /// What became of it. Called before the scenario is over, it says how far it came.
+    pub fn finish(self) -> Report {
+        let plan = &self.scenario.0;
+        let end =
+            End { last: plan.cycles - 1, is_complete: self.is_over(), cycle_ns: plan.cycle_ns, fired: &self.fired };
+        let mut failures = Vec::new();
+        let mut refused = Vec::new();
+        if !end.is_complete {
+            let sentence = format!("the run ended after {} of {} cycles", self.ran, plan.cycles);
+            failures.push(Failure { place: plan.place, sentence });
+        }
+        for (index, outcome) in self.outcomes.iter().enumerate() {
+            let source = outcome::Source::of(plan, index);
+            failures.extend(outcome.failure(&source, plan));
+            refused.extend(outcome.expected(&source, plan));
+        }
+        for (index, step) in plan.steps.iter().enumerate().filter(|(index, _)| self.fired[*index].is_none()) {
+            if !step.optional && end.is_complete {
+                failures.push(Failure { place: step.place, sentence: self.why_not_fired(index, step) });
+            }
+        }
+        for (expectation, record) in plan.expectations.iter().zip(&self.records) {
+            failures.extend(expectation.verdict(record, &end));
+        }
+        failures.sort();
+        refused.sort();
+        Report {
+            name: plan.name.clone(),
+            file: plan.file.clone(),
+            cycles: self.ran,
+            cycle_ns: plan.cycle_ns,
+            wall: None,
+            expectations: plan.expectations.len(),
+            not_judged: plan
+                .expectations
+                .iter()
+                .filter(|e| e.since.is_some_and(|step| self.fired[step].is_none()))
+                .count(),
+            steps: plan.steps.len(),
+            steps_fired: self.fired.iter().flatten().count(),
+            failures,
+            refused,
+        }
+    }
+
+    fn why_not_fired(&self, index: usize, step: &Step) -> String {
+        let plan = &self.scenario.0;
+        let name = step.name.as_ref().map_or_else(|| "the step".to_owned(), |name| format!("step `{name}`"));
+        let is_armed = index.checked_sub(1).is_none_or(|before| self.fired[before].is_some());
+        let due = self.steps[index].due;
+        let reason = match &step.trigger {
+            _ if due != NEVER => {
+                let (due, last) = (moment::text(due, plan.cycle_ns), moment::text(plan.cycles - 1, plan.cycle_ns));
+                format!("it was due in {due}, and the scenario ends with {last}")
+            }
+            Trigger::When { .. } if !is_armed => "the step before it never fired".to_owned(),
+            Trigger::When { predicate, .. } => format!("{} never came", predicate.text()),
+            Trigger::At(_) => "its cycle never came".to_owned(),
+        };
+        format!("{name} never fired: {reason}")
+    }
+}

@@ -1,0 +1,274 @@
+//! Conditions on signals, for `when` and `expect`.
+//!
+//! Law      is: equal, or |signal - value| <= within | not: unequal | min <= signal <= max | all, any: of several
+//! Reads    the board at the end of a cycle
+//! Source   contract section 5
+
+use super::names::Names;
+use super::ruler::Ruler;
+use crate::document::{Map, Value};
+use lineshaft_core::signal::{Board, Signal, Type, Value as Number};
+
+/// A signal, or a signal minus another one.
+#[derive(Clone, Debug)]
+pub(super) struct Probe {
+    name: String,
+    signal: Signal,
+    kind: Type,
+    minus: Option<(Signal, Type)>,
+    pub ruler: Ruler,
+}
+
+impl Probe {
+    /// Reads keys `signal` and `minus`.
+    pub(super) fn read(map: &mut Map<'_>, names: &Names<'_>) -> Option<Self> {
+        let (signal, minus) = (map.required("signal"), map.optional("minus"));
+        let signal = signal.and_then(|value| names.signal(&value));
+        let other = minus.as_ref().map(|value| names.signal(value));
+        let signal = signal?;
+        let entry = names.directory.entry(signal);
+        let ruler = Ruler::of(names, signal);
+        let probe = Self { name: entry.name.clone(), signal, kind: entry.kind, minus: None, ruler };
+        match (minus, other) {
+            (Some(value), Some(other)) => probe.minus(&value, other?, names),
+            _ => Some(probe),
+        }
+    }
+
+    fn minus(self, value: &Value<'_>, other: Signal, names: &Names<'_>) -> Option<Self> {
+        let entry = names.directory.entry(other);
+        let theirs = Ruler::of(names, other);
+        if theirs.measure != self.ruler.measure {
+            let unit = |ruler: &Ruler| match ruler.measure.unit() {
+                "" => "no unit",
+                unit => unit,
+            };
+            let (mine, theirs) = (unit(&self.ruler), unit(&theirs));
+            let sentence = format!("{} has {mine} and {} has {theirs}", self.name, entry.name);
+            value.refuse(format!("{sentence}; a difference needs the same unit"), None);
+            return None;
+        }
+        let is_real = self.kind == Type::Real || entry.kind == Type::Real;
+        let ruler = Ruler {
+            kind: if is_real { Type::Real } else { Type::Int },
+            measure: theirs.measure,
+            // Between two scales a millimetre has no meaning: only increments are left.
+            scale: self.ruler.scale.filter(|_| self.ruler.scale == theirs.scale),
+            is_code: false,
+        };
+        let name = format!("{} minus {}", self.name, entry.name);
+        Some(Self { name, minus: Some((other, entry.kind)), ruler, ..self })
+    }
+
+    /// What it is called in a report.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its value.
+    pub(super) fn value(&self, board: &Board) -> Number {
+        let value = board.value(self.signal, self.kind);
+        match self.minus.map(|(signal, kind)| board.value(signal, kind)) {
+            None => value,
+            Some(other) => match (value, other) {
+                (Number::Int(value), Number::Int(other)) => Number::Int(value.saturating_sub(other)),
+                _ => Number::Real(value.to_f64() - other.to_f64()),
+            },
+        }
+    }
+}
+
+/// What is asked of a value.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Check {
+    Is { value: Number, within: Option<Number> },
+    Not(Number),
+    Range { min: Option<Number>, max: Option<Number> },
+}
+
+impl Check {
+    /// Reads `is` with `within`, `not`, `min` and `max`.
+    fn read(map: &mut Map<'_>, ruler: Option<&Ruler>) -> Option<Self> {
+        let [is, within, not, min, max] = ["is", "within", "not", "min", "max"].map(|key| map.optional(key));
+        let ordered = [&within, &min, &max].into_iter().flatten().next();
+        let ruler = ruler?;
+        if let Some(value) = ordered.filter(|_| !ruler.is_ordered()) {
+            value.refuse(format!("{} has no meaning for a bit or an enum; is and not have", value.label()), None);
+            return None;
+        }
+        let read = |value: Value<'_>| ruler.read(&value);
+        let check = match (is, not, min, max) {
+            (Some(is), None, None, None) => {
+                let tolerance = within.as_ref().map(|within| ruler.read_tolerance(within));
+                let value = read(is)?;
+                return Some(Self::Is { value, within: tolerance.map_or(Some(None), |read| read.map(Some))? });
+            }
+            (None, Some(not), None, None) => read(not).map(Self::Not),
+            (None, None, None, None) => {
+                map.refuse("nothing is asked of the signal; is, not, min or max is expected", None);
+                None
+            }
+            (None, None, min, max) => {
+                let (low, high) = (min.as_ref().map(|min| ruler.read(min)), max.map(read));
+                let (low, high) = (low.map_or(Some(None), |n| n.map(Some))?, high.map_or(Some(None), |n| n.map(Some))?);
+                if let (Some(low), Some(high), Some(min)) = (low, high, min)
+                    && low.to_f64() > high.to_f64()
+                {
+                    min.refuse(format!("min {} lies above max {}", ruler.text(low), ruler.text(high)), None);
+                    return None;
+                }
+                Some(Self::Range { min: low, max: high })
+            }
+            _ => {
+                map.refuse("one of is, not, or min with max is expected, not several", None);
+                return None;
+            }
+        };
+        if let Some(within) = within {
+            within.refuse("within belongs to is", None);
+            return None;
+        }
+        check
+    }
+
+    /// Does a value meet it?
+    pub(super) fn holds(&self, number: Number) -> bool {
+        match *self {
+            Self::Is { value, within: None } => number == value,
+            Self::Is { value, within: Some(within) } => at_most(distance(number, value), within),
+            Self::Not(value) => number != value,
+            Self::Range { min, max } => {
+                min.is_none_or(|min| at_most(min, number)) && max.is_none_or(|max| at_most(number, max))
+            }
+        }
+    }
+
+    /// How far a value is from meeting it, for the closest one; none where near has no meaning.
+    pub(super) fn miss(&self, number: Number) -> Option<f64> {
+        let far = match *self {
+            Self::Is { value, .. } => distance(number, value).to_f64(),
+            Self::Not(_) => return None,
+            Self::Range { min, max } => {
+                let below = min.map_or(0.0, |min| min.to_f64() - number.to_f64());
+                let above = max.map_or(0.0, |max| number.to_f64() - max.to_f64());
+                below.max(above)
+            }
+        };
+        Some(far).filter(|far| !far.is_nan())
+    }
+
+    /// What is asked, in words.
+    pub(super) fn text(&self, ruler: &Ruler) -> String {
+        let text = |number: &Number| ruler.text(*number);
+        match self {
+            Self::Is { value, within: None } => text(value),
+            Self::Is { value, within: Some(within) } => format!("{} within {}", text(value), text(within)),
+            Self::Not(value) => format!("anything but {}", text(value)),
+            Self::Range { min: Some(min), max: Some(max) } => format!("{} to {}", text(min), text(max)),
+            Self::Range { min: Some(min), .. } => format!("at least {}", text(min)),
+            Self::Range { max, .. } => format!("at most {}", max.as_ref().map_or_else(String::new, text)),
+        }
+    }
+}
+
+/// NaN is at most nothing, and nothing at most NaN.
+fn at_most(value: Number, other: Number) -> bool {
+    match (value, other) {
+        (Number::Int(value), Number::Int(other)) => value <= other,
+        _ => value.to_f64() <= other.to_f64(),
+    }
+}
+
+fn distance(value: Number, other: Number) -> Number {
+    match (value, other) {
+        (Number::Int(value), Number::Int(other)) => Number::Int(value.saturating_sub(other).saturating_abs()),
+        _ => Number::Real((value.to_f64() - other.to_f64()).abs()),
+    }
+}
+
+/// A condition.
+#[derive(Clone, Debug)]
+pub(super) enum Predicate {
+    Test { probe: Probe, check: Check },
+    All(Vec<Predicate>),
+    Any(Vec<Predicate>),
+}
+
+impl Predicate {
+    /// Reads the keys of a condition from a mapping that may have others.
+    pub(super) fn read(map: &mut Map<'_>, names: &Names<'_>) -> Option<Self> {
+        let (all, any) = (map.optional("all"), map.optional("any"));
+        match (all, any) {
+            (None, None) => {
+                let probe = Probe::read(map, names);
+                let check = Check::read(map, probe.as_ref().map(|probe| &probe.ruler));
+                Some(Self::Test { probe: probe?, check: check? })
+            }
+            (Some(all), None) => read_several(&all, names).map(Self::All),
+            (None, Some(any)) => read_several(&any, names).map(Self::Any),
+            (Some(_), Some(any)) => {
+                any.refuse("all and any stand side by side; put one into the other", None);
+                None
+            }
+        }
+    }
+
+    /// Does it hold?
+    pub(super) fn holds(&self, board: &Board) -> bool {
+        match self {
+            Self::Test { probe, check } => check.holds(probe.value(board)),
+            Self::All(parts) => parts.iter().all(|part| part.holds(board)),
+            Self::Any(parts) => parts.iter().any(|part| part.holds(board)),
+        }
+    }
+
+    /// What is there: `x.state is DISABLED`.
+    pub(super) fn found(&self, board: &Board) -> String {
+        match self {
+            Self::Test { probe, .. } => format!("{} is {}", probe.name, probe.ruler.text(probe.value(board))),
+            Self::All(parts) | Self::Any(parts) => {
+                parts.iter().map(|part| part.found(board)).collect::<Vec<_>>().join(", ")
+            }
+        }
+    }
+
+    /// What is asked: the value alone, or each part with its signal.
+    pub(super) fn expected(&self) -> String {
+        match self {
+            Self::Test { probe, check } => check.text(&probe.ruler),
+            Self::All(parts) => format!("all of ({})", list(parts)),
+            Self::Any(parts) => format!("any of ({})", list(parts)),
+        }
+    }
+
+    /// What is asked, with the signal: `x.state STANDSTILL`.
+    pub(super) fn text(&self) -> String {
+        match self {
+            Self::Test { probe, .. } => format!("{} {}", probe.name, self.expected()),
+            Self::All(_) | Self::Any(_) => self.expected(),
+        }
+    }
+}
+
+fn list(parts: &[Predicate]) -> String {
+    parts.iter().map(Predicate::text).collect::<Vec<_>>().join("; ")
+}
+
+fn read_several(value: &Value<'_>, names: &Names<'_>) -> Option<Vec<Predicate>> {
+    let items = value.list()?;
+    if items.is_empty() {
+        value.refuse(format!("{} has no conditions; one or more are expected", value.label()), None);
+        return None;
+    }
+    let parts: Vec<_> = items
+        .iter()
+        .map(|item| {
+            let mut map = item.map("a condition")?;
+            let part = Predicate::read(&mut map, names);
+            map.finish();
+            part
+        })
+        .collect();
+    // Only now: every part has been read, so all that is wrong is told.
+    parts.into_iter().collect()
+}

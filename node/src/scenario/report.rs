@@ -1,0 +1,96 @@
+//! What became of a scenario, in words.
+
+use super::moment;
+use crate::document::Place;
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What became of a scenario. Its text is for people; [`Report::passed`] for programs.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Name of the scenario.
+    pub name: String,
+    /// Its file, as it was named to the program.
+    pub file: Arc<str>,
+    /// Cycles that were run.
+    pub cycles: u64,
+    /// Length of a cycle [ns].
+    pub cycle_ns: u64,
+    /// How long that took; left out where nobody measured it.
+    pub wall: Option<Duration>,
+    /// How many expectations there are.
+    pub expectations: usize,
+    /// Of these, how many were not judged as the optional step that they count from never fired.
+    pub not_judged: usize,
+    /// How many steps there are.
+    pub steps: usize,
+    /// Of these, how many fired.
+    pub steps_fired: usize,
+    /// What is wrong, by place.
+    pub failures: Vec<Failure>,
+    /// Commands that were refused as expected, by place.
+    pub refused: Vec<Failure>,
+}
+
+/// A sentence about a place in the scenario.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Failure {
+    /// Where in the file.
+    pub place: Place,
+    /// What happened there, and what was expected.
+    pub sentence: String,
+}
+
+impl Report {
+    /// Is everything as it was expected?
+    pub fn passed(&self) -> bool {
+        self.failures.is_empty()
+    }
+
+    fn pace(&self) -> String {
+        let simulated = u128::from(self.cycles) * u128::from(self.cycle_ns);
+        let Some(wall) = self.wall else { return String::new() };
+        let seconds = wall.as_secs_f64();
+        if wall.is_zero() {
+            return String::new();
+        }
+        format!(" in {seconds:.3} s, {:.1} times real time", simulated as f64 / 1e9 / seconds)
+    }
+
+    fn expectations_text(&self) -> String {
+        let not_judged = match self.not_judged {
+            0 => String::new(),
+            count => format!(" ({count} not judged)"),
+        };
+        format!(
+            "{}{not_judged}, {} of {} fired",
+            count(self.expectations, "expectation"),
+            self.steps_fired,
+            count(self.steps, "step")
+        )
+    }
+}
+
+fn count(number: usize, thing: &str) -> String {
+    if number == 1 { format!("1 {thing}") } else { format!("{number} {thing}s") }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let verdict = if self.passed() { "PASSED" } else { "FAILED" };
+        writeln!(f, "scenario `{}`: {verdict}", self.name)?;
+        let seconds = moment::seconds(self.cycles, self.cycle_ns);
+        writeln!(f, "  {}, {seconds} s{}", count(self.cycles as usize, "cycle"), self.pace())?;
+        writeln!(f, "  {}", self.expectations_text())?;
+        for (title, list) in [("refused as expected", &self.refused), ("failures", &self.failures)] {
+            if !list.is_empty() {
+                writeln!(f, "  {title}:")?;
+            }
+            for Failure { place, sentence } in list {
+                writeln!(f, "    {}:{}:{}: {sentence}", self.file, place.line, place.col)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,147 @@
+//! Values of a signal: how a file writes them and how a report does.
+//!
+//! Law      bare numbers are in the signal's own unit (inc, inc/s, V); quantities become that by the object's scale,
+//!          whole ones to the nearest increment, half away from zero (contract section 1); enums go by name
+
+use super::moment::bare;
+use super::names::Names;
+use crate::document::{Allowed, Value};
+use lineshaft_core::code::Code;
+use lineshaft_core::signal::{Measure, Signal, Type, Value as Number};
+use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, fraction_to_f64};
+
+/// How the values of a signal, or of the difference of two, are read and written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ruler {
+    pub kind: Type,
+    pub measure: Measure,
+    pub scale: Option<Scale>,
+    /// Its numbers are codes of errors.
+    pub is_code: bool,
+}
+
+impl Ruler {
+    pub(super) fn of(names: &Names<'_>, signal: Signal) -> Self {
+        let entry = names.directory.entry(signal);
+        Self {
+            kind: entry.kind,
+            measure: entry.measure,
+            scale: names.scale_of(&entry.name),
+            is_code: entry.kind == Type::Int && entry.measure == Measure::None && entry.name.ends_with(".error"),
+        }
+    }
+
+    /// Positions of an object of that scale.
+    pub(super) fn of_positions(scale: Scale) -> Self {
+        Self { kind: Type::Int, measure: Measure::Position, scale: Some(scale), is_code: false }
+    }
+
+    /// Has it an order, so that more and less have a meaning?
+    pub(super) fn is_ordered(&self) -> bool {
+        !matches!(self.kind, Type::Enum(_) | Type::Bit)
+    }
+
+    /// Reads a value.
+    pub(super) fn read(&self, value: &Value<'_>) -> Option<Number> {
+        match self.kind {
+            Type::Real => self.read_real(value).map(Number::Real),
+            Type::Enum(names) if value.is_integer() => value.integer(0..=names.len() as i64 - 1).map(Number::Int),
+            Type::Enum(names) => {
+                let choices: Vec<_> = names.iter().copied().zip(0_i64..).collect();
+                value.choice(&choices).map(Number::Int)
+            }
+            Type::Bit if value.peek() == Some("true") => Some(Number::Int(1)),
+            Type::Bit if value.peek() == Some("false") => Some(Number::Int(0)),
+            Type::Bit => value.integer(0..=1_i64).map(Number::Int),
+            Type::Int | Type::Word => self.read_int(value).map(Number::Int),
+        }
+    }
+
+    /// Reads a distance from a value: not negative.
+    pub(super) fn read_tolerance(&self, value: &Value<'_>) -> Option<Number> {
+        let number = self.read(value)?;
+        if number.to_f64() < 0.0 {
+            value.refuse(format!("{} is {}; 0 and above is allowed", value.label(), self.text(number)), None);
+            return None;
+        }
+        Some(number)
+    }
+
+    fn read_int(&self, value: &Value<'_>) -> Option<i64> {
+        match self.scale {
+            Some(scale) if self.order() == Some(0) && !value.is_integer() => {
+                if let Some(text) = bare(value) {
+                    let sentence =
+                        format!("{} is {text}; whole increments, or a position with its unit", value.label());
+                    value.refuse(format!("{sentence} is allowed"), Some(format!("write `{text} {}`", scale.unit())));
+                    return None;
+                }
+                let quantity = value.quantity(&scale.dimensions(0), &Allowed::Any)?;
+                good(value, scale.position(&quantity))
+            }
+            _ if self.is_code && !value.is_integer() => {
+                let choices: Vec<_> = Code::ALL.iter().map(|(name, code)| (*name, i64::from(code.0))).collect();
+                value.choice(&choices)
+            }
+            _ => value.integer(i64::MIN..=i64::MAX),
+        }
+    }
+
+    fn read_real(&self, value: &Value<'_>) -> Option<f64> {
+        if bare(value).is_some() {
+            return value.number(f64::NEG_INFINITY..=f64::INFINITY);
+        }
+        match (self.scale, self.order(), self.measure) {
+            (Some(scale), Some(order), _) => {
+                let quantity = value.quantity(&scale.dimensions(order), &Allowed::Any)?;
+                good(value, real(&scale, &quantity, order))
+            }
+            (_, _, Measure::Voltage) => {
+                value.quantity(&[Dimension::Voltage], &Allowed::Any).map(|quantity| quantity.si())
+            }
+            _ => value.number(f64::NEG_INFINITY..=f64::INFINITY),
+        }
+    }
+
+    /// Order of the derivative of a position.
+    fn order(&self) -> Option<u8> {
+        match self.measure {
+            Measure::Position => Some(0),
+            Measure::Velocity => Some(1),
+            Measure::Acceleration => Some(2),
+            Measure::Jerk => Some(3),
+            Measure::None | Measure::Voltage => None,
+        }
+    }
+
+    /// A value in the signal's unit and in the axis unit: `12582912 inc (120 mm)`.
+    pub(super) fn text(&self, number: Number) -> String {
+        let plain = match (number, self.kind) {
+            (Number::Int(place), Type::Enum(names)) => {
+                let name = usize::try_from(place).ok().and_then(|place| names.get(place));
+                return name.map_or_else(|| place.to_string(), |name| (*name).to_owned());
+            }
+            (Number::Int(value), _) => value.to_string(),
+            (Number::Real(value), _) => value.to_string(),
+        };
+        if self.is_code {
+            let name = Code::ALL.iter().find(|(_, code)| number == Number::Int(code.0.into())).map(|(name, _)| *name);
+            return name.filter(|_| number != Number::Int(0)).map_or(plain.clone(), |name| format!("{plain} ({name})"));
+        }
+        let unit = self.measure.unit();
+        let own = if unit.is_empty() { plain } else { format!("{plain} {unit}") };
+        match (self.scale.filter(|scale| scale.unit() != Unit::INCREMENT), self.order(), number) {
+            (Some(scale), Some(0), Number::Int(value)) => format!("{own} ({})", scale.format_increments(value)),
+            (Some(scale), Some(order), _) => format!("{own} ({})", scale.format_rate(number.to_f64(), order)),
+            _ => own,
+        }
+    }
+}
+
+fn real(scale: &Scale, quantity: &Quantity, order: u8) -> Result<f64, UnitError> {
+    if order == 0 { scale.exact(quantity).map(|exact| fraction_to_f64(&exact)) } else { scale.rate(quantity, order) }
+}
+
+fn good<T>(value: &Value<'_>, result: Result<T, UnitError>) -> Option<T> {
+    result.map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
+}

@@ -1,0 +1,116 @@
+//! A scenario on a simulated machine, as fast as possible: no ROS, no clock.
+
+use super::{Player, Report, Scenario, Trace};
+use crate::cell::Cell;
+use indicatif::{ProgressBar, ProgressStyle};
+use lineshaft_core::config::ConfigError;
+use lineshaft_core::drive::Backend;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::sim::Plant;
+use std::fs::File;
+use std::io::{self, BufWriter, IsTerminal};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Cycles between two looks at the progress bar.
+const PROGRESS_CYCLES: u64 = 1024;
+
+/// How a simulation runs.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Where the traced signals go.
+    pub csv: Option<PathBuf>,
+    /// Show a progress bar, if standard error is a terminal.
+    pub progress: bool,
+}
+
+/// Why a simulation could not be run to its end. What the scenario finds wrong is in its [`Report`].
+#[derive(Debug, thiserror::Error)]
+pub enum SimulateError {
+    /// The trace could not be written: no such folder, no permission, no space.
+    #[error("cannot write the trace {}: {error}", .path.display())]
+    Csv {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// The cell makes no machine.
+    #[error("the cell makes no machine: {0}")]
+    Machine(#[from] ConfigError),
+}
+
+/// Runs a scenario on the cell that it was read for, with a simulation in place of every backend.
+///
+/// # Errors
+/// The trace cannot be written, or the cell makes no machine.
+pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<Report, SimulateError> {
+    let started = Instant::now();
+    let mut machine = Machine::new(cell.machine.clone())?;
+    let models: Vec<_> = cell.models.iter().copied().map(Some).collect();
+    let mut plant = Plant::new(&cell.machine, &models);
+    let mut trace = match &options.csv {
+        Some(path) => Some(TraceFile::create(path, scenario, &machine)?),
+        None => None,
+    };
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut player = Player::new(scenario);
+    let mut sequence = 0;
+    let bar = progress_bar(scenario.cycles(), options.progress);
+    for cycle in 0..scenario.cycles() {
+        player.before(cycle, &mut sequence, Some(&mut plant));
+        inputs.cycle = cycle;
+        plant.read(&mut inputs);
+        player.override_inputs(&mut inputs);
+        machine.cycle(&inputs, player.commands(), &mut outputs);
+        plant.write(&outputs);
+        player.after(&machine);
+        if let Some(trace) = &mut trace {
+            trace.write(cycle, &machine)?;
+        }
+        if cycle % PROGRESS_CYCLES == 0 {
+            bar.set_position(cycle);
+        }
+    }
+    bar.finish_and_clear();
+    if let Some(trace) = trace {
+        trace.finish()?;
+    }
+    Ok(Report { wall: Some(started.elapsed()), ..player.finish() })
+}
+
+struct TraceFile<'a> {
+    path: &'a Path,
+    trace: Trace<BufWriter<File>>,
+}
+
+impl<'a> TraceFile<'a> {
+    fn create(path: &'a Path, scenario: &Scenario, machine: &Machine) -> Result<Self, SimulateError> {
+        let file = File::create(path).map_err(|error| failed(path, error))?;
+        let trace = Trace::new(BufWriter::new(file), scenario, machine.directory());
+        Ok(Self { path, trace: trace.map_err(|error| failed(path, error))? })
+    }
+
+    fn write(&mut self, cycle: u64, machine: &Machine) -> Result<(), SimulateError> {
+        self.trace.write(cycle, machine.board()).map_err(|error| failed(self.path, error))
+    }
+
+    fn finish(self) -> Result<(), SimulateError> {
+        self.trace.finish().map(drop).map_err(|error| failed(self.path, error))
+    }
+}
+
+fn failed(path: &Path, error: io::Error) -> SimulateError {
+    SimulateError::Csv { path: path.to_owned(), error }
+}
+
+fn progress_bar(cycles: u64, is_wanted: bool) -> ProgressBar {
+    if !is_wanted || !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(cycles);
+    match ProgressStyle::with_template("{bar:40} {percent} %, {pos} of {len} cycles, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

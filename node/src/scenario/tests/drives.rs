@@ -1,0 +1,176 @@
+//! What replaces signals.
+
+use super::*;
+
+fn driven(signal: &str, cycles: u64, how: &str) -> Vec<String> {
+    values(signal, cycles, &format!("drive: [{{signal: {signal}, {how}}}]"))
+}
+
+#[test]
+fn every_kind_of_input_and_memory_is_driven_from_its_cycle_on() {
+    assert_eq!(driven("start", 5, "at: 2, values: [1, 0, 1]"), ["0", "0", "1", "0", "1"]);
+    assert_eq!(driven("level", 3, "at: 1, values: [2.5, 1500 mV]"), ["0.0", "2.5", "1.5"]);
+    assert_eq!(driven("feed", 4, "at: 2, values: [-3, 40000]"), ["7", "7", "-3", "32767"], "it saturates");
+    assert_eq!(driven("gain", 3, "at: 1, values: [0.1, 0.2]"), ["0.5", "0.1", "0.2"]);
+    assert_eq!(driven("flag", 2, "values: [1, 0]"), ["1", "0"]);
+    assert_eq!(driven("belt.count", 3, "at: 1 ms, values: [65535, 2]"), ["0", "65535", "2"]);
+    assert_eq!(driven("x.actual.count", 3, "at: 1, values: [500, 1 mm]"), ["0", "500", "1000"]);
+    let position = values("belt.position", 4, "drive: [{signal: belt.count, values: [65530, 65535, 4, 9]}]");
+    assert_eq!(position, ["65530", "65535", "65540", "65545"], "16 bits wrap");
+}
+
+#[test]
+fn then_holds_repeats_or_releases() {
+    let then = |then: &str| driven("start", 7, &format!("at: 1, values: [1, 0, 1]{then}")).concat();
+    assert_eq!(then(""), "0101111");
+    assert_eq!(then(", then: hold"), "0101111");
+    assert_eq!(then(", then: repeat"), "0101101");
+    assert_eq!(then(", then: release"), "0101000");
+}
+
+#[test]
+fn a_later_start_takes_over_until_it_releases() {
+    let drives = "drive: [{signal: feed, at: 4, values: [20, 21], then: release}, {signal: feed, values: [1, 2, 3], then: repeat}]";
+    assert_eq!(values("feed", 8, drives).join(" "), "1 2 3 1 20 21 1 2");
+    let twice = "drive: [{signal: feed, values: [1]}, {signal: feed, at: 0 s, values: [2]}]";
+    assert_eq!(
+        problems(&format!("scenario: s\ncycles: 9\n{twice}")),
+        "3:38: feed is driven twice from cycle 0 (0 s) on\n"
+    );
+}
+
+#[test]
+fn a_driven_memory_cell_wins_over_a_step_and_is_told_only_when_it_changes() {
+    let text = "drive: [{signal: feed, values: [1, 1, 2]}]\nsteps: [{at: 4, do: {set_memory: {feed: 9}}}]";
+    assert_eq!(values("feed", 6, text).join(" "), "1 1 2 2 2 2");
+    // 1, 2, then the step's 9 and its undoing.
+    passes(&format!("scenario: s\ncycles: 6\n{text}\nexpect: [{{event: {{kind: accepted, source: feed}}, count: 4}}]"));
+}
+
+#[test]
+fn a_ramp_is_an_exact_fraction_and_shows_its_floor() {
+    assert_eq!(driven("feed", 8, "ramp: {from: 0, per_cycle: 1/3}").join(" "), "0 0 0 1 1 1 2 2");
+    assert_eq!(driven("feed", 8, "ramp: {from: 0, per_cycle: -1/3}").join(" "), "0 -1 -1 -1 -2 -2 -2 -3");
+    assert_eq!(driven("feed", 5, "ramp: {from: 5, per_cycle: 2.5}").join(" "), "5 7 10 12 15");
+    assert_eq!(driven("gain", 4, "ramp: {from: 0.5, per_cycle: 0.1}").join(" "), "0.5 0.6 0.7 0.8");
+    // After 30000 cycles of a third it is on the increment: nothing has drifted.
+    let last = driven("belt.count", 30_001, "ramp: {per_cycle: 1/3}").pop();
+    assert_eq!(last.as_deref(), Some("10000"));
+}
+
+#[test]
+fn a_ramp_ends_exactly_where_it_is_to_end() {
+    let ramp =
+        |then: &str| driven("feed", 8, &format!("at: 1, ramp: {{from: 1, per_cycle: 2, until: 6}}{then}")).join(" ");
+    assert_eq!(ramp(""), "7 1 3 5 6 6 6 6");
+    assert_eq!(ramp(", then: repeat"), "7 1 3 5 6 1 3 5");
+    assert_eq!(ramp(", then: release"), "7 1 3 5 6 6 6 6", "memory keeps what it was given last");
+    assert_eq!(driven("belt.count", 4, "ramp: {from: 0, per_cycle: 40, until: 2 mm}").join(" "), "0 40 80 80");
+    assert_eq!(driven("feed", 3, "ramp: {from: 3, per_cycle: 1, until: 3}").join(" "), "3 3 3");
+}
+
+#[test]
+fn a_sine_meets_its_zeros_and_peaks_and_never_drifts() {
+    let sine = driven("feed", 9, "sine: {mean: 100, amplitude: 50, period: 8 ms}");
+    // 50 sin 45 deg is 35.36.
+    assert_eq!(sine.join(" "), "100 135 150 135 100 65 50 65 100");
+    let real = driven("level", 5, "sine: {mean: 1, amplitude: 2.5 V, period: 4}");
+    assert_eq!(real.join(" "), "1.0 3.5 1.0 -1.5 1.0");
+    // Seven cycles in three periods: after 7000 of them it is at its mean to the last bit.
+    let long = driven("gain", 7001, "sine: {amplitude: 1, period: 3.5 ms}");
+    assert_eq!((long[0].as_str(), long[7].as_str(), long[7000].as_str()), ("0.0", "0.0", "0.0"));
+}
+
+#[test]
+fn a_column_of_a_file_drives_a_signal() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |text: &str| std::fs::write(folder.path().join("in.csv"), text).unwrap();
+    let name = folder.path().join("s.yaml");
+    let load = |column: &str| {
+        let entry = format!("{{signal: start, at: 1, csv: {{file: in.csv, column: {column}}}, then: release}}");
+        let text = format!("scenario: s\ncycles: 6\ntrace: [start]\ndrive: [{entry}]");
+        let parsed = Scenario::parse(&name.display().to_string(), &text, &cell());
+        parsed.map_err(|problems| problems.to_string().replace(&format!("{}/", folder.path().display()), ""))
+    };
+    write("\u{feff}cycle, \"start\"\r\n0,1\r\n1, 0\r\n2,\"1\"\r\n\r\n");
+    let csv = folder.path().join("out.csv");
+    let options = Options { csv: Some(csv.clone()), progress: false };
+    simulate(&cell(), &load("start").unwrap(), &options).unwrap();
+    let rows = std::fs::read_to_string(csv).unwrap();
+    let column: String = rows.lines().skip(1).map(|row| row.split(',').nth(2).unwrap()).collect();
+    assert_eq!(column, "010100");
+
+    write("cycle,start\n0,1\n1,2\n2\n3,x\n");
+    assert_eq!(
+        load("start").unwrap_err(),
+        "in.csv:3:3: `2` is no value here; 0 or 1 is expected\n\
+         in.csv:4:3: the row has no column 2\n\
+         in.csv:5:3: `x` is no value here; 0 or 1 is expected\n"
+    );
+    assert_eq!(load("stat").unwrap_err(), "s.yaml:4:60: in.csv has no column `stat`; it has cycle, start\n");
+    write("start\n");
+    assert_eq!(load("start").unwrap_err(), "s.yaml:4:45: in.csv has no rows below its head\n");
+    std::fs::remove_file(folder.path().join("in.csv")).unwrap();
+    assert!(load("start").unwrap_err().starts_with("s.yaml:4:45: cannot read in.csv: "));
+}
+
+#[test]
+fn what_cannot_be_driven_is_refused() {
+    let bad = |entry: &str| problem("drive", entry);
+    let rule = "inputs, memory cells, ENCODER.count, and AXIS.actual.count of axes with a drive can";
+    for signal in ["lamp", "x.state", "belt.position", "machine.error", "line.actual.count"] {
+        let said = bad(&format!("{{values: [1], signal: ^{signal}}}"));
+        assert_eq!(said, format!("{signal} cannot be driven; {rule}"));
+    }
+    assert_eq!(bad("{signal: ^strat, values: [1]}"), "no signal is called `strat`, did you mean `start`?");
+    assert_eq!(
+        bad("{signal: ^qqqqqq, values: [1]}"),
+        "no signal is called `qqqqqq`, `lineshaft signals CELL` lists them"
+    );
+    assert_eq!(bad("^{signal: start}"), "one of values, csv, ramp, sine is expected");
+    assert_eq!(bad("^{signal: feed, values: [1], ramp: {per_cycle: 1}}"), "one of values, csv, ramp, sine is expected");
+    assert_eq!(bad("{signal: start, values: [^2]}"), "values[0] is 2; 0..1 is allowed");
+    assert_eq!(bad("{signal: start, values: ^[]}"), "values is empty; one value or more is expected");
+    assert_eq!(
+        bad("{signal: feed, values: [^1.5]}"),
+        "values[0] is `1.5`; a whole number -9223372036854775808..9223372036854775807 is allowed"
+    );
+    assert_eq!(bad("{signal: start, ramp: ^{per_cycle: 1}}"), "a bit has no ramp; values and csv are possible");
+    assert_eq!(
+        bad("{signal: feed, values: [1], at: ^100}"),
+        "at is cycle 100 (0.1 s); the scenario ends with cycle 99 (0.099 s)"
+    );
+    assert_eq!(
+        bad("{signal: feed, values: [1], then: ^stop}"),
+        "then is `stop`; one of hold, repeat, release is allowed"
+    );
+    assert_eq!(
+        bad("{signal: feed, then: ^hold, sine: {amplitude: 1, period: 1 s}}"),
+        "a sine has no end, so nothing comes then"
+    );
+    assert_eq!(
+        bad("{signal: feed, then: ^hold, ramp: {per_cycle: 1}}"),
+        "a ramp without until has no end, so nothing comes then"
+    );
+    assert_eq!(
+        bad("{signal: feed, ramp: {from: 3, per_cycle: -1/2, until: ^8}}"),
+        "a ramp from 3 by -1/2 per cycle never gets to 8"
+    );
+    assert_eq!(
+        bad("{signal: feed, ramp: {from: 3, per_cycle: 0, until: ^8}}"),
+        "a ramp from 3 by 0 per cycle never gets to 8"
+    );
+    assert_eq!(
+        bad("{signal: feed, ramp: ^{per_cycle: 1/99999999999999999999999999999999999999}}"),
+        "per_cycle and from have too many digits for an exact ramp of this length"
+    );
+    assert_eq!(
+        bad("{signal: feed, sine: {amplitude: 1, period: ^0 s}}"),
+        "period is none; more than 0 up to 292 years is allowed"
+    );
+    assert_eq!(
+        problems("{scenario: s, cycles: 9, drive: [{signal: feed, valeus: [1]}]}"),
+        "1:34: one of values, csv, ramp, sine is expected\n\
+         1:49: unknown key `valeus` in an entry of drive, did you mean `values`?\n"
+    );
+}

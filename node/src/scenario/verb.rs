@@ -1,0 +1,376 @@
+//! Verbs: what a step does, made into commands by the same requests as every other door.
+
+use super::inject::{self, Injection};
+use super::names::{Names, did_you_mean, nearest};
+use super::verb::amount::{amount, parameter_input};
+use crate::document::{Map, Place, Value};
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MemoryKind;
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::Row;
+use lineshaft_core::request::{Amount, MoveRequest, RequestError, SynchronizeRequest, Units};
+use lineshaft_core::unit::{Scale, excerpt};
+
+mod amount;
+
+/// Verbs that there are.
+const VERBS: [&str; 11] = [
+    "enable",
+    "disable",
+    "halt",
+    "quick_stop",
+    "reset_errors",
+    "move_axis",
+    "synchronize",
+    "cancel",
+    "set_parameters",
+    "set_memory",
+    "inject",
+];
+/// Verbs of the contract that are not built.
+const LATER: [&str; 6] = ["home_axis", "set_position", "command_function", "load_table", "saia", "wf"];
+
+const MODES: [(&str, u8); 5] =
+    [("absolute", 0), ("relative", 1), ("additive", 2), ("velocity", 3), ("superimposed", 4)];
+const UNITS: [(&str, u8); 3] = [("si", 0), ("axis_unit", 1), ("increments", 2)];
+const BUFFER_MODES: [(&str, u8); 6] = [
+    ("aborting", 0),
+    ("buffered", 1),
+    ("blending_low", 2),
+    ("blending_previous", 3),
+    ("blending_next", 4),
+    ("blending_high", 5),
+];
+const DIRECTIONS: [(&str, u8); 4] = [("shortest", 0), ("positive", 1), ("negative", 2), ("current", 3)];
+const SYNC_MODES: [(&str, u8); 3] = [("velocity", 0), ("position", 1), ("marker", 2)];
+const AT_POSITION: u8 = 1;
+const ENGAGES: [(&str, u8); 3] = [("immediately", 0), ("at_position", AT_POSITION), ("on_event", 2)];
+const DISENGAGES: [(&str, u8); 2] = [("stop", 0), ("keep_velocity", 1)];
+
+/// One deed of a step.
+#[derive(Clone, Debug)]
+pub(super) struct Act {
+    pub place: Place,
+    pub verb: String,
+    pub deed: Deed,
+    /// Place of its id among the ids of the scenario.
+    pub id: Option<usize>,
+}
+
+/// What an act does.
+#[derive(Clone, Debug)]
+pub(super) enum Deed {
+    Command(Action),
+    /// A request that is refused in itself, with the sentence, as the step expects.
+    Refused(String),
+    /// Ends the goal of the command that carried that id last.
+    Cancel(usize),
+    Inject(Injection),
+}
+
+/// Ids of commands: who carries one and who names one.
+#[derive(Default)]
+pub(super) struct Ids {
+    names: Vec<String>,
+    carried: Vec<bool>,
+    /// Where ids were named that nobody had carried until then: id, label and place.
+    open: Vec<(usize, Place)>,
+}
+
+impl Ids {
+    fn place(&mut self, name: &str) -> usize {
+        self.names.iter().position(|known| known == name).unwrap_or_else(|| {
+            self.names.push(name.to_owned());
+            self.carried.push(false);
+            self.names.len() - 1
+        })
+    }
+
+    fn carry(&mut self, value: &Value<'_>) -> Option<usize> {
+        let name = value.text()?;
+        let place = self.place(name);
+        if std::mem::replace(&mut self.carried[place], true) {
+            value.refuse(format!("id `{}` stands twice", excerpt(name)), None);
+            return None;
+        }
+        Some(place)
+    }
+
+    /// Ids that a cancel names and no command carries.
+    pub(super) fn missing(&self) -> impl Iterator<Item = (Place, String)> {
+        let open = self.open.iter().filter(|(id, _)| !self.carried[*id]);
+        open.map(|&(id, place)| (place, format!("no command has the id `{}`", excerpt(&self.names[id]))))
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.names.len()
+    }
+}
+
+/// What the verbs of one step are read with.
+pub(super) struct Reader<'a> {
+    pub names: &'a Names<'a>,
+    pub ids: &'a mut Ids,
+    /// The step expects its commands to be refused, with this part of the sentence.
+    pub refused: Option<&'a str>,
+}
+
+impl Reader<'_> {
+    /// Reads one verb or a list of them.
+    pub(super) fn read(&mut self, value: &Value<'_>) -> Vec<Act> {
+        let mut acts = Vec::new();
+        if value.is_list() {
+            let items = value.list().unwrap_or_default();
+            if items.is_empty() {
+                value.refuse("do is empty; one verb or more is expected", None);
+            }
+            items.iter().for_each(|item| self.read_one(item, &mut acts));
+        } else {
+            self.read_one(value, &mut acts);
+        }
+        acts
+    }
+
+    fn read_one(&mut self, value: &Value<'_>, acts: &mut Vec<Act>) {
+        if let Some(text) = value.peek().filter(|text| VERBS.contains(text)) {
+            value.refuse(format!("{} has no arguments", excerpt(text)), Some(format!("write `{text}: {{}}`")));
+            return;
+        }
+        let Some(entries) = value.entries() else { return };
+        let [(verb, arguments)] = entries.as_slice() else {
+            value.refuse(
+                format!("{} verbs stand together; one is expected", entries.len()),
+                Some("write a list".to_owned()),
+            );
+            return;
+        };
+        let Some(name) = verb.text() else { return };
+        let place = verb.place();
+        let mut add = |deed: Option<Deed>, id: Option<usize>| {
+            acts.extend(deed.map(|deed| Act { place, verb: name.to_owned(), deed, id }));
+        };
+        match name {
+            "enable" => add(self.axes(arguments, Action::Enable), None),
+            "disable" => add(self.axes(arguments, Action::Disable), None),
+            "halt" => add(self.axes(arguments, Action::Halt), None),
+            "quick_stop" => add(self.axes(arguments, Action::QuickStop), None),
+            "reset_errors" => add(self.axes(arguments, Action::ResetErrors), None),
+            "move_axis" => {
+                let (deed, id) = self.move_axis(arguments);
+                add(deed, id);
+            }
+            "synchronize" => {
+                let (deed, id) = self.synchronize(arguments);
+                add(deed, id);
+            }
+            "cancel" => add(self.cancel(arguments), None),
+            "set_parameters" => add(self.set_parameters(arguments), None),
+            "set_memory" => self.set_memory(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
+            "inject" => add(self.inject(arguments), None),
+            later if LATER.contains(&later) => verb.refuse(format!("verb {later} does not exist yet"), None),
+            other => {
+                let hint = nearest(other, VERBS.into_iter()).map(did_you_mean);
+                let known = format!("known are {}", VERBS.join(", "));
+                verb.refuse(format!("there is no verb `{}`", excerpt(other)), Some(hint.unwrap_or(known)));
+            }
+        }
+    }
+
+    /// What became of a request: a command, or a refusal that the step expects.
+    fn settle(&self, value: &Value<'_>, result: Result<Action, RequestError>) -> Option<Deed> {
+        let sentence = match result {
+            Ok(action) => return Some(Deed::Command(action)),
+            Err(error) => error.to_string(),
+        };
+        match self.refused {
+            Some(text) if sentence.contains(text) => return Some(Deed::Refused(sentence)),
+            Some(text) => {
+                let hint = format!("`refused: {}` is no part of this sentence", excerpt(text));
+                value.refuse(sentence, Some(hint));
+            }
+            None => value.refuse(sentence, None),
+        }
+        None
+    }
+
+    fn axes(&self, value: &Value<'_>, action: fn(AxisSet) -> Action) -> Option<Deed> {
+        let mut map = value.map(value.label())?;
+        let axes = map.optional("axes");
+        map.finish();
+        let items = axes.as_ref().map_or(Some(Vec::new()), |axes| axes.list())?;
+        let names: Vec<_> = items.iter().map(|item| item.text()).collect();
+        let names: Vec<&str> = names.into_iter().collect::<Option<_>>()?;
+        self.settle(axes.as_ref().unwrap_or(value), self.names.config.find_axes(&names).map(action))
+    }
+
+    fn scale(&self, axis: Option<&Value<'_>>) -> Option<Scale> {
+        self.names.config.find_axis(axis?.peek()?).ok().map(|(_, axis)| axis.scale)
+    }
+
+    fn move_axis(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+        let Some(mut map) = value.map("move_axis") else { return (None, None) };
+        let id = map.optional("id").map(|id| self.ids.carry(&id));
+        let axis = map.required("axis");
+        let scale = self.scale(axis.as_ref());
+        let numbers =
+            [("mode", &MODES[..]), ("units", &UNITS), ("buffer_mode", &BUFFER_MODES), ("direction", &DIRECTIONS)]
+                .map(|(key, names)| number(&mut map, key, names));
+        let [mode, units, buffer_mode, direction] = numbers;
+        let in_increments = units == Some(2);
+        let amounts = [("position", 0), ("velocity", 1), ("acceleration", 2), ("deceleration", 2), ("jerk", 3)]
+            .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), in_increments));
+        map.finish();
+        let deed = (|| {
+            let [position, velocity, acceleration, deceleration, jerk] = amounts;
+            let units = match Units::from_number(units?) {
+                Ok(units) => units,
+                Err(error) => return self.settle(value, Err(error)),
+            };
+            let request = MoveRequest {
+                axis: axis?.text()?.to_owned(),
+                mode: mode?,
+                units,
+                position: position?,
+                velocity: velocity?,
+                acceleration: acceleration?,
+                deceleration: deceleration?,
+                jerk: jerk?,
+                buffer_mode: buffer_mode?,
+                direction: direction?,
+            };
+            self.settle(value, self.names.config.resolve_move(&request).map(Action::Move))
+        })();
+        (deed, id.flatten())
+    }
+
+    fn synchronize(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+        let Some(mut map) = value.map("synchronize") else { return (None, None) };
+        let id = map.optional("id").map(|id| self.ids.carry(&id));
+        let (axis, master) = (map.required("axis"), map.required("master"));
+        let scale = self.scale(axis.as_ref());
+        let event = map.optional("event").map_or(Some(String::new()), |event| event.text().map(str::to_owned));
+        let [mode, engage, disengage] = [("mode", &SYNC_MODES[..]), ("engage", &ENGAGES), ("disengage", &DISENGAGES)]
+            .map(|(key, names)| number(&mut map, key, names));
+        let [numerator, denominator] = ["numerator", "denominator"].map(|key| whole(&mut map, key));
+        for key in ["master_increments", "slave_increments", "start_distance_increments"] {
+            if let Some(given) = map.optional(key)
+                && given.integer(i64::MIN..=i64::MAX).is_some()
+                && engage != Some(AT_POSITION)
+            {
+                given.refuse(format!("{key} belongs to `engage: at_position`"), None);
+            }
+        }
+        let [offset, velocity, acceleration] = [("offset", 0), ("velocity", 1), ("acceleration", 2)]
+            .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), false));
+        map.finish();
+        let deed = (|| {
+            let request = SynchronizeRequest {
+                axis: axis?.text()?.to_owned(),
+                master: master?.text()?.to_owned(),
+                event: event?,
+                mode: mode?,
+                engage: engage?,
+                disengage: disengage?,
+                numerator: numerator?,
+                denominator: denominator?,
+                offset: offset?,
+                velocity: velocity?,
+                acceleration: acceleration?,
+            };
+            self.settle(value, self.names.config.resolve_synchronize(&request).map(Action::Synchronize))
+        })();
+        (deed, id.flatten())
+    }
+
+    fn cancel(&mut self, value: &Value<'_>) -> Option<Deed> {
+        let mut map = value.map("cancel")?;
+        let id = map.required("id");
+        map.finish();
+        let id = id?;
+        let place = self.ids.place(id.text()?);
+        self.ids.open.push((place, id.place()));
+        Some(Deed::Cancel(place))
+    }
+
+    fn set_parameters(&self, value: &Value<'_>) -> Option<Deed> {
+        let entries = value.entries()?;
+        if entries.is_empty() {
+            value.refuse("set_parameters is empty; `axis.key: value` is expected", None);
+            return None;
+        }
+        let mut changes = Vec::new();
+        let mut refused = None;
+        let mut is_good = true;
+        for (key, input) in &entries {
+            let change = key.text().and_then(|name| {
+                let (object, row) = name.split_once('.').unwrap_or((name, ""));
+                let scale = self.names.config.find_axis(object).ok().map(|(_, axis)| axis.scale);
+                let dimensions = Row::find(row).zip(scale).and_then(|((_, row), scale)| row.measure.dimensions(&scale));
+                let input_value = parameter_input(input, dimensions)?;
+                Some(self.names.config.resolve_parameter(name, &input_value))
+            });
+            match change {
+                None => is_good = false,
+                Some(Ok(change)) => changes.push(change),
+                Some(Err(error)) => {
+                    let deed = self.settle(input, Err(error));
+                    is_good &= deed.is_some();
+                    refused = refused.or(deed);
+                }
+            }
+        }
+        if !is_good {
+            return None;
+        }
+        refused.or_else(|| Some(Deed::Command(Action::SetParameters(changes.into()))))
+    }
+
+    fn set_memory(&self, value: &Value<'_>) -> Vec<Deed> {
+        let entries = value.entries().unwrap_or_default();
+        if entries.is_empty() && value.is_map() {
+            value.refuse("set_memory is empty; `cell: value` is expected", None);
+        }
+        entries.iter().filter_map(|(key, value)| self.set_cell(key, value)).collect()
+    }
+
+    fn set_cell(&self, key: &Value<'_>, value: &Value<'_>) -> Option<Deed> {
+        let name = key.text()?;
+        let memory = &self.names.config.memory;
+        let Some(index) = memory.iter().position(|entry| entry.name == name) else {
+            let hint = nearest(name, memory.iter().map(|entry| entry.name.as_str())).map(did_you_mean);
+            key.refuse(format!("no memory cell is called `{}`", excerpt(name)), hint);
+            return None;
+        };
+        let number = match memory[index].kind {
+            MemoryKind::F64 => value.number(f64::NEG_INFINITY..=f64::INFINITY)?,
+            MemoryKind::Bit => f64::from(value.integer(0..=1_u8)?),
+            // Beyond that a command could not carry it exactly.
+            _ => value.integer(-(1_i64 << 53)..=1 << 53)? as f64,
+        };
+        Some(Deed::Command(Action::SetMemory { index: index as u16, value: number }))
+    }
+
+    fn inject(&self, value: &Value<'_>) -> Option<Deed> {
+        if self.refused.is_some() {
+            value.refuse("inject is never refused; leave `refused` out of this step", None);
+        }
+        inject::read(value, self.names).map(Deed::Inject)
+    }
+}
+
+/// A choice by name or number; 0 when it is left out.
+fn number(map: &mut Map<'_>, key: &str, names: &[(&str, u8)]) -> Option<u8> {
+    match map.optional(key) {
+        None => Some(0),
+        Some(value) if value.is_integer() => value.integer(0..=u8::MAX),
+        Some(value) => value.choice(names),
+    }
+}
+
+fn whole(map: &mut Map<'_>, key: &str) -> Option<i64> {
+    map.optional(key).map_or(Some(0), |value| value.integer(i64::MIN..=i64::MAX))
+}
+
+fn optional_amount(map: &mut Map<'_>, key: &str, order: u8, scale: Option<&Scale>, inc: bool) -> Option<Amount> {
+    map.optional(key).map_or(Some(Amount::default()), |value| amount(&value, order, scale, inc))
+}

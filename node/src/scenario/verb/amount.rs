@@ -1,0 +1,48 @@
+//! Numbers of requests, with or without a unit. Whether the unit fits is judged by the request, as at every other door.
+
+use crate::document::Value;
+use lineshaft_core::parameter::ParameterInput;
+use lineshaft_core::request::Amount;
+use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, parse_decimal};
+
+/// A position (order 0), velocity, acceleration or jerk; a bare number is in the units of the request.
+pub(super) fn amount(value: &Value<'_>, order: u8, scale: Option<&Scale>, in_increments: bool) -> Option<Amount> {
+    let text = value.text()?;
+    match parse_decimal(text) {
+        // By way of an f64 a large number of increments would not be what the file says.
+        Ok(number) if in_increments => Some(Amount::Quantity(Quantity::new(number, Unit::INCREMENT.with_order(order)))),
+        Ok(_) => value.number(f64::NEG_INFINITY..=f64::INFINITY).map(Amount::Number),
+        Err(_) => {
+            let expected =
+                scale.map_or([Dimension::Length(order), Dimension::Increments(order)], |s| s.dimensions(order));
+            quantity(value, text, &expected).map(Amount::Quantity)
+        }
+    }
+}
+
+/// A parameter's value: a number, a quantity or a name.
+pub(super) fn parameter_input(value: &Value<'_>, dimensions: Option<[Dimension; 2]>) -> Option<ParameterInput> {
+    let text = value.text()?;
+    if value.is_integer() {
+        return value.integer(i64::MIN..=i64::MAX).map(ParameterInput::Integer);
+    }
+    if parse_decimal(text).is_ok() {
+        return value.number(f64::NEG_INFINITY..=f64::INFINITY).map(ParameterInput::Number);
+    }
+    if text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
+        let expected = dimensions.unwrap_or([Dimension::Length(0), Dimension::Increments(0)]);
+        return quantity(value, text, &expected).map(ParameterInput::Quantity);
+    }
+    Some(ParameterInput::Text(text.to_owned()))
+}
+
+/// A quantity of any dimension; `expected` is what a sentence asks for.
+fn quantity(value: &Value<'_>, text: &str, expected: &[Dimension]) -> Option<Quantity> {
+    match Quantity::parse(text, expected) {
+        Ok(quantity) | Err(UnitError::WrongDimension { given: quantity, .. }) => Some(quantity),
+        Err(error) => {
+            value.refuse(format!("{}: {error}", value.label()), error.hint());
+            None
+        }
+    }
+}
