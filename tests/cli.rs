@@ -1,0 +1,187 @@
+//! The program as a user meets it at the prompt: what it prints, and with which code it ends.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
+}
+
+/// Runs the program in `folder`.
+fn lineshaft(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lineshaft")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("it ended by itself")
+}
+
+/// The YAML blocks of the contract: a cell, then a scenario.
+fn examples() -> (String, String) {
+    let contract = std::fs::read_to_string(root("docs/contract.md")).unwrap();
+    let mut blocks = contract.split("```yaml\n").skip(1).map(|block| block.split("```").next().unwrap().to_owned());
+    (blocks.next().unwrap(), blocks.next().unwrap())
+}
+
+/// The text without the lines that hold one of `what`, each of which must be there.
+fn without(text: &str, what: &[&str]) -> String {
+    for part in what {
+        assert!(text.contains(part), "the contract no longer has `{part}`");
+    }
+    let kept = text.lines().filter(|line| !what.iter().any(|part| line.contains(part)));
+    kept.map(|line| format!("{line}\n")).collect()
+}
+
+/// The example cell without what later versions bring.
+fn cell_of_today(cell: &str) -> String {
+    let functions = cell.find("functions:").unwrap();
+    let groups = cell.find("groups:").unwrap();
+    without(&format!("{}{}", &cell[..functions], &cell[groups..]), &["profile: jerk", "homing:"])
+}
+
+#[test]
+fn of_the_contracts_own_cell_only_what_does_not_exist_yet_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (cell, _) = examples();
+    std::fs::write(folder.path().join("cell.yaml"), cell).unwrap();
+    let output = lineshaft(folder.path(), &["check", "cell.yaml"]);
+    assert_eq!(code(&output), 2);
+    let problems = text(&output.stderr);
+    let sentences: Vec<&str> = problems.lines().map(|line| line.splitn(4, ':').nth(3).unwrap().trim()).collect();
+    assert_eq!(sentences.len(), 3, "{problems}");
+    for (sentence, what) in sentences.iter().zip(["profile jerk", "homing", "function type varsync"]) {
+        assert!(sentence.starts_with(&format!("{what} does not exist yet")), "{sentence}");
+    }
+    assert!(problems.lines().all(|line| line.starts_with("cell.yaml:")));
+}
+
+#[test]
+fn the_contracts_own_scenario_runs_but_for_what_does_not_exist_yet() {
+    let folder = tempfile::tempdir().unwrap();
+    let (cell, scenario) = examples();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("cell.yaml", &cell_of_today(&cell));
+    write("scenario.yaml", &scenario);
+    write("start.csv", "start\n0\n1\n0\n");
+    let check = lineshaft(folder.path(), &["check", "cell.yaml", "--scenario", "scenario.yaml"]);
+    let problems = text(&check.stderr);
+    assert_eq!((code(&check), problems.lines().count()), (2, 1), "{problems}");
+    assert!(problems.contains("command_function does not exist yet"), "{problems}");
+
+    // The turret's increments are the function's work.
+    write("scenario.yaml", &without(&scenario, &["command_function", "{signal: turret.command.position"]));
+    let sim = lineshaft(folder.path(), &["sim", "cell.yaml", "--scenario", "scenario.yaml"]);
+    assert_eq!(code(&sim), 0, "{}{}", text(&sim.stdout), text(&sim.stderr));
+}
+
+#[test]
+fn first_move_passes_and_writes_the_same_bytes_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let (cell, scenario) = (root("launch-configs/demo.yaml"), root("launch-configs/scenarios/first_move.yaml"));
+    let (cell, scenario) = (cell.to_str().unwrap(), scenario.to_str().unwrap());
+    for csv in ["a.csv", "b.csv"] {
+        let output = lineshaft(folder.path(), &["sim", cell, "--scenario", scenario, "--csv", csv]);
+        assert_eq!(code(&output), 0, "{}{}", text(&output.stdout), text(&output.stderr));
+        assert!(text(&output.stdout).contains("PASSED"));
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert!(read("a.csv").len() > 10_000);
+    assert!(read("a.csv") == read("b.csv"), "two runs differ");
+}
+
+#[test]
+fn every_scenario_that_comes_along_passes() {
+    let cell = root("launch-configs/demo.yaml");
+    let mut count = 0;
+    for entry in std::fs::read_dir(root("launch-configs/scenarios")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "yaml") {
+            let arguments = ["sim", cell.to_str().unwrap(), "--scenario", path.to_str().unwrap()];
+            let output = lineshaft(&root(""), &arguments);
+            assert_eq!(code(&output), 0, "{}{}", text(&output.stdout), text(&output.stderr));
+            count += 1;
+        }
+    }
+    assert!(count > 0);
+}
+
+#[test]
+fn a_failed_expectation_ends_with_1_and_says_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = "scenario: never there\ncycles: 10\nexpect:\n  - {signal: x.command.position, at: end, is: 5 mm}\n";
+    std::fs::write(folder.path().join("s.yaml"), scenario).unwrap();
+    let cell = root("launch-configs/demo.yaml");
+    let output = lineshaft(folder.path(), &["sim", cell.to_str().unwrap(), "--scenario", "s.yaml"]);
+    let report = text(&output.stdout);
+    assert_eq!(code(&output), 1);
+    assert!(report.contains("FAILED") && report.contains("s.yaml:4:") && report.contains("5 mm"), "{report}");
+}
+
+/// Unknown keys, wrong units, duplicate names, a limit above its counterpart, a missing file, bad usage: each ends with 2
+/// and starts nothing.
+#[test]
+fn bad_files_and_bad_usage_end_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let demo = std::fs::read_to_string(root("launch-configs/demo.yaml")).unwrap();
+    let bad = [
+        ("max_velocity: 90 deg/s", "max_velocty: 90 deg/s", "did you mean `max_velocity`?"),
+        ("max_velocity: 90 deg/s", "max_velocity: 90 mm", "an angular velocity such as"),
+        ("  turret:", "  x:", "x"),
+        ("min_position: -50 mm", "min_position: 900 mm", "min_position"),
+        ("cycle: 1 ms", "cycle: 1 s", "20 ms"),
+        ("type: rotary", "type: rotry", "did you mean `rotary`?"),
+    ];
+    for (from, to, said) in bad {
+        assert!(demo.contains(from), "{from}");
+        std::fs::write(folder.path().join("bad.yaml"), demo.replacen(from, to, 1)).unwrap();
+        for arguments in [&["check", "bad.yaml"][..], &["run", "bad.yaml"], &["signals", "bad.yaml"]] {
+            let output = lineshaft(folder.path(), arguments);
+            let problems = text(&output.stderr);
+            assert_eq!(code(&output), 2, "{to}: {problems}");
+            assert!(problems.starts_with("bad.yaml:") && problems.contains(said), "{to}: {problems}");
+            assert!(output.stdout.is_empty());
+        }
+    }
+    for arguments in
+        [&["check", "no-such.yaml"][..], &["dance"], &["sim", "bad.yaml"], &["run", "--bogus"], &["check"]]
+    {
+        let output = lineshaft(folder.path(), arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        assert!(!output.stderr.is_empty());
+    }
+    let output = lineshaft(folder.path(), &["run", "--ros-args", "--params-file", "p.yaml"]);
+    assert_eq!(code(&output), 2);
+    assert!(text(&output.stderr).contains("--params-file"));
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let here = root("");
+    for (arguments, said) in [
+        (&["--help"][..], "Exit codes"),
+        (&["--version"], concat!("lineshaft ", env!("CARGO_PKG_VERSION"))),
+        (&["run", "--help"], "ROS_DOMAIN_ID"),
+        (&["sim", "--help"], "--csv"),
+        (&["check", "--help"], "--scenario"),
+    ] {
+        let output = lineshaft(&here, arguments);
+        assert_eq!(code(&output), 0, "{arguments:?}");
+        assert!(text(&output.stdout).contains(said), "{arguments:?}: {}", text(&output.stdout));
+    }
+}
+
+#[test]
+fn signals_lists_every_signal_with_type_and_unit() {
+    let output = lineshaft(&root(""), &["signals", "launch-configs/demo.yaml"]);
+    let list = text(&output.stdout);
+    let line = |name: &str| list.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap().to_owned();
+    assert!(line("x.command.position").contains("i64") && line("x.command.position").contains(" inc "));
+    assert!(line("x.command.velocity").contains("f64") && line("x.command.velocity").contains("inc/s"));
+    assert!(line("x.actual.count").contains("drivable"));
+    assert!(line("x.state").contains("1 STANDSTILL"));
+    assert!(!line("line.target.position").is_empty() && !line("machine.overruns").is_empty());
+}
