@@ -88,8 +88,8 @@ fn the_example_of_the_contract_without_these_is_good() {
 fn the_demo_is_a_machine() {
     let cell = Cell::demo();
     let names: Vec<_> = cell.machine.axes.iter().map(|axis| axis.name.as_str()).collect();
-    assert_eq!(names, ["line", "x", "turret"]);
-    assert_eq!((cell.machine.count_drives(), cell.models.len()), (2, 2));
+    assert_eq!(names, ["line", "x", "y", "turret"]);
+    assert_eq!((cell.machine.count_drives(), cell.models.len()), (3, 3));
     assert_eq!(cell.ros, RosOptions::default());
     assert_eq!(cell.machine.check(), Ok(()));
     // Where the end-to-end tests drive x lies within its limits.
