@@ -146,8 +146,7 @@ fn bad_files_and_bad_usage_end_with_2() {
             assert!(output.stdout.is_empty());
         }
     }
-    for arguments in
-        [&["check", "no-such.yaml"][..], &["dance"], &["sim", "bad.yaml"], &["run", "--bogus"], &["check"]]
+    for arguments in [&["check", "no-such.yaml"][..], &["dance"], &["sim", "bad.yaml"], &["run", "--bogus"], &["check"]]
     {
         let output = lineshaft(folder.path(), arguments);
         assert_eq!(code(&output), 2, "{arguments:?}");

@@ -10,7 +10,7 @@
 //! Refuses  signals that are no inputs or memory cells, two drives of one signal from the same cycle
 //! Source   contract section 5
 
-use super::moment::positive_cycles;
+use super::moment::{Moment, positive_cycles};
 use super::names::Names;
 use super::ruler::Ruler;
 use super::{csv, moment};
@@ -210,7 +210,7 @@ impl Reader<'_> {
     }
 
     fn start(&self, value: &Value<'_>) -> Option<u64> {
-        let at = moment::cycles(value, self.cycle_ns)?;
+        let at = Moment::read(value, self.cycle_ns)?.after(0, self.cycles - 1);
         super::refuse_beyond_end(value, at, self.cycles, self.cycle_ns).then_some(at)
     }
 

@@ -11,10 +11,9 @@ use super::drive::rows;
 use super::moment::{Moment, positive_cycles, text};
 use super::names::{Names, did_you_mean, nearest};
 use super::predicate::{Predicate, Probe};
-use super::ruler::Ruler;
+use super::ruler::{self, Ruler};
 use super::step::Step;
 use crate::document::{Map, Place, Value};
-use lineshaft_core::code::Code;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Event, Kind, Severity};
 use lineshaft_core::object::Object;
@@ -228,7 +227,7 @@ impl Reader<'_> {
             .collect();
         let kind = kind.map(|value| read_kind(&value));
         let severity = severity.map(|value| value.choice(&severities));
-        let code = code.map(|value| read_code(&value));
+        let code = code.map(|value| ruler::read_code(&value));
         let age_ns = age.map(|value| value.integer(0..=u32::MAX));
         let increments = increments.map(|value| self.increments(&value, object.flatten()));
         let part = text.map(|value| value.text().map(str::to_owned));
@@ -273,17 +272,4 @@ fn read_kind(value: &Value<'_>) -> Option<Kind> {
     }
     let kinds: Vec<_> = Kind::ALL.iter().map(|(kind, name)| (*name, *kind)).collect();
     value.choice(&kinds)
-}
-
-fn read_code(value: &Value<'_>) -> Option<u32> {
-    if value.is_integer() {
-        return value.integer(0..=u32::MAX);
-    }
-    let text = value.text()?;
-    let found = Code::ALL.iter().find(|(name, _)| *name == text).map(|(_, code)| code.0);
-    if found.is_none() {
-        let hint = nearest(text, Code::ALL.iter().map(|(name, _)| *name)).map(did_you_mean);
-        value.refuse(format!("no code is called `{}`; a number or a name is expected", excerpt(text)), hint);
-    }
-    found
 }

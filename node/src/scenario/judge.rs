@@ -2,7 +2,7 @@
 
 use super::expect::{Claim, Expectation, Mode};
 use super::moment::text;
-use super::predicate::Predicate;
+use super::predicate::{Predicate, Probe};
 use super::report::Failure;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Event;
@@ -66,7 +66,10 @@ impl Expectation {
         match &self.claim {
             Claim::Values { probe, values, every } => {
                 let n = seen.cycle - from;
-                let row = usize::try_from(n / every).ok().and_then(|row| values.get(row)).filter(|_| n % every == 0);
+                let row = usize::try_from(n / every)
+                    .ok()
+                    .and_then(|row| values.get(row))
+                    .filter(|_| n.is_multiple_of(*every));
                 let Some(row) = row else { return };
                 record.judged += 1;
                 let found = probe.value(seen.board);
@@ -98,37 +101,9 @@ impl Expectation {
         let (from, to) = self.window(end.fired, end.last)?;
         let window = Window { from, to: to.min(end.last), end };
         let sentence = match &self.claim {
-            Claim::Values { probe, values, every } => record.first.as_ref().map(|(cycle, found)| {
-                let row = (cycle - from) / every;
-                let expected = usize::try_from(row).ok().and_then(|row| values.get(row));
-                let expected = expected.map_or_else(String::new, |value| probe.ruler.text(*value));
-                let (name, when, count) = (probe.name(), text(*cycle, end.cycle_ns), values.len());
-                let wrong = record.count;
-                format!(
-                    "{name} is {found} in {when}; {expected} was expected, value {} of {count}; {wrong} of {count} \
-                         values differ",
-                    row + 1
-                )
-            }),
+            Claim::Values { probe, values, every } => values_verdict(probe, values, *every, record, &window),
             Claim::Condition { predicate, mode } => condition_verdict(predicate, *mode, record, &window),
-            Claim::Events { filter, min, max } => {
-                let is_right = record.count >= *min && max.is_none_or(|max| record.count <= max);
-                let may_still_come = !end.is_complete && max.is_none_or(|max| record.count <= max);
-                (!is_right && !may_still_come).then(|| {
-                    let expected = match (min, max) {
-                        (min, Some(max)) if min == max => format!("{min}"),
-                        (min, Some(max)) => format!("{min} to {max}"),
-                        (min, None) => format!("at least {min}"),
-                    };
-                    let name = &filter.name;
-                    format!(
-                        "{name} came {} {}; {expected} was expected{}",
-                        times(record.count),
-                        window.text(),
-                        record.list()
-                    )
-                })
-            }
+            Claim::Events { filter, min, max } => events_verdict(&filter.name, *min, *max, record, &window),
         };
         let sentence = sentence.or_else(|| self.unfinished(to, end))?;
         Some(Failure { place: self.place, sentence })
@@ -195,6 +170,36 @@ impl Record {
 
 fn times(count: u64) -> String {
     if count == 1 { "once".to_owned() } else { format!("{count} times") }
+}
+
+fn values_verdict(
+    probe: &Probe,
+    values: &[Number],
+    every: u64,
+    record: &Record,
+    window: &Window<'_>,
+) -> Option<String> {
+    let (cycle, found) = record.first.as_ref()?;
+    let row = (cycle - window.from) / every;
+    let expected = probe.ruler.text(*values.get(usize::try_from(row).ok()?)?);
+    let (name, when, count) = (probe.name(), text(*cycle, window.end.cycle_ns), values.len());
+    let which = format!("value {} of {count}; {} of {count} values differ", row + 1, record.count);
+    Some(format!("{name} is {found} in {when}; {expected} was expected, {which}"))
+}
+
+fn events_verdict(name: &str, min: u64, max: Option<u64>, record: &Record, window: &Window<'_>) -> Option<String> {
+    let are_too_many = max.is_some_and(|max| record.count > max);
+    let are_too_few = record.count < min && window.end.is_complete;
+    if !are_too_many && !are_too_few {
+        return None;
+    }
+    let expected = match max {
+        Some(max) if min == max => format!("{min}"),
+        Some(max) => format!("{min} to {max}"),
+        None => format!("at least {min}"),
+    };
+    let came = format!("{name} came {} {}", times(record.count), window.text());
+    Some(format!("{came}; {expected} was expected{}", record.list()))
 }
 
 fn condition_verdict(predicate: &Predicate, mode: Mode, record: &Record, window: &Window<'_>) -> Option<String> {

@@ -1,6 +1,6 @@
 //! Scenarios: what happens when, what is traced, and what is expected (contract section 5).
 //!
-//! A [`Scenario`] is read whole against a cell and all its errors are told at once. [`simulate`] runs it on a simulated
+//! A [`Scenario`] is read whole against a cell and all its errors are told at once. [`simulate()`] runs it on a simulated
 //! machine as fast as it can; whoever runs the cycle himself, as `run --scenario` does, uses a [`Player`] and a [`Trace`].
 //! The [`Report`] says what became of it.
 //!

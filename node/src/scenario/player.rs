@@ -103,7 +103,7 @@ impl Player {
         if self.next_due <= cycle {
             let scenario = self.scenario.clone();
             for (index, step) in scenario.0.steps.iter().enumerate() {
-                if self.steps[index].due == cycle {
+                if self.steps[index].due <= cycle {
                     self.fire(index, step, &scenario.0, sequence, plant.as_deref_mut());
                 }
             }
@@ -249,29 +249,13 @@ impl Player {
     /// What became of it. Called before the scenario is over, it says how far it came.
     pub fn finish(self) -> Report {
         let plan = &self.scenario.0;
-        let end =
-            End { last: plan.cycles - 1, is_complete: self.is_over(), cycle_ns: plan.cycle_ns, fired: &self.fired };
-        let mut failures = Vec::new();
-        let mut refused = Vec::new();
-        if !end.is_complete {
-            let sentence = format!("the run ended after {} of {} cycles", self.ran, plan.cycles);
-            failures.push(Failure { place: plan.place, sentence });
-        }
-        for (index, outcome) in self.outcomes.iter().enumerate() {
-            let source = outcome::Source::of(plan, index);
-            failures.extend(outcome.failure(&source, plan));
-            refused.extend(outcome.expected(&source, plan));
-        }
-        for (index, step) in plan.steps.iter().enumerate().filter(|(index, _)| self.fired[*index].is_none()) {
-            if !step.optional && end.is_complete {
-                failures.push(Failure { place: step.place, sentence: self.why_not_fired(index, step) });
-            }
-        }
-        for (expectation, record) in plan.expectations.iter().zip(&self.records) {
-            failures.extend(expectation.verdict(record, &end));
-        }
+        let sources = (0..self.outcomes.len()).map(|index| outcome::Source::of(plan, index));
+        let mut refused: Vec<_> =
+            self.outcomes.iter().zip(sources).filter_map(|(outcome, source)| outcome.expected(&source, plan)).collect();
+        let mut failures = self.failures(plan);
         failures.sort();
         refused.sort();
+        let has_fired = |step: &usize| self.fired.get(*step).is_some_and(Option::is_some);
         Report {
             name: plan.name.clone(),
             file: plan.file.clone(),
@@ -279,16 +263,34 @@ impl Player {
             cycle_ns: plan.cycle_ns,
             wall: None,
             expectations: plan.expectations.len(),
-            not_judged: plan
-                .expectations
-                .iter()
-                .filter(|e| e.since.is_some_and(|step| self.fired[step].is_none()))
-                .count(),
+            not_judged: plan.expectations.iter().filter_map(|e| e.since).filter(|step| !has_fired(step)).count(),
             steps: plan.steps.len(),
             steps_fired: self.fired.iter().flatten().count(),
             failures,
             refused,
         }
+    }
+
+    fn failures(&self, plan: &Plan) -> Vec<Failure> {
+        let is_complete = self.is_over();
+        let end = End { last: plan.cycles - 1, is_complete, cycle_ns: plan.cycle_ns, fired: &self.fired };
+        let mut failures = Vec::new();
+        if !is_complete {
+            let sentence = format!("the run ended after {} of {} cycles", self.ran, plan.cycles);
+            failures.push(Failure { place: plan.place, sentence });
+        }
+        for (index, outcome) in self.outcomes.iter().enumerate() {
+            failures.extend(outcome.failure(&outcome::Source::of(plan, index), plan));
+        }
+        for (index, step) in plan.steps.iter().enumerate() {
+            if is_complete && !step.optional && self.fired[index].is_none() {
+                failures.push(Failure { place: step.place, sentence: self.why_not_fired(index, step) });
+            }
+        }
+        for (expectation, record) in plan.expectations.iter().zip(&self.records) {
+            failures.extend(expectation.verdict(record, &end));
+        }
+        failures
     }
 
     fn why_not_fired(&self, index: usize, step: &Step) -> String {

@@ -4,11 +4,11 @@
 //!          whole ones to the nearest increment, half away from zero (contract section 1); enums go by name
 
 use super::moment::bare;
-use super::names::Names;
+use super::names::{Names, did_you_mean, nearest};
 use crate::document::{Allowed, Value};
 use lineshaft_core::code::Code;
 use lineshaft_core::signal::{Measure, Signal, Type, Value as Number};
-use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, fraction_to_f64};
+use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, excerpt, fraction_to_f64};
 
 /// How the values of a signal, or of the difference of two, are read and written.
 #[derive(Clone, Copy, Debug)]
@@ -79,10 +79,7 @@ impl Ruler {
                 let quantity = value.quantity(&scale.dimensions(0), &Allowed::Any)?;
                 good(value, scale.position(&quantity))
             }
-            _ if self.is_code && !value.is_integer() => {
-                let choices: Vec<_> = Code::ALL.iter().map(|(name, code)| (*name, i64::from(code.0))).collect();
-                value.choice(&choices)
-            }
+            _ if self.is_code => read_code(value).map(i64::from),
             _ => value.integer(i64::MIN..=i64::MAX),
         }
     }
@@ -144,4 +141,18 @@ fn real(scale: &Scale, quantity: &Quantity, order: u8) -> Result<f64, UnitError>
 
 fn good<T>(value: &Value<'_>, result: Result<T, UnitError>) -> Option<T> {
     result.map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
+}
+
+/// A code by number or name.
+pub(super) fn read_code(value: &Value<'_>) -> Option<u32> {
+    if value.is_integer() {
+        return value.integer(0..=u32::MAX);
+    }
+    let text = value.text()?;
+    let found = Code::ALL.iter().find(|(name, _)| *name == text).map(|(_, code)| code.0);
+    if found.is_none() {
+        let hint = nearest(text, Code::ALL.iter().map(|(name, _)| *name)).map(did_you_mean);
+        value.refuse(format!("no code is called `{}`; a number or a name is expected", excerpt(text)), hint);
+    }
+    found
 }

@@ -4,7 +4,7 @@
 //!          time), is judged at the end of a cycle k and acts in k + 1 + after; `every` and `count` repeat either
 //! Source   contract section 5
 
-use super::moment::{self, positive_cycles};
+use super::moment::{self, Moment, positive_cycles};
 use super::names::Names;
 use super::predicate::Predicate;
 use super::verb::{self, Act, Ids};
@@ -31,7 +31,7 @@ pub(super) struct Step {
 #[derive(Clone, Debug)]
 pub(super) enum Trigger {
     At(u64),
-    When { predicate: Predicate, after: u64 },
+    When { predicate: Box<Predicate>, after: u64 },
 }
 
 /// How often it acts.
@@ -92,14 +92,14 @@ impl Reader<'_> {
                 if let Some(after) = after {
                     after.refuse("after belongs to when", Some("add it to `at`".to_owned()));
                 }
-                let cycle = moment::cycles(&at, self.cycle_ns)?;
+                let cycle = Moment::read(&at, self.cycle_ns)?.after(0, self.cycles - 1);
                 super::refuse_beyond_end(&at, cycle, self.cycles, self.cycle_ns).then_some(Trigger::At(cycle))
             }
             (None, Some(when)) => {
                 let mut condition = when.map("when")?;
                 let predicate = Predicate::read(&mut condition, self.names);
                 condition.finish();
-                Some(Trigger::When { predicate: predicate?, after: after_cycles? })
+                Some(Trigger::When { predicate: Box::new(predicate?), after: after_cycles? })
             }
             (at, _) => {
                 let sentence = if at.is_some() { "at and when stand side by side" } else { "a step has no time" };

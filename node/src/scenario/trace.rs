@@ -42,7 +42,7 @@ impl<W: Write> Trace<W> {
     /// # Errors
     /// The writer's.
     pub fn write(&mut self, cycle: u64, board: &Board) -> io::Result<()> {
-        if cycle % self.every != 0 {
+        if !cycle.is_multiple_of(self.every) {
             return Ok(());
         }
         let row = &mut self.row;

@@ -34,12 +34,7 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
     Ok(())
 }
 
-async fn serve(
-    mut server: ServiceServer<AxesCommand>,
-    hub: Arc<Hub>,
-    action: Command,
-    done: &'static str,
-) {
+async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Command, done: &'static str) {
     // Waiting requests end with the service.
     let mut open = JoinSet::new();
     let service = server.name().to_string();

@@ -1,1 +1,84 @@
+//! Expectations on events.
 
+use super::*;
+
+/// x is enabled, then it is moved out of its limits and to 10 mm, and marks come in cycles 500, 510 and 520.
+const STEPS: &str = "steps:\n\
+    - {at: 0, do: {enable: {axes: [x]}}}\n\
+    - {name: go, at: 100, do: {move_axis: {axis: x, position: 10 mm}}}\n\
+    - {at: 200, do: {move_axis: {axis: x, position: 900 mm}}, refused: max_position}\n\
+    - {at: 500, every: 10, count: 3, do: {inject: {latch: {input: mark, age: 350 us}}}}\n\
+    expect:\n- ";
+
+fn holds(expectation: &str) {
+    passes(&format!("scenario: s\ncycles: 1000\n{STEPS}{expectation}"));
+}
+
+fn fails(expectation: &str) -> String {
+    failure(&format!("{STEPS}{expectation}"))
+}
+
+#[test]
+fn events_are_chosen_by_their_fields() {
+    holds("{event: {kind: latch, source: mark}, count: 3}");
+    holds("{event: {kind: latch, source: mark}, from: 0.505 s, to: end, count: 2}");
+    holds("{event: {kind: latch}, at: 510, count: 1}");
+    holds("{event: {kind: latch}, since: go, at: 410, count: 1}");
+    holds("{event: {kind: latch, age_ns: 350000}, min: 3}");
+    holds("{event: {kind: latch, age_ns: 350001}, count: 0}");
+    holds("{event: {kind: done, source: x, code: 0, increments: 10 mm}, at: 400, count: 1}");
+    holds("{event: {kind: done, source: x, code: NONE, increments: 10000}}");
+    holds("{event: {kind: refused, severity: warn, code: ABOVE_MAX_POSITION}, count: 1}");
+    holds("{event: {kind: refused, text: 'target 900 mm lies above max_position 850 mm'}, at: 200, count: 1}");
+    holds("{event: {severity: error}, max: 0}");
+    holds("{event: {kind: state, source: x, text: now STANDSTILL}, min: 2, max: 2}");
+    holds("{event: {kind: accepted, source: machine}, at: 0}");
+}
+
+#[test]
+fn a_wrong_number_of_events_is_told_with_their_cycles() {
+    assert_eq!(
+        fails("{event: {kind: latch, source: mark}, from: 0, to: 0.6 s, count: 5}"),
+        "event kind latch, source mark came 3 times from cycle 0 (0 s) to cycle 600 (0.6 s); 5 was expected; it came in \
+         cycle 500, 510, 520"
+    );
+    assert_eq!(
+        fails("{event: {kind: limit}, from: 900}"),
+        "event kind limit came 0 times from cycle 900 (0.9 s) to cycle 999 (0.999 s); at least 1 was expected"
+    );
+    assert_eq!(
+        fails("{event: {kind: refused}, at: 200, min: 2, max: 4}"),
+        "event kind refused came once in cycle 200 (0.2 s); 2 to 4 was expected; it came in cycle 200"
+    );
+    assert_eq!(
+        fails("{event: {kind: latch}, max: 2}"),
+        "event kind latch came 3 times from cycle 0 (0 s) to cycle 999 (0.999 s); 0 to 2 was expected; it came in cycle \
+         500, 510, 520"
+    );
+    assert_eq!(
+        fails("{event: {kind: latch}, since: go, from: 0, to: 1 s, count: 3}"),
+        "it reaches up to cycle 1100 (1.1 s); the scenario ends with cycle 999 (0.999 s)"
+    );
+}
+
+#[test]
+fn what_is_wrong_with_an_event_is_told() {
+    let bad = |expectation: &str| problem("expect", expectation);
+    assert_eq!(bad("{event: {kind: ^latches}}").split(", did").nth(1), Some(" you mean `latch`?"));
+    for kind in ["mark", "homed"] {
+        assert_eq!(bad(&format!("{{event: {{kind: ^{kind}}}}}")), format!("events of kind {kind} do not exist yet"));
+    }
+    assert_eq!(bad("{event: {source: ^marc}}"), "nothing is called `marc` in the cell, did you mean `mark`?");
+    assert_eq!(bad("{event: {severity: ^bad}}"), "severity is `bad`; one of info, warn, error is allowed");
+    assert_eq!(
+        bad("{event: {code: ^ABOVE_MAX_POSITIO}}"),
+        "no code is called `ABOVE_MAX_POSITIO`; a number or a name is expected, did you mean `ABOVE_MAX_POSITION`?"
+    );
+    assert_eq!(
+        bad("{event: {kind: latch}, count: 1, min: ^1}"),
+        "count and min stand side by side; one of them is expected"
+    );
+    assert_eq!(bad("{event: {kind: latch}, min: 3, max: ^2}"), "max lies below min 3");
+    assert_eq!(bad("{event: {kind: latch}, count: ^-1}"), "count is -1; 0..9223372036854775807 is allowed");
+    assert_eq!(bad("{event: {^knid: latch}}"), "unknown key `knid` in event, did you mean `kind`?");
+}

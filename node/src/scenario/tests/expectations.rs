@@ -1,1 +1,233 @@
+//! Expectations on signals: what holds, and what the report says when it does not.
 
+use super::*;
+
+/// `feed` counts up from 0, one per cycle, in a scenario of 1000 cycles.
+const RAMP: &str = "drive: [{signal: feed, ramp: {per_cycle: 1}}]\nexpect:\n- ";
+
+fn holds(expectation: &str) {
+    passes(&format!("scenario: s\ncycles: 1000\n{RAMP}{expectation}"));
+}
+
+fn fails(expectation: &str) -> String {
+    failure(&format!("{RAMP}{expectation}"))
+}
+
+#[test]
+fn values_stand_one_per_cycle() {
+    holds("{signal: feed, from: 5, values: [5, 6, 7]}");
+    holds("{signal: feed, from: 0.5 s, values: [500, 510, 520], every: 10 ms}");
+    holds("{signal: feed, values: [0]}");
+    holds("{signal: feed, from: end, values: [999]}");
+    holds("{signal: feed, from: 998, values: [998, 999]}");
+    assert_eq!(
+        fails("{signal: feed, from: 5, values: [5, 6, 8, 8, 8], every: 1}"),
+        "feed is 7 in cycle 7 (0.007 s); 8 was expected, value 3 of 5; 2 of 5 values differ"
+    );
+    assert_eq!(
+        bad("^{signal: feed, from: 98, values: [1, 2, 3]}"),
+        "value 3 of 3 stands at cycle 100 (0.1 s); the scenario ends with cycle 99 (0.099 s)"
+    );
+}
+
+#[test]
+fn a_value_at_one_cycle_is_exact_unless_within() {
+    holds("{signal: feed, at: 17, is: 17}");
+    holds("{signal: feed, at: 17 ms, is: 20, within: 3}");
+    holds("{signal: feed, at: end, is: 999}");
+    assert_eq!(fails("{signal: feed, at: 17, is: 18}"), "feed is 17 in cycle 17 (0.017 s); 18 was expected");
+    assert_eq!(
+        fails("{signal: feed, at: end, is: 1002, within: 2}"),
+        "feed is 999 in cycle 999 (0.999 s); 1002 within 2 was expected"
+    );
+}
+
+#[test]
+fn a_window_is_judged_always_unless_a_mode_says_else() {
+    holds("{signal: feed, min: 0, max: 999}");
+    holds("{signal: feed, from: 10, to: 20, min: 10, max: 20}");
+    holds("{signal: feed, from: 10, to: 20, is: 20, mode: eventually}");
+    holds("{signal: feed, from: 10, to: 20, is: 21, mode: never}");
+    assert_eq!(
+        fails("{signal: feed, from: 10, to: 20, max: 18, mode: always}"),
+        "feed is 19 in cycle 19 (0.019 s); at most 18 was expected from cycle 10 (0.01 s) to cycle 20 (0.02 s); 2 of 11 \
+         cycles fail"
+    );
+    assert_eq!(
+        fails("{signal: feed, from: 0.01 s, to: 20, not: 20}"),
+        "feed is 20 in cycle 20 (0.02 s); anything but 20 was expected from cycle 10 (0.01 s) to cycle 20 (0.02 s); 1 of \
+         11 cycles fail"
+    );
+    assert_eq!(
+        fails("{signal: feed, from: 10, to: 20, is: 25, mode: eventually}"),
+        "feed 25 was expected once from cycle 10 (0.01 s) to cycle 20 (0.02 s), and never came; closest was 20 in cycle \
+         20 (0.02 s)"
+    );
+    assert_eq!(
+        fails("{signal: feed, from: 10, to: 20, max: 4, mode: eventually}"),
+        "feed at most 4 was expected once from cycle 10 (0.01 s) to cycle 20 (0.02 s), and never came; closest was 10 in \
+         cycle 10 (0.01 s)"
+    );
+    assert_eq!(
+        fails("{signal: feed, from: 10, to: 20, min: 18, max: 30, mode: never}"),
+        "feed is 18 in cycle 18 (0.018 s); 18 to 30 was never to be from cycle 10 (0.01 s) to cycle 20 (0.02 s); 3 of 11 \
+         cycles fail"
+    );
+    assert_eq!(
+        fails("{signal: line.state, from: 10, is: HOMING, mode: eventually}"),
+        "line.state HOMING was expected once from cycle 10 (0.01 s) to cycle 999 (0.999 s), and never came; line.state is \
+         STANDSTILL in cycle 999 (0.999 s)"
+    );
+}
+
+#[test]
+fn several_conditions_go_together() {
+    holds("{all: [{signal: feed, min: 0}, {signal: line.state, is: STANDSTILL}]}");
+    holds("{any: [{signal: feed, max: 499}, {signal: feed, min: 500}]}");
+    assert_eq!(
+        fails(
+            "{all: [{signal: feed, max: 7}, {any: [{signal: line.enabled, is: 1}, {signal: start, is: true}]}], to: 9}"
+        ),
+        "feed is 8, line.enabled is 1, start is 0 in cycle 8 (0.008 s); all of (feed at most 7; any of (line.enabled 1; \
+         start 1)) was expected from cycle 0 (0 s) to cycle 9 (0.009 s); 2 of 10 cycles fail"
+    );
+    assert_eq!(
+        fails("{all: [{signal: feed, is: 3}, {signal: start, is: 1}], mode: eventually, to: 9}"),
+        "all of (feed 3; start 1) was expected once from cycle 0 (0 s) to cycle 9 (0.009 s), and never came; feed is 9, \
+         start is 0 in cycle 9 (0.009 s)"
+    );
+}
+
+#[test]
+fn since_counts_from_the_cycle_in_which_a_step_fired() {
+    let steps = "steps: [{name: go, when: {signal: feed, is: 100}, do: {halt: {}}}]\n";
+    let text = |expectation: &str| format!("{steps}{RAMP}{expectation}");
+    let good = |expectation: &str| passes(&format!("scenario: s\ncycles: 1000\n{}", text(expectation)));
+    good("{signal: feed, since: go, at: 0, is: 101}");
+    good("{signal: feed, since: go, at: 10 ms, is: 111}");
+    good("{signal: feed, since: go, at: end, is: 999}");
+    good("{signal: feed, since: go, from: 5, to: 6, min: 106, max: 107}");
+    good("{signal: feed, since: go, from: 5, values: [106, 107]}");
+    good("{signal: feed, since: go, from: 0.5 s, to: 2 s, is: 700, mode: eventually}");
+    assert_eq!(
+        failure(&text("{signal: feed, since: go, at: 7, is: 1}")),
+        "feed is 108 in cycle 108 (0.108 s); 1 was expected"
+    );
+    assert_eq!(
+        failure(&text("{signal: feed, since: go, from: 800, to: 899, min: 0}")),
+        "it reaches up to cycle 1000 (1 s); the scenario ends with cycle 999 (0.999 s)"
+    );
+    assert_eq!(
+        failure(&text("{signal: feed, since: go, from: 898, values: [999, 1000]}")),
+        "it reaches up to cycle 1000 (1 s); the scenario ends with cycle 999 (0.999 s)"
+    );
+    assert!(failure(&text("{signal: feed, since: go, at: 5 s, is: 0, mode: eventually}")).contains("never came"));
+}
+
+#[test]
+fn what_counts_from_an_optional_step_that_never_fired_is_not_judged() {
+    let report = run(
+        "scenario: s\ncycles: 9\nsteps: [{name: go, optional: true, when: {signal: feed, is: 1}, do: {halt: {}}}]\n\
+         expect: [{signal: feed, since: go, at: 0, is: 1}, {signal: feed, is: 7}]",
+    );
+    assert_eq!(
+        report.to_string(),
+        "scenario `s`: PASSED\n  9 cycles, 0.009 s\n  2 expectations (1 not judged), 0 of 1 step fired\n"
+    );
+}
+
+#[test]
+fn values_may_have_units_and_reports_show_both() {
+    let bad = |expectation: &str| failure(&format!("expect:\n- {expectation}"));
+    assert_eq!(
+        bad("{signal: x.actual.position, at: end, is: 120 mm, within: 2 um}"),
+        "x.actual.position is 0 inc (0 mm) in cycle 999 (0.999 s); 120000 inc (120 mm) within 2 inc (0.002 mm) was expected"
+    );
+    assert_eq!(
+        bad("{signal: turret.command.velocity, at: 3, min: 15 rpm}"),
+        "turret.command.velocity is 0 inc/s (0 deg/s) in cycle 3 (0.003 s); at least 9000 inc/s (90 deg/s) was expected"
+    );
+    assert_eq!(
+        bad("{signal: x.command.acceleration, at: 3, min: 0.5 m/s^2, max: 1e6}"),
+        "x.command.acceleration is 0 inc/s^2 (0 mm/s^2) in cycle 3 (0.003 s); 500000 inc/s^2 (500 mm/s^2) to 1000000 \
+         inc/s^2 (1000 mm/s^2) was expected"
+    );
+    assert_eq!(bad("{signal: level, at: 3, is: 250 mV}"), "level is 0 V in cycle 3 (0.003 s); 0.25 V was expected");
+    assert_eq!(
+        bad("{signal: belt.position, at: 3, is: 1 cm}"),
+        "belt.position is 0 inc (0 m) in cycle 3 (0.003 s); 400 inc (0.01 m) was expected"
+    );
+    assert_eq!(
+        bad("{signal: x.error, at: 3, is: FOLLOWING_ERROR}"),
+        "x.error is 0 in cycle 3 (0.003 s); 10201 (FOLLOWING_ERROR) was expected"
+    );
+    assert_eq!(
+        bad("{signal: x.command.position, minus: line.command.position, at: 3, is: 7}"),
+        "x.command.position minus line.command.position is 0 inc in cycle 3 (0.003 s); 7 inc was expected"
+    );
+    assert_eq!(
+        bad("{signal: x.command.position, minus: x.actual.position, at: 3, is: -7 um}"),
+        "x.command.position minus x.actual.position is 0 inc (0 mm) in cycle 3 (0.003 s); -7 inc (-0.007 mm) was expected"
+    );
+}
+
+/// What is wrong with an expectation.
+fn bad(expectation: &str) -> String {
+    problem("expect", expectation)
+}
+
+#[test]
+fn what_is_wrong_with_an_expectation_is_told() {
+    let steps = "{scenario: s, cycles: 9, steps: [{name: running, at: 1, do: {halt: {}}}], expect: [\n";
+    assert_eq!(
+        problems(&format!("{steps}{{signal: feed, since: runing, is: 1}}]}}")),
+        "2:23: no step is called `runing`, did you mean `running`?\n"
+    );
+    assert_eq!(
+        bad("{signal: feed, is: 1, at: 3, from: ^4}"),
+        "at and from stand side by side; one of them is expected"
+    );
+    assert_eq!(bad("{signal: feed, is: 1, at: 3, to: ^4}"), "at and to stand side by side; one of them is expected");
+    assert_eq!(
+        bad("{signal: feed, is: 1, from: 30, to: ^20}"),
+        "to is cycle 20 (0.02 s), before from cycle 30 (0.03 s)"
+    );
+    assert_eq!(
+        bad("{signal: feed, is: 1, to: ^100}"),
+        "to is cycle 100 (0.1 s); the scenario ends with cycle 99 (0.099 s)"
+    );
+    assert_eq!(
+        bad("{signal: feed, is: 1, mode: ^often}"),
+        "mode is `often`; one of always, eventually, never is allowed"
+    );
+    assert_eq!(
+        bad("{signal: feed, ^at: 3, values: [1]}"),
+        "unknown key `at` in an expectation, known are since, signal, minus, every, values, from"
+    );
+    assert_eq!(bad("{signal: ^fed, is: 1}"), "no signal is called `fed`, did you mean `feed`?");
+    assert_eq!(
+        bad("{signal: x.command.position, is: ^120 deg}"),
+        "is: `120 deg` is an angle; a length such as `120 m` is expected"
+    );
+    assert_eq!(
+        bad("{signal: x.command.position, is: ^0.5}"),
+        "is is 0.5; whole increments, or a position with its unit is allowed, write `0.5 mm`"
+    );
+    assert_eq!(
+        bad("{signal: x.command.velocity, is: ^1 mm}"),
+        "is: `1 mm` is a length; a velocity such as `1 mm/s` is expected"
+    );
+    assert_eq!(bad("{signal: x.state, is: ^8}"), "is is 8; 0..7 is allowed");
+    assert_eq!(
+        bad("{signal: x.command.position, minus: ^x.command.velocity, is: 0}"),
+        "x.command.position has inc and x.command.velocity has inc/s; a difference needs the same unit"
+    );
+    assert_eq!(
+        bad("{signal: x.command.position, minus: turret.command.position, is: ^1 mm}"),
+        "is is `1 mm`; a whole number -9223372036854775808..9223372036854775807 is allowed"
+    );
+    assert_eq!(
+        bad("{signal: x.error, is: ^FOLOWING_ERROR}"),
+        "no code is called `FOLOWING_ERROR`; a number or a name is expected, did you mean `FOLLOWING_ERROR`?"
+    );
+}

@@ -1,1 +1,145 @@
+//! Scenarios with many errors, and players that are not played to the end.
 
+use super::*;
+
+#[test]
+fn all_errors_are_told_at_once_with_their_places() {
+    let text = "\
+scenario: many errors
+for: 3 mm
+trace: [x.*, nothing.*]
+drive:
+  - {signal: x.state, values: [1]}
+steps:
+  - {at: 0, do: {enable: {axes: [z]}}}
+  - {when: {signal: x.stat, is: 1}, do: {home_axis: {axis: x}}}
+  - {at: 1, doo: {}}
+expect:
+  - {signal: x.command.position, at: 0.5, is: 5 deg}
+  - {event: {kind: party}, count: many}
+expcet: []
+";
+    let expected = "\
+2:6: for: `3 mm` is a length; a time such as `3 s` is expected
+3:14: no signal matches `nothing.*`
+5:14: x.state cannot be driven; inputs, memory cells, ENCODER.count, and AXIS.actual.count of axes with a drive can
+7:33: no axis is called `z`; there are line, x, turret
+8:21: no signal is called `x.stat`, did you mean `x.state`?
+8:42: verb home_axis does not exist yet
+9:13: unknown key `doo` in a step, did you mean `do`?
+11:38: at is 0.5; a whole number of cycles, or a time with its unit is allowed, write `0.5 s`
+11:47: is: `5 deg` is an angle; a length such as `5 m` is expected
+12:20: kind is `party`; one of accepted, refused, done, state, error, reset, latch, limit, parameter, overrun, warning is allowed
+12:35: count is `many`; a whole number 0..9223372036854775807 is allowed
+13:1: unknown key `expcet` in the scenario, known are scenario, for, cycles, trace, every, drive, steps, expect
+";
+    assert_eq!(problems(text), expected);
+}
+
+#[test]
+fn what_is_no_scenario_is_told() {
+    assert_eq!(
+        problems(""),
+        "1:1: a scenario has no length; `for: 3 s` or `cycles: 3000` is expected\n\
+         1:1: missing key `scenario` in the scenario\n"
+    );
+    assert_eq!(problems("[1, 2]"), "1:1: the scenario is a list; a mapping is expected\n");
+    assert!(problems("scenario: [").contains(": this is not YAML: "), "{}", problems("scenario: ["));
+    let missing = Scenario::load(Path::new("no/such.yaml"), &cell()).unwrap_err().to_string();
+    assert!(missing.starts_with("no/such.yaml:1:1: cannot read the file: "), "{missing}");
+    let broken = Cell { machine: Default::default(), ..cell() };
+    let said = Scenario::parse("s.yaml", "scenario: s\ncycles: 1", &broken).unwrap_err().to_string();
+    assert_eq!(said, "s.yaml:1:1: the cell makes no machine: cycle is 0 ns; 125000 ns to 20000000 ns is allowed\n");
+}
+
+#[test]
+fn what_needs_a_simulation_is_told_with_its_place() {
+    let needs = |text: &str| scenario(&format!("scenario: s\ncycles: 9\n{text}")).needs_simulation();
+    assert_eq!(needs("steps: [{at: 1, do: {halt: {}}}]"), None);
+    assert_eq!(
+        needs("steps: [{at: 1, do: [{halt: {}}, {inject: {input: {start: 1}}}]}]").as_deref(),
+        Some("s.yaml:3:35: inject needs a simulated plant, run with --sim")
+    );
+    assert_eq!(
+        needs("drive: [{signal: feed, values: [1]}]").as_deref(),
+        Some("s.yaml:3:9: drive needs a simulated plant, run with --sim")
+    );
+}
+
+/// Plays some cycles as a program would that runs its own.
+fn play(text: &str, cycles: u64) -> Report {
+    let (cell, scenario) = (cell(), scenario(text));
+    let mut machine = Machine::new(cell.machine.clone()).unwrap();
+    let mut plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut player = Player::new(&scenario);
+    // The machine has run before the scenario starts, and others have given commands.
+    let mut sequence = 17;
+    for _ in 0..100 {
+        plant.read(&mut inputs);
+        machine.cycle(&inputs, Default::default(), &mut outputs);
+        plant.write(&outputs);
+    }
+    for cycle in 0..cycles {
+        assert!(!player.is_over());
+        player.before(cycle, &mut sequence, Some(&mut plant));
+        plant.read(&mut inputs);
+        player.override_inputs(&mut inputs);
+        machine.cycle(&inputs, player.commands(), &mut outputs);
+        plant.write(&outputs);
+        player.after(&machine);
+    }
+    player.finish()
+}
+
+const PLAYED: &str = "scenario: played\ncycles: 1000\ndrive: [{signal: start, values: [1, 0]}]\nsteps:\n\
+    - {at: 0, do: {enable: {axes: [x]}}}\n\
+    - {name: go, when: {signal: x.state, is: STANDSTILL}, do: {move_axis: {axis: x, position: 10 mm}}}\n\
+    - {at: 990, do: {disable: {}}}\n\
+    expect:\n\
+    - {signal: start, values: [1, 0, 0]}\n\
+    - {signal: x.command.position, since: go, at: 300, is: 10 mm}\n\
+    - {signal: x.enabled, at: end, is: 0}\n\
+    - {event: {kind: refused}, count: 0}\n";
+
+#[test]
+fn a_scenario_counts_from_its_own_start() {
+    let report = play(PLAYED, 1000);
+    assert_eq!(
+        report.to_string(),
+        "scenario `played`: PASSED\n  1000 cycles, 1 s\n  4 expectations, 3 of 3 steps fired\n"
+    );
+}
+
+#[test]
+fn a_scenario_that_is_ended_early_fails_and_blames_nothing_that_could_still_come() {
+    let report = play(PLAYED, 200);
+    assert_eq!(
+        report.to_string(),
+        "scenario `played`: FAILED\n  200 cycles, 0.2 s\n  4 expectations, 2 of 3 steps fired\n  failures:\n    \
+         s.yaml:1:1: the run ended after 200 of 1000 cycles\n"
+    );
+    let wrong = play(&PLAYED.replace("[1, 0, 0]", "[1, 1, 0]"), 200);
+    assert_eq!(wrong.failures.len(), 2, "{wrong}");
+}
+
+#[test]
+fn without_a_plant_nothing_can_be_injected() {
+    let scenario = scenario("scenario: s\ncycles: 1\nsteps: [{at: 0, do: {inject: {input: {start: 1}}}}]");
+    let mut machine = Machine::new(cell().machine).unwrap();
+    let (inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut player = Player::new(&scenario);
+    player.before(0, &mut 0, None);
+    machine.cycle(&inputs, player.commands(), &mut outputs);
+    player.after(&machine);
+    assert_eq!(player.finish().failures.len(), 1);
+}
+
+#[test]
+fn more_commands_than_a_cycle_takes_are_refused_and_told() {
+    let halts = "{halt: {}}, ".repeat(65);
+    assert_eq!(
+        failure(&format!("steps: [{{at: 0, do: [{halts}]}}]")),
+        "halt was refused: machine: too many commands wait; try again; in cycle 0 (0 s)"
+    );
+}

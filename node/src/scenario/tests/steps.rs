@@ -19,6 +19,7 @@ fn at_steps_fire_in_their_cycle_whatever_their_order() {
     let steps =
         format!("steps:\n- {{at: 7, {}}}\n- {{at: 2 ms, {}}}\n- {{at: 2.5 ms, {}}}", set("1"), set("2"), set("3"));
     assert_eq!(changes(10, &steps), "2:2.0 3:3.0 7:1.0");
+    assert_eq!(changes(10, &format!("steps: [{{at: end, {}}}]", set("1"))), "9:1.0");
 }
 
 #[test]
@@ -159,24 +160,24 @@ fn what_is_wrong_with_a_step_is_told() {
         bad("{when: ^{signal: feed, is: 1, min: 2}, do: {halt: {}}}"),
         "one of is, not, or min with max is expected, not several"
     );
-    assert_eq!(bad("{when: {signal: feed, min: 1, within: 2^}, do: {halt: {}}}"), "within belongs to is");
+    assert_eq!(bad("{when: {signal: feed, min: 1, within: ^2}, do: {halt: {}}}"), "within belongs to is");
     assert_eq!(
-        bad("{when: {signal: x.state, min:^ STANDSTILL}, do: {halt: {}}}"),
+        bad("{when: {signal: x.state, min: ^STANDSTILL}, do: {halt: {}}}"),
         "min has no meaning for a bit or an enum; is and not have"
     );
     assert_eq!(
-        bad("{when: {signal: x.state, is:^ STANDSTIL}, do: {halt: {}}}"),
+        bad("{when: {signal: x.state, is: ^STANDSTIL}, do: {halt: {}}}"),
         "is is `STANDSTIL`; one of DISABLED, STANDSTILL, DISCRETE_MOTION, CONTINUOUS_MOTION, HOMING, \
          SYNCHRONIZED_MOTION, STOPPING, ERROR_STOP is allowed, did you mean `STANDSTILL`?"
     );
     assert_eq!(bad("{when: {any: ^[]}, do: {halt: {}}}"), "any has no conditions; one or more are expected");
     assert_eq!(
-        bad("{when: {all: [{signal: feed, is: 1}], any: [{si^gnal: feed, is: 1}]}, do: {halt: {}}}"),
+        bad("{when: {all: [{signal: feed, is: 1}], any: ^[{signal: feed, is: 1}]}, do: {halt: {}}}"),
         "all and any stand side by side; put one into the other"
     );
     assert_eq!(bad("{when: {signal: feed, min: ^3, max: 2}, do: {halt: {}}}"), "min 3 lies above max 2");
     assert_eq!(
-        bad("{when: {signal: feed, is: 3, within: -^2}, do: {halt: {}}}"),
+        bad("{when: {signal: feed, is: 3, within: ^-2}, do: {halt: {}}}"),
         "within is -2; 0 and above is allowed"
     );
 }

@@ -1,1 +1,333 @@
+//! What the verbs do, and what is refused.
 
+use super::*;
+
+/// x enabled, and what follows as steps `go`, then the rest.
+fn enabled(steps: &str) -> String {
+    format!(
+        "scenario: s\ncycles: 1000\nsteps:\n\
+         - {{at: 0, do: {{enable: {{axes: [x, turret]}}}}}}\n\
+         - {{name: go, when: {{all: [{{signal: x.state, is: STANDSTILL}}, {{signal: turret.state, is: STANDSTILL}}]}},\n   {steps}"
+    )
+}
+
+#[test]
+fn axes_are_switched_on_and_off() {
+    passes(
+        "scenario: s\ncycles: 100\nsteps:\n- {at: 0, do: {enable: {}}}\n- {at: 50, do: {disable: {axes: [x]}}}\n\
+         expect:\n- {signal: x.enabled, at: 49, is: 1}\n- {signal: x.enabled, at: end, is: 0}\n\
+         - {signal: turret.enabled, at: end, is: 1}\n- {signal: x.drive_state, at: 49, is: OPERATION_ENABLED}\n",
+    );
+}
+
+/// 10 mm at 50 mm/s and 500 mm/s^2: 2.5 mm up, 5 mm, 2.5 mm down in 300 ms.
+#[test]
+fn a_move_takes_its_fields_by_ros_name_and_its_defaults() {
+    passes(&enabled(
+        "do: {move_axis: {axis: x, position: 10 mm}}}\nexpect:\n\
+         - {signal: x.command.position, since: go, at: 0, is: 0}\n\
+         - {signal: x.command.velocity, since: go, at: 150, is: 50 mm/s}\n\
+         - {signal: x.command.position, since: go, at: 150, is: 5 mm}\n\
+         - {signal: x.command.position, since: go, at: 300, is: 10 mm}\n\
+         - {signal: x.command.position, since: go, at: 299, not: 10 mm}\n\
+         - {signal: x.reference, since: go, at: 5, is: POSITION_ABSOLUTE}\n",
+    ));
+    let ends = |fields: &str, end: &str, at: u64| {
+        passes(&enabled(&format!(
+            "do: [{{move_axis: {{axis: x, {fields}}}}}]}}\nexpect:\n\
+             - {{signal: x.target.position, since: go, at: 0, is: {end}}}\n\
+             - {{signal: x.command.position, since: go, at: {at}, is: {end}}}\n\
+             - {{signal: x.command.velocity, since: go, at: {}, not: 0}}\n",
+            at - 1
+        )));
+    };
+    // 20 mm/s at 200 mm/s^2: 100 ms and 1 mm up and down, 8 mm at speed in 400 ms.
+    ends("position: 0.01, velocity: 0.02, acceleration: 0.2, deceleration: 0.2", "10 mm", 600);
+    ends("units: axis_unit, position: 10, velocity: 20, acceleration: 200, deceleration: 200, mode: 1", "10 mm", 600);
+    ends(
+        "units: increments, position: 10000, velocity: 20000, acceleration: 200 mm/s^2, deceleration: 2e5",
+        "10 mm",
+        600,
+    );
+    ends(
+        "units: 2, mode: relative, position: -10000, buffer_mode: aborting, velocity: 2 cm/s, acceleration: 0.2 m/s^2, deceleration: 2e5",
+        "-10 mm",
+        600,
+    );
+    ends("mode: additive, position: 10 mm, jerk: 5", "10 mm", 300);
+}
+
+#[test]
+fn a_modulo_axis_turns_in_the_direction_that_is_asked() {
+    for (direction, end) in [("shortest", -9000), ("positive", 27_000), ("negative", -9000), ("current", -9000)] {
+        passes(&enabled(&format!(
+            "do: {{move_axis: {{axis: turret, position: 270 deg, direction: {direction}}}}}}}\nexpect:\n\
+             - {{signal: turret.target.position, since: go, at: 0, is: {end}}}\n"
+        )));
+    }
+}
+
+#[test]
+fn velocity_goals_halts_and_quick_stops() {
+    // 20 mm/s after 40 ms at 500 mm/s^2; halt at 500 mm/s^2 takes 40 ms, quick_stop at 1 m/s^2 20 ms.
+    for (verb, cycles, state) in [("halt", 40, "STANDSTILL"), ("quick_stop", 20, "STOPPING")] {
+        let text = enabled(&format!(
+            "do: {{move_axis: {{axis: x, mode: velocity, velocity: 20 mm/s}}}}}}\n\
+             - {{name: stop, when: {{signal: x.in_velocity, is: 1}}, after: 100, do: {{{verb}: {{axes: [x]}}}}}}\n\
+             expect:\n\
+             - {{signal: x.command.velocity, since: go, at: 40, is: 20 mm/s}}\n\
+             - {{signal: x.command.velocity, since: stop, at: 0, is: 20 mm/s}}\n\
+             - {{signal: x.command.velocity, since: stop, at: {}, min: 0.1 mm/s}}\n\
+             - {{signal: x.command.velocity, since: stop, from: {cycles}, to: end, is: 0, within: 0.01 mm/s}}\n\
+             - {{signal: x.state, since: stop, at: {}, is: {state}}}\n",
+            cycles - 1,
+            cycles + 10
+        ));
+        passes(&text);
+        passes(&text.replace(
+            "expect:",
+            "- {at: 900, do: {reset_errors: {axes: [x]}}}\nexpect:\n- {signal: x.state, at: end, is: STANDSTILL}",
+        ));
+    }
+}
+
+#[test]
+fn stops_go_into_the_lane_that_is_drained_first() {
+    let scenario = scenario(
+        "scenario: s\ncycles: 9\nsteps: [{at: 0, do: [{enable: {}}, {halt: {}}, {quick_stop: {}}, {disable: {axes: [x]}}, {set_memory: {feed: 1}}]}]",
+    );
+    let mut player = Player::new(&scenario);
+    let mut sequence = 40;
+    player.before(0, &mut sequence, None);
+    let numbers = |lane: &[lineshaft_core::command::Command]| lane.iter().map(|c| c.sequence).collect::<Vec<_>>();
+    assert_eq!((numbers(player.commands().stop), numbers(player.commands().queue)), (vec![42, 43, 44], vec![41, 45]));
+    assert_eq!(sequence, 45);
+    player.before(1, &mut sequence, None);
+    assert_eq!((player.commands().iter().count(), sequence), (0, 45));
+}
+
+#[test]
+fn a_synchronized_axis_follows_and_cancel_uncouples_it() {
+    passes(&enabled(
+        "do: {synchronize: {id: gear, axis: turret, master: line, mode: position, numerator: 1, denominator: 100}}}\n\
+         - {name: run, when: {signal: turret.in_sync, is: 1}, do: {move_axis: {axis: line, position: 100 mm, velocity: 0.5 m/s}}}\n\
+         - {name: off, when: {signal: line.command.position, is: 100 mm}, do: {cancel: {id: gear}}}\n\
+         expect:\n\
+         - {signal: turret.state, since: run, from: 0, to: 100, is: SYNCHRONIZED_MOTION}\n\
+         - {signal: turret.command.position, since: off, at: 0, is: 1000}\n\
+         - {signal: turret.state, since: off, at: 1, is: STANDSTILL}\n\
+         - {event: {kind: done, source: turret, code: CANCELLED}, since: off, from: 0, to: 1, count: 1}\n",
+    ));
+}
+
+#[test]
+fn an_id_names_the_last_command_that_carried_it_and_a_goal_that_is_none_cannot_be_cancelled() {
+    passes(&enabled(
+        "do: {cancel: {id: m}}, refused: no such goal}\n\
+         - {at: 50, every: 50, count: 2, do: {move_axis: {id: m, axis: x, mode: relative, position: 50 mm}}}\n\
+         - {name: off, at: 150, do: {cancel: {id: m}}}\n\
+         expect:\n\
+         - {event: {kind: done, source: x, code: REPLACED}, from: 100, to: 100, count: 1}\n\
+         - {event: {kind: done, source: x, code: 10103}, since: off, count: 1}\n",
+    ));
+}
+
+#[test]
+fn parameters_are_set_with_units_by_the_rule_of_every_door() {
+    passes(&enabled(
+        "do: {set_parameters: {x.max_velocity: 0.02 m/s, x.error_reaction: 3, x.profile: trapezoid, x.in_position_time: 0.005, \
+         turret.max_acceleration: 1 rev/s^2}}}\n\
+         - {at: 100, do: {move_axis: {axis: x, position: 1, velocity: 20.1 mm/s}}, refused: max_velocity 20 mm/s}\n\
+         expect:\n\
+         - {event: {kind: parameter, source: x, text: in_position_time is 5 ms}, count: 1}\n\
+         - {event: {kind: parameter, source: turret, text: 360 deg/s^2}, count: 1}\n\
+         - {event: {kind: parameter, source: x}, count: 4}\n",
+    ));
+}
+
+#[test]
+fn the_plant_is_made_to_fail() {
+    let inject = |what: &str, expect: &str| {
+        passes(&enabled(&format!("do: {{inject: {what}}}}}\nexpect:\n- {{{expect}}}\n")));
+    };
+    inject("{fault: {axis: x, code: 0x8611}}", "signal: x.error, since: go, at: 1, is: 99857"); // 0x10000 + 0x8611
+    inject("{fault: {axis: x, code: 1}}", "event: {kind: error, source: x, code: 0x10001}, since: go, at: 0, count: 1");
+    inject("{drive_lost: {axis: x}}", "signal: x.error, since: go, at: 0, is: DRIVE_LOST");
+    inject("{drive_lost: {axis: x}}", "signal: turret.error, is: 0");
+    inject("{encoder_jump: {axis: x, by: 3 mm}}", "signal: x.actual.position, since: go, at: 0, is: 3 mm");
+    inject("{encoder_jump: {axis: x, by: 11000}}", "signal: x.error, since: go, at: 0, is: FOLLOWING_ERROR");
+    inject("{encoder_jump: {axis: belt, by: -80}}", "signal: belt.position, since: go, from: 0, to: end, is: -2 mm");
+    inject("{input: {start: 1}}", "signal: start, since: go, from: 0, to: end, is: 1");
+    inject("{input: {level: -1500 mV}}", "signal: level, since: go, from: 0, to: end, is: -1.5");
+    inject(
+        "{latch: {input: mark, age: 350 us, edge: falling}}",
+        "event: {kind: latch, source: mark, age_ns: 350000, text: falling}, since: go, at: 0, count: 1",
+    );
+    inject("{latch: {input: x}}", "signal: x.latch.count, since: go, from: 0, to: end, is: 1");
+    inject("{latch: {input: belt}}", "event: {kind: latch, source: belt, increments: 0 mm, age_ns: 0}, count: 1");
+}
+
+#[test]
+fn more_latches_than_a_cycle_holds_are_told() {
+    let latches = "{inject: {latch: {input: mark}}}, ".repeat(17);
+    assert_eq!(
+        failure(&format!("steps: [{{at: 1, do: [{latches}]}}]")),
+        "inject had no effect: the plant has no such drive, or no room for another latch; in cycle 1 (0.001 s)"
+    );
+}
+
+#[test]
+fn a_refusal_fails_the_scenario_unless_it_is_expected() {
+    let step = |rest: &str| format!("steps: [{{at: 10, do: {{move_axis: {{axis: x, position: 5 mm}}}}{rest}}}]");
+    let sentence = "move_axis was refused: x: the axis is not enabled; enable it first";
+    assert_eq!(failure(&step("")), format!("{sentence}; in cycle 10 (0.01 s)"));
+    for text in ["not enabled", "NOT_ENABLED", "'x: the axis is not enabled; enable it first'"] {
+        passes(&format!("scenario: s\ncycles: 20\n{}", step(&format!(", refused: {text}"))));
+    }
+    assert_eq!(
+        failure(&step(", refused: max_position")),
+        format!("{sentence}; a refusal with `max_position` was expected; in cycle 10 (0.01 s)")
+    );
+    assert_eq!(
+        failure("steps: [{at: 10, do: {enable: {}}, refused: max_position}]"),
+        "enable was accepted; a refusal with `max_position` was expected; in cycle 10 (0.01 s)"
+    );
+    assert_eq!(failure(&step(", every: 100, count: 3")), format!("{sentence}; in cycle 10 (0.01 s), and 2 times more"));
+    assert_eq!(failure(&step(", every: 100, count: 2")), format!("{sentence}; in cycle 10 (0.01 s), and once more"));
+}
+
+#[test]
+fn what_is_no_request_counts_as_refused_where_that_is_expected() {
+    let report = run("scenario: s\ncycles: 20\nsteps:\n\
+         - {at: 1, do: {move_axis: {axis: z, position: 5 mm}}, refused: no axis is called}\n\
+         - {at: 2, do: {move_axis: {axis: x, mode: superimposed}}, refused: does not exist yet}\n\
+         - {at: 3, do: {set_parameters: {x.max_velocity: 1 m/s, x.kprop: 3}}, refused: kprop}\n\
+         expect: [{event: {kind: refused, code: BAD_REQUEST, source: machine}, count: 3}]");
+    assert_eq!(
+        report.to_string(),
+        "scenario `s`: PASSED\n  20 cycles, 0.02 s\n  1 expectation, 3 of 3 steps fired\n  refused as expected:\n    \
+         s.yaml:4:16: move_axis: no axis is called `z`; there are line, x, turret; in cycle 1 (0.001 s)\n    \
+         s.yaml:5:16: move_axis: move_axis in mode SUPERIMPOSED does not exist yet; in cycle 2 (0.002 s)\n    \
+         s.yaml:6:16: set_parameters: no parameter is called `x.kprop`; in cycle 3 (0.003 s)\n"
+    );
+}
+
+#[test]
+fn verbs_that_are_not_built_are_refused_by_name() {
+    for verb in ["home_axis", "set_position", "command_function", "load_table", "saia", "wf"] {
+        let said = problem("steps", &format!("{{at: 1, do: {{^{verb}: {{axis: x}}}}}}"));
+        assert_eq!(said, format!("verb {verb} does not exist yet"));
+    }
+    assert_eq!(bad("{inject: {^index_lost: {axis: x}}}"), "inject index_lost does not exist yet");
+    assert_eq!(bad("{move_axis: ^{axis: x, mode: 4}}"), "move_axis in mode SUPERIMPOSED does not exist yet");
+    assert_eq!(
+        bad("{move_axis: ^{axis: x, buffer_mode: blending_low}}"),
+        "a buffer_mode other than ABORTING does not exist yet"
+    );
+    assert_eq!(
+        bad(
+            "{synchronize: ^{axis: x, master: line, engage: at_position, master_increments: 5, slave_increments: 5, start_distance_increments: 1}}"
+        ),
+        "engage AT_POSITION does not exist yet"
+    );
+    assert_eq!(
+        bad("{synchronize: ^{axis: x, master: line, mode: marker}}"),
+        "synchronize in mode MARKER does not exist yet"
+    );
+    assert_eq!(
+        bad("{synchronize: ^{axis: x, master: line, engage: on_event, event: mark}}"),
+        "engage ON_EVENT does not exist yet"
+    );
+}
+
+/// What is wrong with a verb.
+fn bad(verb: &str) -> String {
+    problem("steps", &format!("{{at: 1, do: {verb}}}"))
+}
+
+#[test]
+fn what_is_wrong_with_a_verb_is_told() {
+    assert_eq!(bad("{^mov_axis: {axis: x}}"), "there is no verb `mov_axis`, did you mean `move_axis`?");
+    assert!(bad("{^jump: {}}").starts_with("there is no verb `jump`, known are enable, disable, "));
+    assert_eq!(bad("{enable: {axes: ^[x, z]}}"), "no axis is called `z`; there are line, x, turret");
+    assert_eq!(bad("{enable: {axes: ^x}}"), "axes is `x`; a list is expected");
+    assert_eq!(bad("{halt: {^axis: [x]}}"), "unknown key `axis` in halt, did you mean `axes`?");
+    assert_eq!(bad("{move_axis: ^{position: 5 mm}}"), "missing key `axis` in move_axis");
+    assert_eq!(
+        bad("{move_axis: ^{axis: x, position: 90 deg}}"),
+        "position: `90 deg` is an angle; a length such as `90 m` is expected"
+    );
+    assert_eq!(
+        bad("{move_axis: {axis: x, position: ^9mm}}"),
+        "position: `9mm` has no blank between number and unit, write `9 mm`"
+    );
+    assert_eq!(
+        bad("{move_axis: {axis: x, velocity: ^9 furlong}}"),
+        "velocity: `furlong` in `9 furlong` is not a unit; a velocity has nm/s, um/s, mm/s, cm/s, m/s"
+    );
+    assert_eq!(
+        bad("{move_axis: {axis: x, mode: ^absolut}}"),
+        "mode is `absolut`; one of absolute, relative, additive, velocity, superimposed is allowed, did you mean `absolute`?"
+    );
+    assert_eq!(
+        bad("{move_axis: ^{axis: x, mode: 9}}"),
+        "mode is 9; 0 ABSOLUTE, 1 RELATIVE, 2 ADDITIVE, 3 VELOCITY, 4 SUPERIMPOSED are allowed"
+    );
+    assert_eq!(bad("{move_axis: ^{axis: x, units: 3}}"), "units is 3; 0 SI, 1 AXIS_UNIT, 2 INCREMENTS are allowed");
+    assert_eq!(bad("{move_axis: {axis: x, mode: ^300}}"), "mode is 300; 0..255 is allowed");
+    assert_eq!(
+        bad("{synchronize: ^{axis: x, master: mark}}"),
+        "`mark` cannot lead; line, line.actual, x, x.actual, turret, turret.actual, belt can"
+    );
+    assert_eq!(
+        bad("{synchronize: {axis: x, master: line, master_increments: ^5}}"),
+        "master_increments belongs to `engage: at_position`"
+    );
+    assert_eq!(bad("{cancel: {id: ^m}}"), "no command has the id `m`");
+    assert_eq!(bad("[{move_axis: {id: m, axis: x}}, {move_axis: {id: ^m, axis: x}}]"), "id `m` stands twice");
+    assert_eq!(bad("{set_parameters: ^{}}"), "set_parameters is empty; `axis.key: value` is expected");
+    assert_eq!(
+        bad("{set_parameters: {x.max_velocity: ^5 mm}}"),
+        "x.max_velocity: `5 mm` is a length; a velocity such as `5 mm/s` is expected"
+    );
+    assert_eq!(
+        bad("{set_parameters: {x.profile: ^round}}"),
+        "x.profile is `round`; one of trapezoid, s_ramp, jerk is expected"
+    );
+    assert_eq!(
+        bad("{set_parameters: {max_velocity: ^5}}"),
+        "no parameter is called `max_velocity`; parameters are written axis.key"
+    );
+    assert_eq!(bad("{set_memory: {^fed: 5}}"), "no memory cell is called `fed`, did you mean `feed`?");
+    assert_eq!(
+        bad("{set_memory: {feed: ^0.5}}"),
+        "feed is `0.5`; a whole number -9007199254740992..9007199254740992 is allowed"
+    );
+    assert_eq!(bad("{set_memory: {flag: ^2}}"), "flag is 2; 0..1 is allowed");
+    assert_eq!(bad("{set_memory: ^{}}"), "set_memory is empty; `cell: value` is expected");
+    assert_eq!(bad("{inject: {latch: {input: ^start}}}"), "start does not latch, give it `latch: true` in the cell");
+    assert_eq!(
+        bad("{inject: {latch: {input: ^line}}}"),
+        "line has no drive; an input with `latch: true`, an encoder or an axis with a drive latches"
+    );
+    assert_eq!(
+        bad("{inject: {latch: {input: mark, age: ^1 ms}}}"),
+        "age is 1000000 ns; less than a cycle of 1000000 ns is allowed"
+    );
+    assert_eq!(bad("{inject: {input: {^lamp: 1}}}"), "lamp is no input");
+    assert_eq!(bad("{inject: {fault: {axis: ^line, code: 5}}}"), "line is virtual: it has no drive");
+    assert_eq!(bad("{inject: {fault: {axis: x, code: ^0}}}"), "code is 0; 1..65535 is allowed");
+    assert_eq!(bad("{inject: {drive_lost: {axis: ^q}}}"), "no axis is called `q`; there are line, x, turret");
+    assert_eq!(
+        bad("{inject: {^explode: {}}}"),
+        "`explode` cannot be injected; latch, input, fault, drive_lost, encoder_jump can"
+    );
+    assert_eq!(bad("{inject: ^{}}"), "inject does one thing: one of latch, input, fault, drive_lost, encoder_jump");
+    let refused = problem("steps", "{at: 1, refused: x, do: {inject: ^{latch: {input: mark}}}}");
+    assert_eq!(refused, "inject is never refused; leave `refused` out of this step");
+    let other = problem("steps", "{at: 1, refused: max_position, do: {halt: {axes: ^[z]}}}");
+    assert_eq!(
+        other,
+        "no axis is called `z`; there are line, x, turret, `refused: max_position` is no part of this sentence"
+    );
+}
