@@ -9,11 +9,15 @@ fn root(path: &str) -> PathBuf {
 
 /// Runs the program in `folder`.
 fn lineshaft(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lineshaft")).args(arguments).current_dir(folder).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_lineshaft"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("the program starts")
 }
 
 fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
+    String::from_utf8(bytes.to_vec()).expect("text")
 }
 
 fn code(output: &Output) -> i32 {
@@ -22,9 +26,11 @@ fn code(output: &Output) -> i32 {
 
 /// The YAML blocks of the contract: a cell, then a scenario.
 fn examples() -> (String, String) {
-    let contract = std::fs::read_to_string(root("docs/contract.md")).unwrap();
-    let mut blocks = contract.split("```yaml\n").skip(1).map(|block| block.split("```").next().unwrap().to_owned());
-    (blocks.next().unwrap(), blocks.next().unwrap())
+    let contract = std::fs::read_to_string(root("docs/contract.md")).expect("the contract");
+    let blocks = contract.split("```yaml\n").skip(1).filter_map(|block| block.split("```").next());
+    let blocks: Vec<String> = blocks.map(str::to_owned).collect();
+    let [cell, scenario] = blocks.try_into().expect("two examples");
+    (cell, scenario)
 }
 
 /// The text without the lines that hold one of `what`, each of which must be there.
@@ -38,8 +44,8 @@ fn without(text: &str, what: &[&str]) -> String {
 
 /// The example cell without what later versions bring.
 fn cell_of_today(cell: &str) -> String {
-    let functions = cell.find("functions:").unwrap();
-    let groups = cell.find("groups:").unwrap();
+    let functions = cell.find("functions:").expect("the example has functions");
+    let groups = cell.find("groups:").expect("the example has groups");
     without(&format!("{}{}", &cell[..functions], &cell[groups..]), &["profile: jerk", "homing:"])
 }
 

@@ -122,15 +122,15 @@ pub struct Move {
     pub axis: u16,
     /// How the target is meant.
     pub mode: MoveMode,
-    /// Position or distance [inc]; unused in mode velocity.
+    /// Position or distance (inc); unused in mode velocity.
     pub target: Length,
-    /// [inc/s]; signed in mode velocity, where 0 is 0.
+    /// (inc/s); signed in mode velocity, where 0 is 0.
     pub velocity: f64,
-    /// [inc/s^2]
+    /// (inc/s^2)
     pub acceleration: f64,
-    /// [inc/s^2]
+    /// (inc/s^2)
     pub deceleration: f64,
-    /// [inc/s^3]; the trapezoid has no use for it, but it is checked against `max_jerk`.
+    /// (inc/s^3); the trapezoid has no use for it, but it is checked against `max_jerk`.
     pub jerk: f64,
     /// Modulo axes, absolute.
     pub direction: Direction,
@@ -170,11 +170,11 @@ pub struct Synchronize {
     pub numerator: i64,
     /// Master increments; a negative ratio reverses.
     pub denominator: i64,
-    /// Shift of the slave [inc], mode position only.
+    /// Shift of the slave (inc), mode position only.
     pub offset: Length,
-    /// Largest slave velocity while catching up [inc/s]; 0 asks for the default.
+    /// Largest slave velocity while catching up (inc/s); 0 asks for the default.
     pub velocity: f64,
-    /// Slave acceleration while catching up [inc/s^2]; 0 asks for the default.
+    /// Slave acceleration while catching up (inc/s^2); 0 asks for the default.
     pub acceleration: f64,
 }
 
@@ -183,7 +183,7 @@ pub struct Synchronize {
 pub struct Setpoints {
     /// Grows with every new set: the same number twice is the same set, and is no sign of life.
     pub generation: u64,
-    /// One entry per axis, in file order: velocity [inc/s], or none.
+    /// One entry per axis, in file order: velocity (inc/s), or none.
     pub velocity: Vec<Option<f64>>,
 }
 

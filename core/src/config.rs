@@ -12,9 +12,9 @@ pub enum IoKind {
     DigitalInput,
     /// Digital output.
     DigitalOutput,
-    /// Analog input [V].
+    /// Analog input (V).
     AnalogInput,
-    /// Analog output [V].
+    /// Analog output (V).
     AnalogOutput,
 }
 
@@ -84,7 +84,7 @@ pub struct AxisConfig {
 /// A machine.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct MachineConfig {
-    /// Length of a cycle [ns], 125 000 to 20 000 000.
+    /// Length of a cycle (ns), 125 000 to 20 000 000.
     pub cycle_ns: u64,
     /// Inputs and outputs.
     pub io: Vec<IoConfig>,

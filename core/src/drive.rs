@@ -23,7 +23,7 @@ pub struct DriveInput {
     pub count: i64,
     /// Grows when the raw coordinate was set anew: that change is no motion.
     pub epoch: u32,
-    /// [counts/s]
+    /// (counts/s)
     pub velocity: f64,
     /// In the drive's unit.
     pub effort: f64,
@@ -55,7 +55,7 @@ pub struct Latch {
     pub object: Object,
     /// Which edge.
     pub edge: Edge,
-    /// How long before t_k [ns], below the cycle's length.
+    /// How long before t_k (ns), below the cycle's length.
     pub age_ns: Option<u32>,
     /// Raw counts.
     pub position: Option<i64>,
@@ -70,7 +70,7 @@ pub struct Inputs {
     pub missed: u32,
     /// Digital inputs, 64 to a word, the first one in bit 0.
     pub digital: Vec<u64>,
-    /// [V]
+    /// (V)
     pub analog: Vec<f64>,
     /// Entries of `encoders`.
     pub encoder: Vec<EncoderInput>,
@@ -110,9 +110,9 @@ impl Inputs {
 pub struct DriveOutput {
     /// Raw position counts (607Ah).
     pub position: i64,
-    /// [counts/s]
+    /// (counts/s)
     pub velocity: f64,
-    /// [counts/s^2]
+    /// (counts/s^2)
     pub acceleration: f64,
     /// In the drive's unit.
     pub effort: f64,
@@ -129,7 +129,7 @@ pub struct DriveOutput {
 pub struct Outputs {
     /// Digital outputs, 64 to a word, the first one in bit 0.
     pub digital: Vec<u64>,
-    /// [V]
+    /// (V)
     pub analog: Vec<f64>,
     /// Axes that have a drive.
     pub drive: Vec<DriveOutput>,

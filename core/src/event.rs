@@ -70,17 +70,17 @@ pub enum Number {
     /// Nothing to say.
     #[default]
     None,
-    /// [inc]
+    /// (inc)
     Position(i64),
-    /// [inc/s]
+    /// (inc/s)
     Velocity(f64),
-    /// [inc/s^2]
+    /// (inc/s^2)
     Acceleration(f64),
-    /// [inc/s^3]
+    /// (inc/s^3)
     Jerk(f64),
     /// A plain count, number or choice.
     Count(i64),
-    /// [ns]
+    /// (ns)
     Time(i64),
     /// A plain real number.
     Real(f64),
@@ -93,7 +93,7 @@ pub struct Event {
     pub sequence: u64,
     /// The cycle.
     pub cycle: u64,
-    /// How long before t_k it happened [ns], below the cycle's length.
+    /// How long before t_k it happened (ns), below the cycle's length.
     pub age_ns: u32,
     /// How much it matters.
     pub severity: Severity,

@@ -10,7 +10,7 @@ const FRACTION_BITS: u32 = 32;
 /// One increment in units of 2^-32.
 const ONE: f64 = (1_u64 << FRACTION_BITS) as f64;
 
-/// A position or a difference of positions [inc] with a fraction of 2^-32.
+/// A position or a difference of positions (inc) with a fraction of 2^-32.
 ///
 /// Whole values are what encoders count and what drives are given; the fraction exists where a position is generated or
 /// latched.

@@ -132,7 +132,7 @@ impl Amount {
         }
     }
 
-    /// As a position or distance [inc].
+    /// As a position or distance (inc).
     ///
     /// # Errors
     /// No finite number, the wrong dimension, beyond 2^62 inc.
@@ -143,7 +143,7 @@ impl Amount {
         Ok(Length { nearest, rest: rest(&exact, nearest) })
     }
 
-    /// As a velocity (order 1), acceleration (2) or jerk (3) [inc/s^order].
+    /// As a velocity (order 1), acceleration (2) or jerk (3) (inc/s^order).
     ///
     /// # Errors
     /// No finite number, the wrong dimension.

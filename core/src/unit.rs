@@ -2,7 +2,7 @@
 //!
 //! Law      increments = quantity * scale, an exact fraction, rounded once: nearest, half away from zero
 //! Reads    decimal numbers as text or as f64 (by its shortest decimal, so that 0.12 is 12/100 at every door)
-//! Writes   whole increments with |value| < 2^62; velocities, accelerations and jerks as f64 [inc/s .. inc/s^3]
+//! Writes   whole increments with |value| < 2^62; velocities, accelerations and jerks as f64 (inc/s .. inc/s^3)
 //! Refuses  NaN and infinities, numbers beyond 38 digits, unknown units, wrong dimensions, positions beyond 2^62
 //! Source   MACS-UNIT-01 .. 05
 //!

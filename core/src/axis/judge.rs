@@ -13,7 +13,7 @@ pub(super) struct Judge {
     /// Command positions of the last cycles, one per cycle of the drive's delay and one more.
     past: Vec<i64>,
     place: usize,
-    /// Command that the actual position of this cycle answers, minus that actual position [inc].
+    /// Command that the actual position of this cycle answers, minus that actual position (inc).
     pub following_error: i64,
     exceeded_since: Option<u64>,
     inside_since: Option<u64>,

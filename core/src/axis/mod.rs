@@ -47,7 +47,7 @@ pub struct AxisSetup {
     pub drive: Option<(usize, u32)>,
     /// Length of a turn.
     pub modulo: Option<Modulo>,
-    /// Length of a cycle [ns].
+    /// Length of a cycle (ns).
     pub cycle_ns: u64,
 }
 
@@ -231,7 +231,7 @@ impl Axis {
         }
     }
 
-    /// Length of a cycle [s].
+    /// Length of a cycle (s).
     fn cycle_s(&self) -> f64 {
         self.setup.cycle_ns as f64 / 1e9
     }

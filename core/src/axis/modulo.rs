@@ -3,7 +3,7 @@
 use crate::command::Direction;
 use crate::position::Position;
 
-/// Length of a turn [inc] as a fraction.
+/// Length of a turn (inc) as a fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Modulo {
     numerator: i64,

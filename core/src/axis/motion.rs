@@ -11,7 +11,7 @@ use crate::sync::gear::Gear;
 
 /// Cycles after which a constant velocity starts from its own place again: f64 stays exact enough for ever.
 const REBASE_CYCLES: u64 = 1 << 20;
-/// What rounding may put a stopping point beyond a limit [inc].
+/// What rounding may put a stopping point beyond a limit (inc).
 const ROUNDING: f64 = 1e-6;
 
 /// What generates the command position.
@@ -24,7 +24,7 @@ pub(super) enum Generator {
     Plan {
         plan: Plan,
         start: u64,
-        /// Deceleration that its goal asked for [inc/s^2].
+        /// Deceleration that its goal asked for (inc/s^2).
         deceleration: f64,
     },
     /// A coupling.

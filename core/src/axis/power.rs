@@ -6,7 +6,7 @@ use crate::drive::{DriveInput, DriveOutput, DriveState, MODE_CSP, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
 
-/// How long a drive may take to switch on, and to leave its fault [ns].
+/// How long a drive may take to switch on, and to leave its fault (ns).
 const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
 /// Cycles without new data from a drive until it counts as lost.
 const MAX_STALE_CYCLES: u32 = 10;

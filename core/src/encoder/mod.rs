@@ -2,7 +2,7 @@
 //!
 //! Law      position(k) = position(k-1) + change, change = count(k) - count(k-1), the shortest way around 2^bits
 //! Reads    raw counts of `bits` width, their epoch and validity
-//! Writes   a position that does not wrap [inc], its change and its velocity
+//! Writes   a position that does not wrap (inc), its change and its velocity
 //! Refuses  an invalid value: the last position stays, the change is 0, and it is reported
 //! Source   MACS-ENC-07; a new epoch is no motion (contract section 8)
 
@@ -22,7 +22,7 @@ impl Counter {
         Self { bits: bits.clamp(1, 64), last: None, position: 0 }
     }
 
-    /// Takes the counts of this cycle and returns their change [inc]; the first counts are the position itself.
+    /// Takes the counts of this cycle and returns their change (inc); the first counts are the position itself.
     pub fn take(&mut self, count: i64, epoch: u32) -> i64 {
         let change = match self.last {
             Some((last, same)) if same == epoch => self.shortest(count, last),
@@ -38,7 +38,7 @@ impl Counter {
         change
     }
 
-    /// The position so far [inc].
+    /// The position so far (inc).
     pub fn position(&self) -> i64 {
         self.position
     }
@@ -54,11 +54,11 @@ impl Counter {
 /// What an axis can follow, as it stands in this cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lead {
-    /// [inc]
+    /// (inc)
     pub position: Position,
-    /// Change since the last cycle [inc].
+    /// Change since the last cycle (inc).
     pub change: Position,
-    /// [inc/s]
+    /// (inc/s)
     pub velocity: f64,
     /// Counted, so that its change is uneven by one increment; else generated.
     pub counted: bool,

@@ -17,17 +17,17 @@ pub const PROFILES: &[&str] = &["trapezoid", "s_ramp", "jerk"];
 /// What a parameter measures, and so how it is kept and written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// A position [inc], whole, signed.
+    /// A position (inc), whole, signed.
     Position,
-    /// A distance [inc], whole, not negative.
+    /// A distance (inc), whole, not negative.
     Distance,
-    /// [inc/s]
+    /// (inc/s)
     Velocity,
-    /// [inc/s^2]
+    /// (inc/s^2)
     Acceleration,
-    /// [inc/s^3]
+    /// (inc/s^3)
     Jerk,
-    /// [ns]
+    /// (ns)
     Time,
     /// A plain whole number.
     Integer,
@@ -176,31 +176,31 @@ impl Change {
 /// The parameters of one axis, in the core's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisParameters {
-    /// Software limit [inc].
+    /// Software limit (inc).
     pub min_position: Option<i64>,
-    /// Software limit [inc].
+    /// Software limit (inc).
     pub max_position: Option<i64>,
-    /// [inc/s]
+    /// (inc/s)
     pub max_velocity: f64,
-    /// [inc/s^2]
+    /// (inc/s^2)
     pub max_acceleration: f64,
-    /// [inc/s^2]; left out: as `max_acceleration`.
+    /// (inc/s^2); left out: as `max_acceleration`.
     pub max_deceleration: Option<f64>,
-    /// [inc/s^3]; left out: no limit.
+    /// (inc/s^3); left out: no limit.
     pub max_jerk: Option<f64>,
-    /// [inc/s]; left out: half of `max_velocity`.
+    /// (inc/s); left out: half of `max_velocity`.
     pub default_velocity: Option<f64>,
-    /// [inc/s^2]; left out: half of `max_acceleration`.
+    /// (inc/s^2); left out: half of `max_acceleration`.
     pub default_acceleration: Option<f64>,
     /// Place in [`PROFILES`].
     pub profile: i64,
-    /// [inc]
+    /// (inc)
     pub max_following_error: i64,
-    /// [ns]
+    /// (ns)
     pub following_error_time: i64,
-    /// [inc]
+    /// (inc)
     pub in_position_window: i64,
-    /// [ns]
+    /// (ns)
     pub in_position_time: i64,
     /// ERRCOND 0 to 5.
     pub error_reaction: i64,
@@ -208,9 +208,9 @@ pub struct AxisParameters {
     pub sync_master: i64,
     /// Gear factor, slave side.
     pub sync_slave: i64,
-    /// Accuracy window of the coupling [inc]; negative: the error is shown with its sign.
+    /// Accuracy window of the coupling (inc); negative: the error is shown with its sign.
     pub sync_accuracy: i64,
-    /// How long a streamed setpoint holds [ns].
+    /// How long a streamed setpoint holds (ns).
     pub setpoint_timeout: i64,
 }
 
@@ -243,23 +243,23 @@ impl AxisParameters {
         parameters
     }
 
-    /// [inc/s^2]
+    /// (inc/s^2)
     pub fn deceleration_limit(&self) -> f64 {
         self.max_deceleration.unwrap_or(self.max_acceleration)
     }
 
-    /// Velocity of a goal that gives none [inc/s].
+    /// Velocity of a goal that gives none (inc/s).
     pub fn usual_velocity(&self) -> f64 {
         self.default_velocity.unwrap_or(self.max_velocity / 2.0)
     }
 
-    /// Acceleration of a goal that gives none [inc/s^2].
+    /// Acceleration of a goal that gives none (inc/s^2).
     pub fn usual_acceleration(&self) -> f64 {
         self.default_acceleration.unwrap_or(self.max_acceleration / 2.0)
     }
 
     /// Deceleration of a goal that gives none: the same share of its maximum as the acceleration (MACS-PROF-06 gives
-    /// both in parts of the maximum) [inc/s^2].
+    /// both in parts of the maximum) (inc/s^2).
     pub fn usual_deceleration(&self) -> f64 {
         self.deceleration_limit() * (self.usual_acceleration() / self.max_acceleration)
     }

@@ -13,13 +13,13 @@ use crate::position::Position;
 /// Position, velocity and acceleration at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// [inc]
+    /// (inc)
     pub position: Position,
-    /// [inc/s]
+    /// (inc/s)
     pub velocity: f64,
-    /// [inc/s^2]
+    /// (inc/s^2)
     pub acceleration: f64,
-    /// [inc/s^3]
+    /// (inc/s^3)
     pub jerk: f64,
 }
 
@@ -38,9 +38,9 @@ struct Phase {
     start_velocity: f64,
     end_velocity: f64,
     acceleration: f64,
-    /// [s] from the start of the plan.
+    /// (s) from the start of the plan.
     begin: f64,
-    /// [s]
+    /// (s)
     duration: f64,
 }
 
@@ -59,7 +59,7 @@ impl Phase {
     }
 }
 
-/// The first cycle at or after `duration` [s]. A millionth of a cycle is rounding, not time.
+/// The first cycle at or after `duration` (s). A millionth of a cycle is rounding, not time.
 fn cycles(duration: f64, cycle_ns: u64) -> u64 {
     let exact = duration * 1e9 / cycle_ns as f64;
     let nearest = exact.round();
@@ -78,7 +78,7 @@ pub struct Plan {
     /// Where it ends, and with which velocity it goes on.
     end: Position,
     end_velocity: f64,
-    /// [s]
+    /// (s)
     duration: f64,
     cycles: u64,
     cycle_ns: u64,
@@ -137,12 +137,12 @@ impl Plan {
         self.end
     }
 
-    /// The velocity with which it ends [inc/s]; 0 for a plan to rest.
+    /// The velocity with which it ends (inc/s); 0 for a plan to rest.
     pub fn end_velocity(&self) -> f64 {
         self.end_velocity
     }
 
-    /// Its duration [s].
+    /// Its duration (s).
     pub fn duration(&self) -> f64 {
         self.duration
     }

@@ -12,11 +12,11 @@ use crate::position::Position;
 /// Limits of one profile, all above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// [inc/s]
+    /// (inc/s)
     pub velocity: f64,
-    /// While |velocity| grows [inc/s^2].
+    /// While |velocity| grows (inc/s^2).
     pub acceleration: f64,
-    /// While |velocity| falls [inc/s^2].
+    /// While |velocity| falls (inc/s^2).
     pub deceleration: f64,
 }
 

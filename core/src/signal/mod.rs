@@ -26,15 +26,15 @@ pub enum Type {
 pub enum Measure {
     /// No unit.
     None,
-    /// [inc]
+    /// (inc)
     Position,
-    /// [inc/s]
+    /// (inc/s)
     Velocity,
-    /// [inc/s^2]
+    /// (inc/s^2)
     Acceleration,
-    /// [inc/s^3]
+    /// (inc/s^3)
     Jerk,
-    /// [V]
+    /// (V)
     Voltage,
 }
 

@@ -64,7 +64,7 @@ impl Plant {
         }
     }
 
-    /// Sets an analog input for good [V].
+    /// Sets an analog input for good (V).
     pub fn set_analog(&mut self, place: usize, volts: f64) {
         if let Some(value) = self.analog.get_mut(place) {
             *value = volts;

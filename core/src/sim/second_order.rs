@@ -2,8 +2,8 @@
 //!
 //! Law      y'' = w^2 (r - y) - 2 d w y', w = 2 pi bandwidth, r straight between the setpoints of two cycles; solved
 //!          exactly over a cycle, not approximated, so that no bandwidth makes it unstable
-//! Reads    the setpoint [inc]
-//! Writes   position, whole and nearest [inc], and velocity [inc/s]
+//! Reads    the setpoint (inc)
+//! Writes   position, whole and nearest (inc), and velocity (inc/s)
 //! Refuses  bandwidth or damping that is not above 0 and finite
 
 use libm::{cos, cosh, exp, sin, sinh};
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// Why a model is refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ModelError {
-    /// [Hz]
+    /// (Hz)
     #[error("bandwidth is {0} Hz; more than 0 Hz up to 100000 Hz is allowed")]
     Bandwidth(f64),
     /// Damping ratio.
@@ -24,7 +24,7 @@ pub enum ModelError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SecondOrder {
     cycle_s: f64,
-    /// 2 damping / w: how long the position lags behind a steady setpoint [s].
+    /// 2 damping / w: how long the position lags behind a steady setpoint (s).
     lag_s: f64,
     /// Free motion over a cycle: new [position, velocity] from old ones.
     free: [[f64; 2]; 2],
@@ -58,7 +58,7 @@ impl State {
 }
 
 impl SecondOrder {
-    /// A model of that bandwidth [Hz] and damping ratio, stepped once per cycle.
+    /// A model of that bandwidth (Hz) and damping ratio, stepped once per cycle.
     ///
     /// # Errors
     /// Values outside their range.

@@ -26,7 +26,7 @@ pub enum Phase {
     Synchronized,
 }
 
-/// What limits the slave [inc/s, inc/s^2].
+/// What limits the slave (inc/s, inc/s^2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// While catching up.
@@ -74,7 +74,7 @@ impl Follower {
         self.phase
     }
 
-    /// Geared leader minus slave [inc]; 0 in mode velocity, which has no position relation.
+    /// Geared leader minus slave (inc); 0 in mode velocity, which has no position relation.
     pub fn error(&self, slave: Position) -> Position {
         match self.mode {
             SyncMode::Position => self.target - slave,

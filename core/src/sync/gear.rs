@@ -53,7 +53,7 @@ pub struct Gear {
 }
 
 impl Gear {
-    /// Largest master change per cycle [inc]; more is a fault of its source, which the caller has to treat as one.
+    /// Largest master change per cycle (inc); more is a fault of its source, which the caller has to treat as one.
     pub const MAX_CHANGE: i64 = 1 << 31;
 
     /// A gear that starts without remainder.

@@ -11,7 +11,7 @@ use lineshaft_core::object::MAX_AXES;
 use lineshaft_core::sim::{Model, ModelError, SecondOrder};
 use lineshaft_core::unit::{Dimension, ScaleKind};
 
-/// Bandwidth of the second-order model when none is given [Hz].
+/// Bandwidth of the second-order model when none is given (Hz).
 const BANDWIDTH: f64 = 60.0;
 /// Its damping when none is given.
 const DAMPING: f64 = 0.8;

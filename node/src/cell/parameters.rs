@@ -139,7 +139,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Highest velocity [inc/s] of the axis, where the cycle is known.
+    /// Highest velocity (inc/s) of the axis, where the cycle is known.
     fn highest_velocity(&self) -> Option<f64> {
         self.cycle_ns.map(|cycle_ns| MOST_PER_CYCLE * 1e9 / cycle_ns as f64)
     }

@@ -39,7 +39,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Longest document [bytes].
+/// Longest document (bytes).
 pub const MAX_BYTES: usize = 4 << 20;
 /// Deepest nesting of lists and mappings.
 pub const MAX_DEPTH: usize = 64;

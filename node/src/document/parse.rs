@@ -8,7 +8,7 @@ use super::{Kind, MAX_DEPTH, MAX_VALUES, Node, Place, Problems};
 use saphyr_parser::{Event, Marker, Parser, ScalarStyle};
 use std::collections::HashMap;
 
-/// What anchors and aliases may repeat [bytes]; nested aliases otherwise grow a small file without bound.
+/// What anchors and aliases may repeat (bytes); nested aliases otherwise grow a small file without bound.
 const MAX_REPEATED: usize = 16 << 20;
 
 /// The tree of the first document in `text`, `None` after a problem that leaves none. An empty text is a null.

@@ -21,9 +21,9 @@ pub struct Statistics {
     pub cycles: AtomicU64,
     /// Cycles missed.
     pub missed: AtomicU64,
-    /// Latest wake-up after its deadline [ns].
+    /// Latest wake-up after its deadline (ns).
     pub worst_lateness_ns: AtomicU64,
-    /// Longest cycle, from its wake-up to its end [ns].
+    /// Longest cycle, from its wake-up to its end (ns).
     pub worst_duration_ns: AtomicU64,
     /// Events that found the ring full.
     pub events_lost: AtomicU64,

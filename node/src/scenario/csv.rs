@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Longest file [bytes].
+/// Longest file (bytes).
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Reads `{file, column}`; the file is looked for in `folder`, and what is wrong in it goes to `all`.

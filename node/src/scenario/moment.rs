@@ -87,7 +87,7 @@ pub(super) fn text(cycle: u64, cycle_ns: u64) -> String {
     format!("cycle {cycle} ({} s)", seconds(cycle, cycle_ns))
 }
 
-/// t_k [s] as an exact decimal.
+/// t_k (s) as an exact decimal.
 pub(super) fn seconds(cycle: u64, cycle_ns: u64) -> String {
     let mut text = String::new();
     push_seconds(&mut text, cycle, cycle_ns);

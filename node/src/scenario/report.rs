@@ -15,7 +15,7 @@ pub struct Report {
     pub file: Arc<str>,
     /// Cycles that were run.
     pub cycles: u64,
-    /// Length of a cycle [ns].
+    /// Length of a cycle (ns).
     pub cycle_ns: u64,
     /// How long that took; left out where nobody measured it.
     pub wall: Option<Duration>,

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::task::JoinSet;
 
-/// How often state is published [1/s].
+/// How often state is published (1/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     /// joint_states.
