@@ -179,9 +179,8 @@ impl Axis {
             _ => return,
         };
         *answered |= 1 << place;
-        match result {
-            Ok(()) => {}
-            Err(refusal) => cx.events.push(refusal.event(sequence)),
+        if let Err(refusal) = result {
+            cx.events.push(Event { position: self.command.position, ..refusal.event(sequence) });
         }
     }
 

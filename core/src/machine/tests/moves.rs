@@ -139,6 +139,16 @@ fn what_a_goal_may_not_ask_is_refused_with_values_and_changes_nothing() {
 }
 
 #[test]
+fn a_refusal_tells_where_the_axis_stands() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(to(X, 777)));
+    rig.run_until("x.state", 1);
+    let refused = rig.give(Action::Move(Move { velocity: 1e9, ..to(X, 0) }));
+    let event = rig.events.iter().find(|event| event.command == refused).unwrap();
+    assert_eq!(event.position, Position::whole(777));
+}
+
+#[test]
 fn a_disabled_axis_refuses_goals() {
     let mut rig = Rig::new();
     rig.run(5);
