@@ -45,6 +45,8 @@ pub struct Machine {
     candidates: Vec<AxisParameters>,
     /// Room for who will follow whom once the commands of this cycle have applied.
     couplings: Vec<Option<Leader>>,
+    /// A coupling was asked for in this cycle.
+    couples: bool,
 }
 
 impl Machine {
@@ -78,6 +80,7 @@ impl Machine {
             overruns: 0,
             candidates: axes.iter().map(|axis| axis.parameters).collect(),
             couplings: vec![None; axes.len()],
+            couples: false,
             axes,
             encoders,
             signals,
@@ -121,6 +124,11 @@ impl Machine {
             self.step_axis(place, inputs, commands, admitted, &mut answered);
         }
         self.answer_the_rest(commands, admitted & !answered);
+        if self.couples {
+            // New couplings move first in the next cycle; this one still ran in the order of the old ones.
+            self.note_couplings();
+            self.sort_axes();
+        }
         for axis in &self.axes {
             if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
                 *output = axis.output();

@@ -144,7 +144,8 @@ impl Axis {
                 self.brake = reaction == 1;
                 self.stand_on_actual();
             }
-            4 if !self.is_virtual() => {
+            // While it is being switched off it only stops, and then is.
+            4 if !self.is_virtual() && self.power == Power::On => {
                 self.power = Power::DriveStops;
                 self.stand_on_actual();
             }
@@ -171,7 +172,7 @@ impl Axis {
                 self.brake = reaction == 1;
             }
             3 => self.brake = true,
-            4 if has_drive => self.power = Power::DriveStops,
+            4 if has_drive && self.power == Power::On => self.power = Power::DriveStops,
             _ => {}
         }
     }

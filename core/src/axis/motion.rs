@@ -79,9 +79,13 @@ impl Axis {
         let bound = Position::whole(Gear::MAX_CHANGE);
         if !lead.valid || lead.change > bound || lead.change < -bound {
             let code = if lead.valid { Code::ENCODER_JUMP } else { Code::LEADER_LOST };
-            // Without a leader it stands on its last motion, from which it stops.
-            self.command.acceleration = 0.0;
-            return self.react(cx, code, Number::Position(lead.change.floor()), Number::None);
+            self.react(cx, code, Number::Position(lead.change.floor()), Number::None);
+            // The motion of this cycle is not known: the stop begins with the last one, a cycle ago.
+            if let Generator::Plan { plan, start, .. } = &mut self.generator {
+                *start = cx.cycle.saturating_sub(1);
+                self.command = plan.at(1);
+            }
+            return;
         }
         let was = follower.phase();
         let next = follower.step(self.command, lead, self.cycle_s());
@@ -112,6 +116,7 @@ impl Axis {
         let plan = self.plan_stop(before, down);
         self.generator = Generator::plan(plan, cx.cycle.saturating_sub(1), down);
         self.command = plan.at(1);
+        self.reference = Reference::Stop;
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
         self.raise(cx, code, Number::None, Number::Position(limit.floor()));
@@ -177,7 +182,8 @@ impl Axis {
 
     /// Takes the newest streamed velocity, and stops when none has come for too long.
     pub(super) fn follow_stream(&mut self, cx: &mut Context<'_>) {
-        let free = self.state == AxisState::Standstill || self.reference == Reference::Stream;
+        let streams = self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream;
+        let free = self.state == AxisState::Standstill || streams;
         let newest = cx.stream.filter(|stream| stream.generation != self.stream_generation);
         let wanted = newest.and_then(|stream| *stream.velocity.get(usize::from(self.setup.index))?);
         self.stream_age = self.stream_age.saturating_add(1);

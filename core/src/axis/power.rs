@@ -34,6 +34,11 @@ impl Axis {
         matches!(self.power, Power::On | Power::SwitchingOff)
     }
 
+    /// Cycles until the drive can have answered, beside the one that every drive takes.
+    fn delay(&self) -> u64 {
+        self.setup.drive.map_or(0, |(_, delay)| delay.into())
+    }
+
     pub(super) fn is_virtual(&self) -> bool {
         self.setup.drive.is_none()
     }
@@ -53,7 +58,7 @@ impl Axis {
             Power::SwitchingOn { since } => {
                 if let Some(code) = failure {
                     self.fail_off(cx, code);
-                } else if self.drive_state == DriveState::Enabled {
+                } else if self.drive_state == DriveState::Enabled && cx.cycle > since.saturating_add(self.delay()) {
                     self.power = Power::On;
                     self.command = Motion::at_rest(self.actual.position);
                     self.judge.fill(self.command.position.floor());
@@ -118,7 +123,7 @@ impl Axis {
     pub(super) fn switch_off(&mut self, cx: &mut Context<'_>) {
         self.power = Power::Off;
         self.generator = Generator::Rest;
-        if self.error.is_none() {
+        if self.state != AxisState::ErrorStop {
             self.set_state(cx, AxisState::Disabled);
         }
     }

@@ -106,6 +106,8 @@ impl Axis {
 
     pub(super) fn enable(&mut self, cx: &mut Context<'_>, sequence: u64) {
         if self.power == Power::Off {
+            // Who has just switched it off has what it wanted, though it does not last.
+            self.waiting.end(cx.events, self.setup.index, Until::Disabled, Code::NONE, self.command.position);
             self.power = Power::SwitchingOn { since: cx.cycle };
         }
         self.wait(cx, sequence, Until::Enabled);

@@ -29,13 +29,11 @@ impl Machine {
                 Err(refusal) => self.events.push(refusal.event(command.sequence)),
             }
         }
-        if couples {
-            self.sort_axes();
-        }
+        self.couples = couples;
         admitted
     }
 
-    fn note_couplings(&mut self) {
+    pub(super) fn note_couplings(&mut self) {
         for (coupling, axis) in self.couplings.iter_mut().zip(&self.axes) {
             *coupling = axis.leader();
         }
