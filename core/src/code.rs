@@ -71,6 +71,8 @@ codes! {
     BAD_REQUEST = 10022;
     /// The axis does not stand still, and the command needs that.
     NOT_AT_STANDSTILL = 10023;
+    /// Velocity, acceleration or deceleration so low that a move would not end.
+    RATE_TOO_LOW = 10024;
 
     /// A newer command took the axis over.
     REPLACED = 10101;

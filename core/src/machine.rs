@@ -75,7 +75,8 @@ impl Machine {
             board,
             order: (0..axes.len() as u16).collect(),
             leads,
-            events: EventQueue::new(64 + 8 * axes.len()),
+            // Each command may be answered, and ended by each axis; each axis may tell of more than that.
+            events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + 16 * axes.len()),
             cycle: 0,
             overruns: 0,
             candidates: axes.iter().map(|axis| axis.parameters).collect(),

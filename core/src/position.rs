@@ -54,6 +54,11 @@ impl Position {
         saturate(self.0 >> FRACTION_BITS)
     }
 
+    /// Smallest whole number of increments that is not below the value; saturates at i64.
+    pub fn ceil(self) -> i64 {
+        (-self).floor().saturating_neg()
+    }
+
     /// Nearest whole number of increments, half away from zero; saturates at i64.
     pub fn nearest(self) -> i64 {
         let half = 1_i128 << (FRACTION_BITS - 1);

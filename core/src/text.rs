@@ -109,8 +109,10 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::NOT_ENABLED => fixed("the axis is not enabled; enable it first"),
         Code::IN_ERROR => fixed("the axis stands in ERROR_STOP; reset_errors first"),
         Code::QUICK_STOPPED => fixed("quick_stop has locked the axis; reset_errors first"),
-        Code::BAD_NUMBER => format!("{} is not allowed here; a finite number that is not negative is", asked()),
-        Code::POSITION_OUT_OF_RANGE => fixed("the target lies beyond 2^62 increments"),
+        Code::BAD_NUMBER => {
+            format!("{} {} is not allowed; a finite number that is not negative is", measured(event.asked), asked())
+        }
+        Code::POSITION_OUT_OF_RANGE => format!("target {} does not lie within +-2^62 increments", asked()),
         Code::CANNOT_STOP_BEFORE_MAX_POSITION => {
             format!("with deceleration {} it would reach {}, beyond max_position, on its way", asked(), limit())
         }
@@ -122,14 +124,26 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
             format!("ratio {} : {} is none; both parts must not be 0 and stay below 2^62", asked(), limit())
         }
         Code::NOT_BUILT => not_built(event, config),
-        Code::UNKNOWN_GOAL => fixed("no such goal is active"),
+        Code::UNKNOWN_GOAL => format!("goal {} is not active", plain(event.asked)),
         Code::PARAMETER_OUT_OF_RANGE => out_of_range(event, config),
-        Code::PARAMETERS_CONTRADICT => format!("{} {} contradicts the axis' other parameters", key(event), asked()),
+        Code::PARAMETERS_CONTRADICT => {
+            let other = match key(event) {
+                "min_position" => "must lie below max_position",
+                "max_position" => "must lie above min_position",
+                "default_velocity" => "must not lie above max_velocity",
+                "max_velocity" => "must not lie below default_velocity",
+                "default_acceleration" => "must not lie above max_acceleration",
+                "max_acceleration" => "must not lie below default_acceleration",
+                _ => "contradicts the other parameters of the axis",
+            };
+            format!("{} {} {other} {}", key(event), asked(), limit())
+        }
         Code::GOAL_BEYOND_NEW_LIMITS => {
-            format!("{} {} would leave out the target {} of the active goal", key(event), asked(), limit())
+            format!("{} {} would leave out {}, which the motion under way reaches", key(event), asked(), limit())
         }
         Code::TOO_MANY_WAITING => fixed("too many commands wait; try again"),
         Code::BAD_REQUEST => fixed("the request is not understood"),
+        Code::RATE_TOO_LOW => format!("{} is too low; at least {} is allowed", asked(), limit()),
         Code::NOT_AT_STANDSTILL => fixed("the axis is still stopping"),
         Code::REPLACED => fixed("a newer command took the axis over"),
         Code::HALTED => fixed("halt ended the goal"),
@@ -152,6 +166,17 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::LATCHES_LOST => format!("{} latches of this cycle had no room", plain(event.asked)),
         Code(number) if number >= Code::DRIVE_FAULT => format!("drive fault {:04X}h", number - Code::DRIVE_FAULT),
         Code(number) => format!("code {number}"),
+    }
+}
+
+/// What a number measures.
+fn measured(number: Number) -> &'static str {
+    match number {
+        Number::Velocity(_) => "velocity",
+        Number::Acceleration(_) => "acceleration or deceleration",
+        Number::Jerk(_) => "jerk",
+        Number::Position(_) => "position",
+        _ => "value",
     }
 }
 

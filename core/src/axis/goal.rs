@@ -10,6 +10,9 @@ use crate::profile::{self, Limits, Plan};
 use crate::sync::follower::{Bounds, Follower};
 use crate::sync::gear::Ratio;
 
+/// Least velocity, acceleration and deceleration of a goal, in increments: with less, a move would outlast its machine.
+const LEAST_RATE: f64 = 1e-6;
+
 /// The goal that the axis works on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Goal {
@@ -63,6 +66,9 @@ impl Axis {
         };
         if !asked.is_finite() || asked < 0.0 {
             return Err(self.refuse(Code::BAD_NUMBER).with(number(asked), Number::None));
+        }
+        if asked != 0.0 && asked < LEAST_RATE {
+            return Err(self.refuse(Code::RATE_TOO_LOW).with(number(asked), number(LEAST_RATE)));
         }
         if asked > most {
             return Err(self.refuse(code).with(number(asked), number(most)));
@@ -135,7 +141,8 @@ impl Axis {
             (_, Some(modulo)) => {
                 let speed = self.command.velocity;
                 let way = speed * speed.abs() / (2.0 * limits.deceleration);
-                let stop = now + Position::from_f64(way);
+                let legal = Position::LIMIT as f64;
+                let stop = now + Position::from_f64(way.clamp(-legal, legal));
                 let direction = if speed == 0.0 { self.last_direction } else { speed };
                 Position::whole(modulo.target(request.target.exact(), now, stop, request.direction, direction))
             }
@@ -227,9 +234,10 @@ impl Axis {
         }
         let bounds = Bounds {
             velocity,
-            acceleration,
+            acceleration: acceleration.min(p.deceleration_limit()),
             max_velocity: p.max_velocity,
-            max_acceleration: p.max_acceleration.max(p.deceleration_limit()),
+            max_acceleration: p.max_acceleration,
+            max_deceleration: p.deceleration_limit(),
         };
         let offset = match request.mode {
             SyncMode::Position => request.offset.exact(),

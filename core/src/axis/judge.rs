@@ -63,6 +63,7 @@ impl Axis {
         let answered = self.judge.exchange(self.command.position.floor());
         if !self.is_on() {
             self.judge.following_error = 0;
+            self.judge.inside_since = None;
             self.judge.in_position = false;
             return;
         }

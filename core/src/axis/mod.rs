@@ -204,6 +204,11 @@ impl Axis {
         self.actual
     }
 
+    /// The position of raw counts near those of this cycle (inc).
+    pub fn locate(&self, count: i64) -> i64 {
+        self.counter.locate(count)
+    }
+
     /// What the drive is asked for.
     pub fn output(&self) -> DriveOutput {
         self.output
@@ -218,14 +223,6 @@ impl Axis {
     pub fn leader(&self) -> Option<crate::object::Leader> {
         match &self.generator {
             Generator::Follow(follower) => Some(follower.leader),
-            _ => None,
-        }
-    }
-
-    /// Where its active goal will rest, if that is known.
-    pub fn planned_end(&self) -> Option<i64> {
-        match &self.generator {
-            Generator::Plan { plan, .. } if plan.end_velocity() == 0.0 => Some(plan.end().floor()),
             _ => None,
         }
     }

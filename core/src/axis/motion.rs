@@ -69,7 +69,11 @@ impl Axis {
                 self.generator = Generator::plan(same, cx.cycle, deceleration);
             }
         } else if elapsed >= plan.cycles() {
+            // A stop may end between two increments. Its drive is given the lower one either way: resting there moves
+            // nothing, and every axis at rest stands on a whole increment.
             self.generator = Generator::Rest;
+            self.command = Motion::at_rest(Position::whole(next.position.floor()));
+            return;
         }
         self.command = next;
     }
@@ -107,13 +111,17 @@ impl Axis {
         let limit = Position::whole(self.limit(up));
         let down = self.parameters.deceleration_limit();
         let sign = if up { 1.0 } else { -1.0 };
-        let room = sign * (limit - next.position).to_f64();
-        if next.velocity == 0.0 || room + ROUNDING >= next.velocity * next.velocity / (2.0 * down) {
+        let room = |from: Motion| sign * (limit - from.position).to_f64();
+        if next.velocity == 0.0 || room(next) + ROUNDING >= self.stopping_way(next, down) {
             return false;
         }
-        let before = self.command;
         // The motion before kept the rule, so it can stop in time; it started a cycle ago.
-        let plan = self.plan_stop(before, down);
+        let before = self.command;
+        let plan = if before.velocity * sign > 0.0 && room(before) > 0.0 {
+            profile::stop_at(before, limit, self.setup.cycle_ns)
+        } else {
+            profile::stop(before, down, self.setup.cycle_ns)
+        };
         self.generator = Generator::plan(plan, cx.cycle.saturating_sub(1), down);
         self.command = plan.at(1);
         self.reference = Reference::Stop;
@@ -134,19 +142,51 @@ impl Axis {
         }
     }
 
+    /// The way that it takes to stop after `next`. A profile stops in continuous time; a coupled axis makes whole steps, of
+    /// which one may be a count more than its leader's speed.
+    fn stopping_way(&self, next: Motion, deceleration: f64) -> f64 {
+        match &self.generator {
+            Generator::Follow(follower) => {
+                let cycle_s = self.cycle_s();
+                let step = (next.velocity.abs() * cycle_s - follower.uneven()).max(0.0);
+                let less = deceleration * cycle_s * cycle_s;
+                let steps = (step / less * (1.0 + 1e-9)).floor();
+                steps * step - less * steps * (steps + 1.0) / 2.0
+            }
+            _ => next.velocity * next.velocity / (2.0 * deceleration),
+        }
+    }
+
+    /// Where it would come to rest from its present motion at best.
+    fn earliest_rest(&self) -> Position {
+        profile::stop(self.command, self.parameters.deceleration_limit(), self.setup.cycle_ns).end()
+    }
+
+    /// Lowest and highest position that the motion under way will or must take; none at rest.
+    pub fn reach(&self) -> Option<(i64, i64)> {
+        let (low, high) = match &self.generator {
+            Generator::Rest => return None,
+            Generator::Plan { plan, .. } if plan.end_velocity() == 0.0 => plan.extent_from(self.command.position),
+            _ => {
+                let (now, rest) = (self.command.position, self.earliest_rest());
+                (now.min(rest), now.max(rest))
+            }
+        };
+        Some((low.floor(), high.ceil()))
+    }
+
     /// A plan to rest with `deceleration`, or as much more as it takes to stay within the limit.
     pub(super) fn plan_stop(&self, from: Motion, deceleration: f64) -> Plan {
-        let speed = from.velocity.abs();
+        let plan = profile::stop(from, deceleration, self.setup.cycle_ns);
         let up = from.velocity > 0.0;
-        let room = (Position::whole(self.limit(up)) - from.position).to_f64() * if up { 1.0 } else { -1.0 };
-        let stopping = speed * speed / (2.0 * deceleration);
-        if speed == 0.0 || room <= 0.0 || stopping + 1.0 < room {
-            return profile::stop(from, deceleration, self.setup.cycle_ns);
+        let limit = Position::whole(self.limit(up));
+        let (passes, lies_ahead) =
+            if up { (plan.end() > limit, from.position < limit) } else { (plan.end() < limit, from.position > limit) };
+        // Beyond the limit already, it can only stop.
+        if passes && lies_ahead && from.velocity != 0.0 {
+            return profile::stop_at(from, limit, self.setup.cycle_ns);
         }
-        // The whole increment behind the stopping point may be the limit itself, or lie beyond it.
-        let deceleration = deceleration.max(speed * speed / (2.0 * room));
-        let limits = Limits { velocity: speed, acceleration: deceleration, deceleration };
-        profile::to_rest(from, Position::whole(self.limit(up)), limits, self.setup.cycle_ns)
+        plan
     }
 
     /// Stops from the present motion; at rest it stays where its drive is asked to be.

@@ -108,6 +108,8 @@ impl Axis {
     pub(super) fn report(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
         if self.error.is_none() {
             self.error = code;
+            // A reset that waits was meant for what was there before.
+            self.waiting.fail(cx.events, self.setup.index, code, super::stops::Until::Healthy);
             let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
             cx.events.push(Event { position: self.actual.position, ..event });
         }
@@ -116,6 +118,7 @@ impl Axis {
     /// Records the first error, tells it, and ends what runs.
     pub(super) fn raise(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
         self.report(cx, code, found, allowed);
+        self.reference = super::Reference::Stop;
         self.end_goal(cx, code);
     }
 

@@ -9,7 +9,7 @@ use crate::drive::DriveState;
 use crate::event::{Event, EventQueue, Kind, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
-use crate::profile::{self, Motion};
+use crate::profile;
 
 /// What a waiting command waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,14 +157,16 @@ impl Axis {
 
     /// Clears error and lock of an axis at rest; a drive in fault has to leave it first.
     fn begin_reset(&mut self, cx: &mut Context<'_>) {
-        let drive_fails = cx.input.is_some_and(|input| {
-            !input.online || matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction)
-        });
-        if drive_fails && !self.error.is_none() {
+        if self.drive_fails(cx) {
             self.power = Power::Resetting { since: cx.cycle };
         } else {
             self.clear_error(cx);
         }
+    }
+
+    fn drive_fails(&self, cx: &Context<'_>) -> bool {
+        let in_fault = matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction);
+        cx.input.is_some_and(|input| !input.online || in_fault)
     }
 
     /// Leaves ERROR_STOP and STOPPING.
@@ -192,9 +194,9 @@ impl Axis {
         let goes_on = matches!(&self.generator, Generator::Follow(f) if f.disengage == Disengage::KeepVelocity);
         if goes_on {
             self.end_goal(cx, Code::CANCELLED);
-            let motion = Motion { acceleration: 0.0, ..self.command };
+            let velocity = self.steady_velocity();
             let limits = self.usual_limits();
-            let plan = profile::to_velocity(motion, motion.velocity, limits, self.setup.cycle_ns);
+            let plan = profile::to_velocity(self.command, velocity, limits, self.setup.cycle_ns);
             self.generator = Generator::plan(plan, cx.cycle, deceleration);
             self.reference = Reference::Speed;
             self.set_state(cx, AxisState::ContinuousMotion);
@@ -205,6 +207,14 @@ impl Axis {
             self.brake_to_rest(cx, deceleration);
         }
         cx.events.push(Event::new(Severity::Info, Kind::Done, self.object(), Code::NONE).of_command(sequence));
+    }
+
+    /// Velocity with which a coupled axis goes on alone.
+    fn steady_velocity(&self) -> f64 {
+        match &self.generator {
+            Generator::Follow(follower) => follower.steady_velocity(self.command.velocity, self.cycle_s()),
+            _ => self.command.velocity,
+        }
     }
 
     /// True where a halt may take the motion over: not while an error or a quick stop ends it.
@@ -219,7 +229,9 @@ impl Axis {
             return;
         }
         let stands = matches!(self.generator, Generator::Rest);
-        let locked = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop) || !self.error.is_none();
+        let locked = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop)
+            || !self.error.is_none()
+            || self.drive_fails(cx);
         let resetting = matches!(self.power, Power::Resetting { .. });
         if stands && locked && !resetting && self.waiting.waits_for(Until::Healthy) {
             self.begin_reset(cx);
@@ -230,6 +242,7 @@ impl Axis {
         let mut end = |until, code| self.waiting.end(cx.events, axis, until, code, position);
         match self.power {
             Power::On => end(Until::Enabled, Code::NONE),
+            Power::DriveStops => end(Until::Enabled, failed.unwrap_or(Code::DISABLED)),
             Power::Off => {
                 end(Until::Disabled, Code::NONE);
                 end(Until::Enabled, failed.unwrap_or(Code::DISABLED));
@@ -241,7 +254,8 @@ impl Axis {
         } else if self.goal.is_some_and(|goal| goal.ending.is_none()) {
             end(Until::Standstill, Code::REPLACED);
         }
-        if failed.is_none() && self.state != AxisState::Stopping {
+        let resets = matches!(self.power, Power::Resetting { .. });
+        if failed.is_none() && !resets && self.state != AxisState::Stopping {
             end(Until::Healthy, Code::NONE);
         }
     }

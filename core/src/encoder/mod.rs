@@ -38,6 +38,12 @@ impl Counter {
         change
     }
 
+    /// The position of raw counts near the last ones (inc).
+    pub fn locate(&self, count: i64) -> i64 {
+        let (last, _) = self.last.unwrap_or((count, 0));
+        self.position.wrapping_add(self.shortest(count, last))
+    }
+
     /// The position so far (inc).
     pub fn position(&self) -> i64 {
         self.position
@@ -90,6 +96,11 @@ impl Encoder {
             valid,
         };
         self.lead
+    }
+
+    /// The position of raw counts near those of this cycle (inc).
+    pub fn locate(&self, count: i64) -> i64 {
+        self.counter.locate(count)
     }
 
     /// As of this cycle.

@@ -5,7 +5,7 @@ use crate::code::Code;
 use crate::command::{Action, Command, Commands, Synchronize};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
-use crate::parameter::{Change, ROWS, Range, Refused, Value};
+use crate::parameter::{Change, ROWS, Range, Refused, Row, Value};
 
 impl Machine {
     /// Answers what is answered here and returns which commands the axes have to look at, as bits.
@@ -91,13 +91,16 @@ impl Machine {
     /// What no axis has answered: a goal that is not active, an axis that does not exist.
     pub(super) fn answer_the_rest(&mut self, commands: Commands<'_>, left: u64) {
         for (place, command) in commands.iter().take(MAX_COMMANDS).enumerate() {
-            let code = match command.action {
-                Action::Cancel { .. } => Code::UNKNOWN_GOAL,
-                Action::Move(_) | Action::Synchronize(_) => Code::BAD_REQUEST,
+            let refusal = match command.action {
+                Action::Cancel { goal } => {
+                    let goal = Number::Count(goal.cast_signed());
+                    Refusal::new(Code::UNKNOWN_GOAL, Object::Machine).with(goal, Number::None)
+                }
+                Action::Move(_) | Action::Synchronize(_) => Refusal::new(Code::BAD_REQUEST, Object::Machine),
                 _ => continue,
             };
             if left >> place & 1 == 1 {
-                self.events.push(Refusal::new(code, Object::Machine).event(command.sequence));
+                self.events.push(refusal.event(command.sequence));
             }
         }
     }
@@ -134,17 +137,28 @@ impl Machine {
         let index = usize::from(change.axis);
         let (axis, candidate) = (&self.axes[index], &self.candidates[index]);
         let refuse = |code| Refusal { parameter: Some(change.row), ..Refusal::new(code, change.object()) };
-        candidate.check().map_err(|_| refuse(Code::PARAMETERS_CONTRADICT).with(number_of(change), Number::None))?;
+        if let Err((low, high)) = candidate.check() {
+            let key = ROWS.get(usize::from(change.row)).map_or("", |row| row.key);
+            // The change that is one of the two is to blame; if this one is not, the other change of the set is.
+            let other = match key {
+                key if key == low => high,
+                key if key == high => low,
+                _ => return Ok(()),
+            };
+            let other = Row::find(other).map_or(Number::None, |(row, entry)| {
+                number_of(&Change { row, value: (entry.get)(candidate), ..*change })
+            });
+            return Err(refuse(Code::PARAMETERS_CONTRADICT).with(number_of(change), other));
+        }
         let inside = |end: i64| {
             candidate.min_position.is_none_or(|low| end >= low) && candidate.max_position.is_none_or(|high| end <= high)
         };
-        match axis.planned_end() {
-            Some(end) if !inside(end) => {
-                let numbers = (number_of(change), Number::Position(end));
-                Err(refuse(Code::GOAL_BEYOND_NEW_LIMITS).with(numbers.0, numbers.1))
-            }
-            _ => Ok(()),
-        }
+        let (low, high) = axis.reach().unwrap_or_default();
+        let outside = [low, high].into_iter().find(|&place| axis.reach().is_some() && !inside(place));
+        outside.map_or(Ok(()), |place| {
+            let numbers = (number_of(change), Number::Position(place));
+            Err(refuse(Code::GOAL_BEYOND_NEW_LIMITS).with(numbers.0, numbers.1))
+        })
     }
 }
 

@@ -1,28 +1,35 @@
 //! The order of the axes: a leader before its followers, else as in the file.
 
 use super::Machine;
-use crate::object::Leader;
+use crate::object::{AxisSet, Leader};
 
 impl Machine {
-    /// Would axis `follower` follow itself through `leader`, given who follows whom?
+    /// Would axis `follower` follow itself through `leader`? Counted are the couplings there are and those that were asked for
+    /// in this cycle: whichever of them is refused in the end, no loop can be left.
     pub(super) fn closes_loop(&self, follower: u16, leader: Leader) -> bool {
-        let mut next = Some(leader);
-        // No chain is longer than there are axes.
-        for _ in 0..=self.axes.len() {
-            match next {
-                Some(Leader::AxisCommand(axis)) if axis == follower => return true,
-                Some(Leader::AxisCommand(axis)) => {
-                    next = self.couplings.get(usize::from(axis)).copied().flatten();
+        let Leader::AxisCommand(first) = leader else { return false };
+        let mut reached = AxisSet::one(first);
+        loop {
+            let before = reached;
+            for axis in before.iter() {
+                let index = usize::from(axis);
+                let asked = self.couplings.get(index).copied().flatten();
+                let present = self.axes.get(index).and_then(|axis| axis.leader());
+                for leader in [asked, present].into_iter().flatten() {
+                    if let Leader::AxisCommand(next) = leader {
+                        reached.insert(next);
+                    }
                 }
-                _ => return false,
+            }
+            if reached == before {
+                return reached.contains(follower);
             }
         }
-        true
     }
 
     /// Sorts the axes by [`couplings`](Self::couplings), which have no loop.
     pub(super) fn sort_axes(&mut self) {
-        let mut placed = crate::object::AxisSet::EMPTY;
+        let mut placed = AxisSet::EMPTY;
         let mut count = 0;
         for index in 0..self.axes.len() as u16 {
             // From the axis up to the first leader that stands already: that many places, filled from the back.

@@ -4,7 +4,7 @@ use super::Machine;
 use crate::axis::Axis;
 use crate::code::Code;
 use crate::config::{IoKind, MachineConfig, MemoryKind};
-use crate::drive::{EncoderInput, Inputs, Latch};
+use crate::drive::{EncoderInput, Inputs};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
 use crate::object::Object;
@@ -142,7 +142,8 @@ impl Machine {
                 Object::Axis(index) => self.leads.actual.get(usize::from(index)).copied(),
                 _ => None,
             };
-            let (position, age_ns) = locate(latch, lead, self.config.cycle_ns);
+            let raw = latch.position.map(|count| self.locate(latch.object, count));
+            let (position, age_ns) = locate(raw, latch.age_ns, lead, self.config.cycle_ns);
             let event = Event::new(Severity::Info, Kind::Latch, latch.object, Code::NONE);
             let edge = Number::Count(i64::from(latch.edge == crate::drive::Edge::Rising));
             self.events.push(Event { age_ns, position, ..event.with(edge, Number::None) });
@@ -153,13 +154,23 @@ impl Machine {
             }
         }
     }
+
+    /// Latched raw counts as a position.
+    fn locate(&self, object: Object, count: i64) -> i64 {
+        let position = match object {
+            Object::Encoder(index) => self.encoders.get(usize::from(index)).map(|encoder| encoder.locate(count)),
+            Object::Axis(index) => self.axes.get(usize::from(index)).map(|axis| axis.locate(count)),
+            _ => None,
+        };
+        position.unwrap_or(count)
+    }
 }
 
 /// Position and age of a latch: what it does not bring lies on the straight line through this cycle's change.
-fn locate(latch: &Latch, lead: Option<Lead>, cycle_ns: u64) -> (Position, u32) {
+fn locate(position: Option<i64>, age_ns: Option<u32>, lead: Option<Lead>, cycle_ns: u64) -> (Position, u32) {
     let lead = lead.unwrap_or_default();
     let cycle = cycle_ns as f64;
-    match (latch.position, latch.age_ns) {
+    match (position, age_ns) {
         (Some(position), Some(age)) => (Position::whole(position), age),
         (None, age) => {
             let age = age.unwrap_or(0);

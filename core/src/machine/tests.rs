@@ -1,5 +1,8 @@
 mod rig;
 
+mod anything;
+mod edges;
+
 mod limits;
 mod moves;
 mod parameters;

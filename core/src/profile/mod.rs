@@ -6,7 +6,7 @@
 
 mod trapezoid;
 
-pub use trapezoid::{Limits, stop, to_rest, to_velocity};
+pub use trapezoid::{Limits, stop, stop_at, to_rest, to_velocity};
 
 use crate::position::Position;
 
@@ -163,6 +163,18 @@ impl Plan {
         }
         let phases = &self.phases[..self.count];
         phases.iter().rev().find(|phase| phase.begin <= time).map_or(Motion::at_rest(self.end), |phase| phase.at(time))
+    }
+
+    /// Lowest and highest position from `now` to its end: its way, or the turn that still lies ahead.
+    pub fn extent_from(&self, now: Position) -> (Position, Position) {
+        let (low, high) = self.extent();
+        let first = self.phases[..self.count].first();
+        let start = first.map_or(self.end, |phase| phase.start);
+        // Between its start and now it may have passed places that it will not see again; keeping them errs on the safe side
+        // only where it turns, and there they still lie ahead.
+        let low = if low == start { now.min(self.end) } else { low };
+        let high = if high == start { now.max(self.end) } else { high };
+        (low, high)
     }
 
     /// Lowest and highest position on the way; for a plan to rest.

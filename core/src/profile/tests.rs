@@ -95,18 +95,20 @@ fn a_velocity_change_of_sign_slows_down_with_the_deceleration() {
 }
 
 #[test]
-fn a_stop_ends_on_a_whole_increment_ahead() {
+fn a_stop_takes_its_deceleration_and_ends_where_that_ends() {
     let plan = stop(moving(0.25, 100.0), 1000.0, MS);
-    assert_eq!(plan.end(), Position::whole(6)); // 0.25 + 5 = 5.25
+    assert_eq!((plan.end(), plan.cycles()), (Position::from_f64(5.25), 100));
     let back = stop(moving(0.25, -100.0), 1000.0, MS);
-    assert_eq!(back.end(), Position::whole(-5)); // 0.25 - 5 = -4.75
+    assert_eq!(back.end(), Position::from_f64(-4.75));
+    assert_eq!(stop(moving(0.25, 0.0), 1000.0, MS).cycles(), 0);
 }
 
 #[test]
-fn a_crawling_axis_stops_soon_on_a_whole_increment() {
-    let plan = stop(moving(0.5, 1e-6), 1e6, MS);
-    assert_eq!(plan.end(), Position::whole(1));
-    assert!(plan.duration() < 0.01);
+fn a_stop_at_a_place_takes_the_deceleration_that_it_needs() {
+    // 100 inc/s over 4 inc: 1250 inc/s^2, 80 ms.
+    let plan = stop_at(moving(1.0, 100.0), Position::whole(5), MS);
+    assert_eq!((plan.end(), plan.cycles()), (Position::whole(5), 80));
+    assert!((plan.at(40).acceleration + 1250.0).abs() < 1e-6);
 }
 
 proptest! {
@@ -142,19 +144,15 @@ proptest! {
     }
 
     #[test]
-    fn every_stop_falls_monotonously_to_a_whole_increment(
-        start in -1e6..1e6_f64, velocity in -1e6..1e6_f64, down in 1e3..1e7_f64,
-    ) {
+    fn every_stop_falls_monotonously(start in -1e6..1e6_f64, velocity in -1e6..1e6_f64, down in 1e3..1e7_f64) {
         let plan = stop(moving(start, velocity), down, MS);
-        let at_end = plan.at(plan.cycles());
-        prop_assert_eq!(at_end.position, Position::whole(plan.end().floor()));
-        prop_assert_eq!(at_end.velocity, 0.0);
-        let crawl = down.sqrt();
-        let mut last = velocity.abs().max(crawl);
+        prop_assert_eq!(plan.at(plan.cycles()), Motion::at_rest(plan.end()));
+        let mut last = velocity.abs();
         for k in 0..=plan.cycles().min(2000) {
-            let speed = plan.at(k).velocity.abs();
-            prop_assert!(speed <= last * (1.0 + 1e-9), "cycle {}", k);
-            last = speed.max(crawl);
+            let now = plan.at(k);
+            prop_assert!(now.velocity.abs() <= last * (1.0 + 1e-12), "cycle {}", k);
+            prop_assert!(now.acceleration.abs() <= down * (1.0 + 1e-9));
+            last = now.velocity.abs();
         }
     }
 }

@@ -69,28 +69,20 @@ pub fn to_velocity(start: Motion, velocity: f64, limits: Limits, cycle_ns: u64) 
     plan
 }
 
-/// A plan from `start` to rest on the first whole increment at or after the stopping point, in the direction of motion.
-///
-/// The way to the whole increment is made at the velocity that the axis has; only where that is slower than one
-/// increment's worth of deceleration it may grow up to that, or the last increment would take for ever.
+/// A plan from `start` to rest with constant deceleration, wherever that is.
 pub fn stop(start: Motion, deceleration: f64, cycle_ns: u64) -> Plan {
-    if start.velocity == 0.0 {
-        // What a drive is given is floor(position): staying there moves nothing.
-        return to_rest(
-            Motion::at_rest(Position::whole(start.position.floor())),
-            Position::whole(start.position.floor()),
-            Limits { velocity: 1.0, acceleration: deceleration, deceleration },
-            cycle_ns,
-        );
-    }
-    let way = Position::from_f64(start.velocity * start.velocity.abs() / (2.0 * deceleration));
-    let point = start.position + way;
-    let whole = if start.velocity > 0.0 { ceil(point) } else { point.floor() };
-    let velocity = start.velocity.abs().max(deceleration.sqrt());
-    let limits = Limits { velocity, acceleration: deceleration, deceleration };
-    to_rest(start, Position::whole(whole), limits, cycle_ns)
+    let mut plan = Plan::new(start, cycle_ns);
+    plan.push(start.velocity.abs() / deceleration, 0.0);
+    plan
 }
 
-fn ceil(position: Position) -> i64 {
-    (-position).floor().saturating_neg()
+/// A plan from `start` to rest exactly at `target`, which lies ahead, with the constant deceleration that this takes.
+pub fn stop_at(start: Motion, target: Position, cycle_ns: u64) -> Plan {
+    let way = (target - start.position).to_f64().abs();
+    let mut plan = Plan::new(start, cycle_ns);
+    if start.velocity != 0.0 {
+        plan.push(2.0 * way / start.velocity.abs(), 0.0);
+    }
+    plan.land(target);
+    plan
 }

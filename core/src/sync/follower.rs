@@ -35,8 +35,10 @@ pub struct Bounds {
     pub acceleration: f64,
     /// Always.
     pub max_velocity: f64,
-    /// Always.
+    /// Always, while speeding up.
     pub max_acceleration: f64,
+    /// Always, while slowing down.
+    pub max_deceleration: f64,
 }
 
 /// A coupling of one axis.
@@ -52,7 +54,15 @@ pub struct Follower {
     /// Where the gear wants the slave.
     target: Position,
     bounds: Bounds,
+    counted: bool,
+    /// The geared leader's change of the last cycle (inc).
+    last: f64,
+    /// The same, smoothed.
+    mean: f64,
 }
+
+/// Cycles over which the speed of a counted leader is smoothed.
+const MEAN_CYCLES: f64 = 64.0;
 
 impl Follower {
     /// Couples an axis that stands or moves as `slave` says; `offset` shifts it against the leader.
@@ -66,7 +76,20 @@ impl Follower {
         bounds: Bounds,
     ) -> Self {
         let gear = Gear::new(ratio);
-        Self { leader, disengage, mode, gear, phase: Phase::CatchingUp, target: slave.position + offset, bounds }
+        let counted = !matches!(leader, Leader::AxisCommand(_));
+        let (phase, target) = (Phase::CatchingUp, slave.position + offset);
+        Self { leader, disengage, mode, gear, phase, target, bounds, counted, last: 0.0, mean: 0.0 }
+    }
+
+    /// What a leader's change may differ from its speed (inc): one geared count, where it is counted.
+    pub fn uneven(&self) -> f64 {
+        if self.counted { self.gear.ratio().to_f64().abs() } else { 0.0 }
+    }
+
+    /// The velocity with which the slave would go on without its leader (inc/s), given its present one: that of a counted
+    /// leader is smoothed, as its single changes say little.
+    pub fn steady_velocity(&self, present: f64, cycle_s: f64) -> f64 {
+        if self.counted { self.mean / cycle_s } else { present }
     }
 
     /// How far it has come.
@@ -89,8 +112,11 @@ impl Follower {
         // From here on in inc per cycle.
         let geared = change.to_f64();
         let before = slave.velocity * cycle_s;
-        // A counted leader is uneven by one increment even at constant speed: that is no acceleration.
-        let uneven = if lead.counted { self.gear.ratio().to_f64().abs() } else { 0.0 };
+        // A counted leader is uneven by one increment even at constant speed: that much of its change, where it did
+        // change, is no acceleration.
+        let uneven = self.uneven().min((geared - self.last).abs());
+        self.last = geared;
+        self.mean += (geared - self.mean) / MEAN_CYCLES;
         let position = match self.phase {
             Phase::Synchronized if self.can_follow(geared, before, uneven, cycle_s) => slave.position + change,
             _ => self.catch_up(slave.position, change, before, uneven, cycle_s),
@@ -100,11 +126,13 @@ impl Follower {
     }
 
     fn can_follow(&self, geared: f64, before: f64, uneven: f64, cycle_s: f64) -> bool {
-        // Positions are multiples of 2^-32: each of the two steps may be off by one.
-        const GRID: f64 = 2.0 / (1_u64 << 32) as f64;
-        geared.abs() <= self.bounds.max_velocity * cycle_s + uneven + GRID
-            && (geared - before).abs()
-                <= self.bounds.max_acceleration * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + GRID
+        // Positions are multiples of 2^-32: the leader's two steps may be off by one each, times the ratio, and the
+        // slave's as well.
+        let grid = 2.0 * (1.0 + self.gear.ratio().to_f64().abs()) / (1_u64 << 32) as f64;
+        let rate =
+            if geared.abs() > before.abs() { self.bounds.max_acceleration } else { self.bounds.max_deceleration };
+        geared.abs() <= self.bounds.max_velocity * cycle_s + uneven + grid
+            && (geared - before).abs() <= rate * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + grid
     }
 
     /// The position after a cycle of catching up; turns to synchronized when it arrives.
@@ -116,7 +144,9 @@ impl Follower {
             SyncMode::Velocity => 0.0,
         };
         let (closing, arrives) = closing(way, rate);
-        let top = self.bounds.velocity * cycle_s;
+        // A leader that is as fast as the goal's velocity can only be caught with more.
+        let catches = self.bounds.velocity * cycle_s > geared.abs();
+        let top = if catches { self.bounds.velocity } else { self.bounds.max_velocity } * cycle_s;
         let wanted = (geared + closing).clamp(-top, top);
         let step = wanted.clamp(before - rate - uneven, before + rate + uneven);
         // Bit for bit the velocity that is asked for: nothing held it back.

@@ -23,7 +23,7 @@ fn a_set_is_checked_whole_and_changes_all_or_nothing() {
     assert_eq!(rig.refusal(bad), "x: error_reaction is 6; 0 to 5 is allowed");
     let contradiction =
         set(&mut rig, &[change("min_position", Value::Int(10)), change("max_position", Value::Int(10))]);
-    assert!(rig.refusal(contradiction).contains("contradicts"));
+    assert_eq!(rig.refusal(contradiction), "x: min_position 0.01 mm must lie below max_position 0.01 mm");
     let unbuilt = set(&mut rig, &[change("profile", Value::Int(2))]);
     assert_eq!(rig.refusal(unbuilt), "x: profile jerk does not exist yet");
     assert_eq!(rig.machine.parameters(X), Some(&before));
@@ -56,7 +56,7 @@ fn limits_that_would_leave_out_the_active_target_are_refused() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(to(X, 50_000)));
     let refused = set(&mut rig, &[change("max_position", Value::Int(40_000))]);
-    assert_eq!(rig.refusal(refused), "x: max_position 40 mm would leave out the target 50 mm of the active goal");
+    assert_eq!(rig.refusal(refused), "x: max_position 40 mm would leave out 50 mm, which the motion under way reaches");
 }
 
 #[test]

@@ -138,7 +138,7 @@ fn cancel_stops_the_goal_it_names_and_no_other() {
     rig.run_until("y.state", 1);
     assert_eq!((rig.done(gy)[0].code, rig.int("y.command.position")), (Code::NONE, 50_000));
     let late = rig.give(Action::Cancel { goal: gx });
-    assert_eq!(rig.refusal(late), "machine: no such goal is active");
+    assert_eq!(rig.refusal(late), format!("machine: goal {gx} is not active"));
 }
 
 /// Proves: MACS-ERR-02, MACS-ERR-06, MACS-PROF-13

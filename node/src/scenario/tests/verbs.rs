@@ -123,7 +123,7 @@ fn a_synchronized_axis_follows_and_cancel_uncouples_it() {
 #[test]
 fn an_id_names_the_last_command_that_carried_it_and_a_goal_that_is_none_cannot_be_cancelled() {
     passes(&enabled(
-        "do: {cancel: {id: m}}, refused: no such goal}\n\
+        "do: {cancel: {id: m}}, refused: is not active}\n\
          - {at: 50, every: 50, count: 2, do: {move_axis: {id: m, axis: x, mode: relative, position: 50 mm}}}\n\
          - {name: off, at: 150, do: {cancel: {id: m}}}\n\
          expect:\n\
