@@ -190,3 +190,34 @@ fn signals_lists_every_signal_with_type_and_unit() {
     assert!(line("x.state").contains("1 STANDSTILL"));
     assert!(!line("line.target.position").is_empty() && !line("machine.overruns").is_empty());
 }
+
+/// Whoever reads the log may go away, as `tee` does on Ctrl-C: the axes are halted all the same.
+#[test]
+fn a_log_that_nobody_reads_any_more_does_not_end_the_node() {
+    use rustix::process::{Pid, Signal, kill_process};
+    use std::io::{BufRead, BufReader};
+    use std::process::Stdio;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+    command.env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST").env("ROS_DOMAIN_ID", "98").stderr(Stdio::piped());
+    let mut program = command.spawn().unwrap();
+    let mut log = BufReader::new(program.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("ROS 2 node") {
+        line.clear();
+        assert!(log.read_line(&mut line).unwrap() > 0, "it ended early");
+    }
+    drop(log);
+    let pid = Pid::from_raw(program.id().cast_signed()).unwrap();
+    kill_process(pid, Signal::INT).unwrap();
+    assert_eq!(program.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn output_that_nobody_reads_is_no_failure() {
+    use std::process::Stdio;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let arguments = ["check", "launch-configs/demo.yaml"];
+    let status = command.args(arguments).current_dir(root("")).stdout(Stdio::from(full)).status().unwrap();
+    assert_eq!(status.code(), Some(0));
+}

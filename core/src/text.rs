@@ -141,6 +141,9 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::GOAL_BEYOND_NEW_LIMITS => {
             format!("{} {} would leave out {}, which the motion under way reaches", key(event), asked(), limit())
         }
+        Code::TOO_MANY_WAITING if event.kind == Kind::Done => {
+            fixed("it is being done, but too many wait already to be told its end")
+        }
         Code::TOO_MANY_WAITING => fixed("too many commands wait; try again"),
         Code::BAD_REQUEST => fixed("the request is not understood"),
         Code::RATE_TOO_LOW => format!("{} is too low; at least {} is allowed", asked(), limit()),

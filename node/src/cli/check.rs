@@ -1,6 +1,6 @@
 //! `lineshaft check`.
 
-use super::{CheckArgs, Exit};
+use super::{CheckArgs, Exit, say};
 use crate::cell::Cell;
 use crate::scenario::Scenario;
 
@@ -12,11 +12,11 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
             return Exit::Usage;
         }
     };
-    println!("{}: good: {}", args.cell.display(), summary(&cell));
+    say(&format_args!("{}: good: {}", args.cell.display(), summary(&cell)));
     let Some(path) = &args.scenario else { return Exit::Good };
     match Scenario::load(path, &cell) {
         Ok(scenario) => {
-            println!("{}: good: {}, {} cycles", path.display(), scenario.name(), scenario.cycles());
+            say(&format_args!("{}: good: {}, {} cycles", path.display(), scenario.name(), scenario.cycles()));
             Exit::Good
         }
         Err(problems) => {
@@ -38,5 +38,6 @@ pub(super) fn summary(cell: &Cell) -> String {
     let counts = counts.iter().filter(|(count, ..)| *count > 0);
     let counts: Vec<String> =
         counts.map(|(count, one, many)| format!("{count} {}", if *count == 1 { one } else { many })).collect();
+    let counts = if counts.is_empty() { vec!["no axes".to_owned()] } else { counts };
     format!("{}; cycle {} ms", counts.join(", "), machine.cycle_ns as f64 / 1e6)
 }

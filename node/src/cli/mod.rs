@@ -8,7 +8,7 @@ mod sim;
 use crate::run::realtime::Processor;
 use clap::{Args, Parser, Subcommand};
 use lineshaft_ros::layer::{RosArguments, log_filter};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use tracing_subscriber::EnvFilter;
@@ -149,10 +149,16 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
     exit.into()
 }
 
+/// Prints to standard output; a reader that has seen enough is no failure.
+fn say(text: &dyn std::fmt::Display) {
+    let _ = writeln!(std::io::stdout(), "{text}");
+}
+
 /// Logs to standard error; `RUST_LOG` decides what, else all that a person would want to know.
 fn start_logging() {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(log_filter("info")));
     let lines = tracing_subscriber::fmt().with_env_filter(filter).with_target(false).with_writer(std::io::stderr);
     // A second start within one process keeps the first.
-    let _ = lines.with_ansi(std::io::stderr().is_terminal()).try_init();
+    // With nobody left to read it, a line is lost; the machine goes on.
+    let _ = lines.with_ansi(std::io::stderr().is_terminal()).log_internal_errors(false).try_init();
 }

@@ -1,7 +1,7 @@
 //! `lineshaft run`.
 
 use super::check::summary;
-use super::{Exit, RunArgs};
+use super::{Exit, RunArgs, say};
 use crate::cell::Cell;
 use crate::run::bridge::{Bridge, Handle};
 use crate::run::lanes;
@@ -22,11 +22,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{Signal as UnixSignal, SignalKind, signal};
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
-/// Events between the cycle thread and the bridge: a second of a busy machine.
-const EVENT_ROOM: usize = 8192;
+/// Events between the cycle thread and the bridge: many cycles of the most that a machine can tell.
+const EVENT_ROOM: usize = 1 << 16;
 /// How long axes may take to stop, and then to switch off, before the program ends all the same.
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -83,8 +83,12 @@ fn start(
         .build()
         .map_err(|error| format!("no threads for ROS: {error}"))?;
     let plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
-    let (running, events) = Running::start(args, machine, plant, scenario);
-    let exit = runtime.block_on(serve(cell, name, &environment, running, events));
+    let exit = runtime.block_on(async {
+        // Before any thread runs: from here on no signal ends the program unheard.
+        let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
+        let (running, events) = Running::start(args, machine, plant, scenario);
+        Ok::<_, String>(serve(cell, name, &environment, running, events, signals).await)
+    })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
     Ok(exit)
 }
@@ -144,8 +148,12 @@ impl Running {
             statistics: Arc::clone(&statistics),
             processor: args.cpu.unwrap_or_default(),
         };
-        let cycle = std::thread::spawn(move || cycle.run(warn_once));
-        let bridge = Bridge { events: events_out, signals, spent, listeners: vec![listener] };
+        let (ready, granted) = channel();
+        let cycle = std::thread::spawn(move || cycle.run(ready));
+        if let Ok(refused) = granted.recv() {
+            warn(&refused);
+        }
+        let bridge = Bridge::new(events_out, signals, spent, listener, Arc::clone(&statistics));
         let (for_bridge, end) = (Arc::clone(&handle), Arc::clone(&stop_bridge));
         let bridge = std::thread::spawn(move || bridge.run(&for_bridge, &end));
         (Self { handle, statistics, stop_cycle, stop_bridge, cycle, bridge, report }, heard)
@@ -174,7 +182,7 @@ impl Running {
     }
 }
 
-fn warn_once(refused: Vec<String>) {
+fn warn(refused: &[String]) {
     if !refused.is_empty() {
         tracing::warn!("cycles may come late: {}; see docs/realtime.md", refused.join(", "));
     }
@@ -187,6 +195,7 @@ async fn serve(
     environment: &Environment,
     running: Running,
     events: UnboundedReceiver<StampedEvent>,
+    signals: Signals,
 ) -> Exit {
     let host: Arc<dyn Host> = running.handle.clone();
     let rates = Rates { joint_states: cell.ros.joint_states_rate, axis_states: cell.ros.axis_states_rate };
@@ -207,18 +216,41 @@ async fn serve(
         Networks::Only(addresses) => addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     };
     tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
-    let why = wait_for_end(&running).await;
-    if !matches!(why, Ended::ThreadFailed) {
-        stop_machine(&running).await;
-    }
+    let why = wait_for_end(&running, signals).await;
+    stop_machine(&running).await;
     drop(surface);
     match (running.end(), why) {
         (exit, Ended::BySignal) => exit,
         (exit, Ended::ScenarioOver(report)) => {
-            println!("{report}");
+            say(&report);
             if report.passed() { exit } else { Exit::Failed }
         }
         (_, Ended::ThreadFailed) => Exit::Failed,
+    }
+}
+
+/// The signals that end the program.
+struct Signals([UnixSignal; 3]);
+
+impl Signals {
+    /// # Errors
+    /// The system does not give them.
+    fn new() -> std::io::Result<Self> {
+        Ok(Self([
+            signal(SignalKind::interrupt())?,
+            signal(SignalKind::terminate())?,
+            // A terminal that is closed.
+            signal(SignalKind::hangup())?,
+        ]))
+    }
+
+    async fn recv(&mut self) {
+        let [interrupt, terminate, hangup] = &mut self.0;
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+            _ = hangup.recv() => {}
+        }
     }
 }
 
@@ -231,17 +263,11 @@ enum Ended {
 
 /// Waits for a signal, for the end of the scenario, or for a thread to fail. From a first signal on a second one ends the
 /// process.
-async fn wait_for_end(running: &Running) -> Ended {
-    let (interrupt, terminate) = (signal(SignalKind::interrupt()), signal(SignalKind::terminate()));
-    let (Ok(mut interrupt), Ok(mut terminate)) = (interrupt, terminate) else {
-        tracing::error!("signals of the system cannot be received");
-        return Ended::ThreadFailed;
-    };
+async fn wait_for_end(running: &Running, mut signals: Signals) -> Ended {
     let mut look = tokio::time::interval(Duration::from_millis(100));
     loop {
         tokio::select! {
-            _ = interrupt.recv() => break,
-            _ = terminate.recv() => break,
+            () = signals.recv() => break,
             _ = look.tick() => {
                 if let Some(report) = running.report.as_ref().and_then(|report| report.try_recv().ok()) {
                     return Ended::ScenarioOver(Box::new(report));
@@ -254,10 +280,7 @@ async fn wait_for_end(running: &Running) -> Ended {
     }
     tracing::info!("halting all axes; Ctrl-C again ends at once");
     tokio::spawn(async move {
-        tokio::select! {
-            _ = interrupt.recv() => {}
-            _ = terminate.recv() => {}
-        }
+        signals.recv().await;
         std::process::exit(1);
     });
     Ended::BySignal
@@ -273,12 +296,12 @@ async fn stop_machine(running: &Running) {
         tokio::time::sleep(Duration::from_millis(5)).await;
     }
     let stands = |snapshot: &Snapshot, first| snapshot.board.real(AxisSignal::CommandVelocity.of(first)) == 0.0;
-    if !until(handle, &axes(handle, true), stands).await {
+    if !until(running, &axes(handle, true), stands).await {
         tracing::warn!("not all axes stand after {} s", PATIENCE.as_secs());
     }
     let _ = handle.submit_as(Source::Cli, Action::Disable(all));
     let is_off = |snapshot: &Snapshot, first| !snapshot.board.bit(AxisSignal::Enabled.of(first));
-    if !until(handle, &axes(handle, false), is_off).await {
+    if !until(running, &axes(handle, false), is_off).await {
         tracing::warn!("not all axes are off after {} s", PATIENCE.as_secs());
     }
 }
@@ -290,9 +313,10 @@ fn axes(handle: &Handle, with_virtual: bool) -> Vec<Signal> {
 }
 
 /// Waits until something holds for axes in a snapshot that is newer than now; false when it takes too long.
-async fn until(handle: &Handle, axes: &[Signal], holds: impl Fn(&Snapshot, Signal) -> bool) -> bool {
+async fn until(running: &Running, axes: &[Signal], holds: impl Fn(&Snapshot, Signal) -> bool) -> bool {
+    let handle = &running.handle;
     let (begin, start) = (handle.snapshot().cycle, Instant::now());
-    while start.elapsed() < PATIENCE {
+    while start.elapsed() < PATIENCE && !running.cycle.is_finished() {
         tokio::time::sleep(Duration::from_millis(2)).await;
         let snapshot = handle.snapshot();
         // Two cycles further the command has applied.

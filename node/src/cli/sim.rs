@@ -1,6 +1,6 @@
 //! `lineshaft sim`.
 
-use super::{Exit, SimArgs};
+use super::{Exit, SimArgs, say};
 use crate::cell::Cell;
 use crate::scenario::{Options, Scenario, simulate};
 
@@ -15,7 +15,7 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
     };
     match simulate(&cell, &scenario, &Options { csv: args.csv.clone(), progress: true }) {
         Ok(report) => {
-            println!("{report}");
+            say(&report);
             if report.passed() { Exit::Good } else { Exit::Failed }
         }
         Err(error) => {

@@ -1,12 +1,15 @@
 //! Between the cycle thread and everybody else: passes events and signals on, frees what came back.
 
 use super::lanes::{Commander, Numbers, Spent};
+use super::thread::Statistics;
+use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Kind, Severity};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text;
 use lineshaft_ros::surface::host::{Busy, Host, Snapshot, StampedEvent};
+use lineshaft_ros::surface::lines::LineLimit;
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
@@ -14,7 +17,7 @@ use std::time::Duration;
 use tokio::sync::mpsc::UnboundedSender;
 
 /// How often the rings are looked at: well above any rate that ROS is given.
-const PERIOD: Duration = Duration::from_millis(1);
+const PERIOD: Duration = Duration::from_micros(500);
 
 /// The running machine for everybody outside the cycle thread.
 #[derive(Debug)]
@@ -66,16 +69,43 @@ impl Host for Handle {
 /// What the bridge takes from the cycle thread.
 pub struct Bridge {
     /// Events.
-    pub events: Consumer<StampedEvent>,
+    events: Consumer<StampedEvent>,
     /// Signals.
-    pub signals: triple_buffer::Output<Snapshot>,
+    signals: triple_buffer::Output<Snapshot>,
     /// Commands that have applied.
-    pub spent: Spent,
+    spent: Spent,
     /// Who gets the events, each all of them in order.
-    pub listeners: Vec<UnboundedSender<StampedEvent>>,
+    listeners: Vec<UnboundedSender<StampedEvent>>,
+    /// How the cycle thread does.
+    statistics: Arc<Statistics>,
+    /// Events of one look.
+    taken: Vec<StampedEvent>,
+    /// Lost events that were told.
+    told: u64,
+    warnings: LineLimit,
 }
 
 impl Bridge {
+    /// A bridge with one listener.
+    pub fn new(
+        events: Consumer<StampedEvent>,
+        signals: triple_buffer::Output<Snapshot>,
+        spent: Spent,
+        listener: UnboundedSender<StampedEvent>,
+        statistics: Arc<Statistics>,
+    ) -> Self {
+        Self {
+            events,
+            signals,
+            spent,
+            listeners: vec![listener],
+            statistics,
+            taken: Vec::new(),
+            told: 0,
+            warnings: LineLimit::default(),
+        }
+    }
+
     /// Works until `stop` is set, and once more after it.
     pub fn run(mut self, handle: &Handle, stop: &AtomicBool) {
         while !stop.load(Ordering::Relaxed) {
@@ -87,27 +117,36 @@ impl Bridge {
 
     fn pass_on(&mut self, handle: &Handle) {
         self.spent.free();
-        // Signals first: who reacts to an event finds signals that are at least as new.
+        // Events are taken before the signals, and passed on after them: the cycle thread publishes its signals first, so
+        // these are at least as new as the events.
+        self.taken.extend(std::iter::from_fn(|| self.events.pop().ok()));
         if self.signals.update() {
             let newest = Arc::new(self.signals.output_buffer().clone());
             *handle.newest.write().unwrap_or_else(PoisonError::into_inner) = newest;
         }
-        while let Ok(event) = self.events.pop() {
-            log(&event, handle);
+        for event in self.taken.drain(..) {
+            log(&event, handle, &self.warnings);
             self.listeners.retain(|listener| listener.send(event).is_ok());
+        }
+        let lost = self.statistics.events_lost.load(Ordering::Relaxed);
+        if lost > self.told {
+            tracing::error!("{} events were lost on their way: more came than can be passed on", lost - self.told);
+            self.told = lost;
         }
     }
 }
 
 /// One line for what a person would want to know.
-fn log(event: &StampedEvent, handle: &Handle) {
+fn log(event: &StampedEvent, handle: &Handle, warnings: &LineLimit) {
     let event = &event.event;
     let sentence = || text::sentence(event, &handle.config);
     match (event.severity, event.kind) {
         (Severity::Error, _) => tracing::error!("{}", sentence()),
+        // The surface has told what never became a command.
+        (_, Kind::Refused) if event.code == Code::BAD_REQUEST => {}
         // What ends a goal is told to the one who gave it.
         (_, Kind::Done | Kind::Accepted | Kind::Overrun) => tracing::debug!("{}", sentence()),
-        (Severity::Warn, _) => tracing::warn!("{}", sentence()),
+        (Severity::Warn, _) => warnings.say(|more| tracing::warn!("{}{more}", sentence())),
         (Severity::Info, Kind::Reset) => tracing::info!("{}", sentence()),
         (Severity::Info, _) => tracing::debug!("{}", sentence()),
     }

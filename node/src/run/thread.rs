@@ -79,9 +79,10 @@ fn sleep_until(deadline: u64) {
 }
 
 impl CycleThread {
-    /// Runs until it is told to stop. `ready` gets what the system did not grant, once, before the first cycle.
-    pub fn run(mut self, ready: impl FnOnce(Vec<String>)) {
-        ready(realtime::claim(self.processor));
+    /// Runs until it is told to stop. `ready` gets what the system did not grant, before the first cycle.
+    pub fn run(mut self, ready: Sender<Vec<String>>) {
+        // Nobody may wait for it any more.
+        let _ = ready.send(realtime::claim(self.processor));
         let cycle_ns = self.machine.config().cycle_ns;
         let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
         let start = nanoseconds(ClockId::Monotonic);
@@ -116,16 +117,17 @@ impl CycleThread {
         self.machine.cycle(inputs, self.lanes.commands(), outputs);
         self.plant.write(outputs);
         self.end_play();
-        for &event in self.machine.events() {
-            if self.events.push(StampedEvent { event, stamp_ns }).is_err() {
-                self.statistics.events_lost.fetch_add(1, Ordering::Relaxed);
-            }
-        }
         let snapshot = self.snapshot.input_buffer_mut();
         snapshot.cycle = inputs.cycle;
         snapshot.stamp_ns = stamp_ns;
         snapshot.board.copy_from(self.machine.board());
         self.snapshot.publish();
+        // After the signals: who reacts to an event finds signals that are at least as new.
+        for &event in self.machine.events() {
+            if self.events.push(StampedEvent { event, stamp_ns }).is_err() {
+                self.statistics.events_lost.fetch_add(1, Ordering::Relaxed);
+            }
+        }
         self.lanes.give_back();
     }
 

@@ -10,6 +10,7 @@ use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::position::Position;
 use lineshaft_core::request::RequestError;
+use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_core::text;
 use std::sync::Arc;
 use std::time::Duration;
@@ -75,7 +76,7 @@ async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
 async fn run<A: AxisAction>(hub: Arc<Hub>, handle: GoalHandle<A>, command: Action, view: AxisView) {
     let ending = match hub.submit(command) {
         Ok(answers) => follow(&hub, &handle, answers, &view).await,
-        Err(busy) => Ending { code: Code::TOO_MANY_WAITING, message: busy.to_string(), position: Position::ZERO },
+        Err(busy) => view.stands(&hub.host.snapshot(), Code::TOO_MANY_WAITING, busy.to_string()),
     };
     let code = ending.code;
     let result = A::result(&view, ending);
@@ -95,16 +96,22 @@ async fn follow<A: AxisAction>(
     let mut ticks = tokio::time::interval(FEEDBACK);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let goal = answers.sequence;
-    let mut cancelled = false;
+    let (mut accepted, mut cancelled) = (false, false);
     loop {
         tokio::select! {
             answer = answers.next() => match answer {
                 Some(answer) => match answer.event.kind {
-                    Kind::Accepted => handle.execute(),
+                    Kind::Accepted => {
+                        accepted = true;
+                        handle.execute();
+                    }
                     Kind::Refused | Kind::Done => return ending(hub, &answer.event),
                     _ => {}
                 },
-                None => return gone(),
+                None => {
+                    let message = "the machine has stopped".to_owned();
+                    return view.stands(&hub.host.snapshot(), Code::DISABLED, message);
+                }
             },
             () = handle.cancel_requested(), if !cancelled => {
                 cancelled = hub.submit_unheard(Action::Cancel { goal }).is_ok();
@@ -113,7 +120,8 @@ async fn follow<A: AxisAction>(
                     ticks.tick().await;
                 }
             }
-            _ = ticks.tick() => {
+            // Before that the signals are not yet of this goal.
+            _ = ticks.tick(), if accepted => {
                 // A client that does not read feedback is its own matter.
                 let _ = handle.feedback(&A::feedback(view, &hub.host.snapshot()));
             }
@@ -126,6 +134,10 @@ fn ending(hub: &Hub, event: &Event) -> Ending {
     Ending { code: event.code, message, position: event.position }
 }
 
-fn gone() -> Ending {
-    Ending { code: Code::DISABLED, message: "the machine has stopped".to_owned(), position: Position::ZERO }
+impl AxisView {
+    /// The end of a goal that the machine has not answered: where the axis stands now.
+    fn stands(&self, snapshot: &Snapshot, code: Code, message: String) -> Ending {
+        let position = Position::whole(self.int(snapshot, AxisSignal::CommandPosition));
+        Ending { code, message, position }
+    }
 }

@@ -1,10 +1,13 @@
 //! The hub: hands commands over, and brings every event to `~/events` and to the one who waits for it.
 
 use super::host::{Busy, Host, StampedEvent};
+use super::lines::LineLimit;
 use super::states::header;
 use crate::layer::{CreateError, Node, Publisher, Qos, Rosout, Severity, Source};
 use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Kind, Number};
+use lineshaft_core::object::Object;
 use lineshaft_core::text;
 use lineshaft_msgs::msg::Event;
 use std::collections::HashMap;
@@ -18,6 +21,7 @@ pub(super) struct Hub {
     /// Who waits for which command. Taken before a command is handed over, so that no answer can come before its asker.
     waiting: Mutex<HashMap<u64, Place>>,
     rosout: Rosout,
+    lines: LineLimit,
 }
 
 enum Place {
@@ -55,7 +59,8 @@ impl Hub {
         tasks: &mut JoinSet<()>,
     ) -> Result<Arc<Self>, CreateError> {
         let publisher = node.publisher::<Event>("~/events", Qos::EVENTS)?;
-        let hub = Arc::new(Self { host, waiting: Mutex::default(), rosout: node.rosout()? });
+        let hub =
+            Arc::new(Self { host, waiting: Mutex::default(), rosout: node.rosout()?, lines: LineLimit::default() });
         tasks.spawn(Arc::clone(&hub).pass_on(events, publisher));
         Ok(hub)
     }
@@ -84,7 +89,7 @@ impl Hub {
 
     /// Tells of a request that was refused before it became a command: on `/rosout`, and as an event.
     pub(super) fn refuse(&self, sentence: String) {
-        tracing::warn!("{sentence}");
+        self.lines.say(|more| tracing::warn!("{sentence}{more}"));
         self.say(Severity::Warn, &sentence);
         let mut waiting = self.waiting();
         // With a full lane the sentence stays on /rosout alone.
@@ -156,16 +161,26 @@ impl Hub {
             code: event.code.0,
             increments: event.position.floor(),
             fraction: event.position.fraction(),
-            value: value(event.asked),
+            value: value(event, config),
             text: refused.unwrap_or_else(|| text::sentence(event, config)),
         }
     }
 }
 
-fn value(number: Number) -> f64 {
-    match number {
+/// What was asked or found, in SI units.
+fn value(event: &lineshaft_core::event::Event, config: &MachineConfig) -> f64 {
+    let scale = match event.source {
+        Object::Axis(index) => config.axes.get(usize::from(index)).map(|axis| axis.scale),
+        Object::Encoder(index) => config.encoders.get(usize::from(index)).map(|encoder| encoder.scale),
+        _ => None,
+    };
+    let rate = |value: f64| scale.map_or(value, |scale| scale.rate_to_si(value));
+    match event.asked {
         Number::None => 0.0,
-        Number::Position(value) | Number::Count(value) | Number::Time(value) => value as f64,
-        Number::Velocity(value) | Number::Acceleration(value) | Number::Jerk(value) | Number::Real(value) => value,
+        Number::Position(value) => scale.map_or(value as f64, |scale| scale.position_to_si(value, 0.0)),
+        Number::Count(value) => value as f64,
+        Number::Time(value) => value as f64 / 1e9,
+        Number::Velocity(value) | Number::Acceleration(value) | Number::Jerk(value) => rate(value),
+        Number::Real(value) => value,
     }
 }

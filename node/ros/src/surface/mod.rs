@@ -7,6 +7,7 @@ pub mod host;
 mod axes;
 mod goal;
 mod hub;
+pub mod lines;
 mod move_axis;
 mod signals;
 mod states;
