@@ -98,9 +98,13 @@ impl Axis {
 
     /// Lets a command wait; where too many do, it is answered at once that nobody will tell it the end.
     fn wait(&mut self, cx: &mut Context<'_>, sequence: u64, until: Until) {
-        if !self.waiting.add(sequence, until) {
-            let code = Code::TOO_MANY_WAITING;
-            cx.events.push(Event::new(Severity::Warn, Kind::Done, self.object(), code).of_command(sequence));
+        let done = Event::new(Severity::Info, Kind::Done, self.object(), Code::NONE).of_command(sequence);
+        let done = Event { position: self.command.position, ..done };
+        if until == Until::Standstill && matches!(self.generator, Generator::Rest) {
+            // It stands: what else comes in this cycle does not concern it.
+            cx.events.push(done);
+        } else if !self.waiting.add(sequence, until) {
+            cx.events.push(Event { severity: Severity::Warn, code: Code::TOO_MANY_WAITING, ..done });
         }
     }
 

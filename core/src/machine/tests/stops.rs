@@ -60,6 +60,14 @@ fn a_new_goal_may_follow_a_halt_at_once() {
 }
 
 #[test]
+fn a_halt_of_an_axis_that_stands_is_done_whatever_follows_it() {
+    let mut rig = Rig::enabled();
+    let last = rig.give_all(vec![Action::Halt(x()), Action::Move(to(X, 1_000))]);
+    assert_eq!((rig.done(last - 1)[0].code, rig.done(last - 1).len()), (Code::NONE, 1));
+    assert!(rig.was_accepted(last));
+}
+
+#[test]
 fn quick_stop_uses_the_largest_deceleration_and_locks_until_reset() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(at(X, 100_000.0)));
