@@ -8,7 +8,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::position::Position;
 use crate::profile::{self, Limits, Plan};
 use crate::sync::follower::{Bounds, Follower};
-use crate::sync::gear::Ratio;
+use crate::sync::gear::{Gear, Ratio};
 
 /// Least velocity, acceleration and deceleration of a goal, in increments: with less, a move would outlast its machine.
 const LEAST_RATE: f64 = 1e-6;
@@ -243,8 +243,13 @@ impl Axis {
             SyncMode::Position => request.offset.exact(),
             SyncMode::Velocity => Position::ZERO,
         };
+        // From one coupling to the next the remainder passes on.
+        let gear = match &self.generator {
+            Generator::Follow(follower) => follower.gear().with_ratio(ratio),
+            _ => Gear::new(ratio),
+        };
         let follower =
-            Follower::new(request.leader, ratio, request.mode, request.disengage, self.command, offset, bounds);
+            Follower::new(request.leader, gear, request.mode, request.disengage, self.command, offset, bounds);
         self.begin_goal(cx, sequence, None);
         self.reference = Reference::Gear;
         self.generator = Generator::Follow(follower);

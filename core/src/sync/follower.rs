@@ -10,7 +10,7 @@
 //! Refuses  nothing here: ratio, velocity and acceleration were checked by the axis
 //! Source   MACS-SYNC-02, MACS-SYNC-04, MACS-SYNC-06, MACS-SYNC-07, A-30
 
-use super::gear::{Gear, Ratio};
+use super::gear::Gear;
 use crate::command::{Disengage, SyncMode};
 use crate::encoder::Lead;
 use crate::object::Leader;
@@ -68,17 +68,21 @@ impl Follower {
     /// Couples an axis that stands or moves as `slave` says; `offset` shifts it against the leader.
     pub fn new(
         leader: Leader,
-        ratio: Ratio,
+        gear: Gear,
         mode: SyncMode,
         disengage: Disengage,
         slave: Motion,
         offset: Position,
         bounds: Bounds,
     ) -> Self {
-        let gear = Gear::new(ratio);
         let counted = !matches!(leader, Leader::AxisCommand(_));
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
         Self { leader, disengage, mode, gear, phase, target, bounds, counted, last: 0.0, mean: 0.0 }
+    }
+
+    /// Its gear, with what its remainder holds.
+    pub fn gear(&self) -> Gear {
+        self.gear
     }
 
     /// What a leader's change may differ from its speed (inc): one geared count, where it is counted.

@@ -66,13 +66,12 @@ impl Gear {
         self.ratio
     }
 
-    /// Takes another ratio; the remainder passes on, rounded once to 2^-32 inc (contract section 1).
-    pub fn set_ratio(&mut self, ratio: Ratio) {
+    /// The gear with another ratio; the remainder passes on, rounded once to 2^-32 inc (contract section 1).
+    pub fn with_ratio(self, ratio: Ratio) -> Self {
         // The fraction of 2^-32 stands in the slave's position already: what is left rounds to no or one such unit. A
         // whole unit is a full denominator, which the next step gives out.
         let round_up = 2 * self.remainder >= i128::from(self.ratio.denominator);
-        self.remainder = if round_up { i128::from(ratio.denominator) } else { 0 };
-        self.ratio = ratio;
+        Self { ratio, remainder: if round_up { i128::from(ratio.denominator) } else { 0 } }
     }
 
     /// Advances by the master's change and returns the slave's.
@@ -172,7 +171,7 @@ mod tests {
         for (first, units) in [(1, 1_431_655_765 + 1_431_655_765), (2, 2_863_311_530 + 1 + 1_431_655_765)] {
             let mut gear = gear(first, 3);
             let mut slave = gear.step(Position::whole(1));
-            gear.set_ratio(Ratio::new(1, 3).unwrap());
+            gear = gear.with_ratio(Ratio::new(1, 3).unwrap());
             slave += gear.step(Position::whole(1));
             assert_eq!(slave.raw(), units);
         }

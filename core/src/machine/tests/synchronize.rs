@@ -72,6 +72,20 @@ fn left_out_ratio_is_syncfacts_to_syncfactm() {
     assert_eq!(rig.int("x.command.position"), 500);
 }
 
+/// 2/3 inc are 2863311530.67 units of 2^-32: the third of a unit that is left rounds up to a whole one.
+#[test]
+fn a_new_ratio_takes_the_remainder_along() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 2, 3)));
+    rig.plant.jump_encoder(0, 1);
+    rig.run(1);
+    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 3)));
+    rig.plant.jump_encoder(0, 1);
+    rig.run(1);
+    let raw = rig.machine.leads.command[usize::from(X)].position.raw();
+    assert_eq!(raw, 2_863_311_530 + 1 + 1_431_655_765);
+}
+
 #[test]
 fn a_chain_of_gears_adds_no_delay_whatever_the_order_of_the_file() {
     let mut rig = Rig::enabled();

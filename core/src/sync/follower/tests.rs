@@ -1,3 +1,4 @@
+use super::super::gear::Ratio;
 use super::*;
 use proptest::prelude::*;
 
@@ -7,7 +8,15 @@ const BOUNDS: Bounds =
 
 fn follower(numerator: i64, denominator: i64, mode: SyncMode) -> Follower {
     let ratio = Ratio::new(numerator, denominator).unwrap();
-    Follower::new(Leader::Encoder(0), ratio, mode, Disengage::Stop, Motion::default(), Position::ZERO, BOUNDS)
+    Follower::new(
+        Leader::Encoder(0),
+        Gear::new(ratio),
+        mode,
+        Disengage::Stop,
+        Motion::default(),
+        Position::ZERO,
+        BOUNDS,
+    )
 }
 
 fn lead(change: i64) -> Lead {
@@ -93,7 +102,8 @@ fn an_offset_is_worked_off_and_kept() {
     let ratio = Ratio::new(1, 1).unwrap();
     let offset = Position::whole(-777);
     let (mode, end) = (SyncMode::Position, Disengage::Stop);
-    let mut follower = Follower::new(Leader::Encoder(0), ratio, mode, end, Motion::default(), offset, BOUNDS);
+    let mut follower =
+        Follower::new(Leader::Encoder(0), Gear::new(ratio), mode, end, Motion::default(), offset, BOUNDS);
     let mut slave = Motion::default();
     for _ in 0..1000 {
         slave = follower.step(slave, lead(3), T);
@@ -115,7 +125,7 @@ proptest! {
         let start = Motion { velocity: start_velocity, ..Motion::default() };
         let (mode, end) = (SyncMode::Position, Disengage::Stop);
         let offset = Position::whole(offset);
-        let mut follower = Follower::new(Leader::Encoder(0), ratio, mode, end, start, offset, BOUNDS);
+        let mut follower = Follower::new(Leader::Encoder(0), Gear::new(ratio), mode, end, start, offset, BOUNDS);
         let mut slave = start;
         let mut uneven = numerator.abs() as f64 / 500.0 / T;
         for _ in 0..3000 {
