@@ -92,7 +92,7 @@ mod tests {
 
     /// Oracle O-01: gear 25:1, 500 counts, 5 mm per revolution in 1/10 mm gives 1000 qc per user unit.
     ///
-    /// Proves: MACS-UNIT-02
+    /// Proves: MACS-UNIT-02, MACS-O-01
     #[test]
     fn a_spindle() {
         let spindle = MacsFactors::of_mechanism(Fraction::from(25), 500, true, Fraction::from(50)).unwrap();
@@ -111,7 +111,7 @@ mod tests {
 
     /// Oracle O-03: 50375 : 1000 gives 50.375 qc per user unit and 403 qc for 8.
     ///
-    /// Proves: MACS-UNIT-02
+    /// Proves: MACS-UNIT-02, MACS-O-03
     #[test]
     fn a_fraction() {
         let factors = MacsFactors { posfact_z: 50375, posfact_n: 1000, ..MacsFactors::default() };
@@ -121,7 +121,7 @@ mod tests {
 
     /// Oracle O-04: FEEDREV 1, FEEDDIST 5000, Z:N 25:1, POSENCQC 2000, POSENCREV 1 gives 1230 qc for 123.
     ///
-    /// Proves: MACS-UNIT-01
+    /// Proves: MACS-UNIT-01, MACS-O-04
     #[test]
     fn all_six_factors() {
         let factors =
