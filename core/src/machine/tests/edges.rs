@@ -1,9 +1,9 @@
 //! Cases at the edge: two things in one cycle, limits met exactly, numbers that no machine has.
 
-use super::rig::{LINE, Rig, X, Y, at, config, to};
+use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
 use crate::axis::Modulo;
 use crate::code::Code;
-use crate::command::{Action, Direction, Disengage, Length, Move, SyncMode, Synchronize};
+use crate::command::{Action, Direction, Disengage, Length, Move, Synchronize};
 use crate::drive::{Edge, Latch};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader, Object};
@@ -11,20 +11,6 @@ use crate::parameter::{Change, Row, Value};
 
 fn x() -> AxisSet {
     AxisSet::one(X)
-}
-
-fn couple(axis: u16, leader: Leader) -> Synchronize {
-    Synchronize {
-        axis,
-        leader,
-        mode: SyncMode::Position,
-        disengage: Disengage::Stop,
-        numerator: 1,
-        denominator: 1,
-        offset: Length::default(),
-        velocity: 0.0,
-        acceleration: 0.0,
-    }
 }
 
 fn limited() -> Rig {
@@ -39,7 +25,7 @@ fn limited() -> Rig {
 fn a_follower_may_land_exactly_on_its_limit_or_one_before() {
     for end in [50_000, 49_999] {
         let mut rig = limited();
-        rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE))));
+        rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
         rig.give(Action::Move(to(LINE, end)));
         rig.run_until("line.state", 1);
         rig.run(100);
@@ -52,7 +38,7 @@ fn a_slow_encoder_leads_right_up_to_the_limit() {
     let mut rig = limited();
     rig.give(Action::Move(to(X, 49_990)));
     rig.run_until("x.state", 1);
-    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0))));
+    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 1)));
     for cycle in 0..1_000 {
         if cycle % 100 == 0 {
             rig.plant.jump_encoder(0, 1);
@@ -122,7 +108,7 @@ fn a_follower_keeps_its_own_deceleration_and_a_standing_encoder_gives_it_no_more
         config.axes[usize::from(X)].parameters.max_deceleration = Some(100_000.0);
         let mut rig = Rig::of(config);
         rig.enable();
-        rig.give(Action::Synchronize(Synchronize { offset: Length::whole(5_000), ..couple(X, leader) }));
+        rig.give(Action::Synchronize(Synchronize { offset: Length::whole(5_000), ..couple(X, leader, 1, 1) }));
         for _ in 0..1_000 {
             rig.run(1);
             assert!(rig.real("x.command.acceleration").abs() <= 100_001.0);
@@ -134,7 +120,7 @@ fn a_follower_keeps_its_own_deceleration_and_a_standing_encoder_gives_it_no_more
 #[test]
 fn a_follower_that_lost_a_fast_leader_catches_it_again() {
     let mut rig = Rig::enabled();
-    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0))));
+    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 1)));
     // Slowly up to 80 inc a cycle, above the default velocity of 50; then a slip of 3 inc.
     for cycle in 0..3_000_i64 {
         let slip = if cycle == 2_000 { 3 } else { 0 };
@@ -147,7 +133,7 @@ fn a_follower_that_lost_a_fast_leader_catches_it_again() {
 #[test]
 fn keeping_the_velocity_of_an_encoder_keeps_its_mean() {
     let mut rig = Rig::enabled();
-    let couple = Synchronize { disengage: Disengage::KeepVelocity, ..couple(X, Leader::Encoder(0)) };
+    let couple = Synchronize { disengage: Disengage::KeepVelocity, ..couple(X, Leader::Encoder(0), 1, 1) };
     let goal = rig.give(Action::Synchronize(couple));
     for cycle in 0..1_001 {
         rig.plant.jump_encoder(0, i64::from(cycle % 3 == 0));
@@ -162,7 +148,7 @@ fn keeping_the_velocity_of_an_encoder_keeps_its_mean() {
 #[test]
 fn a_leader_that_is_lost_stops_its_follower_without_a_stutter() {
     let mut rig = Rig::enabled();
-    rig.give(Action::Synchronize(couple(X, Leader::AxisActual(Y))));
+    rig.give(Action::Synchronize(couple(X, Leader::AxisActual(Y), 1, 1)));
     rig.give(Action::Move(at(Y, 50_000.0)));
     rig.run(500);
     rig.plant.drive(1).unwrap().lose();
@@ -179,10 +165,10 @@ fn a_leader_that_is_lost_stops_its_follower_without_a_stutter() {
 #[test]
 fn no_loop_is_left_when_one_of_two_couplings_of_a_cycle_is_refused() {
     let mut rig = Rig::enabled();
-    rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(Y))));
+    rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(Y), 1, 1)));
     let last = rig.give_all(vec![
-        Action::Synchronize(Synchronize { denominator: 0, ..couple(X, Leader::AxisCommand(LINE)) }),
-        Action::Synchronize(couple(Y, Leader::AxisCommand(X))),
+        Action::Synchronize(Synchronize { denominator: 0, ..couple(X, Leader::AxisCommand(LINE), 1, 1) }),
+        Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)),
     ]);
     assert!(rig.refusal(last - 1).contains("ratio 1 : 0"));
     assert_eq!(rig.refusal(last), "y: the axis would follow itself");

@@ -1,6 +1,6 @@
-use super::rig::{LINE, Rig, X, at, config, to};
+use super::rig::{LINE, Rig, X, at, config, couple, to};
 use crate::code::Code;
-use crate::command::{Action, Disengage, Length, Move, SyncMode, Synchronize};
+use crate::command::{Action, Move};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
 use proptest::prelude::*;
@@ -69,18 +69,7 @@ fn a_velocity_goal_stops_exactly_at_the_limit_and_only_the_way_back_is_open() {
 #[test]
 fn a_follower_stops_at_its_limit_while_its_leader_runs_on() {
     let mut rig = limited();
-    let couple = Synchronize {
-        axis: X,
-        leader: Leader::AxisCommand(LINE),
-        mode: SyncMode::Position,
-        disengage: Disengage::Stop,
-        numerator: 1,
-        denominator: 1,
-        offset: Length::default(),
-        velocity: 0.0,
-        acceleration: 0.0,
-    };
-    let goal = rig.give(Action::Synchronize(couple));
+    let goal = rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
     rig.give(Action::Move(at(LINE, 80_000.0)));
     rig.run_until("x.state", 7);
     rig.run(300);

@@ -1,11 +1,13 @@
 //! A small machine with a simulated plant, for the tests of the cycle.
 
-use crate::command::{Action, Command, Commands, Direction, Length, Move, MoveMode, Source};
+use crate::command::{
+    Action, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
+};
 use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
 use crate::drive::{Backend, Inputs, Outputs};
 use crate::event::{Event, Kind};
 use crate::machine::Machine;
-use crate::object::AxisSet;
+use crate::object::{AxisSet, Leader};
 use crate::parameter::AxisParameters;
 use crate::signal::Value;
 use crate::sim::{Model, Plant};
@@ -175,4 +177,18 @@ pub(super) fn to(axis: u16, position: i64) -> Move {
 
 pub(super) fn at(axis: u16, velocity: f64) -> Move {
     Move { mode: MoveMode::Velocity, velocity, ..to(axis, 0) }
+}
+
+pub(super) fn couple(axis: u16, leader: Leader, numerator: i64, denominator: i64) -> Synchronize {
+    Synchronize {
+        axis,
+        leader,
+        mode: SyncMode::Position,
+        disengage: Disengage::Stop,
+        numerator,
+        denominator,
+        offset: Length::default(),
+        velocity: 0.0,
+        acceleration: 0.0,
+    }
 }

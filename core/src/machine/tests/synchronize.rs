@@ -1,22 +1,8 @@
-use super::rig::{LINE, Rig, X, Y, at, to};
+use super::rig::{LINE, Rig, X, Y, at, couple, to};
 use crate::code::Code;
-use crate::command::{Action, Commands, Disengage, Length, Move, SyncMode, Synchronize};
+use crate::command::{Action, Commands, Disengage, Move, Synchronize};
 use crate::drive::{Backend, EncoderInput};
 use crate::object::{AxisSet, Leader};
-
-fn couple(axis: u16, leader: Leader, numerator: i64, denominator: i64) -> Synchronize {
-    Synchronize {
-        axis,
-        leader,
-        mode: SyncMode::Position,
-        disengage: Disengage::Stop,
-        numerator,
-        denominator,
-        offset: Length::default(),
-        velocity: 0.0,
-        acceleration: 0.0,
-    }
-}
 
 const TO_LINE: Leader = Leader::AxisCommand(LINE);
 
