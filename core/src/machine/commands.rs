@@ -5,7 +5,7 @@ use crate::code::Code;
 use crate::command::{Action, Command, Commands, Synchronize};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
-use crate::parameter::{Change, ROWS, Range, Refused, Row, Value};
+use crate::parameter::{AxisParameters, Change, ROWS, Range, Refused, Row, Value};
 
 impl Machine {
     /// Answers what is answered here and returns which commands the axes have to look at, as bits.
@@ -153,12 +153,16 @@ impl Machine {
         let inside = |end: i64| {
             candidate.min_position.is_none_or(|low| end >= low) && candidate.max_position.is_none_or(|high| end <= high)
         };
-        let (low, high) = axis.reach().unwrap_or_default();
-        let outside = [low, high].into_iter().find(|&place| axis.reach().is_some() && !inside(place));
-        outside.map_or(Ok(()), |place| {
-            let numbers = (number_of(change), Number::Position(place));
-            Err(refuse(Code::GOAL_BEYOND_NEW_LIMITS).with(numbers.0, numbers.1))
-        })
+        let limits = |p: &AxisParameters| (p.min_position, p.max_position);
+        // On its way back from outside, an axis takes any other change.
+        let reach = axis.reach().filter(|_| limits(candidate) != limits(&axis.parameters));
+        match reach.and_then(|(low, high)| [low, high].into_iter().find(|&place| !inside(place))) {
+            Some(place) => {
+                let numbers = (number_of(change), Number::Position(place));
+                Err(refuse(Code::GOAL_BEYOND_NEW_LIMITS).with(numbers.0, numbers.1))
+            }
+            None => Ok(()),
+        }
     }
 }
 

@@ -3,6 +3,7 @@ use crate::code::Code;
 use crate::command::{Action, Move};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
+use crate::parameter::{Change, Row, Value};
 use proptest::prelude::*;
 
 fn limited() -> Rig {
@@ -103,6 +104,9 @@ fn an_axis_outside_its_limits_may_only_come_back() {
     assert!(rig.refusal(out).contains("further into the limit"));
     let back = rig.give(Action::Move(to(X, 10_000)));
     assert!(rig.was_accepted(back));
+    let (row, _) = Row::find("error_reaction").unwrap();
+    let other = rig.give(Action::SetParameters(Box::new([Change { axis: X, row, value: Value::Int(3) }])));
+    assert!(rig.was_accepted(other), "what does not touch the limits is not judged by them");
     rig.run_until("x.state", 1);
     assert_eq!(rig.int("x.command.position"), 10_000);
 }
