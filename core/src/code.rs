@@ -2,8 +2,10 @@
 //!
 //! Ranges (contract section 2): 0 none, MACS numbers as they are, 10000 + own, 0x10000 + drive (object 603Fh).
 
+use serde::{Deserialize, Serialize};
+
 /// Why something was refused, ended or failed. The numbers are part of the interface and never change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Code(pub u32);
 
 macro_rules! codes {
@@ -115,9 +117,18 @@ codes! {
     EVENTS_LOST = 10214;
     /// More latches in one cycle than the inputs have room for.
     LATCHES_LOST = 10215;
+    /// Cycles are missing in the recording: the disk did not keep up.
+    RECORD_LOST = 10216;
+    /// The recording stopped: the system refused to write it.
+    RECORD_FAILED = 10217;
+    /// The flight recorder could not save its bag.
+    FLIGHT_FAILED = 10218;
 }
 
 impl Code {
+    /// What the recorder has to say: cycles that are missing, the number of the system's error (0 where it is not known).
+    pub const NOTES: [Code; 3] = [Code::RECORD_LOST, Code::RECORD_FAILED, Code::FLIGHT_FAILED];
+
     /// First code of drive faults: 0x10000 + object 603Fh.
     pub const DRIVE_FAULT: u32 = 0x1_0000;
 

@@ -1,11 +1,14 @@
 //! Commands: whatever changes the machine between cycles.
 //!
 //! A command is applied at a cycle boundary and answered once by an event: `accepted`, or `refused` with a code and the
-//! values that the sentence needs (contract section 1). It carries increments; units end at the border.
+//! values that the sentence needs (contract section 1); a note is answered by its `warning`. It carries increments; units end
+//! at the border.
 
+use crate::code::Code;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::Change;
 use crate::position::Position;
+use serde::{Deserialize, Serialize};
 
 /// Who gave a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +21,18 @@ pub enum Source {
     Cli,
     /// The machine itself.
     Machine,
+}
+
+impl Source {
+    /// The name in the interface (`lineshaft_msgs/AppliedCommand.source`).
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ros => "ros",
+            Self::Scenario => "scenario",
+            Self::Cli => "cli",
+            Self::Machine => "machine",
+        }
+    }
 }
 
 /// One command with its place in the order of all commands.
@@ -62,12 +77,21 @@ pub enum Action {
         /// New value; a whole number for integer cells.
         value: f64,
     },
-    /// A request that never became a command: it is answered with the event `refused` of code BAD_REQUEST, so that every
-    /// refusal stands in the event stream.
-    Refuse,
+    /// A request that never became a command, with the sentence that refused it: it is answered with the event `refused` of
+    /// code BAD_REQUEST, so that every refusal stands in the event stream.
+    Refuse(Box<str>),
+    /// A notice from the recorder, which becomes an event `warning` of the machine. That event is its answer: it is neither
+    /// accepted nor, unless a cycle has more than [`MAX_COMMANDS`](crate::machine::MAX_COMMANDS), refused.
+    Note {
+        /// One of [`Code::NOTES`].
+        code: Code,
+        /// What the code counts or names.
+        number: i64,
+    },
 }
 
-/// A length at the border: nearest whole increments and what the rounding left.
+/// A length at the border: nearest whole increments and what the rounding left, so that `rest` is half an increment only
+/// towards 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Length {
     /// Nearest whole increments, half away from zero.
@@ -137,7 +161,7 @@ pub struct Move {
 }
 
 /// How a follower relates to its leader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SyncMode {
     /// SYNCV: equal velocity times the ratio.
     Velocity,
@@ -146,7 +170,7 @@ pub enum SyncMode {
 }
 
 /// What a follower does when it is uncoupled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Disengage {
     /// Stops.
     #[default]

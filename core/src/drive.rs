@@ -1,6 +1,7 @@
 //! The backend contract: what enters and leaves a cycle, and who exchanges it (contract section 8).
 
 use crate::object::Object;
+use serde::{Deserialize, Serialize};
 
 /// Most latches of one cycle; what comes beyond is counted in [`Inputs::latches_lost`].
 pub const MAX_LATCHES: usize = 16;
@@ -106,7 +107,7 @@ impl Inputs {
 }
 
 /// What a drive is asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DriveOutput {
     /// Raw position counts (607Ah).
     pub position: i64,
@@ -186,7 +187,7 @@ pub trait Backend {
 }
 
 /// State of a drive (CiA 402), numbered as in the interface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DriveState {
     /// Not ready to switch on.
     #[default]

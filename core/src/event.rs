@@ -193,10 +193,11 @@ impl EventQueue {
         Self { events: Vec::with_capacity(capacity.max(2)), next: 0, cycle: 0, lost: 0 }
     }
 
-    /// Empties the queue for cycle `cycle`.
-    pub fn begin(&mut self, cycle: u64) {
+    /// Empties the queue for cycle `cycle`, whose first event gets number `next`.
+    pub fn begin(&mut self, cycle: u64, next: u64) {
         self.events.clear();
         self.cycle = cycle;
+        self.next = next;
         self.lost = 0;
     }
 
@@ -219,6 +220,11 @@ impl EventQueue {
         }
     }
 
+    /// The number of the next event.
+    pub fn next(&self) -> u64 {
+        self.next
+    }
+
     /// The events of this cycle.
     pub fn as_slice(&self) -> &[Event] {
         &self.events
@@ -232,7 +238,7 @@ mod tests {
     #[test]
     fn a_full_queue_tells_how_many_events_it_lost_and_takes_no_memory() {
         let mut queue = EventQueue::new(4);
-        queue.begin(7);
+        queue.begin(7, 0);
         let room = queue.events.capacity();
         for _ in 0..room + 4 {
             queue.push(Event::new(Severity::Info, Kind::State, Object::Machine, Code::NONE));

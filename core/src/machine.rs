@@ -9,6 +9,7 @@
 mod commands;
 mod order;
 mod signals;
+mod state;
 
 use crate::axis::{Axis, Context};
 use crate::code::Code;
@@ -22,6 +23,7 @@ use crate::parameter::AxisParameters;
 use crate::signal::{Board, Directory};
 use crate::sync::Leads;
 use signals::Signals;
+pub use state::{State, StateError};
 
 /// Most commands of one cycle; who gives more is refused, and may try again.
 pub const MAX_COMMANDS: usize = 64;
@@ -32,15 +34,8 @@ pub struct Machine {
     config: MachineConfig,
     directory: Directory,
     signals: Signals,
-    board: Board,
-    axes: Vec<Axis>,
-    encoders: Vec<Encoder>,
-    /// Axes, a leader before its followers.
-    order: Vec<u16>,
-    leads: Leads,
+    state: State,
     events: EventQueue,
-    cycle: u64,
-    overruns: u64,
     /// Room for the parameters of axes while a set of changes is checked.
     candidates: Vec<AxisParameters>,
     /// Room for who will follow whom once the commands of this cycle have applied.
@@ -72,18 +67,21 @@ impl Machine {
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
         Ok(Self {
-            board,
-            order: (0..axes.len() as u16).collect(),
-            leads,
             // Each command may be answered, and ended by each axis; each axis may tell of more than that.
             events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + 16 * axes.len()),
-            cycle: 0,
-            overruns: 0,
             candidates: axes.iter().map(|axis| axis.parameters).collect(),
             couplings: vec![None; axes.len()],
             couples: false,
-            axes,
-            encoders,
+            state: State {
+                board,
+                order: (0..axes.len() as u16).collect(),
+                leads,
+                cycle: 0,
+                overruns: 0,
+                next_event: 0,
+                axes,
+                encoders,
+            },
             signals,
             directory,
             config,
@@ -98,7 +96,7 @@ impl Machine {
             missed: 0,
             digital: vec![0; words(IoKind::DigitalInput)],
             analog: vec![0.0; self.config.count_io(IoKind::AnalogInput)],
-            encoder: vec![EncoderInput::default(); self.encoders.len()],
+            encoder: vec![EncoderInput::default(); self.state.encoders.len()],
             drive: vec![Default::default(); self.config.count_drives()],
             latch: Vec::with_capacity(MAX_LATCHES),
             latches_lost: 0,
@@ -116,12 +114,12 @@ impl Machine {
 
     /// One cycle. Allocates nothing, locks nothing, waits for nothing, cannot fail.
     pub fn cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
-        self.events.begin(self.cycle);
+        self.events.begin(self.state.cycle, self.state.next_event);
         self.count_overruns(inputs);
         let admitted = self.admit(commands);
         self.read_inputs(inputs);
         let mut answered = 0;
-        for place in 0..self.order.len() {
+        for place in 0..self.state.order.len() {
             self.step_axis(place, inputs, commands, admitted, &mut answered);
         }
         self.answer_the_rest(commands, admitted & !answered);
@@ -130,18 +128,19 @@ impl Machine {
             self.note_couplings();
             self.sort_axes();
         }
-        for axis in &self.axes {
+        for axis in &self.state.axes {
             if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
                 *output = axis.output();
             }
         }
-        self.signals.publish_machine(&mut self.board, &self.axes, self.overruns);
-        self.cycle = self.cycle.wrapping_add(1);
+        self.signals.publish_machine(&mut self.state.board, &self.state.axes, self.state.overruns);
+        self.state.cycle = self.state.cycle.wrapping_add(1);
+        self.state.next_event = self.events.next();
     }
 
     fn count_overruns(&mut self, inputs: &Inputs) {
         if inputs.missed > 0 {
-            self.overruns = self.overruns.saturating_add(u64::from(inputs.missed));
+            self.state.overruns = self.state.overruns.saturating_add(u64::from(inputs.missed));
             let event = Event::new(Severity::Warn, Kind::Overrun, Object::Machine, Code::OVERRUN);
             self.events.push(event.with(Number::Count(i64::from(inputs.missed)), Number::None));
         }
@@ -149,18 +148,18 @@ impl Machine {
 
     fn read_inputs(&mut self, inputs: &Inputs) {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
-        self.signals.publish_io(&mut self.board, inputs);
-        for (index, encoder) in self.encoders.iter_mut().enumerate() {
+        self.signals.publish_io(&mut self.state.board, inputs);
+        for (index, encoder) in self.state.encoders.iter_mut().enumerate() {
             let input = inputs.encoder.get(index).copied().unwrap_or_default();
             let lead = encoder.step(input.count, input.epoch, input.valid, cycle_s);
-            self.signals.publish_encoder(&mut self.board, index, input, lead);
-            let was_valid = std::mem::replace(&mut self.leads.encoder[index], lead).valid;
+            self.signals.publish_encoder(&mut self.state.board, index, input, lead);
+            let was_valid = std::mem::replace(&mut self.state.leads.encoder[index], lead).valid;
             if was_valid && !lead.valid {
                 let object = Object::Encoder(index as u16);
                 self.events.push(Event::new(Severity::Error, Kind::Error, object, Code::ENCODER_INVALID));
             }
         }
-        for (axis, actual) in self.axes.iter_mut().zip(&mut self.leads.actual) {
+        for (axis, actual) in self.state.axes.iter_mut().zip(&mut self.state.leads.actual) {
             axis.sense(axis.drive().and_then(|drive| inputs.drive.get(drive)));
             *actual = axis.actual();
         }
@@ -168,20 +167,20 @@ impl Machine {
     }
 
     fn step_axis(&mut self, place: usize, inputs: &Inputs, commands: Commands<'_>, admitted: u64, answered: &mut u64) {
-        let index = usize::from(self.order[place]);
-        let axis = &mut self.axes[index];
+        let index = usize::from(self.state.order[place]);
+        let axis = &mut self.state.axes[index];
         let mut cx = Context {
-            cycle: self.cycle,
+            cycle: self.state.cycle,
             input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
-            leads: &self.leads,
+            leads: &self.state.leads,
             stream: commands.stream,
             events: &mut self.events,
         };
         let live = commands.iter().take(MAX_COMMANDS).enumerate().filter(|(place, _)| admitted >> place & 1 == 1);
         axis.step(&mut cx, live, answered);
-        axis.publish(&mut self.board, &self.leads);
-        let (motion, before) = (axis.command(), self.leads.command[index].position);
-        self.leads.command[index] = Lead {
+        axis.publish(&mut self.state.board, &self.state.leads);
+        let (motion, before) = (axis.command(), self.state.leads.command[index].position);
+        self.state.leads.command[index] = Lead {
             position: motion.position,
             change: motion.position - before,
             velocity: motion.velocity,
@@ -189,13 +188,13 @@ impl Machine {
             valid: true,
         };
         if axis.drive().is_none() {
-            self.leads.actual[index] = axis.actual();
+            self.state.leads.actual[index] = axis.actual();
         }
     }
 
     /// The cycle that comes next: how many have run.
     pub fn next_cycle(&self) -> u64 {
-        self.cycle
+        self.state.cycle
     }
 
     /// What it is made of.
@@ -210,7 +209,7 @@ impl Machine {
 
     /// The signals as the last cycle left them.
     pub fn board(&self) -> &Board {
-        &self.board
+        &self.state.board
     }
 
     /// The events of the last cycle.
@@ -220,7 +219,7 @@ impl Machine {
 
     /// Parameters in force.
     pub fn parameters(&self, axis: u16) -> Option<&AxisParameters> {
-        self.axes.get(usize::from(axis)).map(|axis| &axis.parameters)
+        self.state.axes.get(usize::from(axis)).map(|axis| &axis.parameters)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Which thing of a cell is meant: handles that stay the same as long as the cell does.
 
+use serde::{Deserialize, Serialize};
+
 /// Largest number of axes of one machine.
 pub const MAX_AXES: usize = 512;
 
@@ -19,7 +21,7 @@ pub enum Object {
 }
 
 /// What an axis can follow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Leader {
     /// The command position of an axis (`line`, `line.command`).
     AxisCommand(u16),

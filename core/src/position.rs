@@ -3,6 +3,7 @@
 //! Law      value = whole + fraction / 2^32, 0 <= fraction < 2^32, |value| < 2^62 (contract section 1)
 //! Refuses  nothing: arithmetic is exact within the range above; beyond it saturates and never wraps
 
+use serde::{Deserialize, Serialize};
 use std::ops::{Add, AddAssign, Neg, Sub};
 
 /// Bits of the fraction.
@@ -14,7 +15,7 @@ const ONE: f64 = (1_u64 << FRACTION_BITS) as f64;
 ///
 /// Whole values are what encoders count and what drives are given; the fraction exists where a position is generated or
 /// latched.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Position(i128);
 
 impl Position {

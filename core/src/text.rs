@@ -167,9 +167,34 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::RESET_FAILED => fixed("the drive did not leave its fault within 5 s"),
         Code::EVENTS_LOST => format!("{} events of this cycle had no room", plain(event.asked)),
         Code::LATCHES_LOST => format!("{} latches of this cycle had no room", plain(event.asked)),
+        Code::RECORD_LOST => {
+            let missing = match event.asked {
+                Number::Count(1) => "1 cycle is missing".to_owned(),
+                count => format!("{} cycles are missing", plain(count)),
+            };
+            format!("recording: {missing}, the recorder or the disk did not keep up; no replay goes beyond them")
+        }
+        Code::RECORD_FAILED => format!("recording stopped: {}", system_error(event.asked)),
+        Code::FLIGHT_FAILED => format!("the flight recorder saved no bag: {}", system_error(event.asked)),
         Code(number) if number >= Code::DRIVE_FAULT => format!("drive fault {:04X}h", number - Code::DRIVE_FAULT),
         Code(number) => format!("code {number}"),
     }
+}
+
+/// An error of the system by its number (errno of Linux).
+fn system_error(number: Number) -> String {
+    let name = match number {
+        Number::Count(0) | Number::None => return "the system does not say why".to_owned(),
+        Number::Count(2) => "no such file or folder",
+        Number::Count(5) => "input/output error",
+        Number::Count(13) => "permission denied",
+        Number::Count(27) => "the file is too large",
+        Number::Count(28) => "no space left on device",
+        Number::Count(30) => "the file system is read-only",
+        Number::Count(122) => "disk quota exceeded",
+        _ => return format!("system error {}", plain(number)),
+    };
+    format!("{name} (system error {})", plain(number))
 }
 
 /// What a number measures.
@@ -237,6 +262,31 @@ mod tests {
             assert!(!sentence.contains("code "), "{name}: {sentence}");
             assert!(seen.insert(sentence.clone()), "{name} says the same as another: {sentence}");
         }
+    }
+
+    #[test]
+    fn what_the_recorder_notes_is_told_with_its_number() {
+        let text = |code, number| {
+            let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, code);
+            sentence(&event.with(Number::Count(number), Number::None), &MachineConfig::default())
+        };
+        let missing = "missing, the recorder or the disk did not keep up; no replay goes beyond them";
+        assert_eq!(text(Code::RECORD_LOST, 12), format!("machine: recording: 12 cycles are {missing}"));
+        assert_eq!(text(Code::RECORD_LOST, 1), format!("machine: recording: 1 cycle is {missing}"));
+        for (number, reason) in [
+            (28, "no space left on device (system error 28)"),
+            (5, "input/output error (system error 5)"),
+            (30, "the file system is read-only (system error 30)"),
+            (122, "disk quota exceeded (system error 122)"),
+            (27, "the file is too large (system error 27)"),
+            (13, "permission denied (system error 13)"),
+            (71, "system error 71"),
+            (0, "the system does not say why"),
+        ] {
+            assert_eq!(text(Code::RECORD_FAILED, number), format!("machine: recording stopped: {reason}"));
+        }
+        let sentence = "machine: the flight recorder saved no bag: no such file or folder (system error 2)";
+        assert_eq!(text(Code::FLIGHT_FAILED, 2), sentence);
     }
 
     #[test]

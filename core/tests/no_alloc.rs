@@ -101,6 +101,7 @@ fn no_cycle_takes_or_gives_back_memory() {
     let mut plant = Plant::new(&config, &[Some(Model::Ideal); AXES as usize - 1]);
     let mut machine = Machine::new(config).unwrap();
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut kept = machine.state().clone();
     let mut numbers = Numbers(7);
     let mut stream = Setpoints { generation: 0, velocity: vec![None; usize::from(AXES)] };
     let (mut sequence, mut count, mut events) = (0, 0_i64, 0);
@@ -133,6 +134,7 @@ fn no_cycle_takes_or_gives_back_memory() {
             let commands = Commands { stop: &[], queue: &commands, stream: Some(&stream) };
             machine.cycle(&inputs, commands, &mut outputs);
             plant.write(&outputs);
+            kept.clone_from(machine.state());
         });
         assert_eq!(violation_count(), 0, "in cycle {cycle}");
         events += machine.events().len();

@@ -9,12 +9,13 @@ use crate::position::Position;
 use crate::profile::{self, Limits, Plan};
 use crate::sync::follower::{Bounds, Follower};
 use crate::sync::gear::{Gear, Ratio};
+use serde::{Deserialize, Serialize};
 
 /// Least velocity, acceleration and deceleration of a goal, in increments: with less, a move would outlast its machine.
 const LEAST_RATE: f64 = 1e-6;
 
 /// The goal that the axis works on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Goal {
     /// Number of the command that started it.
     pub sequence: u64,

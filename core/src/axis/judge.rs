@@ -1,17 +1,24 @@
 //! Judging a cycle: following error, arrival, and what an error does to the axis.
 
 use super::power::Power;
-use super::{Axis, AxisState, Context, Generator};
+use super::{Axis, AxisState, Context, Generator, MAX_DELAY};
 use crate::code::Code;
 use crate::event::Number;
 use crate::position::Position;
 use crate::profile::Motion;
+use serde::{Deserialize, Serialize};
+
+/// Longest ring of command positions.
+const PAST: usize = MAX_DELAY as usize + 1;
 
 /// What an axis remembers to judge itself.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Judge {
-    /// Command positions of the last cycles, one per cycle of the drive's delay and one more.
-    past: Vec<i64>,
+    /// Command positions of the last cycles, in a ring.
+    #[serde(with = "past")]
+    past: [i64; PAST],
+    /// Length of the ring: one per cycle of the drive's delay and one more.
+    length: usize,
     place: usize,
     /// Command that the actual position of this cycle answers, minus that actual position (inc).
     pub following_error: i64,
@@ -28,7 +35,8 @@ pub(super) struct Judge {
 impl Judge {
     pub(super) fn new(delay: u32) -> Self {
         Self {
-            past: vec![0; delay as usize + 1],
+            past: [0; PAST],
+            length: delay as usize + 1,
             place: 0,
             following_error: 0,
             exceeded_since: None,
@@ -37,6 +45,11 @@ impl Judge {
             after_stop: -1,
             rested_at: None,
         }
+    }
+
+    /// Is its ring as long as another one's?
+    pub(super) fn has_ring_of(&self, other: &Self) -> bool {
+        self.length == other.length
     }
 
     /// Forgets the past: the axis has been standing at `position`.
@@ -53,7 +66,7 @@ impl Judge {
 
     /// Keeps the command of this cycle and gives the one that the actual position answers.
     fn exchange(&mut self, command: i64) -> i64 {
-        self.place = if self.place + 1 < self.past.len() { self.place + 1 } else { 0 };
+        self.place = if self.place + 1 < self.length { self.place + 1 } else { 0 };
         self.past.get_mut(self.place).map_or(command, |past| std::mem::replace(past, command))
     }
 }
@@ -89,7 +102,7 @@ impl Axis {
             return;
         }
         let since = *self.judge.exceeded_since.get_or_insert(cx.cycle);
-        let time = (cx.cycle - since).saturating_mul(self.setup.cycle_ns);
+        let time = cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
         let tolerated = self.parameters.following_error_time.unsigned_abs();
         if (tolerated == 0 || time > tolerated) && self.error.is_none() {
             let allowed = Number::Position(self.parameters.max_following_error);
@@ -128,7 +141,7 @@ impl Axis {
         }
         let since = *self.judge.inside_since.get_or_insert(cx.cycle);
         let time = self.parameters.in_position_time.unsigned_abs();
-        window == 0 || time == 0 || (cx.cycle - since).saturating_mul(self.setup.cycle_ns) > time
+        window == 0 || time == 0 || cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > time
     }
 
     /// The error reaction (ERRCOND, MACS-ERR-02) to an error that leaves the drive in operation.
@@ -176,5 +189,21 @@ impl Axis {
             4 if has_drive && self.power == Power::On => self.power = Power::DriveStops,
             _ => {}
         }
+    }
+}
+
+/// A ring of any length as a list: the derived form ends at 32.
+mod past {
+    use super::PAST;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(past: &[i64; PAST], serializer: S) -> Result<S::Ok, S::Error> {
+        past.as_slice().serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[i64; PAST], D::Error> {
+        let past = Vec::deserialize(deserializer)?;
+        <[i64; PAST]>::try_from(past).map_err(|past| D::Error::invalid_length(past.len(), &"a whole ring"))
     }
 }

@@ -33,13 +33,14 @@ use goal::Goal;
 use judge::Judge;
 use motion::Generator;
 use power::Power;
+use serde::{Deserialize, Serialize};
 use stops::Waiting;
 
 /// Longest delay of a drive in cycles.
 pub const MAX_DELAY: u32 = 32;
 
 /// What is fixed about an axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AxisSetup {
     /// Place among the axes.
     pub index: u16,
@@ -66,7 +67,7 @@ pub struct Context<'a> {
 }
 
 /// One axis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Axis {
     setup: AxisSetup,
     /// First of its signals.
@@ -182,6 +183,19 @@ impl Axis {
         if let Err(refusal) = result {
             cx.events.push(Event { position: self.command.position, ..refusal.event(sequence) });
         }
+    }
+
+    /// Could its state have come about? One that was read from outside may hold anything.
+    pub fn is_sound(&self) -> bool {
+        self.generator.is_sound() && self.parameters.is_sound()
+    }
+
+    /// Is it the same axis of the same machine, whatever it is doing?
+    pub fn is_set_up_as(&self, other: &Self) -> bool {
+        self.setup == other.setup
+            && self.signals == other.signals
+            && self.judge.has_ring_of(&other.judge)
+            && self.counter.has_width_of(&other.counter)
     }
 
     /// The axis as an object.

@@ -2,9 +2,10 @@
 
 use crate::command::Direction;
 use crate::position::Position;
+use serde::{Deserialize, Serialize};
 
 /// Length of a turn (inc) as a fraction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Modulo {
     numerator: i64,
     denominator: i64,

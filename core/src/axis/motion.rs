@@ -8,6 +8,7 @@ use crate::position::Position;
 use crate::profile::{self, Limits, Motion, Plan};
 use crate::sync::follower::{Follower, Phase};
 use crate::sync::gear::Gear;
+use serde::{Deserialize, Serialize};
 
 /// Cycles after which a constant velocity starts from its own place again: f64 stays exact enough for ever.
 const REBASE_CYCLES: u64 = 1 << 20;
@@ -15,7 +16,7 @@ const REBASE_CYCLES: u64 = 1 << 20;
 const ROUNDING: f64 = 1e-6;
 
 /// What generates the command position.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 pub(super) enum Generator {
     /// Nothing: the position holds.
@@ -32,6 +33,14 @@ pub(super) enum Generator {
 }
 
 impl Generator {
+    pub(super) fn is_sound(&self) -> bool {
+        match self {
+            Generator::Rest => true,
+            Generator::Plan { plan, .. } => plan.is_sound(),
+            Generator::Follow(follower) => follower.is_sound(),
+        }
+    }
+
     pub(super) fn plan(plan: Plan, start: u64, deceleration: f64) -> Self {
         Generator::Plan { plan, start, deceleration }
     }

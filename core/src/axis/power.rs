@@ -5,6 +5,7 @@ use crate::code::Code;
 use crate::drive::{DriveInput, DriveOutput, DriveState, MODE_CSP, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
+use serde::{Deserialize, Serialize};
 
 /// How long a drive may take to switch on, and to leave its fault (ns).
 const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
@@ -12,7 +13,7 @@ const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
 const MAX_STALE_CYCLES: u32 = 10;
 
 /// What the axis wants of its drive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Power {
     /// No voltage.
     Off,
@@ -141,7 +142,7 @@ impl Axis {
             Power::DriveStops => control::QUICK_STOP,
             Power::On | Power::SwitchingOff => control::ENABLE,
             // The reset needs a rising edge: every other cycle without the bit.
-            Power::Resetting { since } if (cx.cycle - since) % 2 == 1 => control::FAULT_RESET,
+            Power::Resetting { since } if cx.cycle.saturating_sub(since) % 2 == 1 => control::FAULT_RESET,
             Power::Resetting { .. } => control::DISABLE_VOLTAGE,
             Power::SwitchingOn { .. } => match self.drive_state {
                 DriveState::SwitchOnDisabled => control::SHUTDOWN,

@@ -1,7 +1,9 @@
 //! The states of an axis, numbered as in the interface.
 
+use serde::{Deserialize, Serialize};
+
 /// State of an axis (PLCopen motion control, state diagram).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AxisState {
     /// Switched off.
     #[default]
@@ -47,7 +49,7 @@ pub const DRIVE_STATES: &[&str] = &[
 ];
 
 /// Which reference commands an axis: 0 to 7 as AMC-SEL, then our own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reference {
     /// Nothing, or a halt.
     #[default]

@@ -10,9 +10,10 @@ use crate::event::{Event, EventQueue, Kind, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
 use crate::profile;
+use serde::{Deserialize, Serialize};
 
 /// What a waiting command waits for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Until {
     /// The axis can be moved.
     Enabled,
@@ -28,7 +29,7 @@ pub(super) enum Until {
 const MAX_WAITING: usize = 8;
 
 /// Commands that wait for the end of what they asked for.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Waiting([Option<(u64, Until)>; MAX_WAITING]);
 
 impl Waiting {

@@ -7,9 +7,10 @@
 //! Source   MACS-ENC-07; a new epoch is no motion (contract section 8)
 
 use crate::position::Position;
+use serde::{Deserialize, Serialize};
 
 /// Unwraps the counts of one source.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Counter {
     bits: u32,
     last: Option<(i64, u32)>,
@@ -20,6 +21,11 @@ impl Counter {
     /// A source of counts of 1 to 64 bits.
     pub fn new(bits: u32) -> Self {
         Self { bits: bits.clamp(1, 64), last: None, position: 0 }
+    }
+
+    /// Does it unwrap counts of the same width?
+    pub fn has_width_of(&self, other: &Self) -> bool {
+        self.bits == other.bits
     }
 
     /// Takes the counts of this cycle and returns their change (inc); the first counts are the position itself.
@@ -58,7 +64,7 @@ impl Counter {
 }
 
 /// What an axis can follow, as it stands in this cycle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lead {
     /// (inc)
     pub position: Position,
@@ -73,7 +79,7 @@ pub struct Lead {
 }
 
 /// An encoder that leads.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Encoder {
     counter: Counter,
     lead: Lead,
@@ -83,6 +89,11 @@ impl Encoder {
     /// An encoder of `bits` width.
     pub fn new(bits: u32) -> Self {
         Self { counter: Counter::new(bits), lead: Lead { counted: true, ..Lead::default() } }
+    }
+
+    /// Does it unwrap counts of the same width?
+    pub fn has_width_of(&self, other: &Self) -> bool {
+        self.counter.has_width_of(&other.counter)
     }
 
     /// One cycle.

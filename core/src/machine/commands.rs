@@ -34,7 +34,7 @@ impl Machine {
     }
 
     pub(super) fn note_couplings(&mut self) {
-        for (coupling, axis) in self.couplings.iter_mut().zip(&self.axes) {
+        for (coupling, axis) in self.couplings.iter_mut().zip(&self.state.axes) {
             *coupling = axis.leader();
         }
     }
@@ -47,10 +47,10 @@ impl Machine {
             | Action::Halt(axes)
             | Action::QuickStop(axes)
             | Action::ResetErrors(axes) => {
-                if axes.iter().any(|axis| usize::from(axis) >= self.axes.len()) {
+                if axes.iter().any(|axis| usize::from(axis) >= self.state.axes.len()) {
                     return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
                 }
-                self.axes.iter().try_for_each(|axis| axis.admits(&command.action))?;
+                self.state.axes.iter().try_for_each(|axis| axis.admits(&command.action))?;
                 self.accept(command, Object::Machine);
                 Ok(true)
             }
@@ -62,13 +62,19 @@ impl Machine {
             }
             Action::SetMemory { index, value } => {
                 let object = Object::Memory(*index);
-                if !value.is_finite() || !self.signals.set_memory(&mut self.board, *index, *value) {
+                if !value.is_finite() || !self.signals.set_memory(&mut self.state.board, *index, *value) {
                     return Err(Refusal::new(Code::BAD_NUMBER, object).with(Number::Real(*value), Number::None));
                 }
                 self.accept(command, object);
                 Ok(false)
             }
-            Action::Refuse => Err(Refusal::new(Code::BAD_REQUEST, Object::Machine)),
+            Action::Refuse(_) => Err(Refusal::new(Code::BAD_REQUEST, Object::Machine)),
+            Action::Note { code, number } => {
+                let severity = if *code == Code::RECORD_LOST { Severity::Warn } else { Severity::Error };
+                let event = Event::new(severity, Kind::Warning, Object::Machine, *code).of_command(command.sequence);
+                self.events.push(event.with(Number::Count(*number), Number::None));
+                Ok(false)
+            }
         }
     }
 
@@ -108,7 +114,7 @@ impl Machine {
     /// Sets all of them, or none.
     fn set_parameters(&mut self, command: &Command, changes: &[Change]) -> Result<(), Refusal> {
         for change in changes {
-            let axis = self.axes.get(usize::from(change.axis));
+            let axis = self.state.axes.get(usize::from(change.axis));
             let axis = axis.ok_or(Refusal::new(Code::BAD_REQUEST, Object::Machine))?;
             self.candidates[usize::from(change.axis)] = axis.parameters;
         }
@@ -121,7 +127,7 @@ impl Machine {
         changes.iter().try_for_each(|change| self.check_candidate(change))?;
         for change in changes {
             let index = usize::from(change.axis);
-            self.axes[index].parameters = self.candidates[index];
+            self.state.axes[index].parameters = self.candidates[index];
         }
         self.accept(command, changes.first().map_or(Object::Machine, Change::object));
         for change in changes {
@@ -135,7 +141,7 @@ impl Machine {
     /// The whole set of an axis must agree, with itself and with what the axis is doing.
     fn check_candidate(&self, change: &Change) -> Result<(), Refusal> {
         let index = usize::from(change.axis);
-        let (axis, candidate) = (&self.axes[index], &self.candidates[index]);
+        let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
         let refuse = |code| Refusal { parameter: Some(change.row), ..Refusal::new(code, change.object()) };
         if let Err((low, high)) = candidate.check() {
             let key = ROWS.get(usize::from(change.row)).map_or("", |row| row.key);

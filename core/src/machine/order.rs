@@ -14,7 +14,7 @@ impl Machine {
             for axis in before.iter() {
                 let index = usize::from(axis);
                 let asked = self.couplings.get(index).copied().flatten();
-                let present = self.axes.get(index).and_then(|axis| axis.leader());
+                let present = self.state.axes.get(index).and_then(|axis| axis.leader());
                 for leader in [asked, present].into_iter().flatten() {
                     if let Leader::AxisCommand(next) = leader {
                         reached.insert(next);
@@ -31,7 +31,7 @@ impl Machine {
     pub(super) fn sort_axes(&mut self) {
         let mut placed = AxisSet::EMPTY;
         let mut count = 0;
-        for index in 0..self.axes.len() as u16 {
+        for index in 0..self.state.axes.len() as u16 {
             // From the axis up to the first leader that stands already: that many places, filled from the back.
             let chain = |axis: u16| match self.couplings.get(usize::from(axis)).copied().flatten() {
                 Some(Leader::AxisCommand(leader)) => Some(leader),
@@ -39,13 +39,13 @@ impl Machine {
             };
             let mut length = 0;
             let mut next = Some(index);
-            while let Some(axis) = next.filter(|&axis| !placed.contains(axis) && length < self.axes.len()) {
+            while let Some(axis) = next.filter(|&axis| !placed.contains(axis) && length < self.state.axes.len()) {
                 length += 1;
                 next = chain(axis);
             }
             let mut next = Some(index);
             for place in (count..count + length).rev() {
-                if let (Some(axis), Some(slot)) = (next, self.order.get_mut(place)) {
+                if let (Some(axis), Some(slot)) = (next, self.state.order.get_mut(place)) {
                     *slot = axis;
                     placed.insert(axis);
                     next = chain(axis);

@@ -138,8 +138,8 @@ impl Machine {
         }
         for latch in &inputs.latch {
             let lead = match latch.object {
-                Object::Encoder(index) => self.leads.encoder.get(usize::from(index)).copied(),
-                Object::Axis(index) => self.leads.actual.get(usize::from(index)).copied(),
+                Object::Encoder(index) => self.state.leads.encoder.get(usize::from(index)).copied(),
+                Object::Axis(index) => self.state.leads.actual.get(usize::from(index)).copied(),
                 _ => None,
             };
             let raw = latch.position.map(|count| self.locate(latch.object, count));
@@ -148,9 +148,9 @@ impl Machine {
             let edge = Number::Count(i64::from(latch.edge == crate::drive::Edge::Rising));
             self.events.push(Event { age_ns, position, ..event.with(edge, Number::None) });
             if let Object::Axis(index) = latch.object
-                && let Some(axis) = self.axes.get(usize::from(index))
+                && let Some(axis) = self.state.axes.get(usize::from(index))
             {
-                axis.publish_latch(&mut self.board, position);
+                axis.publish_latch(&mut self.state.board, position);
             }
         }
     }
@@ -158,8 +158,8 @@ impl Machine {
     /// Latched raw counts as a position.
     fn locate(&self, object: Object, count: i64) -> i64 {
         let position = match object {
-            Object::Encoder(index) => self.encoders.get(usize::from(index)).map(|encoder| encoder.locate(count)),
-            Object::Axis(index) => self.axes.get(usize::from(index)).map(|axis| axis.locate(count)),
+            Object::Encoder(index) => self.state.encoders.get(usize::from(index)).map(|encoder| encoder.locate(count)),
+            Object::Axis(index) => self.state.axes.get(usize::from(index)).map(|axis| axis.locate(count)),
             _ => None,
         };
         position.unwrap_or(count)

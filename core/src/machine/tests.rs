@@ -6,5 +6,6 @@ mod edges;
 mod limits;
 mod moves;
 mod parameters;
+mod state;
 mod stops;
 mod synchronize;

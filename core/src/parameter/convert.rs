@@ -14,6 +14,8 @@ pub enum ParameterInput {
     Quantity(Quantity),
     /// A name.
     Text(String),
+    /// Left out: back to what the row's default means, where it has one without a value.
+    Unset,
 }
 
 /// Why a value is none for a row; its range is checked by the row.
@@ -59,6 +61,8 @@ impl Measure {
 pub fn convert(row: &Row, scale: &Scale, input: &ParameterInput) -> Result<Value, ConvertError> {
     let mismatch = || Err(ConvertError::Type(text(input)));
     match (row.measure, input) {
+        (_, ParameterInput::Unset) if row.default == Value::Unset && !row.required => Ok(Value::Unset),
+        (_, ParameterInput::Unset) => mismatch(),
         (Measure::Integer, ParameterInput::Integer(value)) => Ok(Value::Int(*value)),
         (Measure::Choice(names), ParameterInput::Integer(value)) if names.get(*value as usize).is_some() => {
             Ok(Value::Int(*value))
@@ -102,5 +106,6 @@ fn text(input: &ParameterInput) -> String {
         ParameterInput::Integer(value) => value.to_string(),
         ParameterInput::Quantity(value) => value.to_string(),
         ParameterInput::Text(value) => crate::unit::excerpt(value),
+        ParameterInput::Unset => "null".to_owned(),
     }
 }

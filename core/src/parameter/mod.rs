@@ -10,6 +10,7 @@ pub use convert::{ConvertError, ParameterInput, convert};
 pub use rows::ROWS;
 
 use crate::object::Object;
+use serde::{Deserialize, Serialize};
 
 /// Which profile an axis uses.
 pub const PROFILES: &[&str] = &["trapezoid", "s_ramp", "jerk"];
@@ -174,7 +175,7 @@ impl Change {
 }
 
 /// The parameters of one axis, in the core's units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisParameters {
     /// Software limit (inc).
     pub min_position: Option<i64>,
@@ -262,6 +263,12 @@ impl AxisParameters {
     /// both in parts of the maximum) (inc/s^2).
     pub fn usual_deceleration(&self) -> f64 {
         self.deceleration_limit() * (self.usual_acceleration() / self.max_acceleration)
+    }
+
+    /// Is every value one that its row takes, and do they agree?
+    pub fn is_sound(&self) -> bool {
+        let mut copy = *self;
+        ROWS.iter().all(|row| row.assign(&mut copy, (row.get)(self)).is_ok()) && self.check().is_ok()
     }
 
     /// The pair of keys that contradict each other, if any.

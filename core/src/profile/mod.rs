@@ -9,9 +9,10 @@ mod trapezoid;
 pub use trapezoid::{Limits, stop, stop_at, to_rest, to_velocity};
 
 use crate::position::Position;
+use serde::{Deserialize, Serialize};
 
 /// Position, velocity and acceleration at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// (inc)
     pub position: Position,
@@ -31,7 +32,7 @@ impl Motion {
 }
 
 /// A span of constant acceleration.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Phase {
     start: Position,
     end: Position,
@@ -71,7 +72,7 @@ fn cycles(duration: f64, cycle_ns: u64) -> u64 {
 const MAX_PHASES: usize = 4;
 
 /// A planned profile, read by elapsed cycles.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Plan {
     phases: [Phase; MAX_PHASES],
     count: usize,
@@ -145,6 +146,11 @@ impl Plan {
     /// Its duration (s).
     pub fn duration(&self) -> f64 {
         self.duration
+    }
+
+    /// Could it have been planned? One that was read from outside may hold anything.
+    pub fn is_sound(&self) -> bool {
+        self.count <= MAX_PHASES
     }
 
     /// Number of the first cycle at or after its end.

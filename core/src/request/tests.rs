@@ -112,7 +112,13 @@ fn parameters_take_units_and_names() {
     assert_eq!(set("x.max_velocity", ParameterInput::Number(0.8)).unwrap(), change);
     let profile = set("turret.profile", ParameterInput::Text("jerk".into())).unwrap();
     assert_eq!(profile.value, Value::Int(2));
+    assert_eq!(set("x.max_jerk", ParameterInput::Unset).unwrap().value, Value::Unset);
     let error = |name: &str, input| set(name, input).unwrap_err().to_string();
+    assert_eq!(
+        error("x.profile", ParameterInput::Unset),
+        "x.profile is `null`; one of trapezoid, s_ramp, jerk is expected"
+    );
+    assert!(error("x.max_velocity", ParameterInput::Unset).contains("is `null`; a velocity such as"));
     assert!(error("x.max_velocty", ParameterInput::Number(1.0)).contains("no parameter is called `x.max_velocty`"));
     assert!(error("max_velocity", ParameterInput::Number(1.0)).contains("axis.key"));
     assert!(error("q.max_velocity", ParameterInput::Number(1.0)).contains("no axis is called `q`"));

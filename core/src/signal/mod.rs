@@ -6,6 +6,8 @@
 
 pub mod axis;
 
+use serde::{Deserialize, Serialize};
+
 /// How a signal's word is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
@@ -72,7 +74,7 @@ impl Value {
 }
 
 /// A signal's place on the board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Signal(u32);
 
 impl Signal {
@@ -145,7 +147,7 @@ impl Directory {
 }
 
 /// The values of all signals.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Board {
     words: Vec<u64>,
 }
@@ -159,6 +161,16 @@ impl Board {
     /// Copies another board of the same directory, without taking memory.
     pub fn copy_from(&mut self, other: &Board) {
         self.words.clone_from(&other.words);
+    }
+
+    /// How many signals.
+    pub fn len(&self) -> usize {
+        self.words.len()
+    }
+
+    /// True without any signal.
+    pub fn is_empty(&self) -> bool {
+        self.words.is_empty()
     }
 
     /// The word of a signal as it stands; 0 for one of another board.

@@ -16,9 +16,10 @@ use crate::encoder::Lead;
 use crate::object::Leader;
 use crate::position::Position;
 use crate::profile::Motion;
+use serde::{Deserialize, Serialize};
 
 /// How far a coupling has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// The slave speeds up or catches up.
     CatchingUp,
@@ -27,7 +28,7 @@ pub enum Phase {
 }
 
 /// What limits the slave (inc/s, inc/s^2).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
     /// While catching up.
     pub velocity: f64,
@@ -42,7 +43,7 @@ pub struct Bounds {
 }
 
 /// A coupling of one axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Follower {
     /// What it follows.
     pub leader: Leader,
@@ -65,6 +66,13 @@ pub struct Follower {
 const MEAN_CYCLES: f64 = 64.0;
 
 impl Follower {
+    /// Could it have come about? One that was read from outside may hold anything.
+    pub fn is_sound(&self) -> bool {
+        let Bounds { velocity, acceleration, max_velocity, max_acceleration, max_deceleration } = self.bounds;
+        let bounds = [velocity, acceleration, max_velocity, max_acceleration, max_deceleration];
+        self.gear.is_sound() && bounds.iter().all(|bound| *bound > 0.0 && bound.is_finite())
+    }
+
     /// Couples an axis that stands or moves as `slave` says; `offset` shifts it against the leader.
     pub fn new(
         leader: Leader,

@@ -7,9 +7,10 @@
 //! Source   MACS-SYNC-02
 
 use crate::position::Position;
+use serde::{Deserialize, Serialize};
 
 /// Ratio slave : master in lowest terms; the denominator is positive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ratio {
     numerator: i64,
     denominator: i64,
@@ -45,7 +46,7 @@ fn gcd(a: u64, b: u64) -> u64 {
 }
 
 /// A gear between two positions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Gear {
     ratio: Ratio,
     /// In units of 2^-32 inc / denominator; 0 <= remainder < denominator.
@@ -59,6 +60,13 @@ impl Gear {
     /// A gear that starts without remainder.
     pub fn new(ratio: Ratio) -> Self {
         Self { ratio, remainder: 0 }
+    }
+
+    /// Could it have come about? One that was read from outside may hold anything.
+    pub fn is_sound(&self) -> bool {
+        let Ratio { numerator, denominator } = self.ratio;
+        Ratio::new(numerator, denominator) == Some(self.ratio)
+            && (0..=i128::from(denominator)).contains(&self.remainder)
     }
 
     /// The ratio.

@@ -5,9 +5,10 @@ pub mod gear;
 
 use crate::encoder::Lead;
 use crate::object::Leader;
+use serde::{Deserialize, Serialize};
 
 /// Everything that can lead, as far as this cycle has come.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Leads {
     /// Command positions of the axes.
     pub command: Vec<Lead>,
@@ -18,6 +19,13 @@ pub struct Leads {
 }
 
 impl Leads {
+    /// Copies others of the same machine, without taking memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.command.clone_from(&other.command);
+        self.actual.clone_from(&other.actual);
+        self.encoder.clone_from(&other.encoder);
+    }
+
     /// The leader's values; an invalid lead for one that does not exist.
     pub fn get(&self, leader: Leader) -> Lead {
         let place = match leader {

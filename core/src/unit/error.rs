@@ -1,6 +1,6 @@
 //! Why a number, a unit or a scale is refused.
 
-use super::{Dimension, Fraction, Quantity, fraction_to_text};
+use super::{Dimension, Fraction, Quantity, Unit, fraction_to_text};
 use thiserror::Error;
 
 /// A refusal: what was given and what is allowed. [`UnitError::hint`] says how to write it instead.
@@ -69,6 +69,16 @@ pub enum UnitError {
     Inexact {
         /// The value as given.
         given: Quantity,
+    },
+    /// A velocity, acceleration or jerk that no machine can have.
+    #[error("`{given}` is {rate:e} {unit}; 0, or 1e-22 {unit} and more, is allowed")]
+    RateTooLow {
+        /// The value as given.
+        given: Quantity,
+        /// What it is in increments.
+        rate: f64,
+        /// Unit of `rate`.
+        unit: Unit,
     },
     /// A time that is no whole number of nanoseconds within i64.
     #[error("`{given}` is not a whole number of nanoseconds; times are whole nanoseconds up to 292 years")]

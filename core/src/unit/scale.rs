@@ -10,6 +10,9 @@ use std::f64::consts::TAU;
 
 /// Positions stay below 2^62 increments.
 const LIMIT: u64 = 1 << 62;
+/// Least rate that is not 0 (inc/s^n). No machine is that slow, and above it every f64 written as its shortest decimal has a
+/// last digit that [`parse_decimal`](super::parse_decimal) still reads: a recorded rate comes back.
+const LEAST_RATE: f64 = 1e-22;
 
 /// Whether an axis moves along a line (m) or turns (rad).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -142,12 +145,17 @@ impl Scale {
     /// A velocity, acceleration or jerk (`order` 1..=3) in inc/s^order, correctly rounded from the exact fraction.
     ///
     /// # Errors
-    /// As [`Scale::exact`]; another order is [`UnitError::WrongDimension`].
+    /// As [`Scale::exact`]; another order is [`UnitError::WrongDimension`]; [`UnitError::RateTooLow`] between 0 and
+    /// 1e-22 inc/s^order.
     pub fn rate(&self, quantity: &Quantity, order: u8) -> Result<f64, UnitError> {
         if !self.dimensions(order).contains(&quantity.unit().dimension()) {
             return Err(UnitError::WrongDimension { given: *quantity, expected: self.kind.dimension(order) });
         }
-        self.exact(quantity).map(|exact| fraction_to_f64(&exact))
+        let rate = fraction_to_f64(&self.exact(quantity)?);
+        if rate != 0.0 && rate.abs() < LEAST_RATE {
+            return Err(UnitError::RateTooLow { given: *quantity, rate, unit: Unit::INCREMENT.with_order(order) });
+        }
+        Ok(rate)
     }
 
     /// [`Scale::position`] of an SI number (m or rad) by its shortest decimal.

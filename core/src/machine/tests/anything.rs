@@ -1,6 +1,7 @@
 //! Any commands in any order, with faults and slips between them.
 
 use super::rig::{Rig, at, config, to};
+use crate::code::Code;
 use crate::command::{Action, Disengage, Length, Move, MoveMode, SyncMode, Synchronize};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
@@ -15,6 +16,7 @@ enum Happening {
     Cycles(u64),
     Fault(usize),
     Slip(usize, i64),
+    Mirror,
 }
 
 fn axis() -> impl Strategy<Value = u16> {
@@ -67,6 +69,12 @@ fn coupling() -> impl Strategy<Value = Action> {
     )
 }
 
+fn telling() -> impl Strategy<Value = Action> {
+    let note = (prop::sample::select(&Code::NOTES[..]), any::<i64>());
+    let refuse = Just(Action::Refuse("no axis is called `q`".into()));
+    prop_oneof![note.prop_map(|(code, number)| Action::Note { code, number }), refuse]
+}
+
 fn happening() -> impl Strategy<Value = Happening> {
     let command = |strategy: BoxedStrategy<Action>| strategy.prop_map(Happening::Command);
     prop_oneof![
@@ -78,9 +86,11 @@ fn happening() -> impl Strategy<Value = Happening> {
         2 => command(axes().prop_map(Action::Halt).boxed()),
         1 => command(axes().prop_map(Action::QuickStop).boxed()),
         3 => command(axes().prop_map(Action::ResetErrors).boxed()),
+        1 => command(telling().boxed()),
         2 => (0_usize..4).prop_map(Happening::Cancel),
         8 => (0_u64..80).prop_map(Happening::Cycles),
         1 => (0_usize..2).prop_map(Happening::Fault),
+        1 => Just(Happening::Mirror),
         1 => (0_usize..2, -3000_i64..3000).prop_map(|(drive, by)| Happening::Slip(drive, by)),
     ]
 }
@@ -93,6 +103,7 @@ fn ends(action: &Action) -> usize {
         | Action::Halt(axes)
         | Action::QuickStop(axes)
         | Action::ResetErrors(axes) => axes.len(),
+        Action::Note { .. } => 0,
         _ => 1,
     }
 }
@@ -130,6 +141,7 @@ proptest! {
                     waiting.extend(goals.iter().rev().nth(back).map(|&goal| Action::Cancel { goal }));
                 }
                 Happening::Fault(drive) => rig.plant.drive(drive).unwrap().inject_fault(0x8611),
+                Happening::Mirror => rig.mirror(),
                 Happening::Slip(drive, by) => rig.plant.drive(drive).unwrap().jump(by),
                 Happening::Cycles(count) => {
                     for _ in 0..count {
@@ -166,8 +178,9 @@ proptest! {
         rig.run(6_000);
         for (number, action) in &given {
             let of = |kind| rig.events.iter().filter(|event| event.command == *number && event.kind == kind).count();
-            let (accepted, refused) = (of(Kind::Accepted), of(Kind::Refused));
-            prop_assert_eq!(accepted + refused, 1, "answers of {:?}", action);
+            let (accepted, refused, noted) = (of(Kind::Accepted), of(Kind::Refused), of(Kind::Warning));
+            prop_assert_eq!(accepted + refused + noted, 1, "answers of {:?}", action);
+            prop_assert_eq!(noted == 1, matches!(action, Action::Note { .. }), "a warning answers notes only");
             let expected = if refused == 1 { 0 } else { ends(action) };
             prop_assert_eq!(rig.done(*number).len(), expected, "ends of {:?}", action);
         }

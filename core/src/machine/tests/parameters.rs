@@ -1,8 +1,9 @@
 use super::rig::{Rig, X, config, to};
+use crate::code::Code;
 use crate::command::{Action, Move};
 use crate::config::{IoConfig, IoKind, MemoryConfig, MemoryKind};
 use crate::drive::{Edge, Latch};
-use crate::event::Kind;
+use crate::event::{Kind, Number, Severity};
 use crate::object::Object;
 use crate::parameter::{Change, Row, Value};
 use crate::position::Position;
@@ -106,6 +107,22 @@ fn latches_that_found_no_room_are_told() {
     let event = rig.machine.events().iter().find(|event| event.kind == Kind::Warning).unwrap();
     let sentence = crate::text::sentence(event, rig.machine.config());
     assert_eq!(sentence, "machine: 4 latches of this cycle had no room");
+}
+
+#[test]
+fn a_note_of_the_recorder_is_answered_by_its_warning_alone() {
+    let mut rig = Rig::new();
+    for (code, number, severity) in [
+        (Code::RECORD_LOST, 12, Severity::Warn),
+        (Code::RECORD_FAILED, 28, Severity::Error),
+        (Code::FLIGHT_FAILED, 2, Severity::Error),
+    ] {
+        let sequence = rig.give(Action::Note { code, number });
+        let answers: Vec<_> = rig.events.iter().filter(|event| event.command == sequence).collect();
+        assert_eq!(answers.len(), 1, "{answers:?}");
+        let told = (answers[0].kind, answers[0].severity, answers[0].code, answers[0].asked, answers[0].source);
+        assert_eq!(told, (Kind::Warning, severity, code, Number::Count(number), Object::Machine));
+    }
 }
 
 #[test]

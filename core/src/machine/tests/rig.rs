@@ -24,6 +24,8 @@ pub(super) struct Rig {
     outputs: Outputs,
     sequence: u64,
     pub events: Vec<Event>,
+    /// Another machine that does the same from some cycle on.
+    mirror: Option<Machine>,
 }
 
 fn scale() -> Scale {
@@ -61,7 +63,7 @@ impl Rig {
         let plant = Plant::new(&config, &[Some(Model::Ideal), Some(Model::Ideal)]);
         let machine = Machine::new(config).unwrap();
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
-        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new() }
+        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), mirror: None }
     }
 
     /// With x and y switched on.
@@ -98,8 +100,22 @@ impl Rig {
         self.inputs.cycle = self.machine.next_cycle();
         self.plant.read(&mut self.inputs);
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
+        if let Some(mirror) = &mut self.mirror {
+            let mut outputs = mirror.outputs();
+            mirror.cycle(&self.inputs, commands, &mut outputs);
+            let cycle = self.inputs.cycle;
+            assert_eq!((mirror.events(), &outputs), (self.machine.events(), &self.outputs), "in cycle {cycle}");
+            assert!(mirror.board() == self.machine.board(), "other signals in cycle {cycle}");
+        }
         self.plant.write(&self.outputs);
         self.events.extend_from_slice(self.machine.events());
+    }
+
+    /// From now on a machine that was restored from the state of this one must do the same.
+    pub(super) fn mirror(&mut self) {
+        let bytes = postcard::to_allocvec(self.machine.state()).unwrap();
+        let state = postcard::from_bytes(&bytes).unwrap();
+        self.mirror = Some(Machine::restore(self.machine.config().clone(), state).unwrap());
     }
 
     pub(super) fn run(&mut self, cycles: u64) {

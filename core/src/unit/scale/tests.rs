@@ -44,6 +44,20 @@ fn rates_are_the_exact_fraction_rounded_once() {
 }
 
 #[test]
+fn a_rate_that_no_machine_can_have_is_refused() {
+    let least = |text: &str| turret().rate(&quantity(text, Dimension::Increments(2)), 2);
+    assert_eq!((least("1e-22 inc/s^2"), least("-1e-22 inc/s^2"), least("0 inc/s^2")), (Ok(1e-22), Ok(-1e-22), Ok(0.0)));
+    for text in ["9.99e-23 inc/s^2", "-1e-30 inc/s^2"] {
+        assert!(matches!(least(text), Err(UnitError::RateTooLow { .. })), "{text}");
+    }
+    let third = Scale::new(Fraction::from(1), length("3 m")).unwrap();
+    assert_eq!(
+        third.rate_from_si(-3e-23, 1).unwrap_err().to_string(),
+        "`-0.00000000000000000000003 m/s` is -1e-23 inc/s; 0, or 1e-22 inc/s and more, is allowed"
+    );
+}
+
+#[test]
 fn a_derivative_of_the_wrong_order_or_kind_is_refused() {
     let sentence = |result: Result<f64, UnitError>| result.unwrap_err().to_string();
     assert_eq!(

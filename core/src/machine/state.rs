@@ -1,0 +1,148 @@
+//! The state of a machine: all that its cycles change. With it a machine goes on where another one stood.
+//!
+//! Law      restore(config, state of m) and m give the same outputs, signals and events for the same inputs and commands
+//! Refuses  a state of another shape than the config's: other axes, encoders, signals, drives
+
+use super::Machine;
+use crate::axis::Axis;
+use crate::config::{ConfigError, MachineConfig};
+use crate::encoder::Encoder;
+use crate::parameter::AxisParameters;
+use crate::signal::Board;
+use crate::sync::Leads;
+use serde::{Deserialize, Serialize};
+
+/// All that the cycles of a machine change.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct State {
+    pub(super) board: Board,
+    pub(super) axes: Vec<Axis>,
+    pub(super) encoders: Vec<Encoder>,
+    /// Axes, a leader before its followers.
+    pub(super) order: Vec<u16>,
+    pub(super) leads: Leads,
+    pub(super) cycle: u64,
+    pub(super) overruns: u64,
+    /// Number of the next event.
+    pub(super) next_event: u64,
+}
+
+/// Why a state does not belong to a machine.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StateError {
+    /// The cell itself makes no machine.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Another number of something.
+    #[error("the state holds {found} {what}; the cell has {expected}")]
+    Shape {
+        /// Of what.
+        what: &'static str,
+        /// In the state.
+        found: usize,
+        /// In the cell.
+        expected: usize,
+    },
+    /// An axis that is set up otherwise.
+    #[error("the state holds another set-up of axis {axis} than the cell")]
+    Setup {
+        /// Its name.
+        axis: String,
+    },
+    /// An axis whose state no cycle leaves.
+    #[error("the state of axis {axis} is none that an axis can be in")]
+    Unsound {
+        /// Its name.
+        axis: String,
+    },
+    /// Encoders of another width.
+    #[error("the state holds encoders of another width than the cell")]
+    Encoders,
+    /// An order that leaves axes out.
+    #[error("the state holds an order of axes that names one twice, or one that is not there")]
+    Order,
+}
+
+impl State {
+    /// The cycle that comes next.
+    pub fn cycle(&self) -> u64 {
+        self.cycle
+    }
+
+    /// Parameters in force, by axis.
+    pub fn parameters(&self) -> impl Iterator<Item = &AxisParameters> {
+        self.axes.iter().map(|axis| &axis.parameters)
+    }
+
+    /// Does it fit a machine that was just made?
+    fn check(&self, machine: &Machine) -> Result<(), StateError> {
+        let fresh = &machine.state;
+        let shape = |what, found, expected| {
+            if found == expected { Ok(()) } else { Err(StateError::Shape { what, found, expected }) }
+        };
+        shape("signals", self.board.len(), fresh.board.len())?;
+        shape("axes", self.axes.len(), fresh.axes.len())?;
+        shape("encoders", self.encoders.len(), fresh.encoders.len())?;
+        shape("leading commands", self.leads.command.len(), fresh.leads.command.len())?;
+        shape("leading actual positions", self.leads.actual.len(), fresh.leads.actual.len())?;
+        shape("leading encoders", self.leads.encoder.len(), fresh.leads.encoder.len())?;
+        let mut order = self.order.clone();
+        order.sort_unstable();
+        if !order.iter().copied().eq(0..self.axes.len() as u16) {
+            return Err(StateError::Order);
+        }
+        if !std::iter::zip(&self.encoders, &fresh.encoders).all(|(mine, fresh)| mine.has_width_of(fresh)) {
+            return Err(StateError::Encoders);
+        }
+        for ((mine, fresh), axis) in std::iter::zip(&self.axes, &fresh.axes).zip(&machine.config.axes) {
+            if !mine.is_set_up_as(fresh) {
+                return Err(StateError::Setup { axis: axis.name.clone() });
+            }
+            if !mine.is_sound() {
+                return Err(StateError::Unsound { axis: axis.name.clone() });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Machine {
+    /// A machine that goes on from `state`.
+    ///
+    /// # Errors
+    /// The state is of another shape than the config.
+    pub fn restore(config: MachineConfig, state: State) -> Result<Self, StateError> {
+        let mut machine = Self::new(config)?;
+        state.check(&machine)?;
+        machine.state = state;
+        Ok(machine)
+    }
+
+    /// The state between two cycles.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+}
+
+impl Clone for State {
+    fn clone(&self) -> Self {
+        Self {
+            board: self.board.clone(),
+            axes: self.axes.clone(),
+            encoders: self.encoders.clone(),
+            order: self.order.clone(),
+            leads: self.leads.clone(),
+            ..*self
+        }
+    }
+
+    /// Takes no memory where both are of one machine.
+    fn clone_from(&mut self, other: &Self) {
+        self.board.copy_from(&other.board);
+        self.axes.clone_from(&other.axes);
+        self.encoders.clone_from(&other.encoders);
+        self.order.clone_from(&other.order);
+        self.leads.copy_from(&other.leads);
+        (self.cycle, self.overruns, self.next_event) = (other.cycle, other.overruns, other.next_event);
+    }
+}
