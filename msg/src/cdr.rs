@@ -46,11 +46,24 @@ pub fn encode_with_header<T: Serialize>(value: &T) -> Vec<u8> {
     append(HEADER.to_vec(), value)
 }
 
-/// Alignment counts from the first byte of the value, not from that of the header.
+/// Puts behind `bytes` what [`encode_with_header`] gives, without memory of its own.
+///
+/// # Panics
+/// As [`encode`].
+pub fn append_with_header<T: Serialize>(bytes: &mut Vec<u8>, value: &T) {
+    bytes.extend_from_slice(&HEADER);
+    put(bytes, value);
+}
+
 fn append<T: Serialize>(mut bytes: Vec<u8>, value: &T) -> Vec<u8> {
-    cdr_encoding::to_writer::<_, LittleEndian, _>(&mut bytes, value)
-        .expect("a Vec takes every byte, and messages know the lengths of their sequences");
+    put(&mut bytes, value);
     bytes
+}
+
+/// Alignment counts from the first byte of the value, whatever stands before it.
+fn put<T: Serialize>(bytes: &mut Vec<u8>, value: &T) {
+    cdr_encoding::to_writer::<_, LittleEndian, _>(bytes, value)
+        .expect("a Vec takes every byte, and messages know the lengths of their sequences");
 }
 
 /// Reads a value from CDR without encapsulation header.

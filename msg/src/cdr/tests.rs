@@ -175,3 +175,13 @@ fn what_no_message_holds_is_refused() {
     let error = refusal::<Option<u8>>(&[0, 0, 0, 0]);
     assert_eq!(error.to_string(), "an option cannot stand in a message");
 }
+
+#[test]
+fn a_value_behind_others_is_aligned_from_its_own_first_byte() {
+    let joints = JointState { name: vec!["x".to_owned()], position: vec![0.5], ..JointState::default() };
+    for before in 0..9 {
+        let mut bytes = vec![7; before];
+        append_with_header(&mut bytes, &joints);
+        assert_eq!(bytes[before..], encode_with_header(&joints));
+    }
+}

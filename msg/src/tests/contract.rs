@@ -13,7 +13,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::CommandFunctionRequest;
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 11] = [
+const OWN_INTERFACES: [(&str, &str); 13] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -136,6 +136,28 @@ const OWN_INTERFACES: [(&str, &str); 11] = [
         ---
         bool success
         string message",
+    ),
+    (
+        "msg/Signals",
+        "uint64 cycle
+        uint32 inputs_crc
+        uint32[] index
+        uint64[] word",
+    ),
+    (
+        "srv/Record",
+        "uint8 STATUS=0 START=1 STOP=2 SAVE=3
+        uint8 command
+        string path
+        uint64 max_bag_size
+        float64 max_bag_duration
+        ---
+        bool success
+        string message
+        bool recording
+        string path
+        uint64 cycles size lost
+        bool replayable",
     ),
     (
         "srv/SetPosition",
