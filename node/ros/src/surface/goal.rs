@@ -52,7 +52,7 @@ pub(super) fn start<A: AxisAction>(node: &Node, hub: &Arc<Hub>, tasks: &mut Join
 }
 
 async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
-    let views = AxisView::all(hub.host.as_ref());
+    let views = AxisView::all(hub.host.config(), hub.host.directory());
     // Goals that run end with the action.
     let mut open = JoinSet::new();
     while let Some(event) = server.next().await {
@@ -137,7 +137,7 @@ fn ending(hub: &Hub, event: &Event) -> Ending {
 impl AxisView {
     /// The end of a goal that the machine has not answered: where the axis stands now.
     fn stands(&self, snapshot: &Snapshot, code: Code, message: String) -> Ending {
-        let position = Position::whole(self.int(snapshot, AxisSignal::CommandPosition));
+        let position = Position::whole(self.int(&snapshot.board, AxisSignal::CommandPosition));
         Ending { code, message, position }
     }
 }

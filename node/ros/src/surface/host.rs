@@ -4,7 +4,9 @@ use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Event;
 use lineshaft_core::signal::{Board, Directory};
+use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
 use std::sync::Arc;
+use tokio::sync::oneshot;
 
 /// The signals of one cycle, and when it was.
 #[derive(Clone, Debug, Default)]
@@ -44,6 +46,10 @@ pub trait Host: Send + Sync + 'static {
     /// # Errors
     /// The lane is full; nothing was handed over.
     fn submit(&self, action: Action) -> Result<u64, Busy>;
+
+    /// Asks the recorder, which answers when it is done or has failed. An answer that is dropped means that the machine has
+    /// stopped.
+    fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>);
 
     /// The newest signals.
     fn snapshot(&self) -> Arc<Snapshot>;

@@ -2,12 +2,10 @@
 
 use super::host::{Busy, Host, StampedEvent};
 use super::lines::LineLimit;
-use super::states::header;
+use super::messages;
 use crate::layer::{CreateError, Node, Publisher, Qos, Rosout, Severity, Source};
 use lineshaft_core::command::Action;
-use lineshaft_core::config::MachineConfig;
-use lineshaft_core::event::{Kind, Number};
-use lineshaft_core::object::Object;
+use lineshaft_core::event::Kind;
 use lineshaft_core::text;
 use lineshaft_msgs::msg::Event;
 use std::collections::HashMap;
@@ -93,7 +91,7 @@ impl Hub {
         self.say(Severity::Warn, &sentence);
         let mut waiting = self.waiting();
         // With a full lane the sentence stays on /rosout alone.
-        if let Ok(sequence) = self.host.submit(Action::Refuse) {
+        if let Ok(sequence) = self.host.submit(Action::Refuse(sentence.as_str().into())) {
             waiting.insert(sequence, Place::Refused(sentence));
         }
     }
@@ -107,7 +105,9 @@ impl Hub {
         let mut failed = 0_u64;
         while let Some(event) = events.recv().await {
             let refused = self.deliver(&event);
-            let message = self.message(&event, refused);
+            let config = self.host.config();
+            let sentence = refused.unwrap_or_else(|| text::sentence(&event.event, config));
+            let message = messages::event(&event.event, event.stamp_ns, config, sentence);
             self.tell(&event, &message.text);
             if let Err(error) = publisher.publish(&message) {
                 failed += 1;
@@ -145,42 +145,5 @@ impl Hub {
         if event.event.code != lineshaft_core::code::Code::BAD_REQUEST {
             self.say(severity, sentence);
         }
-    }
-
-    fn message(&self, stamped: &StampedEvent, refused: Option<String>) -> Event {
-        let StampedEvent { event, stamp_ns } = stamped;
-        let config = self.host.config();
-        Event {
-            header: header(stamp_ns.saturating_sub(event.age_ns.into())),
-            sequence: event.sequence,
-            cycle: event.cycle,
-            age_ns: event.age_ns,
-            severity: event.severity as u8,
-            kind: event.kind.name().to_owned(),
-            source: config.name(event.source).to_owned(),
-            code: event.code.0,
-            increments: event.position.floor(),
-            fraction: event.position.fraction(),
-            value: value(event, config),
-            text: refused.unwrap_or_else(|| text::sentence(event, config)),
-        }
-    }
-}
-
-/// What was asked or found, in SI units.
-fn value(event: &lineshaft_core::event::Event, config: &MachineConfig) -> f64 {
-    let scale = match event.source {
-        Object::Axis(index) => config.axes.get(usize::from(index)).map(|axis| axis.scale),
-        Object::Encoder(index) => config.encoders.get(usize::from(index)).map(|encoder| encoder.scale),
-        _ => None,
-    };
-    let rate = |value: f64| scale.map_or(value, |scale| scale.rate_to_si(value));
-    match event.asked {
-        Number::None => 0.0,
-        Number::Position(value) => scale.map_or(value as f64, |scale| scale.position_to_si(value, 0.0)),
-        Number::Count(value) => value as f64,
-        Number::Time(value) => value as f64 / 1e9,
-        Number::Velocity(value) | Number::Acceleration(value) | Number::Jerk(value) => rate(value),
-        Number::Real(value) => value,
     }
 }

@@ -8,7 +8,9 @@ mod axes;
 mod goal;
 mod hub;
 pub mod lines;
+pub mod messages;
 mod move_axis;
+mod record;
 mod signals;
 mod states;
 mod synchronize;
@@ -54,6 +56,7 @@ impl Surface {
         axes::start(&node, &hub, &mut tasks)?;
         goal::start::<MoveAxis>(&node, &hub, &mut tasks)?;
         goal::start::<Synchronize>(&node, &hub, &mut tasks)?;
+        record::start(&node, &hub, &mut tasks)?;
         Ok(Self { _tasks: tasks, _node: node })
     }
 }

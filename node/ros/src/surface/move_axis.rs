@@ -29,12 +29,12 @@ impl AxisAction for MoveAxis {
     }
 
     fn feedback(view: &AxisView, snapshot: &Snapshot) -> MoveAxisFeedback {
-        let int = |signal| view.int(snapshot, signal);
+        let int = |signal| view.int(&snapshot.board, signal);
         let position = int(AxisSignal::ActualPosition);
         let to_go = int(AxisSignal::TargetPosition).saturating_sub(int(AxisSignal::CommandPosition));
         MoveAxisFeedback {
             position: view.si(position, 0.0),
-            velocity: view.rate(snapshot, AxisSignal::ActualVelocity),
+            velocity: view.rate(&snapshot.board, AxisSignal::ActualVelocity),
             distance_to_go: view.si(to_go, 0.0),
             position_increments: position,
         }

@@ -1,25 +1,25 @@
 //! The signals of an axis in SI units.
 
-use super::host::{Host, Snapshot};
-use lineshaft_core::signal::Signal;
+use lineshaft_core::config::MachineConfig;
 use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_core::signal::{Board, Directory, Signal};
 use lineshaft_core::unit::Scale;
 use lineshaft_msgs::msg::AxisState;
 
 /// Where an axis stands on the board, and how its increments read.
 #[derive(Clone, Debug)]
-pub(super) struct AxisView {
-    pub name: String,
-    pub is_virtual: bool,
+pub struct AxisView {
+    pub(super) name: String,
+    pub(super) is_virtual: bool,
     first: Signal,
     scale: Scale,
 }
 
 impl AxisView {
     /// The views of all axes, in file order.
-    pub(super) fn all(host: &dyn Host) -> Vec<Self> {
-        let first = |name: &str| host.directory().find(&format!("{name}.state"));
-        let axes = host.config().axes.iter();
+    pub fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self> {
+        let first = |name: &str| directory.find(&format!("{name}.state"));
+        let axes = config.axes.iter();
         axes.filter_map(|axis| {
             let is_virtual = axis.drive.is_none();
             Some(Self { name: axis.name.clone(), is_virtual, first: first(&axis.name)?, scale: axis.scale })
@@ -27,21 +27,21 @@ impl AxisView {
         .collect()
     }
 
-    pub(super) fn int(&self, snapshot: &Snapshot, signal: AxisSignal) -> i64 {
-        snapshot.board.int(signal.of(self.first))
+    pub(super) fn int(&self, board: &Board, signal: AxisSignal) -> i64 {
+        board.int(signal.of(self.first))
     }
 
-    fn real(&self, snapshot: &Snapshot, signal: AxisSignal) -> f64 {
-        snapshot.board.real(signal.of(self.first))
+    fn real(&self, board: &Board, signal: AxisSignal) -> f64 {
+        board.real(signal.of(self.first))
     }
 
-    pub(super) fn bit(&self, snapshot: &Snapshot, signal: AxisSignal) -> bool {
-        snapshot.board.bit(signal.of(self.first))
+    pub(super) fn bit(&self, board: &Board, signal: AxisSignal) -> bool {
+        board.bit(signal.of(self.first))
     }
 
     /// A small enum or word.
-    fn small(&self, snapshot: &Snapshot, signal: AxisSignal) -> u8 {
-        u8::try_from(self.int(snapshot, signal)).unwrap_or(u8::MAX)
+    fn small(&self, board: &Board, signal: AxisSignal) -> u8 {
+        u8::try_from(self.int(board, signal)).unwrap_or(u8::MAX)
     }
 
     /// Whole increments in m or rad.
@@ -50,25 +50,25 @@ impl AxisView {
     }
 
     /// A velocity or acceleration in SI units.
-    pub(super) fn rate(&self, snapshot: &Snapshot, signal: AxisSignal) -> f64 {
-        self.scale.rate_to_si(self.real(snapshot, signal))
+    pub(super) fn rate(&self, board: &Board, signal: AxisSignal) -> f64 {
+        self.scale.rate_to_si(self.real(board, signal))
     }
 
-    pub(super) fn effort(&self, snapshot: &Snapshot) -> f64 {
-        self.real(snapshot, AxisSignal::ActualEffort)
+    pub(super) fn effort(&self, board: &Board) -> f64 {
+        self.real(board, AxisSignal::ActualEffort)
     }
 
     /// Everything that `~/axis_states` tells.
-    pub(super) fn state(&self, snapshot: &Snapshot) -> AxisState {
+    pub(super) fn state(&self, board: &Board) -> AxisState {
         use AxisSignal::*;
-        let int = |signal| self.int(snapshot, signal);
-        let bit = |signal| self.bit(snapshot, signal);
-        let command = self.si(int(CommandPosition), self.real(snapshot, CommandFraction));
+        let int = |signal| self.int(board, signal);
+        let bit = |signal| self.bit(board, signal);
+        let command = self.si(int(CommandPosition), self.real(board, CommandFraction));
         AxisState {
             name: self.name.clone(),
-            state: self.small(snapshot, State),
-            drive_state: self.small(snapshot, DriveState),
-            reference: self.small(snapshot, Reference),
+            state: self.small(board, State),
+            drive_state: self.small(board, DriveState),
+            reference: self.small(board, Reference),
             mode_of_operation: i8::try_from(int(ModeOfOperation)).unwrap_or(0),
             enabled: bit(Enabled),
             homed: bit(Homed),
@@ -80,11 +80,11 @@ impl AxisView {
             negative_limit: bit(LimitNegative) || bit(LimitSoftwareNegative),
             error_code: u32::try_from(int(Error)).unwrap_or(u32::MAX),
             command_position: command,
-            command_velocity: self.rate(snapshot, CommandVelocity),
-            command_acceleration: self.rate(snapshot, CommandAcceleration),
+            command_velocity: self.rate(board, CommandVelocity),
+            command_acceleration: self.rate(board, CommandAcceleration),
             position: self.si(int(ActualPosition), 0.0),
-            velocity: self.rate(snapshot, ActualVelocity),
-            effort: self.effort(snapshot),
+            velocity: self.rate(board, ActualVelocity),
+            effort: self.effort(board),
             following_error: self.si(int(FollowingError), 0.0),
             sync_error: self.si(int(SyncError), 0.0),
             command_increments: int(CommandPosition),

@@ -2,13 +2,10 @@
 
 use super::Rates;
 use super::host::{Host, Snapshot};
-use super::signals::AxisView;
+use super::messages::{AxisView, axis_states, joint_states};
 use crate::layer::{CreateError, Node, PublishError, Publisher, Qos};
-use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::Message;
-use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
-use lineshaft_msgs::foreign::std_msgs::msg::Header;
 use lineshaft_msgs::msg::AxisStates;
 use std::sync::Arc;
 use std::time::Duration;
@@ -21,13 +18,13 @@ pub(super) fn start(
     rates: Rates,
     tasks: &mut JoinSet<()>,
 ) -> Result<(), CreateError> {
-    let views = AxisView::all(host.as_ref());
-    let joints: Vec<AxisView> = views.iter().filter(|view| !view.is_virtual).cloned().collect();
+    let views = AxisView::all(host.config(), host.directory());
+    let joints = views.clone();
     let publisher = node.publisher::<JointState>("joint_states", Qos::STREAM)?;
-    let message = move |snapshot: &Snapshot| joint_states(&joints, snapshot);
+    let message = move |snapshot: &Snapshot| joint_states(&joints, &snapshot.board, snapshot.stamp_ns);
     tasks.spawn(publish(publisher, Arc::clone(host), rates.joint_states, message));
     let publisher = node.publisher::<AxisStates>("~/axis_states", Qos::STREAM)?;
-    let message = move |snapshot: &Snapshot| axis_states(&views, snapshot);
+    let message = move |snapshot: &Snapshot| axis_states(&views, &snapshot.board, snapshot.cycle, snapshot.stamp_ns);
     tasks.spawn(publish(publisher, Arc::clone(host), rates.axis_states, message));
     Ok(())
 }
@@ -61,34 +58,5 @@ async fn publish<M: Message>(
 fn note_failure(failed: u64, error: &PublishError) {
     if failed.is_power_of_two() {
         tracing::warn!("{error} ({failed} so far)");
-    }
-}
-
-pub(super) fn time(stamp_ns: u64) -> Time {
-    // Seconds since 1970 fit until 2038, as ROS 2 has it.
-    let sec = i32::try_from(stamp_ns / 1_000_000_000).unwrap_or(i32::MAX);
-    Time { sec, nanosec: (stamp_ns % 1_000_000_000) as u32 }
-}
-
-pub(super) fn header(stamp_ns: u64) -> Header {
-    Header { stamp: time(stamp_ns), frame_id: String::new() }
-}
-
-fn joint_states(joints: &[AxisView], snapshot: &Snapshot) -> JointState {
-    let each = |value: &dyn Fn(&AxisView) -> f64| joints.iter().map(value).collect::<Vec<_>>();
-    JointState {
-        header: header(snapshot.stamp_ns),
-        name: joints.iter().map(|joint| joint.name.clone()).collect(),
-        position: each(&|joint| joint.si(joint.int(snapshot, AxisSignal::ActualPosition), 0.0)),
-        velocity: each(&|joint| joint.rate(snapshot, AxisSignal::ActualVelocity)),
-        effort: each(&|joint| joint.effort(snapshot)),
-    }
-}
-
-fn axis_states(views: &[AxisView], snapshot: &Snapshot) -> AxisStates {
-    AxisStates {
-        header: header(snapshot.stamp_ns),
-        cycle: snapshot.cycle,
-        axes: views.iter().map(|view| view.state(snapshot)).collect(),
     }
 }

@@ -30,8 +30,8 @@ impl AxisAction for Synchronize {
     }
 
     fn feedback(view: &AxisView, snapshot: &Snapshot) -> SynchronizeFeedback {
-        let coupled = view.bit(snapshot, AxisSignal::InSync);
-        let error = view.int(snapshot, AxisSignal::SyncError);
+        let coupled = view.bit(&snapshot.board, AxisSignal::InSync);
+        let error = view.int(&snapshot.board, AxisSignal::SyncError);
         SynchronizeFeedback {
             phase: if coupled { SynchronizeFeedback::SYNCHRONIZED } else { SynchronizeFeedback::CATCHING_UP },
             sync_error_increments: error,
