@@ -31,6 +31,7 @@ use backends::{Backend, Context};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::sim::Model;
 use lineshaft_core::unit::Dimension;
+use lineshaft_ros::layer::NodeName;
 use names::{Names, Section, quote};
 use std::path::Path;
 
@@ -83,6 +84,13 @@ impl Default for RosOptions {
             autostart: true,
             interfaces: Vec::new(),
         }
+    }
+}
+
+impl RosOptions {
+    /// The whole name of the node.
+    pub fn node_name(&self) -> NodeName {
+        NodeName::new(&self.namespace, &self.name).expect("both were checked by the same rules when the cell was read")
     }
 }
 

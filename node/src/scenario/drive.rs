@@ -326,13 +326,12 @@ impl Reader<'_> {
         let amplitude = map.required("amplitude").and_then(|value| ruler.read(&value));
         let period = map.required("period").and_then(|value| self.period(&value));
         map.finish();
-        Some(Sine {
-            mean: mean?.to_f64(),
-            amplitude: amplitude?.to_f64(),
-            period_ns: period?,
-            cycle_ns: self.cycle_ns,
-            is_real: ruler.kind == Type::Real,
-        })
+        let (mean, amplitude) = (mean?.to_f64(), amplitude?.to_f64());
+        if !(mean.abs() + amplitude.abs()).is_finite() {
+            value.refuse("mean and amplitude together lie beyond what f64 holds, 1.8e308", None);
+            return None;
+        }
+        Some(Sine { mean, amplitude, period_ns: period?, cycle_ns: self.cycle_ns, is_real: ruler.kind == Type::Real })
     }
 
     /// A period is no cycle: a time need not be whole cycles.

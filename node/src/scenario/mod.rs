@@ -37,10 +37,12 @@ mod step;
 mod trace;
 mod verb;
 
+pub(crate) use names::{did_you_mean, nearest};
 pub use player::Player;
 pub use report::{Failure, Report};
 pub use simulate::{Options, SimulateError, simulate};
 pub use trace::Trace;
+pub(crate) use verb::recorded_command;
 
 use crate::cell::Cell;
 use crate::document::{Document, Map, Place, Problems, Value};
@@ -104,7 +106,7 @@ impl Scenario {
         let folder = path.parent().unwrap_or(Path::new(""));
         let plan = match Machine::new(cell.machine.clone()) {
             Ok(machine) => {
-                let names = Names { config: &cell.machine, directory: machine.directory().clone() };
+                let names = Names { config: &cell.machine, directory: machine.directory() };
                 document.root("the scenario").and_then(|root| read(&root, &names, folder, &document))
             }
             Err(error) => {

@@ -9,7 +9,7 @@ use lineshaft_core::unit::{Scale, excerpt};
 /// The names of a cell.
 pub(super) struct Names<'c> {
     pub config: &'c MachineConfig,
-    pub directory: Directory,
+    pub directory: &'c Directory,
 }
 
 impl Names<'_> {
@@ -73,12 +73,12 @@ impl Names<'_> {
 }
 
 /// A hint.
-pub(super) fn did_you_mean(name: &str) -> String {
+pub(crate) fn did_you_mean(name: &str) -> String {
     format!("did you mean `{name}`?")
 }
 
 /// The name that is most like `text`, if anything is: a third of its letters may be wrong.
-pub(super) fn nearest<'n>(text: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+pub(crate) fn nearest<'n>(text: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     /// Nothing that long is a misspelt name, and the distance takes time as the product of the lengths.
     const LONGEST: usize = 64;
     if text.len() > LONGEST {

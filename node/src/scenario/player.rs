@@ -126,7 +126,7 @@ impl Player {
             let Some(act) = plan.acts.get(outcome) else { continue };
             let action = match &act.deed {
                 Deed::Command(action) => action.clone(),
-                Deed::Refused(_) => Action::Refuse,
+                Deed::Refused(sentence) => Action::Refuse(sentence.as_str().into()),
                 Deed::Cancel(id) => Action::Cancel { goal: self.goals.get(*id).copied().unwrap_or(0) },
                 Deed::Inject(injection) => {
                     if !plant.as_deref_mut().is_some_and(|plant| injection.apply(plant)) {

@@ -2,6 +2,8 @@
 
 use super::{Player, Report, Scenario, Trace};
 use crate::cell::Cell;
+use crate::recording::bag::{BagError, BagOptions};
+use crate::recording::simulation::SimulationRecorder;
 use indicatif::{ProgressBar, ProgressStyle};
 use lineshaft_core::config::ConfigError;
 use lineshaft_core::drive::Backend;
@@ -20,6 +22,8 @@ const PROGRESS_CYCLES: u64 = 1024;
 pub struct Options {
     /// Where the traced signals go.
     pub csv: Option<PathBuf>,
+    /// Where the run is recorded.
+    pub record: Option<BagOptions>,
     /// Show a progress bar, if standard error is a terminal.
     pub progress: bool,
 }
@@ -35,6 +39,12 @@ pub enum SimulateError {
         /// Why.
         error: io::Error,
     },
+    /// The recording could not be begun: its place is taken or cannot be made.
+    #[error(transparent)]
+    Place(BagError),
+    /// The recording could not be written to its end.
+    #[error(transparent)]
+    Record(#[from] BagError),
     /// The cell makes no machine.
     #[error("the cell makes no machine: {0}")]
     Machine(#[from] ConfigError),
@@ -43,7 +53,7 @@ pub enum SimulateError {
 /// Runs a scenario on the cell that it was read for, with a simulation in place of every backend.
 ///
 /// # Errors
-/// The trace cannot be written, or the cell makes no machine.
+/// The trace or the recording cannot be written, or the cell makes no machine.
 pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<Report, SimulateError> {
     let started = Instant::now();
     let mut machine = Machine::new(cell.machine.clone())?;
@@ -51,6 +61,10 @@ pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<R
     let mut plant = Plant::new(&cell.machine, &models);
     let mut trace = match &options.csv {
         Some(path) => Some(TraceFile::create(path, scenario, &machine)?),
+        None => None,
+    };
+    let mut recorder = match &options.record {
+        Some(options) => Some(SimulationRecorder::new(cell, &machine, options).map_err(SimulateError::Place)?),
         None => None,
     };
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
@@ -62,8 +76,14 @@ pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<R
         inputs.cycle = cycle;
         plant.read(&mut inputs);
         player.override_inputs(&mut inputs);
+        if let Some(recorder) = &mut recorder {
+            recorder.before(&machine);
+        }
         machine.cycle(&inputs, player.commands(), &mut outputs);
         plant.write(&outputs);
+        if let Some(recorder) = &mut recorder {
+            recorder.after(&inputs, player.commands(), &machine)?;
+        }
         player.after(&machine);
         if let Some(trace) = &mut trace {
             trace.write(cycle, &machine)?;
@@ -75,6 +95,9 @@ pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<R
     bar.finish_and_clear();
     if let Some(trace) = trace {
         trace.finish()?;
+    }
+    if let Some(recorder) = recorder {
+        recorder.finish()?;
     }
     Ok(Report { wall: Some(started.elapsed()), ..player.finish() })
 }

@@ -7,6 +7,7 @@ mod expectations;
 mod files;
 mod moments;
 mod problems;
+mod recorded;
 mod steps;
 mod traces;
 mod verbs;
@@ -67,8 +68,10 @@ fn problem(section: &str, item: &str) -> String {
 }
 
 fn run(text: &str) -> Report {
-    let report = simulate(&cell(), &scenario(text), &Options::default()).unwrap();
+    let (cell, scenario) = (cell(), scenario(text));
+    let report = simulate(&cell, &scenario, &Options::default()).unwrap();
     assert!(report.wall.is_some());
+    recorded::plays_the_same_as_json(&cell, &scenario);
     Report { wall: None, ..report }
 }
 
@@ -94,9 +97,11 @@ fn failure(rest: &str) -> String {
 fn trace(text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trace.csv");
-    let options = Options { csv: Some(path.clone()), progress: true };
-    let report = simulate(&cell(), &scenario(text), &options).unwrap();
+    let options = Options { csv: Some(path.clone()), progress: true, ..Options::default() };
+    let (cell, scenario) = (cell(), scenario(text));
+    let report = simulate(&cell, &scenario, &options).unwrap();
     assert!(report.passed(), "{report}");
+    recorded::plays_the_same_as_json(&cell, &scenario);
     std::fs::read_to_string(path).unwrap()
 }
 

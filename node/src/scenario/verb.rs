@@ -12,6 +12,9 @@ use lineshaft_core::request::{Amount, MoveRequest, RequestError, SynchronizeRequ
 use lineshaft_core::unit::{Scale, excerpt};
 
 mod amount;
+mod recorded;
+
+pub(crate) use recorded::recorded_command;
 
 /// Verbs that there are.
 const VERBS: [&str; 11] = [
@@ -344,8 +347,7 @@ impl Reader<'_> {
         let number = match memory[index].kind {
             MemoryKind::F64 => value.number(f64::NEG_INFINITY..=f64::INFINITY)?,
             MemoryKind::Bit => f64::from(value.integer(0..=1_u8)?),
-            // Beyond that a command could not carry it exactly.
-            _ => value.integer(-(1_i64 << 53)..=1 << 53)? as f64,
+            MemoryKind::I16 | MemoryKind::I32 | MemoryKind::I64 => whole_f64(value)?,
         };
         Some(Deed::Command(Action::SetMemory { index: index as u16, value: number }))
     }
@@ -365,6 +367,18 @@ fn number(map: &mut Map<'_>, key: &str, names: &[(&str, u8)]) -> Option<u8> {
         Some(value) if value.is_integer() => value.integer(0..=u8::MAX),
         Some(value) => value.choice(names),
     }
+}
+
+/// A whole number that a command, which carries it as an f64, carries exactly.
+fn whole_f64(value: &Value<'_>) -> Option<f64> {
+    let whole = value.integer(-(1_i128 << 63)..=1 << 63)?;
+    let carried = whole as f64;
+    if carried as i128 != whole {
+        let sentence = format!("{} is {whole}; beyond +-2^53 only what an f64 holds can be set", value.label());
+        value.refuse(sentence, Some(format!("the nearest is {}", carried as i128)));
+        return None;
+    }
+    Some(carried)
 }
 
 fn whole(map: &mut Map<'_>, key: &str) -> Option<i64> {

@@ -48,6 +48,7 @@ fn without_the_function_the_example_runs_and_fails_only_for_the_function() {
     let scenario = load(&folder, &text).unwrap();
     assert!(scenario.needs_simulation().unwrap().ends_with(":5:5: drive needs a simulated plant, run with --sim"));
     let report = simulate(&example_cell(), &scenario, &Options::default()).unwrap();
+    assert!(recorded::plays_the_same_as_json(&example_cell(), &scenario) > 3);
     let failures: Vec<_> = report.failures.iter().map(|failure| failure.sentence.as_str()).collect();
     let expected = "turret.command.position is 0 inc (0 deg) in cycle 101 (0.101 s); 3 inc (0.03 deg) was expected, value 2 of \
                     3; 2 of 3 values differ";

@@ -94,7 +94,7 @@ fn a_column_of_a_file_drives_a_signal() {
     };
     write("\u{feff}cycle, \"start\"\r\n0,1\r\n1, 0\r\n2,\"1\"\r\n\r\n");
     let csv = folder.path().join("out.csv");
-    let options = Options { csv: Some(csv.clone()), progress: false };
+    let options = Options { csv: Some(csv.clone()), ..Options::default() };
     simulate(&cell(), &load("start").unwrap(), &options).unwrap();
     let rows = std::fs::read_to_string(csv).unwrap();
     let column: String = rows.lines().skip(1).map(|row| row.split(',').nth(2).unwrap()).collect();
@@ -167,6 +167,10 @@ fn what_cannot_be_driven_is_refused() {
     assert_eq!(
         bad("{signal: feed, sine: {amplitude: 1, period: ^0 s}}"),
         "period is none; more than 0 up to 292 years is allowed"
+    );
+    assert_eq!(
+        bad("{signal: gain, sine: ^{mean: 1e308, amplitude: -1e308, period: 1 s}}"),
+        "mean and amplitude together lie beyond what f64 holds, 1.8e308"
     );
     assert_eq!(
         problems("{scenario: s, cycles: 9, drive: [{signal: feed, valeus: [1]}]}"),

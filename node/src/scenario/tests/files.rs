@@ -10,6 +10,7 @@ fn passes_on_the_demo_cell(name: &str) {
     let report = simulate(&cell, &scenario, &Options::default()).unwrap();
     assert!(report.passed(), "{report}");
     assert_eq!(report.steps_fired, report.steps, "{report}");
+    assert!(recorded::plays_the_same_as_json(&cell, &scenario) > 5);
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn the_same_run_is_the_same_file() {
     let run = |name: &str| {
         let path = folder.path().join(name);
         let scenario = Scenario::parse("busy.yaml", BUSY, &cell).unwrap();
-        let options = Options { csv: Some(path.clone()), progress: false };
+        let options = Options { csv: Some(path.clone()), ..Options::default() };
         assert!(simulate(&cell, &scenario, &options).unwrap().passed());
         std::fs::read(path).unwrap()
     };
@@ -84,7 +84,7 @@ fn the_same_run_is_the_same_file() {
 #[test]
 fn a_trace_that_cannot_be_written_is_a_clear_error() {
     let error = |path: &str| {
-        let options = Options { csv: Some(path.into()), progress: false };
+        let options = Options { csv: Some(path.into()), ..Options::default() };
         let text = "scenario: s\ncycles: 20000\ntrace: ['*']";
         simulate(&cell(), &scenario(text), &options).unwrap_err().to_string()
     };

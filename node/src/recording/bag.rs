@@ -1,0 +1,409 @@
+//! Writes a bag: MCAP files in rosbag2's profile, and metadata.yaml (contract section 6).
+//!
+//! Law      the same cycles give the same bytes; a file begins only at a key cycle, and stands for itself
+//! Refuses  a place that is taken; after an error of the disk, everything: what was flushed before it stays readable
+//!
+//! A bag in a folder goes on in a new file at a key cycle whose state was kept, once the present one is too large or too
+//! long. What is missing is counted: cycle numbers tell it, or who gives the cycles does.
+
+mod disk;
+mod file;
+mod place;
+mod topics;
+
+use super::metadata::{FileInformation, Metadata, TopicInformation};
+use super::parameters::parameters_text;
+use super::{Encoded, Topic};
+use crate::cell::Cell;
+use disk::Medium;
+use file::{BagFile, Counts, Opening};
+use lineshaft_ros::layer::{FullName, NodeName};
+use place::Place;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Where a bag goes, and when it goes on in a new file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BagOptions {
+    /// `NAME.mcap`: that file. Else a new folder.
+    pub path: PathBuf,
+    /// A new file begins once the present one is as large as this (bytes). Folders only.
+    pub max_size: Option<u64>,
+    /// A new file begins once the present one is as long as this (ns). Folders only.
+    pub max_duration_ns: Option<u64>,
+}
+
+/// What is recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subject {
+    /// Text of the cell file.
+    pub cell: String,
+    /// Parameters in force before cycle 0, of [`parameters_text`]; a later file has those of its first cycle.
+    pub parameters: String,
+    /// Whose topics they are.
+    pub node: NodeName,
+    /// Length of a cycle (ns).
+    pub cycle_ns: u64,
+    /// Of this program.
+    pub version: String,
+}
+
+/// Why a bag cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum BagError {
+    /// A place that is taken, or options that do not fit it: a sentence.
+    #[error("{0}")]
+    Refused(String),
+    /// The system.
+    #[error("cannot write {}: {error}", .path.display())]
+    Write {
+        /// What could not be written.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// An error came before.
+    #[error("{}: nothing more is written after the error before", .0.display())]
+    Ended(PathBuf),
+}
+
+/// How a bag stands.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Summary {
+    /// As it was given.
+    pub path: PathBuf,
+    /// In the order of their cycles.
+    pub files: Vec<PathBuf>,
+    /// Cycles in it.
+    pub cycles: u64,
+    /// On the disk, without metadata.yaml (bytes).
+    pub size: u64,
+    /// Cycles that are missing between the first and the last one.
+    pub lost: u64,
+    /// It begins where a replay can begin, and nothing is missing.
+    pub replayable: bool,
+}
+
+/// A file that has ended.
+struct Ended {
+    path: PathBuf,
+    counts: Counts,
+    size: u64,
+}
+
+/// Opens a file of a bag.
+type Open = Box<dyn Fn(&Place, &Path) -> io::Result<Box<dyn Medium>> + Send>;
+
+/// A bag that is being written. Dropped without [`Bag::finish`] it has no metadata.yaml, and its last file no record
+/// `lineshaft_end`, as if the program had been killed.
+pub struct Bag {
+    options: BagOptions,
+    place: Place,
+    subject: Subject,
+    cell_sha256: String,
+    topics: Vec<FullName>,
+    open: Open,
+    ended: Vec<Ended>,
+    file: Option<BagFile>,
+    /// Cycle that comes next, in a file that has begun.
+    next: Option<u64>,
+    /// Where the present file can be replayed from its beginning on.
+    is_start_known: bool,
+    /// Of the present file.
+    lost: Lost,
+    /// Of the files before.
+    lost_before: u64,
+    /// All files before can be replayed.
+    replayable_before: bool,
+    is_broken: bool,
+}
+
+/// Cycles that are missing in a file: by their numbers, and as was said.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lost {
+    gaps: u64,
+    noted: u64,
+}
+
+impl Lost {
+    fn count(self) -> u64 {
+        self.gaps.max(self.noted)
+    }
+}
+
+impl Subject {
+    /// A machine of that cell before its cycle 0, shown as `node`.
+    pub fn new(cell: &Cell, node: &NodeName) -> Self {
+        let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.parameters).collect();
+        Self {
+            cell: cell.text.clone(),
+            parameters: parameters_text(&cell.machine, &parameters),
+            node: node.clone(),
+            cycle_ns: cell.machine.cycle_ns,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    }
+}
+
+impl BagError {
+    /// The system's number of the error, 0 where there is none.
+    pub fn system_error(&self) -> i32 {
+        match self {
+            Self::Write { error, .. } => error.raw_os_error().unwrap_or(0),
+            Self::Refused(_) | Self::Ended(_) => 0,
+        }
+    }
+}
+
+impl Bag {
+    /// Begins a bag. A folder `options.path` must not exist, a file of that name must be empty.
+    ///
+    /// # Errors
+    /// A place that is taken or cannot be made; a limit for a bag of one file.
+    pub fn create(options: &BagOptions, subject: Subject) -> Result<Self, BagError> {
+        Self::create_on(options, subject, Box::new(|place, path| Ok(Box::new(place.open(path)?))))
+    }
+
+    fn create_on(options: &BagOptions, subject: Subject, open: Open) -> Result<Self, BagError> {
+        let place = Place::of(&options.path)?;
+        if !place.is_folder() && (options.max_size.is_some() || options.max_duration_ns.is_some()) {
+            let path = place.path().display();
+            return Err(BagError::Refused(format!(
+                "{path} is one file and is never split; leave the largest size and duration out, or name a folder"
+            )));
+        }
+        let names = Topic::ALL.iter().map(|topic| topic.name(&subject.node));
+        let topics = names.collect::<Result<_, _>>().map_err(|error| BagError::Refused(error.to_string()))?;
+        place.claim()?;
+        let cell_sha256 = super::sha256(&subject.cell);
+        let mut bag = Self {
+            options: options.clone(),
+            place,
+            subject,
+            cell_sha256,
+            topics,
+            open,
+            ended: Vec::new(),
+            file: None,
+            next: None,
+            is_start_known: false,
+            lost: Lost::default(),
+            lost_before: 0,
+            replayable_before: true,
+            is_broken: false,
+        };
+        bag.open_file()?;
+        Ok(bag)
+    }
+
+    /// Writes a cycle. What comes before the first key cycle is left out.
+    ///
+    /// # Errors
+    /// The disk's; from then on nothing is written, and what was flushed before can be read.
+    pub fn write(&mut self, encoded: &Encoded) -> Result<(), BagError> {
+        if self.is_broken {
+            return Err(BagError::Ended(self.options.path.clone()));
+        }
+        if self.next.is_none() && !encoded.is_key {
+            return Ok(());
+        }
+        if let Some(next) = self.next {
+            self.lost.gaps = self.lost.gaps.saturating_add(encoded.cycle.saturating_sub(next));
+        }
+        if encoded.is_key && self.next.is_some() {
+            self.on_file(BagFile::flush)?;
+            if self.must_split(encoded) {
+                self.end_file(true)?;
+                self.open_file()?;
+            }
+        }
+        if self.next.is_none() {
+            self.begin_file(Some(encoded))?;
+        }
+        self.next = Some(encoded.cycle.saturating_add(1));
+        self.on_file(|file| file.write(encoded))
+    }
+
+    /// Notes cycles that were lost on their way here.
+    pub fn note_lost(&mut self, cycles: u64) {
+        self.lost.noted = self.lost.noted.saturating_add(cycles);
+    }
+
+    /// Ends the bag.
+    ///
+    /// # Errors
+    /// The disk's, or one that came before; what was flushed before it can be read.
+    pub fn finish(mut self) -> Result<Summary, BagError> {
+        if self.is_broken {
+            return Err(BagError::Ended(self.options.path.clone()));
+        }
+        if self.next.is_none() {
+            self.begin_file(None)?;
+        }
+        self.end_file(false)?;
+        self.write_metadata(self.is_replayable())?;
+        Ok(self.summary())
+    }
+
+    /// As it was given.
+    pub fn path(&self) -> &Path {
+        &self.options.path
+    }
+
+    /// Bytes on the disk so far, without metadata.yaml.
+    pub fn size(&self) -> u64 {
+        self.ended.iter().map(|file| file.size).sum::<u64>() + self.file.as_ref().map_or(0, BagFile::size)
+    }
+
+    /// How it stands: what is on the disk.
+    pub fn summary(&self) -> Summary {
+        let file = self.file.as_ref();
+        let ended = self.ended.iter().map(|file| file.path.clone());
+        Summary {
+            path: self.options.path.clone(),
+            files: ended.chain(file.map(|file| file.path.clone())).collect(),
+            cycles: self.ended.iter().map(|file| file.counts.cycles).sum::<u64>()
+                + file.map_or(0, |file| file.safe().cycles),
+            size: self.size(),
+            lost: self.lost_before + self.lost.count(),
+            replayable: !self.is_broken && self.is_replayable(),
+        }
+    }
+
+    fn is_replayable(&self) -> bool {
+        self.replayable_before && (self.file.is_none() || self.is_file_replayable())
+    }
+
+    fn is_file_replayable(&self) -> bool {
+        self.is_start_known && self.lost.count() == 0
+    }
+
+    fn must_split(&self, encoded: &Encoded) -> bool {
+        let Some(file) = self.file.as_ref().filter(|_| self.place.is_folder() && encoded.state.is_some()) else {
+            return false;
+        };
+        let start = file.counts().span.map_or(encoded.stamp_ns, |(first, _)| first);
+        let duration = encoded.stamp_ns.saturating_sub(start);
+        self.options.max_size.is_some_and(|most| file.size() >= most)
+            || self.options.max_duration_ns.is_some_and(|most| duration >= most)
+    }
+
+    fn open_file(&mut self) -> Result<(), BagError> {
+        let path = self.place.file(self.ended.len());
+        let medium = match (self.open)(&self.place, &path) {
+            Ok(medium) => medium,
+            Err(error) => return Err(self.fail(path, error)),
+        };
+        match BagFile::create(path.clone(), medium) {
+            Ok(file) => self.file = Some(file),
+            Err(error) => {
+                let _ = std::fs::remove_file(&path);
+                return Err(self.fail(path, error));
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes what stands before the first cycle; without a cycle, the bag stays empty.
+    fn begin_file(&mut self, first: Option<&Encoded>) -> Result<(), BagError> {
+        let state = first.filter(|first| first.cycle > 0).and_then(|first| first.state.as_deref());
+        self.is_start_known = state.is_some() || first.is_some_and(|first| first.cycle == 0);
+        let subject = &self.subject;
+        let parameters = first.and_then(|first| first.parameters.as_deref()).unwrap_or(&subject.parameters);
+        let yaml = |name, text: &str| (name, "application/yaml", Cow::Owned(text.as_bytes().to_vec()));
+        let mut attachments = vec![yaml("cell.yaml", &subject.cell), yaml("parameters.yaml", parameters)];
+        attachments.extend(state.map(|state| ("machine_state", "application/octet-stream", Cow::Borrowed(state))));
+        let record = [
+            ("version", subject.version.clone()),
+            ("cell_sha256", self.cell_sha256.clone()),
+            ("cycle_ns", subject.cycle_ns.to_string()),
+            ("node", subject.node.to_string()),
+        ];
+        let opening = Opening {
+            stamp_ns: first.map_or(0, |first| first.stamp_ns),
+            attachments,
+            record: record.map(|(key, value)| (key.to_owned(), value)).into(),
+        };
+        let topics = std::mem::take(&mut self.topics);
+        let begun = self.on_file(|file| file.begin(opening, &topics));
+        self.topics = topics;
+        begun
+    }
+
+    /// `continued`: the bag goes on in a further file.
+    fn end_file(&mut self, continued: bool) -> Result<(), BagError> {
+        let replayable = self.is_file_replayable();
+        let lost = self.lost.count();
+        let record =
+            [("replayable", replayable.to_string()), ("lost", lost.to_string()), ("continued", continued.to_string())];
+        let record: BTreeMap<_, _> = record.map(|(key, value)| (key.to_owned(), value)).into();
+        self.on_file(|file| file.finish(record))?;
+        self.replayable_before &= replayable;
+        self.lost_before += std::mem::take(&mut self.lost).count();
+        self.next = None;
+        self.keep_file();
+        Ok(())
+    }
+
+    /// Puts the present file to those that have ended, with what of it is on the disk.
+    fn keep_file(&mut self) {
+        if let Some(file) = self.file.take() {
+            self.ended.push(Ended { counts: file.safe().clone(), size: file.size(), path: file.path });
+        }
+    }
+
+    fn on_file(&mut self, act: impl FnOnce(&mut BagFile) -> io::Result<()>) -> Result<(), BagError> {
+        let Some(file) = &mut self.file else { return Err(BagError::Ended(self.options.path.clone())) };
+        let path = file.path.clone();
+        act(file).map_err(|error| self.fail(path, error))
+    }
+
+    /// Ends everything after an error: a file without a cycle is taken away, metadata.yaml tells of what is there.
+    fn fail(&mut self, path: PathBuf, error: io::Error) -> BagError {
+        self.is_broken = true;
+        match self.file.take_if(|file| file.safe().cycles == 0) {
+            Some(empty) => {
+                let path = empty.path.clone();
+                drop(empty);
+                let _ = std::fs::remove_file(path);
+            }
+            None => self.keep_file(),
+        }
+        if self.ended.is_empty() {
+            self.place.release();
+        } else {
+            // On a full disk it may fail too; then there is none, and never a part of one.
+            let _ = self.write_metadata(false);
+        }
+        BagError::Write { path, error }
+    }
+
+    fn write_metadata(&self, replayable: bool) -> Result<(), BagError> {
+        let count = |topic: usize| self.ended.iter().map(|file| file.counts.messages[topic]).sum();
+        let topic = |(place, (topic, name)): (usize, (Topic, &FullName))| TopicInformation {
+            name: name.to_string(),
+            type_name: topic.schema().0,
+            qos: topic.qos(),
+            messages: count(place),
+        };
+        let (kind, is) = self.place.kind();
+        let metadata = Metadata {
+            files: self.ended.iter().map(|file| file.counts.information(&file.path)).collect::<Vec<FileInformation>>(),
+            topics: Topic::ALL.into_iter().zip(&self.topics).enumerate().map(topic).collect(),
+            custom: vec![
+                (kind, is.to_owned()),
+                ("lineshaft_version", self.subject.version.clone()),
+                ("cell_sha256", self.cell_sha256.clone()),
+                ("replayable", replayable.to_string()),
+                ("lost", (self.lost_before + self.lost.count()).to_string()),
+            ],
+        };
+        let written = metadata.write(self.place.folder());
+        written.map(drop).map_err(|(path, error)| BagError::Write { path, error })
+    }
+}
+
+#[cfg(test)]
+mod tests;

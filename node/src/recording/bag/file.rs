@@ -1,0 +1,175 @@
+//! One file of a bag: MCAP in the profile `ros2`.
+//!
+//! It stands for itself: schemas, all channels, attachments and the record `lineshaft` are in each file, and its first
+//! cycle is a key cycle. Chunks are gathered in memory and reach the disk whole.
+
+use super::super::metadata::{FileInformation, qos_text};
+use super::super::{Encoded, Topic};
+use super::disk::{Disk, Medium};
+use lineshaft_ros::layer::FullName;
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A chunk ends beyond this (bytes, before compression), and with each key cycle.
+const CHUNK: usize = 1 << 20;
+/// A chunk ends after this (ns), so that a killed process loses no more.
+const CHUNK_NS: u64 = 1_000_000_000;
+
+/// Messages, and the time that they span.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Counts {
+    /// For each topic, in the order of [`Topic::ALL`].
+    pub messages: [u64; Topic::ALL.len()],
+    pub cycles: u64,
+    /// Least and largest t_k (ns).
+    pub span: Option<(u64, u64)>,
+}
+
+impl Counts {
+    pub(super) fn all(&self) -> u64 {
+        self.messages.iter().sum()
+    }
+
+    fn add(&mut self, encoded: &Encoded) {
+        let stamp = encoded.stamp_ns;
+        self.cycles += 1;
+        self.span = Some(self.span.map_or((stamp, stamp), |(first, last)| (first.min(stamp), last.max(stamp))));
+    }
+
+    pub(super) fn information(&self, path: &Path) -> FileInformation {
+        // Only the path of a folder ends otherwise.
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        FileInformation { name, span: self.span, messages: self.all() }
+    }
+}
+
+/// What stands in a file before its first cycle.
+pub(super) struct Opening<'a> {
+    /// t_k of the first cycle (ns).
+    pub stamp_ns: u64,
+    /// Name, type and content of each attachment.
+    pub attachments: Vec<(&'static str, &'static str, Cow<'a, [u8]>)>,
+    /// The record `lineshaft`.
+    pub record: BTreeMap<String, String>,
+}
+
+/// A file that is being written.
+pub(super) struct BagFile {
+    pub path: PathBuf,
+    writer: Writer<Disk>,
+    flushed: Arc<AtomicU64>,
+    channels: Vec<u16>,
+    counts: Counts,
+    /// What of it is on the disk.
+    safe: Counts,
+    chunk_bytes: usize,
+    chunk_start_ns: u64,
+}
+
+impl BagFile {
+    /// Begins a file with nothing in it.
+    pub(super) fn create(path: PathBuf, medium: Box<dyn Medium>) -> io::Result<Self> {
+        let (disk, flushed) = Disk::new(medium);
+        let options = WriteOptions::new()
+            .profile("ros2")
+            .library("lineshaft")
+            .compression(Some(Compression::Zstd))
+            // More than one thread may cut the stream where the machine's load wants it.
+            .compression_threads(0)
+            .chunk_size(None)
+            .disable_seeking(true);
+        let mut writer = options.create(disk).map_err(io_error)?;
+        writer.flush().map_err(io_error)?;
+        let (counts, safe) = Default::default();
+        Ok(Self { path, writer, flushed, channels: Vec::new(), counts, safe, chunk_bytes: 0, chunk_start_ns: 0 })
+    }
+
+    /// Writes what stands before the first cycle.
+    pub(super) fn begin(&mut self, opening: Opening<'_>, topics: &[FullName]) -> io::Result<()> {
+        let time = opening.stamp_ns;
+        for (name, media_type, data) in opening.attachments {
+            let (name, media_type) = (name.to_owned(), media_type.to_owned());
+            let attachment = Attachment { log_time: time, create_time: time, name, media_type, data };
+            self.writer.attach(&attachment).map_err(io_error)?;
+        }
+        self.record("lineshaft", opening.record)?;
+        for (topic, name) in Topic::ALL.into_iter().zip(topics) {
+            let (schema_name, schema) = topic.schema();
+            let schema = self.writer.add_schema(schema_name, "ros2msg", schema.as_bytes()).map_err(io_error)?;
+            let qos = BTreeMap::from([("offered_qos_profiles".to_owned(), qos_text(topic.qos(), 0))]);
+            let channel = self.writer.add_channel(schema, &name.to_string(), "cdr", &qos).map_err(io_error)?;
+            self.channels.push(channel);
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, name: &str, metadata: BTreeMap<String, String>) -> io::Result<()> {
+        self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata }).map_err(io_error)
+    }
+
+    /// Writes a cycle. The first one is on the disk at once, so that a file is never without one.
+    pub(super) fn write(&mut self, encoded: &Encoded) -> io::Result<()> {
+        let is_old = encoded.stamp_ns >= self.chunk_start_ns.saturating_add(CHUNK_NS);
+        if self.chunk_bytes >= CHUNK || is_old {
+            self.flush()?;
+        }
+        if self.chunk_bytes == 0 {
+            self.chunk_start_ns = encoded.stamp_ns;
+        }
+        let time = encoded.stamp_ns;
+        for (topic, message) in encoded.messages() {
+            let Some(&channel_id) = self.channels.get(topic as usize) else { continue };
+            let count = &mut self.counts.messages[topic as usize];
+            let header = MessageHeader { channel_id, sequence: *count as u32, log_time: time, publish_time: time };
+            self.writer.write_to_known_channel(&header, message).map_err(io_error)?;
+            *count += 1;
+            self.chunk_bytes += message.len();
+        }
+        self.counts.add(encoded);
+        if self.safe.cycles == 0 { self.flush() } else { Ok(()) }
+    }
+
+    /// Ends the chunk and brings it to the disk.
+    pub(super) fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush().map_err(io_error)?;
+        self.safe = self.counts.clone();
+        self.chunk_bytes = 0;
+        Ok(())
+    }
+
+    /// Ends the file.
+    pub(super) fn finish(&mut self, record: BTreeMap<String, String>) -> io::Result<()> {
+        self.flush()?;
+        self.record("lineshaft_end", record)?;
+        // Flushes: the record and the summary arrive together.
+        self.writer.finish().map(drop).map_err(io_error)
+    }
+
+    /// What of it is on the disk.
+    pub(super) fn safe(&self) -> &Counts {
+        &self.safe
+    }
+
+    /// What was given to it.
+    pub(super) fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Size on the disk (bytes).
+    pub(super) fn size(&self) -> u64 {
+        self.flushed.load(Ordering::Relaxed)
+    }
+}
+
+fn io_error(error: McapError) -> io::Error {
+    match error {
+        McapError::Io(error) => error,
+        other => io::Error::other(other),
+    }
+}

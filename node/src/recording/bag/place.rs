@@ -1,0 +1,123 @@
+//! What a path given for a bag means, and whether a bag may be made there (contract section 6).
+
+use super::BagError;
+use crate::recording::metadata;
+use std::ffi::OsStr;
+use std::fs::{self, File, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// How metadata.yaml tells that it describes a bag of one file, as [`Place::kind`] has it.
+const ONE_FILE: &str = "lineshaft_bag: \"file\"";
+
+/// Where a bag is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// One file, metadata.yaml beside it.
+    File(PathBuf),
+    /// A folder with files `<name>_0.mcap`, `<name>_1.mcap` .. and metadata.yaml.
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Its name.
+        name: String,
+    },
+}
+
+impl Place {
+    pub(super) fn of(path: &Path) -> Result<Self, BagError> {
+        let refused = |reason: &str| BagError::Refused(format!("{}: {reason}", path.display()));
+        let name = path.file_name().ok_or_else(|| refused("a bag needs a name of its own"))?;
+        let name = name.to_str().ok_or_else(|| refused("the name of a bag must be UTF-8 text"))?;
+        if path.extension() == Some(OsStr::new("mcap")) {
+            return Ok(Self::File(path.to_owned()));
+        }
+        Ok(Self::Folder { path: path.to_owned(), name: name.to_owned() })
+    }
+
+    /// Takes the place, as far as it may be taken.
+    pub(super) fn claim(&self) -> Result<(), BagError> {
+        match self {
+            Self::File(path) => match fs::metadata(path) {
+                Ok(found) if found.is_dir() => Err(exists(path, "is a folder")),
+                Ok(found) if found.len() > 0 || !found.is_file() => Err(exists(path, "exists and is not empty")),
+                _ => self.may_describe(),
+            },
+            Self::Folder { path, .. } => fs::create_dir(path).map_err(|error| match error.kind() {
+                io::ErrorKind::AlreadyExists => exists(path, "exists"),
+                _ => BagError::Write { path: path.clone(), error },
+            }),
+        }
+    }
+
+    /// Bags of one file may share a folder, and metadata.yaml there tells of the newest. That of a bag which needs it stays.
+    fn may_describe(&self) -> Result<(), BagError> {
+        let description = self.folder().join(metadata::FILE_NAME);
+        match fs::read_to_string(&description) {
+            Ok(text) if !text.lines().any(|line| line.trim() == ONE_FILE) => {
+                let description = description.display();
+                Err(BagError::Refused(format!("{description} describes another bag; name a folder of its own")))
+            }
+            // None there, or one that no reader reads.
+            _ => Ok(()),
+        }
+    }
+
+    /// What metadata.yaml tells of the place: name and value.
+    pub(super) fn kind(&self) -> (&'static str, &'static str) {
+        ("lineshaft_bag", if self.is_folder() { "folder" } else { "file" })
+    }
+
+    /// The folder that holds the files and metadata.yaml.
+    pub(super) fn folder(&self) -> &Path {
+        match self {
+            Self::File(path) => match path.parent() {
+                Some(folder) if folder != Path::new("") => folder,
+                _ => Path::new("."),
+            },
+            Self::Folder { path, .. } => path,
+        }
+    }
+
+    /// As it was given.
+    pub(super) fn path(&self) -> &Path {
+        match self {
+            Self::File(path) | Self::Folder { path, .. } => path,
+        }
+    }
+
+    /// A bag of several files?
+    pub(super) fn is_folder(&self) -> bool {
+        matches!(self, Self::Folder { .. })
+    }
+
+    /// Path of a file of the bag, counted from 0.
+    pub(super) fn file(&self, number: usize) -> PathBuf {
+        match self {
+            Self::File(path) => path.clone(),
+            Self::Folder { path, name } => path.join(format!("{name}_{number}.mcap")),
+        }
+    }
+
+    /// Makes a file of the bag.
+    pub(super) fn open(&self, path: &Path) -> io::Result<File> {
+        let mut options = OpenOptions::new();
+        match self {
+            // An empty one may be there.
+            Self::File(_) => options.write(true).create(true).truncate(false).open(path),
+            Self::Folder { .. } => options.write(true).create_new(true).open(path),
+        }
+    }
+
+    /// Takes an empty folder away again.
+    pub(super) fn release(&self) {
+        if let Self::Folder { path, .. } = self {
+            // With files in it, it stays.
+            let _ = fs::remove_dir(path);
+        }
+    }
+}
+
+fn exists(path: &Path, how: &str) -> BagError {
+    BagError::Refused(format!("{} {how} already; a bag never replaces anything", path.display()))
+}

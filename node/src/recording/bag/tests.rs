@@ -1,0 +1,327 @@
+//! Bags against the reader of the crate `mcap`, and on disks that fill up.
+
+mod full;
+pub(super) mod full_disk;
+mod splits;
+
+use super::super::metadata::FILE_NAME;
+use super::super::rig::{self, MOVING, Recorded};
+use super::*;
+use crate::cell::Cell;
+use crate::recording::parameters::parameters_text;
+use lineshaft_msgs::cdr::decode_with_header;
+use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
+use lineshaft_msgs::msg::{AppliedCommand, AxisStates, CycleInputs, Event, Signals};
+use mcap::records::Record;
+use mcap::{MessageStream, read};
+use std::fs;
+use std::os::unix::ffi::OsStringExt;
+use std::sync::OnceLock;
+
+fn subject() -> Subject {
+    let cell = Cell::demo();
+    let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.parameters).collect();
+    Subject {
+        parameters: parameters_text(&cell.machine, &parameters),
+        cell: cell.text,
+        node: NodeName::new("/", "lineshaft").unwrap(),
+        cycle_ns: 1_000_000,
+        version: "0.1.0".to_owned(),
+    }
+}
+
+/// 3.5 s of the demo, recorded once for all tests.
+fn run() -> &'static Recorded {
+    static RUN: OnceLock<Recorded> = OnceLock::new();
+    RUN.get_or_init(|| rig::record(&Cell::demo(), MOVING, 3500, 1_000_000_000_000))
+}
+
+fn write(options: &BagOptions, cycles: &[Encoded]) -> Summary {
+    let mut bag = Bag::create(options, subject()).unwrap();
+    cycles.iter().for_each(|encoded| bag.write(encoded).unwrap());
+    bag.finish().unwrap()
+}
+
+fn at(path: PathBuf) -> BagOptions {
+    BagOptions { path, ..BagOptions::default() }
+}
+
+/// What the crate's reader finds in a finished file.
+struct Found {
+    attachments: BTreeMap<String, Vec<u8>>,
+    records: BTreeMap<String, BTreeMap<String, String>>,
+    /// Topic, time, message.
+    messages: Vec<(String, u64, Vec<u8>)>,
+}
+
+fn find(bytes: &[u8]) -> Found {
+    let summary = read::Summary::read(bytes).unwrap().unwrap();
+    assert_eq!(summary.channels.len(), Topic::ALL.len());
+    for channel in summary.channels.values() {
+        assert_eq!(channel.message_encoding, "cdr");
+        assert!(channel.metadata["offered_qos_profiles"].starts_with("- history: keep_last\n  depth: 1"));
+        assert_eq!(channel.schema.as_ref().unwrap().encoding, "ros2msg");
+    }
+    let attachment = |index| read::attachment(bytes, index).unwrap();
+    let attachments = summary.attachment_indexes.iter().map(|index| {
+        let attachment = attachment(index);
+        (attachment.name, attachment.data.into_owned())
+    });
+    let records = summary.metadata_indexes.iter().map(|index| read::metadata(bytes, index).unwrap());
+    let messages = MessageStream::new(bytes).unwrap().map(|message| {
+        let message = message.unwrap();
+        assert_eq!(message.log_time, message.publish_time);
+        (message.channel.topic.clone(), message.log_time, message.data.into_owned())
+    });
+    Found {
+        attachments: attachments.collect(),
+        records: records.map(|record| (record.name, record.metadata)).collect(),
+        messages: messages.collect(),
+    }
+}
+
+/// Decodes a message by its topic; the number of its cycle, where it has one.
+fn decode(topic: &str, bytes: &[u8]) -> Option<u64> {
+    match topic {
+        "/lineshaft/commands" => Some(decode_with_header::<AppliedCommand>(bytes).unwrap().cycle),
+        "/lineshaft/inputs" => Some(decode_with_header::<CycleInputs>(bytes).unwrap().cycle),
+        "/lineshaft/events" => Some(decode_with_header::<Event>(bytes).unwrap().cycle),
+        "/lineshaft/signals" => Some(decode_with_header::<Signals>(bytes).unwrap().cycle),
+        "/lineshaft/axis_states" => Some(decode_with_header::<AxisStates>(bytes).unwrap().cycle),
+        "/joint_states" => {
+            assert_eq!(decode_with_header::<JointState>(bytes).unwrap().name.len(), 3);
+            None
+        }
+        other => panic!("{other}"),
+    }
+}
+
+/// The messages that a file of these cycles holds.
+fn messages(cycles: &[Encoded]) -> Vec<(String, u64, Vec<u8>)> {
+    let node = subject().node;
+    let of = |encoded: &Encoded| {
+        let each =
+            |(topic, bytes): (Topic, &[u8])| (topic.name(&node).unwrap().to_string(), encoded.stamp_ns, bytes.to_vec());
+        encoded.messages().map(each).collect::<Vec<_>>()
+    };
+    cycles.iter().flat_map(of).collect()
+}
+
+#[test]
+fn a_bag_of_one_file_holds_every_message_and_what_a_replay_needs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let summary = write(&at(path.clone()), &run().encoded);
+    let bytes = fs::read(&path).unwrap();
+    assert_eq!(
+        summary,
+        Summary {
+            path: path.clone(),
+            files: vec![path.clone()],
+            cycles: 3500,
+            size: bytes.len() as u64,
+            lost: 0,
+            replayable: true
+        }
+    );
+    let found = find(&bytes);
+    assert_eq!(found.messages, messages(&run().encoded));
+    for (topic, time, message) in &found.messages {
+        if let Some(cycle) = decode(topic, message) {
+            assert_eq!(*time, 1_000_000_000_000 + cycle * 1_000_000);
+        }
+    }
+    assert_eq!(found.attachments.keys().collect::<Vec<_>>(), ["cell.yaml", "parameters.yaml"]);
+    assert_eq!(found.attachments["cell.yaml"], Cell::demo().text.into_bytes());
+    assert!(
+        String::from_utf8_lossy(&found.attachments["parameters.yaml"]).contains("x.max_velocity: 125829120 inc/s\n")
+    );
+    let record = &found.records["lineshaft"];
+    assert_eq!((&*record["version"], &*record["cycle_ns"], &*record["node"]), ("0.1.0", "1000000", "/lineshaft"));
+    assert_eq!(record["cell_sha256"].len(), 64);
+    let end = &found.records["lineshaft_end"];
+    assert_eq!((&*end["replayable"], &*end["lost"]), ("true", "0"));
+    let text = fs::read_to_string(folder.path().join(FILE_NAME)).unwrap();
+    let count = found.messages.len();
+    assert!(text.contains(&format!("  - path: \"run.mcap\"\n      duration:\n        nanoseconds: 3499000000\n      starting_time:\n        nanoseconds_since_epoch: 1000000000000\n      message_count: {count}\n")), "{text}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+}
+
+/// FIPS 180-2, appendix B.1.
+#[test]
+fn the_hash_of_the_cell_is_sha_256() {
+    let folder = tempfile::tempdir().unwrap();
+    let subject = Subject { cell: "abc".to_owned(), ..subject() };
+    let bag = Bag::create(&at(folder.path().join("a")), subject).unwrap();
+    assert_eq!(bag.cell_sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+#[test]
+fn equal_runs_give_equal_bytes() {
+    let record = || {
+        let folder = tempfile::tempdir().unwrap();
+        let options = BagOptions { max_duration_ns: Some(1), ..at(folder.path().join("run")) };
+        let summary = write(&options, &rig::record(&Cell::demo(), MOVING, 2500, 0).encoded);
+        assert_eq!(summary.files.len(), 3);
+        let mut all: Vec<_> = fs::read_dir(&options.path).unwrap().map(|entry| entry.unwrap().path()).collect();
+        all.sort();
+        all.iter().map(|path| (path.file_name().unwrap().to_owned(), fs::read(path).unwrap())).collect::<Vec<_>>()
+    };
+    assert_eq!(record(), record());
+}
+
+/// A process that is killed leaves what was flushed: never more than about a second is missing.
+#[test]
+fn what_a_killed_process_leaves_lacks_a_second_at_most() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut bag = Bag::create(&at(path.clone()), subject()).unwrap();
+    for (number, encoded) in run().encoded.iter().enumerate() {
+        bag.write(encoded).unwrap();
+        if number % 97 == 0 {
+            let bytes = fs::read(&path).unwrap();
+            let whole = whole_messages(&bytes);
+            assert_eq!(whole, messages(&run().encoded)[..whole.len()]);
+            let last = whole.last().unwrap().1;
+            assert!(encoded.stamp_ns - last <= 1_000_000_000, "cycle {number}");
+            assert_eq!(bag.summary().cycles, (last - 1_000_000_000_000) / 1_000_000 + 1);
+            assert_eq!(bag.summary().size, bytes.len() as u64);
+        }
+    }
+}
+
+/// The messages of a file that has no end. Every record of it must be whole.
+fn whole_messages(bytes: &[u8]) -> Vec<(String, u64, Vec<u8>)> {
+    let records = read::LinearReader::new_with_options(bytes, read::Options::IgnoreEndMagic.into()).unwrap();
+    assert!(records.map(|record| record.unwrap()).any(|record| matches!(record, Record::Metadata(_))));
+    let stream = MessageStream::new_with_options(bytes, read::Options::IgnoreEndMagic.into()).unwrap();
+    stream
+        .map(|message| message.unwrap())
+        .map(|message| (message.channel.topic.clone(), message.log_time, message.data.into_owned()))
+        .collect()
+}
+
+#[test]
+fn a_bag_without_a_cycle_is_whole_and_cannot_be_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    // No key cycle ever comes.
+    let summary = write(&at(path.clone()), &run().encoded[1..900]);
+    assert_eq!((summary.cycles, summary.replayable), (0, false));
+    let found = find(&fs::read(&path).unwrap());
+    assert_eq!((found.messages.len(), found.attachments.len()), (0, 2));
+    assert_eq!(found.records["lineshaft_end"]["replayable"], "false");
+}
+
+#[test]
+fn a_bag_that_begins_later_begins_at_a_key_cycle_with_the_state_of_the_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let summary = write(&at(path.clone()), &run().encoded[700..]);
+    assert_eq!((summary.cycles, summary.lost, summary.replayable), (2500, 0, true));
+    let found = find(&fs::read(&path).unwrap());
+    assert_eq!(found.messages, messages(&run().encoded[1000..]));
+    assert_eq!(found.attachments["machine_state"], b"state before 1000");
+
+    // Without a state there is no place to replay from.
+    let mut cycles = run().encoded[1000..].to_vec();
+    cycles[0].state = None;
+    let path = folder.path().join("again.mcap");
+    assert!(!write(&at(path.clone()), &cycles).replayable);
+    let found = find(&fs::read(&path).unwrap());
+    assert_eq!((found.attachments.len(), &*found.records["lineshaft_end"]["replayable"]), (2, "false"));
+}
+
+#[test]
+fn missing_cycles_are_counted_by_their_numbers_or_as_they_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for (told, expected) in [(0, 3), (3, 3), (5, 5)] {
+        let path = folder.path().join(format!("{told}.mcap"));
+        let mut bag = Bag::create(&at(path.clone()), subject()).unwrap();
+        let is_there = |encoded: &&Encoded| !(500..502).contains(&encoded.cycle) && encoded.cycle != 1700;
+        run().encoded.iter().filter(is_there).for_each(|encoded| bag.write(encoded).unwrap());
+        bag.note_lost(told);
+        let summary = bag.finish().unwrap();
+        assert_eq!((summary.cycles, summary.lost, summary.replayable), (3497, expected, false));
+        let end = &find(&fs::read(&path).unwrap()).records["lineshaft_end"];
+        assert_eq!((end["replayable"].clone(), end["lost"].clone()), ("false".to_owned(), expected.to_string()));
+        let text = fs::read_to_string(folder.path().join(FILE_NAME)).unwrap();
+        assert!(text.contains(&format!("    replayable: \"false\"\n    lost: \"{expected}\"\n")), "{text}");
+    }
+}
+
+#[test]
+fn a_place_that_is_taken_is_refused_and_stays_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |path: &Path| match Bag::create(&at(path.to_owned()), subject()) {
+        Err(BagError::Refused(sentence)) => sentence.replace(&*folder.path().display().to_string(), "runs"),
+        Err(error) => panic!("{error}"),
+        Ok(_) => panic!("{} is taken, and is taken again", path.display()),
+    };
+    let (file, old) = (folder.path().join("a.mcap"), folder.path().join("old"));
+    fs::write(&file, "something").unwrap();
+    fs::create_dir(&old).unwrap();
+    let never = "already; a bag never replaces anything";
+    assert_eq!(refused(&file), format!("runs/a.mcap exists and is not empty {never}"));
+    assert_eq!(refused(&old), format!("runs/old exists {never}"));
+    assert_eq!(refused(&old.join("")), format!("runs/old/ exists {never}"));
+    fs::rename(&old, folder.path().join("old.mcap")).unwrap();
+    assert_eq!(refused(&folder.path().join("old.mcap")), format!("runs/old.mcap is a folder {never}"));
+    assert_eq!(fs::read_to_string(&file).unwrap(), "something");
+    assert_eq!(refused(&folder.path().join("..")), "runs/..: a bag needs a name of its own");
+    assert_eq!(refused(Path::new("")), ": a bag needs a name of its own");
+    let no_text = folder.path().join(std::ffi::OsString::from_vec(vec![b'a', 0xFF]));
+    assert!(refused(&no_text).ends_with("the name of a bag must be UTF-8 text"));
+
+    // An empty file, as mktemp makes it, may be filled.
+    fs::write(&file, "").unwrap();
+    assert_eq!(write(&at(file), &run().encoded[..10]).cycles, 10);
+}
+
+#[test]
+fn bags_of_one_file_share_a_folder_and_leave_the_description_of_other_bags_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let description = || fs::read_to_string(folder.path().join("metadata.yaml")).unwrap();
+    for name in ["a.mcap", "b.mcap"] {
+        write(&at(folder.path().join(name)), &run().encoded[..10]);
+        assert!(description().contains(&format!("    - \"{name}\"\n")), "{}", description());
+    }
+    write(&at(folder.path().join("bag")), &run().encoded[..10]);
+    let inside = folder.path().join("bag");
+    let before = fs::read(inside.join("metadata.yaml")).unwrap();
+    let refused = |folder: &Path| {
+        let sentence = Bag::create(&at(folder.join("c.mcap")), subject()).err().unwrap().to_string();
+        assert!(!folder.join("c.mcap").exists());
+        assert!(sentence.ends_with("metadata.yaml describes another bag; name a folder of its own"), "{sentence}");
+    };
+    refused(&inside);
+    assert_eq!(fs::read(inside.join("metadata.yaml")).unwrap(), before);
+    fs::write(folder.path().join("metadata.yaml"), "rosbag2_bagfile_information: {version: 5}\n").unwrap();
+    refused(folder.path());
+}
+
+#[test]
+fn a_place_that_cannot_be_made_is_told_with_the_reason_of_the_system() {
+    for name in ["missing/run", "missing/run.mcap"] {
+        let error = Bag::create(&at(PathBuf::from(name)), subject()).err().unwrap();
+        assert_eq!(error.to_string(), format!("cannot write {name}: No such file or directory (os error 2)"));
+    }
+}
+
+#[test]
+fn a_bag_of_one_file_has_no_limits() {
+    let sentence = "a.mcap is one file and is never split; leave the largest size and duration out, or name a folder";
+    for options in [
+        BagOptions { max_size: Some(5), ..at("a.mcap".into()) },
+        BagOptions { max_duration_ns: Some(5), ..at("a.mcap".into()) },
+    ] {
+        assert_eq!(Bag::create(&options, subject()).err().unwrap().to_string(), sentence);
+    }
+}
+
+#[test]
+fn a_bag_may_live_in_another_thread() {
+    fn can_be_sent<T: Send>(_: &T) {}
+    let folder = tempfile::tempdir().unwrap();
+    can_be_sent(&Bag::create(&at(folder.path().join("a")), subject()).unwrap());
+}

@@ -1,0 +1,84 @@
+//! The topics of a bag: what they are called, what their messages are, how a node offers them.
+
+use super::super::Topic;
+use lineshaft_msgs::Message;
+use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
+use lineshaft_msgs::msg::{AppliedCommand, AxisStates, CycleInputs, Event, Signals};
+use lineshaft_ros::layer::{FullName, NameError, NodeName, Qos};
+
+impl Topic {
+    /// Every topic, in the order of the enum.
+    pub const ALL: [Topic; 6] =
+        [Topic::Commands, Topic::Inputs, Topic::Events, Topic::Signals, Topic::AxisStates, Topic::JointStates];
+
+    /// The topic whose messages are of that type.
+    pub fn of_type(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|topic| topic.schema().0 == name)
+    }
+
+    /// As the node calls it.
+    fn relative_name(self) -> &'static str {
+        match self {
+            Topic::Commands => "~/commands",
+            Topic::Inputs => "~/inputs",
+            Topic::Events => "~/events",
+            Topic::Signals => "~/signals",
+            Topic::AxisStates => "~/axis_states",
+            Topic::JointStates => "joint_states",
+        }
+    }
+
+    /// Its full name on a node.
+    ///
+    /// # Errors
+    /// It would be longer than ROS allows.
+    pub fn name(self, node: &NodeName) -> Result<FullName, NameError> {
+        node.expand(self.relative_name())
+    }
+
+    /// Type of its messages, as `lineshaft_msgs/msg/Event`, and their text for the schema encoding `ros2msg`.
+    pub fn schema(self) -> (&'static str, &'static str) {
+        fn of<M: Message>() -> (&'static str, &'static str) {
+            (M::NAME, M::SCHEMA)
+        }
+        match self {
+            Topic::Commands => of::<AppliedCommand>(),
+            Topic::Inputs => of::<CycleInputs>(),
+            Topic::Events => of::<Event>(),
+            Topic::Signals => of::<Signals>(),
+            Topic::AxisStates => of::<AxisStates>(),
+            Topic::JointStates => of::<JointState>(),
+        }
+    }
+
+    /// How it is offered.
+    pub fn qos(self) -> Qos {
+        match self {
+            Topic::Commands | Topic::Events => Qos::EVENTS,
+            _ => Qos::STREAM,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn topics_stand_in_their_order_and_below_their_node() {
+        assert!(Topic::ALL.iter().enumerate().all(|(place, topic)| *topic as usize == place));
+        let node = NodeName::new("/cell", "press").unwrap();
+        let names: Vec<_> = Topic::ALL.iter().map(|topic| topic.name(&node).unwrap().to_string()).collect();
+        assert_eq!(
+            names,
+            [
+                "/cell/press/commands",
+                "/cell/press/inputs",
+                "/cell/press/events",
+                "/cell/press/signals",
+                "/cell/press/axis_states",
+                "/cell/joint_states"
+            ]
+        );
+    }
+}

@@ -1,0 +1,165 @@
+//! The messages of a cycle, as they stand in a bag.
+//!
+//! Law      the same cycles give the same bytes: nothing here looks at a clock or a thread
+//! Reads    a [`Cycle`]; of the cell the rates of the state topics
+//! Writes   in the order of [`Topic`]: a message per command, the inputs, a message per event, the signals, and in the
+//!          cycles of their rate axis_states and joint_states
+//!
+//! ~/signals holds all words in a key cycle, else those that differ from the cycle that was encoded before.
+
+use super::{Cycle, Encoded, Topic};
+use super::{inputs, verb};
+use crate::cell::Cell;
+use lineshaft_core::code::Code;
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::Event;
+use lineshaft_core::signal::{Directory, Signal};
+use lineshaft_core::text;
+use lineshaft_msgs::cdr::append_with_header;
+use lineshaft_msgs::msg::{AppliedCommand, CycleInputs, Signals};
+use lineshaft_ros::surface::messages::{self, AxisView};
+use serde::Serialize;
+
+/// Makes the messages of one cycle after the other.
+#[derive(Debug)]
+pub struct Encoder {
+    config: MachineConfig,
+    views: Vec<AxisView>,
+    axis_states: Cadence,
+    joint_states: Cadence,
+    signals: Vec<Signal>,
+    /// Words of the cycle before; empty before the first one.
+    words: Vec<u64>,
+    inputs: CycleInputs,
+    changed: Signals,
+    /// Size of the last cycle (bytes).
+    size: usize,
+}
+
+impl Encoder {
+    /// An encoder for a machine of `config`, whose signals are those of `directory`. The cell gives the rates.
+    pub fn new(cell: &Cell, config: &MachineConfig, directory: &Directory) -> Self {
+        Self {
+            views: AxisView::all(config, directory),
+            axis_states: Cadence::new(cell.ros.axis_states_rate, config.cycle_ns),
+            joint_states: Cadence::new(cell.ros.joint_states_rate, config.cycle_ns),
+            signals: directory.iter().map(|(signal, _)| signal).collect(),
+            words: Vec::new(),
+            inputs: CycleInputs::default(),
+            changed: Signals::default(),
+            size: 0,
+            config: config.clone(),
+        }
+    }
+
+    /// The messages of a cycle. `is_key`: all signals are told.
+    pub fn encode(&mut self, cycle: &Cycle<'_>, is_key: bool) -> Encoded {
+        let number = cycle.inputs.cycle;
+        let mut encoded = Encoded { cycle: number, stamp_ns: cycle.stamp_ns, is_key, ..Encoded::default() };
+        encoded.bytes.reserve(self.size + self.size / 4);
+        for command in cycle.commands {
+            let message = AppliedCommand {
+                cycle: number,
+                sequence: command.sequence,
+                source: command.source.name().to_owned(),
+                command: verb::to_json(command, &self.config),
+            };
+            encoded.push(Topic::Commands, &message);
+        }
+        inputs::fill(&mut self.inputs, cycle.inputs, &self.config);
+        encoded.push(Topic::Inputs, &self.inputs);
+        let inputs_crc = encoded.messages().last().map_or(0, |(_, message)| crc32fast::hash(message));
+        for event in cycle.events {
+            let text = self.sentence(event, cycle);
+            encoded.push(Topic::Events, &messages::event(event, cycle.stamp_ns, &self.config, text));
+        }
+        self.note_changes(cycle, is_key, inputs_crc);
+        encoded.push(Topic::Signals, &self.changed);
+        if self.axis_states.is_due(number) {
+            encoded.push(Topic::AxisStates, &messages::axis_states(&self.views, cycle.board, number, cycle.stamp_ns));
+        }
+        if self.joint_states.is_due(number) {
+            encoded.push(Topic::JointStates, &messages::joint_states(&self.views, cycle.board, cycle.stamp_ns));
+        }
+        self.size = encoded.size();
+        encoded
+    }
+
+    fn sentence(&self, event: &Event, cycle: &Cycle<'_>) -> String {
+        let refused = || {
+            let command = cycle.commands.iter().find(|command| command.sequence == event.command)?;
+            match &command.action {
+                Action::Refuse(sentence) => Some(sentence.to_string()),
+                _ => None,
+            }
+        };
+        let refused = if event.code == Code::BAD_REQUEST { refused() } else { None };
+        refused.unwrap_or_else(|| text::sentence(event, &self.config))
+    }
+
+    fn note_changes(&mut self, cycle: &Cycle<'_>, is_key: bool, inputs_crc: u32) {
+        let message = &mut self.changed;
+        (message.cycle, message.inputs_crc) = (cycle.inputs.cycle, inputs_crc);
+        message.index.clear();
+        message.word.clear();
+        let is_first = self.words.is_empty();
+        self.words.resize(self.signals.len(), 0);
+        for (&signal, before) in self.signals.iter().zip(&mut self.words) {
+            let word = cycle.board.word(signal);
+            if is_key || is_first || word != *before {
+                // Places of signals are u32 on the board.
+                message.index.push(signal.index() as u32);
+                message.word.push(word);
+                *before = word;
+            }
+        }
+    }
+}
+
+impl Encoded {
+    fn push<T: Serialize>(&mut self, topic: Topic, message: &T) {
+        let start = self.bytes.len();
+        append_with_header(&mut self.bytes, message);
+        self.parts.push((topic, start..self.bytes.len()));
+    }
+}
+
+/// Which cycles a rate takes: k where floor(k T rate) differs from that of k - 1, and cycle 0.
+///
+/// T rate is the reduced fraction `share / whole` of exact integers.
+#[derive(Clone, Copy, Debug)]
+struct Cadence {
+    share: u128,
+    whole: u128,
+}
+
+impl Cadence {
+    /// A rate (1/s) to the nearest 1e-9, in cycles of that length (ns).
+    fn new(rate: f64, cycle_ns: u64) -> Self {
+        // The cast saturates: below 2^64, as is the cycle.
+        let share = u128::from((rate * 1e9).round() as u64) * u128::from(cycle_ns);
+        let whole = 1_000_000_000_000_000_000;
+        let divisor = greatest_common_divisor(share, whole);
+        Self { share: share / divisor, whole: whole / divisor }
+    }
+
+    fn is_due(self, cycle: u64) -> bool {
+        if cycle == 0 || self.share >= self.whole {
+            return true;
+        }
+        // With share < whole <= 10^18 no product comes near 2^128, and floor(k share / whole) has just stepped up exactly
+        // where the remainder is smaller than the step.
+        u128::from(cycle) % self.whole * self.share % self.whole < self.share
+    }
+}
+
+fn greatest_common_divisor(mut a: u128, mut b: u128) -> u128 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,163 @@
+//! What stands in the messages of a cycle, and in which cycles.
+
+use super::super::rig::{self, MOVING};
+use super::*;
+use lineshaft_core::command::{Command, Source};
+use lineshaft_core::event::{Kind, Severity};
+use lineshaft_core::machine::Machine;
+use lineshaft_core::object::Object;
+use lineshaft_core::signal::Board;
+use lineshaft_msgs::cdr::decode_with_header;
+use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
+use lineshaft_msgs::msg::{AxisStates, Event as EventMessage};
+use num_rational::Ratio;
+use proptest::prelude::*;
+use serde::de::DeserializeOwned;
+
+fn of<T: DeserializeOwned>(encoded: &Encoded, topic: Topic) -> Vec<T> {
+    let messages = encoded.messages().filter(|(of, _)| *of == topic);
+    messages.map(|(_, bytes)| decode_with_header(bytes).unwrap_or_else(|error| panic!("{error}"))).collect()
+}
+
+fn only<T: DeserializeOwned>(encoded: &Encoded, topic: Topic) -> T {
+    let mut all = of(encoded, topic);
+    assert_eq!(all.len(), 1);
+    all.remove(0)
+}
+
+#[test]
+fn messages_stand_in_the_order_of_their_topics_and_tell_the_same_cycle() {
+    let run = rig::record(&Cell::demo(), MOVING, 1200, 5_000_000_000);
+    for (number, encoded) in run.encoded.iter().enumerate() {
+        assert!(encoded.messages().map(|(topic, _)| topic).is_sorted());
+        assert_eq!((encoded.cycle, encoded.stamp_ns), (number as u64, 5_000_000_000 + number as u64 * 1_000_000));
+        let inputs: CycleInputs = only(encoded, Topic::Inputs);
+        let mut read = run.inputs[number].clone();
+        read.drive.clear();
+        inputs::read_inputs(&inputs, &Cell::demo().machine, &mut read).unwrap();
+        assert_eq!(read, run.inputs[number]);
+        let signals: Signals = only(encoded, Topic::Signals);
+        assert_eq!(signals.cycle, number as u64);
+        let (_, bytes) = encoded.messages().find(|(topic, _)| *topic == Topic::Inputs).unwrap();
+        assert_eq!(signals.inputs_crc, crc32fast::hash(bytes));
+        let events: Vec<EventMessage> = of(encoded, Topic::Events);
+        assert_eq!(
+            events.iter().map(|event| event.sequence).collect::<Vec<_>>(),
+            run.events[number].iter().map(|event| event.sequence).collect::<Vec<_>>()
+        );
+    }
+    let commands: Vec<AppliedCommand> = run.encoded.iter().flat_map(|encoded| of(encoded, Topic::Commands)).collect();
+    assert_eq!(commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), (1..=10).collect::<Vec<_>>());
+    assert_eq!(
+        (commands[0].cycle, &*commands[0].source, &*commands[0].command),
+        (0, "scenario", "{\"enable\":{\"axes\":[\"line\",\"x\",\"y\",\"turret\"]}}")
+    );
+    let refused: Vec<EventMessage> = run
+        .encoded
+        .iter()
+        .flat_map(|encoded| of::<EventMessage>(encoded, Topic::Events))
+        .filter(|event| event.kind == "refused")
+        .collect();
+    assert_eq!(refused.len(), 1);
+    assert_eq!(refused[0].text, "x: target 9000 mm lies above max_position 850 mm");
+    assert_eq!(refused[0].header.stamp.sec, 5);
+}
+
+/// Whoever adds up the changes has the board of every cycle.
+#[test]
+fn changes_add_up_to_the_board_and_nothing_that_stays_is_told() {
+    let cell = Cell::demo();
+    let machine = Machine::new(cell.machine.clone()).unwrap();
+    let run = rig::record(&cell, MOVING, 2100, 0);
+    let board_words =
+        |board: &Board| machine.directory().iter().map(|(signal, _)| board.word(signal)).collect::<Vec<_>>();
+    let mut words = vec![0; machine.directory().len()];
+    let mut told = 0;
+    for (encoded, board) in run.encoded.iter().zip(&run.boards) {
+        let signals: Signals = only(encoded, Topic::Signals);
+        assert_eq!(signals.index.len(), signals.word.len());
+        assert!(signals.index.is_sorted_by(|a, b| a < b));
+        if encoded.is_key {
+            assert_eq!(signals.index.len(), words.len());
+        }
+        for (&place, &word) in signals.index.iter().zip(&signals.word) {
+            assert!(encoded.is_key || words[place as usize] != word);
+            words[place as usize] = word;
+        }
+        told += signals.index.len();
+        assert_eq!(words, board_words(board), "cycle {}", encoded.cycle);
+    }
+    assert!(told < words.len() * 2100 / 3, "{told} words in 2100 cycles of {}", words.len());
+}
+
+#[test]
+fn a_first_cycle_that_is_no_key_tells_all_signals() {
+    let cell = Cell::demo();
+    let machine = Machine::new(cell.machine.clone()).unwrap();
+    let mut encoder = Encoder::new(&cell, machine.config(), machine.directory());
+    let inputs = machine.inputs();
+    let cycle = Cycle { stamp_ns: 0, inputs: &inputs, commands: &[], events: &[], board: machine.board() };
+    let signals: Signals = only(&encoder.encode(&cycle, false), Topic::Signals);
+    assert_eq!(signals.index.len(), machine.directory().len());
+    let signals: Signals = only(&encoder.encode(&cycle, false), Topic::Signals);
+    assert_eq!(signals.index, [0_u32; 0]);
+}
+
+#[test]
+fn the_sentence_of_a_request_that_never_was_one_comes_from_its_command() {
+    let cell = Cell::demo();
+    let machine = Machine::new(cell.machine.clone()).unwrap();
+    let mut encoder = Encoder::new(&cell, machine.config(), machine.directory());
+    let inputs = machine.inputs();
+    let event =
+        |sequence| Event::new(Severity::Warn, Kind::Refused, Object::Machine, Code::BAD_REQUEST).of_command(sequence);
+    let commands = [Command { sequence: 8, source: Source::Ros, action: Action::Refuse("not like this".into()) }];
+    let events = [event(8), event(9)];
+    let cycle = Cycle { stamp_ns: 0, inputs: &inputs, commands: &commands, events: &events, board: machine.board() };
+    let encoded = encoder.encode(&cycle, true);
+    let texts: Vec<String> = of::<EventMessage>(&encoded, Topic::Events).into_iter().map(|event| event.text).collect();
+    assert_eq!(texts, ["not like this", "machine: the request is not understood"]);
+    assert_eq!(of::<AppliedCommand>(&encoded, Topic::Commands)[0].source, "ros");
+}
+
+#[test]
+fn state_topics_come_at_their_rates() {
+    let text = Cell::demo().text.replace("joint_states_rate: 100 ", "joint_states_rate: 33.3 ");
+    let cell = Cell::parse("demo.yaml", text.replace("axis_states_rate: 100\n", "axis_states_rate: 1000\n")).unwrap();
+    let run = rig::record(&cell, MOVING, 3001, 0);
+    let cycles = |topic| {
+        let has = |encoded: &&Encoded| encoded.messages().any(|(of, _)| of == topic);
+        run.encoded.iter().filter(has).map(|encoded| encoded.cycle).collect::<Vec<_>>()
+    };
+    assert_eq!(cycles(Topic::AxisStates), (0..=3000).collect::<Vec<_>>());
+    // 33.3 in a second: after 3 s the 100th, one more for cycle 0; the 99th step is reached at 99 / 33.3 s.
+    let joints = cycles(Topic::JointStates);
+    assert_eq!(&joints[..4], [0, 31, 61, 91]);
+    assert_eq!((joints.len(), joints[joints.len() - 1]), (100, 2973));
+    let states: AxisStates = only(&run.encoded[500], Topic::AxisStates);
+    assert_eq!((states.cycle, states.axes.len(), &*states.axes[1].name), (500, 4, "x"));
+    let joints: JointState = only(&run.encoded[61], Topic::JointStates);
+    assert_eq!(joints.name, ["x", "y", "turret"]);
+    assert_eq!(joints.header.stamp.nanosec, 61_000_000);
+}
+
+proptest! {
+    /// The exact fraction says when floor(k T rate) steps.
+    #[test]
+    fn a_cadence_steps_with_the_exact_fraction(
+        milli in 1_000_u32..=1_000_000,
+        cycle_ns in 125_000_u64..=20_000_000,
+        cycle in prop_oneof![0..10_000_u64, 0..1_u64 << 50],
+    ) {
+        let cadence = Cadence::new(f64::from(milli) / 1e3, cycle_ns);
+        let rate = Ratio::new(i128::from(milli) * i128::from(cycle_ns), 1_000_000_000_000_i128);
+        let floor = |cycle: u64| (Ratio::from_integer(i128::from(cycle)) * rate).floor();
+        let steps = cycle == 0 || floor(cycle) != floor(cycle - 1);
+        prop_assert_eq!(cadence.is_due(cycle), steps);
+    }
+
+    #[test]
+    fn no_cycle_and_no_rate_is_too_large(rate in any::<f64>(), cycle in any::<u64>(), cycle_ns in any::<u64>()) {
+        let _ = Cadence::new(rate, cycle_ns).is_due(cycle);
+    }
+}

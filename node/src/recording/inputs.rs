@@ -1,0 +1,178 @@
+//! `Inputs` as the message `CycleInputs`, and back.
+//!
+//! Law      reading what was written gives the same inputs, bit by bit, NaN among them
+//! Refuses  arrays that do not have the shape of the machine, latches of unknown objects or without age and position
+
+use lineshaft_core::config::{IoKind, MachineConfig};
+use lineshaft_core::drive::{DriveInput, Edge, EncoderInput, Inputs, Latch, MAX_LATCHES};
+use lineshaft_core::object::Object;
+use lineshaft_core::unit::excerpt;
+use lineshaft_msgs::msg::CycleInputs;
+
+/// The message of a cycle's inputs.
+pub fn inputs_message(inputs: &Inputs, config: &MachineConfig) -> CycleInputs {
+    let mut message = CycleInputs::default();
+    fill(&mut message, inputs, config);
+    message
+}
+
+/// The same in a message that is there, in its memory.
+pub(super) fn fill(message: &mut CycleInputs, inputs: &Inputs, config: &MachineConfig) {
+    message.cycle = inputs.cycle;
+    message.missed = inputs.missed;
+    message.latches_lost = inputs.latches_lost;
+    message.digital.clone_from(&inputs.digital);
+    message.analog.clone_from(&inputs.analog);
+    let encoders = || inputs.encoder.iter();
+    set(&mut message.encoder_count, encoders().map(|encoder| encoder.count));
+    set(&mut message.encoder_epoch, encoders().map(|encoder| encoder.epoch));
+    set(&mut message.encoder_valid, encoders().map(|encoder| encoder.valid));
+    let drives = || inputs.drive.iter();
+    set(&mut message.drive_count, drives().map(|drive| drive.count));
+    set(&mut message.drive_epoch, drives().map(|drive| drive.epoch));
+    set(&mut message.drive_velocity, drives().map(|drive| drive.velocity));
+    set(&mut message.drive_effort, drives().map(|drive| drive.effort));
+    set(&mut message.drive_status, drives().map(|drive| drive.status));
+    set(&mut message.drive_mode, drives().map(|drive| drive.mode));
+    set(&mut message.drive_fault, drives().map(|drive| drive.fault));
+    set(&mut message.drive_online, drives().map(|drive| drive.online));
+    set(&mut message.drive_fresh, drives().map(|drive| drive.fresh));
+    let latches = || inputs.latch.iter();
+    set(&mut message.latch_object, latches().map(|latch| config.name(latch.object).to_owned()));
+    set(&mut message.latch_edge, latches().map(|latch| edge_number(latch.edge)));
+    set(&mut message.latch_has_age, latches().map(|latch| latch.age_ns.is_some()));
+    set(&mut message.latch_age_ns, latches().map(|latch| latch.age_ns.unwrap_or(0)));
+    set(&mut message.latch_has_position, latches().map(|latch| latch.position.is_some()));
+    set(&mut message.latch_position, latches().map(|latch| latch.position.unwrap_or(0)));
+}
+
+fn set<T>(place: &mut Vec<T>, values: impl Iterator<Item = T>) {
+    place.clear();
+    place.extend(values);
+}
+
+fn edge_number(edge: Edge) -> u8 {
+    match edge {
+        Edge::Rising => CycleInputs::RISING,
+        Edge::Falling => CycleInputs::FALLING,
+    }
+}
+
+/// Reads the message of a cycle's inputs into `inputs`, in its memory. After an error they are of no use.
+///
+/// # Errors
+/// A sentence that says what does not fit the machine.
+pub fn read_inputs(message: &CycleInputs, config: &MachineConfig, inputs: &mut Inputs) -> Result<(), String> {
+    check_shape(message, config)?;
+    inputs.cycle = message.cycle;
+    inputs.missed = message.missed;
+    inputs.latches_lost = message.latches_lost;
+    inputs.digital.clone_from(&message.digital);
+    inputs.analog.clone_from(&message.analog);
+    set(&mut inputs.encoder, (0..message.encoder_count.len()).map(|place| encoder(message, place)));
+    set(&mut inputs.drive, (0..message.drive_count.len()).map(|place| drive(message, place)));
+    inputs.latch.clear();
+    for place in 0..message.latch_object.len() {
+        inputs.latch.push(latch(message, place, config)?);
+    }
+    Ok(())
+}
+
+/// With it every array holds a value at each place that is read.
+fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), String> {
+    let (encoders, drives, latches) = (config.encoders.len(), config.count_drives(), message.latch_object.len());
+    let lengths = [
+        ("digital", message.digital.len(), config.count_io(IoKind::DigitalInput).div_ceil(64)),
+        ("analog", message.analog.len(), config.count_io(IoKind::AnalogInput)),
+        ("encoder_count", message.encoder_count.len(), encoders),
+        ("encoder_epoch", message.encoder_epoch.len(), encoders),
+        ("encoder_valid", message.encoder_valid.len(), encoders),
+        ("drive_count", message.drive_count.len(), drives),
+        ("drive_epoch", message.drive_epoch.len(), drives),
+        ("drive_velocity", message.drive_velocity.len(), drives),
+        ("drive_effort", message.drive_effort.len(), drives),
+        ("drive_status", message.drive_status.len(), drives),
+        ("drive_mode", message.drive_mode.len(), drives),
+        ("drive_fault", message.drive_fault.len(), drives),
+        ("drive_online", message.drive_online.len(), drives),
+        ("drive_fresh", message.drive_fresh.len(), drives),
+        ("latch_edge", message.latch_edge.len(), latches),
+        ("latch_has_age", message.latch_has_age.len(), latches),
+        ("latch_age_ns", message.latch_age_ns.len(), latches),
+        ("latch_has_position", message.latch_has_position.len(), latches),
+        ("latch_position", message.latch_position.len(), latches),
+    ];
+    match lengths.into_iter().find(|(_, length, wanted)| length != wanted) {
+        Some((field, length, wanted)) => Err(format!("{field} has {length} elements; {wanted} are needed")),
+        None if latches > MAX_LATCHES => {
+            Err(format!("latch_object has {latches} elements; at most {MAX_LATCHES} are allowed"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn encoder(message: &CycleInputs, place: usize) -> EncoderInput {
+    EncoderInput {
+        count: message.encoder_count[place],
+        epoch: message.encoder_epoch[place],
+        valid: message.encoder_valid[place],
+    }
+}
+
+fn drive(message: &CycleInputs, place: usize) -> DriveInput {
+    DriveInput {
+        count: message.drive_count[place],
+        epoch: message.drive_epoch[place],
+        velocity: message.drive_velocity[place],
+        effort: message.drive_effort[place],
+        status: message.drive_status[place],
+        mode: message.drive_mode[place],
+        fault: message.drive_fault[place],
+        online: message.drive_online[place],
+        fresh: message.drive_fresh[place],
+    }
+}
+
+fn latch(message: &CycleInputs, place: usize, config: &MachineConfig) -> Result<Latch, String> {
+    let name = &message.latch_object[place];
+    let object = find(name, config).ok_or_else(|| {
+        format!("latch_object is `{}`; the cell has no input, encoder or axis of that name", excerpt(name))
+    })?;
+    let edge = match message.latch_edge[place] {
+        CycleInputs::RISING => Edge::Rising,
+        CycleInputs::FALLING => Edge::Falling,
+        other => return Err(format!("latch_edge of {name} is {other}; 0 (falling) and 1 (rising) are allowed")),
+    };
+    let age_ns = optional(message.latch_has_age[place], message.latch_age_ns[place])
+        .ok_or_else(|| format!("latch_age_ns of {name} is not 0, though latch_has_age is false"))?;
+    let position = optional(message.latch_has_position[place], message.latch_position[place])
+        .ok_or_else(|| format!("latch_position of {name} is not 0, though latch_has_position is false"))?;
+    if let Some(age) = age_ns.filter(|&age| u64::from(age) >= config.cycle_ns) {
+        let last = config.cycle_ns.saturating_sub(1);
+        return Err(format!("latch_age_ns of {name} is {age}; 0 to {last} is allowed"));
+    }
+    if age_ns.is_none() && position.is_none() {
+        return Err(format!("the latch of {name} has neither age nor position"));
+    }
+    Ok(Latch { object, edge, age_ns, position })
+}
+
+/// A value that may be left out; nothing where one stands though it should not.
+fn optional<T: PartialEq + Default>(has: bool, value: T) -> Option<Option<T>> {
+    match has {
+        true => Some(Some(value)),
+        false => (value == T::default()).then_some(None),
+    }
+}
+
+/// What can latch, by its name.
+fn find(name: &str, config: &MachineConfig) -> Option<Object> {
+    let io = || config.io.iter().position(|entry| entry.name == name).map(|place| Object::Io(place as u16));
+    let encoder =
+        || config.encoders.iter().position(|entry| entry.name == name).map(|place| Object::Encoder(place as u16));
+    let axis = || config.axes.iter().position(|entry| entry.name == name).map(|place| Object::Axis(place as u16));
+    io().or_else(encoder).or_else(axis)
+}
+
+#[cfg(test)]
+mod tests;

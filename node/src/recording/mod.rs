@@ -1,0 +1,154 @@
+//! Recordings: runs kept as rosbag2 bags (MCAP), and read again (contract section 6).
+//!
+//! What a cycle did is a [`Cycle`]. An [`Encoder`](encoder::Encoder) makes the messages of it that stand in a bag, an
+//! [`Encoded`] cycle; a [`Bag`](bag::Bag) writes them. [`Run`](run::Run) reads bags of this program and of any other recorder.
+//!
+//! It knows no thread and no clock: [`run`](crate::run) drives it for a machine in real time.
+
+pub mod bag;
+pub(crate) mod clean;
+pub mod encoder;
+pub mod info;
+pub mod inputs;
+pub mod metadata;
+pub mod parameters;
+pub mod plot;
+pub mod replay;
+#[cfg(test)]
+pub(crate) mod rig;
+pub mod run;
+pub mod series;
+pub mod simulation;
+#[cfg(test)]
+pub(crate) mod test_bags;
+pub mod validate;
+pub mod verb;
+
+use jiff::Timestamp;
+use lineshaft_core::command::Command;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::drive::Inputs;
+use lineshaft_core::event::Event;
+use lineshaft_core::machine::State;
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::signal::Board;
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+use std::ops::Range;
+
+/// What one cycle took and did.
+#[derive(Clone, Copy, Debug)]
+pub struct Cycle<'a> {
+    /// t_k (ns): since the Unix epoch, or since the start of a simulation.
+    pub stamp_ns: u64,
+    /// As the machine took them; tells k.
+    pub inputs: &'a Inputs,
+    /// In the order in which they applied.
+    pub commands: &'a [Command],
+    /// In their order.
+    pub events: &'a [Event],
+    /// At the end of the cycle.
+    pub board: &'a Board,
+}
+
+/// The topics of a bag, in the order in which a cycle writes them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Topic {
+    /// ~/commands
+    Commands,
+    /// ~/inputs
+    Inputs,
+    /// ~/events
+    Events,
+    /// ~/signals
+    Signals,
+    /// ~/axis_states
+    AxisStates,
+    /// joint_states
+    JointStates,
+}
+
+/// The messages of one cycle, serialized.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Encoded {
+    /// k
+    pub cycle: u64,
+    /// t_k (ns).
+    pub stamp_ns: u64,
+    /// The message on ~/signals holds all signals: a file may begin here.
+    pub is_key: bool,
+    /// The state of the machine before this cycle, where it was kept; only key cycles have it.
+    pub state: Option<Vec<u8>>,
+    /// The parameters in force before this cycle, as text; with the state.
+    pub parameters: Option<String>,
+    /// Where the messages stand in `bytes`.
+    parts: Vec<(Topic, Range<usize>)>,
+    bytes: Vec<u8>,
+}
+
+impl Encoded {
+    /// May a file of a bag begin with it? Then a replay can.
+    pub fn can_begin(&self) -> bool {
+        self.is_key && (self.cycle == 0 || self.state.is_some())
+    }
+
+    /// The messages, each with the CDR header of 4 bytes.
+    pub fn messages(&self) -> impl Iterator<Item = (Topic, &[u8])> {
+        self.parts.iter().map(|(topic, range)| (*topic, &self.bytes[range.clone()]))
+    }
+
+    /// The same with the state of the machine before it.
+    pub fn with_state(self, state: &State, config: &MachineConfig) -> Self {
+        let parameters: Vec<AxisParameters> = state.parameters().copied().collect();
+        // Nothing in a state has no serialized form; without one no file would begin here.
+        let bytes = postcard::to_allocvec(state).ok();
+        Self { state: bytes, parameters: Some(parameters::parameters_text(config, &parameters)), ..self }
+    }
+
+    /// Memory that it takes (bytes).
+    pub fn memory(&self) -> usize {
+        let texts = self.state.as_ref().map_or(0, Vec::capacity) + self.parameters.as_ref().map_or(0, String::capacity);
+        size_of::<Self>() + self.bytes.capacity() + size_of_val(self.parts.as_slice()) + texts
+    }
+
+    /// Bytes of all messages.
+    pub fn size(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+/// Cycles between two key cycles: a second.
+pub fn key_cycles(cycle_ns: u64) -> u64 {
+    (1_000_000_000 / cycle_ns.max(1)).max(1)
+}
+
+/// SHA-256 as 64 hexadecimal digits.
+fn sha256(text: &str) -> String {
+    Sha256::digest(text).iter().fold(String::new(), |mut digits, byte| {
+        // Writing to a text cannot fail.
+        let _ = write!(digits, "{byte:02x}");
+        digits
+    })
+}
+
+/// Date and time (UTC) for names of files: `20261121_152804`.
+pub fn date_and_time(stamp_ns: u64) -> String {
+    Timestamp::from_nanosecond(stamp_ns.into())
+        .map_or_else(|_| stamp_ns.to_string(), |stamp| stamp.strftime("%Y%m%d_%H%M%S").to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn key_cycles_come_once_a_second() {
+        assert_eq!([125_000, 1_000_000, 3_000_000, 20_000_000].map(key_cycles), [8000, 1000, 333, 50]);
+    }
+
+    #[test]
+    fn names_of_files_tell_the_time_in_utc() {
+        assert_eq!(date_and_time(0), "19700101_000000");
+        assert_eq!(date_and_time(1_795_275_384_999_999_999), "20261121_153624");
+    }
+}

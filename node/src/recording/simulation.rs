@@ -1,0 +1,73 @@
+//! Recording where nobody waits for a clock: each cycle is encoded and written at once.
+
+use super::bag::{Bag, BagError, BagOptions, Subject, Summary};
+use super::encoder::Encoder;
+use super::{Cycle, key_cycles};
+use crate::cell::Cell;
+use lineshaft_core::command::{Command, Commands};
+use lineshaft_core::drive::Inputs;
+use lineshaft_core::machine::{Machine, State};
+
+/// A simulation that is recorded. Time is t_k from 0.
+pub struct SimulationRecorder {
+    bag: Bag,
+    encoder: Encoder,
+    cycle_ns: u64,
+    key_cycles: u64,
+    state: Option<State>,
+    commands: Vec<Command>,
+}
+
+impl SimulationRecorder {
+    /// Begins a bag for a machine of `cell` that has not run yet.
+    ///
+    /// # Errors
+    /// The bag cannot be begun.
+    pub fn new(cell: &Cell, machine: &Machine, options: &BagOptions) -> Result<Self, BagError> {
+        let cycle_ns = machine.config().cycle_ns;
+        Ok(Self {
+            bag: Bag::create(options, Subject::new(cell, &cell.ros.node_name()))?,
+            encoder: Encoder::new(cell, machine.config(), machine.directory()),
+            cycle_ns,
+            key_cycles: key_cycles(cycle_ns),
+            state: None,
+            commands: Vec::new(),
+        })
+    }
+
+    /// Keeps the state before a key cycle.
+    pub fn before(&mut self, machine: &Machine) {
+        let is_key = machine.next_cycle().is_multiple_of(self.key_cycles);
+        self.state = is_key.then(|| machine.state().clone());
+    }
+
+    /// Writes the cycle that has just run.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn after(&mut self, inputs: &Inputs, commands: Commands<'_>, machine: &Machine) -> Result<(), BagError> {
+        self.commands.clear();
+        self.commands.extend(commands.iter().cloned());
+        let cycle = Cycle {
+            stamp_ns: inputs.cycle.saturating_mul(self.cycle_ns),
+            inputs,
+            commands: &self.commands,
+            events: machine.events(),
+            board: machine.board(),
+        };
+        let is_key = inputs.cycle.is_multiple_of(self.key_cycles);
+        let encoded = self.encoder.encode(&cycle, is_key);
+        match self.state.take() {
+            Some(state) => self.bag.write(&encoded.with_state(&state, machine.config())),
+            None => self.bag.write(&encoded),
+        }
+    }
+
+    /// Ends the bag.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn finish(self) -> Result<Summary, BagError> {
+        self.bag.finish()
+    }
+}

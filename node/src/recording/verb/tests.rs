@@ -1,0 +1,311 @@
+//! Texts of commands word for word, what is refused, and the law over everything that doors make.
+
+mod law;
+
+use super::*;
+use crate::cell::Cell;
+use lineshaft_core::command::{
+    Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize as Coupling,
+};
+use lineshaft_core::machine::Machine;
+use lineshaft_core::object::{AxisSet, Leader};
+use lineshaft_core::parameter::{Change, Row, Value as Set};
+use lineshaft_core::position::Position;
+
+/// Scales that are handy (x, turret), that no decimal holds (odd), and that are as fine and as coarse as a cell may ask for.
+const CELL: &str = "
+lineshaft: 1
+cycle: 1 ms
+backends: {plant: {type: sim}}
+memory:
+  feed: {type: i16, initial: 7}
+  big: {type: i64, initial: 0}
+  gain: {type: f64, initial: 0.5}
+  flag: {type: bit, initial: 0}
+encoders:
+  belt: {backend: plant, address: 0, bits: 16, type: linear, scale: {increments: 40, per: 1 mm}}
+axes:
+  x: {type: linear, unit: mm, scale: {increments: 1000, per: 1 mm}, drive: virtual, max_velocity: 1 m/s,
+      max_acceleration: 5 m/s^2}
+  turret: {type: rotary, unit: deg, modulo: 360 deg, scale: {increments: 36000, per: 360 deg}, drive: virtual,
+      max_velocity: 90 deg/s, max_acceleration: 360 deg/s^2}
+  odd: {type: rotary, unit: rad, scale: {increments: 1048573, per: 0.7 rev}, drive: virtual, max_velocity: 1 rad/s,
+      max_acceleration: 5 rad/s^2}
+  fine: {type: linear, unit: nm, scale: {increments: 999983, per: 1 nm}, drive: virtual, max_velocity: 1 mm/s,
+      max_acceleration: 5 mm/s^2}
+  coarse: {type: linear, scale: {increments: 1, per: 299792458 m}, drive: virtual, max_velocity: 1e9 m/s,
+      max_acceleration: 1e9 m/s^2}
+";
+
+/// A cell and the signals of its machine.
+struct Desk {
+    config: MachineConfig,
+    directory: Directory,
+}
+
+impl Desk {
+    fn new() -> Self {
+        let cell = Cell::parse("cell.yaml", CELL).unwrap_or_else(|problems| panic!("{problems}"));
+        let machine = Machine::new(cell.machine.clone()).unwrap();
+        Self { directory: machine.directory().clone(), config: cell.machine }
+    }
+
+    fn write(&self, action: &Action) -> String {
+        to_json(&Command { sequence: 17, source: Source::Ros, action: action.clone() }, &self.config)
+    }
+
+    fn read(&self, json: &str) -> Result<Action, String> {
+        from_json(json, &self.config, &self.directory)
+    }
+
+    /// The command of number 17 has that text, and the text is that action.
+    #[track_caller]
+    fn is(&self, action: &Action, json: &str) {
+        assert_eq!(self.write(action), json);
+        assert_eq!(self.read(json).as_ref(), Ok(action));
+    }
+}
+
+fn to(axis: u16, target: Length) -> Move {
+    Move {
+        axis,
+        mode: MoveMode::Absolute,
+        target,
+        velocity: 0.0,
+        acceleration: 0.0,
+        deceleration: 0.0,
+        jerk: 0.0,
+        direction: Direction::Shortest,
+    }
+}
+
+fn set(axis: u16, key: &str, value: Set) -> Change {
+    Change { axis, row: Row::find(key).unwrap().0, value }
+}
+
+#[test]
+fn moves_are_written_in_increments_without_what_is_default() {
+    let desk = Desk::new();
+    let all = Move {
+        mode: MoveMode::Relative,
+        velocity: 500.25,
+        acceleration: 1e-7,
+        deceleration: 2e5,
+        jerk: 1e20,
+        direction: Direction::Current,
+        ..to(1, Length { nearest: 12345, rest: Position::from_f64(0.25) })
+    };
+    desk.is(
+        &Action::Move(all),
+        r#"{"move_axis":{"id":"17","axis":"turret","mode":"relative","position":"12345.25 inc","velocity":"500.25 inc/s","acceleration":"1e-7 inc/s^2","deceleration":"200000 inc/s^2","jerk":"1e20 inc/s^3","direction":"current"}}"#,
+    );
+    desk.is(
+        &Action::Move(to(0, Length::default())),
+        r#"{"move_axis":{"id":"17","axis":"x","mode":"absolute","position":"0 inc"}}"#,
+    );
+    let run = Move { mode: MoveMode::Velocity, ..to(0, Length::default()) };
+    desk.is(&Action::Move(run), r#"{"move_axis":{"id":"17","axis":"x","mode":"velocity","velocity":"0 inc/s"}}"#);
+}
+
+#[test]
+fn a_position_is_told_to_a_tenth_decimal_and_read_to_a_2_32th() {
+    let desk = Desk::new();
+    let half = 1_i128 << 31;
+    for (nearest, rest, text) in [
+        (3, -half, "2.5"),
+        (-3, half, "-2.5"),
+        (3, half - 1, "3.4999999998"),
+        (0, half - 1, "0.4999999998"),
+        (0, 1 - half, "-0.4999999998"),
+        (7, 1, "7.0000000002"),
+        (7, -1, "6.9999999998"),
+        ((1 << 62) - 1, half - 1, "4611686018427387903.4999999998"),
+        (1 - (1 << 62), 1 - half, "-4611686018427387903.4999999998"),
+    ] {
+        let target = Length { nearest, rest: Position::from_raw(rest) };
+        let json = format!(r#"{{"move_axis":{{"id":"17","axis":"x","mode":"absolute","position":"{text} inc"}}}}"#);
+        desk.is(&Action::Move(to(0, target)), &json);
+    }
+}
+
+#[test]
+fn couplings_name_their_leader() {
+    let desk = Desk::new();
+    let coupling = Coupling {
+        axis: 1,
+        leader: Leader::AxisCommand(0),
+        mode: SyncMode::Position,
+        disengage: Disengage::Stop,
+        numerator: 0,
+        denominator: 0,
+        offset: Length::default(),
+        velocity: 0.0,
+        acceleration: 0.0,
+    };
+    let head = r#"{"synchronize":{"id":"17","axis":"turret","master":"#;
+    desk.is(&Action::Synchronize(coupling), &format!(r#"{head}"x","mode":"position"}}}}"#));
+    let full = Coupling {
+        leader: Leader::Encoder(0),
+        mode: SyncMode::Velocity,
+        disengage: Disengage::KeepVelocity,
+        numerator: i64::MIN,
+        denominator: i64::MAX,
+        offset: Length::whole(-4),
+        velocity: 0.1,
+        acceleration: 3.0,
+        ..coupling
+    };
+    desk.is(
+        &Action::Synchronize(full),
+        &format!(
+            r#"{head}"belt","mode":"velocity","disengage":"keep_velocity","numerator":-9223372036854775808,"denominator":9223372036854775807,"offset":"-4 inc","velocity":"0.1 inc/s","acceleration":"3 inc/s^2"}}}}"#
+        ),
+    );
+    let actual = Coupling { leader: Leader::AxisActual(0), ..coupling };
+    desk.is(&Action::Synchronize(actual), &format!(r#"{head}"x.actual","mode":"position"}}}}"#));
+}
+
+#[test]
+fn the_other_verbs_word_for_word() {
+    let desk = Desk::new();
+    let two: AxisSet = [1, 0].into_iter().collect();
+    for (action, verb) in [
+        (Action::Enable(two), "enable"),
+        (Action::Disable(two), "disable"),
+        (Action::Halt(two), "halt"),
+        (Action::QuickStop(two), "quick_stop"),
+        (Action::ResetErrors(two), "reset_errors"),
+    ] {
+        desk.is(&action, &format!(r#"{{"{verb}":{{"axes":["x","turret"]}}}}"#));
+    }
+    desk.is(&Action::Cancel { goal: 17 }, r#"{"cancel":{"id":"17"}}"#);
+    desk.is(&Action::Cancel { goal: u64::MAX }, r#"{"cancel":{"id":"18446744073709551615"}}"#);
+    let changes = [
+        set(0, "max_velocity", Set::Real(800_000.5)),
+        set(1, "min_position", Set::Int(-7)),
+        set(0, "profile", Set::Int(0)),
+        set(0, "in_position_time", Set::Int(20_000_000)),
+        set(0, "max_jerk", Set::Unset),
+        set(0, "max_position", Set::Unset),
+        set(0, "error_reaction", Set::Int(3)),
+    ];
+    desk.is(
+        &Action::SetParameters(changes.into()),
+        r#"{"set_parameters":{"x.max_velocity":"800000.5 inc/s","turret.min_position":"-7 inc","x.profile":"trapezoid","x.in_position_time":"20000000 ns","x.max_jerk":null,"x.max_position":null,"x.error_reaction":3}}"#,
+    );
+    for (index, value, text) in [
+        (0, 5.0, r#""feed":5"#),
+        (0, -1e5, r#""feed":-100000"#),
+        (1, 9_223_372_036_854_775_808.0, r#""big":9223372036854775808"#),
+        (1, -9_223_372_036_854_775_808.0, r#""big":-9223372036854775808"#),
+        (2, 5.0, r#""gain":5.0"#),
+        (2, -0.0, r#""gain":-0.0"#),
+        (2, 5e-324, r#""gain":5e-324"#),
+        (3, 1.0, r#""flag":1"#),
+    ] {
+        desk.is(&Action::SetMemory { index, value }, &format!(r#"{{"set_memory":{{{text}}}}}"#));
+    }
+    desk.is(&Action::Note { code: Code::RECORD_FAILED, number: 28 }, r#"{"note":{"code":10217,"number":28}}"#);
+    desk.is(&Action::Note { code: Code::RECORD_LOST, number: -1 }, r#"{"note":{"code":10216,"number":-1}}"#);
+    desk.is(
+        &Action::Refuse("say \"no\"\n\\ \u{7f}\u{2028}\u{feff}é𝄞".into()),
+        r#"{"refuse":{"text":"say \"no\"\n\\ \u007f\u2028\ufeffé𝄞"}}"#,
+    );
+    desk.is(&Action::Refuse("".into()), r#"{"refuse":{"text":""}}"#);
+}
+
+#[test]
+fn a_scenario_takes_the_texts_but_for_the_two_that_are_no_verbs() {
+    let cell = Cell::parse("cell.yaml", CELL).unwrap();
+    let read = |verb: &str| {
+        let text = format!(
+            "{{scenario: s, cycles: 9, steps: [{{at: 0, do: {{move_axis: {{id: 17, axis: x}}}}}}, {{at: 1, do: {verb}}}]}}"
+        );
+        crate::scenario::Scenario::parse("s", &text, &cell).map(drop).map_err(|problems| problems.to_string())
+    };
+    // An id is a text, with quotes or without.
+    assert_eq!(read(r#"{"cancel":{"id":"17"}}"#), Ok(()));
+    assert_eq!(read("{cancel: {id: 17}}"), Ok(()));
+    assert_eq!(read(r#"{"set_parameters":{"x.max_jerk":null}}"#), Ok(()));
+    assert!(read(r#"{"cancel":{"id":"18"}}"#).unwrap_err().contains("no command has the id `18`"));
+    assert!(read(r#"{"refuse":{"text":"no"}}"#).unwrap_err().contains("there is no verb `refuse`"));
+    assert!(read(r#"{"note":{"code":10216,"number":1}}"#).unwrap_err().contains("there is no verb `note`"));
+}
+
+#[test]
+fn what_is_wrong_is_one_sentence() {
+    let desk = Desk::new();
+    for (json, sentence) in [
+        ("", "the command has 0 verbs; one is expected"),
+        ("{}", "the command has 0 verbs; one is expected"),
+        ("[]", "the command is a list; a mapping is expected"),
+        ("\"halt\"", "the command is `halt`; a mapping is expected"),
+        ("{\"halt\":", "this is not YAML: "),
+        (r#"{"jump":{}}"#, "there is no verb `jump`, known are enable, "),
+        (r#"{"home_axis":{}}"#, "verb home_axis does not exist yet"),
+        (r#"{"halt":{"axes":["?"]}}"#, "no axis is called `?`; there are x, turret, odd, fine, coarse"),
+        (r#"{"halt":{"axes":[]},"enable":{}}"#, "the command has 2 verbs; one is expected"),
+        (r#"{"move_axis":{"id":"17","axis":"q"}}"#, "no axis is called `q`"),
+        (r#"{"move_axis":{"id":"m","axis":"x"}}"#, "id is `m`; the sequence number of a command is expected"),
+        (r#"{"cancel":{"id":"-1"}}"#, "id is `-1`; the sequence number of a command is expected"),
+        (r#"{"cancel":{"id":"18446744073709551616"}}"#, "id is `18446744073709551616`; the sequence number"),
+        (r#"{"cancel":{}}"#, "missing key `id` in cancel"),
+        (r#"{"set_memory":{"feed":1,"gain":2}}"#, "set_memory stands for 2 commands; one is expected"),
+        (r#"{"set_memory":{"gain":null}}"#, "gain has no value; a number is expected"),
+        (r#"{"set_memory":{"big":9007199254740993}}"#, "big is 9007199254740993; beyond +-2^53 only what an f64 holds"),
+        (
+            r#"{"set_parameters":{"x.max_velocity":null}}"#,
+            "x.max_velocity is `null`; a velocity such as 0.5 m/s is expected",
+        ),
+        (r#"{"set_parameters":{"x.profile":null}}"#, "x.profile is `null`; one of trapezoid, s_ramp, jerk is expected"),
+        (r#"{"set_parameters":{"x.?":"1 inc/s"}}"#, "no parameter is called `x.?`"),
+        (r#"{"inject":{"input":{"feed":1}}}"#, "feed is no input"),
+        (r#"{"inject":{"drive_lost":{"axis":"x"}}}"#, "x is virtual: it has no drive"),
+        (r#"{"refuse":{}}"#, "missing key `text` in refuse"),
+        (r#"{"refuse":{"text":["a"]}}"#, "text is a list; a text is expected"),
+        (r#"{"note":{"code":10001,"number":1}}"#, "code is 10001; 10216, 10217 and 10218 are notes of the recorder"),
+        (r#"{"note":{"code":10216}}"#, "missing key `number` in note"),
+        (r#"{"note":{"code":-1,"number":1.5}}"#, "code is -1; 0..4294967295 is allowed"),
+    ] {
+        let told = desk.read(json).expect_err(json);
+        assert!(told.starts_with(sentence), "{json}: {told}");
+        assert!(!told.contains('\n'), "{json}: {told}");
+    }
+    let deep = "[".repeat(100_000);
+    assert_eq!(desk.read(&deep).unwrap_err(), "lists and mappings are nested deeper than 64 levels");
+    let wide = format!("{{\"halt\":{{\"axes\":[{}\"x\"]}}}}", "\"x\",".repeat(300_000));
+    assert_eq!(desk.read(&wide).unwrap_err(), "the file has more than 250000 values");
+}
+
+#[test]
+fn an_injection_is_no_command() {
+    let cell = CELL.replace(
+        "drive: virtual, max_velocity: 1 m/s",
+        "drive: {backend: plant, address: 0, interface: position}, max_velocity: 1 m/s",
+    );
+    let cell = Cell::parse("cell.yaml", cell).unwrap();
+    let machine = Machine::new(cell.machine.clone()).unwrap();
+    let told = from_json(r#"{"inject":{"drive_lost":{"axis":"x"}}}"#, &cell.machine, machine.directory());
+    assert_eq!(told.unwrap_err(), "inject is no command of the machine");
+}
+
+#[test]
+fn what_no_door_makes_is_written_so_that_it_does_not_read_back() {
+    let desk = Desk::new();
+    for action in [
+        Action::Halt(AxisSet::EMPTY),
+        Action::Halt(AxisSet::one(400)),
+        Action::Move(to(9, Length::default())),
+        Action::SetMemory { index: 99, value: 1.0 },
+        Action::SetMemory { index: 2, value: f64::NAN },
+        Action::SetMemory { index: 2, value: f64::INFINITY },
+        Action::SetMemory { index: 0, value: 0.5 },
+        Action::SetParameters([Change { axis: 0, row: 999, value: Set::Int(1) }].into()),
+        Action::SetParameters([Change { axis: 9, row: 0, value: Set::Int(1) }].into()),
+        Action::SetParameters([set(0, "max_velocity", Set::Real(f64::NAN))].into()),
+        Action::Note { code: Code::NONE, number: 1 },
+    ] {
+        let json = desk.write(&action);
+        assert!(desk.read(&json).is_err(), "{json}");
+    }
+}

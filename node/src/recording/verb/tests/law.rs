@@ -1,0 +1,302 @@
+//! What any door makes reads back bit for bit.
+
+use super::*;
+use lineshaft_core::parameter::{PROFILES, ParameterInput, ROWS};
+use lineshaft_core::request::{Amount, MoveRequest, SynchronizeRequest, Units};
+use lineshaft_core::unit::Quantity;
+use proptest::prelude::*;
+use std::sync::LazyLock;
+
+static DESK: LazyLock<Desk> = LazyLock::new(Desk::new);
+
+const AXES: [&str; 5] = ["x", "turret", "odd", "fine", "coarse"];
+
+/// The law. Debug tells every bit of an f64 but those of NaN, which is equal to nothing.
+fn comes_back(action: &Action) -> Result<(), TestCaseError> {
+    let json = DESK.write(action);
+    match DESK.read(&json) {
+        Ok(read) => {
+            prop_assert_eq!(format!("{:?}", &read), format!("{:?}", action), "{}", &json);
+            prop_assert_eq!(&read, action, "{}", &json);
+        }
+        Err(sentence) => prop_assert!(false, "{json}: {sentence}"),
+    }
+    let plain: serde_json::Value = serde_json::from_str(&json).map_err(|e| TestCaseError::fail(e.to_string()))?;
+    prop_assert_eq!(plain.as_object().map(serde_json::Map::len), Some(1), "JSON, one verb");
+    Ok(())
+}
+
+/// Numbers that clients send, and all others.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => -1e6..1e6_f64,
+        2 => (-99_999_i64..99_999, 0..9).prop_map(|(digits, places)| digits as f64 / 10_f64.powi(places)),
+        2 => (-1.0..1.0_f64, -40..20).prop_map(|(digits, places)| digits * 10_f64.powi(places)),
+        1 => prop::sample::select(&[
+            0.0, -0.0, 5e-324, -5e-324, f64::MIN_POSITIVE, 1e-24, 5e-25, 1e-22, 9.999999999999999e-23, 1e16, 1e22, 1e37,
+            -1.7e38, 1e300, f64::MAX, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.1, 1.0 / 3.0, std::f64::consts::TAU,
+        ][..]),
+        1 => any::<u64>().prop_map(f64::from_bits),
+    ]
+}
+
+fn quantity(order: u8) -> impl Strategy<Value = Option<Quantity>> {
+    let suffix = ["", "/s", "/s^2", "/s^3"][usize::from(order)];
+    let names: &[&str] = if order == 1 { &["mm/min", "rpm"] } else { &[] };
+    let plain = ["nm", "mm", "m", "deg", "rad", "rev", "inc"].map(|name| format!("{name}{suffix}"));
+    let units: Vec<String> = plain.into_iter().chain(names.iter().map(|name| (*name).to_owned())).collect();
+    let digits = prop_oneof!["-?[0-9]{1,20}\\.[0-9]{1,18}", "-?[0-9]{1,17}e-?[0-3]?[0-9]", "-?[0-9]{1,4}"];
+    (digits, prop::sample::select(units)).prop_map(move |(number, unit)| {
+        let scale = DESK.config.axes[usize::from(unit.contains("deg") || unit.contains('r'))].scale;
+        Quantity::parse(&format!("{number} {unit}"), &scale.dimensions(order)).ok()
+    })
+}
+
+/// A value of a request, and 0 as often as not: the field is left out.
+fn amount(order: u8) -> impl Strategy<Value = Amount> {
+    prop_oneof![
+        3 => Just(Amount::default()),
+        3 => number().prop_map(Amount::Number),
+        1 => quantity(order).prop_map(|quantity| quantity.map_or(Amount::default(), Amount::Quantity)),
+    ]
+}
+
+fn axis() -> impl Strategy<Value = String> {
+    prop::sample::select(&AXES[..]).prop_map(str::to_owned)
+}
+
+fn units() -> impl Strategy<Value = Units> {
+    prop::sample::select(&[Units::Si, Units::AxisUnit, Units::Increments][..])
+}
+
+fn move_request() -> impl Strategy<Value = MoveRequest> {
+    (axis(), 0..4_u8, units(), amount(0), (amount(1), amount(2), amount(2), amount(3)), 0..4_u8).prop_map(
+        |(axis, mode, units, position, (velocity, acceleration, deceleration, jerk), direction)| MoveRequest {
+            axis,
+            mode,
+            units,
+            position,
+            velocity,
+            acceleration,
+            deceleration,
+            jerk,
+            buffer_mode: 0,
+            direction,
+        },
+    )
+}
+
+fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
+    let masters = ["x", "x.command", "turret.actual", "belt", "odd"];
+    let master = prop::sample::select(masters.to_vec()).prop_map(str::to_owned);
+    let part = prop_oneof![Just(0), -5_i64..5, any::<i64>()];
+    (axis(), master, 0..2_u8, 0..2_u8, (part.clone(), part), (amount(0), amount(1), amount(2))).prop_map(
+        |(axis, master, mode, disengage, (numerator, denominator), (offset, velocity, acceleration))| {
+            SynchronizeRequest {
+                axis,
+                master,
+                event: String::new(),
+                mode,
+                engage: 0,
+                disengage,
+                numerator,
+                denominator,
+                offset,
+                velocity,
+                acceleration,
+            }
+        },
+    )
+}
+
+fn input() -> impl Strategy<Value = ParameterInput> {
+    let time = (-99_999_i64..i64::MAX, prop::sample::select(vec!["ns", "us", "ms", "s", "min"]))
+        .prop_map(|(number, unit)| Quantity::parse(&format!("{number} {unit}"), &[]));
+    let time = time.prop_map(|time| match time {
+        Ok(time) | Err(lineshaft_core::unit::UnitError::WrongDimension { given: time, .. }) => Some(time),
+        Err(_) => None,
+    });
+    let quantity = prop_oneof![time, (0..4_u8).prop_flat_map(quantity)];
+    prop_oneof![
+        number().prop_map(ParameterInput::Number),
+        prop_oneof![-9..9_i64, any::<i64>()].prop_map(ParameterInput::Integer),
+        quantity.prop_map(|quantity| quantity.map_or(ParameterInput::Unset, ParameterInput::Quantity)),
+        prop::sample::select(PROFILES).prop_map(|name| ParameterInput::Text(name.to_owned())),
+        Just(ParameterInput::Unset),
+    ]
+}
+
+/// A length that is rounded as it should be.
+fn length() -> impl Strategy<Value = Length> {
+    let whole = (1_i64 << 62) - 1;
+    let nearest = prop_oneof![-3..=3_i64, -whole..=whole, Just(whole), Just(-whole)];
+    let half = 1_i128 << 31;
+    let rest = prop_oneof![
+        Just(0),
+        -half..=half,
+        prop::sample::select(vec![half, -half, half - 1, 1 - half, half - 2, 2 - half, 1, -1]),
+    ];
+    (nearest, rest).prop_map(move |(nearest, rest)| {
+        // A half is rounded away from 0, so that what is left of it points towards 0.
+        let away = (rest == half && nearest >= 0) || (rest == -half && nearest <= 0);
+        Length { nearest, rest: Position::from_raw(if away { 0 } else { rest }) }
+    })
+}
+
+fn axes() -> impl Strategy<Value = AxisSet> {
+    prop::collection::vec(0..AXES.len() as u16, 1..6).prop_map(|axes| axes.into_iter().collect())
+}
+
+fn plain() -> impl Strategy<Value = Action> {
+    let finite = number().prop_filter("a real number", |value| value.is_finite());
+    let whole = prop_oneof![-9..9_i64, any::<i64>()];
+    let memory = prop_oneof![
+        finite.prop_map(|value| Action::SetMemory { index: 2, value }),
+        (0..2_u16, whole).prop_map(|(index, value)| Action::SetMemory { index, value: value as f64 }),
+        any::<bool>().prop_map(|bit| Action::SetMemory { index: 3, value: f64::from(u8::from(bit)) }),
+    ];
+    let text = prop_oneof![
+        "\\PC{0,80}",
+        any::<String>(),
+        "(?s).{0,2000}",
+        "[\\x00-\\x7f\u{80}-\u{a0}\u{2028}\u{feff}\u{fffe}]{0,9}"
+    ];
+    prop_oneof![
+        axes().prop_map(Action::Enable),
+        axes().prop_map(Action::Disable),
+        axes().prop_map(Action::Halt),
+        axes().prop_map(Action::QuickStop),
+        axes().prop_map(Action::ResetErrors),
+        any::<u64>().prop_map(|goal| Action::Cancel { goal }),
+        memory,
+        text.prop_map(|text| Action::Refuse(text.into())),
+        (prop::sample::select(&Code::NOTES[..]), any::<i64>()).prop_map(|(code, number)| Action::Note { code, number }),
+    ]
+}
+
+/// How many of the requests that a strategy makes become commands, in parts of one.
+fn share<T: std::fmt::Debug>(strategy: impl Strategy<Value = T>, is_good: impl Fn(T) -> bool) -> f64 {
+    use proptest::strategy::ValueTree;
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let made = (0..2000).filter(|_| is_good(strategy.new_tree(&mut runner).unwrap().current())).count();
+    made as f64 / 2000.0
+}
+
+#[test]
+fn enough_requests_become_commands_for_the_laws_to_mean_something() {
+    let config = &DESK.config;
+    let moves = share(move_request(), |request| config.resolve_move(&request).is_ok());
+    let couplings = share(synchronize_request(), |request| config.resolve_synchronize(&request).is_ok());
+    let rows = (axis(), prop::sample::select(ROWS), input());
+    let changes =
+        share(rows, |(axis, row, input)| config.resolve_parameter(&format!("{axis}.{}", row.key), &input).is_ok());
+    let verbs = share(verb(), |text| DESK.read(&text).is_ok());
+    assert!(moves > 0.2 && couplings > 0.2 && changes > 0.2 && verbs > 0.2);
+}
+
+/// A verb as a person may write it, with arguments that may be wrong.
+fn verb() -> impl Strategy<Value = String> {
+    let number = prop_oneof![
+        "-?[0-9]{1,6}",
+        "-?[0-9]{0,20}\\.[0-9]{1,20}",
+        "-?[0-9]{1,17}e-?[0-4]?[0-9]",
+        "-?0\\.0{20,30}[0-9]{1,10}",
+    ];
+    let unit = |units: &'static [&'static str]| prop::sample::select(units);
+    let value = |units| (number.clone(), unit(units)).prop_map(|(number, unit)| format!("{number} {unit}"));
+    let position = value(&["inc", "inc", "mm", "nm", "m", ""]);
+    let velocity = value(&["inc/s", "inc/s", "mm/s", "mm/min", "m/s", ""]);
+    let acceleration = value(&["inc/s^2", "inc/s^2", "mm/s^2", "m/s^2", ""]);
+    let linear = prop::sample::select(vec!["x", "fine", "coarse"]);
+    let units = prop::sample::select(vec!["si", "axis_unit", "increments"]);
+    let goal = (linear, units, position, velocity, acceleration).prop_map(|(axis, units, position, velocity, rate)| {
+        format!(
+            "move_axis: {{axis: {axis}, units: {units}, position: {position}, velocity: {velocity}, deceleration: {rate}}}"
+        )
+    });
+    let cells = prop::sample::select(vec!["feed", "big", "gain", "flag"]);
+    let memory = (cells, number.clone()).prop_map(|(cell, number)| format!("set_memory: {{{cell}: {number}}}"));
+    let rows = prop::sample::select(vec!["max_velocity", "default_velocity"]);
+    let rates = value(&["inc/s", "deg/s", "rev/s", "rpm", "rad/s"]);
+    let change = (rows, rates).prop_map(|(row, value)| format!("set_parameters: {{turret.{row}: {value}}}"));
+    prop_oneof![goal, memory, change]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 5000, max_global_rejects: 100_000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_move_that_a_request_makes(request in move_request()) {
+        if let Ok(action) = DESK.config.resolve_move(&request) {
+            comes_back(&Action::Move(action))?;
+        }
+    }
+
+    #[test]
+    fn every_coupling_that_a_request_makes(request in synchronize_request()) {
+        if let Ok(action) = DESK.config.resolve_synchronize(&request) {
+            comes_back(&Action::Synchronize(action))?;
+        }
+    }
+
+    #[test]
+    fn every_set_of_parameters(
+        requests in prop::collection::vec((axis(), prop::sample::select(ROWS), input()), 1..6)
+    ) {
+        let mut changes: Vec<Change> = Vec::new();
+        for (axis, row, input) in requests {
+            let change = DESK.config.resolve_parameter(&format!("{axis}.{}", row.key), &input);
+            // Each parameter once.
+            changes.extend(change.ok().filter(|new| changes.iter().all(|old| (old.axis, old.row) != (new.axis, new.row))));
+        }
+        if !changes.is_empty() {
+            comes_back(&Action::SetParameters(changes.into()))?;
+        }
+    }
+
+    #[test]
+    fn every_verb_of_a_scenario(text in verb()) {
+        if let Ok(action) = DESK.read(&text) {
+            comes_back(&action)?;
+        }
+    }
+
+    #[test]
+    fn every_target_and_offset(target in length(), axis in 0..5_u16, mode in 0..4_usize) {
+        let modes = [MoveMode::Absolute, MoveMode::Relative, MoveMode::Additive, MoveMode::Velocity];
+        comes_back(&Action::Move(Move { mode: modes[mode], ..to(axis, target) }))?;
+        comes_back(&Action::Synchronize(Coupling {
+            axis,
+            leader: Leader::Encoder(0),
+            mode: SyncMode::Position,
+            disengage: Disengage::Stop,
+            numerator: 1,
+            denominator: 1,
+            offset: target,
+            velocity: 0.0,
+            acceleration: 0.0,
+        }))?;
+    }
+
+    #[test]
+    fn every_other_action(action in plain()) {
+        comes_back(&action)?;
+    }
+
+    #[test]
+    fn what_no_number_is_never_becomes_a_command(
+        value in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e39]), units in units(), field in 0..5
+    ) {
+        let mut request = MoveRequest { axis: "x".into(), units, ..MoveRequest::default() };
+        let MoveRequest { position, velocity, acceleration, deceleration, jerk, .. } = &mut request;
+        *[position, velocity, acceleration, deceleration, jerk][field as usize] = Amount::Number(value);
+        prop_assert!(DESK.config.resolve_move(&request).is_err());
+    }
+
+    #[test]
+    fn no_text_is_more_than_one_sentence(text in prop_oneof![any::<String>(), "[{}\\[\\]\":, a-z0-9_]{0,40}", verb()]) {
+        if let Err(sentence) = DESK.read(&text) {
+            prop_assert!(!sentence.contains('\n') && sentence.len() < 2000, "{}", sentence);
+        }
+    }
+}

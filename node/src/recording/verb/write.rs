@@ -1,0 +1,267 @@
+//! From a command to its text.
+
+use lineshaft_core::command::{
+    Action, Command, Direction, Disengage, Length, Move, MoveMode, SyncMode, Synchronize as Coupling,
+};
+use lineshaft_core::config::{MachineConfig, MemoryKind};
+use lineshaft_core::object::{AxisSet, Leader};
+use lineshaft_core::parameter::{Change, Measure, ROWS, Value};
+use lineshaft_core::unit::Unit;
+use serde::{Serialize, Serializer};
+use serde_json::ser::Formatter;
+use std::io;
+
+/// In the place of a name for what has none: no object can be called that, so that it does not read back.
+const NAMELESS: &str = "?";
+
+/// The verb of a command, as JSON.
+pub(super) fn verb(command: &Command, config: &MachineConfig) -> String {
+    let mut bytes = Vec::new();
+    let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Printable);
+    verb_of(command, config)
+        .serialize(&mut serializer)
+        .expect("names, texts and numbers have a JSON form, and a Vec takes all bytes");
+    String::from_utf8(bytes).expect("the serializer writes UTF-8")
+}
+
+/// Arguments in the order in which they are written.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Verb<'a> {
+    Enable(Axes<'a>),
+    Disable(Axes<'a>),
+    Halt(Axes<'a>),
+    QuickStop(Axes<'a>),
+    ResetErrors(Axes<'a>),
+    MoveAxis(MoveAxis<'a>),
+    Synchronize(Synchronize<'a>),
+    Cancel { id: String },
+    SetParameters(Entries),
+    SetMemory(Entries),
+    Refuse { text: &'a str },
+    Note { code: u32, number: i64 },
+}
+
+#[derive(Serialize)]
+struct Axes<'a> {
+    axes: Vec<&'a str>,
+}
+
+#[derive(Serialize)]
+struct MoveAxis<'a> {
+    id: String,
+    axis: &'a str,
+    mode: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    velocity: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    acceleration: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deceleration: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jerk: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    direction: Option<&'static str>,
+}
+
+#[derive(Serialize)]
+struct Synchronize<'a> {
+    id: String,
+    axis: &'a str,
+    master: String,
+    mode: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    disengage: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    numerator: Option<i64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    denominator: Option<i64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    offset: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    velocity: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    acceleration: Option<String>,
+}
+
+/// Names and values in the order of the command.
+struct Entries(Vec<(String, Scalar)>);
+
+impl Serialize for Entries {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Scalar {
+    Nothing,
+    Text(String),
+    Whole(i128),
+    Real(f64),
+}
+
+fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
+    let axes = |set: &AxisSet| Axes { axes: axes(*set, config) };
+    let id = command.sequence.to_string();
+    match &command.action {
+        Action::Enable(set) => Verb::Enable(axes(set)),
+        Action::Disable(set) => Verb::Disable(axes(set)),
+        Action::Halt(set) => Verb::Halt(axes(set)),
+        Action::QuickStop(set) => Verb::QuickStop(axes(set)),
+        Action::ResetErrors(set) => Verb::ResetErrors(axes(set)),
+        Action::Move(request) => Verb::MoveAxis(move_axis(id, request, config)),
+        Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
+        Action::Cancel { goal } => Verb::Cancel { id: goal.to_string() },
+        Action::SetParameters(changes) => {
+            Verb::SetParameters(Entries(changes.iter().map(|change| parameter(change, config)).collect()))
+        }
+        Action::SetMemory { index, value } => Verb::SetMemory(Entries(vec![cell(*index, *value, config)])),
+        Action::Refuse(text) => Verb::Refuse { text },
+        Action::Note { code, number } => Verb::Note { code: code.0, number: *number },
+    }
+}
+
+fn axis(index: u16, config: &MachineConfig) -> &str {
+    config.axes.get(usize::from(index)).map_or(NAMELESS, |axis| &axis.name)
+}
+
+fn axes(set: AxisSet, config: &MachineConfig) -> Vec<&str> {
+    // An empty list would be read as all axes.
+    let nothing = if config.axes.is_empty() { vec![] } else { vec![NAMELESS] };
+    if set.is_empty() { nothing } else { set.iter().map(|index| axis(index, config)).collect() }
+}
+
+fn move_axis<'a>(id: String, request: &Move, config: &'a MachineConfig) -> MoveAxis<'a> {
+    let runs = request.mode == MoveMode::Velocity;
+    MoveAxis {
+        id,
+        axis: axis(request.axis, config),
+        mode: match request.mode {
+            MoveMode::Absolute => "absolute",
+            MoveMode::Relative => "relative",
+            MoveMode::Additive => "additive",
+            MoveMode::Velocity => "velocity",
+        },
+        position: Some(length(request.target)).filter(|_| !runs || request.target != Length::default()),
+        // A goal tells where to, or how fast, also where that is the default.
+        velocity: if runs { Some(rate(request.velocity, 1)) } else { given(request.velocity, 1) },
+        acceleration: given(request.acceleration, 2),
+        deceleration: given(request.deceleration, 2),
+        jerk: given(request.jerk, 3),
+        direction: match request.direction {
+            Direction::Shortest => None,
+            Direction::Positive => Some("positive"),
+            Direction::Negative => Some("negative"),
+            Direction::Current => Some("current"),
+        },
+    }
+}
+
+fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) -> Synchronize<'a> {
+    let whole = |number: i64| Some(number).filter(|&number| number != 0);
+    Synchronize {
+        id,
+        axis: axis(request.axis, config),
+        master: match request.leader {
+            Leader::AxisCommand(index) => axis(index, config).to_owned(),
+            Leader::AxisActual(index) => format!("{}.actual", axis(index, config)),
+            Leader::Encoder(index) => {
+                let encoder = config.encoders.get(usize::from(index));
+                encoder.map_or(NAMELESS, |encoder| &encoder.name).to_owned()
+            }
+        },
+        mode: match request.mode {
+            SyncMode::Velocity => "velocity",
+            SyncMode::Position => "position",
+        },
+        disengage: match request.disengage {
+            Disengage::Stop => None,
+            Disengage::KeepVelocity => Some("keep_velocity"),
+        },
+        numerator: whole(request.numerator),
+        denominator: whole(request.denominator),
+        offset: Some(request.offset).filter(|offset| *offset != Length::default()).map(length),
+        velocity: given(request.velocity, 1),
+        acceleration: given(request.acceleration, 2),
+    }
+}
+
+fn parameter(change: &Change, config: &MachineConfig) -> (String, Scalar) {
+    let row = ROWS.get(usize::from(change.row));
+    let name = format!("{}.{}", axis(change.axis, config), row.map_or(NAMELESS, |row| row.key));
+    let order = match row.map(|row| row.measure) {
+        Some(Measure::Acceleration) => 2,
+        Some(Measure::Jerk) => 3,
+        _ => 1,
+    };
+    let value = match (change.value, row.map(|row| row.measure)) {
+        (Value::Unset, _) => Scalar::Nothing,
+        (Value::Real(value), _) => Scalar::Text(rate(value, order)),
+        (Value::Int(value), Some(Measure::Position | Measure::Distance)) => Scalar::Text(format!("{value} inc")),
+        (Value::Int(value), Some(Measure::Time)) => Scalar::Text(format!("{value} ns")),
+        (Value::Int(value), Some(Measure::Choice(names))) => {
+            let name = usize::try_from(value).ok().and_then(|place| names.get(place));
+            name.map_or(Scalar::Whole(value.into()), |name| Scalar::Text((*name).to_owned()))
+        }
+        (Value::Int(value), _) => Scalar::Whole(value.into()),
+    };
+    (name, value)
+}
+
+fn cell(index: u16, value: f64, config: &MachineConfig) -> (String, Scalar) {
+    let Some(memory) = config.memory.get(usize::from(index)) else { return (NAMELESS.to_owned(), Scalar::Real(value)) };
+    // The cast saturates; what it changes is no value of an integer cell.
+    let whole = value as i128;
+    let is_whole = memory.kind != MemoryKind::F64 && (whole as f64).to_bits() == value.to_bits();
+    (memory.name.clone(), if is_whole { Scalar::Whole(whole) } else { Scalar::Real(value) })
+}
+
+/// A rate that may be left out where it asks for the default.
+fn given(value: f64, order: u8) -> Option<String> {
+    (value.to_bits() != 0).then(|| rate(value, order))
+}
+
+/// A rate (inc/s^order) by the shortest decimal that reads back as the same f64.
+fn rate(value: f64, order: u8) -> String {
+    let unit = Unit::INCREMENT.with_order(order);
+    let is_handy = value == 0.0 || (1e-5..1e16).contains(&value.abs());
+    if is_handy { format!("{value} {unit}") } else { format!("{value:e} {unit}") }
+}
+
+/// A position (inc) to the tenth decimal, rounded.
+fn length(value: Length) -> String {
+    const FRACTION_BITS: u32 = 32;
+    const DECIMALS: u128 = 10_u128.pow(10);
+    let raw = value.exact().raw();
+    let magnitude = raw.unsigned_abs();
+    let (whole, fraction) = (magnitude >> FRACTION_BITS, magnitude & ((1 << FRACTION_BITS) - 1));
+    // The largest fraction, 1 - 2^-32, has 9999999998 behind the point: no carry.
+    let decimals = (fraction * DECIMALS + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
+    let sign = if raw < 0 { "-" } else { "" };
+    let text = format!("{sign}{whole}.{decimals:010}");
+    format!("{} inc", text.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// Compact JSON in which what YAML does not take as it stands is escaped.
+struct Printable;
+
+impl Formatter for Printable {
+    fn write_string_fragment<W: ?Sized + io::Write>(&mut self, writer: &mut W, fragment: &str) -> io::Result<()> {
+        let mut rest = fragment;
+        while let Some((place, c)) = rest.char_indices().find(|(_, c)| is_special(*c)) {
+            writer.write_all(&rest.as_bytes()[..place])?;
+            write!(writer, "\\u{:04x}", u32::from(c))?;
+            rest = &rest[place + c.len_utf8()..];
+        }
+        writer.write_all(rest.as_bytes())
+    }
+}
+
+/// Control characters, line breaks of YAML, the byte order mark and what is no character; all of them below 2^16.
+fn is_special(c: char) -> bool {
+    matches!(c, '\u{7f}'..='\u{9f}' | '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}')
+}

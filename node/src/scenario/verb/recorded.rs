@@ -1,0 +1,43 @@
+//! A verb that stands alone, as a recording keeps a command: its ids are the sequence numbers of commands.
+
+use super::{Act, Deed, Ids, Reader};
+use crate::document::Value;
+use crate::scenario::names::Names;
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::signal::Directory;
+use lineshaft_core::unit::excerpt;
+
+/// Reads the command of one verb. Notes a problem where it returns `None`.
+pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Action> {
+    let (mut ids, mut acts) = (Ids::default(), Vec::new());
+    Reader { names: &Names { config, directory }, ids: &mut ids, refused: None }.read_one(value, &mut acts);
+    let count = acts.len();
+    let Act { verb, deed, id, .. } = acts.pop()?;
+    if count > 1 {
+        value.refuse(format!("{verb} stands for {count} commands; one is expected"), None);
+        return None;
+    }
+    let number = |id: usize| {
+        let text = ids.names.get(id)?;
+        let number = text.parse::<u64>().ok();
+        if number.is_none() {
+            let sentence = format!("id is `{}`; the sequence number of a command is expected", excerpt(text));
+            value.refuse(sentence, None);
+        }
+        number
+    };
+    match deed {
+        Deed::Command(action) => match id {
+            Some(id) => number(id).map(|_| action),
+            None => Some(action),
+        },
+        Deed::Cancel(goal) => number(goal).map(|goal| Action::Cancel { goal }),
+        Deed::Inject(_) => {
+            value.refuse("inject is no command of the machine", None);
+            None
+        }
+        // Without an expectation a refused request is a problem, which stands already.
+        Deed::Refused(_) => None,
+    }
+}
