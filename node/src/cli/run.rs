@@ -1,10 +1,16 @@
 //! `lineshaft run`.
 
 use super::check::summary;
-use super::{Exit, RunArgs, say};
+use super::{Exit, FlightArgs, RunArgs, say};
 use crate::cell::Cell;
+use crate::recording::bag::{Bag, Subject};
+use crate::recording::encoder::Encoder;
 use crate::run::bridge::{Bridge, Handle};
+use crate::run::flight::Flight;
+use crate::run::flight::folder::FlightFolder;
+use crate::run::frames::frames;
 use crate::run::lanes;
+use crate::run::recorder::{FlightRecorder, Recorder};
 use crate::run::thread::{CycleThread, Play, Statistics};
 use crate::scenario::{Player, Report, Scenario};
 use lineshaft_core::command::{Action, Source};
@@ -17,6 +23,7 @@ use lineshaft_ros::layer::{Environment, Interface, Networks, Node, NodeName, Ros
 use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
 use lineshaft_ros::surface::{Rates, Surface};
 use rtrb::RingBuffer;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
@@ -76,6 +83,7 @@ fn start(
     let name = NodeName::new(namespace, name).map_err(|error| error.to_string())?;
     let environment = environment(cell)?;
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
+    let recording = Recording::open(args, cell, &name)?;
     tracing::info!("lineshaft {}: {title}: {}, simulated", env!("CARGO_PKG_VERSION"), summary(cell));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
@@ -86,7 +94,7 @@ fn start(
     let exit = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        let (running, events) = Running::start(args, machine, plant, scenario);
+        let (running, events) = Running::start(args, cell, machine, plant, scenario, recording);
         Ok::<_, String>(serve(cell, name, &environment, running, events, signals).await)
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
@@ -102,14 +110,65 @@ fn environment(cell: &Cell) -> Result<Environment, String> {
     environment.with_interfaces(&cell.ros.interfaces, &existing).map_err(|error| error.to_string())
 }
 
+/// What is recorded, opened before the machine starts.
+struct Recording {
+    subject: Arc<Subject>,
+    bag: Option<Bag>,
+    flight: Option<FlightRecorder>,
+}
+
+impl Recording {
+    fn open(args: &RunArgs, cell: &Cell, name: &NodeName) -> Result<Self, String> {
+        let subject = Arc::new(Subject::new(cell, name));
+        let bag = args.record.options().map(|options| Bag::create(&options, Subject::clone(&subject)));
+        let bag = bag.transpose().map_err(|error| error.to_string())?;
+        Ok(Self { subject, bag, flight: flight(&args.flight, name)? })
+    }
+}
+
+/// The flight recorder, if it is on. A folder that was asked for must be there; without the usual one it is off, with a
+/// warning.
+fn flight(args: &FlightArgs, name: &NodeName) -> Result<Option<FlightRecorder>, String> {
+    if args.flight_recorder == 0 {
+        return Ok(None);
+    }
+    let keep = usize::try_from(args.flight_keep).unwrap_or(usize::MAX);
+    let folder = match &args.flight_folder {
+        Some(folder) => {
+            let created = FlightFolder::create(folder.clone(), keep);
+            created.map_err(|error| format!("--flight-folder: {error}"))?
+        }
+        None => match FlightFolder::create_beside(&flight_folder(name)?, keep) {
+            Ok(folder) => folder,
+            Err(error) => {
+                tracing::warn!("the flight recorder is off: {error}; --flight-folder names another folder");
+                return Ok(None);
+            }
+        },
+    };
+    Ok(Some((Flight::new(args.flight_recorder * 1_000_000_000), folder)))
+}
+
+/// Where the ROS tools keep what belongs to a user: `$ROS_HOME`, else `~/.ros`.
+fn flight_folder(name: &NodeName) -> Result<PathBuf, String> {
+    let given = |variable| std::env::var_os(variable).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let home = given("ROS_HOME").or_else(|| Some(given("HOME")?.join(".ros")));
+    let home = home.ok_or("no folder for the flight recorder: HOME is not set; give --flight-folder")?;
+    let node = name.to_string();
+    Ok(home.join("lineshaft").join(node.trim_start_matches('/').replace('/', "_")))
+}
+
 /// The threads of a running machine.
 struct Running {
     handle: Arc<Handle>,
     statistics: Arc<Statistics>,
     stop_cycle: Arc<AtomicBool>,
-    stop_bridge: Arc<AtomicBool>,
+    /// Ends bridge and recorder.
+    stop_others: Arc<AtomicBool>,
     cycle: JoinHandle<()>,
     bridge: JoinHandle<()>,
+    /// True where all bags have a good end.
+    recorder: JoinHandle<bool>,
     /// The report of the scenario, once it is over; nothing without one.
     report: Option<Receiver<Report>>,
 }
@@ -117,17 +176,25 @@ struct Running {
 impl Running {
     fn start(
         args: &RunArgs,
+        cell: &Cell,
         machine: Machine,
         plant: Plant,
         scenario: Option<Scenario>,
+        recording: Recording,
     ) -> (Self, UnboundedReceiver<StampedEvent>) {
-        let (commander, lanes, spent) = lanes::lanes();
+        let (commander, lanes) = lanes::lanes();
+        let (frames, frames_out, spent) = frames(&machine);
+        let (ask, asked) = channel();
         let (events, events_out) = RingBuffer::new(EVENT_ROOM);
         let first = Snapshot { cycle: 0, stamp_ns: 0, board: machine.board().clone() };
         let (snapshot, signals) = triple_buffer::triple_buffer(&first);
-        let handle = Arc::new(Handle::new(machine.config().clone(), machine.directory().clone(), commander, first));
+        let handle =
+            Arc::new(Handle::new(machine.config().clone(), machine.directory().clone(), commander, ask, first));
         let statistics = Arc::new(Statistics::default());
-        let (stop_cycle, stop_bridge) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+        let (stop_cycle, stop_others) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+        let encoder = Encoder::new(cell, machine.config(), machine.directory());
+        let Recording { subject, bag, flight } = recording;
+        let recorder = Recorder::new(Arc::clone(&handle), frames_out, encoder, subject, asked, bag, flight);
         let (listener, heard) = unbounded_channel();
         let (play, report) = match scenario {
             None => (None, None),
@@ -143,6 +210,7 @@ impl Running {
             play,
             lanes,
             events,
+            frames,
             snapshot,
             stop: Arc::clone(&stop_cycle),
             statistics: Arc::clone(&statistics),
@@ -154,17 +222,19 @@ impl Running {
             warn(&refused);
         }
         let bridge = Bridge::new(events_out, signals, spent, listener, Arc::clone(&statistics));
-        let (for_bridge, end) = (Arc::clone(&handle), Arc::clone(&stop_bridge));
+        let (for_bridge, end) = (Arc::clone(&handle), Arc::clone(&stop_others));
         let bridge = std::thread::spawn(move || bridge.run(&for_bridge, &end));
-        (Self { handle, statistics, stop_cycle, stop_bridge, cycle, bridge, report }, heard)
+        let end = Arc::clone(&stop_others);
+        let recorder = std::thread::spawn(move || recorder.run(&end));
+        (Self { handle, statistics, stop_cycle, stop_others, cycle, bridge, recorder, report }, heard)
     }
 
-    /// Ends both threads; an error when one of them has panicked.
+    /// Ends the threads; an error when one of them has panicked.
     fn end(self) -> Exit {
         self.stop_cycle.store(true, Ordering::Relaxed);
         let cycle = self.cycle.join();
-        self.stop_bridge.store(true, Ordering::Relaxed);
-        let bridge = self.bridge.join();
+        self.stop_others.store(true, Ordering::Relaxed);
+        let (bridge, recorder) = (self.bridge.join(), self.recorder.join());
         let of = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
         let statistics = &self.statistics;
         tracing::info!(
@@ -174,11 +244,12 @@ impl Running {
             of(&statistics.worst_lateness_ns) / 1000,
             of(&statistics.worst_duration_ns) / 1000,
         );
-        if cycle.is_err() || bridge.is_err() {
+        if cycle.is_err() || bridge.is_err() || recorder.is_err() {
             tracing::error!("a thread of the machine has failed; drives are left to their own supervision");
             return Exit::Failed;
         }
-        Exit::Good
+        // A bag without a good end was told of; what was asked for is not there.
+        if recorder.is_ok_and(|is_good| is_good) { Exit::Good } else { Exit::Failed }
     }
 }
 
@@ -265,12 +336,17 @@ enum Ended {
 /// process.
 async fn wait_for_end(running: &Running, mut signals: Signals) -> Ended {
     let mut look = tokio::time::interval(Duration::from_millis(100));
+    let mut records = true;
     loop {
         tokio::select! {
             () = signals.recv() => break,
             _ = look.tick() => {
                 if let Some(report) = running.report.as_ref().and_then(|report| report.try_recv().ok()) {
                     return Ended::ScenarioOver(Box::new(report));
+                }
+                if records && running.recorder.is_finished() {
+                    records = false;
+                    tracing::error!("the recorder has failed: nothing is recorded any more; the machine goes on");
                 }
                 if running.cycle.is_finished() || running.bridge.is_finished() {
                     return Ended::ThreadFailed;

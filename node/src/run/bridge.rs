@@ -1,6 +1,8 @@
-//! Between the cycle thread and everybody else: passes events and signals on, frees what came back.
+//! Between the cycle thread and everybody else: passes events and signals on, frees what the recorder has no room for.
 
-use super::lanes::{Commander, Numbers, Spent};
+use super::frames::Spent;
+use super::lanes::{Commander, Numbers};
+use super::recorder::Asked;
 use super::thread::Statistics;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
@@ -8,13 +10,16 @@ use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Kind, Severity};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text;
+use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
 use lineshaft_ros::surface::host::{Busy, Host, Snapshot, StampedEvent};
 use lineshaft_ros::surface::lines::LineLimit;
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Sender;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
 use tokio::sync::mpsc::UnboundedSender;
+use tokio::sync::oneshot;
 
 /// How often the rings are looked at: well above any rate that ROS is given.
 const PERIOD: Duration = Duration::from_micros(500);
@@ -25,13 +30,20 @@ pub struct Handle {
     config: MachineConfig,
     directory: Directory,
     commander: Commander,
+    recorder: Sender<Asked>,
     newest: RwLock<Arc<Snapshot>>,
 }
 
 impl Handle {
     /// A handle on a machine that is about to run.
-    pub fn new(config: MachineConfig, directory: Directory, commander: Commander, first: Snapshot) -> Self {
-        Self { config, directory, commander, newest: RwLock::new(Arc::new(first)) }
+    pub fn new(
+        config: MachineConfig,
+        directory: Directory,
+        commander: Commander,
+        recorder: Sender<Asked>,
+        first: Snapshot,
+    ) -> Self {
+        Self { config, directory, commander, recorder, newest: RwLock::new(Arc::new(first)) }
     }
 
     /// Where the numbers of commands come from.
@@ -61,6 +73,11 @@ impl Host for Handle {
         self.submit_as(Source::Ros, action)
     }
 
+    fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>) {
+        // A recorder that has ended drops the answer, which tells the asker.
+        let _ = self.recorder.send((request, answer));
+    }
+
     fn snapshot(&self) -> Arc<Snapshot> {
         Arc::clone(&self.newest.read().unwrap_or_else(PoisonError::into_inner))
     }
@@ -72,7 +89,7 @@ pub struct Bridge {
     events: Consumer<StampedEvent>,
     /// Signals.
     signals: triple_buffer::Output<Snapshot>,
-    /// Commands that have applied.
+    /// Commands that nobody wants any more.
     spent: Spent,
     /// Who gets the events, each all of them in order.
     listeners: Vec<UnboundedSender<StampedEvent>>,

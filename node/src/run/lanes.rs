@@ -43,27 +43,19 @@ pub struct Lanes {
     stop: Consumer<Command>,
     queue: Consumer<Command>,
     stream: triple_buffer::Output<Setpoints>,
-    /// Commands that have applied, on their way to be freed elsewhere.
-    spent: Producer<Command>,
     taken_stop: Vec<Command>,
     taken_queue: Vec<Command>,
 }
 
-/// Frees what the cycle thread has done with.
-#[derive(Debug)]
-pub struct Spent(Consumer<Command>);
-
 /// Makes the lanes of one machine.
-pub fn lanes() -> (Commander, Lanes, Spent) {
+pub fn lanes() -> (Commander, Lanes) {
     let (stop_in, stop) = RingBuffer::new(STOP_ROOM);
     let (queue_in, queue) = RingBuffer::new(QUEUE_ROOM);
-    // Room for all that can be on its way, so that the cycle thread never has to free a command itself.
-    let (spent, spent_out) = RingBuffer::new(4 * (STOP_ROOM + QUEUE_ROOM));
     let (stream_in, stream) = triple_buffer::triple_buffer(&Setpoints::default());
     let doors = Mutex::new(Doors { stop: stop_in, queue: queue_in, stream: stream_in });
     let room = || Vec::with_capacity(MAX_COMMANDS);
-    let lanes = Lanes { stop, queue, stream, spent, taken_stop: room(), taken_queue: room() };
-    (Commander { doors, numbers: Numbers::default() }, lanes, Spent(spent_out))
+    let lanes = Lanes { stop, queue, stream, taken_stop: room(), taken_queue: room() };
+    (Commander { doors, numbers: Numbers::default() }, lanes)
 }
 
 impl Commander {
@@ -116,12 +108,9 @@ impl Lanes {
         Commands { stop: &self.taken_stop, queue: &self.taken_queue, stream: Some(self.stream.output_buffer()) }
     }
 
-    /// Sends what was taken on its way to be freed.
-    pub fn give_back(&mut self) {
-        for command in self.taken_stop.drain(..).chain(self.taken_queue.drain(..)) {
-            // Only commands with a heap part would be freed here, and only when the bridge has stood still for long.
-            drop(self.spent.push(command));
-        }
+    /// Gives away what was taken and has applied, in the order in which it did.
+    pub fn drain(&mut self) -> impl Iterator<Item = Command> {
+        self.taken_stop.drain(..).chain(self.taken_queue.drain(..))
     }
 }
 
@@ -129,13 +118,6 @@ fn fill(taken: &mut Vec<Command>, lane: &mut Consumer<Command>, room: usize) {
     while taken.len() < room.min(taken.capacity()) {
         let Ok(command) = lane.pop() else { return };
         taken.push(command);
-    }
-}
-
-impl Spent {
-    /// Frees what has come back.
-    pub fn free(&mut self) {
-        while self.0.pop().is_ok() {}
     }
 }
 
@@ -149,34 +131,33 @@ mod tests {
 
     #[test]
     fn stops_come_first_and_numbers_grow_over_both_lanes() {
-        let (commander, mut lanes, mut spent) = lanes();
+        let (commander, mut lanes) = lanes();
         let numbers: Vec<u64> =
             [ENABLE, HALT, ENABLE].into_iter().map(|action| commander.submit(Source::Ros, action).unwrap()).collect();
         assert_eq!(numbers, [1, 2, 3]);
         lanes.take();
         let order: Vec<u64> = lanes.commands().iter().map(|command| command.sequence).collect();
         assert_eq!(order, [2, 1, 3]);
-        lanes.give_back();
+        lanes.drain().for_each(drop);
         lanes.take();
         assert_eq!(lanes.commands().iter().count(), 0);
-        spent.free();
     }
 
     #[test]
     fn a_full_lane_refuses_and_the_other_one_still_takes() {
-        let (commander, mut lanes, _spent) = lanes();
+        let (commander, mut lanes) = lanes();
         let taken = (0..1000).take_while(|_| commander.submit(Source::Ros, ENABLE).is_ok()).count();
         assert_eq!(taken, QUEUE_ROOM);
         assert_eq!(commander.submit(Source::Ros, HALT), Ok(QUEUE_ROOM as u64 + 1));
         lanes.take();
         assert_eq!(lanes.commands().iter().count(), MAX_COMMANDS, "the rest waits");
-        lanes.give_back();
+        lanes.drain().for_each(drop);
         assert!(commander.submit(Source::Ros, ENABLE).is_ok());
     }
 
     #[test]
     fn the_newest_setpoints_win() {
-        let (commander, mut lanes, _spent) = lanes();
+        let (commander, mut lanes) = lanes();
         for generation in 1..=3 {
             commander.stream(Setpoints { generation, velocity: vec![Some(1.0)] });
         }

@@ -5,6 +5,10 @@
 //! do can make it wait. It never writes files, sockets or logs: [`bridge`] does that for it.
 
 pub mod bridge;
+pub mod flight;
+pub mod frames;
 pub mod lanes;
 pub mod realtime;
+pub mod recorder;
 pub mod thread;
+pub mod writer;

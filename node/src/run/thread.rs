@@ -1,5 +1,6 @@
 //! The cycle thread: absolute deadlines, one cycle after the other, and nothing that could make it wait.
 
+use super::frames::FrameSender;
 use super::lanes::{Lanes, Numbers};
 use super::realtime::{self, Processor};
 use crate::scenario::{Player, Report};
@@ -54,6 +55,8 @@ pub struct CycleThread {
     pub lanes: Lanes,
     /// Way out of events.
     pub events: Producer<StampedEvent>,
+    /// Way out of whole cycles, for the recorder.
+    pub frames: FrameSender,
     /// Way out of signals.
     pub snapshot: triple_buffer::Input<Snapshot>,
     /// Set from outside to end it.
@@ -114,6 +117,7 @@ impl CycleThread {
         if let Some(play) = &self.play {
             play.player.override_inputs(inputs);
         }
+        self.frames.before(&self.machine);
         self.machine.cycle(inputs, self.lanes.commands(), outputs);
         self.plant.write(outputs);
         self.end_play();
@@ -128,7 +132,7 @@ impl CycleThread {
                 self.statistics.events_lost.fetch_add(1, Ordering::Relaxed);
             }
         }
-        self.lanes.give_back();
+        self.frames.send(stamp_ns, inputs, &self.machine, self.lanes.drain());
     }
 
     /// Judges the cycle for the scenario, and reports it when it is over.

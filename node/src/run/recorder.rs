@@ -1,0 +1,345 @@
+//! The recorder: takes whole cycles from the cycle thread, encodes each once, and gives it to the bag that is being written and
+//! to the flight recorder.
+//!
+//! It runs on a thread of its own; bags are written by further ones. What goes wrong is told as an event of the machine
+//! (a command `Note`, so that it stands in the recording too) and in the log.
+
+mod requests;
+
+use super::bridge::Handle;
+use super::flight::Flight;
+use super::flight::folder::FlightFolder;
+use super::frames::{Frame, FrameReceiver, Taken};
+use super::writer::{Failure, Writer};
+use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
+use crate::recording::encoder::Encoder;
+use crate::recording::{Cycle, Encoded};
+use lineshaft_core::code::Code;
+use lineshaft_core::command::{Action, Source};
+use lineshaft_core::event::{Event, Kind, Severity};
+use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
+use lineshaft_ros::surface::host::Host;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Receiver;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use tokio::sync::oneshot;
+
+pub use requests::MOST_SECONDS;
+
+/// How often it looks for cycles.
+const PERIOD: Duration = Duration::from_millis(5);
+/// Most cycles of one look: however many there are, requests and failures are looked at in between.
+const MOST_CYCLES: usize = 512;
+/// Least time between two events about missing cycles.
+const SECOND: Duration = Duration::from_secs(1);
+
+/// A request of `~/record` and the way back.
+pub type Asked = (RecordRequest, Answer);
+type Answer = oneshot::Sender<RecordResponse>;
+
+/// The flight recorder of a run: its memory and where its bags go.
+pub type FlightRecorder = (Flight, FlightFolder);
+
+/// The recorder of a running machine.
+pub struct Recorder {
+    handle: Arc<Handle>,
+    frames: FrameReceiver,
+    encoder: Encoder,
+    subject: Arc<Subject>,
+    asked: Receiver<Asked>,
+    writer: Option<Writer>,
+    /// A bag that begins with the next cycle that one may begin with.
+    waiting: Option<(BagOptions, Answer)>,
+    flight: Option<FlightRecorder>,
+    /// Bags that are being ended, on threads of their own.
+    ending: Vec<JoinHandle<Ended>>,
+    /// The bag of the flight recorder that is being saved.
+    saving: Option<JoinHandle<Ended>>,
+    /// As it was when the last bag ended.
+    last: RecordResponse,
+    next_cycle: u64,
+    /// Cycles whose gaps were seen.
+    gaps: u64,
+    /// Cycles that are missing and were not told of yet.
+    missing: u64,
+    told: Option<Instant>,
+    /// A bag has no good end.
+    has_failed: bool,
+}
+
+/// What became of a bag.
+struct Ended {
+    response: RecordResponse,
+    /// How the machine is told where it failed: code and the system's number.
+    failed: Option<(Code, i32)>,
+}
+
+impl Recorder {
+    /// A recorder; `bag` is written from the first cycle on.
+    pub fn new(
+        handle: Arc<Handle>,
+        frames: FrameReceiver,
+        encoder: Encoder,
+        subject: Arc<Subject>,
+        asked: Receiver<Asked>,
+        bag: Option<Bag>,
+        flight: Option<FlightRecorder>,
+    ) -> Self {
+        Self {
+            handle,
+            frames,
+            encoder,
+            subject,
+            asked,
+            writer: bag.map(Writer::of),
+            waiting: None,
+            flight,
+            ending: Vec::new(),
+            saving: None,
+            last: RecordResponse::default(),
+            next_cycle: 0,
+            gaps: 0,
+            missing: 0,
+            told: None,
+            has_failed: false,
+        }
+    }
+
+    /// Works until `stop` is set, then takes what is left and ends all bags. True when nothing failed.
+    pub fn run(mut self, stop: &AtomicBool) -> bool {
+        while !stop.load(Ordering::Relaxed) {
+            if !self.look() {
+                std::thread::sleep(PERIOD);
+            }
+        }
+        while self.look() {}
+        self.end()
+    }
+
+    /// Takes what there is; true when there is more.
+    fn look(&mut self) -> bool {
+        let mut left = MOST_CYCLES;
+        while left > 0
+            && let Some((frame, taken)) = self.frames.take()
+        {
+            self.take(frame, taken);
+            left -= 1;
+        }
+        self.tell_missing();
+        self.notice_failure();
+        self.collect();
+        while let Ok((request, answer)) = self.asked.try_recv() {
+            self.answer(request, answer);
+        }
+        left == 0
+    }
+
+    fn take(&mut self, frame: Box<Frame>, taken: Taken) {
+        let cycle = frame.inputs.cycle;
+        self.count_missing(cycle);
+        if self.is_idle() {
+            return self.frames.give_back(frame, taken);
+        }
+        let is_key = self.frames.is_key(cycle);
+        let of_frame = Cycle {
+            stamp_ns: frame.stamp_ns,
+            inputs: &frame.inputs,
+            commands: &taken.commands,
+            events: &taken.events,
+            board: &frame.board,
+        };
+        let mut encoded = self.encoder.encode(&of_frame, is_key);
+        if let Some(state) = &frame.state {
+            encoded = encoded.with_state(state, self.handle.config());
+        }
+        let encoded = Arc::new(encoded);
+        // A fault in a cycle that was left out is one all the same.
+        let is_fault = taken.left_out.iter().chain(&taken.events).any(is_fault);
+        self.frames.give_back(frame, taken);
+        self.begin_waiting(&encoded);
+        if let Some(writer) = &mut self.writer
+            && !writer.push(&encoded)
+        {
+            self.missing += 1;
+        }
+        if let Some((flight, _)) = &mut self.flight
+            && flight.push(&encoded, is_fault)
+            // While a bag is being saved the next one waits: what it is about stays in memory.
+            && self.saving.is_none()
+        {
+            let cycles = flight.freeze();
+            self.save(cycles, None);
+        }
+    }
+
+    /// Nobody wants the cycles.
+    fn is_idle(&self) -> bool {
+        self.writer.is_none() && self.waiting.is_none() && self.flight.is_none()
+    }
+
+    fn count_missing(&mut self, cycle: u64) {
+        let gap = cycle.saturating_sub(self.next_cycle);
+        self.next_cycle = cycle + 1;
+        self.gaps += gap;
+        if gap > 0
+            && let Some(writer) = &mut self.writer
+        {
+            writer.lose(gap);
+        }
+        self.missing += if self.is_idle() { 0 } else { gap };
+    }
+
+    /// One event for the cycles that are missing, at most one a second.
+    fn tell_missing(&mut self) {
+        if self.missing == 0 || self.told.is_some_and(|told| told.elapsed() < SECOND) {
+            return;
+        }
+        let missing = std::mem::take(&mut self.missing);
+        self.told = Some(Instant::now());
+        self.note(Code::RECORD_LOST, i64::try_from(missing).unwrap_or(i64::MAX));
+    }
+
+    fn note(&self, code: Code, number: i64) {
+        // With a full lane the log has it.
+        if self.handle.submit_as(Source::Machine, Action::Note { code, number }).is_err() {
+            tracing::error!("recorder: code {} ({number}) found no room among the commands", code.0);
+        }
+    }
+
+    fn begin_waiting(&mut self, cycle: &Encoded) {
+        if cycle.can_begin()
+            && let Some((options, answer)) = self.waiting.take()
+        {
+            let subject = Subject::clone(&self.subject);
+            self.writer = Some(Writer::begin(options, subject, cycle.cycle, answer));
+        }
+    }
+
+    /// A bag that ended by itself has failed.
+    fn notice_failure(&mut self) {
+        if let Some(writer) = self.writer.take_if(|writer| writer.is_over()) {
+            let ended = end(writer);
+            self.settle(ended);
+        }
+    }
+
+    /// Takes note of how a bag ended.
+    fn settle(&mut self, ended: Ended) {
+        self.fail(ended.failed);
+        self.last = ended.response;
+    }
+
+    fn fail(&mut self, failed: Option<(Code, i32)>) {
+        if let Some((code, number)) = failed {
+            self.has_failed = true;
+            self.note(code, number.into());
+        }
+    }
+
+    fn collect(&mut self) {
+        while let Some(place) = self.ending.iter().position(JoinHandle::is_finished) {
+            if let Ok(ended) = self.ending.swap_remove(place).join() {
+                self.settle(ended);
+            }
+        }
+        if let Some(saving) = self.saving.take_if(|saving| saving.is_finished())
+            && let Ok(ended) = saving.join()
+        {
+            self.fail(ended.failed);
+        }
+    }
+
+    /// Takes the writer, with all that is known of its bag.
+    fn take_writer(&mut self) -> Option<Writer> {
+        let mut writer = self.writer.take()?;
+        // Cycles that were left out after the last one that came have left no gap yet.
+        let unseen = self.frames.lost().saturating_sub(self.gaps);
+        if unseen > 0 {
+            writer.lose(unseen);
+        }
+        Some(writer)
+    }
+
+    /// Saves cycles as a bag of the flight recorder.
+    fn save(&mut self, cycles: Vec<Arc<Encoded>>, answer: Option<Answer>) {
+        let Some((_, folder)) = &self.flight else { return };
+        let (folder, subject) = (folder.clone(), Arc::clone(&self.subject));
+        let is_recording = self.writer.is_some();
+        self.saving = Some(std::thread::spawn(move || {
+            let saved = folder.save(&cycles, &subject);
+            let ended = ended(saved, "saved", Code::FLIGHT_FAILED, &folder.to_string());
+            let response = RecordResponse { recording: is_recording, ..ended.response.clone() };
+            // Whoever asked may have gone.
+            let _ = answer.map(|answer| answer.send(response));
+            ended
+        }));
+    }
+
+    /// Ends everything; waits for the disk.
+    fn end(mut self) -> bool {
+        // A bag that is being saved may not hold the last fault.
+        if let Some(saving) = self.saving.take()
+            && let Ok(ended) = saving.join()
+        {
+            self.has_failed |= ended.failed.is_some();
+        }
+        if let Some((flight, _)) = &mut self.flight
+            && flight.is_due()
+        {
+            let cycles = flight.freeze();
+            self.save(cycles, None);
+        }
+        let writer = self.take_writer();
+        if self.missing > 0 {
+            tracing::warn!("{} cycles are missing in the recording, told of here alone", self.missing);
+        }
+        let ended = writer.map(end).into_iter();
+        // A thread that panicked has said so.
+        let threads = self.ending.into_iter().chain(self.saving).flat_map(JoinHandle::join);
+        ended.chain(threads).fold(!self.has_failed, |is_good, ended| is_good && ended.failed.is_none())
+    }
+}
+
+fn is_fault(event: &Event) -> bool {
+    event.severity == Severity::Error && event.kind == Kind::Error
+}
+
+/// Ends a bag.
+fn end(writer: Writer) -> Ended {
+    let path = writer.path.clone();
+    match writer.finish() {
+        Ok(summary) => ended(Ok(summary), "recorded", Code::RECORD_FAILED, &path),
+        Err(Failure::Broken(error)) => ended(Err(error), "recorded", Code::RECORD_FAILED, &path),
+        // Whoever asked for it was told why.
+        Err(Failure::NotBegun(message)) => {
+            Ended { response: RecordResponse { message, path, ..RecordResponse::default() }, failed: None }
+        }
+    }
+}
+
+/// What became of a bag, told in the log.
+fn ended(result: Result<Summary, BagError>, done: &str, code: Code, path: &str) -> Ended {
+    match result {
+        Ok(Summary { path, cycles, size, lost, replayable, .. }) => {
+            let but = if lost > 0 { format!(", {lost} are missing") } else { String::new() };
+            let (message, path) = (format!("{done} {cycles} cycles{but}"), path.display().to_string());
+            tracing::info!("{message}: {path}");
+            let response =
+                RecordResponse { success: true, message, recording: false, path, cycles, size, lost, replayable };
+            Ended { response, failed: None }
+        }
+        Err(error) => {
+            tracing::error!("{error}");
+            let response =
+                RecordResponse { message: error.to_string(), path: path.to_owned(), ..RecordResponse::default() };
+            // What was refused was never begun: nothing has failed.
+            let failed = matches!(error, BagError::Write { .. }).then(|| (code, error.system_error()));
+            Ended { response, failed }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

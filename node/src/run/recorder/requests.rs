@@ -1,0 +1,120 @@
+//! Requests of `~/record`.
+
+use super::{Answer, Recorder, end};
+use crate::recording::bag::BagOptions;
+use crate::recording::date_and_time;
+use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
+use std::path::PathBuf;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Longest time of a file of a bag (s): a year.
+pub const MOST_SECONDS: f64 = 31_536_000.0;
+
+impl Recorder {
+    pub(super) fn answer(&mut self, request: RecordRequest, answer: Answer) {
+        let response = match request.command {
+            RecordRequest::STATUS => self.done(self.how_it_stands()),
+            RecordRequest::START => match self.options(&request) {
+                Ok(options) => return self.waiting = Some((options, answer)),
+                Err(sentence) => self.refused(sentence),
+            },
+            RecordRequest::STOP => match self.stop(answer) {
+                None => return,
+                Some((answer, response)) => {
+                    let _ = answer.send(response);
+                    return;
+                }
+            },
+            RecordRequest::SAVE => match self.kept() {
+                Ok(cycles) => return self.save(cycles, Some(answer)),
+                Err(sentence) => self.refused(sentence.to_owned()),
+            },
+            other => self.refused(format!("command is {other}; 0 STATUS, 1 START, 2 STOP, 3 SAVE are allowed")),
+        };
+        // Whoever asked may have gone.
+        let _ = answer.send(response);
+    }
+
+    /// Ends what is recorded; the answer back where there is nothing to end.
+    fn stop(&mut self, answer: Answer) -> Option<(Answer, RecordResponse)> {
+        if let Some(writer) = self.take_writer() {
+            self.ending.push(std::thread::spawn(move || {
+                let ended = end(writer);
+                let _ = answer.send(ended.response.clone());
+                ended
+            }));
+            return None;
+        }
+        let Some((options, begun)) = self.waiting.take() else {
+            return Some((answer, self.refused("nothing is being recorded".to_owned())));
+        };
+        let message = format!("{} was stopped before it began", options.path.display());
+        let _ = begun.send(self.refused(message.clone()));
+        Some((answer, self.done(message)))
+    }
+
+    /// What the flight recorder holds, if it can be saved now.
+    fn kept(&self) -> Result<Vec<std::sync::Arc<crate::recording::Encoded>>, &'static str> {
+        match (&self.flight, &self.saving) {
+            (None, _) => Err("the flight recorder is off"),
+            (_, Some(_)) => Err("the flight recorder is saving a bag already"),
+            (Some((flight, _)), None) => Ok(flight.cycles()),
+        }
+    }
+
+    /// The bag that is being written, or was written last.
+    fn status(&self) -> RecordResponse {
+        let Some(writer) = &self.writer else { return self.last.clone() };
+        RecordResponse {
+            recording: true,
+            path: writer.path.clone(),
+            cycles: writer.cycles,
+            size: writer.size(),
+            lost: writer.lost,
+            replayable: writer.lost == 0,
+            ..RecordResponse::default()
+        }
+    }
+
+    fn how_it_stands(&self) -> String {
+        match (&self.writer, self.last.message.as_str()) {
+            (Some(_), _) => "recording".to_owned(),
+            (None, "") => "not recording".to_owned(),
+            (None, last) => format!("not recording; the last bag: {last}"),
+        }
+    }
+
+    fn done(&self, message: String) -> RecordResponse {
+        RecordResponse { success: true, message, ..self.status() }
+    }
+
+    fn refused(&self, message: String) -> RecordResponse {
+        RecordResponse { success: false, message, ..self.status() }
+    }
+
+    /// What to record, if it may begin.
+    fn options(&self, request: &RecordRequest) -> Result<BagOptions, String> {
+        if let Some(writer) = &self.writer {
+            return Err(format!("{} is being recorded already", writer.path));
+        }
+        if let Some((options, _)) = &self.waiting {
+            return Err(format!("{} is about to be recorded already", options.path.display()));
+        }
+        let seconds = request.max_bag_duration;
+        if !(0.0..=MOST_SECONDS).contains(&seconds) {
+            return Err(format!("max_bag_duration is {seconds} s; 0 to {MOST_SECONDS} s is allowed"));
+        }
+        let path = if request.path.is_empty() { free_path() } else { PathBuf::from(&request.path) };
+        let limit = |most: u64| Some(most).filter(|&most| most > 0);
+        Ok(BagOptions { path, max_size: limit(request.max_bag_size), max_duration_ns: limit((seconds * 1e9) as u64) })
+    }
+}
+
+/// A folder of this moment's name that does not exist yet.
+fn free_path() -> PathBuf {
+    // The cast ends in the year 2554; a clock before 1970 gives 1970.
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos() as u64);
+    let name = format!("lineshaft_{}", date_and_time(now));
+    let names = std::iter::once(name.clone()).chain((2..).map(|number| format!("{name}_{number}")));
+    names.map(PathBuf::from).find(|path| !path.exists()).unwrap_or_default()
+}

@@ -1,0 +1,201 @@
+//! The recorder on a machine without a clock: what it loses, and what it says of it.
+
+use super::*;
+use crate::cell::Cell;
+use crate::recording::replay::{Verdict, replay};
+use crate::recording::run::Run;
+use crate::run::frames::{FrameSender, frames};
+use crate::run::lanes::{Lanes, lanes};
+use lineshaft_core::command::Commands;
+use lineshaft_core::machine::Machine;
+use std::path::Path;
+use std::sync::mpsc::{Sender, channel};
+
+/// A machine that stands, its recorder, and all ways between them.
+struct Rig {
+    machine: Machine,
+    sender: FrameSender,
+    recorder: Recorder,
+    lanes: Lanes,
+    ask: Sender<Asked>,
+    _folder: tempfile::TempDir,
+}
+
+impl Rig {
+    /// `record`: writes the bag `bag.mcap` from the first cycle on.
+    fn new(record: bool, flight: Option<u64>) -> Self {
+        let (cell, folder) = (Cell::demo(), tempfile::tempdir().unwrap());
+        let machine = Machine::new(cell.machine.clone()).unwrap();
+        let (sender, receiver, _) = frames(&machine);
+        let (config, directory) = (machine.config().clone(), machine.directory().clone());
+        let encoder = Encoder::new(&cell, &config, &directory);
+        let ((commander, lanes), (ask, asked)) = (lanes(), channel());
+        let handle = Arc::new(Handle::new(config, directory, commander, ask.clone(), Default::default()));
+        let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));
+        let options = BagOptions { path: folder.path().join("bag.mcap"), ..BagOptions::default() };
+        let bag = record.then(|| Bag::create(&options, Subject::clone(&subject)).unwrap());
+        let place = FlightFolder::create(folder.path().join("flight"), 2).unwrap();
+        let flight = flight.map(|seconds| (Flight::new(seconds * 1_000_000_000), place));
+        let recorder = Recorder::new(handle, receiver, encoder, subject, asked, bag, flight);
+        Self { machine, sender, recorder, lanes, ask, _folder: folder }
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self._folder.path().join(name)
+    }
+
+    /// Runs cycles without the recorder.
+    fn run(&mut self, cycles: u64) {
+        let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
+        for _ in 0..cycles {
+            inputs.cycle = self.machine.next_cycle();
+            self.sender.before(&self.machine);
+            self.machine.cycle(&inputs, Commands::default(), &mut outputs);
+            self.sender.send(inputs.cycle * 1_000_000, &inputs, &self.machine, std::iter::empty());
+        }
+    }
+
+    /// Lets the recorder take all that there is.
+    fn look(&mut self) {
+        while self.recorder.look() {}
+    }
+
+    /// What the recorder told the machine.
+    fn notes(&mut self) -> Vec<(Code, i64)> {
+        self.lanes.take();
+        let note = |command: lineshaft_core::command::Command| match command.action {
+            Action::Note { code, number } => (code, number),
+            other => panic!("no note: {other:?}"),
+        };
+        self.lanes.drain().map(note).collect()
+    }
+
+    fn asks(&mut self, request: RecordRequest) -> oneshot::Receiver<RecordResponse> {
+        let (answer, answered) = oneshot::channel();
+        self.ask.send((request, answer)).unwrap();
+        self.look();
+        answered
+    }
+
+    /// Looks until a bag that is being ended or saved is done.
+    fn wait(&mut self, mut answered: oneshot::Receiver<RecordResponse>) -> RecordResponse {
+        loop {
+            self.recorder.look();
+            match answered.try_recv() {
+                Ok(response) => return response,
+                Err(oneshot::error::TryRecvError::Empty) => std::thread::yield_now(),
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
+}
+
+fn command(command: u8) -> RecordRequest {
+    RecordRequest { command, ..RecordRequest::default() }
+}
+
+fn verdict(path: &Path) -> Verdict {
+    replay(&mut Run::open(path).unwrap(), |_| {}).unwrap().verdict
+}
+
+#[test]
+fn cycles_that_find_no_room_are_counted_told_and_make_the_bag_unreplayable() {
+    let mut rig = Rig::new(true, None);
+    rig.run(2100);
+    rig.look();
+    assert_eq!(rig.notes(), [], "a gap is seen with the cycle after it");
+    rig.run(1);
+    rig.look();
+    assert_eq!(rig.notes(), [(Code::RECORD_LOST, 100)]);
+    let status = rig.asks(command(RecordRequest::STATUS)).try_recv().unwrap();
+    assert_eq!((status.recording, status.lost, status.replayable), (true, 100, false));
+    let path = rig.path("bag.mcap");
+    assert!(rig.recorder.end());
+    assert_eq!(verdict(&path), Verdict::Gap { first: 2000, next: 2100 });
+    let run = Run::open(&path).unwrap();
+    let end = run.metadata("lineshaft_end").unwrap();
+    assert_eq!((end["lost"].as_str(), end["replayable"].as_str()), ("100", "false"));
+}
+
+#[test]
+fn cycles_that_are_lost_at_the_very_end_count_too() {
+    let mut rig = Rig::new(true, None);
+    rig.run(2005);
+    rig.look();
+    let path = rig.path("bag.mcap");
+    assert!(rig.recorder.end());
+    assert_eq!(Run::open(&path).unwrap().metadata("lineshaft_end").unwrap()["lost"], "5");
+}
+
+#[test]
+fn a_bag_that_is_begun_in_mid_run_begins_with_the_next_state() {
+    let mut rig = Rig::new(false, None);
+    rig.run(1500);
+    rig.look();
+    let path = rig.path("later.mcap");
+    let start = RecordRequest { path: path.display().to_string(), ..command(RecordRequest::START) };
+    let begun = rig.asks(start.clone());
+    let twice = rig.asks(start).try_recv().unwrap();
+    assert!(!twice.success && twice.message.ends_with("is about to be recorded already"), "{}", twice.message);
+    rig.run(700);
+    let begun = rig.wait(begun);
+    assert_eq!((begun.success, begun.recording, begun.message.as_str()), (true, true, "recording from cycle 2000 on"));
+    let stopped = rig.asks(command(RecordRequest::STOP));
+    let stopped = rig.wait(stopped);
+    assert_eq!((stopped.success, stopped.cycles, stopped.replayable), (true, 200, true), "{}", stopped.message);
+    assert_eq!(verdict(&path), Verdict::Same);
+    let again = rig.asks(command(RecordRequest::STOP)).try_recv().unwrap();
+    assert_eq!((again.success, again.message.as_str()), (false, "nothing is being recorded"));
+}
+
+#[test]
+fn a_start_that_has_not_begun_can_be_stopped() {
+    let mut rig = Rig::new(false, None);
+    rig.run(10);
+    let start = RecordRequest { path: "x.mcap".to_owned(), ..command(RecordRequest::START) };
+    let begun = rig.asks(start);
+    let stopped = rig.asks(command(RecordRequest::STOP)).try_recv().unwrap();
+    assert_eq!((stopped.success, stopped.message.as_str()), (true, "x.mcap was stopped before it began"));
+    assert!(!rig.wait(begun).success);
+}
+
+#[test]
+fn bad_requests_are_refused_with_a_sentence_and_change_nothing() {
+    let mut rig = Rig::new(true, None);
+    let bad = |duration| RecordRequest { max_bag_duration: duration, ..command(RecordRequest::START) };
+    for (request, sentence) in [
+        (command(9), "command is 9; 0 STATUS, 1 START, 2 STOP, 3 SAVE are allowed"),
+        (command(RecordRequest::SAVE), "the flight recorder is off"),
+        (bad(0.0), "bag.mcap is being recorded already"),
+    ] {
+        let response = rig.asks(request).try_recv().unwrap();
+        assert!(!response.success && response.message.ends_with(sentence), "{}", response.message);
+        assert!(response.recording);
+    }
+    let mut rig = Rig::new(false, None);
+    for duration in [-1.0, f64::NAN, f64::INFINITY, 4e7] {
+        let response = rig.asks(bad(duration)).try_recv().unwrap();
+        let sentence = format!("max_bag_duration is {duration} s; 0 to 31536000 s is allowed");
+        assert_eq!((response.success, response.message), (false, sentence));
+    }
+}
+
+#[test]
+fn the_flight_recorder_saves_on_request_and_keeps_no_more_than_it_may() {
+    let mut rig = Rig::new(false, Some(3));
+    let early = rig.asks(command(RecordRequest::SAVE));
+    let early = rig.wait(early);
+    assert!(!early.success && early.message.contains("has kept no cycle yet"), "{}", early.message);
+    let mut paths = Vec::new();
+    for _ in 0..4 {
+        rig.run(1900);
+        rig.look();
+        let saved = rig.asks(command(RecordRequest::SAVE));
+        let saved = rig.wait(saved);
+        assert!(saved.success && saved.replayable, "{}", saved.message);
+        paths.push(std::path::PathBuf::from(saved.path));
+    }
+    let kept: Vec<bool> = paths.iter().map(|path| path.exists()).collect();
+    assert_eq!(kept, [false, false, true, true]);
+    assert_eq!(verdict(&paths[3]), Verdict::Same);
+}

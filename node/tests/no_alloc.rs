@@ -1,0 +1,58 @@
+//! Handing whole cycles to the recorder takes no memory in the cycle thread and gives none back there, whether the recorder
+//! keeps up or not: an armed allocator watches.
+
+use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
+use lineshaft::cell::Cell;
+use lineshaft::run::frames::frames;
+use lineshaft_core::command::{Action, Command, Commands, Source};
+use lineshaft_core::drive::Backend;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::{Change, Value};
+use lineshaft_core::sim::Plant;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+/// Two commands with heap parts, which are freed where the frames arrive, in every fifth cycle.
+fn commands(cycle: u64) -> Vec<Command> {
+    let change = Change { axis: 1, row: 2, value: Value::Real(5e4) };
+    let actions = match cycle % 5 {
+        0 => vec![Action::SetParameters(Box::new([change])), Action::Refuse("not like this".into())],
+        1 => vec![Action::Enable(AxisSet::first(4))],
+        _ => Vec::new(),
+    };
+    let command = |(number, action)| Command { sequence: number, source: Source::Ros, action };
+    (2 * cycle + 1..).zip(actions).map(command).collect()
+}
+
+#[test]
+fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
+    let cell = Cell::demo();
+    let models: Vec<_> = cell.models.iter().copied().map(Some).collect();
+    let mut plant = Plant::new(&cell.machine, &models);
+    let mut machine = Machine::new(cell.machine).unwrap();
+    let (mut sender, mut receiver, mut spent) = frames(&machine);
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut lane = Vec::with_capacity(64);
+    for cycle in 0..10_000 {
+        lane.extend(commands(cycle));
+        inputs.cycle = cycle;
+        plant.read(&mut inputs);
+        assert_no_alloc(|| {
+            sender.before(&machine);
+            machine.cycle(&inputs, Commands::queue(&lane), &mut outputs);
+            sender.send(cycle, &inputs, &machine, lane.drain(..));
+        });
+        assert_eq!(violation_count(), 0, "in cycle {cycle}");
+        plant.write(&outputs);
+        spent.free();
+        // From cycle 5000 to the end of 7500 the recorder stands still.
+        if !(5000..7500).contains(&cycle) {
+            while let Some((frame, taken)) = receiver.take() {
+                receiver.give_back(frame, taken);
+            }
+        }
+    }
+    assert_eq!(receiver.lost(), 501, "of 2501 cycles without the recorder 2000 fit");
+}
