@@ -1,0 +1,75 @@
+//! The recorded messages of one cycle.
+
+use super::ReplayError;
+use crate::recording::Topic;
+use crate::recording::run::Message;
+use lineshaft_core::unit::excerpt;
+use lineshaft_msgs::msg::{AppliedCommand, CycleInputs};
+
+/// The messages of one log time.
+#[derive(Debug, Default)]
+pub(super) struct Group {
+    /// t_k (ns).
+    pub log_time: u64,
+    /// File of the first of them.
+    pub file: usize,
+    pub commands: Vec<AppliedCommand>,
+    pub inputs: Option<RecordedInputs>,
+    /// All others of a known type, as they stand.
+    pub others: Vec<(Topic, Vec<u8>)>,
+    /// A message was taken since it was cleared.
+    is_begun: bool,
+}
+
+/// Inputs as they stand in the file.
+#[derive(Debug)]
+pub(super) struct RecordedInputs {
+    pub message: CycleInputs,
+    /// Of the bytes in the file.
+    pub crc: u32,
+}
+
+impl Group {
+    /// Does a message of that time belong to it?
+    pub(super) fn is_of(&self, log_time: u64) -> bool {
+        !self.is_begun || self.log_time == log_time
+    }
+
+    /// Does it hold anything of a cycle? Joint states may come from anybody, where not all is of our recorder.
+    pub(super) fn is_of_a_cycle(&self, is_ours: bool) -> bool {
+        !self.commands.is_empty() || self.others.iter().any(|(topic, _)| is_ours || *topic != Topic::JointStates)
+    }
+
+    /// The messages of a topic.
+    pub(super) fn of(&self, topic: Topic) -> impl Iterator<Item = &[u8]> {
+        self.others.iter().filter(move |(of, _)| *of == topic).map(|(_, data)| data.as_slice())
+    }
+
+    pub(super) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes a message; one of another type is left out.
+    pub(super) fn add(&mut self, message: &Message<'_>) -> Result<(), ReplayError> {
+        if !self.is_begun {
+            (self.log_time, self.file, self.is_begun) = (message.log_time, message.file, true);
+        }
+        let bad =
+            |reason: String| ReplayError::Message { topic: excerpt(message.topic), log_time: message.log_time, reason };
+        match Topic::of_type(message.kind) {
+            Some(Topic::Commands) => self.commands.push(message.decode().map_err(bad)?),
+            Some(Topic::Inputs) => {
+                let inputs = message.decode().map_err(bad)?;
+                self.inputs = Some(RecordedInputs { message: inputs, crc: crc32fast::hash(message.data) });
+            }
+            Some(topic) => self.others.push((topic, message.cdr().map_err(bad)?.to_vec())),
+            None => {}
+        }
+        Ok(())
+    }
+
+    /// A message of this cycle that cannot be played.
+    pub(super) fn bad(&self, kind: &str, reason: String) -> ReplayError {
+        ReplayError::Message { topic: kind.to_owned(), log_time: self.log_time, reason }
+    }
+}

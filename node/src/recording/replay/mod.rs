@@ -1,0 +1,273 @@
+//! Replay: a recorded run through the core again, cycle by cycle, bit for bit.
+//!
+//! Law      the same cell, the same inputs and the same commands in the same cycles give the same signals and the same
+//!          messages; of wall time only the stamps that were recorded take part
+//! Reads    a [`Run`] with the attachment `cell.yaml`: commands and inputs to play, everything else to compare with. A run that
+//!          does not begin with cycle 0 begins with the attachment `machine_state`
+//! Refuses  a run without cell or inputs, a cell that was changed, a state of another version or cell
+//!
+//! All messages of a cycle have the same log time, in whatever order they stand.
+
+mod compare;
+mod group;
+mod report;
+
+pub use compare::Difference;
+pub use report::{Report, Verdict};
+
+use super::encoder::Encoder;
+use super::run::{Run, RunError};
+use super::{Cycle, inputs, key_cycles, verb};
+use crate::cell::Cell;
+use crate::document::Problems;
+use compare::Comparison;
+use group::Group;
+use lineshaft_core::command::{Command, Commands, Source};
+use lineshaft_core::drive::{Inputs, Outputs};
+use lineshaft_core::machine::{Machine, StateError};
+use lineshaft_msgs::msg::{AppliedCommand, CycleInputs};
+
+/// Why a run cannot be replayed.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The bag cannot be read.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// It was not recorded by this program.
+    #[error(
+        "there is no attachment cell.yaml: only what lineshaft recorded can be replayed; `lineshaft validate` compares \
+         other bags"
+    )]
+    NoCell,
+    /// It holds no inputs.
+    #[error("there is no message of type lineshaft_msgs/msg/CycleInputs: without inputs nothing can be replayed")]
+    NoInputs,
+    /// It holds nothing but inputs and commands.
+    #[error("there is nothing to compare with: no signals, events, axis states or joint states")]
+    NothingToCompare,
+    /// The cell is not the one that was recorded.
+    #[error("the attached cell.yaml was changed after the recording: its SHA-256 is {found}, {recorded} was recorded")]
+    ChangedCell {
+        /// Of the attachment.
+        found: String,
+        /// As recorded.
+        recorded: String,
+    },
+    /// The cell has errors, for this version.
+    #[error("the attached cell has errors:\n{0}")]
+    Cell(Problems),
+    /// It begins in the middle of a run.
+    #[error("the recording begins with cycle {0} and holds no state of the machine to begin with")]
+    NoState(u64),
+    /// The state cannot be read.
+    #[error("the attached state of the machine cannot be read by version {version}: {reason}")]
+    BadState {
+        /// Of this program.
+        version: &'static str,
+        /// Why.
+        reason: String,
+    },
+    /// The state is not the one before the first cycle.
+    #[error("the attached state of the machine is that before cycle {state}; the inputs begin with cycle {inputs}")]
+    OtherCycle {
+        /// Of the state.
+        state: u64,
+        /// Of the first inputs.
+        inputs: u64,
+    },
+    /// The state, or the cell, makes no machine.
+    #[error("the attached state and cell make no machine: {0}")]
+    Machine(#[from] StateError),
+    /// A message that is none.
+    #[error("{topic}: the message recorded at {log_time} ns cannot be read: {reason}")]
+    Message {
+        /// Its topic.
+        topic: String,
+        /// When it was recorded (ns).
+        log_time: u64,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Replays a run up to its first difference. `progress` is told how many cycles were replayed.
+///
+/// # Errors
+/// The run cannot be replayed at all, or is damaged.
+pub fn replay(run: &mut Run, mut progress: impl FnMut(u64)) -> Result<Report, ReplayError> {
+    let cell = attached_cell(run)?;
+    let is_ours = run.metadata("lineshaft").is_some();
+    let mut player = Player::new(cell, run.attachment_of(0, "machine_state")?, is_ours);
+    let cut: Vec<bool> = run.files().iter().map(|file| file.cut.is_some()).collect();
+    let mut group = Group::default();
+    let mut verdict = None;
+    while verdict.is_none() {
+        match run.next_message()? {
+            Some(message) if group.is_of(message.log_time) => group.add(&message)?,
+            next => {
+                // Where a file was cut off its last cycle may be there in part.
+                let is_last = next.is_none_or(|next| next.file != group.file);
+                let is_whole = !(is_last && cut.get(group.file) == Some(&true));
+                verdict = player.play(&group, is_whole)?;
+                progress(player.cycles);
+                group.clear();
+                match next {
+                    Some(message) => group.add(&message)?,
+                    None => break,
+                }
+            }
+        }
+    }
+    if player.cycles == 0 && verdict.is_none() {
+        return Err(ReplayError::NoInputs);
+    }
+    let report = player.report(run, verdict.unwrap_or(Verdict::Same));
+    if report.verdict == Verdict::Same && report.values == 0 && report.messages == 0 {
+        return Err(ReplayError::NothingToCompare);
+    }
+    Ok(report)
+}
+
+fn attached_cell(run: &Run) -> Result<Cell, ReplayError> {
+    let bytes = run.attachment("cell.yaml")?.ok_or(ReplayError::NoCell)?;
+    let text = String::from_utf8_lossy(&bytes);
+    if let Some(recorded) = run.metadata("lineshaft").and_then(|metadata| metadata.get("cell_sha256")) {
+        let found = super::sha256(&text);
+        if found != *recorded {
+            return Err(ReplayError::ChangedCell { found, recorded: recorded.clone() });
+        }
+    }
+    Cell::parse("cell.yaml", text).map_err(ReplayError::Cell)
+}
+
+/// Plays one cycle after the other.
+struct Player {
+    /// The recording is one of this program.
+    is_ours: bool,
+    cell: Cell,
+    state: Option<Vec<u8>>,
+    stage: Option<Stage>,
+    /// Cycles that were played.
+    cycles: u64,
+    first: u64,
+}
+
+/// What plays, from the first inputs on.
+struct Stage {
+    machine: Machine,
+    encoder: Encoder,
+    inputs: Inputs,
+    outputs: Outputs,
+    comparison: Comparison,
+}
+
+impl Player {
+    fn new(cell: Cell, state: Option<Vec<u8>>, is_ours: bool) -> Self {
+        Self { is_ours, cell, state, stage: None, cycles: 0, first: 0 }
+    }
+
+    /// Plays the cycle of a group; a verdict where there is no sense in going on.
+    fn play(&mut self, group: &Group, is_whole: bool) -> Result<Option<Verdict>, ReplayError> {
+        let expected = self.stage.as_ref().map(|stage| stage.machine.next_cycle());
+        let Some(recorded) = &group.inputs else {
+            let is_gap = is_whole && group.is_of_a_cycle(self.is_ours);
+            return Ok(expected.filter(|_| is_gap).map(|first| Verdict::Gap { first, next: first + 1 }));
+        };
+        let cycle = recorded.message.cycle;
+        if let Some(first) = expected.filter(|&expected| expected != cycle) {
+            return Ok(Some(Verdict::Gap { first, next: cycle }));
+        }
+        let mut stage = match self.stage.take() {
+            Some(stage) => stage,
+            None => {
+                self.first = cycle;
+                Stage::new(&self.cell, cycle, self.state.take(), self.is_ours)?
+            }
+        };
+        let difference = stage.play(group, &recorded.message, recorded.crc, is_whole)?;
+        self.stage = Some(stage);
+        self.cycles += 1;
+        Ok(difference.map(Verdict::Differs))
+    }
+
+    fn report(self, run: &Run, verdict: Verdict) -> Report {
+        let counts = self.stage.map(|stage| stage.comparison.counts).unwrap_or_default();
+        Report::new(run, verdict, self.first, self.cycles, counts)
+    }
+}
+
+impl Stage {
+    /// A machine before cycle `first`.
+    fn new(cell: &Cell, first: u64, state: Option<Vec<u8>>, is_ours: bool) -> Result<Self, ReplayError> {
+        let config = cell.machine.clone();
+        let machine = match state {
+            None if first == 0 => Machine::new(config).map_err(StateError::Config)?,
+            None => return Err(ReplayError::NoState(first)),
+            Some(bytes) => {
+                let state = postcard::from_bytes(&bytes).map_err(|error| ReplayError::BadState {
+                    version: env!("CARGO_PKG_VERSION"),
+                    reason: error.to_string(),
+                })?;
+                Machine::restore(config, state)?
+            }
+        };
+        if machine.next_cycle() != first {
+            return Err(ReplayError::OtherCycle { state: machine.next_cycle(), inputs: first });
+        }
+        Ok(Self {
+            encoder: Encoder::new(cell, machine.config(), machine.directory()),
+            inputs: machine.inputs(),
+            outputs: machine.outputs(),
+            comparison: Comparison::new(machine.directory(), is_ours),
+            machine,
+        })
+    }
+
+    fn play(
+        &mut self,
+        group: &Group,
+        recorded: &CycleInputs,
+        crc: u32,
+        is_whole: bool,
+    ) -> Result<Option<Difference>, ReplayError> {
+        let config = self.machine.config();
+        inputs::read_inputs(recorded, config, &mut self.inputs).map_err(|reason| group.bad("CycleInputs", reason))?;
+        let commands = self.commands(group)?;
+        self.machine.cycle(&self.inputs, Commands::queue(&commands), &mut self.outputs);
+        let cycle = Cycle {
+            stamp_ns: group.log_time,
+            inputs: &self.inputs,
+            commands: &commands,
+            events: self.machine.events(),
+            board: self.machine.board(),
+        };
+        let is_key = recorded.cycle.is_multiple_of(key_cycles(self.machine.config().cycle_ns));
+        let encoded = self.encoder.encode(&cycle, is_key);
+        self.comparison.compare(group, crc, &encoded, self.machine.board(), is_whole)
+    }
+
+    /// The commands in the order in which they applied.
+    fn commands(&self, group: &Group) -> Result<Vec<Command>, ReplayError> {
+        let command = |applied: &AppliedCommand| {
+            let bad = |reason: String| group.bad("AppliedCommand", reason);
+            if applied.cycle != self.machine.next_cycle() {
+                let (of, cycle) = (applied.cycle, self.machine.next_cycle());
+                return Err(bad(format!("it is of cycle {of} and stands among those of cycle {cycle}")));
+            }
+            let action = verb::from_json(&applied.command, self.machine.config(), self.machine.directory());
+            let source = source(&applied.source).ok_or_else(|| {
+                bad(format!("source is `{}`; ros, scenario, cli, machine are allowed", applied.source))
+            })?;
+            Ok(Command { sequence: applied.sequence, source, action: action.map_err(bad)? })
+        };
+        group.commands.iter().map(command).collect()
+    }
+}
+
+fn source(name: &str) -> Option<Source> {
+    let all = [Source::Ros, Source::Scenario, Source::Cli, Source::Machine];
+    all.into_iter().find(|source| source.name() == name)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,206 @@
+//! Whole runs, recorded and replayed.
+
+use super::*;
+use crate::recording::Topic;
+use crate::recording::bag::BagOptions;
+use crate::recording::test_bags::TestBag;
+use crate::scenario::{Options, Scenario, simulate};
+use lineshaft_msgs::cdr;
+use lineshaft_msgs::msg::Signals;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Numbers that look random and are the same in every run.
+struct Numbers(u64);
+
+impl Numbers {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % bound
+    }
+}
+
+/// The demo cell with goals, stops, couplings, parameters and faults at random moments.
+fn random_scenario(seconds: u64, seed: u64) -> String {
+    let mut numbers = Numbers(seed);
+    let mut text = format!("scenario: anything\nfor: {seconds} s\nsteps:\n  - {{at: 0, do: {{enable: {{}}}}}}\n");
+    let mut cycle = 100;
+    while cycle < seconds * 1000 - 1 {
+        let axis = ["line", "x", "y", "turret"][numbers.below(4) as usize];
+        let millimetres = numbers.below(800);
+        let verb = match numbers.below(16) {
+            0..=5 => {
+                format!("move_axis: {{axis: {axis}, mode: relative, units: axis_unit, position: {millimetres}.25}}")
+            }
+            6 => format!("move_axis: {{axis: {axis}, units: axis_unit, position: -{millimetres}.125}}"),
+            7 => format!("move_axis: {{axis: {axis}, mode: velocity, velocity: 0.0{millimetres}}}"),
+            8 | 9 => format!(
+                "synchronize: {{axis: {axis}, master: line, mode: position, numerator: {millimetres}, denominator: 113}}"
+            ),
+            10 => format!("halt: {{axes: [{axis}]}}"),
+            11 => format!("quick_stop: {{axes: [{axis}]}}"),
+            12 => "reset_errors: {}".to_owned(),
+            13 => format!("set_parameters: {{{axis}.max_velocity: {}}}", 1 + numbers.below(3)),
+            14 => "inject: {fault: {axis: x, code: 4660}}".to_owned(),
+            _ => "inject: {encoder_jump: {axis: y, by: 77 inc}}".to_owned(),
+        };
+        // Whether it is refused is no matter here: what follows enables again.
+        writeln!(text, "  - {{at: {cycle}, do: {{{verb}}}}}").unwrap();
+        writeln!(text, "  - {{at: {}, do: [{{reset_errors: {{}}}}, {{enable: {{}}}}]}}", cycle + 1).unwrap();
+        cycle += 2 + numbers.below(600);
+    }
+    text
+}
+
+/// Records a scenario on the demo cell.
+fn record(text: &str, path: &Path, max_duration_ns: Option<u64>) {
+    let cell = Cell::demo();
+    let scenario = Scenario::parse("random.yaml", text, &cell).unwrap();
+    let record = Some(BagOptions { path: path.to_owned(), max_size: None, max_duration_ns });
+    simulate(&cell, &scenario, &Options { record, ..Options::default() }).unwrap();
+}
+
+fn replayed(path: &Path) -> Report {
+    replay(&mut Run::open(path).unwrap(), |_| {}).unwrap()
+}
+
+fn long() -> bool {
+    std::env::var_os("LINESHAFT_LONG").is_some()
+}
+
+#[test]
+fn minutes_of_random_goals_replay_without_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let seconds = if long() { 600 } else { 60 };
+    record(&random_scenario(seconds, 7), &path, None);
+    let report = replayed(&path);
+    assert_eq!(report.verdict, Verdict::Same, "{report}");
+    assert_eq!((report.first, report.cycles), (0, seconds * 1000));
+    assert!(report.notes.is_empty(), "{report}");
+    assert!(report.values > 100 * report.cycles, "{report}");
+    assert!(report.messages > report.cycles / 5, "{report}");
+}
+
+#[test]
+fn a_split_bag_replays_as_a_whole_and_from_each_of_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bag");
+    record(&random_scenario(12, 11), &path, Some(3_000_000_000));
+    assert_eq!(replayed(&path).cycles, 12_000);
+    let mut files: Vec<PathBuf> = std::fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|ending| ending == "mcap"));
+    files.sort();
+    assert_eq!(files.len(), 4);
+    for (place, file) in (0..).zip(&files) {
+        let report = replayed(file);
+        assert_eq!(report.verdict, Verdict::Same, "{report}");
+        assert_eq!((report.first, report.cycles), (place * 3000, 3000));
+        let goes_on = report.notes.iter().any(|note| note.contains("goes on in a further file"));
+        assert_eq!(goes_on, place < 3, "{report}");
+    }
+}
+
+/// Plays a recording of which each cycle was changed by `edit`.
+fn edited(path: &Path, mut edit: impl FnMut(&mut Group, u64)) -> Result<Option<Verdict>, ReplayError> {
+    let mut player = Player::new(Cell::demo(), None, true);
+    let mut run = Run::open(path).unwrap();
+    let mut group = Group::default();
+    while let Some(message) = run.next_message().unwrap() {
+        if !group.is_of(message.log_time) {
+            let cycle = group.inputs.as_ref().unwrap().message.cycle;
+            edit(&mut group, cycle);
+            let verdict = player.play(&group, true)?;
+            if verdict.is_some() {
+                return Ok(verdict);
+            }
+            group.clear();
+        }
+        group.add(&message).unwrap();
+    }
+    Ok(None)
+}
+
+fn recorded(folder: &tempfile::TempDir) -> PathBuf {
+    let path = folder.path().join("run.mcap");
+    record(&random_scenario(3, 3), &path, None);
+    path
+}
+
+#[test]
+fn another_input_is_found_in_its_cycle_by_the_first_signal_that_differs() {
+    let folder = tempfile::tempdir().unwrap();
+    let verdict = edited(&recorded(&folder), |group, cycle| {
+        if cycle == 1234 {
+            group.inputs.as_mut().unwrap().message.drive_count[0] ^= 1 << 4;
+        }
+    });
+    let Some(Verdict::Differs(difference)) = verdict.unwrap() else { panic!("no difference: nothing") };
+    assert_eq!((difference.cycle, difference.what.as_str()), (1234, "x.actual.count"));
+    let (recorded, replayed): (i64, i64) = (difference.recorded.parse().unwrap(), difference.replayed.parse().unwrap());
+    assert_eq!((recorded - replayed).abs(), 16);
+}
+
+/// A bit of the status word that means nothing (CiA 402: manufacturer-specific) has no effect, and was changed all the same.
+#[test]
+fn an_input_without_effect_is_found_by_its_checksum() {
+    let folder = tempfile::tempdir().unwrap();
+    let verdict = edited(&recorded(&folder), |group, cycle| {
+        if cycle == 777 {
+            let inputs = group.inputs.as_mut().unwrap();
+            inputs.message.drive_status[0] ^= 1 << 14;
+            inputs.crc = crc32fast::hash(&cdr::encode_with_header(&inputs.message));
+        }
+    });
+    let Some(Verdict::Differs(difference)) = verdict.unwrap() else { panic!("no difference") };
+    assert_eq!((difference.cycle, difference.what.as_str()), (777, "inputs"));
+    assert!(difference.recorded.starts_with("CRC-32 ") && difference.recorded != difference.replayed);
+}
+
+#[test]
+fn what_a_recording_of_ours_lacks_is_a_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(&folder);
+    assert_eq!(edited(&path, |_, _| {}).unwrap(), None);
+    for (topic, what) in [
+        (Topic::Events, "lineshaft_msgs/msg/Event"),
+        (Topic::Signals, "lineshaft_msgs/msg/Signals"),
+        (Topic::AxisStates, "lineshaft_msgs/msg/AxisStates"),
+        (Topic::JointStates, "sensor_msgs/msg/JointState"),
+    ] {
+        let verdict = edited(&path, |group, _| group.others.retain(|(of, _)| *of != topic)).unwrap();
+        let Some(Verdict::Differs(difference)) = verdict else { panic!("{what} is not missed") };
+        assert_eq!((difference.cycle, difference.what.as_str()), (0, what));
+        assert!(difference.recorded.starts_with("0 message"), "{difference:?}");
+    }
+    let only_changes = edited(&path, |group, cycle| {
+        if cycle == 0 {
+            let (_, data) = group.others.iter_mut().find(|(topic, _)| *topic == Topic::Signals).unwrap();
+            let mut signals: Signals = cdr::decode_with_header(data).unwrap();
+            signals.index.pop();
+            signals.word.pop();
+            *data = cdr::encode_with_header(&signals);
+        }
+    });
+    let sentence = only_changes.unwrap_err().to_string();
+    assert!(sentence.ends_with("holds 174 of 175 signals; all of them are needed"), "{sentence}");
+}
+
+#[test]
+fn messages_that_are_not_cdr_are_left_out_or_refused() {
+    let replayed = |kind: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        let mut bag = TestBag::new();
+        bag.attach("cell.yaml", Cell::demo().text.as_bytes());
+        bag.raw("/other", kind, "json", 5, b"{}");
+        std::fs::write(&path, bag.finish()).unwrap();
+        replay(&mut Run::open(&path).unwrap(), |_| {}).unwrap_err().to_string()
+    };
+    assert!(replayed("foxglove.Pose").starts_with("there is no message of type lineshaft_msgs/msg/CycleInputs"));
+    for kind in ["lineshaft_msgs/msg/CycleInputs", "lineshaft_msgs/msg/Signals", "lineshaft_msgs/msg/AppliedCommand"] {
+        let said = replayed(kind);
+        let sentence = "/other: the message recorded at 5 ns cannot be read: it is encoded as `json`; only cdr is read";
+        assert_eq!(said, sentence, "{kind}");
+    }
+}
