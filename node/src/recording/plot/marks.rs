@@ -1,0 +1,200 @@
+//! Events in a figure: which of them are shown, and where their numbers stand.
+//!
+//! Law      Errors come before warnings, warnings before limits, latches and ends of goals. Answers, states and parameters
+//!          are never drawn, only counted, as is what is expected of objects without a signal in the figure: they would
+//!          hide the rest.
+
+use super::text::clean;
+use crate::recording::series::Mark;
+
+/// Most events with a number and a sentence.
+pub(super) const MOST_LISTED: usize = 12;
+
+/// Most kinds of events that are counted apart.
+const MOST_KINDS: usize = 11;
+
+/// An event with a number.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Listed {
+    /// From 1, in order of time.
+    pub(super) number: usize,
+    /// (s)
+    pub(super) time: f64,
+    pub(super) severity: u8,
+    pub(super) source: String,
+    pub(super) text: String,
+}
+
+/// The events of a figure.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Events {
+    pub(super) listed: Vec<Listed>,
+    /// Drawn without a number: time (s) and severity.
+    pub(super) plain: Vec<(f64, u8)>,
+    /// What the list leaves out, in words; empty for nothing.
+    pub(super) rest: String,
+}
+
+impl Events {
+    /// The events from `from` to `to` (s) in a figure of these objects.
+    pub(super) fn new(marks: &[Mark], objects: &[&str], from: f64, to: f64) -> Self {
+        let rank = |mark: &Mark| {
+            let is_shown = mark.severity > 0 || mark.source == "machine" || objects.contains(&mark.source.as_str());
+            rank(mark).filter(|_| is_shown)
+        };
+        let mut marks: Vec<&Mark> = marks.iter().filter(|mark| mark.time >= from && mark.time <= to).collect();
+        marks.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let mut places: Vec<usize> = (0..marks.len()).filter(|&place| rank(marks[place]).is_some()).collect();
+        places.sort_by_key(|&place| rank(marks[place]));
+        let (listed, plain) = places.split_at(places.len().min(MOST_LISTED));
+        let mut shown = vec![false; marks.len()];
+        listed.iter().for_each(|&place| shown[place] = true);
+        let kept = marks.iter().zip(&shown).filter(|(_, shown)| **shown).enumerate();
+        let listed = kept
+            .map(|(place, (mark, _))| Listed {
+                number: place + 1,
+                time: mark.time,
+                severity: mark.severity,
+                source: clean(&mark.source),
+                text: sentence(mark),
+            })
+            .collect();
+        let plain = plain.iter().map(|&place| (marks[place].time, marks[place].severity)).collect();
+        let left_out: Vec<&Mark> =
+            marks.iter().zip(&shown).filter(|(_, shown)| !**shown).map(|(mark, _)| *mark).collect();
+        Self { listed, plain, rest: rest(&left_out) }
+    }
+}
+
+/// The sentence without the source, which stands before it in the list.
+fn sentence(mark: &Mark) -> String {
+    let text = mark.text.strip_prefix(&mark.source).and_then(|text| text.strip_prefix(": ")).unwrap_or(&mark.text);
+    clean(if text.is_empty() { &mark.kind } else { text })
+}
+
+/// Less is more important; nothing for what is never drawn.
+fn rank(mark: &Mark) -> Option<u8> {
+    match (mark.severity, mark.kind.as_str()) {
+        (2.., _) => Some(0),
+        (1, _) => Some(1),
+        (0, "limit" | "latch" | "mark" | "reset" | "homed" | "error" | "refused" | "overrun" | "warning") => Some(2),
+        (0, "done") => Some(3),
+        _ => None,
+    }
+}
+
+/// `not listed: 2 errors, 1 warning, 40 accepted, 38 state`.
+fn rest(marks: &[&Mark]) -> String {
+    let mut counts: Vec<(String, usize)> = Vec::new();
+    for severity in [2, 1, 0] {
+        let mut kinds: Vec<(String, usize)> = Vec::new();
+        for mark in marks.iter().filter(|mark| mark.severity.min(2) == severity) {
+            let kind = match severity {
+                2 => "error".to_owned(),
+                1 => "warning".to_owned(),
+                _ => clean(&mark.kind),
+            };
+            let known = |kinds: &[(String, usize)], kind: &str| kinds.iter().position(|(name, _)| name == kind);
+            // Kinds are few; a bag of another recorder may hold anything.
+            let kind =
+                if kinds.len() < MOST_KINDS || known(&kinds, &kind).is_some() { kind } else { "other".to_owned() };
+            match known(&kinds, &kind) {
+                Some(place) => kinds[place].1 += 1,
+                None => kinds.push((kind, 1)),
+            }
+        }
+        kinds.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        counts.extend(kinds);
+    }
+    let counted = |(kind, count): &(String, usize)| {
+        let plural = if *count > 1 && ["error", "warning"].contains(&kind.as_str()) { "s" } else { "" };
+        format!("{count} {kind}{plural}")
+    };
+    let counts: Vec<String> = counts.iter().map(counted).collect();
+    if counts.is_empty() { String::new() } else { format!("events not listed: {}", counts.join(", ")) }
+}
+
+/// Places for labels of a width, as near as possible to where they want to be, side by side and between two edges.
+///
+/// Where labels meet they share the way: each group of them stands around the mean of its wishes.
+pub(super) fn spread(wishes: &[f64], width: f64, low: f64, high: f64) -> Vec<f64> {
+    // Without their widths, labels side by side stand in one place: groups are those with equal places.
+    let mut groups: Vec<(f64, usize)> = Vec::new();
+    for (place, wish) in wishes.iter().enumerate() {
+        groups.push((wish - place as f64 * width, 1));
+        while let [.., (left, many), (right, few)] = groups[..]
+            && left > right
+        {
+            groups.truncate(groups.len() - 2);
+            let count = many + few;
+            groups.push(((left * many as f64 + right * few as f64) / count as f64, count));
+        }
+    }
+    let room = high - low - width * wishes.len() as f64;
+    let (first, last) = (low + width / 2.0, low + width / 2.0 + room.max(0.0));
+    let places = groups.iter().flat_map(|&(at, count)| std::iter::repeat_n(at.clamp(first, last), count));
+    places.enumerate().map(|(place, at)| at + place as f64 * width).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn mark(time: f64, severity: u8, kind: &str) -> Mark {
+        let (source, text) = ("x".to_owned(), format!("{kind} at {time}"));
+        Mark { time, severity, kind: kind.to_owned(), source, text }
+    }
+
+    #[test]
+    fn errors_and_warnings_come_before_what_is_expected() {
+        let mut marks: Vec<Mark> = (0..100).map(|n| mark(f64::from(n), 0, "latch")).collect();
+        marks.extend((0..50).map(|n| mark(f64::from(n), 0, "accepted")));
+        marks.extend([mark(70.5, 2, "error"), mark(80.5, 1, "refused"), mark(200.0, 2, "error")]);
+        let events = Events::new(&marks, &["x"], 0.0, 100.0);
+        assert_eq!(events.listed.len(), MOST_LISTED);
+        let last: Vec<_> = events.listed[10..].iter().map(|one| (one.number, one.time, one.severity)).collect();
+        assert_eq!(last, [(11, 70.5, 2), (12, 80.5, 1)]);
+        assert_eq!(events.plain.len(), 90);
+        assert_eq!(events.rest, "events not listed: 90 latch, 50 accepted");
+    }
+
+    #[test]
+    fn what_is_shown_leaves_nothing_to_count() {
+        let events = Events::new(&[mark(1.0, 2, "error")], &[], 0.0, 2.0);
+        assert_eq!((events.listed.len(), events.rest.as_str()), (1, ""));
+    }
+
+    #[test]
+    fn of_objects_that_are_not_shown_only_trouble_is() {
+        let marks =
+            [mark(1.0, 0, "done"), mark(2.0, 1, "refused"), Mark { source: "y".to_owned(), ..mark(3.0, 0, "done") }];
+        let events = Events::new(&marks, &["y"], 0.0, 5.0);
+        assert_eq!(events.listed.iter().map(|one| one.time).collect::<Vec<_>>(), [2.0, 3.0]);
+        assert_eq!(events.rest, "events not listed: 1 done");
+    }
+
+    #[test]
+    fn the_source_is_not_said_twice() {
+        let mark = Mark { text: "x: drive fault 8611h".to_owned(), ..mark(1.0, 2, "error") };
+        assert_eq!(Events::new(&[mark], &[], 0.0, 2.0).listed[0].text, "drive fault 8611h");
+    }
+
+    #[test]
+    fn labels_that_meet_share_the_way() {
+        assert_eq!(spread(&[50.0, 50.0, 50.0], 10.0, 0.0, 100.0), [40.0, 50.0, 60.0]);
+        assert_eq!(spread(&[2.0, 3.0, 80.0], 10.0, 0.0, 100.0), [5.0, 15.0, 80.0]);
+        assert_eq!(spread(&[99.0, 99.0], 10.0, 0.0, 100.0), [85.0, 95.0]);
+    }
+
+    proptest! {
+        #[test]
+        fn labels_never_overlap_and_stay_inside(mut wishes in prop::collection::vec(0.0..900.0, 0..12)) {
+            wishes.sort_by(f64::total_cmp);
+            let places = spread(&wishes, 20.0, 0.0, 900.0);
+            prop_assert_eq!(places.len(), wishes.len());
+            prop_assert!(places.windows(2).all(|pair| pair[1] - pair[0] >= 20.0 - 1e-6));
+            prop_assert!(places.iter().all(|&place| (10.0 - 1e-6..=890.0 + 1e-6).contains(&place)), "{:?}", places);
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Figures of a run: signals as stacked panels over one time axis, events as marks, as SVG or PNG.
+//!
+//! Law      Curves of one meaning and unit share a panel. Bits, enums, words and numbers without a unit that seldom change
+//!          are lanes of a timing diagram. What was chosen by a pattern and never changes, or is a fraction, is named below,
+//!          not drawn; so is how often a curve has no number, a value too large to draw, or a gap.
+//! Reads    series in order of time, events in any order
+//! Refuses  no series, none that changes, a size that holds no figure
+//!
+//! It is a pure function of its arguments: the same figure makes the same bytes, on every machine, with whatever fonts.
+//! Colours are those of Okabe and Ito, which colour-blind people tell apart, each with its own dashes.
+
+mod canvas;
+mod curve;
+mod file;
+mod lane;
+mod layout;
+mod marks;
+mod meaning;
+mod page;
+mod palette;
+mod pixels;
+mod scale;
+mod sheet;
+mod sort;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use file::{Target, write};
+
+use super::series::{Mark, Series};
+
+/// Smallest and largest width (px).
+pub const WIDTHS: (u32, u32) = (500, 8000);
+/// Smallest and largest height (px).
+pub const HEIGHTS: (u32, u32) = (200, 20_000);
+/// Most pixels of a PNG.
+pub const MOST_PIXELS: u64 = 24_000_000;
+
+/// A signal that is wanted in a figure.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen<'a> {
+    /// The signal.
+    pub series: &'a Series,
+    /// Chosen by its full name: it is drawn even if it never changes.
+    pub by_name: bool,
+}
+
+/// What is to be drawn.
+#[derive(Clone, Debug)]
+pub struct Figure<'a> {
+    /// One line on top; empty for none.
+    pub title: String,
+    /// In this order in legends and lanes.
+    pub signals: Vec<Chosen<'a>>,
+    /// Events; those outside of the time shown are left out.
+    pub marks: &'a [Mark],
+    /// First time shown (s); left out: that of the first point.
+    pub from: Option<f64>,
+    /// Last time shown (s); left out: that of the last point.
+    pub to: Option<f64>,
+    /// Width (px), see [`WIDTHS`].
+    pub width: u32,
+    /// Height (px), see [`HEIGHTS`]; left out: what the panels need.
+    pub height: Option<u32>,
+}
+
+/// Why there is no figure.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// Nothing was chosen.
+    #[error("no signal is chosen")]
+    NoSignal,
+    /// No chosen signal has a value in the time shown.
+    #[error("no chosen signal has a value{}{}", asked(*.from, *.to), there_is(*.run))]
+    NoValue {
+        /// As it was asked for (s).
+        from: Option<f64>,
+        /// As it was asked for (s).
+        to: Option<f64>,
+        /// From when to when (s) they have values.
+        run: Option<(f64, f64)>,
+    },
+    /// Only signals that never change were chosen, by patterns.
+    #[error(
+        "none of the {count} chosen signals changes from {from} s to {to} s; one that is named in full is drawn all the same"
+    )]
+    NoChange {
+        /// How many.
+        count: usize,
+        /// (s)
+        from: f64,
+        /// (s)
+        to: f64,
+    },
+    /// The end lies before the start.
+    #[error("the figure would end at {to} s, before its start at {from} s")]
+    Backwards {
+        /// (s)
+        from: f64,
+        /// (s)
+        to: f64,
+    },
+    /// The width lies outside of its range.
+    #[error("width {given} px lies outside of {} to {} px", WIDTHS.0, WIDTHS.1)]
+    Width {
+        /// (px)
+        given: u32,
+    },
+    /// The height lies outside of its range.
+    #[error("height {given} px lies outside of {} to {} px", HEIGHTS.0, HEIGHTS.1)]
+    Height {
+        /// (px)
+        given: u32,
+    },
+    /// The height holds not all panels.
+    #[error("{panels} need a height of {needed} px or more, not {given} px")]
+    Low {
+        /// What is to be drawn, in words.
+        panels: String,
+        /// (px)
+        needed: u32,
+        /// (px)
+        given: u32,
+    },
+    /// More panels and lanes than a figure holds.
+    #[error("{panels} would need a height of {needed} px, more than {} px; choose fewer signals", HEIGHTS.1)]
+    High {
+        /// What is to be drawn, in words.
+        panels: String,
+        /// (px)
+        needed: u32,
+    },
+    /// More pixels than a PNG may have.
+    #[error("{width} x {height} px are more than the {} million pixels of a PNG; an SVG may be as large", MOST_PIXELS / 1_000_000)]
+    Pixels {
+        /// (px)
+        width: u32,
+        /// (px)
+        height: u32,
+    },
+    /// The name of the file ends with neither of the formats.
+    #[error("{name} ends with neither .svg nor .png")]
+    Ending {
+        /// The file.
+        name: String,
+    },
+    /// The file cannot be written.
+    #[error("cannot write {name}: {reason}")]
+    File {
+        /// The file.
+        name: String,
+        /// What the system says.
+        reason: String,
+    },
+    /// The picture could not be made.
+    #[error("the picture cannot be made: {reason}")]
+    Drawing {
+        /// What the drawing library says.
+        reason: String,
+    },
+}
+
+/// ` from 3 s to 4 s`
+fn asked(from: Option<f64>, to: Option<f64>) -> String {
+    match (from, to) {
+        (Some(from), Some(to)) => format!(" from {from} s to {to} s"),
+        (Some(from), None) => format!(" from {from} s on"),
+        (None, Some(to)) => format!(" up to {to} s"),
+        (None, None) => String::new(),
+    }
+}
+
+fn there_is(run: Option<(f64, f64)>) -> String {
+    run.map_or(String::new(), |(from, to)| format!("; they have values from {from} s to {to} s"))
+}
+
+/// Draws a figure and returns the content of its file.
+///
+/// # Errors
+/// [`Problem`], all but its variants about files.
+pub fn draw(figure: &Figure<'_>, target: Target) -> Result<Vec<u8>, Problem> {
+    let font = text::Font::new();
+    let sheet = sheet::Sheet::new(figure, &font)?;
+    let size = (figure.width, sheet.layout.height);
+    match target {
+        Target::Svg => canvas::svg(size, |canvas| page::paint(&sheet, &font, canvas)).map(String::into_bytes),
+        Target::Png => pixels::png(size, &font, |canvas| page::paint(&sheet, &font, canvas)),
+    }
+}

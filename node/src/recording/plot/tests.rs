@@ -1,0 +1,49 @@
+//! Whole figures.
+
+mod figures;
+mod odd;
+
+use super::{Chosen, Figure, Target, draw};
+use crate::recording::series::{Kind, Mark, Series};
+
+fn series(name: &str, unit: &str, kind: Kind, points: Vec<(f64, f64)>) -> Series {
+    let (name, unit, topic) = (name.to_owned(), unit.to_owned(), "/lineshaft/signals".to_owned());
+    Series { name, unit, kind, topic, points, gaps: Vec::new() }
+}
+
+/// A signal at 1 kHz.
+fn sampled(name: &str, unit: &str, kind: Kind, count: u32, value: impl Fn(f64) -> f64) -> Series {
+    let times = (0..count).map(|cycle| f64::from(cycle) / 1e3);
+    series(name, unit, kind, times.map(|time| (time, value(time))).collect())
+}
+
+fn states() -> Kind {
+    Kind::Enum(["DISABLED", "STANDSTILL", "DISCRETE_MOTION"].map(str::to_owned).to_vec())
+}
+
+fn mark(time: f64, severity: u8, kind: &str, text: &str) -> Mark {
+    Mark { time, severity, kind: kind.to_owned(), source: "x".to_owned(), text: text.to_owned() }
+}
+
+/// All signals as if they were chosen by a pattern.
+fn figure<'a>(signals: &'a [Series], marks: &'a [Mark]) -> Figure<'a> {
+    Figure {
+        title: "A run".to_owned(),
+        signals: signals.iter().map(|series| Chosen { series, by_name: false }).collect(),
+        marks,
+        from: None,
+        to: None,
+        width: 1200,
+        height: None,
+    }
+}
+
+fn svg(figure: &Figure<'_>) -> String {
+    String::from_utf8(draw(figure, Target::Svg).unwrap()).unwrap()
+}
+
+/// The texts of an SVG, in the order in which they are painted.
+fn texts(svg: &str) -> Vec<&str> {
+    let texts = svg.split("<text").skip(1).filter_map(|text| text.split_once(">\n")?.1.split_once("\n</text>"));
+    texts.map(|(text, _)| text).collect()
+}
