@@ -4,5 +4,6 @@
 pub mod cell;
 pub mod cli;
 pub mod document;
+pub mod recording;
 pub mod run;
 pub mod scenario;

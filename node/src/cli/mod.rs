@@ -1,12 +1,22 @@
 //! The command line: what each command does, and with which code it ends.
 
+mod bag;
 mod check;
+mod plot;
+mod replay;
 mod run;
 mod signals;
 mod sim;
+mod validate;
 
+use crate::recording::bag::BagOptions;
+use crate::recording::clean::clean_lines;
+use crate::recording::plot::{HEIGHTS, WIDTHS};
+use crate::recording::validate::{Align, Tolerance};
 use crate::run::realtime::Processor;
-use clap::{Args, Parser, Subcommand};
+use crate::run::recorder::MOST_SECONDS;
+use clap::builder::RangedU64ValueParser;
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use lineshaft_ros::layer::{RosArguments, log_filter};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -22,6 +32,8 @@ pub enum Exit {
     Failed,
     /// Bad usage, or a file with errors.
     Usage,
+    /// A replay does not do what was recorded.
+    Differs,
 }
 
 impl From<Exit> for ExitCode {
@@ -30,6 +42,7 @@ impl From<Exit> for ExitCode {
             Exit::Good => Self::from(0),
             Exit::Failed => Self::from(1),
             Exit::Usage => Self::from(2),
+            Exit::Differs => Self::from(3),
         }
     }
 }
@@ -41,7 +54,8 @@ impl From<Exit> for ExitCode {
     about = "The electronic line shaft for ROS 2",
     long_about = "The electronic line shaft for ROS 2: runs servo axes in a fixed cycle and shows them as topics, services and \
                   actions.\n\nWithout a command it runs the built-in demo cell in simulation.",
-    after_help = "Exit codes: 0 good, 1 an expectation or the machine failed, 2 bad usage or a file with errors."
+    after_help = "Exit codes: 0 good, 1 an expectation or the machine failed, 2 bad usage or a file with errors, \
+                  3 a replay differs from its recording."
 )]
 struct Line {
     #[command(subcommand)]
@@ -62,6 +76,116 @@ enum Command {
     Check(CheckArgs),
     /// List the signals of a cell that can be traced
     Signals(CellArgs),
+    /// Play a recorded run through the core again and report the first difference
+    #[command(
+        after_help = "Plays the recorded inputs and commands with the attached cell and compares all signals, events and \
+                            states of each cycle, bit for bit.\n\
+                            Exit codes: 0 no difference, 2 cannot be replayed, or not any further because cycles are missing, 3 differs."
+    )]
+    Replay(ReplayArgs),
+    /// Compare a recorded run with an expected one, signal by signal
+    #[command(after_help = VALIDATE_HELP)]
+    Validate(ValidateArgs),
+    /// Draw signals of a recorded run
+    #[command(
+        after_help = "Signals of one meaning and unit share a panel; bits and states are lanes below. What a pattern \
+                            chooses and never changes is named below the figure, not drawn; so are fractions."
+    )]
+    Plot(PlotArgs),
+    /// Look into recordings
+    #[command(subcommand)]
+    Bag(BagCommand),
+}
+
+const VALIDATE_HELP: &str = "\
+Both runs are bags of any recorder: an .mcap file, a folder, or a metadata.yaml. The trajectories of joint_states and \
+axis_states are compared in time, read on straight lines between their samples. Numbers that change in steps (states, bits, \
+error codes) must have the same values in the same order; where both runs have samples at the same times, at the same times.
+
+SIGNAL is a name or a pattern, such as x.actual.position (also x.position), x.command.velocity, x.following_error, '*.position', \
+or time, which loosens where the signals begin and end (by itself two samples of what is expected) and how long a run may \
+have no sample (by itself five of its samples). VALUE is a number in SI (m, m/s, m/s^2, rad, \
+rad/s, rad/s^2, N, Nm, s) or has a unit: 10 um, 0.1 deg, 5 mm/s, 50 ms. A value with a unit holds for those matched \
+signals that have it: of linear or of rotary axes, as the cell.yaml attached to one of the runs tells. Without it a length \
+and an angle for one signal are refused, unless the last of them names it alone. What has no tolerance must be equal. Of several the last one holds.
+
+Examples:
+  lineshaft validate run.mcap --against expected.mcap --tolerance '*.position=10 um' --tolerance '*.velocity=5 mm/s'
+  lineshaft validate run/ --against expected/ --align motion --tolerance '*=1 mm' --tolerance 'time=50 ms'
+
+Exit codes: 0 all signals agree, 1 one deviates, is missing, has a gap or is NaN, 2 bad usage or a bad file.";
+
+#[derive(Debug, Args)]
+struct PlotArgs {
+    /// The run: an .mcap file, a folder, or a metadata.yaml
+    run: PathBuf,
+    /// Signals to draw, as `x.*`; several times for more
+    #[arg(long, value_name = "GLOB", required = true)]
+    signals: Vec<String>,
+    /// The figure: FILE.svg or FILE.png; one that exists is replaced
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Begin here, as `1.2 s`, from the start of the run; left out: with the first value
+    #[arg(long, value_name = "TIME", value_parser = plot::time, allow_hyphen_values = true)]
+    from: Option<f64>,
+    /// End here
+    #[arg(long, value_name = "TIME", value_parser = plot::time, allow_hyphen_values = true)]
+    to: Option<f64>,
+    /// Width (px, 500 to 8000)
+    #[arg(long, value_name = "N", default_value_t = 1200, value_parser = pixels(WIDTHS))]
+    width: u32,
+    /// Height (px, 200 to 20000); left out: what the panels need
+    #[arg(long, value_name = "N", value_parser = pixels(HEIGHTS))]
+    height: Option<u32>,
+    /// A line above the figure; left out: the name of the run
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+}
+
+#[derive(Debug, Args)]
+struct ValidateArgs {
+    /// The run: an .mcap file, a folder, or a metadata.yaml
+    run: PathBuf,
+    /// The run that is expected, likewise
+    #[arg(long, value_name = "EXPECTED")]
+    against: PathBuf,
+    /// How far a signal may be from what is expected
+    #[arg(long, value_name = "SIGNAL=VALUE")]
+    tolerance: Vec<Tolerance>,
+    /// From where the times of both count
+    #[arg(long, value_enum, default_value_t)]
+    align: AlignArg,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum AlignArg {
+    /// The first sample of each run
+    #[default]
+    Start,
+    /// The first sample at which a position is further from where it was than its tolerance
+    Motion,
+}
+
+impl From<AlignArg> for Align {
+    fn from(align: AlignArg) -> Self {
+        match align {
+            AlignArg::Start => Self::Start,
+            AlignArg::Motion => Self::Motion,
+        }
+    }
+}
+
+#[derive(Debug, Subcommand)]
+enum BagCommand {
+    /// Tell what a run holds, and whether it can be replayed
+    #[command(
+        after_help = "Exit codes: 0 the run was read to its end, also one that was cut off; 2 bad usage, or a file \
+                            that is damaged or no bag."
+    )]
+    Info {
+        /// The run: an .mcap file, a folder, or a metadata.yaml
+        run: PathBuf,
+    },
 }
 
 #[derive(Debug, Default, Args)]
@@ -77,6 +201,56 @@ struct RunArgs {
     /// Processor of the cycle thread: a number, or `any`; left out: the last one
     #[arg(long, value_name = "N|any", value_parser = processor)]
     cpu: Option<Processor>,
+    #[command(flatten)]
+    record: RecordArgs,
+    #[command(flatten)]
+    flight: FlightArgs,
+}
+
+/// Where and how a run is recorded.
+#[derive(Clone, Debug, Default, Args)]
+struct RecordArgs {
+    /// Record the run from its first cycle on: `NAME.mcap` is that file, anything else a new folder (a rosbag2 bag)
+    #[arg(long, value_name = "PATH")]
+    record: Option<PathBuf>,
+    /// Begin a new file of the bag beyond this size (bytes, 0 never); folders only
+    #[arg(long, value_name = "BYTES", default_value_t = 0, requires = "record")]
+    max_bag_size: u64,
+    /// Begin a new file of the bag beyond this time (s, 0 never); folders only
+    #[arg(long, value_name = "SECONDS", default_value = "0", requires = "record", value_parser = bag_duration)]
+    max_bag_duration: u64,
+}
+
+impl RecordArgs {
+    /// What is to be recorded, if anything.
+    fn options(&self) -> Option<BagOptions> {
+        let limit = |most: u64| Some(most).filter(|&most| most > 0);
+        self.record.as_ref().map(|path| BagOptions {
+            path: path.clone(),
+            max_size: limit(self.max_bag_size),
+            max_duration_ns: limit(self.max_bag_duration),
+        })
+    }
+}
+
+/// The flight recorder.
+#[derive(Clone, Debug, Args)]
+struct FlightArgs {
+    /// The last seconds that the flight recorder keeps and saves as a bag after a fault (s, 1 to 600; 0 off)
+    #[arg(long, value_name = "SECONDS", default_value_t = 10, value_parser = value_parser!(u64).range(0..=600))]
+    flight_recorder: u64,
+    /// Where its bags go; left out: ~/.ros/lineshaft/<node> (ROS_HOME counts)
+    #[arg(long, value_name = "FOLDER")]
+    flight_folder: Option<PathBuf>,
+    /// How many of its bags are kept (1 to 1000); the oldest is removed for a new one
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = value_parser!(u64).range(1..=1000))]
+    flight_keep: u64,
+}
+
+impl Default for FlightArgs {
+    fn default() -> Self {
+        Self { flight_recorder: 10, flight_folder: None, flight_keep: 10 }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -89,6 +263,14 @@ struct SimArgs {
     /// Write the traced signals to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    record: RecordArgs,
+}
+
+#[derive(Debug, Args)]
+struct ReplayArgs {
+    /// The run: an .mcap file, a folder, or a metadata.yaml
+    run: PathBuf,
 }
 
 #[derive(Debug, Args)]
@@ -113,6 +295,19 @@ fn processor(text: &str) -> Result<Processor, String> {
             .parse()
             .map(Processor::Number)
             .map_err(|_| "a number of a processor, or `any`, is allowed".to_owned()),
+    }
+}
+
+/// A size within a range (px).
+fn pixels((least, most): (u32, u32)) -> RangedU64ValueParser<u32> {
+    RangedU64ValueParser::new().range(u64::from(least)..=u64::from(most))
+}
+
+/// Seconds as nanoseconds.
+fn bag_duration(text: &str) -> Result<u64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=MOST_SECONDS).contains(&seconds) => Ok((seconds * 1e9) as u64),
+        _ => Err(format!("0 to {MOST_SECONDS} s is allowed")),
     }
 }
 
@@ -145,8 +340,17 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Sim(args)) => sim::sim(&args),
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
+        Some(Command::Plot(args)) => plot::plot(&args),
+        Some(Command::Replay(args)) => replay::run(&args),
+        Some(Command::Validate(args)) => validate::validate(&args),
+        Some(Command::Bag(command)) => bag::bag(&command),
     };
     exit.into()
+}
+
+/// Tells an error, in which foreign text may stand.
+fn complain(error: &dyn std::fmt::Display) {
+    eprintln!("error: {}", clean_lines(&error.to_string()));
 }
 
 /// Prints to standard output; a reader that has seen enough is no failure.
