@@ -12,6 +12,7 @@ fn lineshaft(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_lineshaft"))
         .args(arguments)
         .current_dir(folder)
+        .env("ROS_HOME", folder)
         .output()
         .expect("the program starts")
 }

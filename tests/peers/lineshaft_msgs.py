@@ -10,6 +10,7 @@ AXIS_STATES = ("DISABLED", "STANDSTILL", "DISCRETE_MOTION", "CONTINUOUS_MOTION",
 MOVE_MODES = ("absolute", "relative", "additive", "velocity", "superimposed")
 UNITS = ("si", "axis_unit", "increments")
 SYNC_MODES = ("velocity", "position", "marker")
+RECORD_COMMANDS = ("status", "start", "stop", "save")
 
 
 @dataclass
@@ -138,6 +139,26 @@ class SyncFeedback(IdlStruct, typename="SyncFeedback"):
     sync_error: t.float64 = 0.0
     marker_error: t.float64 = 0.0
     correction: t.float64 = 0.0
+
+
+@dataclass
+class RecordRequest(IdlStruct, typename="RecordRequest"):
+    command: t.uint8 = 0
+    path: str = ""
+    max_bag_size: t.uint64 = 0
+    max_bag_duration: t.float64 = 0.0
+
+
+@dataclass
+class RecordResponse(IdlStruct, typename="RecordResponse"):
+    success: bool = False
+    message: str = ""
+    recording: bool = False
+    path: str = ""
+    cycles: t.uint64 = 0
+    size: t.uint64 = 0
+    lost: t.uint64 = 0
+    replayable: bool = False
 
 
 # Action name: its type and the bodies of goal, result and feedback.

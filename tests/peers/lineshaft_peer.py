@@ -13,9 +13,10 @@ import sys
 import time
 
 import checks
+import goals
 import ros2wire as rw
-from lineshaft_msgs import (ACTIONS, AXIS_STATES, MOVE_MODES, SYNC_MODES, UNITS, AxesRequest, AxesResponse, AxisStates,
-                            Event, MoveGoal, SyncGoal)
+from lineshaft_msgs import (ACTIONS, AXIS_STATES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, AxesRequest,
+                            AxesResponse, AxisStates, Event, MoveGoal, RecordRequest, RecordResponse, SyncGoal)
 from report import Failure, plain, show
 
 STREAM = rw.qos(depth=10_000)  # nothing is lost while a command waits for something else
@@ -121,6 +122,16 @@ def log(peer, a):
 def axes(peer, a):
     r = peer.axes(a.node, a.verb).call(AxesRequest(a.axes), a.timeout)
     show(verb=a.verb, success=r.success, message=r.message)
+    if not r.success:
+        raise Failure(r.message)
+
+
+def record(peer, a):
+    name = f"{a.node}/record"
+    client = peer.once(name, lambda: rw.ServiceClient(peer.dp, name, "lineshaft_msgs/Record", RecordRequest,
+                                                      RecordResponse))
+    r = client.call(RecordRequest(RECORD_COMMANDS.index(a.what), a.path, a.max_bag_size, a.max_bag_duration))
+    show(**plain(r))
     if not r.success:
         raise Failure(r.message)
 
@@ -235,6 +246,8 @@ def parser():
     p = command("axes", axes, timeout=rw.REPLY_S)
     p.add_argument("verb", choices=AXES_VERBS)
     p.add_argument("axes", nargs="*")
+    p = command("record", record, path="", max_bag_size=0, max_bag_duration=0.0)
+    p.add_argument("what", choices=RECORD_COMMANDS)
     p = command("move", move, position=0.0, velocity=0.0, acceleration=0.0, deceleration=0.0, jerk=0.0, buffer_mode=0,
                 direction=0)
     p.add_argument("--axis", required=True)
@@ -259,6 +272,9 @@ def parser():
     p.add_argument("args", nargs="*", help="names, prefixes, or name=value")
     command("action-conformance", checks.action_conformance, axis="x", distance=0.005, velocity=0.02)
     command("bad-requests", checks.bad_requests, axis="x", other="turret")
+    p = command("random-goals", goals.random_goals, seconds=5.0, seed=1)
+    p.add_argument("--axis", action="append", required=True, metavar="NAME=LOW:HIGH", help="range of targets in SI")
+    p.add_argument("--master", help="couple an axis to this one now and then")
     command("first-replies", checks.first_replies, clients=20, axis="x")
     command("graph", checks.graph)
     command("talk", talk, node=False, seconds=3.0)

@@ -43,6 +43,8 @@ impl Captured {
         let mut child = command
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
             .env("ROS_DOMAIN_ID", domain.to_string())
+            // What a node keeps for its user stays within the build.
+            .env("ROS_HOME", env!("CARGO_TARGET_TMPDIR"))
             .stdin(stdin)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -4,6 +4,7 @@
 //! in one sentence what to install.
 #![allow(dead_code, reason = "every test target compiles this module and uses a part of it")]
 
+pub(crate) mod bag_check;
 mod child;
 pub(crate) mod domain;
 pub(crate) mod peer;

@@ -17,6 +17,11 @@ impl Program {
     pub(crate) fn start(args: &[&str], domain: &Domain) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
         command.args(args);
+        Self::start_by(command, domain)
+    }
+
+    /// Starts it by a command that ends up in the program, such as a shell that sets limits first.
+    pub(crate) fn start_by(command: Command, domain: &Domain) -> Self {
         Self(Captured::start("lineshaft", command, domain, Stdio::null()))
     }
 
@@ -24,6 +29,12 @@ impl Program {
     #[track_caller]
     pub(crate) fn interrupt(&self) {
         self.0.signal(Signal::INT);
+    }
+
+    /// Ends it at once, as a power cut would; it cannot do anything about it.
+    #[track_caller]
+    pub(crate) fn kill(&self) {
+        self.0.signal(Signal::KILL);
     }
 
     /// Waits until it ends by itself; panics when it does not within `timeout`.

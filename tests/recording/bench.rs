@@ -1,0 +1,126 @@
+//! What the tests of recordings share: a folder, the program at its prompt, and runs to record.
+
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A file of the workspace.
+pub(crate) fn root(path: &str) -> String {
+    text_of(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path))
+}
+
+/// The built-in demo as a file.
+pub(crate) fn demo() -> String {
+    root("launch-configs/demo.yaml")
+}
+
+/// True when the tests are to take their time.
+pub(crate) fn is_long() -> bool {
+    env::var("LINESHAFT_LONG").is_ok_and(|value| value == "1")
+}
+
+fn text_of(path: &Path) -> String {
+    path.to_str().expect("paths of the workspace and of temporary folders are text").to_owned()
+}
+
+/// How a command of the program has ended.
+#[derive(Debug)]
+pub(crate) struct Ended {
+    pub(crate) code: Option<i32>,
+    /// Both outputs, one after the other.
+    pub(crate) text: String,
+}
+
+impl Ended {
+    /// Panics unless the program ended with `code`.
+    #[track_caller]
+    pub(crate) fn with(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "{}", self.text);
+        self
+    }
+
+    /// Panics unless the text has each of `parts`.
+    #[track_caller]
+    pub(crate) fn says(self, parts: &[&str]) -> Self {
+        for part in parts {
+            assert!(self.text.contains(part), "`{part}` is missing in:\n{}", self.text);
+        }
+        self
+    }
+}
+
+/// A folder for the bags of one test.
+pub(crate) struct Bench(TempDir);
+
+impl Bench {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().expect("the system has room for a temporary folder"))
+    }
+
+    /// A path in the folder.
+    pub(crate) fn path(&self, name: &str) -> String {
+        text_of(&self.0.path().join(name))
+    }
+
+    /// What the files of a folder in it are named, sorted.
+    pub(crate) fn list(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path().join(folder)).into_iter().flatten();
+        let mut names: Vec<_> = entries
+            .map(|entry| entry.expect("the folder can be read").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// The MCAP files of a folder in it, in order.
+    pub(crate) fn bag_files(&self, folder: &str) -> Vec<PathBuf> {
+        let names = self.list(folder).into_iter().filter(|name| name.ends_with(".mcap"));
+        names.map(|name| self.0.path().join(folder).join(name)).collect()
+    }
+
+    /// Runs the program in the folder.
+    pub(crate) fn lineshaft(&self, args: &[&str]) -> Ended {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+        let output = command.args(args).current_dir(self.0.path()).output();
+        let Output { status, stdout, stderr } = output.expect("the program starts");
+        let text = String::from_utf8_lossy(&stdout).into_owned() + &String::from_utf8_lossy(&stderr);
+        Ended { code: status.code(), text }
+    }
+
+    /// Plays the scenario that has something of everything, records it as `bag` and traces all signals to `run.csv`.
+    #[track_caller]
+    pub(crate) fn record(&self, bag: &str) -> String {
+        self.record_scenario(&root("tests/recording/cell.yaml"), &root("tests/recording/scenario.yaml"), bag)
+    }
+
+    /// Plays a scenario and records it as `bag`; returns the bag's path.
+    #[track_caller]
+    pub(crate) fn record_scenario(&self, cell: &str, scenario: &str, bag: &str) -> String {
+        let bag = self.path(bag);
+        let csv = self.path("run.csv");
+        self.lineshaft(&["sim", cell, "--scenario", scenario, "--record", &bag, "--csv", &csv]).with(0);
+        bag
+    }
+
+    /// Writes a text file and returns its path.
+    pub(crate) fn write(&self, name: &str, text: &str) -> String {
+        let path = self.path(name);
+        fs::write(&path, text).expect("the temporary folder can be written");
+        path
+    }
+}
+
+/// Cycles of `tests/recording/scenario.yaml`.
+pub(crate) const CYCLES: u64 = 3000;
+
+/// A count in an observation, by its path of keys.
+#[track_caller]
+pub(crate) fn count(seen: &Value, keys: &[&str]) -> u64 {
+    let value = keys.iter().fold(seen, |value, key| &value[key]);
+    value.as_u64().unwrap_or_else(|| panic!("no count at {keys:?} in {seen}"))
+}

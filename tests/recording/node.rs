@@ -1,0 +1,199 @@
+//! `lineshaft run --record` and `~/record`: runs in real time, with goals that nobody planned.
+
+use std::{
+    sync::atomic::{AtomicBool, Ordering},
+    thread,
+    time::Duration,
+};
+
+use super::bench::{Bench, count, is_long};
+use super::support::{bag_check::bag_check, domain::Domain, peer::Peer, program::Program};
+
+const EXIT: Duration = Duration::from_secs(30);
+
+/// Goals for all axes of the demo, turned out by dice.
+fn random_goals(seconds: u64, seed: u64) -> String {
+    let axes = "--axis x=-0.04:0.8 --axis y=0:0.4 --axis turret=-1.5:1.5 --master line";
+    format!("random-goals /lineshaft {axes} --seconds {seconds} --seed {seed}")
+}
+
+/// The built-in demo as a node, recorded or not, and who talks to it.
+struct Demo {
+    bench: Bench,
+    peer: Peer,
+    program: Program,
+}
+
+impl Demo {
+    /// Returns when the demo publishes.
+    fn start(args: &[&str]) -> Self {
+        let bench = Bench::new();
+        let (domain, flight) = (Domain::take(), bench.path("flight"));
+        let mut peer = Peer::cyclone(&domain);
+        let args: Vec<_> = args.iter().map(|arg| arg.replace("BENCH", &bench.path(""))).collect();
+        let args: Vec<_> =
+            ["run", "--flight-folder", &flight].into_iter().chain(args.iter().map(String::as_str)).collect();
+        let program = Program::start(&args, &domain);
+        peer.run("axis-states /lineshaft");
+        Self { bench, peer, program }
+    }
+
+    /// Ends it as Ctrl-C does.
+    #[track_caller]
+    fn end(&mut self) {
+        self.program.interrupt();
+        let status = self.program.wait_exit(EXIT);
+        assert_eq!(status.code(), Some(0), "{}", self.program.log());
+    }
+
+    #[track_caller]
+    fn replays(&self, bag: &str) {
+        self.bench.lineshaft(&["replay", bag]).with(0);
+    }
+}
+
+#[test]
+fn a_run_with_random_goals_replays_and_one_changed_bit_is_found() {
+    let mut demo = Demo::start(&["--record", "BENCH/run.mcap"]);
+    demo.peer.run(&random_goals(if is_long() { 80 } else { 8 }, 1));
+    for seed in 2..if is_long() { 9 } else { 2 } {
+        demo.peer.run(&random_goals(80, seed));
+    }
+    demo.end();
+    let bag = demo.bench.path("run.mcap");
+    demo.replays(&bag);
+
+    let seen = bag_check(["mcap", &bag]);
+    let cycles = count(&seen, &["counts", "/lineshaft/inputs"]);
+    assert!(cycles > 5000, "{cycles} cycles");
+    assert!(count(&seen, &["counts", "/lineshaft/commands"]) > 10, "{seen}");
+    assert!(count(&seen, &["start_ns"]) > 1_700_000_000_000_000_000, "wall time: {seen}");
+    let (cycle, changed) = ((cycles / 2).to_string(), demo.bench.path("changed.mcap"));
+    bag_check(["flip", &bag, &changed, "--cycle", &cycle, "--field", "drive_count[1]", "--bit", "2"]);
+    demo.bench.lineshaft(&["replay", &changed]).with(3).says(&[&cycle, "y."]);
+}
+
+#[test]
+fn a_folder_is_split_by_time_and_rosbags_reads_all_of_it() {
+    let mut demo = Demo::start(&["--record", "BENCH/bag", "--max-bag-duration", "2"]);
+    demo.peer.run(&random_goals(7, 20));
+    demo.end();
+    let files = demo.bench.bag_files("bag");
+    assert!((3..=6).contains(&files.len()), "{files:?}");
+    let bag = demo.bench.path("bag");
+    let seen = bag_check(["rosbags", &bag]);
+    let parts: u64 =
+        files.iter().map(|file| count(&bag_check(["mcap".as_ref(), file.as_os_str()]), &["messages"])).sum();
+    assert_eq!(count(&seen, &["messages"]), parts);
+    demo.replays(&bag);
+    // Each later file has the machine's state at its start.
+    for file in &files[1..] {
+        demo.replays(file.to_str().unwrap());
+    }
+}
+
+#[test]
+fn a_folder_is_split_by_size() {
+    let mut demo = Demo::start(&["--record", "BENCH/bag", "--max-bag-size", "100000"]);
+    demo.peer.run(&random_goals(6, 30));
+    demo.end();
+    assert!(demo.bench.bag_files("bag").len() > 1, "{:?}", demo.bench.list("bag"));
+    let bag = demo.bench.path("bag");
+    bag_check(["rosbags", &bag]);
+    demo.replays(&bag);
+}
+
+/// Threads that take all the time they can get, until this is dropped.
+struct Load {
+    stop: &'static AtomicBool,
+    threads: Vec<thread::JoinHandle<()>>,
+}
+
+impl Load {
+    fn start(threads: usize) -> Self {
+        let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
+        let busy = || while !stop.load(Ordering::Relaxed) {};
+        Self { stop, threads: (0..threads).map(|_| thread::spawn(busy)).collect() }
+    }
+}
+
+impl Drop for Load {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        for one in self.threads.drain(..) {
+            one.join().expect("a busy thread does not panic");
+        }
+    }
+}
+
+#[test]
+fn a_run_on_a_loaded_machine_replays() {
+    let mut demo = Demo::start(&["--record", "BENCH/run.mcap", "--cpu", "any"]);
+    let load = Load::start(2 * thread::available_parallelism().map_or(2, usize::from));
+    demo.peer.run(&random_goals(if is_long() { 60 } else { 6 }, 40));
+    drop(load);
+    demo.end();
+    let bag = demo.bench.path("run.mcap");
+    demo.replays(&bag);
+    bag_check(["mcap", &bag]);
+}
+
+#[test]
+fn the_service_starts_and_stops_bags() {
+    let mut demo = Demo::start(&[]);
+    assert_eq!(demo.peer.run("record /lineshaft status")["recording"], false);
+    for name in ["one", "two.mcap"] {
+        let bag = demo.bench.path(name);
+        let seen = demo.peer.run(&format!("record /lineshaft start --path {bag}"));
+        assert_eq!((&seen["recording"], &seen["path"]), (&true.into(), &bag.as_str().into()), "{seen:?}");
+        let error = demo.peer.fails("record /lineshaft start --path somewhere_else");
+        assert!(error.contains(&bag), "one bag at a time: {error}");
+        demo.peer.run(&random_goals(3, 50));
+        let seen = demo.peer.run("record /lineshaft status");
+        assert_eq!(seen["recording"], true);
+        assert!(seen["cycles"].as_u64().unwrap() > 1000, "{seen:?}");
+        let seen = demo.peer.run("record /lineshaft stop");
+        assert_eq!((&seen["recording"], &seen["lost"]), (&false.into(), &0.into()), "{seen:?}");
+        assert_eq!(seen["replayable"], true, "{seen:?}");
+        assert!(seen["size"].as_u64().unwrap() > 0, "{seen:?}");
+        // A bag that begins in the middle has the machine's state at its start.
+        demo.replays(&bag);
+    }
+    bag_check(["rosbags", &demo.bench.path("one")]);
+    bag_check(["mcap", &demo.bench.path("two.mcap")]);
+    demo.end();
+}
+
+#[test]
+fn the_service_splits_and_refuses_what_it_cannot_write() {
+    let mut demo = Demo::start(&[]);
+    let bag = demo.bench.path("bag");
+    demo.peer.run(&format!("record /lineshaft start --path {bag} --max-bag-duration 1"));
+    thread::sleep(Duration::from_secs(4));
+    demo.peer.run("record /lineshaft stop");
+    assert!(demo.bench.bag_files("bag").len() >= 3, "{:?}", demo.bench.list("bag"));
+    demo.replays(&bag);
+
+    let file = demo.bench.write("file", "");
+    for place in [bag, format!("{file}/bag")] {
+        let error = demo.peer.fails(&format!("record /lineshaft start --path {place}"));
+        assert!(error.contains(&place), "{error}");
+    }
+    let error = demo.peer.fails("record /lineshaft stop");
+    assert!(!error.is_empty());
+    demo.end();
+}
+
+#[test]
+fn the_service_saves_what_the_flight_recorder_holds() {
+    let mut demo = Demo::start(&["--flight-recorder", "2"]);
+    demo.peer.run(&random_goals(5, 60));
+    let seen = demo.peer.run("record /lineshaft save");
+    let bag = seen["path"].as_str().unwrap().to_owned();
+    assert!(bag.starts_with(&demo.bench.path("flight/flight_")), "{seen:?}");
+    let cycles = count(&bag_check(["rosbags", &bag]), &["counts", "/lineshaft/inputs"]);
+    // Two seconds, and up to one more until a state of the machine at its start.
+    assert!((1000..=4000).contains(&cycles), "{cycles}");
+    demo.replays(&bag);
+    demo.end();
+}
