@@ -40,11 +40,16 @@ pub(crate) fn no_match<'n>(pattern: &str, names: impl Iterator<Item = &'n str>) 
     SelectError::NoMatch { pattern: excerpt(pattern), hint }
 }
 
-/// What a field of a message is called: `x.position` for `x.actual.position`.
+/// What a field of a message is called: `x.position` for `x.actual.position`, `x.command_velocity`, `x.error_code`.
 pub(crate) fn alias(name: &str) -> Option<String> {
     let (rest, last) = name.rsplit_once('.')?;
-    let object = rest.strip_suffix(".actual")?;
-    ["position", "velocity", "effort"].contains(&last).then(|| format!("{object}.{last}"))
+    let other = match (rest.rsplit_once('.'), last) {
+        (Some((object, "actual")), _) => format!("{object}.{last}"),
+        (Some((object, group @ ("command" | "sync"))), _) => format!("{object}.{group}_{last}"),
+        (_, "error") => format!("{rest}.error_code"),
+        _ => return None,
+    };
+    Some(other)
 }
 
 /// How many names a sentence holds.

@@ -8,7 +8,7 @@
 use super::units::Units;
 use crate::recording::clean::clean;
 use crate::recording::series::topics::{Measure, names_measure};
-use crate::recording::series::{SelectError, no_match, pattern};
+use crate::recording::series::{SelectError, alias, no_match, pattern};
 use globset::GlobMatcher;
 use lineshaft_core::unit::{Dimension, Quantity, ScaleKind, excerpt, fraction_to_f64, parse_decimal};
 use std::str::FromStr;
@@ -104,18 +104,6 @@ impl Tolerance {
             _ => None,
         }
     }
-}
-
-/// What a name of a message's field would be: `x.position` for `x.actual.position`.
-fn alias(name: &str) -> Option<String> {
-    let (rest, last) = name.rsplit_once('.')?;
-    let other = match (rest.rsplit_once('.'), last) {
-        (Some((object, "actual")), _) => format!("{object}.{last}"),
-        (Some((object, group @ ("command" | "sync"))), _) => format!("{object}.{group}_{last}"),
-        (_, "error") => format!("{rest}.error_code"),
-        _ => return None,
-    };
-    Some(other)
 }
 
 /// Why tolerances do not fit the signals.
