@@ -224,12 +224,8 @@ struct RecordArgs {
 impl RecordArgs {
     /// What is to be recorded, if anything.
     fn options(&self) -> Option<BagOptions> {
-        let limit = |most: u64| Some(most).filter(|&most| most > 0);
-        self.record.as_ref().map(|path| BagOptions {
-            path: path.clone(),
-            max_size: limit(self.max_bag_size),
-            max_duration_ns: limit(self.max_bag_duration),
-        })
+        let path = self.record.clone()?;
+        Some(BagOptions::split(path, self.max_bag_size, self.max_bag_duration))
     }
 }
 

@@ -35,6 +35,14 @@ pub struct BagOptions {
     pub max_duration_ns: Option<u64>,
 }
 
+impl BagOptions {
+    /// A bag that goes on in new files; 0: never.
+    pub fn split(path: PathBuf, max_size: u64, max_duration_ns: u64) -> Self {
+        let limit = |most: u64| Some(most).filter(|&most| most > 0);
+        Self { path, max_size: limit(max_size), max_duration_ns: limit(max_duration_ns) }
+    }
+}
+
 /// What is recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Subject {

@@ -7,7 +7,7 @@
 //!
 //! ~/signals holds all words in a key cycle, else those that differ from the cycle that was encoded before.
 
-use super::{Cycle, Encoded, Topic};
+use super::{Cycle, Encoded, Topic, key_cycles};
 use super::{inputs, verb};
 use crate::cell::Cell;
 use lineshaft_core::code::Code;
@@ -53,9 +53,10 @@ impl Encoder {
         }
     }
 
-    /// The messages of a cycle. `is_key`: all signals are told.
-    pub fn encode(&mut self, cycle: &Cycle<'_>, is_key: bool) -> Encoded {
+    /// The messages of a cycle; those of a key cycle tell all signals.
+    pub fn encode(&mut self, cycle: &Cycle<'_>) -> Encoded {
         let number = cycle.inputs.cycle;
+        let is_key = number.is_multiple_of(key_cycles(self.config.cycle_ns));
         let mut encoded = Encoded { cycle: number, stamp_ns: cycle.stamp_ns, is_key, ..Encoded::default() };
         encoded.bytes.reserve(self.size + self.size / 4);
         for command in cycle.commands {

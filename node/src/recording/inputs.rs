@@ -9,14 +9,7 @@ use lineshaft_core::object::Object;
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::msg::CycleInputs;
 
-/// The message of a cycle's inputs.
-pub fn inputs_message(inputs: &Inputs, config: &MachineConfig) -> CycleInputs {
-    let mut message = CycleInputs::default();
-    fill(&mut message, inputs, config);
-    message
-}
-
-/// The same in a message that is there, in its memory.
+/// The message of a cycle's inputs, in the memory of one that is there.
 pub(super) fn fill(message: &mut CycleInputs, inputs: &Inputs, config: &MachineConfig) {
     message.cycle = inputs.cycle;
     message.missed = inputs.missed;

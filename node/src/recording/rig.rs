@@ -62,7 +62,7 @@ pub(crate) fn record(cell: &Cell, scenario: &str, cycles: u64, start_ns: u64) ->
         let (events, board) = (machine.events(), machine.board());
         let what = Cycle { stamp_ns, inputs: &inputs, commands: &commands, events, board };
         let parameters = (is_key && cycle > 0).then(|| format!("parameters before {cycle}"));
-        recorded.encoded.push(Encoded { state, parameters, ..encoder.encode(&what, is_key) });
+        recorded.encoded.push(Encoded { state, parameters, ..encoder.encode(&what) });
         recorded.inputs.push(inputs.clone());
         recorded.boards.push(machine.board().clone());
         recorded.events.push(machine.events().to_vec());

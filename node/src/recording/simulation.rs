@@ -55,8 +55,7 @@ impl SimulationRecorder {
             events: machine.events(),
             board: machine.board(),
         };
-        let is_key = inputs.cycle.is_multiple_of(self.key_cycles);
-        let encoded = self.encoder.encode(&cycle, is_key);
+        let encoded = self.encoder.encode(&cycle);
         match self.state.take() {
             Some(state) => self.bag.write(&encoded.with_state(&state, machine.config())),
             None => self.bag.write(&encoded),

@@ -142,7 +142,6 @@ impl Recorder {
         if self.is_idle() {
             return self.frames.give_back(frame, taken);
         }
-        let is_key = self.frames.is_key(cycle);
         let of_frame = Cycle {
             stamp_ns: frame.stamp_ns,
             inputs: &frame.inputs,
@@ -150,7 +149,7 @@ impl Recorder {
             events: &taken.events,
             board: &frame.board,
         };
-        let mut encoded = self.encoder.encode(&of_frame, is_key);
+        let mut encoded = self.encoder.encode(&of_frame);
         if let Some(state) = &frame.state {
             encoded = encoded.with_state(state, self.handle.config());
         }

@@ -95,11 +95,12 @@ fn a_first_cycle_that_is_no_key_tells_all_signals() {
     let cell = Cell::demo();
     let machine = Machine::new(cell.machine.clone()).unwrap();
     let mut encoder = Encoder::new(&cell, machine.config(), machine.directory());
-    let inputs = machine.inputs();
+    let mut inputs = machine.inputs();
+    inputs.cycle = 1;
     let cycle = Cycle { stamp_ns: 0, inputs: &inputs, commands: &[], events: &[], board: machine.board() };
-    let signals: Signals = only(&encoder.encode(&cycle, false), Topic::Signals);
+    let signals: Signals = only(&encoder.encode(&cycle), Topic::Signals);
     assert_eq!(signals.index.len(), machine.directory().len());
-    let signals: Signals = only(&encoder.encode(&cycle, false), Topic::Signals);
+    let signals: Signals = only(&encoder.encode(&cycle), Topic::Signals);
     assert_eq!(signals.index, [0_u32; 0]);
 }
 
@@ -114,7 +115,7 @@ fn the_sentence_of_a_request_that_never_was_one_comes_from_its_command() {
     let commands = [Command { sequence: 8, source: Source::Ros, action: Action::Refuse("not like this".into()) }];
     let events = [event(8), event(9)];
     let cycle = Cycle { stamp_ns: 0, inputs: &inputs, commands: &commands, events: &events, board: machine.board() };
-    let encoded = encoder.encode(&cycle, true);
+    let encoded = encoder.encode(&cycle);
     let texts: Vec<String> = of::<EventMessage>(&encoded, Topic::Events).into_iter().map(|event| event.text).collect();
     assert_eq!(texts, ["not like this", "machine: the request is not understood"]);
     assert_eq!(of::<AppliedCommand>(&encoded, Topic::Commands)[0].source, "ros");

@@ -27,6 +27,12 @@ axes:
       drive: {backend: plant, address: 1, interface: position}}
 ";
 
+fn inputs_message(inputs: &Inputs, config: &MachineConfig) -> CycleInputs {
+    let mut message = CycleInputs::default();
+    fill(&mut message, inputs, config);
+    message
+}
+
 fn cell() -> Cell {
     Cell::parse("cell.yaml", CELL).unwrap_or_else(|problems| panic!("{problems}"))
 }

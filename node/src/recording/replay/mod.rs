@@ -17,7 +17,7 @@ pub use report::{Report, Verdict};
 
 use super::encoder::Encoder;
 use super::run::{Run, RunError};
-use super::{Cycle, inputs, key_cycles, verb};
+use super::{Cycle, inputs, verb};
 use crate::cell::Cell;
 use crate::document::Problems;
 use compare::Comparison;
@@ -241,8 +241,7 @@ impl Stage {
             events: self.machine.events(),
             board: self.machine.board(),
         };
-        let is_key = recorded.cycle.is_multiple_of(key_cycles(self.machine.config().cycle_ns));
-        let encoded = self.encoder.encode(&cycle, is_key);
+        let encoded = self.encoder.encode(&cycle);
         self.comparison.compare(group, crc, &encoded, self.machine.board(), is_whole)
     }
 

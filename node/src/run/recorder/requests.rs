@@ -105,8 +105,7 @@ impl Recorder {
             return Err(format!("max_bag_duration is {seconds} s; 0 to {MOST_SECONDS} s is allowed"));
         }
         let path = if request.path.is_empty() { free_path() } else { PathBuf::from(&request.path) };
-        let limit = |most: u64| Some(most).filter(|&most| most > 0);
-        Ok(BagOptions { path, max_size: limit(request.max_bag_size), max_duration_ns: limit((seconds * 1e9) as u64) })
+        Ok(BagOptions::split(path, request.max_bag_size, (seconds * 1e9) as u64))
     }
 }
 
