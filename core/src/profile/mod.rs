@@ -1,12 +1,16 @@
 //! Profiles: how a command position gets to a target or a velocity in time.
 //!
-//! A profile is planned once, from the motion at t_k, as a few phases of constant acceleration in continuous time, and then
-//! read at each cycle; it is not stretched to the grid. Each phase runs in f64 relative to its own start or end,
-//! whichever is nearer, so that the target is met exactly however far it is.
+//! A profile is planned once, from the motion at t_k, as a few phases in continuous time, and then read at each cycle; it
+//! is not stretched to the grid. The phases up to the fastest place count from the start of the plan, those after it from
+//! its end, so that the target is met exactly however far it is.
 
+mod jerk;
+mod plan;
+mod sine;
 mod trapezoid;
 
-pub use trapezoid::{Limits, stop, stop_at, to_rest, to_velocity};
+pub use plan::Plan;
+pub use trapezoid::stop_at;
 
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
@@ -29,167 +33,133 @@ impl Motion {
     pub fn at_rest(position: Position) -> Self {
         Self { position, ..Self::default() }
     }
-}
 
-/// A span of constant acceleration.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Phase {
-    start: Position,
-    end: Position,
-    start_velocity: f64,
-    end_velocity: f64,
-    acceleration: f64,
-    /// (s) from the start of the plan.
-    begin: f64,
-    /// (s)
-    duration: f64,
-}
-
-impl Phase {
-    fn at(&self, time: f64) -> Motion {
-        let past = time - self.begin;
-        let left = self.duration - past;
-        let (position, velocity) = if past <= left {
-            let way = self.start_velocity * past + 0.5 * self.acceleration * past * past;
-            (self.start + Position::from_f64(way), self.start_velocity + self.acceleration * past)
-        } else {
-            let way = self.end_velocity * left - 0.5 * self.acceleration * left * left;
-            (self.end - Position::from_f64(way), self.end_velocity - self.acceleration * left)
-        };
-        Motion { position, velocity, acceleration: self.acceleration, jerk: 0.0 }
-    }
-}
-
-/// The first cycle at or after `duration` (s). A millionth of a cycle is rounding, not time.
-fn cycles(duration: f64, cycle_ns: u64) -> u64 {
-    let exact = duration * 1e9 / cycle_ns as f64;
-    let nearest = exact.round();
-    // The cast saturates; a duration is never negative.
-    (if (exact - nearest).abs() < 1e-6 { nearest } else { exact.ceil() }) as u64
-}
-
-/// Most phases that a trapezoid has: slow down or turn, speed up, cruise, slow down.
-const MAX_PHASES: usize = 4;
-
-/// A planned profile, read by elapsed cycles.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Plan {
-    phases: [Phase; MAX_PHASES],
-    count: usize,
-    /// Where it ends, and with which velocity it goes on.
-    end: Position,
-    end_velocity: f64,
-    /// (s)
-    duration: f64,
-    cycles: u64,
-    cycle_ns: u64,
-}
-
-impl Plan {
-    fn new(start: Motion, cycle_ns: u64) -> Self {
-        Self {
-            phases: [Phase::default(); MAX_PHASES],
-            count: 0,
-            end: start.position,
-            end_velocity: start.velocity,
-            duration: 0.0,
-            cycles: 0,
-            cycle_ns,
-        }
-    }
-
-    /// Adds a phase to `velocity`; one without duration is left out.
-    fn push(&mut self, duration: f64, velocity: f64) {
-        if duration > 0.0 && self.count < MAX_PHASES {
-            let way = 0.5 * (self.end_velocity + velocity) * duration;
-            let end = self.end + Position::from_f64(way);
-            self.phases[self.count] = Phase {
-                start: self.end,
-                end,
-                start_velocity: self.end_velocity,
-                end_velocity: velocity,
-                acceleration: (velocity - self.end_velocity) / duration,
-                begin: self.duration,
-                duration,
-            };
-            self.count += 1;
-            self.end = end;
-            self.duration += duration;
-            self.cycles = cycles(self.duration, self.cycle_ns);
-        }
-        self.end_velocity = velocity;
-    }
-
-    /// Lets the last phase end exactly at `target`, and what stands before it a cruise end where it begins.
-    fn land(&mut self, target: Position) {
-        let shift = target - self.end;
-        if let Some(last) = self.phases[..self.count].last_mut() {
-            last.start += shift;
-            last.end = target;
-        }
-        if let [.., cruise, _] = &mut self.phases[..self.count] {
-            cruise.end += shift;
-        }
-        self.end = target;
-    }
-
-    /// Where it ends.
-    pub fn end(&self) -> Position {
-        self.end
-    }
-
-    /// The velocity with which it ends (inc/s); 0 for a plan to rest.
-    pub fn end_velocity(&self) -> f64 {
-        self.end_velocity
-    }
-
-    /// Its duration (s).
-    pub fn duration(&self) -> f64 {
-        self.duration
-    }
-
-    /// Could it have been planned? One that was read from outside may hold anything.
+    /// Numbers that can be computed with?
     pub fn is_sound(&self) -> bool {
-        self.count <= MAX_PHASES
+        [self.velocity, self.acceleration, self.jerk].iter().all(|rate| rate.is_finite())
+    }
+}
+
+/// Shape of the ramps (MACS-PROF-07).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Shape {
+    /// Constant acceleration.
+    #[default]
+    Trapezoid,
+    /// Sinusoidal velocity, its peak acceleration within the limit (MACS-PROF-09).
+    SRamp,
+    /// Acceleration that changes no faster than these jerks (MACS-PROF-10).
+    Jerk(Jerks),
+}
+
+/// The four jerks of a limited profile (inc/s^3), all above 0 (MACS-PROF-11).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Jerks {
+    /// Acceleration 0 to max (JERKMIN).
+    pub rise: f64,
+    /// Acceleration max to 0 (JERKMIN2).
+    pub fall: f64,
+    /// Deceleration 0 to max (JERKMIN3).
+    pub brake_rise: f64,
+    /// Deceleration max to 0 (JERKMIN4).
+    pub brake_fall: f64,
+}
+
+/// Limits of one profile, all above 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limits {
+    /// (inc/s)
+    pub velocity: f64,
+    /// While |velocity| grows (inc/s^2).
+    pub acceleration: f64,
+    /// While |velocity| falls (inc/s^2).
+    pub deceleration: f64,
+    /// How the acceleration may change.
+    pub shape: Shape,
+}
+
+impl Limits {
+    /// Rates that a profile can be made with?
+    pub fn is_sound(&self) -> bool {
+        let jerks = match self.shape {
+            Shape::Jerk(jerks) => [jerks.rise, jerks.fall, jerks.brake_rise, jerks.brake_fall],
+            Shape::Trapezoid | Shape::SRamp => [1.0; 4],
+        };
+        let rates = [self.velocity, self.acceleration, self.deceleration];
+        rates.into_iter().chain(jerks).all(|rate| rate > 0.0 && rate.is_finite())
     }
 
-    /// Number of the first cycle at or after its end.
-    pub fn cycles(&self) -> u64 {
-        self.cycles
-    }
-
-    /// The motion `elapsed` cycles after the start.
-    pub fn at(&self, elapsed: u64) -> Motion {
-        // Exact below 2^53 ns, and correctly rounded by the one division.
-        let time = elapsed.saturating_mul(self.cycle_ns) as f64 / 1e9;
-        if elapsed >= self.cycles() {
-            let over = self.end_velocity * (time - self.duration).max(0.0);
-            let position = self.end + Position::from_f64(over);
-            return Motion { position, velocity: self.end_velocity, acceleration: 0.0, jerk: 0.0 };
+    /// The same, but with no less acceleration, deceleration and jerk than `other` has.
+    #[must_use]
+    pub fn at_least(self, other: &Self) -> Self {
+        let shape = match (self.shape, other.shape) {
+            (Shape::Jerk(mine), Shape::Jerk(other)) => Shape::Jerk(Jerks {
+                rise: mine.rise.max(other.rise),
+                fall: mine.fall.max(other.fall),
+                brake_rise: mine.brake_rise.max(other.brake_rise),
+                brake_fall: mine.brake_fall.max(other.brake_fall),
+            }),
+            (shape, _) => shape,
+        };
+        Self {
+            acceleration: self.acceleration.max(other.acceleration),
+            deceleration: self.deceleration.max(other.deceleration),
+            shape,
+            ..self
         }
-        let phases = &self.phases[..self.count];
-        phases.iter().rev().find(|phase| phase.begin <= time).map_or(Motion::at_rest(self.end), |phase| phase.at(time))
     }
+}
 
-    /// Lowest and highest position from `now` to its end: its way, or the turn that still lies ahead.
-    pub fn extent_from(&self, now: Position) -> (Position, Position) {
-        let (low, high) = self.extent();
-        let first = self.phases[..self.count].first();
-        let start = first.map_or(self.end, |phase| phase.start);
-        // Between its start and now it may have passed places that it will not see again; keeping them errs on the safe side
-        // only where it turns, and there they still lie ahead.
-        let low = if low == start { now.min(self.end) } else { low };
-        let high = if high == start { now.max(self.end) } else { high };
-        (low, high)
-    }
+/// A plan from `start` to rest at `target`. What is beyond its limit at the start goes back monotonically; where the target
+/// lies behind the stopping point the plan stops and comes back.
+pub fn to_rest(start: Motion, target: Position, limits: &Limits, cycle_ns: u64) -> Plan {
+    to_pass(start, target, 0.0, limits, cycle_ns)
+}
 
-    /// Lowest and highest position on the way; for a plan to rest.
-    pub fn extent(&self) -> (Position, Position) {
-        self.phases[..self.count]
-            .iter()
-            .flat_map(|phase| [phase.start, phase.end])
-            .fold((self.end, self.end), |(low, high), position| (low.min(position), high.max(position)))
+/// A plan from `start` that reaches `target` with `end_velocity` (inc/s) and without acceleration, and then goes on so.
+/// |`end_velocity`| is within the limit.
+pub fn to_pass(start: Motion, target: Position, end_velocity: f64, limits: &Limits, cycle_ns: u64) -> Plan {
+    match limits.shape {
+        Shape::Trapezoid => trapezoid::to_pass(start, target, end_velocity, limits, cycle_ns),
+        Shape::SRamp => sine::to_pass(start, target, end_velocity, limits, cycle_ns),
+        Shape::Jerk(jerks) => jerk::to_pass(start, target, end_velocity, limits, &jerks, cycle_ns),
     }
+}
+
+/// A plan from `start` to `velocity` (inc/s), which then goes on for ever.
+pub fn to_velocity(start: Motion, velocity: f64, limits: &Limits, cycle_ns: u64) -> Plan {
+    match limits.shape {
+        Shape::Trapezoid => trapezoid::to_velocity(start, velocity, limits, cycle_ns),
+        Shape::SRamp => sine::to_velocity(start, velocity, limits, cycle_ns),
+        Shape::Jerk(jerks) => jerk::to_velocity(start, velocity, limits, &jerks, cycle_ns),
+    }
+}
+
+/// A plan from `start` to rest with the deceleration and the shape of `limits`, wherever that is.
+pub fn stop(start: Motion, limits: &Limits, cycle_ns: u64) -> Plan {
+    to_velocity(start, 0.0, limits, cycle_ns)
+}
+
+/// The way that [`stop`] takes from `start` to rest (inc, with its sign).
+pub fn stopping_way(start: Motion, limits: &Limits) -> f64 {
+    match limits.shape {
+        Shape::Trapezoid => trapezoid::stopping_way(start, limits),
+        Shape::SRamp => sine::stopping_way(start, limits),
+        Shape::Jerk(jerks) => jerk::stopping_way(start, limits, &jerks),
+    }
+}
+
+/// Is a target that lies `distance` away met by a plan whose way is `way` (inc)? A millionth of an increment is rounding,
+/// and so are the last digits of long ways.
+fn is_met(distance: f64, way: f64) -> bool {
+    (distance - way).abs() <= 1e-6 + 1e-15 * (distance.abs() + way.abs())
+}
+
+/// The difference of two positions (inc).
+fn distance(from: Position, to: Position) -> f64 {
+    let raw = (to - from).raw();
+    // The narrow conversion is several times faster, and gives the same.
+    i64::try_from(raw).map_or_else(|_| Position::from_raw(raw).to_f64(), |raw| raw as f64 / plan::ONE)
 }
 
 #[cfg(test)]

@@ -2,87 +2,146 @@
 //!
 //! Law      v to V with acceleration a: time |V - v| / a, distance (V^2 - v^2) / (2 a)
 //! Reads    the motion at the start (its acceleration is free to jump)
-//! Writes   a plan that ends at rest exactly at the target, or at a velocity for ever
+//! Writes   a plan that ends exactly at the target, or at a velocity for ever
 //! Refuses  nothing: the caller has checked that all limits are finite and above 0
 //! Source   MACS-PROF-08
 
-use super::{Motion, Plan};
+use super::plan::{Draft, Plan};
+use super::{Limits, Motion, distance, is_met};
 use crate::position::Position;
 
-/// Limits of one profile, all above 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// (inc/s)
-    pub velocity: f64,
-    /// While |velocity| grows (inc/s^2).
-    pub acceleration: f64,
-    /// While |velocity| falls (inc/s^2).
-    pub deceleration: f64,
+/// A change of velocity that does not change the sign of velocity.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leg {
+    pub(super) from: f64,
+    pub(super) to: f64,
+    /// (inc/s^2)
+    pub(super) rate: f64,
 }
 
-/// A plan from `start` to rest at `target`. Beyond its velocity limit it slows down first; where the target lies behind
-/// the stopping point it stops and comes back.
-pub fn to_rest(start: Motion, target: Position, limits: Limits, cycle_ns: u64) -> Plan {
-    let Limits { velocity: top, acceleration: up, deceleration: down } = limits;
-    let distance = (target - start.position).to_f64();
-    let stopping = start.velocity * start.velocity.abs() / (2.0 * down);
-    let sign = if distance >= stopping { 1.0 } else { -1.0 };
-    // From here on the target lies ahead of the stopping point, upwards.
-    let (mut ahead, mut velocity) = (sign * distance, sign * start.velocity);
-    let mut plan = Plan::new(start, cycle_ns);
-    if velocity < 0.0 {
-        plan.push(-velocity / down, 0.0);
-        ahead += velocity * velocity / (2.0 * down);
-        velocity = 0.0;
-    } else if velocity > top {
-        plan.push((velocity - top) / down, sign * top);
-        ahead -= (velocity * velocity - top * top) / (2.0 * down);
-        velocity = top;
+impl Leg {
+    fn time(&self) -> f64 {
+        (self.to - self.from).abs() / self.rate
     }
-    let peak = peak(ahead, velocity, up, down).clamp(velocity, top.max(velocity));
-    plan.push((peak - velocity) / up, sign * peak);
-    let cruise = ahead - (peak * peak - velocity * velocity) / (2.0 * up) - peak * peak / (2.0 * down);
-    // Below the top velocity there is no cruise; what the subtraction leaves is rounding.
-    if peak >= top && peak > 0.0 {
-        plan.push(cruise / peak, sign * peak);
+
+    pub(super) fn way(&self) -> f64 {
+        (self.to - self.from).abs() * (self.from + self.to) / (2.0 * self.rate)
     }
-    plan.push(peak / down, 0.0);
-    plan.land(target);
+}
+
+/// The rates while |velocity| grows and falls (inc/s^2).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rates {
+    pub(super) up: f64,
+    pub(super) down: f64,
+}
+
+impl Rates {
+    fn of(limits: &Limits) -> Self {
+        Self { up: limits.acceleration, down: limits.deceleration }
+    }
+
+    /// From one velocity to another; through zero in two legs.
+    pub(super) fn legs(&self, from: f64, to: f64) -> [Leg; 2] {
+        let middle = if from * to < 0.0 { 0.0 } else { from };
+        let rate = if to.abs() > middle.abs() { self.up } else { self.down };
+        [Leg { from, to: middle, rate: self.down }, Leg { from: middle, to, rate }]
+    }
+
+    /// (inc)
+    pub(super) fn way(&self, from: f64, to: f64) -> f64 {
+        self.legs(from, to).iter().map(Leg::way).sum()
+    }
+}
+
+/// How a target is reached: over a velocity, at which the plan may cruise for a time (s).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Over {
+    pub(super) velocity: f64,
+    pub(super) time: f64,
+}
+
+/// The velocity over which a way of `distance` leads from velocity `from` to velocity `to`; none where the direct change of
+/// velocity takes this way.
+pub(super) fn over(distance: f64, from: f64, to: f64, top: f64, rates: Rates) -> Option<Over> {
+    let direct = rates.way(from, to);
+    if is_met(distance, direct) {
+        return None;
+    }
+    // From here on the target lies beyond what the direct change reaches, upwards.
+    let sign = if distance > direct { 1.0 } else { -1.0 };
+    let (distance, from, to) = (sign * distance, sign * from, sign * to);
+    let top = top.max(to);
+    let Rates { up, down } = rates;
+    // The way from a velocity to zero, backwards in time on the way up and forwards on the way down.
+    let climb = from * from / (2.0 * if from < 0.0 { down } else { up });
+    let descent = to * to / (2.0 * if to < 0.0 { up } else { down });
+    let square = 2.0 * up * down * (distance + climb + descent) / (up + down);
+    let peak = square.max(0.0).sqrt().max(from.max(to));
+    if peak < top {
+        return Some(Over { velocity: sign * peak, time: 0.0 });
+    }
+    let way = rates.way(from, top) + rates.way(top, to);
+    Some(Over { velocity: sign * top, time: ((distance - way) / top).max(0.0) })
+}
+
+fn forward(draft: &mut Draft<'_>, legs: [Leg; 2]) {
+    for leg in legs {
+        draft.forward(leg.time(), leg.from, leg.rate.copysign(leg.to - leg.from), 0.0);
+    }
+}
+
+fn backward(draft: &mut Draft<'_>, legs: [Leg; 2]) {
+    for leg in legs.iter().rev() {
+        draft.backward(leg.time(), leg.to, leg.rate.copysign(leg.to - leg.from), 0.0);
+    }
+}
+
+/// As [`super::to_pass`].
+pub(super) fn to_pass(start: Motion, target: Position, end_velocity: f64, limits: &Limits, cycle_ns: u64) -> Plan {
+    let rates = Rates::of(limits);
+    let mut plan = Plan::new(start.position, cycle_ns);
+    let mut draft = Draft::new(&mut plan);
+    let distance = distance(start.position, target);
+    let over = over(distance, start.velocity, end_velocity, limits.velocity, rates);
+    let before = over.map_or(start.velocity, |over| over.velocity);
+    forward(&mut draft, rates.legs(start.velocity, before));
+    backward(&mut draft, rates.legs(before, end_velocity));
+    if let Some(over) = over {
+        draft.cruise(over.time, over.velocity);
+    }
+    draft.finish(Some(target), end_velocity);
     plan
 }
 
-/// Velocity at which speeding up from `velocity` has to turn into slowing down, to stop after `ahead`.
-fn peak(ahead: f64, velocity: f64, up: f64, down: f64) -> f64 {
-    ((2.0 * up * down * ahead.max(0.0) + down * velocity * velocity) / (up + down)).sqrt()
-}
-
-/// A plan from `start` to `velocity`, which then goes on for ever.
-pub fn to_velocity(start: Motion, velocity: f64, limits: Limits, cycle_ns: u64) -> Plan {
-    let mut plan = Plan::new(start, cycle_ns);
-    let mut now = start.velocity;
-    if now * velocity < 0.0 {
-        plan.push(now.abs() / limits.deceleration, 0.0);
-        now = 0.0;
+/// As [`super::to_velocity`].
+pub(super) fn to_velocity(start: Motion, velocity: f64, limits: &Limits, cycle_ns: u64) -> Plan {
+    let mut plan = Plan::new(start.position, cycle_ns);
+    let mut draft = Draft::new(&mut plan);
+    let legs = Rates::of(limits).legs(start.velocity, velocity);
+    if velocity == 0.0 {
+        backward(&mut draft, legs)
+    } else {
+        forward(&mut draft, legs)
     }
-    let rate = if velocity.abs() > now.abs() { limits.acceleration } else { limits.deceleration };
-    plan.push((velocity - now).abs() / rate, velocity);
+    draft.finish(None, velocity);
     plan
 }
 
-/// A plan from `start` to rest with constant deceleration, wherever that is.
-pub fn stop(start: Motion, deceleration: f64, cycle_ns: u64) -> Plan {
-    let mut plan = Plan::new(start, cycle_ns);
-    plan.push(start.velocity.abs() / deceleration, 0.0);
-    plan
+/// As [`super::stopping_way`].
+pub(super) fn stopping_way(start: Motion, limits: &Limits) -> f64 {
+    start.velocity * start.velocity.abs() / (2.0 * limits.deceleration)
 }
 
 /// A plan from `start` to rest exactly at `target`, which lies ahead, with the constant deceleration that this takes.
 pub fn stop_at(start: Motion, target: Position, cycle_ns: u64) -> Plan {
-    let way = (target - start.position).to_f64().abs();
-    let mut plan = Plan::new(start, cycle_ns);
+    let way = distance(start.position, target).abs();
+    let mut plan = Plan::new(start.position, cycle_ns);
+    let mut draft = Draft::new(&mut plan);
     if start.velocity != 0.0 {
-        plan.push(2.0 * way / start.velocity.abs(), 0.0);
+        let time = 2.0 * way / start.velocity.abs();
+        draft.backward(time, 0.0, -start.velocity / time, 0.0);
     }
-    plan.land(target);
+    draft.finish(Some(target), 0.0);
     plan
 }
