@@ -136,8 +136,29 @@ pub struct Outputs {
     pub drive: Vec<DriveOutput>,
 }
 
+impl Outputs {
+    /// A digital output by its number.
+    pub fn digital(&self, index: usize) -> bool {
+        self.digital.get(index / 64).is_some_and(|word| word >> (index % 64) & 1 == 1)
+    }
+
+    /// Sets a digital output by its number; one that does not exist stays so.
+    pub fn set_digital(&mut self, index: usize, on: bool) {
+        if let Some(word) = self.digital.get_mut(index / 64) {
+            *word = *word & !(1 << (index % 64)) | u64::from(on) << (index % 64);
+        }
+    }
+
+    /// Sets an analog output by its number (V); one that does not exist stays so.
+    pub fn set_analog(&mut self, index: usize, volts: f64) {
+        if let Some(value) = self.analog.get_mut(index) {
+            *value = volts;
+        }
+    }
+}
+
 /// How a drive is commanded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interface {
     /// The drive closes the position loop.
     #[default]
@@ -146,6 +167,39 @@ pub enum Interface {
     Velocity,
     /// The drive closes the torque loop.
     Torque,
+    /// Nothing is closed: the drive runs at one of some speeds (WF-OLC-01).
+    OpenLoop,
+}
+
+impl Interface {
+    /// Its name in a cell.
+    pub fn name(self) -> &'static str {
+        match self {
+            Interface::Position => "position",
+            Interface::Velocity => "velocity",
+            Interface::Torque => "torque",
+            Interface::OpenLoop => "open_loop",
+        }
+    }
+
+    /// Mode of operation of such a drive (6060h).
+    pub fn mode(self) -> i8 {
+        match self {
+            Interface::Position => MODE_CSP,
+            Interface::Velocity => MODE_CSV,
+            Interface::Torque => MODE_CST,
+            Interface::OpenLoop => MODE_VELOCITY,
+        }
+    }
+
+    /// Can a drive of these capabilities be commanded so?
+    pub fn is_offered(self, capabilities: &Capabilities) -> bool {
+        match self {
+            Interface::Position => true,
+            Interface::Velocity | Interface::OpenLoop => capabilities.velocity,
+            Interface::Torque => capabilities.torque,
+        }
+    }
 }
 
 /// What a backend offers for one drive.
@@ -260,6 +314,12 @@ pub mod control {
 pub const STATUS_WARNING: u16 = 0x80;
 /// Mode of operation: cyclic synchronous position.
 pub const MODE_CSP: i8 = 8;
+/// Mode of operation: cyclic synchronous velocity.
+pub const MODE_CSV: i8 = 9;
+/// Mode of operation: cyclic synchronous torque.
+pub const MODE_CST: i8 = 10;
+/// Mode of operation: velocity mode of frequency converters and switched motors.
+pub const MODE_VELOCITY: i8 = 2;
 
 #[cfg(test)]
 mod tests {

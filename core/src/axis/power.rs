@@ -2,9 +2,10 @@
 
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
-use crate::drive::{DriveInput, DriveOutput, DriveState, MODE_CSP, control};
+use crate::drive::{DriveInput, DriveOutput, DriveState, Interface, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
+use crate::regulator::{KV, Proportional};
 use serde::{Deserialize, Serialize};
 
 /// How long a drive may take to switch on, and to leave its fault (ns).
@@ -36,7 +37,7 @@ impl Axis {
     }
 
     /// Cycles until the drive can have answered, beside the one that every drive takes.
-    fn delay(&self) -> u64 {
+    pub(super) fn delay(&self) -> u64 {
         self.setup.drive.map_or(0, |(_, delay)| delay.into())
     }
 
@@ -120,7 +121,7 @@ impl Axis {
     pub(super) fn raise(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
         self.report(cx, code, found, allowed);
         self.reference = super::Reference::Stop;
-        self.end_goal(cx, code);
+        self.abandon(cx, code);
     }
 
     /// Switches the axis off at once.
@@ -134,7 +135,7 @@ impl Axis {
 
     /// Chooses the control word and fills in the drive's outputs.
     pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
-        if self.power == Power::SwitchingOff && matches!(self.generator, Generator::Rest) {
+        if self.power == Power::SwitchingOff && self.rests() {
             self.switch_off(cx);
         }
         let word = match self.power {
@@ -153,12 +154,34 @@ impl Axis {
         };
         self.output = DriveOutput {
             position: self.command.position.floor().wrapping_sub(self.origin),
-            velocity: self.command.velocity,
-            acceleration: self.command.acceleration,
+            velocity: self.drive_velocity(),
+            acceleration: if self.setup.interface == Interface::Position { self.command.acceleration } else { 0.0 },
             effort: 0.0,
             control: word,
-            mode: MODE_CSP,
+            mode: self.setup.interface.mode(),
             homing: None,
         };
+    }
+
+    /// The velocity for the drive (inc/s): to be followed, to be told beside the position, or to run at.
+    fn drive_velocity(&self) -> f64 {
+        match self.setup.interface {
+            Interface::Velocity if self.is_on() => {
+                let p = &self.parameters;
+                let regulator = Proportional { gain: p.wf.md22 * KV, max_velocity: p.max_velocity };
+                regulator.velocity(self.command.position, self.actual.position)
+            }
+            Interface::Velocity => 0.0,
+            Interface::OpenLoop => self.speed(),
+            Interface::Position | Interface::Torque => self.command.velocity,
+        }
+    }
+
+    /// The output of the position loop, -1 to 1; 0 where the drive closes it.
+    pub(super) fn regulator_output(&self) -> f64 {
+        match self.setup.interface {
+            Interface::Velocity => (self.output.velocity / self.parameters.max_velocity).clamp(-1.0, 1.0),
+            _ => 0.0,
+        }
     }
 }

@@ -2,13 +2,32 @@
 
 use std::collections::VecDeque;
 
+use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
 use super::{Model, SecondOrder};
-use crate::drive::{DriveInput, DriveOutput, DriveState, control};
+use crate::drive::{DriveInput, DriveOutput, DriveState, MODE_CSV, MODE_VELOCITY, control};
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Motion {
     Ideal,
-    SecondOrder { law: SecondOrder, state: super::second_order::State },
+    SecondOrder {
+        law: SecondOrder,
+        state: super::second_order::State,
+        acceleration: f64,
+    },
+    Velocity(VelocityLag),
+    TwoSpeed(TwoSpeed),
+    Valve {
+        law: Valve,
+        /// Setpoints in their dead time, oldest first; always as many.
+        on_the_way: VecDeque<f64>,
+    },
+}
+
+impl Motion {
+    /// Takes it velocities, whatever the mode?
+    fn has_velocity_only(&self) -> bool {
+        matches!(self, Motion::Velocity(_) | Motion::TwoSpeed(_) | Motion::Valve { .. })
+    }
 }
 
 /// One simulated drive.
@@ -20,6 +39,7 @@ pub struct SimDrive {
     delay: u32,
     state: DriveState,
     count: i64,
+    travel: Travel,
     velocity: f64,
     epoch: u32,
     fault: u16,
@@ -27,7 +47,7 @@ pub struct SimDrive {
     pending_jump: i64,
     last_control: u16,
     mode: i8,
-    cycle_s: f64,
+    cycle_ns: u64,
 }
 
 impl SimDrive {
@@ -35,7 +55,15 @@ impl SimDrive {
     pub fn new(model: Model, delay: u32, cycle_ns: u64) -> Self {
         let motion = match model {
             Model::Ideal => Motion::Ideal,
-            Model::SecondOrder(law) => Motion::SecondOrder { law, state: Default::default() },
+            Model::SecondOrder(law) => Motion::SecondOrder { law, state: Default::default(), acceleration: 0.0 },
+            Model::Velocity(law) => Motion::Velocity(law),
+            Model::TwoSpeed(law) => Motion::TwoSpeed(law),
+            Model::Valve(law) => {
+                // Room for one more, which stands there for the length of a step.
+                let mut on_the_way = VecDeque::with_capacity(law.on_the_way() + 1);
+                on_the_way.resize(law.on_the_way(), 0.0);
+                Motion::Valve { law, on_the_way }
+            }
         };
         let mut on_the_way = VecDeque::with_capacity(delay as usize + 2);
         on_the_way.resize(delay as usize + 1, DriveOutput::default());
@@ -45,6 +73,7 @@ impl SimDrive {
             delay,
             state: DriveState::NotReady,
             count: 0,
+            travel: Travel::default(),
             velocity: 0.0,
             epoch: 0,
             fault: 0,
@@ -52,7 +81,7 @@ impl SimDrive {
             pending_jump: 0,
             last_control: 0,
             mode: 0,
-            cycle_s: cycle_ns as f64 / 1e9,
+            cycle_ns,
         }
     }
 
@@ -108,7 +137,12 @@ impl SimDrive {
         self.mode = output.mode;
         self.change_state(output.control);
         self.last_control = output.control;
-        if self.state == DriveState::Enabled {
+        let is_on = self.state == DriveState::Enabled;
+        if self.motion.has_velocity_only() || matches!(output.mode, MODE_CSV | MODE_VELOCITY) {
+            // Without its voltage a motor is asked for nothing, and runs down.
+            let asked = if is_on && output.velocity.is_finite() { output.velocity } else { 0.0 };
+            self.run_at(asked.clamp(-FASTEST, FASTEST));
+        } else if is_on {
             self.move_to(output.position);
         } else {
             self.velocity = 0.0;
@@ -120,16 +154,38 @@ impl SimDrive {
 
     fn move_to(&mut self, position: i64) {
         match &mut self.motion {
-            Motion::Ideal => {
-                self.velocity = position.wrapping_sub(self.count) as f64 / self.cycle_s;
-                self.count = position;
-            }
-            Motion::SecondOrder { law, state } => {
+            Motion::SecondOrder { law, state, .. } => {
                 law.step(state, position);
                 self.count = state.position();
                 self.velocity = state.velocity();
             }
+            _ => {
+                self.velocity = position.wrapping_sub(self.count) as f64 / (self.cycle_ns as f64 / 1e9);
+                self.count = position;
+            }
         }
+    }
+
+    /// One cycle towards a velocity (inc/s).
+    fn run_at(&mut self, setpoint: f64) {
+        let velocity = &mut self.velocity;
+        let mean = match &mut self.motion {
+            Motion::Ideal => {
+                *velocity = setpoint;
+                setpoint
+            }
+            Motion::SecondOrder { law, acceleration, .. } => law.step_velocity(velocity, acceleration, setpoint),
+            Motion::Velocity(law) => law.step(velocity, setpoint),
+            Motion::TwoSpeed(law) => law.step(velocity, setpoint),
+            Motion::Valve { law, on_the_way } => {
+                on_the_way.push_back(setpoint);
+                on_the_way.pop_front();
+                let old = on_the_way.front().copied().unwrap_or(setpoint);
+                let new = on_the_way.get(1).copied().unwrap_or(setpoint);
+                law.step(velocity, old, new)
+            }
+        };
+        self.count = self.count.wrapping_add(self.travel.advance(mean, self.cycle_ns));
     }
 
     fn change_state(&mut self, word: u16) {

@@ -7,22 +7,42 @@
 //! Source   contract sections 3 and 8
 
 mod drive;
+mod motor;
 mod second_order;
 
 pub use drive::SimDrive;
+pub use motor::{TwoSpeed, Valve, VelocityLag};
 pub use second_order::{ModelError, SecondOrder};
 
 use crate::config::{IoKind, MachineConfig};
-use crate::drive::{Backend, Capabilities, EncoderInput, Inputs, Latch, MAX_LATCHES, Outputs};
+use crate::drive::{Backend, Capabilities, EncoderInput, Inputs, Interface, Latch, MAX_LATCHES, Outputs};
 
 /// How a simulated drive follows its setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Model {
-    /// actual(k) = command(k - 1 - delay).
+    /// actual(k) = command(k - 1 - delay); a velocity is there at once.
     #[default]
     Ideal,
-    /// A damped second-order system between the setpoint and the position.
+    /// A damped second-order system between the setpoint and the position, or the velocity.
     SecondOrder(SecondOrder),
+    /// A lag between the velocity's setpoint and the velocity.
+    Velocity(VelocityLag),
+    /// A motor that runs at selected speeds and coasts when it is switched off.
+    TwoSpeed(TwoSpeed),
+    /// A hydraulic motor behind a valve.
+    Valve(Valve),
+}
+
+impl Model {
+    /// Does a drive of this kind take what `interface` gives it?
+    pub fn fits(&self, interface: Interface) -> bool {
+        match self {
+            Model::Ideal => interface != Interface::Torque,
+            Model::SecondOrder(_) => matches!(interface, Interface::Position | Interface::Velocity),
+            Model::Velocity(_) => matches!(interface, Interface::Velocity | Interface::OpenLoop),
+            Model::TwoSpeed(_) | Model::Valve(_) => interface == Interface::OpenLoop,
+        }
+    }
 }
 
 /// The plant of one machine. Where a cell mixes backends, it serves the drives that have a model.
@@ -91,7 +111,7 @@ impl Plant {
 impl Backend for Plant {
     fn capabilities(&self, drive: usize) -> Option<Capabilities> {
         let drive = self.drives.get(drive)?.as_ref()?;
-        Some(Capabilities { delay: drive.delay(), ..Capabilities::default() })
+        Some(Capabilities { delay: drive.delay(), velocity: true, ..Capabilities::default() })
     }
 
     fn start(&mut self) -> Result<(), String> {

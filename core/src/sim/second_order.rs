@@ -1,11 +1,12 @@
-//! A drive whose position follows its setpoint as a damped second-order system.
+//! A drive whose position, or velocity, follows its setpoint as a damped second-order system.
 //!
-//! Law      y'' = w^2 (r - y) - 2 d w y', w = 2 pi bandwidth, r straight between the setpoints of two cycles; solved
-//!          exactly over a cycle, not approximated, so that no bandwidth makes it unstable
-//! Reads    the setpoint (inc)
-//! Writes   position, whole and nearest (inc), and velocity (inc/s)
+//! Law      y'' = w^2 (r - y) - 2 d w y', w = 2 pi bandwidth; r straight between the position setpoints of two cycles, held
+//!          for a velocity; solved exactly over a cycle, not approximated, so that no bandwidth makes it unstable
+//! Reads    the setpoint (inc), or (inc/s)
+//! Writes   position, whole and nearest (inc), and velocity (inc/s); or the mean velocity over the cycle (inc/s)
 //! Refuses  bandwidth or damping that is not above 0 and finite
 
+use super::motor::negligible;
 use libm::{cos, cosh, exp, sin, sinh};
 use std::f64::consts::TAU;
 
@@ -18,6 +19,15 @@ pub enum ModelError {
     /// Damping ratio.
     #[error("damping is {0}; 0.01 to 100 is allowed")]
     Damping(f64),
+    /// (ns)
+    #[error("time_constant is {} ms; 0 ms to 10000 ms is allowed", *.0 as f64 / 1e6)]
+    TimeConstant(i64),
+    /// (ns)
+    #[error("coast is {} ms; 0 ms to 10000 ms is allowed", *.0 as f64 / 1e6)]
+    Coast(i64),
+    /// (ns)
+    #[error("dead_time is {} ms; 0 ms to 1000 ms is allowed", *.0 as f64 / 1e6)]
+    DeadTime(i64),
 }
 
 /// The law over one cycle.
@@ -26,6 +36,8 @@ pub struct SecondOrder {
     cycle_s: f64,
     /// 2 damping / w: how long the position lags behind a steady setpoint (s).
     lag_s: f64,
+    /// 1 / w^2 (s^2)
+    softness: f64,
     /// Free motion over a cycle: new [position, velocity] from old ones.
     free: [[f64; 2]; 2],
 }
@@ -71,7 +83,7 @@ impl SecondOrder {
         }
         let cycle_s = cycle_ns as f64 / 1e9;
         let w = TAU * bandwidth;
-        Ok(Self { cycle_s, lag_s: 2.0 * damping / w, free: free_motion(w, damping, cycle_s) })
+        Ok(Self { cycle_s, lag_s: 2.0 * damping / w, softness: 1.0 / (w * w), free: free_motion(w, damping, cycle_s) })
     }
 
     pub(super) fn step(&self, state: &mut State, setpoint: i64) {
@@ -84,6 +96,19 @@ impl SecondOrder {
         state.ahead = a * position + b * velocity - lag;
         state.velocity = c * position + d * velocity + slope;
         state.setpoint = setpoint;
+    }
+
+    /// One cycle of a velocity that follows its setpoint; the mean velocity over it (inc/s).
+    pub(super) fn step_velocity(&self, velocity: &mut f64, acceleration: &mut f64, setpoint: f64) -> f64 {
+        let (before, rate) = (*velocity - setpoint, *acceleration);
+        let [[a, b], [c, d]] = self.free;
+        let (after, new_rate) = (a * before + b * rate, c * before + d * rate);
+        // The law itself, integrated: e = -(e'' + 2 d w e') / w^2.
+        let further = (rate - new_rate) * self.softness + (before - after) * self.lag_s;
+        let left = after.abs() * self.lag_s + new_rate.abs() * self.softness;
+        (*velocity, *acceleration) =
+            if left <= negligible(setpoint) { (setpoint, 0.0) } else { (setpoint + after, new_rate) };
+        setpoint + further / self.cycle_s
     }
 }
 

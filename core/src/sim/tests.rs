@@ -1,3 +1,5 @@
+mod motors;
+
 use super::second_order::State;
 use super::*;
 use crate::drive::{DriveOutput, DriveState, control};

@@ -83,6 +83,8 @@ fn start(
     let name = NodeName::new(namespace, name).map_err(|error| error.to_string())?;
     let environment = environment(cell)?;
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
+    let plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
+    cell.machine.check_backend(&plant).map_err(|error| error.to_string())?;
     let recording = Recording::open(args, cell, &name)?;
     tracing::info!("lineshaft {}: {title}: {}, simulated", env!("CARGO_PKG_VERSION"), summary(cell));
     let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -90,7 +92,6 @@ fn start(
         .enable_all()
         .build()
         .map_err(|error| format!("no threads for ROS: {error}"))?;
-    let plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
     let exit = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;

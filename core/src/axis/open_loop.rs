@@ -1,0 +1,162 @@
+//! An axis without a position loop: its drive runs at a speed or at none, and the command is where it is.
+//!
+//! Law      command = actual position and the speed that is asked for; without a speed the drive coasts, and counts as at
+//!          rest once it stands, or after 5 s
+//! Reads    speeds that a vocabulary orders
+//! Writes   the generator; the speed is 0 in the cycle of a halt, a stop, an error
+//! Refuses  positions, profiles and couplings; speeds beyond max_velocity or further into a software limit
+//! Source   WF-OLC-01, WF-OLC-09, WF-OLC-11, WF-SET-02
+
+use super::power::Power;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::drive::Interface;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::position::Position;
+use crate::profile::Motion;
+use crate::vocabulary::Owner;
+use crate::vocabulary::wf::{Switching, Wiring};
+
+/// After that long without a speed an axis counts as at rest, whatever its encoder says (ns).
+const COAST_TIMEOUT_NS: u64 = 5_000_000_000;
+
+impl Axis {
+    pub(super) fn is_open_loop(&self) -> bool {
+        !self.is_virtual() && self.setup.interface == Interface::OpenLoop
+    }
+
+    /// What needs a position loop is refused without one.
+    pub(super) fn check_closed_loop(&self) -> Result<(), Refusal> {
+        if self.is_open_loop() { Err(Refusal::new(Code::OPEN_LOOP, self.object())) } else { Ok(()) }
+    }
+
+    /// The part of [`advance`](Self::advance) of such an axis.
+    pub(super) fn advance_open(&mut self, cx: &mut Context<'_>) {
+        self.command = Motion::at_rest(self.actual.position);
+        match self.generator {
+            Generator::Open { velocity } => {
+                self.command.velocity = velocity;
+                if let Some(limit) = self.limit_ahead(velocity) {
+                    self.stop_speed_at(cx, velocity, limit);
+                }
+            }
+            Generator::Coast { since } if !self.has_run_down(cx.cycle, since) => {}
+            _ => self.generator = Generator::Rest,
+        }
+    }
+
+    /// The drive must have had the time to hear of it, or it would stand because it has not begun to move.
+    fn has_run_down(&self, cycle: u64, since: u64) -> bool {
+        let elapsed = cycle.saturating_sub(since);
+        let stands = self.actual.velocity == 0.0 && self.actual.change == Position::ZERO;
+        stands && elapsed > self.delay().saturating_add(1)
+            || elapsed.saturating_mul(self.setup.cycle_ns) > COAST_TIMEOUT_NS
+    }
+
+    /// The software limit at which it stands or behind it, if `velocity` leads further into it (inc).
+    fn limit_ahead(&self, velocity: f64) -> Option<i64> {
+        let limit = self.limit(velocity > 0.0);
+        let here = self.actual.position;
+        let reached = if velocity > 0.0 { here >= Position::whole(limit) } else { here <= Position::whole(limit) };
+        (velocity != 0.0 && reached).then_some(limit)
+    }
+
+    /// It cannot stop before a limit, as it has no ramp; it is switched off there.
+    fn stop_speed_at(&mut self, cx: &mut Context<'_>, velocity: f64, limit: i64) {
+        let up = velocity > 0.0;
+        let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
+        let event = Event::new(Severity::Warn, Kind::Limit, self.object(), code);
+        cx.events.push(Event { position: Position::whole(limit), ..event });
+        self.raise(cx, code, Number::None, Number::Position(limit));
+        self.switch_speed_off(cx);
+        self.judge.after_stop = self.parameters.error_reaction;
+        self.set_state(cx, AxisState::ErrorStop);
+    }
+
+    /// Runs the drive at a speed (inc/s), or switches it off.
+    ///
+    /// # Errors
+    /// A speed that is none or too high, a limit ahead, an axis that is not free or closes a position loop.
+    pub(super) fn set_speed(&mut self, cx: &mut Context<'_>, velocity: f64) -> Result<(), Refusal> {
+        self.check_free()?;
+        let refuse = |code, limit| Err(Refusal::new(code, self.object()).with(Number::Velocity(velocity), limit));
+        if !self.is_open_loop() {
+            return refuse(Code::CLOSED_LOOP, Number::None);
+        }
+        if !velocity.is_finite() {
+            return refuse(Code::BAD_NUMBER, Number::None);
+        }
+        if velocity.abs() > self.parameters.max_velocity {
+            return refuse(Code::VELOCITY_TOO_HIGH, Number::Velocity(self.parameters.max_velocity));
+        }
+        if let Some(limit) = self.limit_ahead(velocity) {
+            return refuse(Code::LIMIT_VIOLATION, Number::Position(limit));
+        }
+        if velocity == 0.0 {
+            self.switch_speed_off(cx);
+            return Ok(());
+        }
+        self.reference = Reference::Speed;
+        self.generator = Generator::Open { velocity };
+        self.command = Motion { velocity, ..Motion::at_rest(self.actual.position) };
+        self.set_state(cx, AxisState::ContinuousMotion);
+        Ok(())
+    }
+
+    /// No speed from this cycle on: it coasts.
+    pub(super) fn switch_speed_off(&mut self, cx: &mut Context<'_>) {
+        self.reference = Reference::Stop;
+        self.command = Motion::at_rest(self.actual.position);
+        if matches!(self.generator, Generator::Open { .. }) {
+            self.generator = Generator::Coast { since: cx.cycle };
+        }
+        if self.state == AxisState::ContinuousMotion {
+            self.set_state(cx, AxisState::DiscreteMotion);
+        }
+    }
+
+    /// The speed for the drive (inc/s).
+    pub(super) fn speed(&self) -> f64 {
+        match self.generator {
+            Generator::Open { velocity } if self.is_on() => velocity,
+            _ => 0.0,
+        }
+    }
+
+    /// Streamed setpoints cannot be followed: told once when they begin to come.
+    pub(super) fn refuse_stream(&mut self, cx: &mut Context<'_>) {
+        let silence = self.stream_age.saturating_mul(self.setup.cycle_ns);
+        self.stream_age = self.stream_age.saturating_add(1);
+        let Some(stream) = cx.stream.filter(|stream| stream.generation != self.stream_generation) else { return };
+        self.stream_generation = stream.generation;
+        if stream.velocity.get(usize::from(self.setup.index)).is_some_and(Option::is_some) {
+            self.stream_age = 0;
+            if silence > self.parameters.setpoint_timeout.unsigned_abs() {
+                cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::OPEN_LOOP));
+            }
+        }
+    }
+
+    /// Which outputs it switches, by their places in section `io`.
+    pub fn wiring(&self) -> Wiring {
+        self.setup.open_loop
+    }
+
+    /// What these outputs show.
+    pub fn switching(&self) -> Switching {
+        self.allowed(self.wf.switching())
+    }
+
+    /// Whatever ends the speed ends the axis output and the voltage in the same cycle, and an error or somebody else's
+    /// command the direction as well.
+    pub(crate) fn allowed(&self, asked: Switching) -> Switching {
+        let commanded = self.owner == Owner::Wf && self.power == Power::On && self.state != AxisState::ErrorStop;
+        let runs = commanded && self.speed() != 0.0;
+        Switching {
+            forward: asked.forward && commanded,
+            backward: asked.backward && commanded,
+            output: asked.output && runs,
+            dac: if runs && asked.dac.is_finite() { asked.dac } else { 0.0 },
+        }
+    }
+}

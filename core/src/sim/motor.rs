@@ -1,0 +1,181 @@
+//! Motors and valves that are given a velocity: servo drives behind their velocity loop, DC drives, pole-changing motors,
+//! hydraulics.
+//!
+//! Law      v' = (u - v) / time_constant, u held over a cycle; solved exactly, so that no time constant makes it unstable.
+//!          At u = 0 friction holds what would coast less than half a count further
+//! Reads    the velocity setpoint u (inc/s)
+//! Writes   the velocity at the end of a cycle and the mean velocity over it (inc/s)
+//! Refuses  times outside their ranges
+//! Source   WF-FCE-01, WF-FCE-02
+
+use super::ModelError;
+use libm::exp;
+
+/// Longest time constant, of a lag or of coasting (ns).
+const MOST_LAG_NS: i64 = 10_000_000_000;
+/// Longest dead time (ns).
+const MOST_DEAD_NS: i64 = 1_000_000_000;
+/// Beyond any machine (inc/s).
+pub(super) const FASTEST: f64 = 1e15;
+/// A motor whose setpoint is 0 stands once less than this is left to coast (inc).
+const HELD: f64 = 0.5;
+/// A motor runs at its setpoint once it will lag or lead by no more than this from now on (inc): one part in 2^32.
+const REACHED: f64 = 1.0 / (1_u64 << 32) as f64;
+
+/// What is left of a difference to the setpoint may be forgotten (inc): it moves the motor no further than that.
+pub(super) fn negligible(setpoint: f64) -> f64 {
+    if setpoint == 0.0 { HELD } else { REACHED }
+}
+
+/// A first-order lag over a fixed time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lag {
+    time_constant_s: f64,
+    /// How much of a difference is left afterwards.
+    decay: f64,
+    duration_s: f64,
+}
+
+impl Lag {
+    fn new(time_constant_ns: i64, duration_ns: u64) -> Self {
+        let (time_constant_s, duration_s) = (time_constant_ns as f64 / 1e9, duration_ns as f64 / 1e9);
+        // Without a time constant nothing is left, however short the time; over no time all is.
+        let decay = if duration_ns == 0 { 1.0 } else { exp(-duration_s / time_constant_s) };
+        Self { time_constant_s, decay, duration_s }
+    }
+
+    /// Runs towards a setpoint and returns how much further it came than at the setpoint (inc).
+    fn run(&self, velocity: &mut f64, setpoint: f64) -> f64 {
+        let difference = *velocity - setpoint;
+        *velocity = setpoint + difference * self.decay;
+        difference * self.time_constant_s * (1.0 - self.decay)
+    }
+
+    /// Ends what nobody could see any more.
+    fn settle(&self, velocity: &mut f64, setpoint: f64) {
+        if (*velocity - setpoint).abs() * self.time_constant_s <= negligible(setpoint) {
+            *velocity = setpoint;
+        }
+    }
+
+    /// One cycle at one setpoint; the mean velocity over it (inc/s).
+    fn cycle(&self, velocity: &mut f64, setpoint: f64) -> f64 {
+        let further = self.run(velocity, setpoint);
+        self.settle(velocity, setpoint);
+        setpoint + further / self.duration_s
+    }
+}
+
+fn check_lag(time_constant_ns: i64, error: fn(i64) -> ModelError) -> Result<(), ModelError> {
+    if (0..=MOST_LAG_NS).contains(&time_constant_ns) { Ok(()) } else { Err(error(time_constant_ns)) }
+}
+
+/// A drive with a velocity loop: a lag to its setpoint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VelocityLag(Lag);
+
+impl VelocityLag {
+    /// A lag of that time constant (ns), stepped once per cycle.
+    ///
+    /// # Errors
+    /// A time outside its range.
+    pub fn new(time_constant_ns: i64, cycle_ns: u64) -> Result<Self, ModelError> {
+        check_lag(time_constant_ns, ModelError::TimeConstant)?;
+        Ok(Self(Lag::new(time_constant_ns, cycle_ns)))
+    }
+
+    pub(super) fn step(&self, velocity: &mut f64, setpoint: f64) -> f64 {
+        self.0.cycle(velocity, setpoint)
+    }
+}
+
+/// A pole-changing motor: a lag to the speed that is selected; switched off it coasts with a time constant of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoSpeed {
+    driven: Lag,
+    coasting: Lag,
+}
+
+impl TwoSpeed {
+    /// A motor of these time constants (ns), stepped once per cycle.
+    ///
+    /// # Errors
+    /// A time outside its range.
+    pub fn new(time_constant_ns: i64, coast_ns: i64, cycle_ns: u64) -> Result<Self, ModelError> {
+        check_lag(time_constant_ns, ModelError::TimeConstant)?;
+        check_lag(coast_ns, ModelError::Coast)?;
+        Ok(Self { driven: Lag::new(time_constant_ns, cycle_ns), coasting: Lag::new(coast_ns, cycle_ns) })
+    }
+
+    pub(super) fn step(&self, velocity: &mut f64, setpoint: f64) -> f64 {
+        let lag = if setpoint == 0.0 { &self.coasting } else { &self.driven };
+        lag.cycle(velocity, setpoint)
+    }
+}
+
+/// A hydraulic motor behind a valve: a lag after a dead time, which need not be whole cycles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Valve {
+    /// From the beginning of a cycle until a setpoint arrives in it.
+    before: Lag,
+    /// The rest of the cycle.
+    after: Lag,
+    /// Whole cycles of the dead time.
+    cycles: usize,
+    cycle_s: f64,
+}
+
+impl Valve {
+    /// A valve of that time constant and dead time (ns), stepped once per cycle.
+    ///
+    /// # Errors
+    /// A time outside its range.
+    pub fn new(time_constant_ns: i64, dead_time_ns: i64, cycle_ns: u64) -> Result<Self, ModelError> {
+        check_lag(time_constant_ns, ModelError::TimeConstant)?;
+        let dead_ns = u64::try_from(dead_time_ns).ok().filter(|_| dead_time_ns <= MOST_DEAD_NS);
+        let dead_ns = dead_ns.ok_or(ModelError::DeadTime(dead_time_ns))?;
+        let cycle_ns = cycle_ns.max(1);
+        let part_ns = dead_ns % cycle_ns;
+        Ok(Self {
+            before: Lag::new(time_constant_ns, part_ns),
+            after: Lag::new(time_constant_ns, cycle_ns - part_ns),
+            cycles: (dead_ns / cycle_ns) as usize,
+            cycle_s: cycle_ns as f64 / 1e9,
+        })
+    }
+
+    /// Setpoints on their way, the newest included.
+    pub(super) fn on_the_way(&self) -> usize {
+        self.cycles + 2
+    }
+
+    /// `old` stands until the dead time of `new` is over within the cycle.
+    pub(super) fn step(&self, velocity: &mut f64, old: f64, new: f64) -> f64 {
+        let mut further = (old - new) * self.before.duration_s;
+        further += self.before.run(velocity, old);
+        further += self.after.run(velocity, new);
+        self.after.settle(velocity, new);
+        new + further / self.cycle_s
+    }
+}
+
+/// Whole counts of a motion, and what is left of one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Travel {
+    /// In parts of [`Travel::COUNT`].
+    remainder: i128,
+}
+
+impl Travel {
+    /// One count: 10^9 ns at 2^32 parts of 1 inc/s.
+    const COUNT: i128 = 1_000_000_000 << 32;
+
+    /// Counts of a cycle at a mean velocity (inc/s), which is rounded once to 2^-32 inc/s.
+    pub(super) fn advance(&mut self, velocity: f64, cycle_ns: u64) -> i64 {
+        // The cast makes 0 of what is no number.
+        let fine = (velocity.clamp(-FASTEST, FASTEST) * (1_u64 << 32) as f64).round() as i128;
+        let total = fine.saturating_mul(cycle_ns.into()).saturating_add(self.remainder);
+        self.remainder = total.rem_euclid(Self::COUNT);
+        total.div_euclid(Self::COUNT).clamp(i64::MIN.into(), i64::MAX.into()) as i64
+    }
+}

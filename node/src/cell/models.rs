@@ -1,0 +1,135 @@
+//! Key `sim` of an axis: how its drive is simulated, and whether that fits the way in which it is commanded.
+
+use crate::document::{Allowed, Value};
+use lineshaft_core::drive::Interface;
+use lineshaft_core::sim::{Model, ModelError, SecondOrder, TwoSpeed, Valve, VelocityLag};
+use lineshaft_core::unit::Dimension;
+
+/// Bandwidth of the second-order model when none is given (Hz).
+const BANDWIDTH: f64 = 60.0;
+/// Its damping when none is given.
+const DAMPING: f64 = 0.8;
+/// Time constant of a drive with a velocity loop (ns).
+const SERVO_NS: i64 = 5_000_000;
+/// Time constant of motors and hydraulics without one (ns).
+const MOTOR_NS: i64 = 50_000_000;
+/// How long a motor coasts (ns).
+const COAST_NS: i64 = 100_000_000;
+/// Dead time of a valve (ns).
+const DEAD_NS: i64 = 20_000_000;
+
+/// The models by their names.
+const KINDS: [(&str, Kind); 5] = [
+    ("ideal", Kind::Ideal),
+    ("second_order", Kind::SecondOrder),
+    ("velocity", Kind::Velocity),
+    ("two_speed", Kind::TwoSpeed),
+    ("valve", Kind::Valve),
+];
+
+/// The keys of models, and whose they are.
+const KEYS: [(&str, &[Kind]); 5] = [
+    ("bandwidth", &[Kind::SecondOrder]),
+    ("damping", &[Kind::SecondOrder]),
+    ("time_constant", &[Kind::Velocity, Kind::TwoSpeed, Kind::Valve]),
+    ("coast", &[Kind::TwoSpeed]),
+    ("dead_time", &[Kind::Valve]),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Ideal,
+    SecondOrder,
+    Velocity,
+    TwoSpeed,
+    Valve,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        KINDS.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// The model; `interface` is that of the drive, where it is known.
+pub(super) fn model(value: &Value<'_>, interface: Option<Interface>, cycle_ns: u64) -> Option<Model> {
+    let mut map = value.map("sim")?;
+    let named = map.required("model");
+    let kind = named.as_ref().and_then(|value| value.choice(&KINDS));
+    let values = KEYS.map(|(key, _)| map.optional(key));
+    map.finish();
+    let kind = kind?;
+    let mut good = true;
+    for (value, (key, kinds)) in values.iter().zip(KEYS) {
+        if let Some(value) = value.as_ref().filter(|_| !kinds.contains(&kind)) {
+            let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
+            let models = if names.len() == 1 { "model" } else { "models" };
+            let sentence = format!("{key} is for {models} {}; this one is {}", names.join(", "), kind.name());
+            value.refuse(sentence, None);
+            good = false;
+        }
+    }
+    let model = read(kind, &values, cycle_ns).filter(|_| good)?;
+    match (named, interface) {
+        (Some(named), Some(interface)) if !model.fits(interface) => {
+            let fitting = [Interface::Position, Interface::Velocity, Interface::OpenLoop];
+            let fitting: Vec<_> = fitting.into_iter().filter(|one| model.fits(*one)).map(Interface::name).collect();
+            let (kind, allowed) = (kind.name(), fitting.join(", "));
+            let sentence = format!("model {kind} is for interface {allowed}; this drive has {}", interface.name());
+            named.refuse(sentence, None);
+            None
+        }
+        _ => Some(model),
+    }
+}
+
+/// The values of [`KEYS`], each read by itself so that every problem is reported.
+fn read(
+    kind: Kind,
+    [bandwidth, damping, constant, coast, dead]: &[Option<Value<'_>>; 5],
+    cycle_ns: u64,
+) -> Option<Model> {
+    let constant_or = |usual| time(constant, usual, |ns| VelocityLag::new(ns, cycle_ns).map(drop));
+    match kind {
+        Kind::Ideal => Some(Model::Ideal),
+        Kind::SecondOrder => {
+            let hertz = bandwidth.as_ref().map_or(Some(BANDWIDTH), |value| {
+                let hertz = value.quantity(&[Dimension::Frequency], &Allowed::Any)?.si();
+                accept(value, SecondOrder::new(hertz, DAMPING, cycle_ns).map(|_| hertz))
+            });
+            let damping = damping.as_ref().map_or(Some(DAMPING), |value| {
+                let damping = value.number(f64::NEG_INFINITY..=f64::INFINITY)?;
+                accept(value, SecondOrder::new(BANDWIDTH, damping, cycle_ns).map(|_| damping))
+            });
+            SecondOrder::new(hertz?, damping?, cycle_ns).ok().map(Model::SecondOrder)
+        }
+        Kind::Velocity => VelocityLag::new(constant_or(SERVO_NS)?, cycle_ns).ok().map(Model::Velocity),
+        Kind::TwoSpeed => {
+            let constant = constant_or(MOTOR_NS);
+            let coast = time(coast, COAST_NS, |ns| TwoSpeed::new(0, ns, cycle_ns).map(drop));
+            TwoSpeed::new(constant?, coast?, cycle_ns).ok().map(Model::TwoSpeed)
+        }
+        Kind::Valve => {
+            let constant = constant_or(MOTOR_NS);
+            let dead = time(dead, DEAD_NS, |ns| Valve::new(0, ns, cycle_ns).map(drop));
+            Valve::new(constant?, dead?, cycle_ns).ok().map(Model::Valve)
+        }
+    }
+}
+
+/// A time in nanoseconds that a model takes.
+fn time(value: &Option<Value<'_>>, usual: i64, check: impl Fn(i64) -> Result<(), ModelError>) -> Option<i64> {
+    let Some(value) = value else { return Some(usual) };
+    let time = value.quantity(&[Dimension::Time], &Allowed::Any)?;
+    match time.nanoseconds() {
+        Ok(ns) => accept(value, check(ns).map(|()| ns)),
+        Err(error) => {
+            value.refuse(format!("{}: {error}", value.label()), error.hint());
+            None
+        }
+    }
+}
+
+fn accept<T>(value: &Value<'_>, result: Result<T, ModelError>) -> Option<T> {
+    result.map_err(|error| value.refuse(error.to_string(), None)).ok()
+}
