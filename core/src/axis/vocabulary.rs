@@ -1,0 +1,388 @@
+//! The vocabularies on an axis: their verbs and steps, and what their orders do.
+
+use super::course::Aim;
+use super::power::Power;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::command::{Disengage, SyncMode};
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::parameter::{AxisParameters, Row, Value};
+use crate::position::Position;
+use crate::profile::Motion;
+use crate::signal::Board;
+use crate::signal::axis::AxisSignal;
+use crate::sync::Leads;
+use crate::sync::follower::{Bounds, Follower};
+use crate::sync::gear::{Gear, Ratio};
+use crate::vocabulary::amc::{self, Amc, AmcSignal};
+use crate::vocabulary::saia::{self, SaiaSignal};
+use crate::vocabulary::wf::{self, WfSignal};
+use crate::vocabulary::{Latched, Order, Owner, View};
+use serde::{Deserialize, Serialize};
+
+/// A register's value for an event.
+fn number_of(value: Value) -> Number {
+    match value {
+        Value::Int(value) => Number::Count(value),
+        Value::Real(value) => Number::Real(value),
+        Value::Unset => Number::None,
+    }
+}
+
+/// Which vocabularies have been asked for anything: the others take no time, and their signals stand as they began.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Awake {
+    amc: bool,
+    saia: bool,
+    wf: bool,
+    /// The signals have been written once.
+    shown: bool,
+}
+
+impl Axis {
+    fn view<'a>(&'a self, cycle: u64, owner: Owner, leads: &'a Leads, latches: &'a [Latched]) -> View<'a> {
+        let p = &self.parameters;
+        let position = self.command.position.floor();
+        View {
+            object: self.object(),
+            cycle,
+            cycle_ns: self.setup.cycle_ns,
+            owns: self.owner == owner,
+            free: self.check_free().is_ok(),
+            on: self.is_on(),
+            locked: matches!(self.state, AxisState::ErrorStop | AxisState::Stopping),
+            in_error: self.state == AxisState::ErrorStop,
+            command: self.command,
+            present: self.present(),
+            rests: self.rests(),
+            has_end: self.course_end().is_some(),
+            target: match &self.generator {
+                Generator::Follow(follower) => follower.target(),
+                _ => self.course_end().unwrap_or(self.command.position),
+            },
+            actual: self.actual,
+            following_error: self.judge.following_error,
+            in_position: self.judge.in_position,
+            at_limit: p.max_position.is_some_and(|limit| position >= limit)
+                || p.min_position.is_some_and(|limit| position <= limit),
+            modulo: self.setup.modulo,
+            unit: self.setup.unit,
+            interface: self.setup.drive.map(|_| self.setup.interface),
+            selector: self.setup.amc,
+            parameters: p,
+            leads,
+            latches,
+        }
+    }
+
+    pub(super) fn run_saia(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        request: &saia::Request,
+    ) -> Result<(), Refusal> {
+        self.awake.saia = true;
+        let mut parameters = self.parameters;
+        for (register, value) in request.registers() {
+            let Some((place, row)) = register.row() else { continue };
+            let refusal = Refusal::new(Code::PARAMETER_OUT_OF_RANGE, self.object());
+            let refusal = Refusal { parameter: Some(place), ..refusal.with(number_of(value), Number::None) };
+            row.assign(&mut parameters, value).map_err(|_| refusal)?;
+        }
+        let (mut saia, mut outcome) = self.ask_saia(cx, &parameters, request, None)?;
+        if let Some(order) = outcome.order
+            && let Err(refusal) = self.obey(cx, Owner::Saia, order)
+        {
+            if parameters.saia.refuses() {
+                return Err(refusal);
+            }
+            // The start fails, what stands beside it does not.
+            (saia, outcome) = self.ask_saia(cx, &parameters, request, Some(refusal))?;
+            if let Some(order) = outcome.order {
+                self.obey(cx, Owner::Saia, order)?;
+            }
+        }
+        self.saia = saia;
+        self.parameters = parameters;
+        self.accepted(cx, sequence);
+        for (register, value) in request.registers() {
+            let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE).of_command(sequence);
+            let parameter = register.row().map(|(place, _)| place);
+            cx.events.push(Event { parameter, ..event.with(number_of(value), Number::None) });
+        }
+        for refusal in outcome.errors.iter().flatten() {
+            let event = Event { kind: Kind::Warning, ..refusal.event(sequence) };
+            cx.events.push(Event { position: self.command.position, ..event });
+        }
+        Ok(())
+    }
+
+    /// What the verb does to a copy of the vocabulary, with these parameters.
+    fn ask_saia(
+        &self,
+        cx: &Context<'_>,
+        parameters: &AxisParameters,
+        request: &saia::Request,
+        barred: Option<Refusal>,
+    ) -> Result<(saia::Saia, saia::Outcome), Refusal> {
+        let mut saia = self.saia;
+        let view = View { parameters, ..self.view(cx.cycle, Owner::Saia, cx.leads, cx.latches) };
+        let outcome = saia.run(request, &view, barred)?;
+        Ok((saia, outcome))
+    }
+
+    pub(super) fn run_wf(&mut self, cx: &mut Context<'_>, sequence: u64, request: &wf::Request) -> Result<(), Refusal> {
+        self.awake.wf = true;
+        let mut wf = self.wf;
+        let order = wf.run(request, &self.view(cx.cycle, Owner::Wf, cx.leads, cx.latches))?;
+        if let Some(order) = order {
+            self.obey(cx, Owner::Wf, order)?;
+        }
+        self.wf = wf;
+        self.accepted(cx, sequence);
+        Ok(())
+    }
+
+    /// The step of each vocabulary that has been used, in their order.
+    pub(super) fn step_vocabularies(&mut self, cx: &mut Context<'_>) {
+        self.awake.amc |= self.amc.wakes(&self.parameters.amc);
+        if self.awake.amc {
+            let mut amc = self.amc;
+            self.step_selector(cx, &mut amc);
+            self.amc = amc;
+        }
+        if self.awake.saia {
+            let mut saia = self.saia;
+            let order = saia.step(&self.view(cx.cycle, Owner::Saia, cx.leads, cx.latches));
+            if let Some(refusal) = self.try_order(cx, Owner::Saia, order) {
+                saia.order_failed(refusal);
+            }
+            self.saia = saia;
+        }
+        if self.awake.wf {
+            let mut wf = self.wf;
+            let order = wf.step(&self.view(cx.cycle, Owner::Wf, cx.leads, cx.latches));
+            if let Some(refusal) = self.try_order(cx, Owner::Wf, order) {
+                wf.order_failed(refusal);
+            }
+            self.wf = wf;
+        }
+    }
+
+    /// The step of the reference selector, which may change a parameter of its own.
+    fn step_selector(&mut self, cx: &mut Context<'_>, amc: &mut Amc) {
+        let before = *amc;
+        let step = amc.step(&self.view(cx.cycle, Owner::Amc, cx.leads, cx.latches));
+        if let Some(problem) = step.problem {
+            let event = Event::new(Severity::Warn, Kind::Warning, self.object(), problem.code);
+            let parameter = Row::find(problem.key).map(|(row, _)| row);
+            cx.events.push(Event { parameter, ..event.with(problem.asked, problem.limit) });
+        }
+        let failed = self.try_order(cx, Owner::Amc, step.order).is_some();
+        let select = if failed { amc.take_back(&before) } else { step.select };
+        // What the order made of the target.
+        amc.follow_input(&self.view(cx.cycle, Owner::Amc, cx.leads, cx.latches));
+        if self.owner == Owner::Amc {
+            self.reference = Reference::selected(select);
+        }
+        if self.parameters.amc.reference_select != select {
+            self.parameters.amc.reference_select = select;
+            let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
+            let parameter = Row::find("amc.reference_select").map(|(row, _)| row);
+            cx.events.push(Event { parameter, ..event.with(Number::Count(select), Number::None) });
+        }
+    }
+
+    /// May the reference selector have these parameters, as far as can be seen before the cycle?
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn admits_selector(&self, candidate: &AxisParameters, cycle: u64, leads: &Leads) -> Result<(), Refusal> {
+        let refuse = |problem: amc::Problem| Refusal {
+            parameter: Row::find(problem.key).map(|(row, _)| row),
+            ..Refusal::new(problem.code, self.object()).with(problem.asked, problem.limit)
+        };
+        amc::check(candidate, &self.setup.selector()).map_err(refuse)?;
+        let (now, then) = (&self.parameters.amc, &candidate.amc);
+        if now == then {
+            return Ok(());
+        }
+        let selects = |now: i64, then: i64| now != then && then != 0;
+        let view = View { parameters: candidate, ..self.view(cycle, Owner::Amc, leads, &[]) };
+        if view.locked
+            && (selects(now.reference_select, then.reference_select)
+                || selects(now.reference_select_trigger, then.reference_select_trigger))
+        {
+            return self.check_free();
+        }
+        let mut amc = self.amc;
+        let step = amc.step(&view);
+        if let Some(problem) = step.problem {
+            return Err(refuse(problem));
+        }
+        match step.order {
+            Some(Order::Position { target, .. }) => self.check_target(target, candidate),
+            Some(Order::Gear { .. }) => self.gear_of_selector(leads).map(|_| ()),
+            _ => Ok(()),
+        }
+    }
+
+    /// The coupling that reference 4 begins.
+    fn gear_of_selector(&self, leads: &Leads) -> Result<Follower, Refusal> {
+        let refuse = |code| Refusal::new(code, self.object());
+        let p = &self.parameters;
+        let leader = self.setup.amc.master.ok_or_else(|| refuse(Code::LEADER_LOST))?;
+        let numbers = (Number::Count(p.sync_slave), Number::Count(p.sync_master));
+        let ratio = Ratio::new(p.sync_slave, p.sync_master)
+            .ok_or_else(|| refuse(Code::BAD_RATIO).with(numbers.0, numbers.1))?;
+        if !leads.get(leader).valid {
+            return Err(refuse(Code::LEADER_LOST));
+        }
+        let bounds = Bounds {
+            velocity: p.max_velocity,
+            acceleration: p.usual_acceleration().min(p.usual_deceleration()),
+            max_velocity: p.max_velocity,
+            max_acceleration: p.max_acceleration,
+            max_deceleration: p.deceleration_limit(),
+        };
+        // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
+        let (gear, mode) = (Gear::new(ratio), SyncMode::Position);
+        Ok(Follower::new(leader, gear, mode, Disengage::Stop, self.command, Position::ZERO, bounds))
+    }
+
+    /// Does an order that no command waits for; what the axis refuses is told.
+    fn try_order(&mut self, cx: &mut Context<'_>, owner: Owner, order: Option<Order>) -> Option<Refusal> {
+        let refusal = self.obey(cx, owner, order?).err()?;
+        let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
+        cx.events.push(Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) });
+        Some(refusal)
+    }
+
+    /// Does what a vocabulary asks.
+    ///
+    /// # Errors
+    /// What limits or state forbid; nothing is changed then.
+    pub(crate) fn obey(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
+        match order {
+            Order::SwitchOn => {
+                if self.power == Power::Off && !self.is_virtual() {
+                    self.power = Power::SwitchingOn { since: cx.cycle };
+                }
+            }
+            Order::SwitchOff => {
+                self.abandon(cx, Code::REPLACED);
+                // Also one that is on its way to being on.
+                let runs = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
+                if !self.is_virtual() && runs {
+                    self.switch_off(cx);
+                }
+            }
+            Order::FailOff { refusal } => {
+                self.raise(cx, refusal.code, refusal.asked, refusal.limit);
+                self.set_state(cx, AxisState::ErrorStop);
+                if self.is_virtual() {
+                    self.brake_to_rest(cx, &self.stop_limits());
+                } else {
+                    self.switch_off(cx);
+                }
+            }
+            Order::Position { target, limits, reference } => {
+                self.check_closed_loop()?;
+                self.check_free()?;
+                self.check_target(target, &self.parameters)?;
+                let aim = Aim::Target(Position::whole(target.nearest()));
+                let course = self.course(cx.cycle, self.present(), aim, limits);
+                self.check_course(&course, self.present(), limits)?;
+                self.abandon(cx, Code::REPLACED);
+                self.judge.rested_at = None;
+                self.reference = reference;
+                self.generator = Generator::Plan(course);
+                self.set_state(cx, AxisState::DiscreteMotion);
+            }
+            Order::Velocity { velocity, limits } => {
+                self.check_closed_loop()?;
+                self.check_free()?;
+                self.check_velocity(velocity)?;
+                let aim = if velocity == 0.0 { Aim::Stop } else { Aim::Velocity(velocity) };
+                let course = self.course(cx.cycle, self.present(), aim, limits);
+                self.check_course(&course, self.present(), limits)?;
+                self.abandon(cx, Code::REPLACED);
+                self.judge.rested_at = None;
+                self.reference = Reference::Speed;
+                self.generator = Generator::Plan(course);
+                let state = if velocity == 0.0 { AxisState::DiscreteMotion } else { AxisState::ContinuousMotion };
+                self.set_state(cx, state);
+            }
+            Order::Stop { limits } => {
+                self.abandon(cx, Code::REPLACED);
+                if self.power == Power::On {
+                    self.brake_to_rest(cx, &limits);
+                }
+            }
+            Order::StandOnActual if self.is_open_loop() => self.switch_speed_off(cx),
+            Order::StandOnActual => {
+                self.abandon(cx, Code::REPLACED);
+                self.reference = Reference::Stop;
+                self.generator = Generator::Rest;
+                if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion) {
+                    self.set_state(cx, AxisState::DiscreteMotion);
+                }
+                self.command = Motion::at_rest(Position::whole(self.actual.position.floor()));
+            }
+            Order::Gear { past } => {
+                self.check_closed_loop()?;
+                self.check_free()?;
+                let follower = self.gear_of_selector(cx.leads)?.with_past(past);
+                self.abandon(cx, Code::REPLACED);
+                self.judge.rested_at = None;
+                self.reference = Reference::Gear;
+                self.generator = Generator::Follow(follower);
+                self.set_state(cx, AxisState::SynchronizedMotion);
+            }
+            Order::Speed { velocity } => self.set_speed(cx, velocity)?,
+            Order::Fail { code, found, allowed } => {
+                if self.is_open_loop() {
+                    self.switch_speed_off(cx);
+                }
+                self.react(cx, code, found, allowed);
+                self.owner = Owner::Native;
+                return Ok(());
+            }
+            Order::Reset => {
+                if self.error.is_alarm() {
+                    if !self.rests() {
+                        return Err(Refusal::new(Code::NOT_AT_STANDSTILL, self.object()));
+                    }
+                    self.clear_error(cx);
+                }
+                return Ok(());
+            }
+        }
+        self.owner = owner;
+        Ok(())
+    }
+
+    /// The signals of the vocabularies, in the order in which the directory has them behind those of the axis.
+    pub(super) fn publish_vocabularies(&mut self, board: &mut Board, leads: &Leads) {
+        let all = !std::mem::replace(&mut self.awake.shown, true);
+        let Awake { amc, saia, wf, .. } = self.awake;
+        if !(all || amc || saia || wf) {
+            return;
+        }
+        let first = self.signals.plus(AxisSignal::COUNT);
+        let view = self.view(0, Owner::Amc, leads, &[]);
+        if all || amc {
+            self.amc.publish(&view, board.block(first, AmcSignal::COUNT));
+        }
+        let first = first.plus(AmcSignal::COUNT);
+        if all || saia {
+            let view = View { owns: self.owner == Owner::Saia, ..view };
+            self.saia.publish(&view, board.block(first, SaiaSignal::COUNT));
+        }
+        let first = first.plus(SaiaSignal::COUNT);
+        if all || wf {
+            let view = View { owns: self.owner == Owner::Wf, ..view };
+            self.wf.publish(&view, board.block(first, WfSignal::COUNT));
+        }
+    }
+}

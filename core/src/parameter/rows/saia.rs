@@ -1,0 +1,159 @@
+//! Parameters of the SAIA PCD4.H3 servo module (spec/saia-h3.md): its input registers, in the module's own units, and the
+//! options of this implementation.
+//!
+//! A register holds any 32 bits, as on the module; the command that reads it checks what it takes (SAIA-DET-02, SAIA-HND-04).
+
+use super::{BASE, Bare, Effect, Measure, Range, Row, Value, int, real};
+use crate::vocabulary::saia::{COMMAND_ERRORS, Parameters};
+
+const WORD: Range = Range::Int(i32::MIN as i64, i32::MAX as i64);
+const SWITCH: &[&str] = &["false", "true"];
+
+/// A register of 32 bits.
+const REGISTER: Row =
+    Row { range: WORD, bare: Bare::AxisUnit, default: Value::Int(0), effect: Effect::NextSaiaCommand, ..BASE };
+/// An option that is off or on.
+const OPTION: Row = Row {
+    measure: Measure::Choice(SWITCH),
+    range: Range::Int(0, 1),
+    bare: Bare::AxisUnit,
+    default: Value::Int(0),
+    ..BASE
+};
+
+fn word(value: Value) -> Option<i32> {
+    int(value).and_then(|value| i32::try_from(value).ok())
+}
+
+macro_rules! register {
+    ($name:ident, $key:literal, $default:literal, $source:literal, $description:literal) => {
+        Row {
+            key: $key,
+            default: Value::Int($default),
+            description: $description,
+            source: $source,
+            get: |p| Value::Int(p.saia.$name.into()),
+            set: |p, v| p.saia.$name = word(v).unwrap_or(p.saia.$name),
+            ..REGISTER
+        }
+    };
+}
+
+macro_rules! option {
+    ($name:ident, $key:literal, $source:literal, $description:literal) => {
+        Row {
+            key: $key,
+            description: $description,
+            source: $source,
+            get: |p| Value::Int(p.saia.$name.into()),
+            set: |p, v| p.saia.$name = int(v) == Some(1),
+            ..OPTION
+        }
+    };
+}
+
+fn saia(p: &super::super::AxisParameters) -> &Parameters {
+    &p.saia
+}
+
+pub(super) const ROWS: &[Row] = &[
+    register!(kprop, "saia.kprop", 0, "SAIA-REG-00", "Proportional factor, 0 to 32767, for fldrp."),
+    register!(kint, "saia.kint", 0, "SAIA-REG-01", "Integral factor, 0 to 32767, for fldrp."),
+    register!(kder, "saia.kder", 0, "SAIA-REG-02", "Derivative factor, 0 to 32767, for fldrp."),
+    register!(intl, "saia.intl", 0, "SAIA-REG-03", "Limit of the integral part, 0 to 32767, for fldrp."),
+    register!(
+        sampi,
+        "saia.sampi",
+        0,
+        "SAIA-REG-04",
+        "Derivative sampling code n, 0 to 255, for fldrp: every n + 1 samples of 341.33 us."
+    ),
+    Row {
+        key: "saia.mcfac",
+        measure: Measure::Number,
+        range: Range::Real(0.0, 9.223_371e18),
+        default: Value::Real(1.0),
+        description: "Motion control factor: counts per unit of destp, brkp, veloc, accel and of what is read.",
+        source: "SAIA-REG-05",
+        get: |p| Value::Real(saia(p).mcfac),
+        set: |p, v| p.saia.mcfac = real(v).unwrap_or(p.saia.mcfac),
+        ..REGISTER
+    },
+    register!(poser, "saia.poser", 32_767, "SAIA-REG-06", "Largest position error [counts], 0 to 32767, for fsetpe."),
+    register!(destp, "saia.destp", 0, "SAIA-REG-07", "Destination [units], for fldda and flddr."),
+    register!(brkp, "saia.brkp", 0, "SAIA-REG-08", "Break position [units], for fldbpa and fldbpr."),
+    register!(veloc, "saia.veloc", 0, "SAIA-REG-09", "Velocity [units/s], for fldva and fldvr."),
+    Row {
+        key: "saia.accel",
+        default: Value::Unset,
+        default_text: "as default_acceleration",
+        description: "Acceleration [units/s^2], for fldaa and fldar.",
+        source: "SAIA-REG-10",
+        get: |p| saia(p).accel.map_or(Value::Unset, |accel| Value::Int(accel.into())),
+        set: |p, v| p.saia.accel = word(v),
+        ..REGISTER
+    },
+    register!(
+        stafrr,
+        "saia.stafrr",
+        0,
+        "SAIA-REG-11",
+        "Status flags that fressf keeps: bits 2 to 6 for OnDest, IPuls, WrapOc, ExcPEr, BrkPos; 0 clears."
+    ),
+    register!(
+        mcw,
+        "saia.mcw",
+        0x41B,
+        "SAIA-REG-12",
+        "Motion control word: bits 0 to 7 reaction to position errors (1BH, 1AH), 8 to 10 stop, 11 velocity control, 12 forward."
+    ),
+    Row {
+        key: "saia.imode",
+        range: Range::Int(5, 6),
+        default: Value::Int(6),
+        description: "Output that axinit chooses: 6 analogue of 12 bit, 5 PWM of 8 bit.",
+        source: "SAIA-INI-02",
+        get: |p| Value::Int(saia(p).imode),
+        set: |p, v| p.saia.imode = int(v).unwrap_or(p.saia.imode),
+        ..REGISTER
+    },
+    option!(
+        legacy_scaling,
+        "saia.legacy_scaling",
+        "SAIA-SCL-04, SAIA-SCL-05",
+        "Convert velocities and accelerations with the printed 22.348 and 7.6206e-3 instead of the exact sample time."
+    ),
+    option!(
+        clamp_sum,
+        "saia.clamp_sum",
+        "SAIA-PID-03",
+        "The sum of the integral part stops growing where that reaches intl."
+    ),
+    option!(
+        chip_integral,
+        "saia.chip_integral",
+        "SAIA-EXT-04",
+        "The integral factor sees the top 16 of 24 bits of the sum."
+    ),
+    Row {
+        key: "saia.output_gain",
+        measure: Measure::Number,
+        range: Range::PositiveUpTo(1e6),
+        default: Value::Real(1.0),
+        description: "Factor between the regulator and saia.output.",
+        source: "SAIA-EXT-06",
+        get: |p| Value::Real(saia(p).output_gain),
+        set: |p, v| p.saia.output_gain = real(v).unwrap_or(p.saia.output_gain),
+        ..OPTION
+    },
+    Row {
+        key: "saia.command_error",
+        measure: Measure::Choice(COMMAND_ERRORS),
+        range: Range::Int(0, 2),
+        description: "What a command error does: refuse the verb; log_only, the command alone is left out; motor_off, that and an error of the axis.",
+        source: "SAIA-ERR-04",
+        get: |p| Value::Int(saia(p).command_error),
+        set: |p, v| p.saia.command_error = int(v).unwrap_or(p.saia.command_error),
+        ..OPTION
+    },
+];

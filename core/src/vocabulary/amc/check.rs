@@ -1,0 +1,92 @@
+//! Which values of the selector's parameters the rest of the axis allows.
+
+use super::parameters::{CAM, CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, HOME, Parameters, Wiring};
+use super::rotary::{Circle, Mode};
+use crate::axis::Modulo;
+use crate::code::Code;
+use crate::event::Number;
+use crate::parameter::AxisParameters;
+use crate::position::Position;
+
+/// What is fixed about the axis of a selector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// Length of a turn (31.010).
+    pub modulo: Option<Modulo>,
+    /// Increments per user unit.
+    pub unit: f64,
+    /// Length of a sample (ns) (31.013).
+    pub cycle_ns: u64,
+    /// What it is wired to.
+    pub wiring: Wiring,
+}
+
+/// A parameter whose value the rest of the axis does not allow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Problem {
+    /// Its key.
+    pub key: &'static str,
+    /// Why.
+    pub code: Code,
+    /// Its value.
+    pub asked: Number,
+    /// What is allowed.
+    pub limit: Number,
+}
+
+/// Do the parameters of the selector agree with the axis?
+///
+/// # Errors
+/// The first one that does not.
+pub fn check(parameters: &AxisParameters, setting: &Setting) -> Result<(), Problem> {
+    let p = &parameters.amc;
+    check_select("amc.reference_select", p.reference_select, setting)?;
+    check_select("amc.reference_select_trigger", p.reference_select_trigger, setting)?;
+    check_event(p.action_on_event, setting)?;
+    check_reference(p, setting)?;
+    if p.speed_reference.abs() > parameters.max_velocity {
+        return Err(Problem {
+            key: "amc.speed_reference",
+            code: Code::VELOCITY_TOO_HIGH,
+            asked: Number::Velocity(p.speed_reference.abs()),
+            limit: Number::Velocity(parameters.max_velocity),
+        });
+    }
+    Ok(())
+}
+
+fn check_select(key: &'static str, select: i64, setting: &Setting) -> Result<(), Problem> {
+    let refuse = |code| Err(Problem { key, code, asked: Number::Count(select), limit: Number::None });
+    match select {
+        CAM | HOME => refuse(Code::NOT_BUILT),
+        GEAR if setting.wiring.master.is_none() => refuse(Code::AMC_NO_MASTER),
+        _ => Ok(()),
+    }
+}
+
+fn check_event(action: i64, setting: &Setting) -> Result<(), Problem> {
+    let asked = Number::Count(action);
+    let refuse = |code| Err(Problem { key: "amc.action_on_event", code, asked, limit: Number::None });
+    match action {
+        CAM_ON_FREEZE | GEAR_ON_FREEZE if setting.wiring.freeze.is_none() => refuse(Code::AMC_NO_FREEZE),
+        GEAR_ON_FREEZE if setting.wiring.master.is_none() => refuse(Code::AMC_NO_MASTER),
+        _ => Ok(()),
+    }
+}
+
+/// M01: within a turn in the modes that know only one, else as far as the integrators reach.
+fn check_reference(p: &Parameters, setting: &Setting) -> Result<(), Problem> {
+    let circle = Circle::new(setting.modulo);
+    let reference = circle.exact(Position::whole(p.position_reference));
+    let asked = Number::Position(p.position_reference);
+    let refuse = |code, limit| Err(Problem { key: "amc.position_reference", code, asked, limit });
+    let (Some(last), Some(capacity)) = (circle.last(), circle.capacity(setting.unit)) else { return Ok(()) };
+    if Mode::new(p.rotary_mode, setting.modulo, setting.cycle_ns).is_within_turn() {
+        if p.position_reference.saturating_abs() > last {
+            return refuse(Code::AMC_OUTSIDE_TURN, Number::Position(last));
+        }
+    } else if circle.exceeds(reference, capacity) {
+        return refuse(Code::AMC_TURN_CAPACITY, Number::Count(capacity));
+    }
+    Ok(())
+}

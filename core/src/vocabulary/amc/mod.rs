@@ -1,0 +1,240 @@
+//! Reference selector of the Unidrive M advanced motion controller (menu 34).
+//!
+//! Law      each sample: direct write of 34.007, trigger, event, following-error stop, the later the stronger; what changes by
+//!          that is written back; then the reference in force gives its order
+//! Reads    its parameters, the axis, latches, the master
+//! Writes   orders; 34.002, 34.007, 38.006
+//! Refuses  references that do not exist, targets beyond the integrators or the limits: the reference stays what it was
+//! Source   spec/amc.md
+//!
+//! An absolute target follows its reference, but only a change of the reference (or of the rotary mode, where that may move
+//! it) makes a new profile: between changes PIP stands, and planning anew would lead to the same motion.
+//!
+//! What takes the axis from the selector (a goal, halt, quick_stop, an error, another vocabulary) sets 34.007 to 0 without
+//! its stop: the axis is not the selector's any more. `disable` leaves 34.007 as it is, and it is in force again, as a change
+//! to its value, when the axis is on (M08).
+
+mod check;
+mod orders;
+mod parameters;
+mod rotary;
+mod signals;
+
+pub use check::{Problem, Setting, check};
+pub use parameters::{Parameters, Wiring};
+pub use signals::AmcSignal;
+
+use super::{Latched, Order, View};
+use crate::code::Code;
+use crate::event::Number;
+use crate::object::{Leader, Object};
+use crate::position::Position;
+use parameters::{CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, POSITION_ABSOLUTE, POSITION_PROFILE, POSITION_RELATIVE};
+use parameters::{SPEED, STOP};
+use rotary::{Circle, Exact, Mode};
+use serde::{Deserialize, Serialize};
+
+/// What the vocabulary remembers of its axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Amc {
+    /// The reference in force; 0 while the axis is off.
+    select: i64,
+    /// 34.009 of the last sample.
+    trigger: i64,
+    /// 34.003 of the last sample.
+    reference: i64,
+    /// 34.005 of the last sample.
+    rotary_mode: i64,
+    /// 34.006 of the last sample (inc/s).
+    speed: f64,
+    /// Profile input position, with its turns (38.006).
+    input: Exact,
+    /// Where a stop ends or ended (34.002).
+    stop: Position,
+    /// A software limit overrides the speed reference.
+    limited: bool,
+}
+
+/// What a step asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Step {
+    /// 34.007 as it is now.
+    pub select: i64,
+    /// What the axis has to do.
+    pub order: Option<Order>,
+    /// What could not be asked of the axis at all.
+    pub problem: Option<Problem>,
+}
+
+impl Step {
+    fn idle(select: i64) -> Self {
+        Self { select, order: None, problem: None }
+    }
+}
+
+impl Amc {
+    /// Is anything asked of a selector that has not been used yet? Until then its step would change nothing that a later
+    /// one does not find out by itself.
+    pub(crate) fn wakes(&self, p: &Parameters) -> bool {
+        p.reference_select != STOP || p.reference_select_trigger != self.trigger || p.action_on_event != 0
+    }
+
+    /// One step at t_k, after the commands of the cycle.
+    pub(crate) fn step(&mut self, view: &View<'_>) -> Step {
+        let p = &view.parameters.amc;
+        let before = *self;
+        self.trigger = p.reference_select_trigger;
+        self.reference = p.position_reference;
+        self.rotary_mode = p.rotary_mode;
+        self.speed = p.speed_reference;
+        // AMC-TRG-02: the trigger is stronger than a direct write.
+        let written = if self.trigger == before.trigger { p.reference_select } else { self.trigger };
+        let is_taken = view.free && before.select != STOP && !view.owns;
+        if view.locked || is_taken {
+            self.select = STOP;
+            return Step::idle(STOP);
+        }
+        if !view.free {
+            self.select = STOP;
+            return Step::idle(written);
+        }
+        self.follow_input(view);
+        let mut step = Step::idle(written);
+        let past = self.take_event(view, &mut step);
+        if step.select != STOP && self.stops_by_error(view) {
+            step.select = STOP;
+        }
+        self.select = step.select;
+        match self.refer(view, &before, past) {
+            Ok(order) => step.order = order,
+            Err(problem) => {
+                step.select = self.take_back(&before);
+                step.problem = Some(problem);
+            }
+        }
+        if self.select != STOP {
+            self.stop = orders::stop_reference(view);
+        }
+        step
+    }
+
+    /// The axis could not do what the step asked, or the step itself could not: what was in force stays so, and the change
+    /// is past. Gives 34.007 as it is then.
+    pub(crate) fn take_back(&mut self, before: &Self) -> i64 {
+        (self.select, self.input, self.stop, self.limited) = (before.select, before.input, before.stop, before.limited);
+        self.select
+    }
+
+    /// M09: where the selector does not give the target itself, PIP is what the profile or the gear puts out.
+    pub(crate) fn follow_input(&mut self, view: &View<'_>) {
+        let circle = Circle::new(view.modulo);
+        match self.select {
+            GEAR => self.input = circle.exact(view.target),
+            SPEED => self.input = circle.exact(view.command.position),
+            _ if !view.owns => self.input = circle.exact(view.command.position),
+            _ => {}
+        }
+    }
+
+    /// Takes a freeze event of this cycle; gives the way of the master since then, where it counts.
+    fn take_event(&self, view: &View<'_>, step: &mut Step) -> Position {
+        let freeze = view.selector.freeze;
+        let is_event = |latch: &&Latched| latch.rising && Some(latch.object) == freeze;
+        // Of several the first one is the event.
+        let first = view.latches.iter().filter(is_event).max_by_key(|latch| latch.age_ns);
+        let Some(latch) = first.filter(|_| !view.at_limit) else { return Position::ZERO };
+        let action = view.parameters.amc.action_on_event;
+        match action {
+            CAM_ON_FREEZE => {
+                let asked = Number::Count(action);
+                let (key, code, limit) = ("amc.action_on_event", Code::NOT_BUILT, Number::None);
+                step.problem = Some(Problem { key, code, asked, limit });
+            }
+            GEAR_ON_FREEZE if self.select != GEAR => {
+                step.select = GEAR;
+                return past(view, latch);
+            }
+            _ => {}
+        }
+        Position::ZERO
+    }
+
+    /// AMC-STP-06: modes 2 and 3.
+    fn stops_by_error(&self, view: &View<'_>) -> bool {
+        let p = &view.parameters.amc;
+        let window = p.following_error_window.unwrap_or(view.parameters.max_following_error);
+        p.stop_mode >= 2 && view.following_error.unsigned_abs() > window.unsigned_abs()
+    }
+
+    /// The order of the reference in force, where it changes anything.
+    fn refer(&mut self, view: &View<'_>, before: &Self, past: Position) -> Result<Option<Order>, Problem> {
+        let enters = self.select != before.select;
+        let changed = enters || self.reference != before.reference;
+        if self.select != SPEED || enters {
+            self.limited = false;
+        }
+        let circle = Circle::new(view.modulo);
+        match self.select {
+            STOP if enters => Ok(Some(self.begin_stop(view))),
+            POSITION_ABSOLUTE => {
+                let mode = Mode::new(self.rotary_mode, view.modulo, view.cycle_ns);
+                let tracks = mode.is_within_turn() && self.rotary_mode != before.rotary_mode;
+                if !changed && !tracks {
+                    return Ok(None);
+                }
+                let wanted = circle.exact(Position::whole(self.reference)).minus(circle.shown(self.input));
+                self.add(view, wanted, enters)
+            }
+            POSITION_RELATIVE if changed => self.add(view, circle.exact(Position::whole(self.reference)), enters),
+            POSITION_PROFILE if enters => Ok(self.go(view)),
+            SPEED => Ok(self.run(view, enters || self.speed != before.speed)),
+            GEAR if enters => Ok(Some(Order::Gear { past })),
+            _ => Ok(None),
+        }
+    }
+
+    /// Writes its signals: one word for each of [`AmcSignal`].
+    pub(crate) fn publish(&self, view: &View<'_>, words: &mut [u64]) {
+        let circle = Circle::new(view.modulo);
+        let within = |exact: Exact| circle.position(circle.shown(exact));
+        let shown = within(self.input);
+        let turns = circle.turns(self.input);
+        let values = [
+            (AmcSignal::Active, i64::from(view.owns)),
+            (AmcSignal::Select, self.select),
+            (AmcSignal::StopReference, within(circle.exact(self.stop)).floor()),
+            (AmcSignal::ProfileInputPosition, shown.floor()),
+            (AmcSignal::ProfileInputTurns, turns),
+        ];
+        for (signal, value) in values {
+            if let Some(word) = words.get_mut(signal as usize) {
+                *word = value.cast_unsigned();
+            }
+        }
+    }
+
+    /// Could its state have come about? One that was read from outside may hold anything.
+    pub(crate) fn is_sound(&self) -> bool {
+        (0..=POSITION_PROFILE).contains(&self.select) && self.input.is_sound() && self.speed.is_finite()
+    }
+}
+
+/// The way of the master from the freeze point to this sample (AMC-EVT-05, M11): what the device captured, else on the
+/// straight line through the sample (AMC-EVT-07).
+fn past(view: &View<'_>, latch: &Latched) -> Position {
+    let Some(master) = view.selector.master else { return Position::ZERO };
+    let lead = view.leads.get(master);
+    let is_its_own = match (master, latch.object) {
+        (Leader::Encoder(encoder), Object::Encoder(object)) => encoder == object,
+        (Leader::AxisActual(axis), Object::Axis(object)) => axis == object,
+        _ => false,
+    };
+    match latch.captured.filter(|_| is_its_own) {
+        Some(captured) => lead.position - captured,
+        None => {
+            let age = i128::from(latch.age_ns).min(i128::from(view.cycle_ns));
+            let change = lead.change.raw().clamp(-(1 << 94), 1 << 94);
+            Position::from_raw((change * age).div_euclid(i128::from(view.cycle_ns.max(1))))
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The vocabularies of the source systems: state machines that turn their own commands and registers into orders to the
+//! axis (contract section 9).
+//!
+//! Law      each cycle: commands of the cycle, then one step; what they ask becomes an [`Order`], which the axis does with
+//!          the same profiles, limits and stops as a goal of its own
+//! Reads    a [`View`] of the axis
+//! Writes   orders, its own signals; never the axis itself
+//! Refuses  what the source refuses, by a code and the numbers of its sentence; its state is unchanged then
+
+pub mod amc;
+pub mod saia;
+pub mod wf;
+
+use crate::axis::{Modulo, Reference};
+use crate::code::Code;
+use crate::drive::Interface;
+use crate::encoder::Lead;
+use crate::event::{Number, Refusal};
+use crate::object::Object;
+use crate::parameter::AxisParameters;
+use crate::position::Position;
+use crate::profile::{Limits, Motion};
+use crate::sync::Leads;
+use serde::{Deserialize, Serialize};
+
+/// Who commands an axis. Goals, halt, quick_stop and errors take it from a vocabulary; an order takes it back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Owner {
+    /// Goals of the contract.
+    #[default]
+    Native,
+    /// Reference selector.
+    Amc,
+    /// Command flags.
+    Saia,
+    /// Blocks and modes.
+    Wf,
+}
+
+/// A latch of this cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Latched {
+    /// What latched.
+    pub object: Object,
+    /// On the rising edge.
+    pub rising: bool,
+    /// Before t_k (ns).
+    pub age_ns: u32,
+    /// What the device captured of its own position; none where it captured only the instant.
+    pub captured: Option<Position>,
+    /// Where an axis or encoder stood then; 0 for others.
+    pub position: Position,
+}
+
+/// What a vocabulary sees of its axis at t_k: the generator has advanced, the following error is that of the last cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// The axis.
+    pub object: Object,
+    /// k
+    pub cycle: u64,
+    /// T (ns)
+    pub cycle_ns: u64,
+    /// It gave the last order, and nothing has taken the axis over since.
+    pub owns: bool,
+    /// The axis can be moved: on, without error and lock.
+    pub free: bool,
+    /// The drive is on.
+    pub on: bool,
+    /// An error or a quick stop holds the axis until reset_errors.
+    pub locked: bool,
+    /// An error stopped the axis.
+    pub in_error: bool,
+    /// The command of this cycle.
+    pub command: Motion,
+    /// The same as a profile goes on from it: what is left of a coupling's acceleration is none of its own.
+    pub present: Motion,
+    /// Nothing moves the command.
+    pub rests: bool,
+    /// A profile moves the command, and it ends at rest.
+    pub has_end: bool,
+    /// Where the motion under way ends; where the gear wants a coupled axis; else the command position.
+    pub target: Position,
+    /// Actual position, its change in this cycle, actual velocity.
+    pub actual: Lead,
+    /// (inc)
+    pub following_error: i64,
+    /// At rest at the target, within in_position_window.
+    pub in_position: bool,
+    /// The command stands at a software limit or beyond, or the axis stands on a limit switch.
+    pub at_limit: bool,
+    /// Length of a turn.
+    pub modulo: Option<Modulo>,
+    /// Increments per axis unit.
+    pub unit: f64,
+    /// How the drive is commanded; none for a virtual axis.
+    pub interface: Option<Interface>,
+    /// What the reference selector is wired to.
+    pub selector: amc::Wiring,
+    /// Parameters in force, those of the vocabularies among them.
+    pub parameters: &'a AxisParameters,
+    /// The leaders, as far as this cycle has come.
+    pub leads: &'a Leads,
+    /// The latches of this cycle.
+    pub latches: &'a [Latched],
+}
+
+impl View<'_> {
+    /// Limits of a goal that gives none, with the profile of the axis (MACS-PROF-06).
+    pub fn usual_limits(&self) -> Limits {
+        self.parameters.usual_limits()
+    }
+
+    /// Limits at the maxima of the axis, with its profile.
+    pub fn largest_limits(&self) -> Limits {
+        self.parameters.largest_limits()
+    }
+}
+
+/// What a vocabulary asks of its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// To a position, from the present motion.
+    Position {
+        /// (inc), before rounding to whole increments.
+        target: Position,
+        /// Of the motion.
+        limits: Limits,
+        /// What `reference` shows.
+        reference: Reference,
+    },
+    /// At a velocity, without end.
+    Velocity {
+        /// (inc/s), signed; 0 stops.
+        velocity: f64,
+        /// Of the motion.
+        limits: Limits,
+    },
+    /// To rest, wherever that is.
+    Stop {
+        /// Of the stop.
+        limits: Limits,
+    },
+    /// The actual position becomes the command, at rest and at once: no ramp.
+    StandOnActual,
+    /// Follows the leader of the reference selector through the gear of the axis.
+    Gear {
+        /// Way of the leader that is past already and counts (inc): from the freeze point to t_k.
+        past: Position,
+    },
+    /// Open loop: the drive runs at this speed (inc/s), signed; 0 switches its output off, and it coasts.
+    Speed {
+        /// (inc/s)
+        velocity: f64,
+    },
+    /// The drive on.
+    SwitchOn,
+    /// The drive off, at once: it coasts.
+    SwitchOff,
+    /// An alarm of the vocabulary: the axis does what its `error_reaction` says, and nobody owns it then.
+    Fail {
+        /// Which.
+        code: Code,
+        /// What was found.
+        found: Number,
+        /// What is allowed.
+        allowed: Number,
+    },
+    /// The alarm is acknowledged: the axis, at rest, leaves the error that [`Order::Fail`] made, and no other one.
+    Reset,
+    /// An error of the axis, with its drive off at once.
+    FailOff {
+        /// Why, with its numbers.
+        refusal: Refusal,
+    },
+}

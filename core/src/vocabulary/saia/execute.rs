@@ -1,0 +1,173 @@
+//! Verbs: the order of their commands, three tries, and what the whole asks of the axis.
+
+use super::parameters::{MOTOR_OFF, REFUSE};
+use super::{Command, Errors, Fault, MOST, Outcome, Phase, Request, Saia};
+use crate::code::Code;
+use crate::event::Refusal;
+use crate::vocabulary::{Order, View};
+
+/// How often a command is tried (SAIA-ERR-03).
+const TRIES: u32 = 3;
+
+/// What the commands of a verb did to the motion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Deed {
+    /// The regulator went off.
+    pub off: bool,
+    /// The setpoint became the actual position.
+    pub stand: bool,
+    /// A stop ramp began.
+    pub ramp: bool,
+    /// A start was given.
+    pub start: bool,
+}
+
+impl Saia {
+    /// Does a verb whose registers stand in the view's parameters. Where it or its order is refused, the caller keeps the
+    /// state from before; where only commands are to fail, it asks again with the starts `barred` by why the axis cannot.
+    ///
+    /// # Errors
+    /// The first command error, where the parameter says that it refuses the verb.
+    pub(crate) fn run(
+        &mut self,
+        request: &Request,
+        view: &View<'_>,
+        barred: Option<Refusal>,
+    ) -> Result<Outcome, Refusal> {
+        if self.phase == Phase::Power && view.on && request.commands.wakes() {
+            self.power_up(view);
+        }
+        self.wrap(view);
+        let policy = view.parameters.saia.command_error;
+        let mut outcome = Outcome { order: None, errors: [None; MOST] };
+        let mut places = outcome.errors.iter_mut();
+        let (mut deed, mut first) = (Deed::default(), None);
+        for command in request.commands.iter() {
+            match self.attempt(command, view, barred, &mut deed) {
+                Ok(()) => {}
+                Err(refusal) if policy == REFUSE => return Err(refusal),
+                Err(refusal) => {
+                    first = first.or(Some(refusal));
+                    if let Some(place) = places.next() {
+                        *place = Some(refusal);
+                    }
+                }
+            }
+        }
+        outcome.order = match first {
+            Some(refusal) if policy == MOTOR_OFF => {
+                self.turn_off(view, &mut deed);
+                Some(Order::FailOff { refusal })
+            }
+            _ => self.order(view, deed),
+        };
+        Ok(outcome)
+    }
+
+    /// Up to three tries; what has no way to succeed fails in all of them.
+    fn attempt(
+        &mut self,
+        command: Command,
+        view: &View<'_>,
+        barred: Option<Refusal>,
+        deed: &mut Deed,
+    ) -> Result<(), Refusal> {
+        let mut failure = None;
+        for _ in 0..TRIES {
+            let result = match barred.filter(|_| command.starts()) {
+                Some(refusal) => Err(refusal),
+                None => self.execute(command, view, deed).map_err(|fault| fault.refusal(view)),
+            };
+            match result {
+                Ok(()) => return Ok(()),
+                Err(refusal) => {
+                    self.errors.tries = self.errors.tries.saturating_add(1);
+                    failure = Some(refusal);
+                }
+            }
+        }
+        failure.map_or(Ok(()), |refusal| {
+            self.note_error(refusal.code);
+            Err(refusal)
+        })
+    }
+
+    pub(super) fn note_error(&mut self, code: Code) {
+        self.errors = Errors { code: code.0, count: self.errors.count.saturating_add(1), ..self.errors };
+    }
+
+    /// One command; where it fails, nothing is changed.
+    fn execute(&mut self, command: Command, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
+        if self.phase == Phase::Power && command != Command::Initialise {
+            return Err(Fault::new(Code::SAIA_NOT_INITIALISED));
+        }
+        let p = &view.parameters.saia;
+        match command {
+            Command::Initialise => self.initialise(view, deed),
+            Command::SelectMode => {
+                self.select_mode(p);
+                Ok(())
+            }
+            Command::SetPositionError => self.set_position_error(p),
+            Command::LoadDestination => self.load_destination(p, false),
+            Command::LoadDestinationRelative => self.load_destination(p, true),
+            Command::LoadVelocity => self.load_velocity(p, false),
+            Command::LoadVelocityRelative => self.load_velocity(p, true),
+            Command::LoadAcceleration => self.load_acceleration(view, false, deed),
+            Command::LoadAccelerationRelative => self.load_acceleration(view, true, deed),
+            Command::LoadRegulator => self.load_regulator(p),
+            Command::UpdateRegulator => {
+                self.gains = self.loaded_gains;
+                Ok(())
+            }
+            Command::SetIndex => {
+                self.armed = Some(view.cycle);
+                Ok(())
+            }
+            Command::SetZero => {
+                self.zero = self.place(self.position(view));
+                Ok(())
+            }
+            Command::LoadBreak => self.load_break(view, false),
+            Command::LoadBreakRelative => self.load_break(view, true),
+            Command::ResetFlags => {
+                self.reset_flags(p);
+                Ok(())
+            }
+            Command::MotorOff => {
+                self.turn_off(view, deed);
+                Ok(())
+            }
+            Command::Stop => self.stop(view, deed),
+            Command::Start => self.start(view, self.buffer, None, deed),
+            Command::StepForward => self.single_step(view, 1, deed),
+            Command::StepBackward => self.single_step(view, -1, deed),
+            Command::Forward => self.jog(view, super::HIGHEST, deed),
+            Command::Backward => self.jog(view, super::LOWEST, deed),
+            Command::ReadSignals => {
+                self.outputs.signals = self.signal_register();
+                Ok(())
+            }
+            Command::ReadActualPosition
+            | Command::ReadSetPosition
+            | Command::ReadActualVelocity
+            | Command::ReadSetVelocity
+            | Command::ReadIntegral
+            | Command::ReadIndex => self.read(command, view),
+        }
+    }
+
+    /// What the commands together ask of the axis now; a start that cannot be at once waits for its step.
+    fn order(&mut self, view: &View<'_>, deed: Deed) -> Option<Order> {
+        if deed.off {
+            return Some(Self::off_order(view));
+        }
+        if deed.stand {
+            return Some(Order::StandOnActual);
+        }
+        if deed.start {
+            return self.begin(view);
+        }
+        deed.ramp.then(|| Order::Stop { limits: self.stop_limits(view) })
+    }
+}

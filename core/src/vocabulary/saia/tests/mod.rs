@@ -1,0 +1,11 @@
+//! The module as its program sees it.
+
+mod anything;
+mod errors;
+mod flags;
+mod loads;
+mod regulator;
+mod rig;
+mod scaling;
+mod states;
+mod takeover;

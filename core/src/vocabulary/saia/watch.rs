@@ -1,0 +1,136 @@
+//! What happens by itself: each cycle after the commands.
+
+use super::execute::Deed;
+use super::pid::Options;
+use super::scale::{self, HIGHEST, LOWEST};
+use super::{Phase, Saia, Starting};
+use crate::event::Refusal;
+use crate::vocabulary::{Order, View};
+
+/// Length of the position range (counts): beyond its end it wraps by that.
+const RANGE: i64 = 1 << 31;
+
+impl Saia {
+    /// One step at t_k, after the commands of the cycle.
+    pub(crate) fn step(&mut self, view: &View<'_>) -> Option<Order> {
+        if self.phase == Phase::Power {
+            return None;
+        }
+        self.wrap(view);
+        self.watch_index(view);
+        self.watch_break(view);
+        self.keep_pace(view);
+        if self.supervise_error(view) {
+            let mut deed = Deed::default();
+            let latch = self.stop_latch;
+            self.turn_off(view, &mut deed);
+            self.stop_latch = latch;
+            return Some(Self::off_order(view));
+        }
+        self.regulate(view);
+        self.begin(view)
+    }
+
+    /// The axis could not do what [`step`](Self::step) asked: a start, once the drive was on.
+    pub(crate) fn order_failed(&mut self, refusal: Refusal) {
+        self.starting = Starting::default();
+        if self.phase.moves() {
+            self.phase = Phase::Hold;
+            self.profile_done = true;
+            self.flags.on_dest = true;
+        }
+        self.note_error(refusal.code);
+    }
+
+    /// The position register ends at 2^30: beyond it goes on from the other end (SAIA-PRF-07).
+    pub(super) fn wrap(&mut self, view: &View<'_>) {
+        let position = self.position(view);
+        if self.phase == Phase::Power || (LOWEST..=HIGHEST).contains(&position) {
+            return;
+        }
+        let turns = position.saturating_sub(LOWEST).div_euclid(RANGE);
+        self.zero = self.zero.saturating_add(turns.saturating_mul(RANGE));
+        self.flags.wrapped |= self.working.by_velocity;
+        let position = self.position(view);
+        if let Some(breaks) = &mut self.breaks {
+            breaks.side = position.saturating_sub(breaks.position).signum();
+        }
+    }
+
+    /// The first index after the command, once (SAIA-DET-12).
+    fn watch_index(&mut self, view: &View<'_>) {
+        if self.armed.is_none_or(|since| since == view.cycle) {
+            return;
+        }
+        let mine = view.latches.iter().filter(|latch| latch.object == view.object && latch.rising);
+        if let Some(first) = mine.max_by_key(|latch| latch.age_ns) {
+            let index = first.position.floor().saturating_sub(self.zero);
+            self.index = index.clamp(LOWEST, HIGHEST);
+            self.flags.index = true;
+            self.armed = None;
+        }
+    }
+
+    /// Once, when the actual position reaches the break position or has changed sides (A21).
+    fn watch_break(&mut self, view: &View<'_>) {
+        let position = self.position(view);
+        let passed = self.breaks.is_some_and(|breaks| {
+            let side = position.saturating_sub(breaks.position).signum();
+            side == 0 || side != breaks.side
+        });
+        if passed {
+            self.breaks = None;
+            self.flags.passed = true;
+        }
+    }
+
+    /// Follows what became of the drive, of the profile and of who commands the axis.
+    fn keep_pace(&mut self, view: &View<'_>) {
+        let before = self.phase;
+        if !view.owns || view.in_error {
+            // Something else has the axis: no start that waits, no fight.
+            self.starting = Starting::default();
+            self.phase = if view.on { Phase::Hold } else { Phase::Off };
+        } else if self.starting.waits || (self.starting.switched && !view.on) {
+            return;
+        } else {
+            self.starting = Starting::default();
+            let is_virtual = view.interface.is_none();
+            if !view.on {
+                self.phase = Phase::Off;
+            } else if (self.phase == Phase::Off && !is_virtual) || (self.phase.moves() && view.rests) {
+                // Somebody else switched it on; or the profile is done.
+                self.phase = Phase::Hold;
+            }
+        }
+        if before.moves() && !self.phase.moves() {
+            self.profile_done = true;
+        }
+        let ended = before.moves() || (before == Phase::Hold && self.phase == Phase::Off);
+        if ended && !self.phase.moves() {
+            self.flags.on_dest = true;
+        }
+    }
+
+    /// Sets the flag of the position error; true where that switches the regulator off (SAIA-STA-07).
+    fn supervise_error(&mut self, view: &View<'_>) -> bool {
+        let regulates = !self.is_off() && view.owns && view.on && !self.starting.waits;
+        let exceeds = regulates && view.following_error.unsigned_abs() > self.error_limit.unsigned_abs();
+        self.flags.error |= exceeds;
+        exceeds && self.error_stops
+    }
+
+    /// The regulator, in chip samples, of which a cycle has some and a rest (SAIA-SW-01).
+    fn regulate(&mut self, view: &View<'_>) {
+        let samples = scale::samples(&mut self.sample_rest, view.cycle_ns);
+        if self.is_off() || !view.on || self.starting.waits {
+            self.pid.clear();
+            return;
+        }
+        let p = &view.parameters.saia;
+        let options = Options { clamp_sum: p.clamp_sum, chip_integral: p.chip_integral };
+        for _ in 0..samples {
+            self.pid.step(&self.gains, options, view.following_error);
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Blocks of a closed-loop axis, on the profiles of the axis.
+//!
+//! Law      blocks of one direction are one motion to the end of the last of them. Within each block the velocity stays within
+//!          its own speed: a slower block is slowed down for before its begin, a faster one is sped up for from there on
+//! Reads    the command of the axis
+//! Writes   positions to go to, with the speed that binds
+//! Source   WF-CLC-01, WF-CLC-02, WF-SET-03; the change on the fly of section 8 is told for open loops, this is its like here
+
+use super::request::{Mode, Speed};
+use super::{State, Wf, direction};
+use crate::axis::Reference;
+use crate::code::Code;
+use crate::profile::{self, Limits};
+use crate::vocabulary::{Order, View};
+
+impl Wf {
+    pub(super) fn begin_closed(&mut self, view: &View<'_>) -> Order {
+        self.state = State::Run;
+        self.direction = direction(view.command.position, self.end_of(self.active));
+        self.last = self.active;
+        while self.last + 1 < self.end && self.direction_of(self.last + 1) == self.direction {
+            self.last += 1;
+        }
+        self.set = self.end_of(self.last);
+        self.bound = self.active;
+        self.go_on(view)
+    }
+
+    /// To the end of all, with the speed of the block that binds.
+    fn go_on(&mut self, view: &View<'_>) -> Order {
+        self.speed = self.value_of(self.active, view);
+        Order::Position {
+            target: self.set,
+            limits: self.limits_of(self.bound, view),
+            reference: Reference::PositionAbsolute,
+        }
+    }
+
+    fn velocity_of(&self, block: u8, view: &View<'_>) -> f64 {
+        let speed = self.program.get(block).map_or(Speed::default(), |block| block.speed);
+        speed.velocity(view.parameters.max_velocity)
+    }
+
+    fn limits_of(&self, block: u8, view: &View<'_>) -> Limits {
+        view.parameters.wf.limits(self.velocity_of(block, view), view.largest_limits())
+    }
+
+    pub(super) fn step_closed(&mut self, view: &View<'_>) -> Option<Order> {
+        if let Some(order) = self.watch_following_error(view) {
+            return Some(order);
+        }
+        if !self.is_running() {
+            return self.settle(view);
+        }
+        if self.ending || self.mode == Mode::Jog {
+            if view.rests {
+                self.leave();
+            }
+            return None;
+        }
+        if view.parameters.wf.peh_from_start == 1 && self.is_late(view) {
+            let window = view.parameters.wf.peh_window.unwrap_or(view.parameters.in_position_window);
+            return self.miss(self.set.nearest().saturating_sub(view.actual.position.floor()), window);
+        }
+        let before = (self.active, self.bound);
+        while self.active < self.last && self.is_past(self.active, view) {
+            self.active += 1;
+        }
+        if view.rests {
+            return self.arrive(view);
+        }
+        self.bound = self.binding_block(view);
+        if before == (self.active, self.bound) {
+            return None;
+        }
+        Some(self.go_on(view))
+    }
+
+    /// The profile has ended.
+    fn arrive(&mut self, view: &View<'_>) -> Option<Order> {
+        if view.command.position.floor() != self.set.nearest() {
+            // Something else ended it.
+            self.leave();
+            return None;
+        }
+        self.active = self.last;
+        self.switch_off(view);
+        self.settle(view)
+    }
+
+    /// Has the command come to the end of a block?
+    fn is_past(&self, block: u8, view: &View<'_>) -> bool {
+        let (end, now) = (self.end_of(block), view.command.position);
+        if self.direction < 0 { now <= end } else { now >= end }
+    }
+
+    /// The block that runs, or a slower one behind it that the motion has to slow down for by now.
+    fn binding_block(&self, view: &View<'_>) -> u8 {
+        let mut bound = self.active;
+        // Once it slows down for a block it stays as slow until that begins.
+        if self.bound > bound && self.velocity_of(self.bound, view) < self.velocity_of(bound, view) {
+            bound = self.bound;
+        }
+        for block in self.active.saturating_add(1)..=self.last {
+            if self.velocity_of(block, view) < self.velocity_of(bound, view) && self.must_slow_for(block, view) {
+                bound = block;
+            }
+        }
+        bound
+    }
+
+    /// Would it, a cycle later, come to a block faster than that allows?
+    fn must_slow_for(&self, block: u8, view: &View<'_>) -> bool {
+        let now = view.command;
+        let sign = f64::from(self.direction);
+        let cycle_s = view.cycle_ns as f64 / 1e9;
+        // What the next cycle may bring.
+        let soon = sign * now.velocity + (sign * now.acceleration).max(0.0) * cycle_s;
+        let allowed = self.velocity_of(block, view);
+        if soon <= allowed {
+            return false;
+        }
+        let left = sign * (self.end_of(block.saturating_sub(1)) - now.position).to_f64() - 2.0 * soon * cycle_s;
+        let limits = self.limits_of(block, view);
+        // With limited jerk slowing down may take more than stopping, but never twice as much: twice the mean velocity.
+        if left > 2.0 * sign * profile::stopping_way(now, &limits) {
+            return false;
+        }
+        let slowed = profile::to_velocity(now, sign * allowed, &limits, view.cycle_ns);
+        sign * (slowed.end() - now.position).to_f64() >= left
+    }
+
+    /// Alarm 10 in travel, 11 at standstill (WF-MON-04, W13).
+    fn watch_following_error(&mut self, view: &View<'_>) -> Option<Order> {
+        let allowed = view.parameters.wf.max_following_error?;
+        let error = self.following_error(view);
+        if error.unsigned_abs() <= allowed.unsigned_abs() {
+            return None;
+        }
+        if view.rests {
+            self.raise(11, Code::WF_FOLLOWING_ERROR_AT_STANDSTILL, error, allowed)
+        } else {
+            self.raise(10, Code::WF_FOLLOWING_ERROR_IN_TRAVEL, error, allowed)
+        }
+    }
+}

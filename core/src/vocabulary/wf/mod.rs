@@ -1,0 +1,481 @@
+//! Blocks and modes of the Siemens WF 725 / 726 positioning modules.
+//!
+//! Law      START fixes the ends of all blocks, from the end before: P + NV + WK + preset (G90), or the end before + P (G91)
+//!          closed loop: trapezoid with MD1, MD2; blocks of one direction run on without a stop, through each end with the
+//!          lower of both speeds
+//!          open loop: the speed is a function of the way that is left; each block of one direction is adopted at a
+//!          deceleration point of the one before
+//!          position reached (PEH): inside the window within MD30 of the switch-off, and never outside again
+//! Reads    machine data `wf.*`, the command or actual position
+//! Writes   orders, its signals
+//! Refuses  START without blocks, request or in motion, speeds that are 0 or too high, ends beyond the software limits
+//! Source   spec/wf725.md
+//!
+//! The module works in cycles of 4 ms; here the same is judged in every cycle of the axis. What the source counts in module
+//! cycles (G) keeps its time.
+
+mod closed;
+mod enable;
+mod jog;
+mod open;
+mod parameters;
+mod program;
+mod request;
+mod signals;
+mod steps;
+
+pub use enable::enable;
+pub use parameters::{Parameters, Wiring};
+pub use request::{Block, Blocks, FIXED_SPEEDS, FULL_SPEED, Jog, MAX_BLOCKS, MODES, MOST_BCD, Mode, Request, Speed};
+pub use signals::WfSignal;
+
+use super::{Order, View};
+use crate::code::Code;
+use crate::drive::Interface;
+use crate::event::{Number, Refusal};
+use crate::object::Object;
+use crate::parameter::Row;
+use crate::position::Position;
+use serde::{Deserialize, Serialize};
+
+/// Three module cycles: after START the speed value may be read (WF-IF-08) (ns).
+const SPEED_VALID_NS: u64 = 12_000_000;
+/// Speed values of one volt (WF-DAC-02). Divided by, it gives the nearest f64 to each tenth.
+const VALUES_PER_VOLT: f64 = 10.0;
+
+/// State of a block (WF-OST-01 to 10); a closed loop has no steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum State {
+    /// Nothing runs.
+    #[default]
+    Idle = 0,
+    /// At the programmed speed, or on the profile.
+    Run = 1,
+    /// At MD42.
+    Step1 = 2,
+    /// At MD43.
+    Step2 = 3,
+    /// At MD44.
+    Step3 = 4,
+    /// Switched off; coasting into the window.
+    Settle = 5,
+    /// Position reached.
+    Done = 6,
+    /// Stopped by an alarm.
+    Alarm = 7,
+}
+
+/// Names of [`State`], by number.
+const STATES: &[&str] = &["IDLE", "RUN", "STEP1", "STEP2", "STEP3", "SETTLE", "DONE", "ALARM"];
+
+/// What an open-loop axis switches beside its drive. The axis passes it on to the outputs that the cell wires.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Switching {
+    /// F: forwards.
+    pub forward: bool,
+    /// B: backwards.
+    pub backward: bool,
+    /// Q: the axis output, on from START until the speed is switched off.
+    pub output: bool,
+    /// The speed as a voltage, signed by direction (V).
+    pub dac: f64,
+}
+
+/// What the vocabulary remembers of its axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Wf {
+    mode: Mode,
+    program: Blocks,
+    /// Where the blocks of this START end (inc), before rounding.
+    ends: [Position; MAX_BLOCKS],
+    /// Block that the next START begins with, the one that runs, and the one behind the last of this START.
+    next: u8,
+    active: u8,
+    end: u8,
+    /// Closed loop: last block that runs on in the direction of the active one, and the block whose speed binds.
+    last: u8,
+    bound: u8,
+    jog: Jog,
+    fixed_speed: u8,
+    /// The controller enable request was taken back.
+    withdrawn: bool,
+    /// The reset bit of this cycle, and that of the verb under way.
+    reset: bool,
+    resets: bool,
+    state: State,
+    /// Where the last block leads (inc), before rounding.
+    set: Position,
+    /// Of travel: 1, -1, or 0.
+    direction: i8,
+    /// Speed value that is put out; closed loop: that of the block.
+    speed: f64,
+    /// Closed loop: it stops, and then the state is IDLE.
+    ending: bool,
+    /// Open loop: the next block was considered; the distance to go is to its end (WF-BCF-04).
+    considered: bool,
+    started: u64,
+    switched_off: u64,
+    speed_valid: bool,
+    alarm: u8,
+    /// The axis has been seen in the error that the alarm made.
+    was_in_error: bool,
+    /// Zero of the programmed positions (actual value preset).
+    preset: Position,
+    synchronized: bool,
+    /// An order of a step was refused: what runs has to be stopped.
+    failed: bool,
+    /// As the last step left it.
+    switching: Switching,
+}
+
+impl Wf {
+    /// Does a verb; where it or its order is refused, the caller keeps the state from before.
+    pub(crate) fn run(&mut self, request: &Request, view: &View<'_>) -> Result<Option<Order>, Refusal> {
+        let refuse = |code| Err(Refusal::new(code, Object::Axis(request.axis)));
+        if request.reset {
+            return Ok(self.acknowledge(view));
+        }
+        let mut order = None;
+        if let Some(enable) = request.enable {
+            self.withdrawn = !enable;
+            if self.withdrawn {
+                order = self.stop(view);
+            }
+        }
+        let changes = request.mode.is_some_and(|mode| mode != self.mode)
+            || request.blocks.is_some()
+            || request.block.is_some()
+            || request.value.is_some();
+        if changes && self.is_in_motion(view) {
+            return refuse(Code::WF_IN_MOTION);
+        }
+        if let Some(mode) = request.mode.filter(|mode| *mode != self.mode) {
+            self.change_mode(mode);
+        }
+        if let Some(blocks) = &request.blocks {
+            self.load(blocks, view).map_err(|refusal| refusal.of(request.axis))?;
+        }
+        if let Some(block) = request.block {
+            if block == 0 || block > self.program.count() {
+                let numbers = (Number::Count(block.into()), Number::Count(self.program.count().into()));
+                return refuse(Code::WF_NO_SUCH_BLOCK).map_err(|refusal: Refusal| refusal.with(numbers.0, numbers.1));
+            }
+            self.next = block - 1;
+        }
+        if let Some(value) = request.value {
+            if self.mode != Mode::ActualValue {
+                return refuse(Code::WF_NOT_IN_THIS_MODE);
+            }
+            self.preset = self.place(view) - value.exact() - offsets(view);
+            self.synchronized = true;
+        }
+        if request.jog.is_some() || request.fixed_speed.is_some() {
+            self.jog = request.jog.unwrap_or(self.jog);
+            self.fixed_speed = request.fixed_speed.unwrap_or(self.fixed_speed).clamp(1, FIXED_SPEEDS);
+            if self.mode == Mode::Jog {
+                order = self.jog(view).map_err(|refusal| refusal.of(request.axis))?.or(order);
+            }
+        }
+        if request.start {
+            order = Some(self.start(view).map_err(|refusal| refusal.of(request.axis))?);
+        }
+        Ok(order)
+    }
+
+    /// One step at t_k, after the commands of the cycle.
+    pub(crate) fn step(&mut self, view: &View<'_>) -> Option<Order> {
+        let order = self.step_block(view);
+        self.switching = if is_open(view) { self.switch(view) } else { Switching::default() };
+        order
+    }
+
+    fn step_block(&mut self, view: &View<'_>) -> Option<Order> {
+        self.reset = std::mem::take(&mut self.resets);
+        if std::mem::take(&mut self.failed) && view.owns {
+            return Some(self.standstill(view));
+        }
+        match self.state {
+            State::Idle => return None,
+            State::Alarm => {
+                // reset_errors acknowledges the alarm with the error that it made.
+                if self.was_in_error && !view.in_error {
+                    self.clear_alarm();
+                }
+                self.was_in_error = view.in_error;
+                return None;
+            }
+            _ => {}
+        }
+        if !view.owns || !view.free {
+            self.leave();
+            return None;
+        }
+        self.speed_valid |= self.is_running() && is_open(view) && elapsed(view, self.started) >= SPEED_VALID_NS;
+        if is_open(view) { self.step_open(view) } else { self.step_closed(view) }
+    }
+
+    /// Switched off, F and B show where the target lies (WF-OLC-10).
+    fn switch(&self, view: &View<'_>) -> Switching {
+        let output = self.is_running();
+        let towards = if output { self.direction.into() } else { self.following_error(view) };
+        let dac = if output { f64::from(self.direction) * self.speed / VALUES_PER_VOLT } else { 0.0 };
+        Switching { forward: towards > 0, backward: towards < 0, output, dac }
+    }
+
+    /// The axis could not do what [`step`](Self::step) asked.
+    pub(crate) fn order_failed(&mut self, _refusal: Refusal) {
+        self.leave();
+        self.failed = true;
+    }
+
+    /// What the outputs show in this cycle.
+    pub(crate) fn switching(&self) -> Switching {
+        self.switching
+    }
+
+    /// Writes its signals: one word for each of [`WfSignal`].
+    pub(crate) fn publish(&self, view: &View<'_>, words: &mut [u64]) {
+        use WfSignal as S;
+        let mut set = |signal: WfSignal, word: u64| {
+            if let Some(place) = words.get_mut(signal as usize) {
+                *place = word;
+            }
+        };
+        let switching = self.switching();
+        let enabled = enable(!self.withdrawn, view.on, self.reset, self.alarm);
+        let has_block = !matches!(self.state, State::Idle) && self.mode != Mode::Jog;
+        set(S::Active, view.owns.into());
+        set(S::Mode, self.mode as u64);
+        set(S::State, self.state.word());
+        set(S::Block, if has_block { u64::from(self.active) + 1 } else { 0 });
+        set(S::Speed, self.speed.to_bits());
+        set(S::Dac, switching.dac.to_bits());
+        set(S::Q, switching.output.into());
+        set(S::F, switching.forward.into());
+        set(S::B, switching.backward.into());
+        set(S::G, self.speed_valid.into());
+        set(S::Enable, (enabled && (switching.output || !is_open(view))).into());
+        set(S::Ready, view.on.into());
+        set(S::Peh, (self.state == State::Done).into());
+        set(S::Synchronized, self.synchronized.into());
+        set(S::Alarm, self.alarm.into());
+        set(S::FollowingError, self.following_error(view).cast_unsigned());
+        set(S::DistanceToGo, self.distance_to_go(view).cast_unsigned());
+    }
+
+    /// Could its state have come about? One that was read from outside may hold anything.
+    pub(crate) fn is_sound(&self) -> bool {
+        let legal = self.ends.iter().chain([&self.set]).all(|position| position.is_legal());
+        // The preset is a difference of two legal positions and offsets.
+        let near = self.preset.raw().unsigned_abs() < 1 << 98;
+        let places = [self.next, self.active, self.end, self.last, self.bound];
+        let inside = places.into_iter().all(|place| usize::from(place) <= MAX_BLOCKS);
+        let speed = self.speed.is_finite() && (0.0..=FULL_SPEED * 2.0).contains(&self.speed);
+        let speed = speed && self.switching.dac.is_finite();
+        legal && near && inside && speed && self.program.is_sound() && self.direction.unsigned_abs() <= 1
+    }
+
+    /// A speed is put out, or a profile runs.
+    fn is_running(&self) -> bool {
+        matches!(self.state, State::Run | State::Step1 | State::Step2 | State::Step3)
+    }
+
+    fn is_in_motion(&self, view: &View<'_>) -> bool {
+        let more = self.state == State::Done && self.active + 1 < self.end;
+        self.is_running() || self.state == State::Settle || more || is_moved(view)
+    }
+
+    fn change_mode(&mut self, mode: Mode) {
+        self.mode = mode;
+        self.next = 0;
+        self.jog = Jog::None;
+        // In setup the set position follows the actual one (WF-SET-01).
+        if mode == Mode::Jog && self.state != State::Alarm {
+            self.leave();
+        }
+    }
+
+    /// The reset bit: ends what runs, acknowledges the alarm (WF-MON-06).
+    fn acknowledge(&mut self, view: &View<'_>) -> Option<Order> {
+        self.resets = true;
+        if self.alarm == 0 {
+            return self.stop(view);
+        }
+        self.clear_alarm();
+        Some(Order::Reset)
+    }
+
+    fn clear_alarm(&mut self) {
+        self.alarm = 0;
+        self.leave();
+    }
+
+    /// Ends what runs; a position that is reached stays so.
+    fn stop(&mut self, view: &View<'_>) -> Option<Order> {
+        self.end = self.end.min(self.active + 1);
+        if !self.is_running() && self.state != State::Settle {
+            return None;
+        }
+        Some(self.standstill(view))
+    }
+
+    /// Open loop: off at once. Closed loop: down the ramp.
+    fn standstill(&mut self, view: &View<'_>) -> Order {
+        if is_open(view) {
+            self.leave();
+            return Order::Speed { velocity: 0.0 };
+        }
+        let p = view.parameters;
+        self.state = State::Run;
+        self.ending = true;
+        Order::Stop { limits: p.wf.limits(p.max_velocity, view.largest_limits()) }
+    }
+
+    /// Nothing runs any more, whoever moves the axis now.
+    fn leave(&mut self) {
+        self.state = State::Idle;
+        self.ending = false;
+        self.considered = false;
+        self.speed_valid = false;
+        self.speed = 0.0;
+        self.end = self.active;
+    }
+
+    /// Stops the axis by the way of its errors.
+    fn raise(&mut self, alarm: u8, code: Code, found: i64, allowed: i64) -> Option<Order> {
+        self.leave();
+        self.state = State::Alarm;
+        self.alarm = alarm;
+        self.was_in_error = false;
+        Some(Order::Fail { code, found: Number::Position(found), allowed: Number::Position(allowed) })
+    }
+
+    /// SETTLE and DONE: position reached and held (WF-PEH-01 to 03).
+    fn settle(&mut self, view: &View<'_>) -> Option<Order> {
+        let parameters = view.parameters;
+        let window = parameters.wf.peh_window.unwrap_or(parameters.in_position_window);
+        let error = self.following_error(view);
+        let is_inside = error.unsigned_abs() <= window.unsigned_abs();
+        match self.state {
+            State::Settle if is_inside => self.state = State::Done,
+            State::Settle if self.is_late(view) => return self.miss(error, window),
+            State::Done if !is_inside => return self.miss(error, window),
+            State::Done if self.active + 1 < self.end => {
+                self.active += 1;
+                return Some(self.begin(view));
+            }
+            _ => {}
+        }
+        None
+    }
+
+    /// Alarm 22.
+    fn miss(&mut self, error: i64, window: i64) -> Option<Order> {
+        self.raise(22, Code::WF_POSITION_NOT_REACHED, error, window)
+    }
+
+    /// MD30 has elapsed.
+    fn is_late(&self, view: &View<'_>) -> bool {
+        let wf = &view.parameters.wf;
+        let since = if wf.peh_from_start == 1 { self.started } else { self.switched_off };
+        elapsed(view, since) >= wf.md30.unsigned_abs()
+    }
+
+    fn switch_off(&mut self, view: &View<'_>) {
+        self.state = State::Settle;
+        self.switched_off = view.cycle;
+        self.speed_valid = false;
+        self.speed = 0.0;
+    }
+
+    /// Set position minus actual position (inc); open loop: 0 while nothing has an end.
+    fn following_error(&self, view: &View<'_>) -> i64 {
+        let actual = view.actual.position.floor();
+        let has_end = match self.state {
+            State::Idle => false,
+            State::Run => self.mode != Mode::Jog,
+            _ => true,
+        };
+        match (is_open(view), has_end) {
+            (true, true) => self.set.nearest().saturating_sub(actual),
+            (false, _) if view.on => view.command.position.floor().saturating_sub(actual),
+            _ => 0,
+        }
+    }
+
+    fn distance_to_go(&self, view: &View<'_>) -> i64 {
+        if self.state == State::Idle || self.mode == Mode::Jog {
+            return 0;
+        }
+        let block = if self.considered { self.active.saturating_add(1) } else { self.active };
+        self.end_of(block).nearest().saturating_sub(view.actual.position.floor())
+    }
+
+    /// Where a block ends.
+    fn end_of(&self, block: u8) -> Position {
+        self.ends.get(usize::from(block)).copied().unwrap_or(self.set)
+    }
+
+    /// Sign of the way of a block whose end before is known.
+    fn direction_of(&self, block: u8) -> i8 {
+        direction(self.end_of(block.saturating_sub(1)), self.end_of(block))
+    }
+}
+
+/// Is the axis one with reduction steps?
+fn is_open(view: &View<'_>) -> bool {
+    view.interface == Some(Interface::OpenLoop)
+}
+
+/// Does anything move the axis? What coasts because the vocabulary switched it off may be started again.
+fn is_moved(view: &View<'_>) -> bool {
+    !(view.rests || is_open(view) && view.owns)
+}
+
+/// Since a cycle (ns).
+fn elapsed(view: &View<'_>, since: u64) -> u64 {
+    view.cycle.saturating_sub(since).saturating_mul(view.cycle_ns)
+}
+
+/// Sign of the way from one whole increment to another.
+fn direction(from: Position, to: Position) -> i8 {
+    to.nearest().cmp(&from.nearest()) as i8
+}
+
+/// NV + WK.
+fn offsets(view: &View<'_>) -> Position {
+    let wf = &view.parameters.wf;
+    Position::whole(wf.zero_offset) + Position::whole(wf.tool_length)
+}
+
+/// Why a verb is refused, before the axis is known.
+#[derive(Clone, Copy, Debug)]
+struct Objection {
+    code: Code,
+    parameter: Option<&'static str>,
+    asked: Number,
+    limit: Number,
+}
+
+impl Objection {
+    fn new(code: Code) -> Self {
+        Self { code, parameter: None, asked: Number::None, limit: Number::None }
+    }
+
+    /// The same about a parameter.
+    fn about(self, key: &'static str) -> Self {
+        Self { parameter: Some(key), ..self }
+    }
+
+    fn with(self, asked: Number, limit: Number) -> Self {
+        Self { asked, limit, ..self }
+    }
+
+    fn of(self, axis: u16) -> Refusal {
+        let parameter = self.parameter.and_then(Row::find).map(|(row, _)| row);
+        Refusal { parameter, ..Refusal::new(self.code, Object::Axis(axis)).with(self.asked, self.limit) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

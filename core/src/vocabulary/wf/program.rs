@@ -1,0 +1,160 @@
+//! Blocks: loading them, START, and where each of them ends.
+
+use super::request::{Blocks, FULL_SPEED, MOST_BCD, Mode, Speed};
+use super::{Objection, State, Wf, is_open, offsets};
+use crate::code::Code;
+use crate::command::Direction;
+use crate::event::Number;
+use crate::position::Position;
+use crate::vocabulary::{Order, View};
+
+/// Least velocity of a block (inc/s): with less, it would outlast its machine.
+const LEAST_VELOCITY: f64 = 1e-6;
+
+impl Wf {
+    /// Takes a program; the next START begins with its first block.
+    pub(super) fn load(&mut self, blocks: &Blocks, view: &View<'_>) -> Result<(), Objection> {
+        if blocks.count() == 0 {
+            return Err(Objection::new(Code::WF_NO_BLOCKS));
+        }
+        self.program = *blocks;
+        self.next = 0;
+        self.check_program(view)
+    }
+
+    /// What must hold for the blocks in this mode.
+    fn check_program(&self, view: &View<'_>) -> Result<(), Objection> {
+        let count = self.program.count();
+        if self.mode == Mode::Mdi && count > 1 {
+            return Err(Objection::new(Code::WF_ONE_BLOCK).with(Number::Count(count.into()), Number::Count(1)));
+        }
+        for block in self.program.as_slice() {
+            if !block.position.is_legal() {
+                let position = Number::Position(block.position.nearest());
+                return Err(Objection::new(Code::POSITION_OUT_OF_RANGE).with(position, Number::None));
+            }
+            check_speed(block.speed, view)?;
+        }
+        Ok(())
+    }
+
+    /// START: the ends of all blocks that it runs are fixed, then the first of them begins.
+    pub(super) fn start(&mut self, view: &View<'_>) -> Result<Order, Objection> {
+        if matches!(self.mode, Mode::Jog | Mode::ActualValue) {
+            return Err(Objection::new(Code::WF_NOT_IN_THIS_MODE));
+        }
+        self.check_enable()?;
+        if self.is_in_motion(view) {
+            return Err(Objection::new(Code::WF_IN_MOTION));
+        }
+        let count = self.program.count();
+        if count == 0 {
+            return Err(Objection::new(Code::WF_NO_BLOCKS));
+        }
+        self.check_program(view)?;
+        let mut from = self.place(view);
+        self.active = if self.next < count { self.next } else { 0 };
+        self.end = if self.mode == Mode::Continuous { count } else { self.active + 1 };
+        self.next = match self.mode {
+            Mode::Automatic if self.active + 1 < count => self.active + 1,
+            Mode::Automatic | Mode::Continuous => 0,
+            _ => self.active,
+        };
+        for place in self.active..self.end {
+            from = self.find_end(place, from, view)?;
+            if let Some(end) = self.ends.get_mut(usize::from(place)) {
+                *end = from;
+            }
+        }
+        Ok(self.begin(view))
+    }
+
+    /// Lets the active block begin from rest.
+    pub(super) fn begin(&mut self, view: &View<'_>) -> Order {
+        self.started = view.cycle;
+        self.speed_valid = false;
+        self.considered = false;
+        self.ending = false;
+        if is_open(view) { self.begin_open(view) } else { self.begin_closed(view) }
+    }
+
+    /// Conditions of START, JOG+ and JOG- that are the vocabulary's own (WF-IF-04).
+    pub(super) fn check_enable(&self) -> Result<(), Objection> {
+        if self.alarm != 0 {
+            let number = Number::Count(self.alarm.into());
+            return Err(Objection::new(Code::WF_ALARM_WAITS).with(number, Number::None));
+        }
+        if self.withdrawn {
+            return Err(Objection::new(Code::WF_NO_REQUEST));
+        }
+        Ok(())
+    }
+
+    /// Where a distance counts from (inc): the end before, as long as the axis stands for it; else where it is.
+    pub(super) fn place(&self, view: &View<'_>) -> Position {
+        if is_open(view) {
+            return if self.state == State::Done { self.set } else { view.actual.position };
+        }
+        let command = view.command.position;
+        if Position::whole(self.set.nearest()) == command { self.set } else { command }
+    }
+
+    fn find_end(&self, place: u8, from: Position, view: &View<'_>) -> Result<Position, Objection> {
+        let block = self.program.get(place).copied().unwrap_or_default();
+        // WK and NV act on absolute blocks only (WF-CRD-02, W16).
+        let end = if block.absolute { block.position + offsets(view) + self.preset } else { from + block.position };
+        let end = match view.modulo {
+            // WF-ROT-03: the JOG inputs choose the direction of approach. Beyond 2^62 there is no turn to be counted.
+            Some(modulo) if block.absolute && end.is_legal() => {
+                let direction = match self.jog.direction() {
+                    1 => Direction::Positive,
+                    -1 => Direction::Negative,
+                    _ => Direction::Shortest,
+                };
+                Position::whole(modulo.target(end, from, from, direction, 0.0))
+            }
+            _ => end,
+        };
+        let (whole, p) = (end.nearest(), view.parameters);
+        let refuse = |code, limit| Err(Objection::new(code).with(Number::Position(whole), limit));
+        if !end.is_legal() {
+            return refuse(Code::POSITION_OUT_OF_RANGE, Number::None);
+        }
+        if let Some(high) = p.max_position.filter(|high| whole > *high) {
+            return refuse(Code::ABOVE_MAX_POSITION, Number::Position(high));
+        }
+        if let Some(low) = p.min_position.filter(|low| whole < *low) {
+            return refuse(Code::BELOW_MIN_POSITION, Number::Position(low));
+        }
+        Ok(end)
+    }
+
+    /// Speed value of a block: whole in an open loop.
+    pub(super) fn value_of(&self, place: u8, view: &View<'_>) -> f64 {
+        let speed = self.program.get(place).map_or(Speed::default(), |block| block.speed);
+        let value = speed.value(view.parameters.max_velocity);
+        if is_open(view) { value.round().clamp(0.0, MOST_BCD) } else { value.clamp(0.0, FULL_SPEED) }
+    }
+}
+
+/// The speed value that a speed becomes.
+pub(super) fn check_speed(speed: Speed, view: &View<'_>) -> Result<f64, Objection> {
+    let max_velocity = view.parameters.max_velocity;
+    let (value, velocity) = (speed.value(max_velocity), speed.velocity(max_velocity));
+    // NaN fails each of the comparisons.
+    if let (Speed::Velocity(asked), false) = (speed, velocity <= max_velocity) {
+        let numbers = (Number::Velocity(asked), Number::Velocity(max_velocity));
+        return Err(Objection::new(Code::VELOCITY_TOO_HIGH).with(numbers.0, numbers.1));
+    }
+    let open = is_open(view);
+    let most = if open { MOST_BCD } else { FULL_SPEED };
+    let put_out = if open { value.round() } else { value };
+    if !(put_out > 0.0 && put_out <= most) {
+        return Err(Objection::new(Code::WF_BAD_SPEED).with(Number::Real(value), Number::Real(most)));
+    }
+    if velocity < LEAST_VELOCITY {
+        let numbers = (Number::Velocity(velocity), Number::Velocity(LEAST_VELOCITY));
+        return Err(Objection::new(Code::RATE_TOO_LOW).with(numbers.0, numbers.1));
+    }
+    Ok(put_out)
+}

@@ -1,0 +1,178 @@
+//! What a verb of the vocabulary asks for.
+
+use crate::command::Length;
+use crate::position::Position;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Most blocks of a program.
+pub const MAX_BLOCKS: usize = 16;
+/// Largest speed value of a closed-loop axis: `max_velocity`.
+pub const FULL_SPEED: f64 = 100.0;
+/// Largest speed value of an open-loop axis: two decimal digits (WF-DAC-02).
+pub const MOST_BCD: f64 = 99.0;
+/// How many setup speeds the fixed-speed bits choose from.
+pub const FIXED_SPEEDS: u8 = 3;
+
+/// Mode of operation (WF-MOD-01); reference travel waits for homing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mode {
+    /// Manual data input: START runs the one block that was given.
+    #[default]
+    Mdi = 0,
+    /// Single block: START runs the selected block, and the same one again.
+    Single = 1,
+    /// Automatic single block: START runs the next block of the program.
+    Automatic = 2,
+    /// Automatic continuous: START runs all blocks, with change on the fly.
+    Continuous = 3,
+    /// Setup: JOG+ and JOG- run the axis as long as they are set.
+    Jog = 4,
+    /// Actual value preset: the axis stands where the value says.
+    ActualValue = 5,
+}
+
+/// Names of [`Mode`], by number.
+pub const MODES: &[&str] = &["MDI", "SINGLE", "AUTOMATIC", "CONTINUOUS", "JOG", "ACTUAL_VALUE"];
+
+/// The inputs JOG+ and JOG-.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Jog {
+    /// Neither is set.
+    #[default]
+    None,
+    /// JOG+
+    Plus,
+    /// JOG-
+    Minus,
+    /// Both: as none of them.
+    Both,
+}
+
+impl Jog {
+    /// 1, -1, or 0 where the inputs name no direction.
+    pub fn direction(self) -> i8 {
+        match self {
+            Jog::Plus => 1,
+            Jog::Minus => -1,
+            Jog::None | Jog::Both => 0,
+        }
+    }
+}
+
+/// Programmed speed of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Speed {
+    /// In hundredths of `max_velocity`, each of them 0.1 V.
+    Value(f64),
+    /// (inc/s)
+    Velocity(f64),
+}
+
+impl Default for Speed {
+    fn default() -> Self {
+        Speed::Value(0.0)
+    }
+}
+
+impl Speed {
+    /// (inc/s)
+    pub fn velocity(self, max_velocity: f64) -> f64 {
+        match self {
+            Speed::Value(value) => value / FULL_SPEED * max_velocity,
+            Speed::Velocity(velocity) => velocity,
+        }
+    }
+
+    /// In hundredths of `max_velocity`.
+    pub fn value(self, max_velocity: f64) -> f64 {
+        match self {
+            Speed::Value(value) => value,
+            Speed::Velocity(velocity) => velocity / max_velocity * FULL_SPEED,
+        }
+    }
+}
+
+/// One positioning block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Block {
+    /// Position (G90) or distance (G91) (inc), before rounding to whole increments.
+    pub position: Position,
+    /// Programmed speed.
+    pub speed: Speed,
+    /// G90, not G91.
+    pub absolute: bool,
+}
+
+/// A program of up to [`MAX_BLOCKS`] blocks.
+#[derive(Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Blocks {
+    list: [Block; MAX_BLOCKS],
+    count: u8,
+}
+
+impl fmt::Debug for Blocks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.as_slice()).finish()
+    }
+}
+
+impl Blocks {
+    /// These blocks; none where they are more than fit.
+    pub fn new(blocks: &[Block]) -> Option<Self> {
+        let mut list = [Block::default(); MAX_BLOCKS];
+        list.get_mut(..blocks.len())?.copy_from_slice(blocks);
+        Some(Self { list, count: blocks.len() as u8 })
+    }
+
+    /// In their order.
+    pub fn as_slice(&self) -> &[Block] {
+        self.list.get(..usize::from(self.count)).unwrap_or(&self.list)
+    }
+
+    /// How many.
+    pub fn count(&self) -> u8 {
+        self.count
+    }
+
+    /// The block of that place, from 0.
+    pub fn get(&self, place: u8) -> Option<&Block> {
+        self.as_slice().get(usize::from(place))
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        let good = |block: &Block| {
+            let speed = match block.speed {
+                Speed::Value(value) => value,
+                Speed::Velocity(velocity) => velocity,
+            };
+            block.position.is_legal() && speed.is_finite() && speed >= 0.0
+        };
+        usize::from(self.count) <= MAX_BLOCKS && self.list.iter().all(good)
+    }
+}
+
+/// One verb for one axis; what is left out stays as it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Request {
+    /// The axis.
+    pub axis: u16,
+    /// Mode of operation.
+    pub mode: Option<Mode>,
+    /// Replaces the program.
+    pub blocks: Option<Blocks>,
+    /// Block that the next START begins with, from 1.
+    pub block: Option<u8>,
+    /// START
+    pub start: bool,
+    /// JOG+ and JOG-: runs in mode jog, direction of approach on a rotary axis in all others.
+    pub jog: Option<Jog>,
+    /// Fixed-speed bits: the setup speed of mode jog, 1 to [`FIXED_SPEEDS`].
+    pub fixed_speed: Option<u8>,
+    /// Controller enable request.
+    pub enable: Option<bool>,
+    /// Reset bit, for this cycle: ends what runs and acknowledges the alarm. Stands alone.
+    pub reset: bool,
+    /// Position that the axis stands at from now on, in mode actual_value.
+    pub value: Option<Length>,
+}

@@ -1,0 +1,57 @@
+//! Reduction steps of an open-loop axis: which speed the distance to the target allows.
+//!
+//! Law      v = min(present, speeds of all steps whose distance is reached); MD48: 0. Reached: <= MD45, < MD46, MD47, MD48
+//! Reads    the way that is left, signed: below 0 the target is passed, and the output is off
+//! Writes   the step that has to take over, if any
+//! Source   WF-OLC-06 to 08, WF-LIM-02, W06
+
+use super::State;
+use crate::parameter::AxisParameters;
+
+/// The steps of one axis: MD42 to 44 and MD45 to 48.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Steps {
+    /// Speed values of steps 1, 2, 3.
+    pub speeds: [i64; 3],
+    /// Where steps 1, 2, 3 and the switch-off begin, before the target (inc).
+    pub distances: [i64; 4],
+}
+
+/// The states that the distances lead to.
+const STATES: [State; 4] = [State::Step1, State::Step2, State::Step3, State::Settle];
+
+impl Steps {
+    pub(super) fn of(parameters: &AxisParameters) -> Self {
+        let wf = &parameters.wf;
+        Self { speeds: [wf.md42, wf.md43, wf.md44], distances: [wf.md45, wf.md46, wf.md47, wf.md48] }
+    }
+
+    /// Is the distance of that place reached with so much way left?
+    fn is_reached(&self, place: usize, left: i64) -> bool {
+        let distance = self.distances.get(place).copied().unwrap_or(0);
+        match place {
+            0 => left <= distance,
+            // Behind the target there is nothing to run for, whatever the distance is and however far a cycle leads.
+            3 => left < distance || left <= 0,
+            _ => left < distance,
+        }
+    }
+
+    /// The slowest of the reached steps, where it is slower than the present speed; [`State::Settle`] is off.
+    pub(super) fn due(&self, present: i64, left: i64) -> Option<(State, i64)> {
+        let mut due = None;
+        let speeds = self.speeds.into_iter().chain([0]);
+        for (place, (speed, state)) in speeds.zip(STATES).enumerate() {
+            let slower = due.map_or(present, |(_, speed)| speed);
+            if speed < slower && self.is_reached(place, left) {
+                due = Some((if speed == 0 { State::Settle } else { state }, speed));
+            }
+        }
+        due
+    }
+
+    /// Speed and state with which a programmed speed begins.
+    pub(super) fn begin(&self, programmed: i64, left: i64) -> (State, i64) {
+        self.due(programmed, left).unwrap_or((State::Run, programmed))
+    }
+}
