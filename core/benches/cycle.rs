@@ -4,7 +4,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lineshaft_core::command::{
-    Action, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
+    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
 };
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{DriveInput, DriveState, Inputs, Outputs};
@@ -24,13 +24,7 @@ impl Rig {
     fn new(axes: u16) -> Self {
         let per = Quantity::new(Fraction::from_integer(1), Unit::METRE);
         let scale = Scale::new(Fraction::from_integer(1_000_000), per).expect("a legal scale");
-        let axis = |index| AxisConfig {
-            name: format!("a{index}"),
-            scale,
-            modulo: None,
-            drive: Some(0),
-            parameters: AxisParameters::new(1e6, 1e7),
-        };
+        let axis = |index: u16| AxisConfig::new(format!("a{index}"), scale, Some(0), AxisParameters::new(1e6, 1e7));
         let config =
             MachineConfig { cycle_ns: 1_000_000, axes: (0..axes).map(axis).collect(), ..MachineConfig::default() };
         let machine = Machine::new(config).expect("a legal machine");
@@ -66,6 +60,7 @@ fn velocity(axis: u16, velocity: f64) -> Action {
         deceleration: 0.0,
         jerk: 0.0,
         direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
     })
 }
 

@@ -1,6 +1,6 @@
 //! Codes of errors, refusals and ends of goals.
 //!
-//! Ranges (contract section 2): 0 none, MACS numbers as they are, 10000 + own, 0x10000 + drive (object 603Fh).
+//! Ranges (contract section 2): 0 none, MACS numbers as they are, 1000 + WF, 10000 + own, 0x10000 + drive (object 603Fh).
 
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,55 @@ codes! {
     DRIVE_LOST = 88;
     /// Motion into a limit at which the axis stands already (MACS error 98, F_LIMIT_VIOLATION).
     LIMIT_VIOLATION = 98;
+
+    /// WF alarm 10: following error beyond `wf.max_following_error` in travel.
+    WF_FOLLOWING_ERROR_IN_TRAVEL = 1010;
+    /// WF alarm 11: following error beyond `wf.max_following_error` at standstill.
+    WF_FOLLOWING_ERROR_AT_STANDSTILL = 1011;
+    /// WF alarm 22: position not reached in time, or left again.
+    WF_POSITION_NOT_REACHED = 1022;
+    /// A program without blocks.
+    WF_NO_BLOCKS = 1101;
+    /// More blocks than the mode takes.
+    WF_ONE_BLOCK = 1102;
+    /// A change of mode or blocks, or START, while the axis moves.
+    WF_IN_MOTION = 1103;
+    /// START or a value in a mode that has no use for it.
+    WF_NOT_IN_THIS_MODE = 1104;
+    /// The controller enable request was taken back.
+    WF_NO_REQUEST = 1105;
+    /// An alarm waits to be acknowledged.
+    WF_ALARM_WAITS = 1106;
+    /// A speed value that is 0 or too high.
+    WF_BAD_SPEED = 1107;
+    /// A block that the program does not have.
+    WF_NO_SUCH_BLOCK = 1108;
+    /// A SAIA command before `axinit`, on an axis that is off.
+    SAIA_NOT_INITIALISED = 2001;
+    /// A register holds more than its command takes.
+    SAIA_REGISTER_OUT_OF_RANGE = 2002;
+    /// A destination or break position beyond the range of counts.
+    SAIA_POSITION_OUT_OF_RANGE = 2003;
+    /// A velocity beyond its register.
+    SAIA_VELOCITY_OUT_OF_RANGE = 2004;
+    /// An acceleration beyond its register.
+    SAIA_ACCELERATION_OUT_OF_RANGE = 2005;
+    /// A relative load before the first `fstart` after `axinit`.
+    SAIA_RELATIVE_TOO_EARLY = 2006;
+    /// `fstop` with none or several of the bits 8 to 10 of the control word.
+    SAIA_BAD_STOP_BITS = 2007;
+    /// `fsetpe` with another low byte of the control word than 1BH or 1AH.
+    SAIA_BAD_REACTION = 2008;
+    /// A single step in motion.
+    SAIA_STEP_IN_MOTION = 2009;
+    /// A single step beyond the range of counts.
+    SAIA_STEP_AT_END = 2010;
+    /// `fstart` in motion while a new acceleration waits.
+    SAIA_ACCELERATION_PENDING = 2011;
+    /// A start with an acceleration register of 0 or above the velocity register.
+    SAIA_ACCELERATION_ABOVE_VELOCITY = 2012;
+    /// A read whose value does not fit its register.
+    SAIA_READ_OUT_OF_RANGE = 2013;
 
     /// The goal's target lies above `max_position`.
     ABOVE_MAX_POSITION = 10001;
@@ -75,6 +124,23 @@ codes! {
     NOT_AT_STANDSTILL = 10023;
     /// Velocity, acceleration or deceleration so low that a move would not end.
     RATE_TOO_LOW = 10024;
+    /// A buffered goal behind a coupling, which has no end of its own.
+    NOTHING_TO_WAIT_FOR = 10025;
+    /// A superimposed motion asks for more than the motion under way leaves of the axis' limits.
+    SUPERIMPOSED_TOO_MUCH = 10026;
+    /// The axis runs in open loop, and the command needs a position loop.
+    OPEN_LOOP = 10030;
+    /// The axis closes a position loop, and the command is for one that does not.
+    CLOSED_LOOP = 10031;
+
+    /// A position reference that does not lie within the turn (VM_AMC_POSITION_REF).
+    AMC_OUTSIDE_TURN = 10041;
+    /// The integrators of the reference selector would differ by more turns than they hold.
+    AMC_TURN_CAPACITY = 10042;
+    /// The reference selector has no master to follow.
+    AMC_NO_MASTER = 10043;
+    /// The reference selector has nothing that freezes its master.
+    AMC_NO_FREEZE = 10044;
 
     /// A newer command took the axis over.
     REPLACED = 10101;
@@ -86,6 +152,10 @@ codes! {
     QUICK_STOP = 10104;
     /// disable ended the goal.
     DISABLED = 10105;
+    /// The goal waited for one that did not reach its end.
+    NOT_REACHED = 10106;
+    /// The goal searched for a mark that did not come.
+    PROBE_MISSED = 10107;
 
     /// Following error beyond `max_following_error` (MACS position error, which has no number in the source).
     FOLLOWING_ERROR = 10201;
@@ -135,6 +205,11 @@ impl Code {
     /// A drive's own fault code (603Fh).
     pub const fn drive_fault(fault: u16) -> Self {
         Self(Self::DRIVE_FAULT + fault as u32)
+    }
+
+    /// An alarm of a positioning module: 1000 + its number.
+    pub const fn is_alarm(self) -> bool {
+        self.0 > 1000 && self.0 < 1100
     }
 
     /// True where nothing is wrong.

@@ -4,10 +4,12 @@
 //! values that the sentence needs (contract section 1); a note is answered by its `warning`. It carries increments; units end
 //! at the border.
 
+use crate::axis::Reference;
 use crate::code::Code;
-use crate::object::{AxisSet, Leader};
+use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::Change;
 use crate::position::Position;
+use crate::vocabulary::{saia, wf};
 use serde::{Deserialize, Serialize};
 
 /// Who gave a command.
@@ -61,8 +63,14 @@ pub enum Action {
     ResetErrors(AxisSet),
     /// Moves one axis.
     Move(Move),
+    /// Moves one axis to a place that it has to find.
+    Probe(Probe),
     /// Couples one axis to a leader.
     Synchronize(Synchronize),
+    /// Registers and command flags (SAIA-CMD).
+    Saia(Box<saia::Request>),
+    /// Mode and blocks (WF-MOD-01).
+    Wf(Box<wf::Request>),
     /// Ends the goal that the command of this sequence number started, with a controlled stop.
     Cancel {
         /// Sequence number of the goal's command.
@@ -92,7 +100,7 @@ pub enum Action {
 
 /// A length at the border: nearest whole increments and what the rounding left, so that `rest` is half an increment only
 /// towards 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Length {
     /// Nearest whole increments, half away from zero.
     pub nearest: i64,
@@ -113,7 +121,7 @@ impl Length {
 }
 
 /// How [`Move::target`] is meant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MoveMode {
     /// To a position; on a modulo axis within its turn, by [`Direction`].
     Absolute,
@@ -123,10 +131,41 @@ pub enum MoveMode {
     Additive,
     /// At a velocity, without end.
     Velocity,
+    /// By a distance that is added to whatever moves the axis; at rest as [`MoveMode::Relative`].
+    Superimposed,
+}
+
+impl MoveMode {
+    /// What `reference` shows while it moves the axis.
+    pub fn reference(self) -> Reference {
+        match self {
+            MoveMode::Absolute => Reference::PositionAbsolute,
+            MoveMode::Relative | MoveMode::Additive | MoveMode::Superimposed => Reference::PositionRelative,
+            MoveMode::Velocity => Reference::Speed,
+        }
+    }
+}
+
+/// What a goal does to the ones before it (PLCopen buffer mode).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BufferMode {
+    /// It takes the axis over.
+    #[default]
+    Aborting,
+    /// It begins when the one before it is done.
+    Buffered,
+    /// It begins where the one before it ends, passed with the lower velocity of both.
+    BlendingLow,
+    /// With the velocity of the one before it.
+    BlendingPrevious,
+    /// With its own.
+    BlendingNext,
+    /// With the higher velocity of both.
+    BlendingHigh,
 }
 
 /// Which way an absolute move on a modulo axis goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
     /// The nearer way; up when both are equal.
     #[default]
@@ -140,7 +179,7 @@ pub enum Direction {
 }
 
 /// A positioning or velocity goal of one axis. Velocity, acceleration and deceleration of 0 ask for the defaults.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Move {
     /// The axis.
     pub axis: u16,
@@ -154,10 +193,67 @@ pub struct Move {
     pub acceleration: f64,
     /// (inc/s^2)
     pub deceleration: f64,
-    /// (inc/s^3); the trapezoid has no use for it, but it is checked against `max_jerk`.
+    /// (inc/s^3), for profile jerk; the others have no use for it, but it is checked against `max_jerk`.
     pub jerk: f64,
     /// Modulo axes, absolute.
     pub direction: Direction,
+    /// Which goals it waits for.
+    pub buffer_mode: BufferMode,
+}
+
+/// Which edge a search takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ProbeEdge {
+    /// From 0 to 1.
+    #[default]
+    Rising,
+    /// From 1 to 0.
+    Falling,
+    /// Whichever comes first.
+    Both,
+}
+
+/// A search for a mark and a move to a distance from it (touch probe to position). Velocity, acceleration and deceleration of 0
+/// ask for the defaults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    /// The axis.
+    pub axis: u16,
+    /// `target` is a distance from the command position, not a position.
+    pub relative: bool,
+    /// Where the search ends at the latest (inc).
+    pub target: Length,
+    /// (inc/s)
+    pub velocity: f64,
+    /// (inc/s^2)
+    pub acceleration: f64,
+    /// (inc/s^2)
+    pub deceleration: f64,
+    /// (inc/s^3), as in [`Move`].
+    pub jerk: f64,
+    /// The input, encoder or axis that latches.
+    pub source: Object,
+    /// Which of its edges.
+    pub edge: ProbeEdge,
+    /// Where the goal ends: from the position of the axis at the latch (inc); behind it where that is negative.
+    pub distance: Length,
+}
+
+impl Probe {
+    /// The move that searches.
+    pub fn search(&self) -> Move {
+        Move {
+            axis: self.axis,
+            mode: if self.relative { MoveMode::Relative } else { MoveMode::Absolute },
+            target: self.target,
+            velocity: self.velocity,
+            acceleration: self.acceleration,
+            deceleration: self.deceleration,
+            jerk: self.jerk,
+            direction: Direction::Shortest,
+            buffer_mode: BufferMode::Aborting,
+        }
+    }
 }
 
 /// How a follower relates to its leader.

@@ -1,9 +1,11 @@
 //! What a machine is made of, in the core's units.
 
 use crate::axis::{AxisSetup, MAX_DELAY, Modulo};
-use crate::object::{MAX_AXES, Object};
+use crate::drive::{Backend, Interface};
+use crate::object::{Leader, MAX_AXES, Object};
 use crate::parameter::AxisParameters;
-use crate::unit::Scale;
+use crate::unit::{Fraction, Quantity, Scale, fraction_to_f64};
+use crate::vocabulary::{amc, wf};
 
 /// Kind of an input or output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,8 +79,36 @@ pub struct AxisConfig {
     pub modulo: Option<Modulo>,
     /// Delay of its drive in cycles; none for a virtual axis.
     pub drive: Option<u32>,
+    /// How its drive is commanded.
+    pub interface: Interface,
+    /// What the reference selector is wired to.
+    pub amc: amc::Wiring,
+    /// Outputs of an open-loop axis.
+    pub open_loop: wf::Wiring,
     /// Parameters.
     pub parameters: AxisParameters,
+}
+
+impl AxisConfig {
+    /// An axis in closed loop, wired to nothing else.
+    pub fn new(name: String, scale: Scale, drive: Option<u32>, parameters: AxisParameters) -> Self {
+        Self {
+            name,
+            scale,
+            modulo: None,
+            drive,
+            interface: Interface::Position,
+            amc: amc::Wiring::default(),
+            open_loop: wf::Wiring::default(),
+            parameters,
+        }
+    }
+
+    /// Increments per axis unit, rounded to f64.
+    pub fn increments_per_unit(&self) -> f64 {
+        let one = Quantity::new(Fraction::from_integer(1), self.scale.unit());
+        self.scale.exact(&one).map_or(1.0, |exact| fraction_to_f64(&exact))
+    }
 }
 
 /// A machine.
@@ -120,6 +150,46 @@ pub enum ConfigError {
         /// How long.
         delay: u32,
     },
+    /// A way to command a drive that the core does not have.
+    #[error("drive of {axis}: interface torque does not exist yet")]
+    Torque {
+        /// Whose.
+        axis: String,
+    },
+    /// A way to command a drive that its backend does not have.
+    #[error("drive of {axis}: interface is {}, which its backend does not offer", interface.name())]
+    NotOffered {
+        /// Whose.
+        axis: String,
+        /// What is asked for.
+        interface: Interface,
+    },
+    /// An output of an open-loop axis.
+    #[error("{axis}: {key} is wired to entry {entry} of io, which is no {kind}")]
+    Output {
+        /// Whose.
+        axis: String,
+        /// Which one.
+        key: &'static str,
+        /// To what.
+        entry: u16,
+        /// What it must be.
+        kind: &'static str,
+    },
+    /// A parameter of the reference selector.
+    #[error("{axis}: {key} has a value that the rest of the axis does not allow")]
+    Selector {
+        /// Whose.
+        axis: String,
+        /// Which.
+        key: &'static str,
+    },
+    /// Masters of reference selectors.
+    #[error("{axis}: its reference selector would follow itself, directly or through others")]
+    MasterLoop {
+        /// One of the loop.
+        axis: String,
+    },
     /// Two parameters of an axis.
     #[error("{axis}: {low} lies above {high}")]
     Contradiction {
@@ -158,7 +228,67 @@ impl MachineConfig {
             if let Some(delay) = axis.drive.filter(|&delay| delay > MAX_DELAY) {
                 return Err(ConfigError::Delay { axis: name(), delay });
             }
+            if axis.drive.is_some() && axis.interface == Interface::Torque {
+                return Err(ConfigError::Torque { axis: name() });
+            }
+            self.check_outputs(axis)?;
             axis.parameters.check().map_err(|(low, high)| ConfigError::Contradiction { axis: name(), low, high })?;
+            amc::check(&axis.parameters, &self.selector(axis))
+                .map_err(|problem| ConfigError::Selector { axis: name(), key: problem.key })?;
+        }
+        self.check_masters()
+    }
+
+    /// What the reference selector of an axis has to know of it.
+    pub fn selector(&self, axis: &AxisConfig) -> amc::Setting {
+        let unit = axis.increments_per_unit();
+        amc::Setting { modulo: axis.modulo, unit, cycle_ns: self.cycle_ns, wiring: axis.amc }
+    }
+
+    /// Any reference selector may couple its axis at any time: no chain of masters may close.
+    fn check_masters(&self) -> Result<(), ConfigError> {
+        let master = |index: usize| match self.axes.get(index)?.amc.master? {
+            Leader::AxisCommand(leader) => Some(usize::from(leader)),
+            _ => None,
+        };
+        for (index, axis) in self.axes.iter().enumerate() {
+            let chain = std::iter::successors(master(index), |&next| master(next)).take(self.axes.len());
+            if chain.into_iter().any(|next| next == index) {
+                return Err(ConfigError::MasterLoop { axis: axis.name.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Are the outputs of an axis of the right kind?
+    fn check_outputs(&self, axis: &AxisConfig) -> Result<(), ConfigError> {
+        let wf::Wiring { forward, backward, output, dac } = axis.open_loop;
+        let digital = (IoKind::DigitalOutput, "do");
+        let outputs = [
+            ("forward", forward, digital),
+            ("backward", backward, digital),
+            ("output", output, digital),
+            ("dac", dac, (IoKind::AnalogOutput, "ao")),
+        ];
+        for (key, entry, (expected, kind)) in outputs {
+            let Some(entry) = entry else { continue };
+            if self.io.get(usize::from(entry)).is_none_or(|io| io.kind != expected) {
+                return Err(ConfigError::Output { axis: axis.name.clone(), key, entry, kind });
+            }
+        }
+        Ok(())
+    }
+
+    /// Does a backend offer what the axes ask of its drives? To be asked before it starts.
+    ///
+    /// # Errors
+    /// The first drive that cannot be commanded as its axis does.
+    pub fn check_backend(&self, backend: &dyn Backend) -> Result<(), ConfigError> {
+        for (place, axis) in self.axes.iter().filter(|axis| axis.drive.is_some()).enumerate() {
+            let offered = backend.capabilities(place).is_none_or(|offers| axis.interface.is_offered(&offers));
+            if !offered {
+                return Err(ConfigError::NotOffered { axis: axis.name.clone(), interface: axis.interface });
+            }
         }
         Ok(())
     }
@@ -201,6 +331,10 @@ impl MachineConfig {
                 index: index as u16,
                 drive: axis.drive.and_then(|delay| drives.next().map(|place| (place, delay))),
                 modulo: axis.modulo,
+                interface: axis.interface,
+                unit: axis.increments_per_unit(),
+                amc: axis.amc,
+                open_loop: axis.open_loop,
                 cycle_ns: self.cycle_ns,
             })
             .collect()

@@ -32,6 +32,8 @@ pub enum Kind {
     Reset,
     /// A latch was taken.
     Latch,
+    /// A goal found the mark that it searched for.
+    Mark,
     /// A limit was reached or left.
     Limit,
     /// Parameters changed.
@@ -44,7 +46,7 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind with its name.
-    pub const ALL: [(Kind, &'static str); 11] = [
+    pub const ALL: [(Kind, &'static str); 12] = [
         (Kind::Accepted, "accepted"),
         (Kind::Refused, "refused"),
         (Kind::Done, "done"),
@@ -52,6 +54,7 @@ impl Kind {
         (Kind::Error, "error"),
         (Kind::Reset, "reset"),
         (Kind::Latch, "latch"),
+        (Kind::Mark, "mark"),
         (Kind::Limit, "limit"),
         (Kind::Parameter, "parameter"),
         (Kind::Overrun, "overrun"),

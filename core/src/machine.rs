@@ -22,6 +22,7 @@ use crate::object::{Leader, Object};
 use crate::parameter::AxisParameters;
 use crate::signal::{Board, Directory};
 use crate::sync::Leads;
+use crate::vocabulary::Latched;
 use signals::Signals;
 pub use state::{State, StateError};
 
@@ -40,6 +41,8 @@ pub struct Machine {
     candidates: Vec<AxisParameters>,
     /// Room for who will follow whom once the commands of this cycle have applied.
     couplings: Vec<Option<Leader>>,
+    /// The latches of this cycle.
+    latched: Vec<Latched>,
     /// A coupling was asked for in this cycle.
     couples: bool,
 }
@@ -66,11 +69,12 @@ impl Machine {
         };
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
-        Ok(Self {
+        let mut machine = Self {
             // Each command may be answered, and ended by each axis; each axis may tell of more than that.
             events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + 16 * axes.len()),
             candidates: axes.iter().map(|axis| axis.parameters).collect(),
             couplings: vec![None; axes.len()],
+            latched: Vec::with_capacity(MAX_LATCHES),
             couples: false,
             state: State {
                 board,
@@ -85,7 +89,9 @@ impl Machine {
             signals,
             directory,
             config,
-        })
+        };
+        machine.sort_axes();
+        Ok(machine)
     }
 
     /// Inputs of the machine's shape, as before anything was read.
@@ -132,6 +138,7 @@ impl Machine {
             if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
                 *output = axis.output();
             }
+            self.signals.publish_switching(&mut self.state.board, axis.wiring(), axis.switching(), outputs);
         }
         self.signals.publish_machine(&mut self.state.board, &self.state.axes, self.state.overruns);
         self.state.cycle = self.state.cycle.wrapping_add(1);
@@ -173,6 +180,7 @@ impl Machine {
             cycle: self.state.cycle,
             input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
             leads: &self.state.leads,
+            latches: &self.latched,
             stream: commands.stream,
             events: &mut self.events,
         };

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 pub const MAX_AXES: usize = 512;
 
 /// An object of a cell by its place in its section, in file order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Object {
     /// The machine as a whole.
     Machine,

@@ -3,9 +3,9 @@
 //! What is wrong in a request itself (an unknown name, a number that is none) is refused here with a sentence and never
 //! reaches the machine. What limits or states forbid is refused by the machine.
 
-use crate::command::{Length, Move, MoveMode, Synchronize};
-use crate::config::{AxisConfig, MachineConfig};
-use crate::object::{AxisSet, Leader};
+use crate::command::{Length, Move, MoveMode, Probe, ProbeEdge, Synchronize};
+use crate::config::{AxisConfig, IoKind, MachineConfig};
+use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{self, Change, ParameterInput, Row};
 use crate::position::Position;
 use crate::unit::{Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
@@ -29,6 +29,14 @@ pub enum RequestError {
         /// The names there are.
         known: String,
     },
+    /// A name that nothing has that latches.
+    #[error("`{name}` does not latch; {known} can")]
+    UnknownLatch {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
     /// A name that no parameter has.
     #[error("no parameter is called `{name}`{hint}")]
     UnknownParameter {
@@ -36,6 +44,16 @@ pub enum RequestError {
         name: String,
         /// What may have been meant.
         hint: String,
+    },
+    /// A word that a vocabulary does not have.
+    #[error("no {what} is called `{name}`; there are {known}")]
+    UnknownWord {
+        /// What it should be.
+        what: &'static str,
+        /// The word given.
+        name: String,
+        /// The words there are.
+        known: String,
     },
     /// A number for a field that has names.
     #[error("{field} is {value}; {allowed}")]
@@ -186,6 +204,19 @@ pub struct MoveRequest {
     pub direction: u8,
 }
 
+/// A touch probe to position, with names and units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProbeRequest {
+    /// The search as a positioning goal, absolute or relative; its buffer mode and direction are not used.
+    pub search: MoveRequest,
+    /// What latches.
+    pub event: String,
+    /// 0 rising, 1 falling, 2 both.
+    pub edge: u8,
+    /// Where to end, from the latched position.
+    pub distance: Amount,
+}
+
 /// A coupling with names and units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SynchronizeRequest {
@@ -280,7 +311,68 @@ impl MachineConfig {
             acceleration: rate("acceleration", request.acceleration, 2)?,
             deceleration: rate("deceleration", request.deceleration, 2)?,
             jerk: rate("jerk", request.jerk, 3)?,
-            direction: direction(request.direction, request.buffer_mode)?,
+            direction: direction(request.direction)?,
+            buffer_mode: buffer_mode(request.buffer_mode)?,
+        })
+    }
+
+    /// What latches, by name: an input with `latch: true`, an encoder, an axis with a drive.
+    ///
+    /// # Errors
+    /// Nothing of that name does.
+    pub fn find_latch(&self, name: &str) -> Result<Object, RequestError> {
+        let found = self.latches().find(|(known, _)| *known == name).map(|(_, object)| object);
+        found.ok_or_else(|| RequestError::UnknownLatch {
+            name: crate::unit::excerpt(name),
+            known: list(self.latches().map(|(name, _)| name.to_owned())),
+        })
+    }
+
+    fn latches(&self) -> impl Iterator<Item = (&str, Object)> {
+        let io = self.io.iter().zip(0..).filter(|(io, _)| io.kind == IoKind::DigitalInput && io.latch);
+        let encoders = self.encoders.iter().zip(0..);
+        let axes = self.axes.iter().zip(0..).filter(|(axis, _)| axis.drive.is_some());
+        io.map(|(io, index)| (io.name.as_str(), Object::Io(index)))
+            .chain(encoders.map(|(encoder, index)| (encoder.name.as_str(), Object::Encoder(index))))
+            .chain(axes.map(|(axis, index)| (axis.name.as_str(), Object::Axis(index))))
+    }
+
+    /// A touch probe to position as a command's content.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_probe(&self, request: &ProbeRequest) -> Result<Probe, RequestError> {
+        let search = self.resolve_move(&MoveRequest { buffer_mode: 0, direction: 0, ..request.search.clone() })?;
+        let relative = match search.mode {
+            MoveMode::Absolute => false,
+            MoveMode::Relative => true,
+            _ => {
+                let allowed = "0 ABSOLUTE, 1 RELATIVE are allowed";
+                return Err(RequestError::BadChoice { field: "mode", value: request.search.mode.into(), allowed });
+            }
+        };
+        let edge = match request.edge {
+            0 => ProbeEdge::Rising,
+            1 => ProbeEdge::Falling,
+            2 => ProbeEdge::Both,
+            other => {
+                let allowed = "0 RISING, 1 FALLING, 2 BOTH are allowed";
+                return Err(RequestError::BadChoice { field: "edge", value: other.into(), allowed });
+            }
+        };
+        let (_, axis) = self.find_axis(&request.search.axis)?;
+        let bad = |error| RequestError::BadValue { field: "distance".to_owned(), error: Box::new(error) };
+        Ok(Probe {
+            axis: search.axis,
+            relative,
+            target: search.target,
+            velocity: search.velocity,
+            acceleration: search.acceleration,
+            deceleration: search.deceleration,
+            jerk: search.jerk,
+            source: self.find_latch(&request.event)?,
+            edge,
+            distance: request.distance.length(request.search.units, &axis.scale).map_err(bad)?,
         })
     }
 
@@ -355,7 +447,7 @@ fn move_mode(mode: u8) -> Result<MoveMode, RequestError> {
         1 => Ok(MoveMode::Relative),
         2 => Ok(MoveMode::Additive),
         3 => Ok(MoveMode::Velocity),
-        4 => Err(RequestError::NotBuilt("move_axis in mode SUPERIMPOSED".into())),
+        4 => Ok(MoveMode::Superimposed),
         other => Err(RequestError::BadChoice {
             field: "mode",
             value: other.into(),
@@ -364,19 +456,25 @@ fn move_mode(mode: u8) -> Result<MoveMode, RequestError> {
     }
 }
 
-fn direction(direction: u8, buffer_mode: u8) -> Result<crate::command::Direction, RequestError> {
-    use crate::command::Direction;
-    match buffer_mode {
-        0 => {}
-        1..=5 => return Err(RequestError::NotBuilt("a buffer_mode other than ABORTING".into())),
-        other => {
-            return Err(RequestError::BadChoice {
-                field: "buffer_mode",
-                value: other.into(),
-                allowed: "0 ABORTING, 1 BUFFERED, 2 to 5 BLENDING are allowed",
-            });
-        }
+fn buffer_mode(mode: u8) -> Result<crate::command::BufferMode, RequestError> {
+    use crate::command::BufferMode;
+    match mode {
+        0 => Ok(BufferMode::Aborting),
+        1 => Ok(BufferMode::Buffered),
+        2 => Ok(BufferMode::BlendingLow),
+        3 => Ok(BufferMode::BlendingPrevious),
+        4 => Ok(BufferMode::BlendingNext),
+        5 => Ok(BufferMode::BlendingHigh),
+        other => Err(RequestError::BadChoice {
+            field: "buffer_mode",
+            value: other.into(),
+            allowed: "0 ABORTING, 1 BUFFERED, 2 to 5 BLENDING are allowed",
+        }),
     }
+}
+
+fn direction(direction: u8) -> Result<crate::command::Direction, RequestError> {
+    use crate::command::Direction;
     match direction {
         0 => Ok(Direction::Shortest),
         1 => Ok(Direction::Positive),

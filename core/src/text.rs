@@ -8,6 +8,7 @@ use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
 use crate::parameter::{Measure, ROWS, Row};
+use crate::vocabulary::saia::Register;
 
 /// The sentence of an event.
 pub fn sentence(event: &Event, config: &MachineConfig) -> String {
@@ -17,6 +18,7 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
         Kind::State => format!("now {}", state_name(event.asked)),
         Kind::Parameter => changed(event, config),
         Kind::Latch => latched(event, config),
+        Kind::Mark => marked(event, config),
         Kind::Overrun => format!("{} cycles missed", plain(event.asked)),
         Kind::Reset => format!("reset after: {}", reason(event, config)),
         Kind::Done if event.code.is_none() => "done".to_owned(),
@@ -63,6 +65,11 @@ fn latched(event: &Event, config: &MachineConfig) -> String {
     }
 }
 
+fn marked(event: &Event, config: &MachineConfig) -> String {
+    let position = number_text(Number::Position(event.position.floor()), event.source, config);
+    format!("mark at {position}, {} us before the cycle", event.age_ns / 1000)
+}
+
 /// A number in the units of its object.
 fn number_text(number: Number, source: Object, config: &MachineConfig) -> String {
     let scale = match source {
@@ -100,6 +107,88 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
     match event.code {
         Code::DRIVE_LOST => fixed("the drive does not answer"),
         Code::LIMIT_VIOLATION => format!("velocity {} leads further into the limit at {}", asked(), limit()),
+        Code::WF_FOLLOWING_ERROR_IN_TRAVEL => {
+            format!("alarm 10: following error {} lies beyond wf.max_following_error {} in travel", asked(), limit())
+        }
+        Code::WF_FOLLOWING_ERROR_AT_STANDSTILL => {
+            format!(
+                "alarm 11: following error {} lies beyond wf.max_following_error {} at standstill",
+                asked(),
+                limit()
+            )
+        }
+        Code::WF_POSITION_NOT_REACHED => {
+            format!("alarm 22: {} from the target, outside the position reached window {}", asked(), limit())
+        }
+        Code::WF_NO_BLOCKS => fixed("there is no block; give one or more in `blocks`"),
+        Code::WF_ONE_BLOCK => format!("mode mdi takes one block; {} are given", asked()),
+        Code::WF_IN_MOTION => fixed("the axis moves; mode, blocks and START wait for its end"),
+        Code::WF_NOT_IN_THIS_MODE => {
+            fixed("the mode has no use for that: `start` runs blocks, `value` belongs to mode actual_value")
+        }
+        Code::WF_NO_REQUEST => fixed("the controller enable request was taken back; give `enable: true` first"),
+        Code::WF_ALARM_WAITS => format!("alarm {} waits; give `reset: true` first", asked()),
+        Code::WF_BAD_SPEED => format!(
+            "{} {} is not allowed; above 0 up to {} is, in open loop as a whole number",
+            row(event).map_or("speed value", |row| row.key),
+            asked(),
+            limit()
+        ),
+        Code::WF_NO_SUCH_BLOCK => format!("block {} does not exist; the program has {}", asked(), limit()),
+        Code::SAIA_NOT_INITIALISED => fixed("axinit has not run and the axis is off; axinit or enable must come first"),
+        Code::SAIA_REGISTER_OUT_OF_RANGE => match Register::ALL.iter().find(|(_, name)| *name == key(event)) {
+            Some((register, name)) => {
+                let (low, high) = register.permitted().unwrap_or_default();
+                format!("{name} is {}; {low} to {high} is allowed", plain(event.asked))
+            }
+            None => fixed("a register holds more than its command takes"),
+        },
+        Code::SAIA_POSITION_OUT_OF_RANGE => {
+            let range = "-1073741824 to 1073741823 is allowed";
+            format!("{} with saia.mcfac makes {} counts; {range}", key(event), plain(event.asked))
+        }
+        Code::SAIA_VELOCITY_OUT_OF_RANGE => {
+            let (asked, range) = (plain(event.asked), "0 to 1073741823 is allowed");
+            format!("saia.veloc with saia.mcfac makes {asked} in the velocity register; {range}")
+        }
+        Code::SAIA_ACCELERATION_OUT_OF_RANGE => {
+            let (asked, range) = (plain(event.asked), "0 to 1073741823 is allowed");
+            format!("saia.accel with saia.mcfac makes {asked} in the acceleration register; {range}")
+        }
+        Code::SAIA_RELATIVE_TOO_EARLY => {
+            format!("{} cannot be loaded relatively before the first fstart after axinit", key(event))
+        }
+        Code::SAIA_BAD_STOP_BITS => {
+            let Number::Count(bits) = event.asked else {
+                return fixed("fstop needs one of the bits 8 to 10 of saia.mcw");
+            };
+            format!(
+                "saia.mcw has {bits:03b} in bits 10 to 8; fstop needs exactly one of them (001 off, 010 hard, 100 ramp)"
+            )
+        }
+        Code::SAIA_BAD_REACTION => {
+            let Number::Count(byte) = event.asked else {
+                return fixed("saia.mcw names no reaction to position errors");
+            };
+            format!("saia.mcw has {byte:02X}H in bits 0 to 7; 1BH (flag) or 1AH (flag and regulator off) is allowed")
+        }
+        Code::SAIA_STEP_IN_MOTION => fixed("fsstepf and fsstepb need an axis at rest"),
+        Code::SAIA_STEP_AT_END => {
+            format!("the destination is {} counts, the end of its range; no step goes further", plain(event.asked))
+        }
+        Code::SAIA_ACCELERATION_PENDING => {
+            fixed("a new acceleration waits; fstart has to wait until the motion under way has ended")
+        }
+        Code::SAIA_ACCELERATION_ABOVE_VELOCITY if event.limit == Number::Count(0) => {
+            fixed("the velocity register is 0; fldva has to load one first")
+        }
+        Code::SAIA_ACCELERATION_ABOVE_VELOCITY => {
+            let (acceleration, velocity) = (plain(event.asked), plain(event.limit));
+            format!("the acceleration register is {acceleration}; 1 to the velocity register, {velocity}, is allowed")
+        }
+        Code::SAIA_READ_OUT_OF_RANGE => {
+            format!("with saia.mcfac {} what is read does not fit its register of 32 bits", plain(event.asked))
+        }
         Code::ABOVE_MAX_POSITION => format!("target {} lies above max_position {}", asked(), limit()),
         Code::BELOW_MIN_POSITION => format!("target {} lies below min_position {}", asked(), limit()),
         Code::VELOCITY_TOO_HIGH => format!("velocity {} lies above max_velocity {}", asked(), limit()),
@@ -134,6 +223,9 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
                 "max_velocity" => "must not lie below default_velocity",
                 "default_acceleration" => "must not lie above max_acceleration",
                 "max_acceleration" => "must not lie below default_acceleration",
+                "wf.md1" => "must not lie above max_acceleration",
+                "wf.md2" => "must not lie above the largest deceleration",
+                key if key.starts_with("wf.") => "breaks the falling order of the steps beside",
                 _ => "contradicts the other parameters of the axis",
             };
             format!("{} {} {other} {}", key(event), asked(), limit())
@@ -147,7 +239,32 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::TOO_MANY_WAITING => fixed("too many commands wait; try again"),
         Code::BAD_REQUEST => fixed("the request is not understood"),
         Code::RATE_TOO_LOW => format!("{} is too low; at least {} is allowed", asked(), limit()),
+        Code::NOTHING_TO_WAIT_FOR => fixed("a coupling has no end that a buffered goal could wait for"),
+        Code::SUPERIMPOSED_TOO_MUCH => {
+            format!("{} {} is more than the motion under way leaves: {}", measured(event.asked), asked(), limit())
+        }
+        Code::PROBE_MISSED => fixed("nothing latched until the end of the search"),
+        Code::NOT_REACHED => fixed("the goal before it did not reach its end"),
         Code::NOT_AT_STANDSTILL => fixed("the axis is still stopping"),
+        Code::OPEN_LOOP => fixed("the axis runs in open loop; only commands of `wf` move it"),
+        Code::CLOSED_LOOP => fixed("the axis closes a position loop; a speed without one is for interface open_loop"),
+        Code::AMC_OUTSIDE_TURN => {
+            format!(
+                "{} {} does not lie within the turn, at most {} either way; amc.rotary_mode 4 to 6 takes more",
+                key(event),
+                asked(),
+                limit()
+            )
+        }
+        Code::AMC_TURN_CAPACITY => {
+            format!("{} {} leads further than the {} turns that the integrators hold", key(event), asked(), limit())
+        }
+        Code::AMC_NO_MASTER => {
+            format!("{} {} follows a master; give `amc: {{master: ..}}` in the cell", key(event), asked())
+        }
+        Code::AMC_NO_FREEZE => {
+            format!("{} {} waits for a latch; give `amc: {{freeze: ..}}` in the cell", key(event), asked())
+        }
         Code::REPLACED => fixed("a newer command took the axis over"),
         Code::HALTED => fixed("halt ended the goal"),
         Code::CANCELLED => fixed("the goal was cancelled"),
@@ -242,6 +359,8 @@ fn out_of_range(event: &Event, config: &MachineConfig) -> String {
             format!("{} to {}", text(Number::Time(low)), text(Number::Time(high)))
         }
         (Range::Int(low, high), _) => format!("{low} to {high}"),
+        (Range::Real(low, _), Measure::Number) => format!("{low} to {}", text(event.limit)),
+        (Range::Real(low, _), _) => format!("{} to {}", text(Number::Velocity(low)), text(event.limit)),
         (Range::PositiveUpTo(_), _) => format!("more than 0 up to {}", text(event.limit)),
     };
     format!("{} is {}; {range} is allowed", row.key, parameter_value(row, event.asked, event.source, config))

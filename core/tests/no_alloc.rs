@@ -2,39 +2,81 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_core::command::{
-    Action, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Setpoints, Source, SyncMode, Synchronize,
+    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoints,
+    Source, SyncMode, Synchronize,
 };
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, IoKind, MachineConfig, MemoryConfig, MemoryKind};
-use lineshaft_core::drive::{Backend, Edge, EncoderInput, Latch};
+use lineshaft_core::drive::{Backend, Edge, EncoderInput, Interface, Latch};
+use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader, Object};
-use lineshaft_core::parameter::{AxisParameters, Change, Value};
-use lineshaft_core::sim::{Model, Plant};
+use lineshaft_core::parameter::{AxisParameters, Change, Row, Value};
+use lineshaft_core::sim::{Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
+use lineshaft_core::vocabulary::{amc, wf};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 const AXES: u16 = 8;
 
+/// The first axis has no drive.
+fn interface(index: u16) -> Interface {
+    match index % 4 {
+        1 => Interface::Velocity,
+        2 if index > 4 => Interface::OpenLoop,
+        3 if index > 4 => Interface::OpenLoop,
+        _ => Interface::Position,
+    }
+}
+
+/// Drives that take no memory either.
+fn model(index: u16) -> Model {
+    let ms = 1_000_000;
+    match index {
+        1 => Model::Velocity(VelocityLag::new(5 * ms, 1_000_000).expect("a legal lag")),
+        4 => Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).expect("a legal model")),
+        5 => Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).expect("a legal model")),
+        6 => Model::TwoSpeed(TwoSpeed::new(50 * ms, 100 * ms, 1_000_000).expect("a legal motor")),
+        7 => Model::Valve(Valve::new(50 * ms, 20 * ms + 1, 1_000_000).expect("a legal valve")),
+        _ => Model::Ideal,
+    }
+}
+
 fn config() -> MachineConfig {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
     let scale = Scale::new(Fraction::from_integer(1000), per).expect("a legal scale");
-    let axis = |index: u16| AxisConfig {
-        name: format!("a{index}"),
-        scale,
-        modulo: lineshaft_core::axis::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
-        drive: (index > 0).then_some(u32::from(index % 3)),
-        parameters: AxisParameters {
+    let axis = |index: u16| {
+        let drive = (index > 0).then_some(u32::from(index % 3));
+        let parameters = AxisParameters {
             max_position: index.is_multiple_of(2).then_some(40_000),
             error_reaction: i64::from(index % 6),
             ..AxisParameters::new(1e5, 1e6)
-        },
+        };
+        let interface = interface(index);
+        // Each output of one axis.
+        let place = |first: u16| (interface == Interface::OpenLoop).then_some(first + index);
+        let open_loop = wf::Wiring { forward: place(2), backward: place(10), output: place(18), dac: place(26) };
+        AxisConfig {
+            interface,
+            open_loop,
+            modulo: lineshaft_core::axis::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
+            amc: amc::Wiring {
+                master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
+                freeze: Some(Object::Axis(index)),
+            },
+            ..AxisConfig::new(format!("a{index}"), scale, drive, parameters)
+        }
     };
     let io = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
     MachineConfig {
         cycle_ns: 1_000_000,
-        io: vec![io("in", IoKind::DigitalInput), io("u", IoKind::AnalogInput)],
+        io: [io("in", IoKind::DigitalInput), io("u", IoKind::AnalogInput)]
+            .into_iter()
+            .chain((0..24).map(|n| io(&format!("q{n}"), IoKind::DigitalOutput)))
+            .chain((0..8).map(|n| io(&format!("v{n}"), IoKind::AnalogOutput)))
+            .collect(),
         memory: vec![MemoryConfig { name: "m".into(), kind: MemoryKind::I16, initial: 0.0 }],
         encoders: vec![EncoderConfig { name: "belt".into(), bits: 16, scale }],
         axes: (0..AXES).map(axis).collect(),
@@ -64,13 +106,14 @@ fn action(numbers: &mut Numbers) -> Action {
         deceleration: 0.0,
         jerk: 0.0,
         direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
     };
     let leader = match numbers.below(3) {
         0 => Leader::AxisCommand(numbers.below(8) as u16),
         1 => Leader::AxisActual(numbers.below(8) as u16),
         _ => Leader::Encoder(0),
     };
-    match numbers.below(14) {
+    match numbers.below(21) {
         0..=3 => Action::Enable(AxisSet::first(usize::from(AXES))),
         4 => Action::Disable(set),
         5 => Action::Halt(set),
@@ -91,20 +134,74 @@ fn action(numbers: &mut Numbers) -> Action {
             acceleration: 0.0,
         }),
         12 => Action::SetMemory { index: 0, value: number as f64 },
+        13..=16 => select(axis, numbers),
+        17 | 18 => Action::Saia(Box::new(saia(axis, numbers))),
+        19 => Action::Probe(Probe {
+            axis,
+            relative: true,
+            target: Length::whole(number),
+            velocity: 0.0,
+            acceleration: 0.0,
+            deceleration: 0.0,
+            jerk: 0.0,
+            source: Object::Axis(number.rem_euclid(8) as u16),
+            edge: ProbeEdge::Rising,
+            distance: Length::whole(number % 1_000),
+        }),
         _ => Action::SetParameters(Box::new([Change { axis, row: 2, value: Value::Real(5e4 + number as f64 / 4.0) }])),
     }
+}
+
+/// Something for a reference selector.
+fn select(axis: u16, numbers: &mut Numbers) -> Action {
+    const KEYS: [(&str, u64); 6] = [
+        ("amc.reference_select", 8),
+        ("amc.reference_select", 8),
+        ("amc.position_reference", 5_000),
+        ("amc.rotary_mode", 7),
+        ("amc.action_on_event", 3),
+        ("amc.stop_mode", 4),
+    ];
+    let (key, bound) = KEYS[numbers.below(6) as usize];
+    let (row, _) = Row::find(key).expect("a key of the catalogue");
+    let value = Value::Int(numbers.below(bound) as i64);
+    Action::SetParameters(Box::new([Change { axis, row, value }]))
+}
+
+/// Registers and commands as they come; often enough a start among them.
+fn saia(axis: u16, numbers: &mut Numbers) -> Request {
+    let set = [
+        (Register::Veloc, 50_000),
+        (Register::Accel, 200_000),
+        (Register::DestP, numbers.below(40_000) as i64),
+        (Register::PosEr, 32_000 + numbers.below(1000) as i64),
+        (Register::Mcw, 0x1B | 0x100 << numbers.below(5)),
+    ];
+    let request = set.into_iter().fold(Request { axis, ..Request::default() }, |request, (register, value)| {
+        request.with(register, Value::Int(value))
+    });
+    let all = SaiaCommand::ALL.len() as u64;
+    let mut commands: Vec<SaiaCommand> =
+        (0..numbers.below(4)).filter_map(|_| SaiaCommand::ALL.get(numbers.below(all) as usize)).map(|c| c.0).collect();
+    commands.extend(
+        [SaiaCommand::Initialise, SaiaCommand::LoadDestination, SaiaCommand::Start]
+            .iter()
+            .filter(|_| numbers.below(2) == 0),
+    );
+    Request { commands: commands.into_iter().collect(), ..request }
 }
 
 #[test]
 fn no_cycle_takes_or_gives_back_memory() {
     let config = config();
-    let mut plant = Plant::new(&config, &[Some(Model::Ideal); AXES as usize - 1]);
+    let models: Vec<_> = (1..AXES).map(|index| Some(model(index))).collect();
+    let mut plant = Plant::new(&config, &models);
     let mut machine = Machine::new(config).unwrap();
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
     let mut numbers = Numbers(7);
     let mut stream = Setpoints { generation: 0, velocity: vec![None; usize::from(AXES)] };
-    let (mut sequence, mut count, mut events) = (0, 0_i64, 0);
+    let (mut sequence, mut count, mut events, mut marks) = (0, 0_i64, 0, 0);
     for cycle in 0..20_000_u64 {
         let commands: Vec<Command> = (0..numbers.below(40).saturating_sub(37))
             .map(|_| {
@@ -120,7 +217,7 @@ fn no_cycle_takes_or_gives_back_memory() {
         stream.generation += 1;
         stream.velocity[3] = (cycle % 4_000 < 1_000).then_some(1_000.0);
         inputs.cycle = cycle;
-        plant.read(&mut inputs);
+        assert_no_alloc(|| plant.read(&mut inputs));
         count += 20;
         inputs.encoder[0] = EncoderInput { count: count & 0xFFFF, epoch: 0, valid: numbers.below(900) != 0 };
         inputs.missed = u32::from(cycle.is_multiple_of(777));
@@ -138,8 +235,10 @@ fn no_cycle_takes_or_gives_back_memory() {
         });
         assert_eq!(violation_count(), 0, "in cycle {cycle}");
         events += machine.events().len();
+        marks += machine.events().iter().filter(|event| event.kind == Kind::Mark).count();
     }
     assert!(events > 20_000, "a run in which little happens proves little: {events} events");
+    assert!(marks > 10, "{marks} marks were found");
 }
 
 /// The watch is armed: a cycle that did take memory would be seen.

@@ -1,18 +1,26 @@
 //! Goals: positioning, velocity and synchronization, from the command to the generator.
 
+use super::course::{Aim, Course, ROUNDING};
 use super::power::Power;
+use super::probe::Search;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
-use crate::command::{Move, MoveMode, SyncMode, Synchronize};
+use crate::command::{BufferMode, Move, MoveMode, SyncMode, Synchronize};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::parameter::AxisParameters;
 use crate::position::Position;
-use crate::profile::{self, Limits, Plan};
+use crate::profile::{self, Limits, Motion, Plan};
 use crate::sync::follower::{Bounds, Follower};
 use crate::sync::gear::{Gear, Ratio};
+use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
 /// Least velocity, acceleration and deceleration of a goal, in increments: with less, a move would outlast its machine.
-const LEAST_RATE: f64 = 1e-6;
+pub(super) const LEAST_RATE: f64 = 1e-6;
+
+/// Highest jerk of a goal where the axis has no limit of its own (inc/s^3), as for all its rates: f64 computes with more, but
+/// not for ever.
+const MOST_JERK: f64 = 1e15;
 
 /// The goal that the axis works on.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -23,6 +31,8 @@ pub(super) struct Goal {
     pub ending: Option<Code>,
     /// Where it ends, before rounding to whole increments; none for a goal without end.
     pub target: Option<Position>,
+    /// The mark that it searches for, or has found.
+    pub search: Option<Search>,
 }
 
 impl Axis {
@@ -37,10 +47,22 @@ impl Axis {
         }
     }
 
+    /// Ends everything that moves the axis or waits to: the goal, what is superimposed, the buffer, a vocabulary's motion.
+    pub(super) fn abandon(&mut self, cx: &mut Context<'_>, code: Code) {
+        self.end_goal(cx, code);
+        self.end_overlay(cx, code);
+        self.buffer.end(cx.events, self.setup.index, code, self.command.position);
+        self.owner = Owner::Native;
+    }
+
     fn begin_goal(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
-        self.end_goal(cx, Code::REPLACED);
-        self.goal = Some(Goal { sequence, ending: None, target });
+        self.abandon(cx, Code::REPLACED);
+        self.goal = Some(Goal { sequence, ending: None, target, search: None });
         self.judge.rested_at = None;
+        self.accepted(cx, sequence);
+    }
+
+    pub(super) fn accepted(&self, cx: &mut Context<'_>, sequence: u64) {
         cx.events.push(Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE).of_command(sequence));
     }
 
@@ -49,7 +71,7 @@ impl Axis {
     }
 
     /// A motion command needs an axis that is on, without error and without lock.
-    fn check_free(&self) -> Result<(), Refusal> {
+    pub(super) fn check_free(&self) -> Result<(), Refusal> {
         match (self.state, self.power) {
             (AxisState::ErrorStop, _) => Err(self.refuse(Code::IN_ERROR)),
             (AxisState::Stopping, _) => Err(self.refuse(Code::QUICK_STOPPED)),
@@ -85,9 +107,11 @@ impl Axis {
             _ => (request.velocity, p.usual_velocity()),
         };
         let down = p.deceleration_limit();
-        self.check_rate(request.jerk, 0.0, p.max_jerk.unwrap_or(f64::MAX), Code::JERK_TOO_HIGH)?;
+        let jerk = self.check_rate(request.jerk, 0.0, p.max_jerk.unwrap_or(MOST_JERK), Code::JERK_TOO_HIGH)?;
+        let velocity = self.check_rate(speed, usual, p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
         Ok(Limits {
-            velocity: self.check_rate(speed, usual, p.max_velocity, Code::VELOCITY_TOO_HIGH)?,
+            // A goal to stop has no velocity of its own.
+            velocity: if velocity == 0.0 { p.usual_velocity() } else { velocity },
             acceleration: self.check_rate(
                 request.acceleration,
                 p.usual_acceleration(),
@@ -100,51 +124,59 @@ impl Axis {
                 down,
                 Code::DECELERATION_TOO_HIGH,
             )?,
+            shape: if jerk == 0.0 { p.usual_shape() } else { p.shape(jerk) },
         })
     }
 
-    /// Starts a positioning or velocity goal.
+    /// Starts a positioning or velocity goal, or lets it wait for the one before it.
     pub(super) fn start_move(&mut self, cx: &mut Context<'_>, sequence: u64, request: &Move) -> Result<(), Refusal> {
+        self.check_closed_loop()?;
         self.check_free()?;
+        if request.mode == MoveMode::Superimposed && !self.rests() {
+            return self.start_superimposed(cx, sequence, request);
+        }
         let limits = self.check_limits(request)?;
-        let (plan, target) = if request.mode == MoveMode::Velocity {
-            (self.plan_velocity(request.velocity, limits)?, None)
+        if request.buffer_mode != BufferMode::Aborting && self.goal.is_some() {
+            return self.wait_in_buffer(cx, sequence, request, limits);
+        }
+        let from = self.present();
+        let (course, target) = if request.mode == MoveMode::Velocity {
+            self.check_velocity(request.velocity)?;
+            let aim = if request.velocity == 0.0 { Aim::Stop } else { Aim::Velocity(request.velocity) };
+            (self.course(cx.cycle, from, aim, limits), None)
         } else {
-            let target = self.target(request, limits);
-            (self.plan_position(target, limits)?, Some(target))
+            let target = self.target(request, limits, from, self.goal_target());
+            self.check_target(target, &self.parameters)?;
+            let aim = Aim::Target(Position::whole(target.nearest()));
+            (self.course(cx.cycle, from, aim, limits), Some(target))
         };
+        self.check_course(&course, from, limits)?;
         self.begin_goal(cx, sequence, target);
-        self.reference = match request.mode {
-            MoveMode::Velocity => Reference::Speed,
-            MoveMode::Absolute => Reference::PositionAbsolute,
-            MoveMode::Relative | MoveMode::Additive => Reference::PositionRelative,
-        };
-        self.generator = Generator::plan(plan, cx.cycle, limits.deceleration);
+        self.reference = request.mode.reference();
+        self.generator = Generator::Plan(course);
         let state = if target.is_some() { AxisState::DiscreteMotion } else { AxisState::ContinuousMotion };
         self.set_state(cx, state);
         Ok(())
     }
 
-    /// Where a positioning goal ends, before rounding to whole increments.
-    fn target(&self, request: &Move, limits: Limits) -> Position {
-        let rest_of_goal = |target: Position| match self.goal_target() {
+    /// Where a positioning goal ends, before rounding to whole increments, when it begins with `from`. `exact` is where the
+    /// goal before it ends or ended.
+    pub(super) fn target(&self, request: &Move, limits: Limits, from: Motion, exact: Option<Position>) -> Position {
+        let now = from.position;
+        let rest_of_goal = match exact {
             // The goal stands on this increment: what its rounding left out counts on.
-            Some(exact) if Position::whole(exact.nearest()) == target => exact,
-            _ => target,
+            Some(exact) if Position::whole(exact.nearest()) == Position::whole(now.nearest()) => exact,
+            _ => now,
         };
-        let now = self.command.position;
         match (request.mode, self.setup.modulo) {
-            (MoveMode::Relative, _) => rest_of_goal(now) + request.target.exact(),
-            (MoveMode::Additive, _) => {
-                let active = self.goal.and_then(|goal| goal.target);
-                active.unwrap_or_else(|| rest_of_goal(now)) + request.target.exact()
-            }
+            (MoveMode::Relative | MoveMode::Superimposed, _) => rest_of_goal + request.target.exact(),
+            (MoveMode::Additive, _) => exact.unwrap_or(now) + request.target.exact(),
             (_, Some(modulo)) => {
-                let speed = self.command.velocity;
-                let way = speed * speed.abs() / (2.0 * limits.deceleration);
-                let legal = Position::LIMIT as f64;
-                let stop = now + Position::from_f64(way.clamp(-legal, legal));
-                let direction = if speed == 0.0 { self.last_direction } else { speed };
+                let way = profile::stopping_way(from, &self.sharpened(from, limits));
+                // A passage may lie on the last place from which it can stop: its rounding is no turn.
+                let certain = (way.abs() - ROUNDING).clamp(0.0, Position::LIMIT as f64).copysign(way);
+                let stop = now + Position::from_f64(certain);
+                let direction = if from.velocity == 0.0 { self.last_direction } else { from.velocity };
                 Position::whole(modulo.target(request.target.exact(), now, stop, request.direction, direction))
             }
             _ => request.target.exact(),
@@ -155,9 +187,11 @@ impl Axis {
         self.goal.and_then(|goal| goal.target).or(self.judge.rested_at)
     }
 
-    fn plan_position(&self, target: Position, limits: Limits) -> Result<Plan, Refusal> {
+    /// A target lies within all limits of position that `p` gives.
+    pub(super) fn check_target(&self, target: Position, p: &AxisParameters) -> Result<(), Refusal> {
         let end = target.nearest();
-        let (low, high) = (self.limit(false), self.limit(true));
+        let low = p.min_position.unwrap_or(1 - Position::LIMIT);
+        let high = p.max_position.unwrap_or(Position::LIMIT - 1);
         if !target.is_legal() {
             return Err(self.refuse(Code::POSITION_OUT_OF_RANGE).with(Number::Position(end), Number::None));
         }
@@ -169,14 +203,45 @@ impl Axis {
             let numbers = (Number::Position(end), Number::Position(low));
             return Err(self.refuse(Code::BELOW_MIN_POSITION).with(numbers.0, numbers.1));
         }
-        let plan = profile::to_rest(self.command, Position::whole(end), limits, self.setup.cycle_ns);
-        self.check_way(&plan, limits)?;
-        Ok(plan)
+        Ok(())
     }
 
-    /// On its way a plan may turn back beyond a limit only where it stands already.
-    fn check_way(&self, plan: &Plan, limits: Limits) -> Result<(), Refusal> {
-        let (lowest, highest) = plan.extent();
+    /// A velocity does not lead beyond a limit at which the axis stands already.
+    pub(super) fn check_velocity(&self, velocity: f64) -> Result<(), Refusal> {
+        let now = self.command.position;
+        let limit = self.limit(velocity > 0.0);
+        let at_limit = match velocity {
+            v if v > 0.0 => now >= Position::whole(limit),
+            v if v < 0.0 => now <= Position::whole(limit),
+            _ => false,
+        };
+        if at_limit {
+            let numbers = (Number::Velocity(velocity), Number::Position(limit));
+            return Err(self.refuse(Code::LIMIT_VIOLATION).with(numbers.0, numbers.1));
+        }
+        Ok(())
+    }
+
+    /// A course to a target stays within the limits of position on its way.
+    pub(super) fn check_course(&self, course: &Course, from: Motion, limits: Limits) -> Result<(), Refusal> {
+        let now = from.position;
+        match course.aim {
+            Aim::Target(_) if course.end_velocity() == 0.0 => self.check_extent(course.extent_from(now), limits),
+            // The way ahead is watched in each cycle; where it turns first is known now.
+            Aim::Velocity(velocity) => {
+                let (low, high) = course.extent_from(now);
+                self.check_extent(if velocity > 0.0 { (low, now.max(low)) } else { (now.min(high), high) }, limits)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// On its way a plan may turn back beyond a limit only where the axis stands already.
+    pub(super) fn check_way(&self, plan: &Plan, limits: Limits) -> Result<(), Refusal> {
+        self.check_extent(plan.extent(), limits)
+    }
+
+    fn check_extent(&self, (lowest, highest): (Position, Position), limits: Limits) -> Result<(), Refusal> {
         let now = self.command.position;
         let asked = Number::Acceleration(limits.deceleration);
         let beyond = |code, reached: Position| Err(self.refuse(code).with(asked, Number::Position(reached.floor())));
@@ -189,24 +254,6 @@ impl Axis {
         Ok(())
     }
 
-    fn plan_velocity(&self, velocity: f64, limits: Limits) -> Result<Plan, Refusal> {
-        let now = self.command.position;
-        let limit = self.limit(velocity > 0.0);
-        let at_limit = match velocity {
-            v if v > 0.0 => now >= Position::whole(limit),
-            v if v < 0.0 => now <= Position::whole(limit),
-            _ => false,
-        };
-        if at_limit {
-            let numbers = (Number::Velocity(velocity), Number::Position(limit));
-            return Err(self.refuse(Code::LIMIT_VIOLATION).with(numbers.0, numbers.1));
-        }
-        if velocity == 0.0 {
-            return Ok(self.plan_stop(self.command, limits.deceleration));
-        }
-        Ok(profile::to_velocity(self.command, velocity, limits, self.setup.cycle_ns))
-    }
-
     /// Couples the axis to a leader.
     pub(super) fn start_synchronize(
         &mut self,
@@ -214,6 +261,7 @@ impl Axis {
         sequence: u64,
         request: &Synchronize,
     ) -> Result<(), Refusal> {
+        self.check_closed_loop()?;
         self.check_free()?;
         let p = &self.parameters;
         let (numerator, denominator) = match (request.numerator, request.denominator) {
@@ -250,7 +298,7 @@ impl Axis {
             _ => Gear::new(ratio),
         };
         let follower =
-            Follower::new(request.leader, gear, request.mode, request.disengage, self.command, offset, bounds);
+            Follower::new(request.leader, gear, request.mode, request.disengage, self.present(), offset, bounds);
         self.begin_goal(cx, sequence, None);
         self.reference = Reference::Gear;
         self.generator = Generator::Follow(follower);

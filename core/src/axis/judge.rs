@@ -80,13 +80,15 @@ impl Axis {
             self.judge.in_position = false;
             return;
         }
-        if !self.is_virtual() {
+        if self.is_open_loop() {
+            self.judge.following_error = 0;
+        } else if !self.is_virtual() {
             self.judge_following(cx, answered);
         }
         if !self.is_on() {
             return;
         }
-        if matches!(self.generator, Generator::Rest) {
+        if self.rests() {
             self.judge_rest(cx);
         } else {
             self.judge.inside_since = None;
@@ -118,14 +120,23 @@ impl Axis {
         if !is_moving_state || self.power != Power::On {
             return;
         }
-        let ending = self.goal.and_then(|goal| goal.ending);
-        let reached = self.judge.in_position || self.goal.is_none() || ending.is_some();
+        let missed = self.searches();
+        let ending = if missed { Some(Code::PROBE_MISSED) } else { self.goal.and_then(|goal| goal.ending) };
+        let reached = self.judge.in_position || self.goal.is_none() || (ending.is_some() && !missed);
         if reached {
             if ending.is_none() {
                 self.judge.rested_at = self.goal.and_then(|goal| goal.target);
             }
             self.end_goal(cx, ending.unwrap_or(Code::NONE));
-            self.set_state(cx, AxisState::Standstill);
+            if missed {
+                self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position);
+            }
+            if self.buffer.is_empty() {
+                self.set_state(cx, AxisState::Standstill);
+            } else {
+                let before = self.judge.rested_at;
+                self.begin_next(cx, self.command, 0.0, before);
+            }
         }
     }
 
@@ -164,7 +175,7 @@ impl Axis {
                 self.stand_on_actual();
             }
             _ => {
-                self.brake_to_rest(cx, self.parameters.deceleration_limit());
+                self.brake_to_rest(cx, &self.stop_limits());
                 self.judge.after_stop = reaction;
             }
         }

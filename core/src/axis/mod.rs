@@ -1,26 +1,33 @@
 //! One axis: from its drive's inputs to its drive's outputs, once per cycle.
 //!
-//! Law      sense (all axes first) | supervise | advance the generator to t_k | apply this cycle's commands | judge | command the drive
+//! Law      sense (all axes first) | supervise | advance the generator to t_k | take the mark searched for | apply this cycle's commands | judge | command the drive
 //! Reads    the drive's inputs, the leaders that stand earlier in the order, the commands that name the axis
 //! Writes   its signals, its drive's outputs, events
 //! Refuses  each command with a code and the numbers of its sentence; a refused command changes nothing
 //! Source   PLCopen state diagram, CiA 402 states, MACS-ERR-02, contract sections 1 and 7
 
+mod buffer;
+mod course;
 mod goal;
 mod judge;
 mod modulo;
 mod motion;
+mod open_loop;
+mod overlay;
 mod power;
+mod probe;
 mod publish;
 mod state;
 mod stops;
+mod stream;
+mod vocabulary;
 
 pub use modulo::Modulo;
 pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, REFERENCES, Reference};
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
-use crate::drive::{DriveInput, DriveOutput, DriveState};
+use crate::drive::{DriveInput, DriveOutput, DriveState, Interface};
 use crate::encoder::{Counter, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::object::Object;
@@ -29,18 +36,22 @@ use crate::position::Position;
 use crate::profile::Motion;
 use crate::signal::Signal;
 use crate::sync::Leads;
+use crate::vocabulary::{Latched, Owner, amc, saia, wf};
+use buffer::Buffer;
 use goal::Goal;
 use judge::Judge;
 use motion::Generator;
+use overlay::Overlay;
 use power::Power;
 use serde::{Deserialize, Serialize};
 use stops::Waiting;
+use vocabulary::Awake;
 
 /// Longest delay of a drive in cycles.
 pub const MAX_DELAY: u32 = 32;
 
 /// What is fixed about an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisSetup {
     /// Place among the axes.
     pub index: u16,
@@ -48,8 +59,23 @@ pub struct AxisSetup {
     pub drive: Option<(usize, u32)>,
     /// Length of a turn.
     pub modulo: Option<Modulo>,
+    /// How its drive is commanded.
+    pub interface: Interface,
+    /// Increments per axis unit.
+    pub unit: f64,
+    /// What the reference selector is wired to.
+    pub amc: amc::Wiring,
+    /// Outputs of an open-loop axis.
+    pub open_loop: wf::Wiring,
     /// Length of a cycle (ns).
     pub cycle_ns: u64,
+}
+
+impl AxisSetup {
+    /// What the reference selector has to know of it.
+    pub fn selector(&self) -> amc::Setting {
+        amc::Setting { modulo: self.modulo, unit: self.unit, cycle_ns: self.cycle_ns, wiring: self.amc }
+    }
 }
 
 /// What an axis sees of its cycle.
@@ -60,6 +86,8 @@ pub struct Context<'a> {
     pub input: Option<&'a DriveInput>,
     /// The leaders, as far as this cycle has come.
     pub leads: &'a Leads,
+    /// The latches of this cycle.
+    pub latches: &'a [Latched],
     /// Newest streamed setpoints.
     pub stream: Option<&'a Setpoints>,
     /// Where events go.
@@ -89,8 +117,14 @@ pub struct Axis {
     /// Mode of operation that the drive shows.
     mode: i8,
     command: Motion,
+    /// The command of this cycle came from a leader or an encoder: its acceleration is that of single counts.
+    is_led: bool,
     generator: Generator,
     goal: Option<Goal>,
+    overlay: Option<Overlay>,
+    buffer: Buffer,
+    /// The override that the motion under way was planned with (%).
+    override_seen: f64,
     waiting: Waiting,
     judge: Judge,
     error: Code,
@@ -99,6 +133,11 @@ pub struct Axis {
     last_direction: f64,
     stream_generation: u64,
     stream_age: u64,
+    owner: Owner,
+    amc: amc::Amc,
+    saia: saia::Saia,
+    wf: wf::Wf,
+    awake: Awake,
     output: DriveOutput,
 }
 
@@ -123,15 +162,25 @@ impl Axis {
             effort: 0.0,
             mode: 0,
             command: Motion::default(),
+            is_led: false,
             generator: Generator::Rest,
             goal: None,
+            overlay: None,
+            buffer: Buffer::default(),
+            override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
             judge: Judge::new(delay),
             error: Code::NONE,
             brake: false,
             last_direction: 0.0,
             stream_generation: 0,
-            stream_age: 0,
+            // None has ever come.
+            stream_age: u64::MAX,
+            owner: Owner::Native,
+            amc: amc::Amc::default(),
+            saia: saia::Saia::default(),
+            wf: wf::Wf::default(),
+            awake: Awake::default(),
             output: DriveOutput::default(),
         }
     }
@@ -146,9 +195,13 @@ impl Axis {
     ) {
         self.supervise(cx);
         self.advance(cx);
+        self.take_mark(cx);
         for (place, command) in commands {
             self.take(cx, place, command, answered);
         }
+        self.follow_override(cx);
+        self.leave_velocity(cx);
+        self.step_vocabularies(cx);
         self.follow_stream(cx);
         self.judge(cx);
         self.switch_drive(cx);
@@ -170,13 +223,13 @@ impl Axis {
             Action::QuickStop(axes) if axes.contains(self.setup.index) => return self.quick_stop(cx, sequence),
             Action::ResetErrors(axes) if axes.contains(self.setup.index) => return self.reset(cx, sequence),
             Action::Move(request) if request.axis == self.setup.index => self.start_move(cx, sequence, request),
+            Action::Probe(request) if request.axis == self.setup.index => self.start_probe(cx, sequence, request),
             Action::Synchronize(request) if request.axis == self.setup.index => {
                 self.start_synchronize(cx, sequence, request)
             }
-            Action::Cancel { goal } if self.goal.is_some_and(|active| active.sequence == *goal) => {
-                self.cancel(cx, sequence);
-                Ok(())
-            }
+            Action::Saia(request) if request.axis == self.setup.index => self.run_saia(cx, sequence, request),
+            Action::Wf(request) if request.axis == self.setup.index => self.run_wf(cx, sequence, request),
+            Action::Cancel { goal } if self.cancel(cx, sequence, *goal) => Ok(()),
             _ => return,
         };
         *answered |= 1 << place;
@@ -187,7 +240,21 @@ impl Axis {
 
     /// Could its state have come about? One that was read from outside may hold anything.
     pub fn is_sound(&self) -> bool {
-        self.generator.is_sound() && self.parameters.is_sound()
+        let vocabularies = self.amc.is_sound() && self.saia.is_sound() && self.wf.is_sound();
+        let searches = self.goal.and_then(|goal| goal.search).is_none_or(|search| search.is_sound());
+        let waits = self.buffer.is_sound() && self.overlay.is_none_or(|overlay| overlay.is_sound());
+        let fits = match self.generator {
+            Generator::Rest => true,
+            Generator::Open { .. } | Generator::Coast { .. } => self.is_open_loop(),
+            Generator::Plan(_) | Generator::Follow(_) => !self.is_open_loop(),
+        };
+        fits && self.generator.is_sound()
+            && self.parameters.is_sound()
+            && vocabularies
+            && searches
+            && waits
+            && self.command.is_sound()
+            && self.override_seen.is_finite()
     }
 
     /// Is it the same axis of the same machine, whatever it is doing?
@@ -239,6 +306,11 @@ impl Axis {
             Generator::Follow(follower) => Some(follower.leader),
             _ => None,
         }
+    }
+
+    /// The leader that its reference selector may couple it to at any time.
+    pub fn master(&self) -> Option<crate::object::Leader> {
+        self.setup.amc.master
     }
 
     /// Length of a cycle (s).

@@ -19,16 +19,20 @@ impl Modulo {
         legal.then_some(Self { numerator, denominator })
     }
 
+    /// Denominator of its length in increments.
+    pub(crate) fn denominator(self) -> i128 {
+        i128::from(self.denominator)
+    }
+
     /// A turn in units of 2^-32 inc / denominator.
-    fn turn(self) -> i128 {
+    pub(crate) fn turn(self) -> i128 {
         i128::from(self.numerator) << 32
     }
 
     /// Whole turns, and the position within the turn.
     pub fn split(self, position: Position) -> (i64, Position) {
         let denominator = i128::from(self.denominator);
-        // |raw| < 2^94 and denominator < 2^31: the product stays below 2^125.
-        let scaled = position.raw() * denominator;
+        let scaled = raw(position) * denominator;
         let (turns, within) = (scaled.div_euclid(self.turn()), scaled.rem_euclid(self.turn()));
         (turns as i64, Position::from_raw(within.div_euclid(denominator)))
     }
@@ -37,12 +41,12 @@ impl Modulo {
     /// increment. `stop` is where the axis would come to rest: no direction asks it to turn back from there.
     pub fn target(self, wanted: Position, now: Position, stop: Position, direction: Direction, last: f64) -> i64 {
         let denominator = i128::from(self.denominator);
-        let wanted = (wanted.raw() * denominator).rem_euclid(self.turn());
-        let ahead = |from: Position| (wanted - from.raw() * denominator).rem_euclid(self.turn());
-        let up = |from: Position| from.raw() * denominator + ahead(from);
+        let wanted = (raw(wanted) * denominator).rem_euclid(self.turn());
+        let ahead = |from: Position| (wanted - raw(from) * denominator).rem_euclid(self.turn());
+        let up = |from: Position| raw(from) * denominator + ahead(from);
         let down = |from: Position| {
             let way = ahead(from);
-            from.raw() * denominator + if way == 0 { 0 } else { way - self.turn() }
+            raw(from) * denominator + if way == 0 { 0 } else { way - self.turn() }
         };
         let scaled = match direction {
             Direction::Positive => up(stop.max(now)),
@@ -56,6 +60,11 @@ impl Modulo {
         };
         round(scaled, denominator)
     }
+}
+
+/// A position in units of 2^-32 inc, no further away than 2^63 inc: times a denominator below 2^31 it stays below 2^127.
+fn raw(position: Position) -> i128 {
+    position.raw().clamp(-(1 << 95), 1 << 95)
 }
 
 /// Nearest whole increments of a value in units of 2^-32 inc / denominator, half away from zero.

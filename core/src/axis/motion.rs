@@ -1,17 +1,15 @@
 //! What moves an axis in a cycle, and what keeps it within its limits.
 
-use super::power::Power;
+use super::course::{Aim, Course};
 use super::{Axis, AxisState, Context, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
 use crate::position::Position;
-use crate::profile::{self, Limits, Motion, Plan};
+use crate::profile::{self, Limits, Motion, Plan, Shape};
 use crate::sync::follower::{Follower, Phase};
 use crate::sync::gear::Gear;
 use serde::{Deserialize, Serialize};
 
-/// Cycles after which a constant velocity starts from its own place again: f64 stays exact enough for ever.
-const REBASE_CYCLES: u64 = 1 << 20;
 /// What rounding may put a stopping point beyond a limit (inc).
 const ROUNDING: f64 = 1e-6;
 
@@ -21,28 +19,24 @@ const ROUNDING: f64 = 1e-6;
 pub(super) enum Generator {
     /// Nothing: the position holds.
     Rest,
-    /// A profile, since cycle `start`.
-    Plan {
-        plan: Plan,
-        start: u64,
-        /// Deceleration that its goal asked for (inc/s^2).
-        deceleration: f64,
-    },
+    /// A profile.
+    Plan(Course),
     /// A coupling.
     Follow(Follower),
+    /// Open loop: the drive runs at this speed (inc/s), and the command is where it is.
+    Open { velocity: f64 },
+    /// Open loop: switched off in cycle `since`, until the drive stands.
+    Coast { since: u64 },
 }
 
 impl Generator {
     pub(super) fn is_sound(&self) -> bool {
         match self {
-            Generator::Rest => true,
-            Generator::Plan { plan, .. } => plan.is_sound(),
+            Generator::Rest | Generator::Coast { .. } => true,
+            Generator::Plan(course) => course.is_sound(),
             Generator::Follow(follower) => follower.is_sound(),
+            Generator::Open { velocity } => velocity.is_finite(),
         }
-    }
-
-    pub(super) fn plan(plan: Plan, start: u64, deceleration: f64) -> Self {
-        Generator::Plan { plan, start, deceleration }
     }
 }
 
@@ -52,87 +46,147 @@ impl Axis {
         if !self.is_on() {
             self.command = Motion::at_rest(self.actual.position);
             self.generator = Generator::Rest;
+            self.is_led = false;
             return;
         }
-        let before = self.command;
-        match self.generator {
-            Generator::Rest => self.command = Motion::at_rest(before.position),
-            Generator::Plan { plan, start, deceleration } => self.read_plan(cx, plan, start, deceleration),
-            Generator::Follow(follower) => self.follow(cx, follower),
+        if self.is_open_loop() {
+            return self.advance_open(cx);
+        }
+        self.is_led = matches!(self.generator, Generator::Follow(_));
+        let base = match &self.generator {
+            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => {
+                Some(Motion::at_rest(self.command.position))
+            }
+            Generator::Plan(_) => Some(self.read_course(cx)),
+            Generator::Follow(_) => self.follow(cx),
+        };
+        // Without one, the axis stops already.
+        if let Some(base) = base {
+            let next = self.superimpose(cx, base);
+            if !self.stop_at_limit(cx, next) {
+                self.command = next;
+            }
         }
         if self.command.velocity != 0.0 {
             self.last_direction = self.command.velocity;
         }
     }
 
-    fn read_plan(&mut self, cx: &mut Context<'_>, plan: Plan, start: u64, deceleration: f64) {
-        let elapsed = cx.cycle.saturating_sub(start);
-        let next = plan.at(elapsed);
-        let ends_at_rest = plan.end_velocity() == 0.0;
-        if !ends_at_rest {
-            if self.stop_at_limit(cx, next) {
-                return;
-            }
-            if elapsed > plan.cycles().saturating_add(REBASE_CYCLES) {
-                let same = profile::to_velocity(next, next.velocity, self.usual_limits(), self.setup.cycle_ns);
-                self.generator = Generator::plan(same, cx.cycle, deceleration);
-            }
-        } else if elapsed >= plan.cycles() {
+    /// The motion of this cycle by the course under way; at its end, what comes next begins.
+    fn read_course(&mut self, cx: &mut Context<'_>) -> Motion {
+        let Generator::Plan(course) = &mut self.generator else { return self.command };
+        let next = course.at(cx.cycle);
+        if !course.has_ended(cx.cycle) {
+            return next;
+        }
+        if course.end_velocity() == 0.0 {
             // A stop may end between two increments. Its drive is given the lower one either way: resting there moves
             // nothing, and every axis at rest stands on a whole increment.
-            self.generator = Generator::Rest;
-            self.command = Motion::at_rest(Position::whole(next.position.floor()));
-            return;
+            if !course.is_held() {
+                self.generator = Generator::Rest;
+            }
+            // What is superimposed moves on from where it is.
+            let rest = if self.overlay.is_some() { next.position } else { Position::whole(next.position.floor()) };
+            return Motion::at_rest(rest);
         }
-        self.command = next;
+        match course.aim {
+            Aim::Target(_) => self.pass(cx, next),
+            _ if course.is_old(cx.cycle) => {
+                let (aim, limits) = (course.aim, course.limits);
+                let plan = profile::to_velocity(next, next.velocity, &limits, self.setup.cycle_ns);
+                self.generator = Generator::Plan(Course::new(plan, cx.cycle, aim, limits));
+                next
+            }
+            _ => next,
+        }
     }
 
-    fn follow(&mut self, cx: &mut Context<'_>, mut follower: Follower) {
+    /// The target is passed, or the place before it where speeding up begins.
+    fn pass(&mut self, cx: &mut Context<'_>, next: Motion) -> Motion {
+        let Generator::Plan(course) = self.generator else { return next };
+        let lead = course.overshoot(cx.cycle);
+        let from = Motion { velocity: course.end_velocity(), ..Motion::at_rest(course.end()) };
+        if course.end_velocity() != course.pass {
+            let plan = profile::to_velocity(from, course.pass, &course.limits, self.setup.cycle_ns);
+            let speeding = Course::new(plan, cx.cycle, course.aim, course.limits).passing(course.pass);
+            self.generator = Generator::Plan(speeding.with_lead(lead));
+        } else if self.buffer.is_empty() {
+            // Its next goal is gone: it ends where it should have ended all along.
+            self.replan_from(cx, from, lead);
+        } else {
+            let before = self.goal.and_then(|goal| goal.target);
+            self.end_goal(cx, Code::NONE);
+            self.begin_next(cx, from, lead, before);
+        }
+        match &self.generator {
+            Generator::Plan(course) => course.at(cx.cycle),
+            _ => next,
+        }
+    }
+
+    fn replan_from(&mut self, cx: &mut Context<'_>, from: Motion, lead: f64) {
+        if let Generator::Plan(course) = self.generator {
+            let course = self.course(cx.cycle, from, course.aim, course.limits);
+            self.generator = Generator::Plan(course.with_lead(lead));
+        }
+    }
+
+    /// The motion of this cycle by the leader; none where the coupling is lost, and the axis stops already.
+    fn follow(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
+        let Generator::Follow(mut follower) = self.generator else { return None };
         let lead = cx.leads.get(follower.leader);
         let bound = Position::whole(Gear::MAX_CHANGE);
         if !lead.valid || lead.change > bound || lead.change < -bound {
             let code = if lead.valid { Code::ENCODER_JUMP } else { Code::LEADER_LOST };
             self.react(cx, code, Number::Position(lead.change.floor()), Number::None);
             // The motion of this cycle is not known: the stop begins with the last one, a cycle ago.
-            if let Generator::Plan { plan, start, .. } = &mut self.generator {
-                *start = cx.cycle.saturating_sub(1);
-                self.command = plan.at(1);
+            if let Generator::Plan(course) = &mut self.generator {
+                course.begin_earlier();
+                self.command = course.at(cx.cycle);
             }
-            return;
+            return None;
         }
         let was = follower.phase();
-        let next = follower.step(self.command, lead, self.cycle_s());
-        if self.stop_at_limit(cx, next) {
-            return;
-        }
+        let next = follower.step(self.underlying(), lead, self.cycle_s(), self.reserve());
         if was == Phase::Synchronized && follower.phase() == Phase::CatchingUp {
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SYNC_LOST);
             cx.events.push(Event { position: next.position, ..event });
         }
         self.generator = Generator::Follow(follower);
-        self.command = next;
+        Some(next)
     }
 
     /// Would `next` leave no way to stop before a limit? Then the axis stops at it instead, from its last motion, and
-    /// that is an error.
+    /// that is an error. A motion to a target was checked as a whole when it was planned.
     fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion) -> bool {
-        let up = next.velocity > 0.0;
+        let watched = match &self.generator {
+            // One that passes its target was checked with the goal behind it.
+            Generator::Plan(course) => course.end_velocity() != 0.0 && course.pass == 0.0,
+            Generator::Follow(_) => true,
+            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
+        };
+        if !watched {
+            return false;
+        }
+        let way = self.stopping_way(next);
+        let up = way > 0.0;
         let limit = Position::whole(self.limit(up));
-        let down = self.parameters.deceleration_limit();
         let sign = if up { 1.0 } else { -1.0 };
         let room = |from: Motion| sign * (limit - from.position).to_f64();
-        if next.velocity == 0.0 || room(next) + ROUNDING >= self.stopping_way(next, down) {
+        if way == 0.0 || room(next) + ROUNDING >= way.abs() {
             return false;
         }
         // The motion before kept the rule, so it can stop in time; it started a cycle ago.
-        let before = self.command;
+        let before = Motion { acceleration: self.present().acceleration, ..self.command };
+        let limits = self.sharpened(before, self.stop_limits());
         let plan = if before.velocity * sign > 0.0 && room(before) > 0.0 {
-            profile::stop_at(before, limit, self.setup.cycle_ns)
+            self.plan_stop_at(before, limit, &limits)
         } else {
-            profile::stop(before, down, self.setup.cycle_ns)
+            profile::stop(before, &limits, self.setup.cycle_ns)
         };
-        self.generator = Generator::plan(plan, cx.cycle.saturating_sub(1), down);
-        self.command = plan.at(1);
+        let course = Course::new(plan, cx.cycle.saturating_sub(1), Aim::Stop, limits);
+        self.command = course.at(cx.cycle);
+        self.generator = Generator::Plan(course);
         self.reference = Reference::Stop;
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
@@ -151,112 +205,158 @@ impl Axis {
         }
     }
 
-    /// The way that it takes to stop after `next`. A profile stops in continuous time; a coupled axis makes whole steps, of
-    /// which one may be a count more than its leader's speed.
-    fn stopping_way(&self, next: Motion, deceleration: f64) -> f64 {
+    /// Limits of stops that cannot wait (MACS-PROF-13); a coupling knows no shapes (MACS-PROF-07).
+    pub(super) fn stop_limits(&self) -> Limits {
+        let limits = self.parameters.largest_limits();
+        match &self.generator {
+            Generator::Follow(_) => Limits { shape: Shape::Trapezoid, ..limits },
+            // Maxima that were lowered meanwhile hold from the next motion on.
+            Generator::Plan(course) => limits.at_least(&course.limits),
+            _ => limits,
+        }
+    }
+
+    /// The signed way that it takes to stop after `next`. A profile stops in continuous time; a coupled axis makes whole
+    /// steps, of which one may be a count more than its leader's speed.
+    fn stopping_way(&self, next: Motion) -> f64 {
+        let limits = self.stop_limits();
         match &self.generator {
             Generator::Follow(follower) => {
                 let cycle_s = self.cycle_s();
                 let step = (next.velocity.abs() * cycle_s - follower.uneven()).max(0.0);
-                let less = deceleration * cycle_s * cycle_s;
+                let less = limits.deceleration * cycle_s * cycle_s;
                 let steps = (step / less * (1.0 + 1e-9)).floor();
-                steps * step - less * steps * (steps + 1.0) / 2.0
+                (steps * step - less * steps * (steps + 1.0) / 2.0) * next.velocity.signum()
             }
-            _ => next.velocity * next.velocity / (2.0 * deceleration),
+            _ => profile::stopping_way(next, &limits),
         }
+    }
+
+    /// The motion of this cycle as the next profile begins with it. A coupling's acceleration is what its leader's counts
+    /// make of it: no profile goes on with that.
+    pub(super) fn present(&self) -> Motion {
+        if self.is_led { Motion { acceleration: 0.0, jerk: 0.0, ..self.command } } else { self.command }
+    }
+
+    /// A plan to rest at `target`, which lies ahead, without going faster than now and never beyond it. Where the shape of
+    /// the ramps allows no stop there, it turns before the target and comes to rest as near as it can; where it does not
+    /// even allow that, the deceleration is constant: that stops before it from every motion that could.
+    fn plan_stop_at(&self, from: Motion, target: Position, limits: &Limits) -> Plan {
+        let constant = || profile::stop_at(from, target, self.setup.cycle_ns);
+        if limits.shape == Shape::Trapezoid {
+            return constant();
+        }
+        let limits = Limits { velocity: from.velocity.abs(), ..*limits };
+        let up = target > from.position;
+        let plan_to = |end: Position| {
+            let plan = profile::to_rest(from, end, &limits, self.setup.cycle_ns);
+            let (low, high) = plan.extent();
+            (if up { high <= target } else { low >= target }).then_some(plan)
+        };
+        if let Some(plan) = plan_to(target) {
+            return plan;
+        }
+        let Some(mut best) = plan_to(from.position) else { return constant() };
+        let (mut near, mut far) = (from.position, target);
+        for _ in 0..16 {
+            let middle = Position::from_raw(near.raw() / 2 + far.raw() / 2);
+            match plan_to(middle) {
+                Some(plan) => (best, near) = (plan, middle),
+                None => far = middle,
+            }
+        }
+        best
     }
 
     /// Where it would come to rest from its present motion at best.
     fn earliest_rest(&self) -> Position {
-        profile::stop(self.command, self.parameters.deceleration_limit(), self.setup.cycle_ns).end()
+        profile::stop(self.present(), &self.stop_limits(), self.setup.cycle_ns).end()
     }
 
-    /// Lowest and highest position that the motion under way will or must take; none at rest.
+    /// Lowest and highest position that the motion under way, what is superimposed and the goals that wait will or must
+    /// take; none at rest.
     pub fn reach(&self) -> Option<(i64, i64)> {
-        let (low, high) = match &self.generator {
-            Generator::Rest => return None,
-            Generator::Plan { plan, .. } if plan.end_velocity() == 0.0 => plan.extent_from(self.command.position),
-            _ => {
-                let (now, rest) = (self.command.position, self.earliest_rest());
-                (now.min(rest), now.max(rest))
-            }
+        let now = self.command.position;
+        let stopping = match &self.generator {
+            Generator::Plan(course) if course.end_velocity() != 0.0 => Some(self.earliest_rest()),
+            Generator::Follow(_) => Some(self.earliest_rest()),
+            Generator::Rest if self.overlay.is_some() => Some(now),
+            // Where an axis coasts to is not known.
+            _ => None,
         };
-        Some((low.floor(), high.ceil()))
+        let stopping = stopping.map(|rest| (now.min(rest), now.max(rest)));
+        let (low, high) = [stopping, self.known_reach()].into_iter().flatten().reduce(union)?;
+        let (down, up) = self.overlay_ahead();
+        Some(((low + down).floor(), (high + up).ceil()))
     }
 
-    /// A plan to rest with `deceleration`, or as much more as it takes to stay within the limit.
-    pub(super) fn plan_stop(&self, from: Motion, deceleration: f64) -> Plan {
-        let plan = profile::stop(from, deceleration, self.setup.cycle_ns);
-        let up = from.velocity > 0.0;
-        let limit = Position::whole(self.limit(up));
-        let (passes, lies_ahead) =
-            if up { (plan.end() > limit, from.position < limit) } else { (plan.end() < limit, from.position > limit) };
-        // Beyond the limit already, it can only stop.
-        if passes && lies_ahead && from.velocity != 0.0 {
-            return profile::stop_at(from, limit, self.setup.cycle_ns);
+    /// Lowest and highest position of what is planned and of the goals that wait, without what is superimposed; none where
+    /// no place is known.
+    pub(super) fn known_reach(&self) -> Option<(Position, Position)> {
+        let (way, target) = match &self.generator {
+            Generator::Plan(course) => {
+                let ends = course.end_velocity() == 0.0;
+                // Into a velocity it passes with room to stop.
+                let passing = Motion { velocity: course.pass, ..Motion::default() };
+                let way = Position::from_f64(profile::stopping_way(passing, &self.stop_limits()));
+                let target = match course.aim {
+                    Aim::Target(target) => Some((target.min(target + way), target.max(target + way))),
+                    Aim::Velocity(_) | Aim::Stop => None,
+                };
+                (ends.then(|| course.extent_from(self.command.position)), target)
+            }
+            _ => (None, None),
+        };
+        let ends = self.waiting_ends().flatten().map(|end| Position::whole(end.nearest()));
+        let places = ends.map(|place| (place, place));
+        way.into_iter().chain(target).chain(places).reduce(union)
+    }
+
+    /// A plan to rest with `limits`, or as much more as it takes to stay within the limit.
+    pub(super) fn plan_stop(&self, from: Motion, limits: &Limits) -> Plan {
+        let plan = profile::stop(from, limits, self.setup.cycle_ns);
+        let (low, high) = plan.extent();
+        let (lowest, highest) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
+        let sharpest = self.sharpened(from, self.stop_limits());
+        // Beyond a limit already, it can only stop.
+        if high > highest && from.position < highest && from.velocity > 0.0 {
+            return self.plan_stop_at(from, highest, &sharpest);
+        }
+        if low < lowest && from.position > lowest && from.velocity < 0.0 {
+            return self.plan_stop_at(from, lowest, &sharpest);
         }
         plan
     }
 
     /// Stops from the present motion; at rest it stays where its drive is asked to be.
-    pub(super) fn brake_to_rest(&mut self, cx: &mut Context<'_>, deceleration: f64) {
+    pub(super) fn brake_to_rest(&mut self, cx: &mut Context<'_>, limits: &Limits) {
+        if self.is_open_loop() {
+            return self.switch_speed_off(cx);
+        }
         self.reference = Reference::Stop;
         if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion) {
             self.set_state(cx, AxisState::DiscreteMotion);
         }
-        if self.command.velocity == 0.0 {
+        let present = self.present();
+        if present.velocity == 0.0 && (present.acceleration == 0.0 || limits.shape == Shape::Trapezoid) {
             self.command = Motion::at_rest(Position::whole(self.command.position.floor()));
             self.generator = Generator::Rest;
             return;
         }
-        let plan = self.plan_stop(self.command, deceleration);
-        self.generator = Generator::plan(plan, cx.cycle, deceleration);
+        let course = self.course(cx.cycle, present, Aim::Stop, *limits);
+        self.generator = Generator::Plan(course);
     }
 
-    /// The deceleration that the active motion was asked for.
-    pub(super) fn active_deceleration(&self) -> f64 {
-        match self.generator {
-            Generator::Plan { deceleration, .. } => deceleration,
-            _ => self.parameters.usual_deceleration(),
+    /// The limits that the active motion was asked for.
+    pub(super) fn active_limits(&self) -> Limits {
+        match &self.generator {
+            Generator::Plan(course) => course.limits,
+            _ => self.parameters.usual_limits(),
         }
     }
+}
 
-    pub(super) fn usual_limits(&self) -> Limits {
-        Limits {
-            velocity: self.parameters.usual_velocity(),
-            acceleration: self.parameters.usual_acceleration(),
-            deceleration: self.parameters.usual_deceleration(),
-        }
-    }
-
-    /// Takes the newest streamed velocity, and stops when none has come for too long.
-    pub(super) fn follow_stream(&mut self, cx: &mut Context<'_>) {
-        let streams = self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream;
-        let free = self.state == AxisState::Standstill || streams;
-        let newest = cx.stream.filter(|stream| stream.generation != self.stream_generation);
-        let wanted = newest.and_then(|stream| *stream.velocity.get(usize::from(self.setup.index))?);
-        self.stream_age = self.stream_age.saturating_add(1);
-        if let Some(stream) = newest {
-            self.stream_generation = stream.generation;
-        }
-        // NaN fails the comparison: a bad setpoint is no sign of life.
-        if let Some(velocity) = wanted
-            && free
-            && self.power == Power::On
-            && velocity.abs() <= self.parameters.max_velocity
-        {
-            self.stream_age = 0;
-            let limits = self.usual_limits();
-            let plan = profile::to_velocity(self.command, velocity, limits, self.setup.cycle_ns);
-            self.generator = Generator::plan(plan, cx.cycle, limits.deceleration);
-            self.reference = Reference::Stream;
-            self.set_state(cx, AxisState::ContinuousMotion);
-        }
-        let timeout = self.parameters.setpoint_timeout.unsigned_abs();
-        let silent = self.stream_age.saturating_mul(self.setup.cycle_ns) > timeout;
-        if self.reference == Reference::Stream && self.command.velocity != 0.0 && silent {
-            self.brake_to_rest(cx, self.parameters.usual_deceleration());
-            cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::STREAM_TIMEOUT));
-        }
-    }
+/// From the lowest to the highest of both.
+fn union(one: (Position, Position), other: (Position, Position)) -> (Position, Position) {
+    (one.0.min(other.0), one.1.max(other.1))
 }

@@ -1,5 +1,6 @@
 //! Writing an axis' signals.
 
+use super::course::Aim;
 use super::{Axis, Generator};
 use crate::position::Position;
 use crate::signal::Board;
@@ -32,7 +33,7 @@ impl Axis {
     }
 
     /// Writes all signals of this cycle.
-    pub fn publish(&self, board: &mut Board, leads: &Leads) {
+    pub fn publish(&mut self, board: &mut Board, leads: &Leads) {
         let command = self.command;
         let position = command.position.floor();
         let coupling = self.coupling(leads);
@@ -40,12 +41,10 @@ impl Axis {
             Some(modulo) => modulo.split(command.position),
             None => (0, command.position),
         };
-        let target = match &self.generator {
-            Generator::Plan { plan, .. } if plan.end_velocity() == 0.0 => plan.end().floor(),
-            _ => position,
-        };
-        let in_velocity = matches!(&self.generator, Generator::Plan { plan, .. }
-            if plan.end_velocity() != 0.0 && command.velocity == plan.end_velocity() && command.acceleration == 0.0);
+        let target = self.course_end().unwrap_or(command.position).floor();
+        let in_velocity = matches!(&self.generator, Generator::Plan(course)
+            if matches!(course.aim, Aim::Velocity(velocity) if command.velocity == velocity)
+                && command.acceleration == 0.0);
         let actual = self.actual.position.floor();
         let p = &self.parameters;
 
@@ -82,6 +81,7 @@ impl Axis {
         set(ActualEffort, real(self.effort));
         set(FollowingError, int(self.judge.following_error));
         set(RegulatorError, int(if self.is_on() { position.saturating_sub(actual) } else { 0 }));
+        set(RegulatorOutput, real(self.regulator_output()));
         set(ModuloPosition, int(within.floor()));
         set(Turns, int(turns));
         set(SyncMaster, int(coupling.master));
@@ -93,6 +93,7 @@ impl Axis {
         set(OutputVelocity, real(self.output.velocity));
         set(OutputEffort, real(self.output.effort));
         set(OutputControl, u64::from(self.output.control));
+        self.publish_vocabularies(board, leads);
     }
 
     /// Shows a latched position.

@@ -62,8 +62,24 @@ pub enum Reference {
     Gear = 4,
     /// A relative position.
     PositionRelative = 6,
+    /// The last target position, held.
+    PositionProfile = 7,
     /// Streamed setpoints.
     Stream = 9,
+}
+
+impl Reference {
+    /// The reference of a number of AMC-SEL; those that do not exist never come here.
+    pub fn selected(number: i64) -> Self {
+        match number {
+            1 => Self::PositionAbsolute,
+            2 => Self::Speed,
+            4 => Self::Gear,
+            6 => Self::PositionRelative,
+            7 => Self::PositionProfile,
+            _ => Self::Stop,
+        }
+    }
 }
 
 /// Names of [`Reference`], by number.

@@ -1,6 +1,7 @@
 //! The commands that every axis answers: enable, disable, halt, quick_stop, reset_errors, cancel; and who waits for
 //! their end.
 
+use super::course::Aim;
 use super::power::Power;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
@@ -9,7 +10,6 @@ use crate::drive::DriveState;
 use crate::event::{Event, EventQueue, Kind, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
-use crate::profile;
 use serde::{Deserialize, Serialize};
 
 /// What a waiting command waits for.
@@ -101,7 +101,7 @@ impl Axis {
     fn wait(&mut self, cx: &mut Context<'_>, sequence: u64, until: Until) {
         let done = Event::new(Severity::Info, Kind::Done, self.object(), Code::NONE).of_command(sequence);
         let done = Event { position: self.command.position, ..done };
-        if until == Until::Standstill && matches!(self.generator, Generator::Rest) {
+        if until == Until::Standstill && self.rests() {
             // It stands: what else comes in this cycle does not concern it.
             cx.events.push(done);
         } else if !self.waiting.add(sequence, until) {
@@ -119,17 +119,17 @@ impl Axis {
     }
 
     pub(super) fn disable(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        self.end_goal(cx, Code::DISABLED);
+        self.abandon(cx, Code::DISABLED);
         if self.is_virtual() {
             // A virtual axis is always on: there is only its motion to end.
-            self.brake_to_rest(cx, self.parameters.deceleration_limit());
+            self.brake_to_rest(cx, &self.stop_limits());
             self.wait(cx, sequence, Until::Standstill);
             return;
         }
         match self.power {
             Power::On => {
                 self.power = Power::SwitchingOff;
-                self.brake_to_rest(cx, self.parameters.deceleration_limit());
+                self.brake_to_rest(cx, &self.stop_limits());
             }
             Power::SwitchingOff => {}
             _ => self.switch_off(cx),
@@ -138,18 +138,18 @@ impl Axis {
     }
 
     pub(super) fn halt(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        let deceleration = self.active_deceleration();
-        self.end_goal(cx, Code::HALTED);
+        let limits = self.active_limits();
+        self.abandon(cx, Code::HALTED);
         if self.is_moving_freely() {
-            self.brake_to_rest(cx, deceleration);
+            self.brake_to_rest(cx, &limits);
         }
         self.wait(cx, sequence, Until::Standstill);
     }
 
     pub(super) fn quick_stop(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        self.end_goal(cx, Code::QUICK_STOP);
+        self.abandon(cx, Code::QUICK_STOP);
         if self.is_on() && self.state != AxisState::ErrorStop {
-            self.brake_to_rest(cx, self.parameters.deceleration_limit());
+            self.brake_to_rest(cx, &self.stop_limits());
             self.set_state(cx, AxisState::Stopping);
         }
         self.wait(cx, sequence, Until::Standstill);
@@ -192,26 +192,48 @@ impl Axis {
         }
     }
 
-    /// Ends the active goal with a controlled stop; the goal lives until the axis stands.
-    pub(super) fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        cx.events.push(Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE).of_command(sequence));
-        let deceleration = self.active_deceleration();
+    /// Ends a goal of this axis with a controlled stop; the active one lives until the axis stands. False for another's.
+    pub(super) fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64, goal: u64) -> bool {
+        let is_active = self.goal.is_some_and(|active| active.sequence == goal);
+        let is_overlay = self.overlay.is_some_and(|overlay| overlay.sequence == goal);
+        let answer = |kind| Event::new(Severity::Info, kind, self.object(), Code::NONE).of_command(sequence);
+        let (accepted, done) = (answer(Kind::Accepted), answer(Kind::Done));
+        if !is_active && !is_overlay {
+            if !self.buffer.holds(goal) {
+                return false;
+            }
+            cx.events.push(accepted);
+            self.cancel_waiting(cx, goal);
+        } else {
+            cx.events.push(accepted);
+            if is_overlay {
+                self.cancel_overlay(cx);
+            } else {
+                self.cancel_active(cx);
+            }
+        }
+        cx.events.push(done);
+        true
+    }
+
+    fn cancel_active(&mut self, cx: &mut Context<'_>) {
+        let limits = self.active_limits();
+        self.end_overlay(cx, Code::CANCELLED);
+        self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position);
         let goes_on = matches!(&self.generator, Generator::Follow(f) if f.disengage == Disengage::KeepVelocity);
         if goes_on {
             self.end_goal(cx, Code::CANCELLED);
             let velocity = self.steady_velocity();
-            let limits = self.usual_limits();
-            let plan = profile::to_velocity(self.command, velocity, limits, self.setup.cycle_ns);
-            self.generator = Generator::plan(plan, cx.cycle, deceleration);
+            let aim = if velocity == 0.0 { Aim::Stop } else { Aim::Velocity(velocity) };
+            self.generator = Generator::Plan(self.course(cx.cycle, self.present(), aim, limits));
             self.reference = Reference::Speed;
             self.set_state(cx, AxisState::ContinuousMotion);
         } else {
             if let Some(goal) = &mut self.goal {
                 goal.ending = Some(Code::CANCELLED);
             }
-            self.brake_to_rest(cx, deceleration);
+            self.brake_to_rest(cx, &limits);
         }
-        cx.events.push(Event::new(Severity::Info, Kind::Done, self.object(), Code::NONE).of_command(sequence));
     }
 
     /// Velocity with which a coupled axis goes on alone.
@@ -233,7 +255,7 @@ impl Axis {
         if self.waiting.0.iter().all(Option::is_none) {
             return;
         }
-        let stands = matches!(self.generator, Generator::Rest);
+        let stands = self.rests();
         let locked = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop)
             || !self.error.is_none()
             || self.drive_fails(cx);

@@ -55,7 +55,7 @@ impl Machine {
                 Ok(true)
             }
             Action::Synchronize(request) => self.admit_synchronize(request),
-            Action::Move(_) | Action::Cancel { .. } => Ok(true),
+            Action::Move(_) | Action::Probe(_) | Action::Saia(_) | Action::Wf(_) | Action::Cancel { .. } => Ok(true),
             Action::SetParameters(changes) => {
                 self.set_parameters(command, changes)?;
                 Ok(false)
@@ -102,7 +102,9 @@ impl Machine {
                     let goal = Number::Count(goal.cast_signed());
                     Refusal::new(Code::UNKNOWN_GOAL, Object::Machine).with(goal, Number::None)
                 }
-                Action::Move(_) | Action::Synchronize(_) => Refusal::new(Code::BAD_REQUEST, Object::Machine),
+                Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Saia(_) | Action::Wf(_) => {
+                    Refusal::new(Code::BAD_REQUEST, Object::Machine)
+                }
                 _ => continue,
             };
             if left >> place & 1 == 1 {
@@ -141,6 +143,7 @@ impl Machine {
     /// The whole set of an axis must agree, with itself and with what the axis is doing.
     fn check_candidate(&self, change: &Change) -> Result<(), Refusal> {
         let index = usize::from(change.axis);
+        self.state.axes[index].admits_selector(&self.candidates[index], self.state.cycle, &self.state.leads)?;
         let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
         let refuse = |code| Refusal { parameter: Some(change.row), ..Refusal::new(code, change.object()) };
         if let Err((low, high)) = candidate.check() {
@@ -183,6 +186,7 @@ fn number_of(change: &Change) -> Number {
         (Value::Int(value), _) => Number::Count(value),
         (Value::Real(value), Some(Measure::Acceleration)) => Number::Acceleration(value),
         (Value::Real(value), Some(Measure::Jerk)) => Number::Jerk(value),
+        (Value::Real(value), Some(Measure::Number)) => Number::Real(value),
         (Value::Real(value), _) => Number::Velocity(value),
     }
 }
@@ -195,7 +199,9 @@ fn refusal_of(change: &Change, refused: Refused) -> Refusal {
     let row = ROWS.get(usize::from(change.row));
     let limit = match row.map(|row| row.range) {
         Some(Range::Int(_, high)) => number_of(&Change { value: Value::Int(high), ..*change }),
-        Some(Range::PositiveUpTo(high)) => number_of(&Change { value: Value::Real(high), ..*change }),
+        Some(Range::PositiveUpTo(high) | Range::Real(_, high)) => {
+            number_of(&Change { value: Value::Real(high), ..*change })
+        }
         None => Number::None,
     };
     let refusal = Refusal::new(code, change.object()).with(number_of(change), limit);

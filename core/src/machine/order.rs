@@ -1,25 +1,33 @@
 //! The order of the axes: a leader before its followers, else as in the file.
+//!
+//! An axis follows what it is coupled to, and may at any time follow the master of its reference selector: that counts as if
+//! it did, so that no selector ever closes a loop or waits for another order.
 
 use super::Machine;
 use crate::object::{AxisSet, Leader};
 
 impl Machine {
-    /// Would axis `follower` follow itself through `leader`? Counted are the couplings there are and those that were asked for
-    /// in this cycle: whichever of them is refused in the end, no loop can be left.
+    /// The axes that `axis` follows or may follow: as asked in this cycle, at present, by its reference selector.
+    fn leaders(&self, axis: u16) -> impl Iterator<Item = u16> {
+        let index = usize::from(axis);
+        let asked = self.couplings.get(index).copied().flatten();
+        let axis = self.state.axes.get(index);
+        let leaders = [asked, axis.and_then(|axis| axis.leader()), axis.and_then(|axis| axis.master())];
+        leaders.into_iter().flatten().filter_map(|leader| match leader {
+            Leader::AxisCommand(leader) => Some(leader),
+            _ => None,
+        })
+    }
+
+    /// Would axis `follower` follow itself through `leader`? Counted are the couplings there are, those that were asked for
+    /// in this cycle, and those that may come: whichever of them is refused in the end, no loop can be left.
     pub(super) fn closes_loop(&self, follower: u16, leader: Leader) -> bool {
         let Leader::AxisCommand(first) = leader else { return false };
         let mut reached = AxisSet::one(first);
         loop {
             let before = reached;
             for axis in before.iter() {
-                let index = usize::from(axis);
-                let asked = self.couplings.get(index).copied().flatten();
-                let present = self.state.axes.get(index).and_then(|axis| axis.leader());
-                for leader in [asked, present].into_iter().flatten() {
-                    if let Leader::AxisCommand(next) = leader {
-                        reached.insert(next);
-                    }
-                }
+                self.leaders(axis).for_each(|next| reached.insert(next));
             }
             if reached == before {
                 return reached.contains(follower);
@@ -27,31 +35,38 @@ impl Machine {
         }
     }
 
-    /// Sorts the axes by [`couplings`](Self::couplings), which have no loop.
+    /// Sorts the axes by those that they follow, which have no loop.
     pub(super) fn sort_axes(&mut self) {
-        let mut placed = AxisSet::EMPTY;
-        let mut count = 0;
-        for index in 0..self.state.axes.len() as u16 {
-            // From the axis up to the first leader that stands already: that many places, filled from the back.
-            let chain = |axis: u16| match self.couplings.get(usize::from(axis)).copied().flatten() {
-                Some(Leader::AxisCommand(leader)) => Some(leader),
-                _ => None,
-            };
-            let mut length = 0;
-            let mut next = Some(index);
-            while let Some(axis) = next.filter(|&axis| !placed.contains(axis) && length < self.state.axes.len()) {
-                length += 1;
-                next = chain(axis);
-            }
-            let mut next = Some(index);
-            for place in (count..count + length).rev() {
-                if let (Some(axis), Some(slot)) = (next, self.state.order.get_mut(place)) {
-                    *slot = axis;
+        let count = self.state.axes.len();
+        let (mut placed, mut done) = (AxisSet::EMPTY, 0);
+        for index in 0..count as u16 {
+            // From the axis up to a leader whose own leaders all stand: a stack, in the places that are free yet.
+            let mut top = count;
+            let mut next = Some(index).filter(|&axis| !placed.contains(axis));
+            loop {
+                if let Some(axis) = next.filter(|_| done < top) {
+                    top -= 1;
+                    self.set_place(top, axis);
+                }
+                let Some(&axis) = self.state.order.get(top) else { break };
+                next = self.leaders(axis).find(|&leader| !placed.contains(leader) && usize::from(leader) < count);
+                if next.is_some() && done < top {
+                    continue;
+                }
+                next = None;
+                top += 1;
+                if !placed.contains(axis) {
                     placed.insert(axis);
-                    next = chain(axis);
+                    self.set_place(done, axis);
+                    done += 1;
                 }
             }
-            count += length;
+        }
+    }
+
+    fn set_place(&mut self, place: usize, axis: u16) {
+        if let Some(slot) = self.state.order.get_mut(place) {
+            *slot = axis;
         }
     }
 }

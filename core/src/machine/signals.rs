@@ -4,13 +4,14 @@ use super::Machine;
 use crate::axis::Axis;
 use crate::code::Code;
 use crate::config::{IoKind, MachineConfig, MemoryKind};
-use crate::drive::{EncoderInput, Inputs};
+use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
 use crate::object::Object;
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
 use crate::signal::{Board, Directory, Entry, Measure, Signal, Type};
+use crate::vocabulary::{Latched, amc, saia, wf};
 
 /// Names of `machine.state`, by number.
 const MACHINE_STATES: &[&str] = &["INACTIVE", "ACTIVE", "ERROR"];
@@ -57,7 +58,7 @@ impl Signals {
         });
         let memory = memory.collect();
         let encoders = config.encoders.iter().map(|entry| add_encoder(directory, &entry.name)).collect();
-        let axes = config.axes.iter().map(|axis| AxisSignal::add_all(directory, &axis.name)).collect();
+        let axes = config.axes.iter().map(|axis| add_axis(directory, &axis.name)).collect();
         Self { io, memory, encoders, axes, machine: add_machine(directory) }
     }
 
@@ -91,6 +92,32 @@ impl Signals {
         }
     }
 
+    /// Sets the outputs that an axis switches, and shows them.
+    pub(super) fn publish_switching(
+        &self,
+        board: &mut Board,
+        wiring: wf::Wiring,
+        switching: wf::Switching,
+        outputs: &mut Outputs,
+    ) {
+        let bits = [
+            (wiring.forward, switching.forward),
+            (wiring.backward, switching.backward),
+            (wiring.output, switching.output),
+        ];
+        let entry = |index: Option<u16>| self.io.get(usize::from(index?));
+        for (index, on) in bits {
+            if let Some(&(signal, IoKind::DigitalOutput, place)) = entry(index) {
+                outputs.set_digital(place, on);
+                board.set_int(signal, i64::from(on));
+            }
+        }
+        if let Some(&(signal, IoKind::AnalogOutput, place)) = entry(wiring.dac) {
+            outputs.set_analog(place, switching.dac);
+            board.set_real(signal, switching.dac);
+        }
+    }
+
     pub(super) fn publish_encoder(&self, board: &mut Board, index: usize, input: EncoderInput, lead: Lead) {
         let Some(&first) = self.encoders.get(index) else { return };
         board.set_int(first, input.count);
@@ -118,6 +145,15 @@ fn add_encoder(directory: &mut Directory, name: &str) -> Signal {
     first
 }
 
+/// The block of an axis and, right behind it, those of the vocabularies: [`Axis::publish`] relies on the order.
+fn add_axis(directory: &mut Directory, name: &str) -> Signal {
+    let first = AxisSignal::add_all(directory, name);
+    amc::AmcSignal::add_all(directory, name);
+    saia::SaiaSignal::add_all(directory, name);
+    wf::WfSignal::add_all(directory, name);
+    first
+}
+
 fn add_machine(directory: &mut Directory) -> Signal {
     let mut add = |text: &str, kind, help| {
         let name = format!("machine.{text}");
@@ -136,6 +172,7 @@ impl Machine {
             let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, Code::LATCHES_LOST);
             self.events.push(event.with(Number::Count(inputs.latches_lost.into()), Number::None));
         }
+        self.latched.clear();
         for latch in &inputs.latch {
             let lead = match latch.object {
                 Object::Encoder(index) => self.state.leads.encoder.get(usize::from(index)).copied(),
@@ -144,6 +181,12 @@ impl Machine {
             };
             let raw = latch.position.map(|count| self.locate(latch.object, count));
             let (position, age_ns) = locate(raw, latch.age_ns, lead, self.config.cycle_ns);
+            // The inputs hold no more latches than there is room for.
+            if self.latched.len() < MAX_LATCHES {
+                let rising = latch.edge == crate::drive::Edge::Rising;
+                let captured = raw.map(Position::whole);
+                self.latched.push(Latched { object: latch.object, rising, age_ns, captured, position });
+            }
             let event = Event::new(Severity::Info, Kind::Latch, latch.object, Code::NONE);
             let edge = Number::Count(i64::from(latch.edge == crate::drive::Edge::Rising));
             self.events.push(Event { age_ns, position, ..event.with(edge, Number::None) });

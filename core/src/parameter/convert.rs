@@ -1,6 +1,6 @@
 //! Values from outside, with units and names, to values of the core.
 
-use super::{Measure, Row, Value};
+use super::{Bare, Measure, Row, Value};
 use crate::unit::{Dimension, Quantity, Scale, Unit, UnitError};
 
 /// A value as it was given.
@@ -36,7 +36,7 @@ impl Measure {
             Measure::Acceleration => Some(scale.dimensions(2)),
             Measure::Jerk => Some(scale.dimensions(3)),
             Measure::Time => Some([Dimension::Time; 2]),
-            Measure::Integer | Measure::Choice(_) => None,
+            Measure::Integer | Measure::Number | Measure::Choice(_) => None,
         }
     }
 
@@ -49,6 +49,7 @@ impl Measure {
             Measure::Jerk => "a jerk such as 50 m/s^3".to_owned(),
             Measure::Time => "a time such as 20 ms".to_owned(),
             Measure::Integer => "a whole number".to_owned(),
+            Measure::Number => "a number".to_owned(),
             Measure::Choice(names) => format!("one of {}", names.join(", ")),
         }
     }
@@ -70,22 +71,31 @@ pub fn convert(row: &Row, scale: &Scale, input: &ParameterInput) -> Result<Value
         (Measure::Choice(names), ParameterInput::Text(name)) => {
             names.iter().position(|known| known == name).map_or_else(mismatch, |place| Ok(Value::Int(place as i64)))
         }
-        (Measure::Integer | Measure::Choice(_), _) | (_, ParameterInput::Text(_)) => mismatch(),
+        // There is one zero.
+        (Measure::Number, ParameterInput::Number(number)) if number.is_finite() => Ok(Value::Real(*number + 0.0)),
+        (Measure::Number, ParameterInput::Integer(number)) => Ok(Value::Real(*number as f64)),
+        (Measure::Integer | Measure::Number | Measure::Choice(_), _) | (_, ParameterInput::Text(_)) => mismatch(),
         (measure, ParameterInput::Quantity(quantity)) => of_quantity(measure, scale, quantity),
-        (measure, ParameterInput::Number(number)) => of_number(measure, scale, *number),
-        (measure, ParameterInput::Integer(number)) => of_number(measure, scale, *number as f64),
+        (_, ParameterInput::Number(number)) => of_number(row, scale, *number),
+        (_, ParameterInput::Integer(number)) => of_number(row, scale, *number as f64),
     }
 }
 
-fn of_number(measure: Measure, scale: &Scale, number: f64) -> Result<Value, ConvertError> {
-    let unit = match measure {
-        Measure::Time => Unit::SECOND,
-        Measure::Velocity => scale.kind().dimension(1).si_unit(),
-        Measure::Acceleration => scale.kind().dimension(2).si_unit(),
-        Measure::Jerk => scale.kind().dimension(3).si_unit(),
-        _ => scale.kind().dimension(0).si_unit(),
+fn of_number(row: &Row, scale: &Scale, number: f64) -> Result<Value, ConvertError> {
+    let order = match row.measure {
+        Measure::Velocity => 1,
+        Measure::Acceleration => 2,
+        Measure::Jerk => 3,
+        _ => 0,
     };
-    of_quantity(measure, scale, &Quantity::from_f64(number, unit).map_err(ConvertError::Unit)?)
+    let (number, unit) = match (row.measure, row.bare) {
+        (Measure::Time, Bare::Milliseconds) => (number / 1000.0, Unit::SECOND),
+        (Measure::Time, _) => (number, Unit::SECOND),
+        (_, Bare::Si | Bare::Milliseconds) => (number, scale.kind().dimension(order).si_unit()),
+        (_, Bare::AxisUnit) => (number, scale.unit().with_order(order)),
+        (_, Bare::AxisUnitPerMs) => (number * 1000.0, scale.unit().with_order(order)),
+    };
+    of_quantity(row.measure, scale, &Quantity::from_f64(number, unit).map_err(ConvertError::Unit)?)
 }
 
 fn of_quantity(measure: Measure, scale: &Scale, quantity: &Quantity) -> Result<Value, ConvertError> {

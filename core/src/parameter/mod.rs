@@ -10,6 +10,8 @@ pub use convert::{ConvertError, ParameterInput, convert};
 pub use rows::ROWS;
 
 use crate::object::Object;
+use crate::profile::{Jerks, Limits, Shape};
+use crate::vocabulary::{amc, saia, wf};
 use serde::{Deserialize, Serialize};
 
 /// Which profile an axis uses.
@@ -32,6 +34,8 @@ pub enum Measure {
     Time,
     /// A plain whole number.
     Integer,
+    /// A plain number.
+    Number,
     /// One of some names; the number is the place in the list.
     Choice(&'static [&'static str]),
 }
@@ -56,6 +60,8 @@ pub enum Effect {
     NextMotion,
     /// With the next synchronize.
     NextSynchronize,
+    /// With the next SAIA command that reads it.
+    NextSaiaCommand,
 }
 
 impl Effect {
@@ -65,6 +71,7 @@ impl Effect {
             Effect::AtOnce => "at once",
             Effect::NextMotion => "with the next motion command",
             Effect::NextSynchronize => "with the next synchronize",
+            Effect::NextSaiaCommand => "with the next SAIA command that reads it",
         }
     }
 }
@@ -76,6 +83,21 @@ pub enum Range {
     Int(i64, i64),
     /// For reals: above 0 up to this.
     PositiveUpTo(f64),
+    /// For reals: between these.
+    Real(f64, f64),
+}
+
+/// What a bare number means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bare {
+    /// m or rad, and their derivatives by s.
+    Si,
+    /// The axis unit, and its derivatives by s: the user unit of the sources.
+    AxisUnit,
+    /// The axis unit per ms.
+    AxisUnitPerMs,
+    /// For times: ms.
+    Milliseconds,
 }
 
 /// One parameter.
@@ -91,6 +113,8 @@ pub struct Row {
     pub measure: Measure,
     /// Permitted values.
     pub range: Range,
+    /// What a bare number means.
+    pub bare: Bare,
     /// Value when the cell leaves it out.
     pub default: Value,
     /// What the default means, where it is not a plain value.
@@ -148,6 +172,11 @@ impl Row {
                     return Err(Refused::OutOfRange);
                 }
             }
+            (Value::Real(number), Range::Real(low, high)) => {
+                if !(low..=high).contains(&number) {
+                    return Err(Refused::OutOfRange);
+                }
+            }
             (Value::Unset, _) if self.default == Value::Unset && !self.required => {}
             _ => return Err(Refused::WrongType),
         }
@@ -189,6 +218,10 @@ pub struct AxisParameters {
     pub max_deceleration: Option<f64>,
     /// (inc/s^3); left out: no limit.
     pub max_jerk: Option<f64>,
+    /// JERKMIN2 to 4: from the maximum acceleration to 0, from 0 to the maximum deceleration, and back (ns); 0: as `max_jerk`.
+    pub jerk_times: [i64; 3],
+    /// 0 to 100: what a goal may use of `max_velocity` (%).
+    pub velocity_override: f64,
     /// (inc/s); left out: half of `max_velocity`.
     pub default_velocity: Option<f64>,
     /// (inc/s^2); left out: half of `max_acceleration`.
@@ -213,6 +246,12 @@ pub struct AxisParameters {
     pub sync_accuracy: i64,
     /// How long a streamed setpoint holds (ns).
     pub setpoint_timeout: i64,
+    /// Of the reference selector.
+    pub amc: amc::Parameters,
+    /// Of the command flags.
+    pub saia: saia::Parameters,
+    /// Of the positioning modules.
+    pub wf: wf::Parameters,
 }
 
 impl AxisParameters {
@@ -225,6 +264,8 @@ impl AxisParameters {
             max_acceleration,
             max_deceleration: None,
             max_jerk: None,
+            jerk_times: [0; 3],
+            velocity_override: 0.0,
             default_velocity: None,
             default_acceleration: None,
             profile: 0,
@@ -237,6 +278,9 @@ impl AxisParameters {
             sync_slave: 0,
             sync_accuracy: 0,
             setpoint_timeout: 0,
+            amc: amc::Parameters::default(),
+            saia: saia::Parameters::default(),
+            wf: wf::Parameters::default(),
         };
         for row in ROWS.iter().filter(|row| !row.required) {
             (row.set)(&mut parameters, row.default);
@@ -265,6 +309,55 @@ impl AxisParameters {
         self.deceleration_limit() * (self.usual_acceleration() / self.max_acceleration)
     }
 
+    /// Shape of the ramps with a highest jerk (inc/s^3) (MACS-PROF-07). The four jerks keep their ratios (MACS-PROF-11).
+    pub fn shape(&self, jerk: f64) -> Shape {
+        match self.profile {
+            1 => Shape::SRamp,
+            2 => {
+                let share = self.max_jerk.map_or(1.0, |most| jerk / most);
+                // JERKMIN2 to 4 are times from 0 to the maximum acceleration; 0 takes the value of JERKMIN.
+                let of = |time: i64| if time == 0 { jerk } else { self.max_acceleration / (time as f64 / 1e9) * share };
+                let [fall, brake_rise, brake_fall] = self.jerk_times.map(of);
+                Shape::Jerk(Jerks { rise: jerk, fall, brake_rise, brake_fall })
+            }
+            _ => Shape::Trapezoid,
+        }
+    }
+
+    /// Shape with the largest jerk; without one the jerk is free: a trapezoid.
+    fn largest_shape(&self) -> Shape {
+        self.max_jerk.map_or(self.shapeless(), |jerk| self.shape(jerk))
+    }
+
+    /// Shape of a goal that gives no jerk: half of the largest one, as for its other rates.
+    pub fn usual_shape(&self) -> Shape {
+        self.max_jerk.map_or(self.shapeless(), |jerk| self.shape(jerk / 2.0))
+    }
+
+    fn shapeless(&self) -> Shape {
+        if self.profile == 1 { Shape::SRamp } else { Shape::Trapezoid }
+    }
+
+    /// Limits of a goal that gives none.
+    pub fn usual_limits(&self) -> Limits {
+        Limits {
+            velocity: self.usual_velocity(),
+            acceleration: self.usual_acceleration(),
+            deceleration: self.usual_deceleration(),
+            shape: self.usual_shape(),
+        }
+    }
+
+    /// Limits at their maxima: stops of limits and errors use them (MACS-PROF-13).
+    pub fn largest_limits(&self) -> Limits {
+        Limits {
+            velocity: self.max_velocity,
+            acceleration: self.max_acceleration,
+            deceleration: self.deceleration_limit(),
+            shape: self.largest_shape(),
+        }
+    }
+
     /// Is every value one that its row takes, and do they agree?
     pub fn is_sound(&self) -> bool {
         let mut copy = *self;
@@ -287,7 +380,7 @@ impl AxisParameters {
         if self.default_acceleration.is_some_and(|acceleration| acceleration > self.max_acceleration) {
             return Err(("default_acceleration", "max_acceleration"));
         }
-        Ok(())
+        self.wf.check(self)
     }
 }
 
@@ -339,6 +432,16 @@ mod tests {
                         Value::Int(1),
                     ],
                 ),
+                Range::Real(low, high) => (
+                    vec![Value::Real(low), Value::Real(high)],
+                    vec![
+                        Value::Real(low - low.abs().max(1.0)),
+                        Value::Real(high * 2.0),
+                        Value::Real(f64::NAN),
+                        Value::Real(f64::INFINITY),
+                        Value::Int(1),
+                    ],
+                ),
             };
             for value in bad {
                 assert!(row.assign(&mut after, value).is_err(), "{} takes {value:?}", row.key);
@@ -349,13 +452,6 @@ mod tests {
                 assert_eq!((row.get)(&after), value, "{}", row.key);
             }
         }
-    }
-
-    #[test]
-    fn a_profile_that_is_not_built_is_refused_as_such() {
-        let (_, row) = Row::find("profile").unwrap();
-        assert_eq!(row.assign(&mut parameters(), Value::Int(2)), Err(Refused::NotBuilt));
-        assert_eq!(row.assign(&mut parameters(), Value::Int(3)), Err(Refused::OutOfRange));
     }
 
     /// Proves: MACS-PROF-06

@@ -8,13 +8,7 @@ fn scale(increments: i128, unit: Unit) -> Scale {
 }
 
 fn config() -> MachineConfig {
-    let axis = |name: &str, scale| AxisConfig {
-        name: name.into(),
-        scale,
-        modulo: None,
-        drive: None,
-        parameters: AxisParameters::new(1e6, 1e7),
-    };
+    let axis = |name: &str, scale| AxisConfig::new(name.into(), scale, None, AxisParameters::new(1e6, 1e7));
     MachineConfig {
         cycle_ns: 1_000_000,
         encoders: vec![EncoderConfig { name: "belt".into(), bits: 16, scale: scale(40, Unit::MILLIMETRE) }],
@@ -70,8 +64,6 @@ fn what_is_wrong_in_a_request_is_said_with_what_is_allowed() {
         error(request)
     };
     assert!(bad(|r| r.mode = 9).starts_with("mode is 9; 0 ABSOLUTE"));
-    assert_eq!(bad(|r| r.mode = 4), "move_axis in mode SUPERIMPOSED does not exist yet");
-    assert_eq!(bad(|r| r.buffer_mode = 1), "a buffer_mode other than ABORTING does not exist yet");
     assert!(bad(|r| r.buffer_mode = 200).starts_with("buffer_mode is 200"));
     assert!(bad(|r| r.direction = 4).starts_with("direction is 4"));
     assert!(bad(|r| r.jerk = Amount::Number(f64::INFINITY)).starts_with("jerk: "));
@@ -127,4 +119,49 @@ fn parameters_take_units_and_names() {
     assert!(error("x.error_reaction", ParameterInput::Number(1.5)).contains("a whole number is expected"));
     let wrong = Quantity::parse("3 mm", &config.axes[0].scale.dimensions(0)).unwrap();
     assert!(error("x.max_velocity", ParameterInput::Quantity(wrong)).starts_with("x.max_velocity: "));
+}
+
+#[test]
+fn a_probe_is_a_search_with_an_end_in_the_same_units() {
+    use crate::config::IoConfig;
+    let input = |name: &str, kind, latch| IoConfig { name: name.into(), kind, latch };
+    let mut config = MachineConfig {
+        io: vec![
+            input("start", IoKind::DigitalInput, false),
+            input("mark", IoKind::DigitalInput, true),
+            input("lamp", IoKind::DigitalOutput, true),
+        ],
+        ..config()
+    };
+    config.axes[1].drive = Some(0);
+    let request = |event: &str| ProbeRequest {
+        search: MoveRequest { mode: 1, velocity: Amount::Number(2.0), ..to("x", Units::AxisUnit, 7.0) },
+        event: event.into(),
+        edge: 2,
+        distance: Amount::Number(-0.5),
+    };
+    let probe = config.resolve_probe(&request("mark")).unwrap();
+    assert_eq!((probe.axis, probe.relative, probe.source), (0, true, Object::Io(1)));
+    assert_eq!((probe.target, probe.distance), (Length::whole(7_000), Length::whole(-500)));
+    assert_eq!((probe.velocity, probe.edge), (2_000.0, ProbeEdge::Both));
+    assert_eq!(config.resolve_probe(&request("belt")).unwrap().source, Object::Encoder(0));
+    assert_eq!(config.resolve_probe(&request("turret")).unwrap().source, Object::Axis(1));
+    for name in ["start", "lamp", "x", "", "machine"] {
+        let error = config.resolve_probe(&request(name)).unwrap_err().to_string();
+        assert_eq!(error, format!("`{name}` does not latch; mark, belt, turret can"));
+    }
+    let refused = |request: ProbeRequest| config.resolve_probe(&request).unwrap_err().to_string();
+    for mode in [2, 3, 4] {
+        let search = MoveRequest { mode, ..request("mark").search };
+        assert_eq!(
+            refused(ProbeRequest { search, ..request("mark") }),
+            format!("mode is {mode}; 0 ABSOLUTE, 1 RELATIVE are allowed")
+        );
+    }
+    let edge = ProbeRequest { edge: 3, ..request("mark") };
+    assert_eq!(refused(edge), "edge is 3; 0 RISING, 1 FALLING, 2 BOTH are allowed");
+    for distance in [f64::NAN, f64::INFINITY, 1e300] {
+        let distance = ProbeRequest { distance: Amount::Number(distance), ..request("mark") };
+        assert!(refused(distance).starts_with("distance: "));
+    }
 }

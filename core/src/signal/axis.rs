@@ -1,31 +1,13 @@
 //! The signals of an axis (contract section 4).
 
-use super::{Directory, Entry, Measure, Signal, Type};
+use super::Type::{Bit, Enum, Int, Real, Word};
+use super::signal_block;
 use crate::axis::{AXIS_STATES, DRIVE_STATES, REFERENCES};
 
-macro_rules! axis_signals {
-    ($($name:ident $text:literal $kind:expr, $measure:ident $(, $drivable:ident)?; $help:literal)*) => {
-        /// A signal of an axis, by its place in the axis' block.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[repr(usize)]
-        pub enum AxisSignal {
-            $(#[doc = $help] $name,)*
-        }
+signal_block! {
+    /// A signal of an axis, by its place in the axis' block.
+    AxisSignal;
 
-        impl AxisSignal {
-            /// All of them: place, name behind the axis' name, type, measure, drivable, help.
-            const TABLE: &'static [(AxisSignal, &'static str, Type, Measure, bool, &'static str)] = &[
-                $((AxisSignal::$name, $text, $kind, Measure::$measure, axis_signals!(@ $($drivable)?), $help),)*
-            ];
-        }
-    };
-    (@ drivable) => { true };
-    (@) => { false };
-}
-
-use Type::{Bit, Enum, Int, Real, Word};
-
-axis_signals! {
     State "state" Enum(AXIS_STATES), None; "PLCopen state"
     DriveState "drive_state" Enum(DRIVE_STATES), None; "CiA 402 state"
     Reference "reference" Enum(REFERENCES), None; "which reference commands the axis"
@@ -69,24 +51,4 @@ axis_signals! {
     OutputVelocity "output.velocity" Real, Velocity; "velocity asked of the drive"
     OutputEffort "output.effort" Real, None; "effort asked of the drive"
     OutputControl "output.control" Word, None; "control word to the drive (6040h)"
-}
-
-impl AxisSignal {
-    /// How many signals an axis has.
-    pub const COUNT: usize = Self::TABLE.len();
-
-    /// The place on the board, given the first signal of the axis.
-    pub fn of(self, first: Signal) -> Signal {
-        first.plus(self as usize)
-    }
-
-    /// Adds the signals of axis `name` and returns the first one.
-    pub(crate) fn add_all(directory: &mut Directory, name: &str) -> Signal {
-        let mut first = None;
-        for &(_, text, kind, measure, drivable, help) in Self::TABLE {
-            let signal = directory.add(Entry { name: format!("{name}.{text}"), kind, measure, drivable, help });
-            first.get_or_insert(signal);
-        }
-        first.expect("the table above is not empty")
-    }
 }

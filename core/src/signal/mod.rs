@@ -5,6 +5,9 @@
 //! later (contract section 1). A copy of the board is a snapshot of the machine.
 
 pub mod axis;
+mod block;
+
+pub(crate) use block::signal_block;
 
 use serde::{Deserialize, Serialize};
 
@@ -115,6 +118,11 @@ impl Directory {
     pub(crate) fn add(&mut self, entry: Entry) -> Signal {
         self.entries.push(entry);
         Signal((self.entries.len() - 1) as u32)
+    }
+
+    /// The signal that will be added next.
+    pub(crate) fn next(&self) -> Signal {
+        Signal(self.entries.len() as u32)
     }
 
     /// The signal of that name.

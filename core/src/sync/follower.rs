@@ -42,6 +42,31 @@ pub struct Bounds {
     pub max_deceleration: f64,
 }
 
+/// What of the bounds is left to a motion that is superimposed on the coupling.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reserve {
+    /// (inc/s)
+    pub velocity: f64,
+    /// (inc/s^2)
+    pub acceleration: f64,
+}
+
+impl Bounds {
+    fn less(self, reserve: Reserve) -> Self {
+        // Never nothing: it divides by them.
+        let left = |most: f64, reserve: f64| (most - reserve).max(most * 1e-6);
+        Self {
+            velocity: self.velocity.min(left(self.max_velocity, reserve.velocity)),
+            acceleration: self
+                .acceleration
+                .min(left(self.max_acceleration.min(self.max_deceleration), reserve.acceleration)),
+            max_velocity: left(self.max_velocity, reserve.velocity),
+            max_acceleration: left(self.max_acceleration, reserve.acceleration),
+            max_deceleration: left(self.max_deceleration, reserve.acceleration),
+        }
+    }
+}
+
 /// A coupling of one axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Follower {
@@ -88,6 +113,17 @@ impl Follower {
         Self { leader, disengage, mode, gear, phase, target, bounds, counted, last: 0.0, mean: 0.0 }
     }
 
+    /// The same with a way of the leader that is past already and counts.
+    pub fn with_past(mut self, past: Position) -> Self {
+        self.target += self.gear.step(past);
+        self
+    }
+
+    /// Where the gear wants the slave.
+    pub fn target(&self) -> Position {
+        self.target
+    }
+
     /// Its gear, with what its remainder holds.
     pub fn gear(&self) -> Gear {
         self.gear
@@ -117,8 +153,14 @@ impl Follower {
         }
     }
 
-    /// One cycle: the slave's next motion.
-    pub fn step(&mut self, slave: Motion, lead: Lead, cycle_s: f64) -> Motion {
+    /// Moves what the gear wants by what something else has moved the slave.
+    pub fn shift(&mut self, by: Position) {
+        self.target += by;
+    }
+
+    /// One cycle: the slave's next motion, with what `reserve` leaves of the bounds.
+    pub fn step(&mut self, slave: Motion, lead: Lead, cycle_s: f64, reserve: Reserve) -> Motion {
+        let bounds = self.bounds.less(reserve);
         let change = self.gear.step(lead.change);
         self.target += change;
         // From here on in inc per cycle.
@@ -130,37 +172,45 @@ impl Follower {
         self.last = geared;
         self.mean += (geared - self.mean) / MEAN_CYCLES;
         let position = match self.phase {
-            Phase::Synchronized if self.can_follow(geared, before, uneven, cycle_s) => slave.position + change,
-            _ => self.catch_up(slave.position, change, before, uneven, cycle_s),
+            Phase::Synchronized if self.can_follow(geared, before, uneven, cycle_s, bounds) => slave.position + change,
+            _ => self.catch_up(slave.position, change, before, uneven, cycle_s, bounds),
         };
         let velocity = (position - slave.position).to_f64() / cycle_s;
         Motion { position, velocity, acceleration: (velocity - slave.velocity) / cycle_s, jerk: 0.0 }
     }
 
-    fn can_follow(&self, geared: f64, before: f64, uneven: f64, cycle_s: f64) -> bool {
+    fn can_follow(&self, geared: f64, before: f64, uneven: f64, cycle_s: f64, bounds: Bounds) -> bool {
         // Positions are multiples of 2^-32: the leader's two steps may be off by one each, times the ratio, and the
         // slave's as well.
         let grid = 2.0 * (1.0 + self.gear.ratio().to_f64().abs()) / (1_u64 << 32) as f64;
-        let rate =
-            if geared.abs() > before.abs() { self.bounds.max_acceleration } else { self.bounds.max_deceleration };
-        geared.abs() <= self.bounds.max_velocity * cycle_s + uneven + grid
+        let rate = if geared.abs() > before.abs() { bounds.max_acceleration } else { bounds.max_deceleration };
+        geared.abs() <= bounds.max_velocity * cycle_s + uneven + grid
             && (geared - before).abs() <= rate * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + grid
     }
 
     /// The position after a cycle of catching up; turns to synchronized when it arrives.
-    fn catch_up(&mut self, position: Position, change: Position, before: f64, uneven: f64, cycle_s: f64) -> Position {
+    fn catch_up(
+        &mut self,
+        position: Position,
+        change: Position,
+        before: f64,
+        uneven: f64,
+        cycle_s: f64,
+        bounds: Bounds,
+    ) -> Position {
         let geared = change.to_f64();
-        let rate = self.bounds.acceleration * cycle_s * cycle_s;
+        let rate = bounds.acceleration * cycle_s * cycle_s;
         let way = match self.mode {
             SyncMode::Position => (self.target - change - position).to_f64(),
             SyncMode::Velocity => 0.0,
         };
         let (closing, arrives) = closing(way, rate);
         // A leader that is as fast as the goal's velocity can only be caught with more.
-        let catches = self.bounds.velocity * cycle_s > geared.abs();
-        let top = if catches { self.bounds.velocity } else { self.bounds.max_velocity } * cycle_s;
+        let catches = bounds.velocity * cycle_s > geared.abs();
+        let top = if catches { bounds.velocity } else { bounds.max_velocity } * cycle_s;
         let wanted = (geared + closing).clamp(-top, top);
-        let step = wanted.clamp(before - rate - uneven, before + rate + uneven);
+        // Not `clamp`: a state that was made up may have no number before.
+        let step = wanted.max(before - rate - uneven).min(before + rate + uneven);
         // Bit for bit the velocity that is asked for: nothing held it back.
         if arrives && step == geared + closing {
             self.phase = Phase::Synchronized;

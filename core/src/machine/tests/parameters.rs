@@ -25,8 +25,6 @@ fn a_set_is_checked_whole_and_changes_all_or_nothing() {
     let contradiction =
         set(&mut rig, &[change("min_position", Value::Int(10)), change("max_position", Value::Int(10))]);
     assert_eq!(rig.refusal(contradiction), "x: min_position 0.01 mm must lie below max_position 0.01 mm");
-    let unbuilt = set(&mut rig, &[change("profile", Value::Int(2))]);
-    assert_eq!(rig.refusal(unbuilt), "x: profile jerk does not exist yet");
     assert_eq!(rig.machine.parameters(X), Some(&before));
     // Each alone would contradict the other's old value: as a set they agree.
     let good = set(&mut rig, &[change("min_position", Value::Int(100)), change("max_position", Value::Int(200))]);

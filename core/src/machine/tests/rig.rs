@@ -1,17 +1,19 @@
 //! A small machine with a simulated plant, for the tests of the cycle.
 
+use crate::axis::Context;
 use crate::command::{
-    Action, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
+    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
 };
 use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
 use crate::drive::{Backend, Inputs, Outputs};
-use crate::event::{Event, Kind};
+use crate::event::{Event, Kind, Refusal};
 use crate::machine::Machine;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::AxisParameters;
 use crate::signal::Value;
 use crate::sim::{Model, Plant};
 use crate::unit::{Fraction, Quantity, Scale, Unit};
+use crate::vocabulary::{Order, Owner};
 
 pub(super) const LINE: u16 = 0;
 pub(super) const X: u16 = 1;
@@ -39,13 +41,7 @@ pub(super) fn parameters() -> AxisParameters {
 }
 
 pub(super) fn config(delay: u32) -> MachineConfig {
-    let axis = |name: &str, drive| AxisConfig {
-        name: name.into(),
-        scale: scale(),
-        modulo: None,
-        drive,
-        parameters: parameters(),
-    };
+    let axis = |name: &str, drive| AxisConfig::new(name.into(), scale(), drive, parameters());
     MachineConfig {
         cycle_ns: 1_000_000,
         encoders: vec![EncoderConfig { name: "belt".into(), bits: 16, scale: scale() }],
@@ -54,13 +50,28 @@ pub(super) fn config(delay: u32) -> MachineConfig {
     }
 }
 
+fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refusal> {
+    let cycle = machine.next_cycle();
+    let Machine { state, events, .. } = machine;
+    events.begin(cycle, state.next_event);
+    let mut cx = Context { cycle, input: None, leads: &state.leads, latches: &[], stream: None, events: &mut *events };
+    let result = state.axes[usize::from(axis)].obey(&mut cx, Owner::Wf, order);
+    state.next_event = events.next();
+    result
+}
+
 impl Rig {
     pub(super) fn new() -> Self {
         Self::of(config(0))
     }
 
     pub(super) fn of(config: MachineConfig) -> Self {
-        let plant = Plant::new(&config, &[Some(Model::Ideal), Some(Model::Ideal)]);
+        Self::with(config, [Model::Ideal; 2])
+    }
+
+    /// With these models of x and y.
+    pub(super) fn with(config: MachineConfig, models: [Model; 2]) -> Self {
+        let plant = Plant::new(&config, &models.map(Some));
         let machine = Machine::new(config).unwrap();
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
         Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), mirror: None }
@@ -109,6 +120,21 @@ impl Rig {
         }
         self.plant.write(&self.outputs);
         self.events.extend_from_slice(self.machine.events());
+    }
+
+    /// What a vocabulary asks of an axis, before the next cycle.
+    pub(super) fn order(&mut self, axis: u16, order: Order) -> Result<(), Refusal> {
+        if let Some(mirror) = &mut self.mirror {
+            give_order(mirror, axis, order).ok();
+        }
+        let result = give_order(&mut self.machine, axis, order);
+        self.events.extend_from_slice(self.machine.events());
+        result
+    }
+
+    /// The outputs of the last cycle.
+    pub(super) fn outputs(&self) -> &Outputs {
+        &self.outputs
     }
 
     /// From now on a machine that was restored from the state of this one must do the same.
@@ -178,6 +204,12 @@ impl Rig {
     }
 }
 
+/// So many cases, and 50 times as many with LINESHAFT_LONG.
+pub(super) fn cases(few: u32) -> proptest::prelude::ProptestConfig {
+    let long = std::env::var_os("LINESHAFT_LONG").is_some();
+    proptest::prelude::ProptestConfig::with_cases(if long { few.saturating_mul(50) } else { few })
+}
+
 pub(super) fn to(axis: u16, position: i64) -> Move {
     Move {
         axis,
@@ -188,6 +220,7 @@ pub(super) fn to(axis: u16, position: i64) -> Move {
         deceleration: 0.0,
         jerk: 0.0,
         direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
     }
 }
 

@@ -1,50 +1,19 @@
-//! The rows of the catalogue.
+//! What every axis has, by its native names.
 
-use super::{Effect, Measure, PROFILES, Range, Row, Value};
+use super::{BASE, Bare, Effect, HOUR_NS, MLONG, Measure, PROFILES, REAL, Range, Row, Value, int, option, real};
 
-const POSITION: Range = Range::Int(-((1 << 62) - 1), (1 << 62) - 1);
-const MLONG: i64 = (1 << 30) - 1;
-/// Velocity and its derivatives: far beyond any machine, and small enough that no product overflows.
-const REAL: Range = Range::PositiveUpTo(1e15);
-const HOUR_NS: i64 = 3_600_000_000_000;
-
-fn real(value: Value) -> Option<f64> {
-    match value {
-        Value::Real(number) => Some(number),
-        _ => None,
-    }
-}
-
-fn int(value: Value) -> Option<i64> {
-    match value {
-        Value::Int(number) => Some(number),
-        _ => None,
-    }
-}
-
-fn option(value: Option<f64>) -> Value {
-    value.map_or(Value::Unset, Value::Real)
-}
-
-const BASE: Row = Row {
-    key: "",
-    mnemonic: "",
-    number: 0,
-    measure: Measure::Integer,
-    range: POSITION,
-    default: Value::Unset,
-    default_text: "",
-    required: false,
-    effect: Effect::AtOnce,
-    built: None,
-    description: "",
-    source: "",
-    get: |_| Value::Unset,
-    set: |_, _| (),
+/// A time of MACS-PROF-11.
+const JERK_TIME: Row = Row {
+    measure: Measure::Time,
+    range: Range::Int(0, MLONG * 1_000_000),
+    bare: Bare::Milliseconds,
+    default: Value::Int(0),
+    effect: Effect::NextMotion,
+    source: "MACS-PROF-11",
+    ..BASE
 };
 
-/// Every parameter of an axis.
-pub const ROWS: &[Row] = &[
+pub(super) const ROWS: &[Row] = &[
     Row {
         key: "min_position",
         mnemonic: "NEGLIMIT",
@@ -124,13 +93,50 @@ pub const ROWS: &[Row] = &[
         ..BASE
     },
     Row {
+        key: "jerkmin2",
+        mnemonic: "JERKMIN2",
+        number: 100,
+        description: "Time from the maximum acceleration to 0, for profile jerk; 0: as max_jerk.",
+        get: |p| Value::Int(p.jerk_times[0]),
+        set: |p, v| p.jerk_times[0] = int(v).unwrap_or(p.jerk_times[0]),
+        ..JERK_TIME
+    },
+    Row {
+        key: "jerkmin3",
+        mnemonic: "JERKMIN3",
+        number: 101,
+        description: "Time from 0 to the maximum deceleration, for profile jerk; 0: as max_jerk.",
+        get: |p| Value::Int(p.jerk_times[1]),
+        set: |p, v| p.jerk_times[1] = int(v).unwrap_or(p.jerk_times[1]),
+        ..JERK_TIME
+    },
+    Row {
+        key: "jerkmin4",
+        mnemonic: "JERKMIN4",
+        number: 102,
+        description: "Time from the maximum deceleration to 0, for profile jerk; 0: as max_jerk.",
+        get: |p| Value::Int(p.jerk_times[2]),
+        set: |p, v| p.jerk_times[2] = int(v).unwrap_or(p.jerk_times[2]),
+        ..JERK_TIME
+    },
+    Row {
+        key: "velocity_override",
+        measure: Measure::Number,
+        range: Range::Real(0.0, 100.0),
+        default: Value::Real(100.0),
+        description: "Share of max_velocity [%] that goals may use, changed in motion; 0 holds a goal at rest until it is more.",
+        source: "contract section 7",
+        get: |p| Value::Real(p.velocity_override),
+        set: |p, v| p.velocity_override = real(v).unwrap_or(p.velocity_override),
+        ..BASE
+    },
+    Row {
         key: "profile",
         mnemonic: "RAMPTYPE",
         number: 32,
         measure: Measure::Choice(PROFILES),
         range: Range::Int(0, 2),
         default: Value::Int(0),
-        built: Some(0),
         effect: Effect::NextMotion,
         description: "Shape of the ramps.",
         source: "MACS-PROF-07",

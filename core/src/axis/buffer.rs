@@ -1,0 +1,343 @@
+//! Goals that wait for the one before them, and how one passes into the next (PLCopen buffer modes).
+//!
+//! Law      BUFFERED: the next goal begins when the one before it is done. BLENDING: the one before it passes its target
+//!          without a stop, with the lower, its own, the next one's or the higher velocity, and the next one begins there,
+//!          between two cycles if need be. Where both do not go the same way, or the way is too short, it passes as fast as
+//!          both can be driven without turning back: at rest in the end
+//! Refuses  too many goals, a goal behind a coupling
+
+use super::course::{Aim, Course, ROUNDING};
+use super::goal::Goal;
+use super::{Axis, AxisState, Context, Generator};
+use crate::code::Code;
+use crate::command::{BufferMode, Move, MoveMode};
+use crate::event::{Event, EventQueue, Kind, Refusal, Severity};
+use crate::object::Object;
+use crate::position::Position;
+use crate::profile::{self, Limits, Motion, Plan};
+use serde::{Deserialize, Serialize};
+
+/// Most goals that wait.
+const MAX_WAITING: usize = 8;
+/// Halvings in the search for the velocity of a passage: it is found to a thousandth.
+const HALVINGS: u32 = 10;
+
+/// A goal that waits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Next {
+    /// Number of its command.
+    sequence: u64,
+    request: Move,
+    limits: Limits,
+}
+
+/// The goals that wait, the next one first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Buffer([Option<Next>; MAX_WAITING]);
+
+impl Buffer {
+    pub(super) fn is_empty(&self) -> bool {
+        self.0[0].is_none()
+    }
+
+    fn first(&self) -> Option<&Next> {
+        self.0[0].as_ref()
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Next> {
+        self.0.iter().map_while(Option::as_ref)
+    }
+
+    /// What each of them may use.
+    pub(super) fn limits(&self) -> impl Iterator<Item = Limits> {
+        self.iter().map(|next| next.limits)
+    }
+
+    fn push(&mut self, next: Next) -> bool {
+        let place = self.0.iter_mut().find(|place| place.is_none());
+        place.is_some_and(|place| place.replace(next).is_none())
+    }
+
+    fn pop(&mut self) -> Option<Next> {
+        let first = self.0[0].take();
+        self.0.rotate_left(1);
+        first
+    }
+
+    /// Does the goal of that command wait here?
+    pub(super) fn holds(&self, sequence: u64) -> bool {
+        self.iter().any(|next| next.sequence == sequence)
+    }
+
+    /// Takes the goal of that command out.
+    fn remove(&mut self, sequence: u64) -> bool {
+        let place = self.0.iter().position(|next| next.is_some_and(|next| next.sequence == sequence));
+        if let Some(place) = place {
+            self.0[place] = None;
+            self.0[place..].rotate_left(1);
+        }
+        place.is_some()
+    }
+
+    /// Ends all of them.
+    pub(super) fn end(&mut self, events: &mut EventQueue, axis: u16, code: Code, position: Position) {
+        while let Some(next) = self.pop() {
+            events.push(done(axis, next.sequence, code, position));
+        }
+    }
+
+    /// Rates that a profile can be made with?
+    pub(super) fn is_sound(&self) -> bool {
+        let sound = |next: &Next| next.limits.is_sound() && next.request.velocity.is_finite();
+        // No gaps: what stands behind one would never begin.
+        self.0.iter().skip_while(|next| next.is_some()).all(Option::is_none) && self.iter().all(sound)
+    }
+}
+
+fn done(axis: u16, sequence: u64, code: Code, position: Position) -> Event {
+    let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
+    let event = Event::new(severity, Kind::Done, Object::Axis(axis), code).of_command(sequence);
+    Event { position, ..event }
+}
+
+impl Axis {
+    /// Lets a goal wait for the ones before it.
+    ///
+    /// # Errors
+    /// There is no room; the goal before it has no end; its target is forbidden.
+    pub(super) fn wait_in_buffer(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        request: &Move,
+        limits: Limits,
+    ) -> Result<(), Refusal> {
+        if matches!(self.generator, Generator::Follow(_)) {
+            return Err(Refusal::new(Code::NOTHING_TO_WAIT_FOR, self.object()));
+        }
+        self.check_beside_overlay(&limits)?;
+        let next = Next { sequence, request: *request, limits };
+        let before = self.waiting_ends().last().unwrap_or(self.known_end());
+        if let Some(end) = self.end_of(&next, before) {
+            self.check_target(end, &self.parameters)?;
+            let (down, up) = self.overlay_ahead();
+            self.check_range(end + down, end + up)?;
+        }
+        if !self.buffer.push(next) {
+            return Err(Refusal::new(Code::TOO_MANY_WAITING, self.object()));
+        }
+        self.accepted(cx, sequence);
+        // The first one may change how the active goal ends.
+        if let (Generator::Plan(course), true) = (&self.generator, self.buffer.iter().count() == 1)
+            && let (Aim::Target(target), limits) = (course.aim, course.limits)
+            && self.goal.is_none_or(|goal| goal.ending.is_none())
+        {
+            let course = self.course_to(cx.cycle, self.base(), target, limits);
+            if course.pass != 0.0 {
+                self.generator = Generator::Plan(course);
+            }
+        }
+        Ok(())
+    }
+
+    /// Where a goal will end, before rounding, behind one that ends at `before`; none where that is not known yet.
+    fn end_of(&self, next: &Next, before: Option<Position>) -> Option<Position> {
+        match (next.request.mode, before) {
+            (MoveMode::Velocity, _) => None,
+            (_, Some(end)) => Some(self.target(&next.request, next.limits, Motion::at_rest(end), Some(end))),
+            (MoveMode::Absolute, None) if self.setup.modulo.is_none() => Some(next.request.target.exact()),
+            _ => None,
+        }
+    }
+
+    /// Where the active goal ends, before rounding; none where it searches, or has no end.
+    fn known_end(&self) -> Option<Position> {
+        self.goal.filter(|_| !self.searches()).and_then(|goal| goal.target)
+    }
+
+    /// Where each goal that waits will end.
+    pub(super) fn waiting_ends(&self) -> impl Iterator<Item = Option<Position>> {
+        let first = self.known_end();
+        self.buffer.iter().scan(first, |before, next| {
+            *before = self.end_of(next, *before);
+            Some(*before)
+        })
+    }
+
+    /// Takes a goal out of the buffer; the active one may have to end otherwise then.
+    pub(super) fn cancel_waiting(&mut self, cx: &mut Context<'_>, sequence: u64) -> bool {
+        let was_first = self.buffer.first().is_some_and(|next| next.sequence == sequence);
+        let removed = self.buffer.remove(sequence);
+        if removed {
+            cx.events.push(done(self.setup.index, sequence, Code::CANCELLED, self.command.position));
+        }
+        if was_first
+            && let Generator::Plan(course) = self.generator
+            && course.pass != 0.0
+        {
+            // Where the goal's own deceleration would pass a limit now, the largest one does not: the next goal had to keep it.
+            let mut limits = course.limits;
+            let plan = |limits: &Limits| match course.aim {
+                Aim::Target(target) => self.check_way(&self.plan_to(self.base(), target, limits), *limits).is_ok(),
+                _ => true,
+            };
+            if !plan(&limits) {
+                limits = Limits { velocity: limits.velocity, ..self.parameters.largest_limits() };
+            }
+            self.replan(cx, course.aim, limits);
+        }
+        removed
+    }
+
+    /// The goal before is done: begins the next one at `from`, which was `lead` seconds ago.
+    pub(super) fn begin_next(&mut self, cx: &mut Context<'_>, from: Motion, lead: f64, before: Option<Position>) {
+        let Some(next) = self.buffer.pop() else { return };
+        let exact = before.filter(|exact| Position::whole(exact.nearest()) == from.position);
+        let target = match next.request.mode {
+            MoveMode::Velocity => None,
+            _ => Some(self.target(&next.request, next.limits, from, exact)),
+        };
+        let result = match target {
+            Some(target) => self
+                .check_target(target, &self.parameters)
+                .map(|()| self.course_to(cx.cycle, from, Position::whole(target.nearest()), next.limits)),
+            None => self.check_velocity(next.request.velocity).map(|()| {
+                let aim = if next.request.velocity == 0.0 { Aim::Stop } else { Aim::Velocity(next.request.velocity) };
+                self.course(cx.cycle, from, aim, next.limits)
+            }),
+        };
+        let result = result.and_then(|course| self.check_course(&course, from, next.limits).map(|()| course));
+        match result {
+            Ok(course) => {
+                self.goal = Some(Goal { sequence: next.sequence, ending: None, target, search: None });
+                self.judge.rested_at = None;
+                self.reference = next.request.mode.reference();
+                self.generator = Generator::Plan(course.with_lead(lead));
+                let moves_on = matches!(course.aim, Aim::Velocity(_));
+                self.set_state(cx, if moves_on { AxisState::ContinuousMotion } else { AxisState::DiscreteMotion });
+            }
+            Err(refusal) => {
+                let event = done(self.setup.index, next.sequence, refusal.code, self.command.position);
+                cx.events.push(event.with(refusal.asked, refusal.limit));
+                self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position);
+                let plan = self.plan_stop(from, &self.parameters.largest_limits());
+                let course = Course::new(plan, cx.cycle, Aim::Stop, self.parameters.largest_limits());
+                self.generator = Generator::Plan(course.with_lead(lead));
+            }
+        }
+    }
+
+    /// A velocity goal is done for the one behind it once its velocity is reached.
+    pub(super) fn leave_velocity(&mut self, cx: &mut Context<'_>) {
+        if let Generator::Plan(course) = self.generator
+            && let Aim::Velocity(_) = course.aim
+            && self.goal.is_some()
+            && !self.buffer.is_empty()
+            && course.has_ended(cx.cycle)
+            && !course.is_held()
+        {
+            self.end_goal(cx, Code::NONE);
+            self.begin_next(cx, course.at(cx.cycle), 0.0, None);
+        }
+    }
+
+    fn plan_to(&self, from: Motion, target: Position, limits: &Limits) -> Plan {
+        profile::to_rest(from, target, limits, self.setup.cycle_ns)
+    }
+
+    /// A course to a target, through it where the next goal asks for that.
+    pub(super) fn course_to(&self, cycle: u64, from: Motion, target: Position, limits: Limits) -> Course {
+        let usable = self.sharpened(from, limits);
+        let cap = self.override_velocity();
+        let own = limits.velocity.min(cap);
+        let pass = if cap > 0.0 { self.passage(from, target, &usable, own) } else { 0.0 };
+        if pass == 0.0 {
+            return self.course(cycle, from, Aim::Target(target), limits);
+        }
+        let plan = self.plan_passage(from, target, &Limits { velocity: own, ..usable }, pass);
+        Course::new(plan, cycle, Aim::Target(target), limits).passing(pass)
+    }
+
+    /// A plan that passes the target with `pass`, or that ends where speeding up to it has to begin.
+    fn plan_passage(&self, from: Motion, target: Position, limits: &Limits, pass: f64) -> Plan {
+        let cycle_ns = self.setup.cycle_ns;
+        if pass.abs() <= limits.velocity {
+            return profile::to_pass(from, target, pass, limits, cycle_ns);
+        }
+        let own = limits.velocity.copysign(pass);
+        let cruise = Motion { velocity: own, ..Motion::default() };
+        let way = profile::to_velocity(cruise, pass, limits, cycle_ns).end();
+        profile::to_pass(from, target - way, own, limits, cycle_ns)
+    }
+
+    /// The velocity with which the active goal passes its target into the next one; 0 where it has to stop.
+    fn passage(&self, from: Motion, target: Position, limits: &Limits, own: f64) -> f64 {
+        // A search has no end to pass, and what was found is met at rest.
+        let Some(next) = self.buffer.first().filter(|_| !self.probes()) else { return 0.0 };
+        let at_target = Motion::at_rest(target);
+        let cap = self.override_velocity();
+        let (after, follower) = match next.request.mode {
+            MoveMode::Velocity => (None, next.request.velocity),
+            _ => {
+                let exact = self.goal.and_then(|goal| goal.target);
+                let exact = exact.filter(|exact| Position::whole(exact.nearest()) == target);
+                let end = Position::whole(self.target(&next.request, next.limits, at_target, exact).nearest());
+                (Some(end), (end - target).to_f64())
+            }
+        };
+        let way = (target - from.position).to_f64();
+        if way * follower <= 0.0 {
+            return 0.0;
+        }
+        let its_velocity = match after {
+            Some(_) => next.limits.velocity.min(cap),
+            None => follower.abs().min(cap),
+        };
+        let wanted = match next.request.buffer_mode {
+            BufferMode::Aborting | BufferMode::Buffered => return 0.0,
+            BufferMode::BlendingLow => own.min(its_velocity),
+            BufferMode::BlendingPrevious => own,
+            BufferMode::BlendingNext => its_velocity,
+            BufferMode::BlendingHigh => own.max(its_velocity),
+        };
+        let limits = Limits { velocity: own, ..*limits };
+        let next_limits = Limits { velocity: its_velocity, ..next.limits };
+        let works = |speed: f64| {
+            let pass = speed.copysign(way);
+            let plan = self.plan_passage(from, target, &limits, pass);
+            let there = Motion { velocity: pass, ..at_target };
+            goes_straight(&plan, from.position, target, Position::from_f64(ROUNDING))
+                && match after {
+                    // Its end may be a limit.
+                    Some(end) => goes_straight(&self.plan_to(there, end, &next_limits), target, end, Position::ZERO),
+                    None => self.can_stop(there, &next_limits),
+                }
+        };
+        if works(wanted) {
+            return wanted.copysign(way);
+        }
+        let (mut good, mut bad) = (0.0, wanted.min(own));
+        if works(bad) {
+            return bad.copysign(way);
+        }
+        for _ in 0..HALVINGS {
+            let middle = (good + bad) / 2.0;
+            if works(middle) { good = middle } else { bad = middle }
+        }
+        f64::copysign(good, way)
+    }
+
+    /// Is there room to stop from that motion before the limit ahead?
+    fn can_stop(&self, from: Motion, limits: &Limits) -> bool {
+        let up = from.velocity > 0.0;
+        let limit = Position::whole(self.limit(up));
+        let end = from.position + Position::from_f64(profile::stopping_way(from, limits));
+        if up { end <= limit } else { end >= limit }
+    }
+}
+
+/// Does the plan stay between its start and the target, but for so much behind it?
+fn goes_straight(plan: &Plan, from: Position, target: Position, rounding: Position) -> bool {
+    let (low, high) = plan.extent();
+    low >= from.min(target) - rounding && high <= from.max(target) + rounding
+}

@@ -1,0 +1,227 @@
+//! A course: a profile under way, what it is for, and what it may use.
+
+use super::{Axis, Context};
+use crate::position::Position;
+use crate::profile::{self, Jerks, Limits, Motion, Plan, Shape};
+use serde::{Deserialize, Serialize};
+
+/// Cycles after which a constant velocity starts from its own place again: f64 stays exact enough for ever.
+const REBASE_CYCLES: u64 = 1 << 20;
+
+/// What the rounding of a plan may put a place beyond another one (inc).
+pub(super) const ROUNDING: f64 = 1e-3;
+
+/// What a course is for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Aim {
+    /// To this whole increment.
+    Target(Position),
+    /// For ever at this velocity (inc/s), not 0.
+    Velocity(f64),
+    /// To rest, wherever that is.
+    Stop,
+}
+
+/// A profile since a cycle.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Course {
+    plan: Plan,
+    /// Cycle in which the plan begins.
+    start: u64,
+    /// What a superimposed motion has added to it.
+    shift: Position,
+    /// What it is for.
+    pub aim: Aim,
+    /// What was asked for; the plan may use less of the velocity (override).
+    pub limits: Limits,
+    /// Velocity (inc/s) with which the next goal takes over at the target; 0: it ends at rest.
+    pub pass: f64,
+}
+
+impl Course {
+    pub(super) fn new(plan: Plan, start: u64, aim: Aim, limits: Limits) -> Self {
+        Self { plan, start, shift: Position::ZERO, aim, limits, pass: 0.0 }
+    }
+
+    /// The next goal takes over at the target, with this velocity (inc/s).
+    pub(super) fn passing(self, pass: f64) -> Self {
+        Self { pass, ..self }
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        let aim = match self.aim {
+            Aim::Velocity(velocity) => velocity.is_finite(),
+            Aim::Target(_) | Aim::Stop => true,
+        };
+        self.plan.is_sound() && self.limits.is_sound() && aim && self.pass.is_finite()
+    }
+
+    /// The motion of a cycle.
+    pub(super) fn at(&self, cycle: u64) -> Motion {
+        let motion = self.plan.at(cycle.saturating_sub(self.start));
+        Motion { position: motion.position + self.shift, ..motion }
+    }
+
+    /// The plan has come to its end.
+    pub(super) fn has_ended(&self, cycle: u64) -> bool {
+        cycle.saturating_sub(self.start) >= self.plan.cycles()
+    }
+
+    /// How long ago it ended (s).
+    pub(super) fn overshoot(&self, cycle: u64) -> f64 {
+        self.plan.overshoot(cycle.saturating_sub(self.start))
+    }
+
+    /// Where the plan ends.
+    pub(super) fn end(&self) -> Position {
+        self.plan.end() + self.shift
+    }
+
+    /// The velocity with which the plan ends (inc/s).
+    pub(super) fn end_velocity(&self) -> f64 {
+        self.plan.end_velocity()
+    }
+
+    /// Began that long (s) before the cycle in which it starts.
+    pub(super) fn with_lead(self, lead: f64) -> Self {
+        Self { plan: self.plan.with_lead(lead), ..self }
+    }
+
+    /// Began a cycle earlier.
+    pub(super) fn begin_earlier(&mut self) {
+        self.start = self.start.saturating_sub(1);
+    }
+
+    /// Moved as a whole.
+    pub(super) fn shift(&mut self, by: Position) {
+        self.shift += by;
+        if let Aim::Target(target) = &mut self.aim {
+            *target += by;
+        }
+    }
+
+    /// Waits at rest for an override above 0.
+    pub(super) fn is_held(&self) -> bool {
+        let ends_at_rest = self.end_velocity() == 0.0;
+        match self.aim {
+            Aim::Target(target) => ends_at_rest && self.end() != target,
+            Aim::Velocity(_) => ends_at_rest,
+            Aim::Stop => false,
+        }
+    }
+
+    /// Does `next`, from `now`, go beyond the target where this one does not?
+    fn aim_is_passed(&self, next: &Self, now: Position) -> bool {
+        let (low, high) = self.extent_from(now);
+        let (next_low, next_high) = next.extent_from(now);
+        let rounding = Position::from_f64(ROUNDING);
+        next_low < low - rounding || next_high > high + rounding
+    }
+
+    /// At a constant velocity for so long that it should start from its own place again.
+    pub(super) fn is_old(&self, cycle: u64) -> bool {
+        cycle.saturating_sub(self.start) > self.plan.cycles().saturating_add(REBASE_CYCLES)
+    }
+
+    /// Lowest and highest position from `now` to its end.
+    pub(super) fn extent_from(&self, now: Position) -> (Position, Position) {
+        let (low, high) = self.plan.extent_from(now - self.shift);
+        (low + self.shift, high + self.shift)
+    }
+}
+
+impl Axis {
+    /// Highest velocity that the override leaves (inc/s).
+    pub(super) fn override_velocity(&self) -> f64 {
+        let share = self.parameters.velocity_override / 100.0;
+        // What a goal asks for was checked against the maximum that held then.
+        if share < 1.0 { self.velocity_for_base() * share } else { f64::INFINITY }
+    }
+
+    /// A course from `from` with what the override leaves.
+    pub(super) fn course(&self, cycle: u64, from: Motion, aim: Aim, limits: Limits) -> Course {
+        let usable = self.sharpened(from, limits);
+        let cap = self.override_velocity();
+        let capped = Limits { velocity: limits.velocity.min(cap), ..usable };
+        let cycle_ns = self.setup.cycle_ns;
+        let plan = match aim {
+            Aim::Stop => self.plan_stop(from, &usable),
+            _ if cap <= 0.0 => self.plan_stop(from, &usable),
+            Aim::Target(target) => profile::to_rest(from, target, &capped, cycle_ns),
+            Aim::Velocity(velocity) => profile::to_velocity(from, velocity.clamp(-cap, cap), &capped, cycle_ns),
+        };
+        Course::new(plan, cycle, aim, limits)
+    }
+
+    /// The same limits, but for a jerk with which the present acceleration would end beyond max_velocity: a goal that asks
+    /// for less jerk than the motion before it must not drive the axis too fast.
+    pub(super) fn sharpened(&self, from: Motion, limits: Limits) -> Limits {
+        sharpen(from, limits, self.velocity_for_base())
+    }
+
+    /// Where the motion under way ends; none without end or motion.
+    pub(super) fn course_end(&self) -> Option<Position> {
+        let super::Generator::Plan(course) = &self.generator else { return None };
+        match course.aim {
+            Aim::Target(target) => Some(target),
+            Aim::Stop => Some(course.end()),
+            Aim::Velocity(_) => None,
+        }
+    }
+
+    /// Plans anew what a change of the override concerns.
+    pub(super) fn follow_override(&mut self, cx: &mut Context<'_>) {
+        let share = self.parameters.velocity_override;
+        self.override_overlay(cx.cycle);
+        if self.override_seen == share {
+            return;
+        }
+        if let super::Generator::Plan(course) = self.generator
+            && course.aim != Aim::Stop
+        {
+            let mut next = self.course_for(cx.cycle, course.aim, course.limits);
+            // A goal that was to pass its target may have to slow down more than its own deceleration can.
+            if self.check_course(&next, self.base(), course.limits).is_err() {
+                let largest = self.parameters.largest_limits();
+                let limits = Limits { velocity: course.limits.velocity, ..largest };
+                next = self.course_for(cx.cycle, course.aim, limits);
+            }
+            // A sine runs its acceleration out first, and so might pass the target: then the old plan, which slows down
+            // already, is kept, and asked again in the next cycle. So is one that passes its target into the next goal, where
+            // there is no room left to slow down before.
+            let now = self.command;
+            let brakes = now.velocity * now.acceleration < 0.0 && now.velocity.abs() <= self.override_velocity();
+            let keeps = course.pass != 0.0 || brakes && course.end_velocity() == 0.0;
+            let turns = keeps && course.aim_is_passed(&next, now.position);
+            if turns || self.check_course(&next, self.base(), course.limits).is_err() {
+                return;
+            }
+            self.generator = super::Generator::Plan(next);
+        }
+        self.override_seen = share;
+    }
+
+    /// Plans the active course anew from the present motion.
+    pub(super) fn replan(&mut self, cx: &mut Context<'_>, aim: Aim, limits: Limits) {
+        self.generator = super::Generator::Plan(self.course_for(cx.cycle, aim, limits));
+    }
+
+    fn course_for(&self, cycle: u64, aim: Aim, limits: Limits) -> Course {
+        let from = self.base();
+        match aim {
+            Aim::Target(target) => self.course_to(cycle, from, target, limits),
+            _ => self.course(cycle, from, aim, limits),
+        }
+    }
+}
+
+/// The same limits, but for a jerk with which the acceleration of `from` would end beyond `most` (inc/s).
+pub(super) fn sharpen(from: Motion, limits: Limits, most: f64) -> Limits {
+    let Shape::Jerk(jerks) = limits.shape else { return limits };
+    let room = most - from.velocity.abs();
+    if from.velocity * from.acceleration <= 0.0 || room <= 0.0 {
+        return limits;
+    }
+    let least = from.acceleration * from.acceleration / (2.0 * room);
+    Limits { shape: Shape::Jerk(Jerks { fall: jerks.fall.max(least), ..jerks }), ..limits }
+}

@@ -1,0 +1,336 @@
+//! A superimposed motion: a way that is added to whatever else moves the axis (MC_MoveSuperimposed).
+//!
+//! Law      command = motion under way + superimposed motion; its velocity and acceleration are at most what the motion under
+//!          way leaves of the axis' limits, so that the sum stays within them
+//! Refuses  rates beyond what is left, an end beyond a limit
+
+use super::course::{ROUNDING, sharpen};
+use super::{Axis, AxisState, Context, Generator};
+use crate::code::Code;
+use crate::command::Move;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::position::Position;
+use crate::profile::{self, Jerks, Limits, Motion, Plan, Shape};
+use crate::sync::follower::Reserve;
+use serde::{Deserialize, Serialize};
+
+/// No override: what was planned with one is planned anew.
+const UNSEEN: f64 = -1.0;
+
+/// A superimposed motion under way.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Overlay {
+    /// Number of its command.
+    pub sequence: u64,
+    plan: Plan,
+    start: u64,
+    limits: Limits,
+    /// Where its way ends, from where it began.
+    end: Position,
+    /// The override that its plan was made with (%).
+    share: f64,
+    /// Its motion as the last cycle added it.
+    pub shown: Motion,
+    ending: Option<Code>,
+}
+
+impl Overlay {
+    pub(super) fn is_sound(&self) -> bool {
+        self.plan.is_sound() && self.limits.is_sound() && self.shown.is_sound() && self.share.is_finite()
+    }
+
+    /// Lowest and highest way from now to where it ends.
+    fn ahead(&self) -> (Position, Position) {
+        let now = self.shown.position;
+        let (low, high) = self.plan.extent_from(now);
+        (low.min(self.end).min(now) - now, high.max(self.end).max(now) - now)
+    }
+
+    /// The same from this cycle on with another share of its velocity (%); without any it holds.
+    fn planned(self, cycle: u64, share: f64, cycle_ns: u64) -> Self {
+        let velocity = self.limits.velocity * (share / 100.0);
+        let plan = if velocity > 0.0 {
+            profile::to_rest(self.shown, self.end, &Limits { velocity, ..self.limits }, cycle_ns)
+        } else {
+            profile::stop(self.shown, &self.limits, cycle_ns)
+        };
+        Self { plan, start: cycle, share, ..self }
+    }
+}
+
+impl Axis {
+    /// Nothing moves the command.
+    pub(super) fn rests(&self) -> bool {
+        matches!(self.generator, Generator::Rest) && self.overlay.is_none()
+    }
+
+    /// The motion under way without what is superimposed.
+    pub(super) fn underlying(&self) -> Motion {
+        let Some(Overlay { shown, .. }) = self.overlay else { return self.command };
+        Motion {
+            position: self.command.position,
+            velocity: self.command.velocity - shown.velocity,
+            acceleration: self.command.acceleration - shown.acceleration,
+            jerk: self.command.jerk - shown.jerk,
+        }
+    }
+
+    /// What a course that is planned anew below a superimposed motion begins with.
+    pub(super) fn base(&self) -> Motion {
+        if self.overlay.is_some() { self.underlying() } else { self.present() }
+    }
+
+    /// What a coupling leaves to the superimposed motion (inc/s, inc/s^2).
+    pub(super) fn reserve(&self) -> Reserve {
+        self.overlay.map_or(Reserve::default(), |overlay| Reserve {
+            velocity: overlay.limits.velocity,
+            acceleration: overlay.limits.acceleration.max(overlay.limits.deceleration),
+        })
+    }
+
+    /// Adds the superimposed motion of this cycle to `base`; what it has moved stays with the motion under way.
+    pub(super) fn superimpose(&mut self, cx: &mut Context<'_>, base: Motion) -> Motion {
+        let Some(overlay) = &mut self.overlay else { return base };
+        let elapsed = cx.cycle.saturating_sub(overlay.start);
+        let motion = overlay.plan.at(elapsed);
+        let change = motion.position - overlay.shown.position;
+        overlay.shown = motion;
+        // One that the override holds goes on later.
+        let ended = elapsed >= overlay.plan.cycles() && overlay.plan.end() == overlay.end;
+        let (sequence, ending) = (overlay.sequence, overlay.ending);
+        match &mut self.generator {
+            Generator::Plan(course) => course.shift(change),
+            Generator::Follow(follower) => follower.shift(change),
+            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => {}
+        }
+        if let Some(target) = self.goal.as_mut().and_then(|goal| goal.target.as_mut()) {
+            *target += change;
+        }
+        let sum = Motion {
+            position: base.position + change,
+            velocity: base.velocity + motion.velocity,
+            acceleration: base.acceleration + motion.acceleration,
+            jerk: base.jerk + motion.jerk,
+        };
+        if ended {
+            self.overlay = None;
+            self.share_anew();
+            let code = ending.unwrap_or(Code::NONE);
+            let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
+            let event = Event::new(severity, Kind::Done, self.object(), code).of_command(sequence);
+            cx.events.push(Event { position: sum.position, ..event });
+            if matches!(self.generator, Generator::Rest) {
+                return Motion::at_rest(Position::whole(sum.position.floor()));
+            }
+        }
+        sum
+    }
+
+    /// Starts a superimposed motion; one that runs is replaced by the new way, from where it is.
+    ///
+    /// # Errors
+    /// What the motion under way leaves is not enough; its end lies beyond a limit.
+    pub(super) fn start_superimposed(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        request: &Move,
+    ) -> Result<(), Refusal> {
+        let (limits, most) = self.remaining_limits(request)?;
+        let shown = self.overlay.map_or(Motion::default(), |overlay| overlay.shown);
+        let limits = sharpen(shown, limits, most);
+        let end = Position::whole(shown.position.nearest()) + Position::whole(request.target.exact().nearest());
+        let share = self.parameters.velocity_override;
+        let whole = profile::to_rest(shown, end, &limits, self.setup.cycle_ns);
+        let overlay = Overlay { sequence, plan: whole, start: cx.cycle, limits, end, share, shown, ending: None };
+        let overlay = overlay.planned(cx.cycle, share, self.setup.cycle_ns);
+        self.check_sum(&overlay)?;
+        self.end_overlay(cx, Code::REPLACED);
+        self.overlay = Some(overlay);
+        self.share_anew();
+        self.judge.rested_at = None;
+        self.accepted(cx, sequence);
+        if self.state == AxisState::Standstill {
+            self.set_state(cx, AxisState::DiscreteMotion);
+        }
+        Ok(())
+    }
+
+    /// Both ways together stay within the limits of position. A motion without end is watched in each cycle.
+    fn check_sum(&self, overlay: &Overlay) -> Result<(), Refusal> {
+        let (down, up) = overlay.ahead();
+        let here = matches!(self.generator, Generator::Rest).then_some((self.command.position, self.command.position));
+        match self.known_reach().or(here) {
+            Some((low, high)) => self.check_range(low + down, high + up),
+            None => Ok(()),
+        }
+    }
+
+    /// These positions lie within the limits, or no further out than the axis stands already.
+    pub(super) fn check_range(&self, lowest: Position, highest: Position) -> Result<(), Refusal> {
+        let now = self.command.position;
+        let beyond = |code, reached: i64, limit| {
+            Err(Refusal::new(code, self.object()).with(Number::Position(reached), Number::Position(limit)))
+        };
+        if !lowest.is_legal() || !highest.is_legal() {
+            let place = if highest.is_legal() { lowest } else { highest };
+            let refusal = Refusal::new(Code::POSITION_OUT_OF_RANGE, self.object());
+            return Err(refusal.with(Number::Position(place.nearest()), Number::None));
+        }
+        if highest > Position::whole(self.limit(true)).max(now) {
+            return beyond(Code::ABOVE_MAX_POSITION, highest.ceil(), self.limit(true));
+        }
+        if lowest < Position::whole(self.limit(false)).min(now) {
+            return beyond(Code::BELOW_MIN_POSITION, lowest.floor(), self.limit(false));
+        }
+        Ok(())
+    }
+
+    /// With what is still to be superimposed, the motion under way stays within the limits of position.
+    pub(super) fn check_overlay(&self) -> Result<(), Refusal> {
+        self.overlay.map_or(Ok(()), |overlay| self.check_sum(&overlay))
+    }
+
+    /// What the motion under way leaves of the axis' limits; what is asked for must lie within.
+    /// A goal that will begin below a superimposed motion asks for no more than that leaves.
+    pub(super) fn check_beside_overlay(&self, limits: &Limits) -> Result<(), Refusal> {
+        let Some(overlay) = &self.overlay else { return Ok(()) };
+        let most = self.parameters.largest_limits();
+        let rate = most.acceleration.min(most.deceleration);
+        let (taken, code) = (overlay.limits, Code::SUPERIMPOSED_TOO_MUCH);
+        let check = |asked: f64, left: f64, number: fn(f64) -> Number| {
+            // What is left was rounded.
+            let fits = asked <= left * (1.0 + 1e-12);
+            let refusal = Refusal::new(code, self.object()).with(number(asked), number(left.max(0.0)));
+            if fits { Ok(()) } else { Err(refusal) }
+        };
+        check(limits.velocity, most.velocity - taken.velocity, Number::Velocity)?;
+        let steepest = limits.acceleration.max(limits.deceleration);
+        check(steepest, rate - taken.acceleration.max(taken.deceleration), Number::Acceleration)?;
+        match least_jerk(most.shape) {
+            Some(jerk) => check(most_jerk(limits.shape), jerk - most_jerk(taken.shape), Number::Jerk),
+            None => Ok(()),
+        }
+    }
+
+    /// What the motion under way leaves of the axis' limits, and all the velocity that it leaves (inc/s); what is asked for
+    /// must lie within.
+    fn remaining_limits(&self, request: &Move) -> Result<(Limits, f64), Refusal> {
+        let most = self.parameters.largest_limits();
+        let used = match &self.generator {
+            Generator::Plan(course) => Some(course.limits),
+            Generator::Follow(_) => Some(self.parameters.usual_limits()),
+            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => None,
+        };
+        // The goals that wait will move it beside this one too.
+        let used = self.buffer.limits().fold(used, |used, next| {
+            let used = used.unwrap_or(next);
+            Some(Limits { velocity: used.velocity.max(next.velocity), ..used.at_least(&next) })
+        });
+        let left = |most: f64, used: f64| (most - used).max(0.0);
+        let (mut velocity, mut rate) = (most.velocity, most.acceleration.min(most.deceleration));
+        let mut jerk = least_jerk(most.shape);
+        if let Some(used) = used {
+            velocity = left(velocity, used.velocity.max(self.underlying().velocity.abs()));
+            rate = left(rate, used.acceleration.max(used.deceleration));
+            jerk = jerk.map(|jerk| left(jerk, most_jerk(used.shape)));
+        }
+        let choose = |asked: f64, left: f64, usual: f64, code, number: fn(f64) -> Number| {
+            let enough = left >= super::goal::LEAST_RATE;
+            if asked > left || !enough {
+                let asked = if asked > 0.0 { asked } else { usual };
+                return Err(Refusal::new(code, self.object()).with(number(asked), number(left)));
+            }
+            Ok(if asked > 0.0 { asked } else { usual.min(left) })
+        };
+        let usual = self.parameters.usual_limits();
+        let code = Code::SUPERIMPOSED_TOO_MUCH;
+        let shape = match (most.shape, jerk) {
+            (Shape::Jerk(_), Some(left)) => {
+                let usual = least_jerk(usual.shape).unwrap_or(left);
+                let jerk = choose(request.jerk, left, usual, code, Number::Jerk)?;
+                Shape::Jerk(Jerks { rise: jerk, fall: jerk, brake_rise: jerk, brake_fall: jerk })
+            }
+            (shape, _) => shape,
+        };
+        let limits = Limits {
+            velocity: choose(request.velocity, velocity, usual.velocity, code, Number::Velocity)?,
+            acceleration: choose(request.acceleration, rate, usual.acceleration, code, Number::Acceleration)?,
+            deceleration: choose(request.deceleration, rate, usual.deceleration, code, Number::Acceleration)?,
+            shape,
+        };
+        Ok((limits, velocity))
+    }
+
+    /// The velocity that a superimposed motion leaves to the motion under way (inc/s).
+    pub(super) fn velocity_for_base(&self) -> f64 {
+        let taken = self.overlay.map_or(0.0, |overlay| overlay.limits.velocity);
+        (self.parameters.max_velocity - taken).max(0.0)
+    }
+
+    /// Lowest and highest way that the superimposed motion still adds.
+    pub(super) fn overlay_ahead(&self) -> (Position, Position) {
+        self.overlay.map_or_else(Default::default, |overlay| overlay.ahead())
+    }
+
+    /// With or without a superimposed motion, the motion under way has another part of what an override leaves.
+    fn share_anew(&mut self) {
+        if self.parameters.velocity_override < 100.0 {
+            self.override_seen = UNSEEN;
+        }
+    }
+
+    /// Plans the superimposed motion anew where the override has changed.
+    pub(super) fn override_overlay(&mut self, cycle: u64) {
+        let share = self.parameters.velocity_override;
+        if let Some(overlay) = &mut self.overlay
+            && overlay.share != share
+            && overlay.ending.is_none()
+        {
+            let next = overlay.planned(cycle, share, self.setup.cycle_ns);
+            let ((low, high), (next_low, next_high)) = (overlay.ahead(), next.ahead());
+            let rounding = Position::from_f64(ROUNDING);
+            // As below: what would pass its end by slowing down otherwise goes on, and is asked again.
+            if next_low >= low - rounding && next_high <= high + rounding {
+                *overlay = next;
+            }
+        }
+    }
+
+    /// Ends the superimposed motion now.
+    pub(super) fn end_overlay(&mut self, cx: &mut Context<'_>, code: Code) {
+        if let Some(overlay) = self.overlay.take() {
+            self.share_anew();
+            let code = overlay.ending.unwrap_or(code);
+            let event = Event::new(Severity::Warn, Kind::Done, self.object(), code).of_command(overlay.sequence);
+            cx.events.push(Event { position: self.command.position, ..event });
+        }
+    }
+
+    /// Stops the superimposed motion; the motion under way goes on.
+    pub(super) fn cancel_overlay(&mut self, cx: &Context<'_>) {
+        let cycle_ns = self.setup.cycle_ns;
+        if let Some(overlay) = &mut self.overlay {
+            overlay.plan = profile::stop(overlay.shown, &overlay.limits, cycle_ns);
+            overlay.end = overlay.plan.end();
+            overlay.start = cx.cycle;
+            overlay.ending = Some(Code::CANCELLED);
+        }
+    }
+}
+
+fn least_jerk(shape: Shape) -> Option<f64> {
+    match shape {
+        Shape::Jerk(Jerks { rise, fall, brake_rise, brake_fall }) => {
+            Some(rise.min(fall).min(brake_rise).min(brake_fall))
+        }
+        _ => None,
+    }
+}
+
+fn most_jerk(shape: Shape) -> f64 {
+    match shape {
+        Shape::Jerk(Jerks { rise, fall, brake_rise, brake_fall }) => rise.max(fall).max(brake_rise).max(brake_fall),
+        _ => 0.0,
+    }
+}

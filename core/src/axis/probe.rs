@@ -1,0 +1,144 @@
+//! Touch probe to position: a goal that searches for a mark and ends at a distance from it (MC_TouchProbe, then a move).
+//!
+//! Law      latched = position of the axis at the first latch after the goal began; target = latched + distance, rounded once
+//!          to a whole increment and planned from the motion of that cycle with the limits of the goal
+//! Reads    the latches of the cycle, the actual position
+//! Refuses  at the latch: an end beyond a limit, a way that cannot stop before it; the goal fails then and the axis stops
+//! Source   PLCopen part 1 (MC_TouchProbe), contract section 7
+
+use super::course::Aim;
+use super::{Axis, Context, Generator};
+use crate::code::Code;
+use crate::command::{Probe, ProbeEdge};
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::object::Object;
+use crate::position::Position;
+use crate::profile::{Limits, Shape};
+use crate::vocabulary::Latched;
+use serde::{Deserialize, Serialize};
+
+/// What a goal searches for, and where it ends then.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Search {
+    source: Object,
+    edge: ProbeEdge,
+    /// From the latched position.
+    distance: Position,
+    limits: Limits,
+    /// The first latch has come.
+    is_over: bool,
+}
+
+impl Search {
+    /// Still without its latch?
+    pub(super) fn is_on(&self) -> bool {
+        !self.is_over
+    }
+
+    /// Limits that a profile can be made with?
+    pub(super) fn is_sound(&self) -> bool {
+        let Limits { velocity, acceleration, deceleration, shape } = self.limits;
+        let jerks = match shape {
+            Shape::Jerk(jerks) => [jerks.rise, jerks.fall, jerks.brake_rise, jerks.brake_fall],
+            _ => [1.0; 4],
+        };
+        [velocity, acceleration, deceleration].into_iter().chain(jerks).all(|rate| rate > 0.0 && rate.is_finite())
+    }
+
+    /// The first latch of the cycle that it waits for: the oldest.
+    fn first<'l>(&self, latches: &'l [Latched]) -> Option<&'l Latched> {
+        let asked = |latch: &&Latched| {
+            latch.object == self.source
+                && match self.edge {
+                    ProbeEdge::Rising => latch.rising,
+                    ProbeEdge::Falling => !latch.rising,
+                    ProbeEdge::Both => true,
+                }
+        };
+        let older = |first: &'l Latched, next: &'l Latched| if next.age_ns > first.age_ns { next } else { first };
+        latches.iter().filter(asked).reduce(older)
+    }
+}
+
+impl Axis {
+    /// Starts a move that searches.
+    pub(super) fn start_probe(&mut self, cx: &mut Context<'_>, sequence: u64, request: &Probe) -> Result<(), Refusal> {
+        self.start_move(cx, sequence, &request.search())?;
+        let limits = self.active_limits();
+        if let Some(goal) = &mut self.goal {
+            let (source, edge, distance) = (request.source, request.edge, request.distance.exact());
+            goal.search = Some(Search { source, edge, distance, limits, is_over: false });
+        }
+        Ok(())
+    }
+
+    /// Does the active goal search, or has it searched?
+    pub(super) fn probes(&self) -> bool {
+        self.goal.is_some_and(|goal| goal.search.is_some())
+    }
+
+    /// Does the active goal still search?
+    pub(super) fn searches(&self) -> bool {
+        self.goal.is_some_and(|goal| goal.ending.is_none() && goal.search.is_some_and(|search| search.is_on()))
+    }
+
+    /// Takes the latch that the active goal searches for: from now on it goes to its end. Before the commands of the cycle,
+    /// so that a goal never takes a latch that was there before it.
+    pub(super) fn take_mark(&mut self, cx: &mut Context<'_>) {
+        if !self.searches() {
+            return;
+        }
+        let Some((goal, search)) = self.goal.and_then(|goal| Some((goal, goal.search?))) else { return };
+        let Some(latch) = search.first(cx.latches) else { return };
+        let latched = self.position_at(latch);
+        let event = Event::new(Severity::Info, Kind::Mark, self.object(), Code::NONE).of_command(goal.sequence);
+        let edge = Number::Count(i64::from(latch.rising));
+        cx.events.push(Event { age_ns: latch.age_ns, position: latched, ..event.with(edge, Number::None) });
+        if let Some(search) = self.goal.as_mut().and_then(|goal| goal.search.as_mut()) {
+            search.is_over = true;
+        }
+        if let Err(refusal) = self.turn_to(cx.cycle, latched + search.distance, search.limits) {
+            self.fail_goal(cx, refusal, search.limits);
+        }
+    }
+
+    /// Where the axis was when something latched: as its own device caught it, else on the straight line of this cycle's change.
+    fn position_at(&self, latch: &Latched) -> Position {
+        if let Some(position) = latch.captured.filter(|_| latch.object == self.object()) {
+            return position;
+        }
+        let (now, change) = if self.is_virtual() {
+            // Its actual position is the command of the cycle before until this one ends.
+            (self.command.position, self.command.position - self.actual.position)
+        } else {
+            (self.actual.position, self.actual.change)
+        };
+        let share = f64::from(latch.age_ns) / self.setup.cycle_ns as f64;
+        now - Position::from_f64(change.to_f64() * share)
+    }
+
+    /// The active goal ends at `target` from now on, with a plan from the present motion.
+    fn turn_to(&mut self, cycle: u64, target: Position, limits: Limits) -> Result<(), Refusal> {
+        self.check_target(target, &self.parameters)?;
+        // What is superimposed goes on as it was planned.
+        let from = self.underlying();
+        let course = self.course(cycle, from, Aim::Target(Position::whole(target.nearest())), limits);
+        self.check_course(&course, from, limits)?;
+        self.generator = Generator::Plan(course);
+        if let Some(goal) = &mut self.goal {
+            goal.target = Some(target);
+        }
+        self.check_overlay()
+    }
+
+    /// Ends the active goal, and all that goes with it, by a refusal: the axis stops.
+    fn fail_goal(&mut self, cx: &mut Context<'_>, refusal: Refusal, limits: Limits) {
+        if let Some(goal) = self.goal.take() {
+            let event = Event::new(Severity::Warn, Kind::Done, self.object(), refusal.code).of_command(goal.sequence);
+            let event = event.with(refusal.asked, refusal.limit);
+            cx.events.push(Event { position: self.command.position, ..event });
+        }
+        self.abandon(cx, Code::NOT_REACHED);
+        self.brake_to_rest(cx, &limits);
+    }
+}

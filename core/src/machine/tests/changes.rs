@@ -1,0 +1,262 @@
+//! Changes of target, limits, shape, override and stops at any moment: never beyond a limit, never moving without a goal,
+//! at rest on a whole increment in the end.
+
+use super::rig::{Rig, X, at, cases, config, to};
+use crate::axis::Modulo;
+use crate::command::{Action, BufferMode, Commands, Direction, Move, MoveMode, Setpoints};
+use crate::object::AxisSet;
+use crate::parameter::{Change, Row, Value};
+use proptest::prelude::*;
+
+const MAX_VELOCITY: f64 = 100_000.0;
+const MAX_ACCELERATION: f64 = 1_000_000.0;
+const MAX_JERK: f64 = 2e7;
+const LOW: i64 = -40_000;
+const HIGH: i64 = 50_000;
+const CYCLE: f64 = 1e-3;
+
+#[derive(Clone, Debug)]
+enum Deed {
+    Move(Move),
+    Set(&'static str, Value),
+    Halt,
+    QuickStop,
+    Cancel,
+    /// Of the goal that was given that many goals ago.
+    CancelOlder(usize),
+    Disable,
+    /// The drive fails.
+    Fault,
+    /// A setpoint, newly streamed.
+    Stream(f64),
+}
+
+fn rate(most: f64) -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), Just(most), (0.02..1.0_f64).prop_map(move |share| share * most)]
+}
+
+fn deed() -> impl Strategy<Value = Deed> {
+    use MoveMode::{Absolute, Additive, Relative, Superimposed, Velocity};
+    let mode = prop::sample::select(vec![Absolute, Absolute, Relative, Additive, Superimposed, Velocity]);
+    let position = prop_oneof![LOW..=HIGH, -30_i64..30, Just(HIGH), Just(LOW)];
+    let rates =
+        (rate(MAX_VELOCITY), any::<bool>(), rate(MAX_ACCELERATION), rate(MAX_ACCELERATION / 2.0), rate(MAX_JERK));
+    let buffer = prop::sample::select(vec![
+        BufferMode::Aborting,
+        BufferMode::Aborting,
+        BufferMode::Aborting,
+        BufferMode::Buffered,
+        BufferMode::BlendingLow,
+        BufferMode::BlendingPrevious,
+        BufferMode::BlendingNext,
+        BufferMode::BlendingHigh,
+    ]);
+    use Direction::{Current, Negative, Positive, Shortest};
+    let direction = prop::sample::select(vec![Shortest, Positive, Negative, Current]);
+    let moves = (mode, position, rates, buffer, direction).prop_map(
+        |(mode, position, (velocity, back, acceleration, deceleration, jerk), buffer_mode, direction)| {
+            let sign = if back && mode == Velocity { -1.0 } else { 1.0 };
+            let base = if mode == Velocity { at(X, 0.0) } else { to(X, position) };
+            Deed::Move(Move {
+                mode,
+                velocity: sign * velocity,
+                acceleration,
+                deceleration,
+                jerk,
+                buffer_mode,
+                direction,
+                ..base
+            })
+        },
+    );
+    prop_oneof![
+        8 => moves,
+        2 => prop_oneof![Just(0.0), Just(100.0), 0.0..100.0_f64].prop_map(|share| Deed::Set("velocity_override", Value::Real(share))),
+        1 => (0_i64..3).prop_map(|shape| Deed::Set("profile", Value::Int(shape))),
+        1 => (0.1..1.0_f64).prop_map(|share| Deed::Set("max_jerk", Value::Real(share * MAX_JERK))),
+        1 => (0_i64..40_000_000).prop_map(|time| Deed::Set("jerkmin3", Value::Int(time + 50_000_000))),
+        1 => Just(Deed::Halt),
+        1 => Just(Deed::QuickStop),
+        1 => Just(Deed::Cancel),
+        1 => (0_usize..4).prop_map(Deed::CancelOlder),
+        1 => prop_oneof![Just(HIGH), 0..HIGH].prop_map(|high| Deed::Set("max_position", Value::Int(high))),
+        1 => prop_oneof![Just(LOW), LOW..0].prop_map(|low| Deed::Set("min_position", Value::Int(low))),
+        1 => prop_oneof![Just(0.0), -MAX_VELOCITY..MAX_VELOCITY].prop_map(Deed::Stream),
+        1 => prop_oneof![Just(Deed::Disable), Just(Deed::Fault)],
+    ]
+}
+
+/// What the board says of the command of x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
+    jerk: f64,
+}
+
+fn seen(rig: &Rig) -> Seen {
+    Seen {
+        position: rig.int("x.command.position") as f64 + rig.real("x.command.fraction"),
+        velocity: rig.real("x.command.velocity"),
+        acceleration: rig.real("x.command.acceleration"),
+        jerk: rig.real("x.command.jerk"),
+    }
+}
+
+/// Neither moves nor is about to: a stop with limited jerk may turn.
+fn stands(rig: &Rig) -> bool {
+    let now = seen(rig);
+    (now.velocity, now.acceleration) == (0.0, 0.0)
+}
+
+/// The first law that the step from `before` to `now` breaks.
+fn fault(before: Seen, now: Seen, (low, high): (f64, f64), only_jerk: bool) -> Option<String> {
+    let near = 1.0 + 1e-9;
+    if now.velocity.abs() > MAX_VELOCITY * near {
+        return Some(format!("velocity {}", now.velocity));
+    }
+    let braking = now.velocity * now.acceleration < 0.0;
+    let most = if braking { MAX_ACCELERATION / 2.0 } else { MAX_ACCELERATION };
+    // At a velocity of almost 0 it brakes and starts within one cycle.
+    let turns = now.velocity.abs() <= MAX_ACCELERATION * CYCLE;
+    if now.acceleration.abs() > if turns { MAX_ACCELERATION } else { most } * near {
+        return Some(format!("acceleration {} at {}", now.acceleration, now.velocity));
+    }
+    if only_jerk && now.jerk.abs() > MAX_JERK * near {
+        return Some(format!("jerk {}", now.jerk));
+    }
+    if only_jerk && (now.acceleration - before.acceleration).abs() > MAX_JERK * CYCLE * near + 1e-3 {
+        return Some(format!("acceleration from {} to {}", before.acceleration, now.acceleration));
+    }
+    if (now.velocity - before.velocity).abs() > MAX_ACCELERATION * CYCLE * near {
+        return Some(format!("velocity from {} to {}", before.velocity, now.velocity));
+    }
+    // Simpson's rule needs the middle; the trapezoidal one errs by a twelfth of the acceleration's change, and a stop ends
+    // on the increment below.
+    let way = now.position - before.position - 0.5 * (now.velocity + before.velocity) * CYCLE;
+    if way.abs() > MAX_ACCELERATION * CYCLE * CYCLE / 2.0 + 1.001 {
+        return Some(format!("position off by {way}"));
+    }
+    // Where a limit was set behind an axis at rest, it may only come back; a stop ends on the increment below.
+    if now.position > high.max(before.position) || now.position < low.min(before.position.floor()) {
+        return Some(format!("position {} beyond a limit", now.position));
+    }
+    None
+}
+
+fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool) -> Result<(), TestCaseError> {
+    let mut config = config(0);
+    config.axes[usize::from(X)].modulo = Modulo::new(100_001, 3).filter(|_| modulo);
+    let p = &mut config.axes[usize::from(X)].parameters;
+    p.max_deceleration = Some(MAX_ACCELERATION / 2.0);
+    (p.max_jerk, p.profile) = (Some(MAX_JERK), shape);
+    (p.min_position, p.max_position) = (Some(LOW), Some(HIGH));
+    // Limits that a velocity goal runs into are reported and no lock follows.
+    p.error_reaction = 2;
+    let mut rig = Rig::of(config);
+    rig.enable();
+    // A jerk that was lowered in motion is one that the axis is beyond already.
+    let shapes_change = deeds.iter().any(|(deed, _)| matches!(deed, Deed::Set("profile" | "max_jerk" | "jerkmin3", _)));
+    let only_jerk = shape == 2 && !shapes_change;
+    let (mut goals, mut before, mut generation) = (Vec::new(), seen(&rig), 0);
+    for (deed, cycles) in deeds {
+        let action = match deed {
+            Deed::Move(request) => Action::Move(*request),
+            Deed::Set(key, value) => {
+                let (row, _) = Row::find(key).unwrap();
+                Action::SetParameters([Change { axis: X, row, value: *value }].into())
+            }
+            Deed::Halt => Action::Halt(AxisSet::one(X)),
+            Deed::QuickStop => Action::QuickStop(AxisSet::one(X)),
+            Deed::Cancel => Action::Cancel { goal: goals.last().copied().unwrap_or(0) },
+            Deed::CancelOlder(back) => Action::Cancel { goal: goals.iter().rev().nth(*back).copied().unwrap_or(0) },
+            Deed::Disable => Action::Disable(AxisSet::one(X)),
+            // Something else that names no axis.
+            Deed::Fault | Deed::Stream(_) => Action::SetParameters([].into()),
+        };
+        let is_move = matches!(action, Action::Move(_));
+        if matches!(deed, Deed::Fault) {
+            rig.plant.drive(0).unwrap().inject_fault(0x8611);
+        }
+        if let Deed::Stream(velocity) = deed {
+            generation += 1;
+            let stream = Setpoints { generation, velocity: vec![None, Some(*velocity), None] };
+            rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+        } else {
+            let sequence = rig.give(action);
+            if is_move {
+                goals.push(sequence);
+            }
+        }
+        let p = rig.machine.parameters(X).unwrap();
+        let limits = (p.min_position.unwrap() as f64, p.max_position.unwrap() as f64);
+        for cycle in 0..=*cycles {
+            if cycle > 0 {
+                rig.run(1);
+            }
+            let now = seen(&rig);
+            if rig.int("x.enabled") == 0 {
+                before = now;
+                continue;
+            }
+            // A stop that its shape would lead beyond a limit brakes without shape, and ends there.
+            let at_limit =
+                [limits.0, limits.1].contains(&(rig.int("x.target.position") as f64)) && !matches!(deed, Deed::Move(_));
+            let broken = fault(before, now, limits, only_jerk && !at_limit && rig.state("x") != "ERROR_STOP");
+            prop_assert!(
+                broken.is_none(),
+                "{} after {:?} in cycle {}: {:?} -> {:?}",
+                broken.unwrap(),
+                deed,
+                cycle,
+                before,
+                now
+            );
+            if rig.state("x") == "STANDSTILL" {
+                prop_assert_eq!((now.velocity, now.acceleration), (0.0, 0.0));
+                prop_assert_eq!(now.position.fract(), 0.0);
+            }
+            before = now;
+        }
+        if ["STOPPING", "ERROR_STOP"].contains(&rig.state("x")) && stands(&rig) {
+            let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
+            rig.run(20);
+            prop_assert_eq!(rig.done(sequence).len(), 1);
+        }
+        if rig.state("x") == "DISABLED" {
+            let sequence = rig.give(Action::Enable(AxisSet::one(X)));
+            rig.run(20);
+            prop_assert_eq!(rig.done(sequence).len(), 1);
+            prop_assert_eq!(rig.state("x"), "STANDSTILL");
+        }
+        before = seen(&rig);
+    }
+    rig.give(Action::Halt(AxisSet::one(X)));
+    // 100 mm/s with the least deceleration, in the longest shape.
+    let ends = (0..20_000).any(|_| {
+        rig.run(1);
+        rig.state("x") != "DISCRETE_MOTION" && stands(&rig)
+    });
+    prop_assert!(ends, "it never ends");
+    prop_assert!(rig.state("x") != "DISCRETE_MOTION", "{}", rig.state("x"));
+    prop_assert_eq!((rig.real("x.command.velocity"), rig.real("x.command.fraction")), (0.0, 0.0));
+    for goal in goals {
+        let refused = rig.events.iter().any(|event| event.command == goal && event.kind == crate::event::Kind::Refused);
+        prop_assert_eq!(rig.done(goal).len(), usize::from(!refused), "ends of goal {}", goal);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(400))]
+
+    #[test]
+    fn no_change_at_any_moment_leads_beyond_a_limit(
+        shape in 0_i64..3,
+        modulo in any::<bool>(),
+        deeds in prop::collection::vec((deed(), prop_oneof![Just(0_u64), 0_u64..20, 0_u64..400]), 1..30),
+    ) {
+        run(&deeds, shape, modulo)?;
+    }
+}

@@ -1,0 +1,177 @@
+//! The position loop of interface velocity.
+
+use super::rig::{Rig, X, Y, at, config, to};
+use crate::code::Code;
+use crate::command::Action;
+use crate::config::{ConfigError, MachineConfig};
+use crate::drive::{Backend, Capabilities, Inputs, Interface, Outputs};
+use crate::object::AxisSet;
+use crate::parameter::{Change, Row, Value};
+use crate::sim::{Model, SecondOrder, VelocityLag};
+
+const MS: u64 = 1_000_000;
+
+/// x closes its loop here, y in its drive.
+fn velocity_config(delay: u32) -> MachineConfig {
+    let mut config = config(delay);
+    config.axes[1].interface = Interface::Velocity;
+    config.axes[1].parameters.max_following_error = 20_000;
+    config
+}
+
+fn enabled(delay: u32, model: Model) -> Rig {
+    let mut rig = Rig::with(velocity_config(delay), [model, Model::Ideal]);
+    rig.enable();
+    rig
+}
+
+fn lag(ms: i64) -> Model {
+    Model::Velocity(VelocityLag::new(ms * 1_000_000, MS).unwrap())
+}
+
+/// 6 m/min are 100 mm/s: 6 mm behind at kv 1, 3 mm at kv 2, whatever the drive lags.
+///
+/// Proves: WF-ORA-06, WF-CLC-03, WF-CLC-04, WF-MD-14
+#[test]
+fn at_constant_speed_the_axis_is_v_by_kv_behind() {
+    for model in [Model::Ideal, lag(5), Model::SecondOrder(SecondOrder::new(60.0, 0.8, MS).unwrap())] {
+        for (kv, behind) in [(1.0, 6_000), (2.0, 3_000)] {
+            let mut rig = enabled(0, model);
+            let row = Row::find("wf.md22").unwrap().0;
+            rig.give(Action::SetParameters(Box::new([Change { axis: X, row, value: Value::Real(kv) }])));
+            rig.give(Action::Move(at(X, 99_990.0)));
+            rig.run(2_000);
+            let error = rig.int("x.regulator.error");
+            assert!((error - behind).abs() <= 2, "{model:?}: {error}");
+            // Of the command a cycle before, 100 inc less.
+            assert!((rig.int("x.following_error") - (behind - 100)).abs() <= 2);
+            assert!((rig.real("x.actual.velocity") - 99_990.0).abs() < 40.0);
+            let output = rig.real("x.output.velocity");
+            assert_eq!(rig.real("x.regulator.output"), output / 100_000.0);
+            assert!((output - 99_990.0).abs() < 40.0, "{output}");
+            assert_eq!(rig.int("x.mode_of_operation"), 9);
+            assert_eq!(rig.int("y.mode_of_operation"), 8);
+        }
+    }
+}
+
+#[test]
+fn a_move_lands_exactly_and_the_loop_is_quiet_then() {
+    for (delay, model) in [(0, Model::Ideal), (0, lag(5)), (2, lag(20)), (5, Model::Ideal)] {
+        let mut rig = enabled(delay, model);
+        let move_ = rig.give(Action::Move(to(X, 50_000)));
+        rig.run(2_500);
+        assert_eq!(rig.done(move_).len(), 1);
+        assert_eq!((rig.int("x.actual.position"), rig.int("x.regulator.error")), (50_000, 0));
+        assert_eq!((rig.real("x.output.velocity"), rig.real("x.regulator.output")), (0.0, 0.0));
+        assert_eq!(rig.state("x"), "STANDSTILL");
+    }
+}
+
+/// A slip of 15 mm asks for 250 mm/s, and the axis has 100.
+#[test]
+fn the_output_stays_within_max_velocity() {
+    let mut rig = enabled(0, Model::Ideal);
+    for (by, full) in [(-15_000, 1.0), (15_000, -1.0)] {
+        rig.plant.drive(0).unwrap().jump(by);
+        rig.run(1);
+        assert_eq!((rig.real("x.output.velocity"), rig.real("x.regulator.output")), (full * 100_000.0, full));
+        rig.run(1_000);
+        assert_eq!(rig.int("x.actual.position"), 0);
+        assert_eq!(rig.real("x.output.velocity"), 0.0);
+    }
+    assert_eq!(rig.int("x.error"), 0);
+}
+
+/// The following error is supervised as with any other drive, and reaction 2 stops on the loop.
+#[test]
+fn too_far_behind_is_an_error_and_the_loop_holds() {
+    let mut rig = enabled(0, lag(5));
+    rig.plant.drive(0).unwrap().jump(-20_001);
+    rig.run(1);
+    assert_eq!(rig.int("x.error"), i64::from(Code::FOLLOWING_ERROR.0));
+    rig.run(2_000);
+    assert_eq!((rig.state("x"), rig.int("x.actual.position")), ("ERROR_STOP", 0));
+}
+
+#[test]
+fn switched_off_or_in_fault_the_drive_is_asked_for_nothing() {
+    let mut rig = enabled(0, lag(5));
+    rig.give(Action::Move(at(X, 50_000.0)));
+    rig.run(200);
+    rig.plant.drive(0).unwrap().inject_fault(0x8611);
+    rig.run(1);
+    assert_eq!(
+        (rig.state("x"), rig.real("x.output.velocity"), rig.real("x.regulator.output")),
+        ("ERROR_STOP", 0.0, 0.0)
+    );
+    rig.run(200);
+    assert_eq!(rig.real("x.actual.velocity"), 0.0);
+    rig.give(Action::ResetErrors(AxisSet::one(X)));
+    rig.run(50);
+    rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run(50);
+    rig.give(Action::Move(at(X, 50_000.0)));
+    rig.run(200);
+    let disable = rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(500);
+    assert_eq!((rig.done(disable).len(), rig.state("x")), (1, "DISABLED"));
+    assert_eq!((rig.real("x.output.velocity"), rig.real("x.actual.velocity")), (0.0, 0.0));
+}
+
+#[test]
+fn a_restored_machine_closes_the_same_loop() {
+    let mut rig = enabled(1, lag(5));
+    rig.give(Action::Move(to(X, 30_000)));
+    rig.run(150);
+    rig.mirror();
+    rig.give(Action::Move(to(X, -3)));
+    rig.run(1_500);
+    assert_eq!(rig.int("x.actual.position"), -3);
+}
+
+/// A backend that offers positions only, for the first drive.
+struct Positions;
+
+impl Backend for Positions {
+    fn capabilities(&self, drive: usize) -> Option<Capabilities> {
+        (drive == 0).then(Capabilities::default)
+    }
+
+    fn start(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn read(&mut self, _: &mut Inputs) {}
+
+    fn write(&mut self, _: &Outputs) {}
+
+    fn stop(&mut self) {}
+}
+
+#[test]
+fn a_backend_must_offer_the_interface_of_its_drives() {
+    for (interface, name) in [(Interface::Velocity, "velocity"), (Interface::OpenLoop, "open_loop")] {
+        let mut config = config(0);
+        config.axes[1].interface = interface;
+        let rig = Rig::of(config.clone());
+        assert_eq!(config.check_backend(&rig.plant), Ok(()));
+        assert_eq!(
+            config.check_backend(&Positions).unwrap_err().to_string(),
+            format!("drive of x: interface is {name}, which its backend does not offer")
+        );
+        // The drive of y hangs on another backend.
+        config.axes[1].interface = Interface::Position;
+        config.axes[usize::from(Y)].interface = interface;
+        assert_eq!(config.check_backend(&Positions), Ok(()));
+    }
+}
+
+#[test]
+fn torque_does_not_exist_yet() {
+    let mut config = config(0);
+    config.axes[1].interface = Interface::Torque;
+    let error = config.check().unwrap_err();
+    assert_eq!(error, ConfigError::Torque { axis: "x".into() });
+    assert_eq!(error.to_string(), "drive of x: interface torque does not exist yet");
+}

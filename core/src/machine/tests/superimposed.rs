@@ -1,0 +1,192 @@
+//! Motion that is added to other motion, and the override.
+
+use super::rig::{LINE, Rig, X, at, couple, to};
+use crate::code::Code;
+use crate::command::{Action, Move, MoveMode};
+use crate::object::{AxisSet, Leader};
+use crate::parameter::{Change, Row, Value};
+
+fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
+    let (row, _) = Row::find(key).expect("a row");
+    rig.give(Action::SetParameters([Change { axis: X, row, value }].into()))
+}
+
+fn over(distance: i64) -> Move {
+    Move { mode: MoveMode::Superimposed, ..to(X, distance) }
+}
+
+fn position(rig: &Rig) -> f64 {
+    rig.int("x.command.position") as f64 + rig.real("x.command.fraction")
+}
+
+/// Both have half of the limits: 50 mm/s, 0.5 m/s^2. 20000 inc take 0.1 + 0.3 + 0.1 s.
+#[test]
+fn it_adds_its_way_to_a_move() {
+    let mut rig = Rig::enabled();
+    let k = rig.machine.next_cycle();
+    let base = rig.give(Action::Move(to(X, 20_000)));
+    rig.run(99);
+    let added = rig.give(Action::Move(over(5_000)));
+    assert!(rig.was_accepted(added));
+    rig.run(50);
+    // 2500 inc + 50 ms of 50 mm/s, and 0.25 m/s^2 * 50^2 ms^2
+    assert!((position(&rig) - (2_500.0 + 2_500.0 + 625.0)).abs() < 1e-6, "{}", position(&rig));
+    assert!((rig.real("x.command.velocity") - 75_000.0).abs() < 1e-6);
+    assert_eq!(rig.int("x.target.position"), 20_625, "what was added so far is part of the target");
+    rig.run(600);
+    assert_eq!(position(&rig), 25_000.0);
+    assert_eq!(rig.done(added)[0].cycle, k + 100 + 200, "5000 inc take two ramps of 0.1 s");
+    assert_eq!(rig.done(base)[0].cycle, k + 500);
+    assert_eq!((rig.done(base)[0].code, rig.done(added)[0].code), (Code::NONE, Code::NONE));
+}
+
+#[test]
+fn it_shifts_a_velocity_and_a_coupling() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(at(X, 10_000.0)));
+    rig.run(999);
+    let before = position(&rig);
+    rig.give(Action::Move(over(-1_000)));
+    rig.run(1_000);
+    // The first of the 1001 cycles is that of the command, where the running motion goes on.
+    assert!((position(&rig) - (before + 10_010.0 - 1_000.0)).abs() < 1e-3, "{}", position(&rig));
+    assert_eq!(rig.real("x.command.velocity"), 10_000.0);
+
+    let mut rig = Rig::enabled();
+    rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
+    rig.give(Action::Move(Move { velocity: 20_000.0, ..to(LINE, 30_000) }));
+    rig.run(200);
+    let added = rig.give(Action::Move(over(500)));
+    rig.run(3_000);
+    assert_eq!(rig.done(added)[0].code, Code::NONE);
+    assert_eq!((rig.int("line.command.position"), position(&rig)), (30_000, 30_500.0));
+    assert_eq!((rig.int("x.sync.error"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+}
+
+#[test]
+fn at_rest_it_is_a_relative_move() {
+    let mut rig = Rig::enabled();
+    let goal = rig.give(Action::Move(over(-700)));
+    rig.run(400);
+    assert_eq!((position(&rig), rig.done(goal)[0].code, rig.state("x")), (-700.0, Code::NONE, "STANDSTILL"));
+}
+
+#[test]
+fn it_gets_no_more_than_the_motion_under_way_leaves() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(Move { velocity: 70_000.0, ..to(X, 30_000) }));
+    let fast = rig.give(Action::Move(Move { velocity: 30_001.0, ..over(100) }));
+    assert_eq!(rig.refusal(fast), "x: velocity 30.001 mm/s is more than the motion under way leaves: 30 mm/s");
+    let steep = rig.give(Action::Move(Move { acceleration: 600_000.0, ..over(100) }));
+    assert!(rig.refusal(steep).contains("is more than the motion under way leaves: 500 mm/s^2"));
+    let good = rig.give(Action::Move(Move { velocity: 30_000.0, ..over(100) }));
+    assert!(rig.was_accepted(good));
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(Move { velocity: 100_000.0, ..to(X, 30_000) }));
+    let nothing = rig.give(Action::Move(over(100)));
+    assert!(rig.refusal(nothing).contains("leaves: 0 mm/s"));
+}
+
+#[test]
+fn its_end_lies_within_the_limits_of_position() {
+    let mut rig = Rig::enabled();
+    set(&mut rig, "max_position", Value::Int(20_000));
+    rig.give(Action::Move(to(X, 19_000)));
+    let beyond = rig.give(Action::Move(over(1_001)));
+    assert_eq!(rig.refusal(beyond), "x: target 20.001 mm lies above max_position 20 mm");
+    let good = rig.give(Action::Move(over(1_000)));
+    assert!(rig.was_accepted(good));
+    rig.run(1_000);
+    assert_eq!(position(&rig), 20_000.0);
+}
+
+#[test]
+fn a_stop_or_a_new_goal_ends_it_and_its_own_cancel_leaves_the_move() {
+    for (other, code) in [
+        (Action::Halt(AxisSet::one(X)), Code::HALTED),
+        (Action::QuickStop(AxisSet::one(X)), Code::QUICK_STOP),
+        (Action::Move(to(X, 0)), Code::REPLACED),
+    ] {
+        let mut rig = Rig::enabled();
+        rig.give(Action::Move(to(X, 20_000)));
+        rig.run(50);
+        let added = rig.give(Action::Move(over(5_000)));
+        rig.run(50);
+        rig.give(other);
+        rig.run(1_000);
+        assert_eq!(rig.done(added).iter().map(|event| event.code).collect::<Vec<_>>(), [code]);
+        assert_eq!(rig.real("x.command.velocity"), 0.0);
+    }
+    let mut rig = Rig::enabled();
+    let base = rig.give(Action::Move(to(X, 20_000)));
+    let added = rig.give(Action::Move(over(5_000)));
+    rig.run(100);
+    rig.give(Action::Cancel { goal: added });
+    rig.run(1_000);
+    assert_eq!((rig.done(added)[0].code, rig.done(base)[0].code), (Code::CANCELLED, Code::NONE));
+    // After 100 ms it had gone 2500 inc at 50 mm/s, and it took 2500 more to stop.
+    assert_eq!(position(&rig), 25_000.0);
+}
+
+#[test]
+fn the_override_slows_a_goal_down_and_lets_it_go_again() {
+    let mut rig = Rig::enabled();
+    let goal = rig.give(Action::Move(Move { velocity: 80_000.0, ..to(X, 100_000) }));
+    rig.run(300);
+    assert_eq!(rig.real("x.command.velocity"), 80_000.0);
+    set(&mut rig, "velocity_override", Value::Real(25.0));
+    rig.run(300);
+    assert_eq!(rig.real("x.command.velocity"), 25_000.0, "a quarter of max_velocity");
+    set(&mut rig, "velocity_override", Value::Real(0.0));
+    rig.run(300);
+    assert_eq!((rig.real("x.command.velocity"), rig.state("x")), (0.0, "DISCRETE_MOTION"));
+    assert!(rig.done(goal).is_empty(), "it waits");
+    set(&mut rig, "velocity_override", Value::Real(90.0));
+    rig.run(400);
+    assert_eq!(rig.real("x.command.velocity"), 80_000.0, "no more than it asked for");
+    rig.run(2_000);
+    assert_eq!((position(&rig), rig.done(goal)[0].code), (100_000.0, Code::NONE));
+}
+
+#[test]
+fn the_override_holds_for_velocities_and_for_new_goals() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(at(X, -60_000.0)));
+    set(&mut rig, "velocity_override", Value::Real(50.0));
+    rig.run(500);
+    assert_eq!((rig.real("x.command.velocity"), rig.int("x.in_velocity")), (-50_000.0, 0));
+    set(&mut rig, "velocity_override", Value::Real(0.0));
+    rig.run(500);
+    let goal = rig.give(Action::Move(to(X, 0)));
+    rig.run(500);
+    assert_eq!((rig.real("x.command.velocity"), rig.state("x")), (0.0, "DISCRETE_MOTION"));
+    rig.give(Action::Halt(AxisSet::one(X)));
+    rig.run(2);
+    assert_eq!((rig.done(goal)[0].code, rig.state("x")), (Code::HALTED, "STANDSTILL"));
+    for share in [-1.0, 100.5, f64::NAN] {
+        let refused = set(&mut rig, "velocity_override", Value::Real(share));
+        assert!(rig.refusal(refused).contains("velocity_override is"), "{share}");
+    }
+}
+
+#[test]
+fn the_override_changes_only_the_motion_below() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Move(Move { velocity: 50_000.0, ..to(X, 90_000) }));
+    rig.run(300);
+    rig.give(Action::Move(Move { velocity: 10_000.0, acceleration: 1e5, deceleration: 1e5, ..over(3_000) }));
+    rig.run(200);
+    let mut before = rig.real("x.command.velocity");
+    assert!((before - 60_000.0).abs() < 1e-6);
+    set(&mut rig, "velocity_override", Value::Real(40.0));
+    for _ in 0..1_000 {
+        rig.run(1);
+        let now = rig.real("x.command.velocity");
+        // 0.5 m/s^2 of the move and 0.1 m/s^2 of what is on top.
+        assert!((now - before).abs() <= 600.0 + 1e-6, "{before} -> {now}");
+        before = now;
+    }
+    assert_eq!(before, 40_000.0);
+    rig.run(2_000);
+    assert_eq!(position(&rig), 93_000.0);
+}
