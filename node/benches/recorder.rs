@@ -12,7 +12,7 @@ use lineshaft::run::flight::{Flight, folder::FlightFolder};
 use lineshaft::run::frames::{FrameSender, frames};
 use lineshaft::run::lanes::lanes;
 use lineshaft::run::recorder::Recorder;
-use lineshaft_core::command::{Action, Command, Commands, Direction, Length, Move, MoveMode, Source};
+use lineshaft_core::command::{Action, BufferMode, Command, Commands, Direction, Length, Move, MoveMode, Source};
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
@@ -69,6 +69,7 @@ impl Rig {
                 deceleration: 0.0,
                 jerk: 0.0,
                 direction: Direction::Shortest,
+                buffer_mode: BufferMode::Aborting,
             })
         };
         rig.give((0..AXES).map(run).collect());

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::action::{HomeAxisFeedback, HomeAxisGoal, MoveAxisGoal, SynchronizeFeedback, SynchronizeGoal};
+use crate::action::{HomeAxisFeedback, HomeAxisGoal, MoveAxisGoal, ProbeAxisFeedback, ProbeAxisGoal};
+use crate::action::{SynchronizeFeedback, SynchronizeGoal};
 use crate::files::{OWN, read_all};
 use crate::foreign::action_msgs::msg::GoalStatus;
 use crate::foreign::action_msgs::srv::CancelGoalResponse;
@@ -13,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::CommandFunctionRequest;
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 13] = [
+const OWN_INTERFACES: [(&str, &str); 15] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -96,6 +97,30 @@ const OWN_INTERFACES: [(&str, &str); 13] = [
         int64 position_increments",
     ),
     (
+        "action/ProbeAxis",
+        "uint8 ABSOLUTE=0 RELATIVE=1
+        uint8 SI=0 AXIS_UNIT=1 INCREMENTS=2
+        uint8 RISING=0 FALLING=1 BOTH=2
+        string axis
+        uint8 mode units
+        float64 position velocity acceleration deceleration jerk
+        string event
+        uint8 edge
+        float64 distance
+        ---
+        uint32 code
+        string message
+        bool probed
+        float64 probed_position
+        int64 probed_increments
+        float64 position
+        int64 position_increments
+        ---
+        uint8 SEARCHING=0 PROBED=1
+        uint8 phase
+        float64 position velocity distance_to_go",
+    ),
+    (
         "action/HomeAxis",
         "uint8 CONFIGURED=0 CIA402=1 MACS=2
         string axis
@@ -164,6 +189,13 @@ const OWN_INTERFACES: [(&str, &str); 13] = [
         "string axis
         float64 position
         uint8 units
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/Vocabulary",
+        "string axis verb arguments
         ---
         bool success
         string message",
@@ -313,6 +345,10 @@ fn every_constant_has_its_value() {
             INCREMENTS = 2, ABORTING = 0, BUFFERED = 1, BLENDING_LOW = 2, BLENDING_PREVIOUS = 3, BLENDING_NEXT = 4,
             BLENDING_HIGH = 5, SHORTEST = 0, POSITIVE = 1, NEGATIVE = 2, CURRENT = 3
         }
+        ProbeAxisGoal {
+            ABSOLUTE = 0, RELATIVE = 1, SI = 0, AXIS_UNIT = 1, INCREMENTS = 2, RISING = 0, FALLING = 1, BOTH = 2
+        }
+        ProbeAxisFeedback { SEARCHING = 0, PROBED = 1 }
         HomeAxisGoal { CONFIGURED = 0, CIA402 = 1, MACS = 2 }
         HomeAxisFeedback {
             SEARCH_SWITCH = 1, LEAVE_SWITCH = 2, SEARCH_INDEX = 3, MOVE_TO_OFFSET = 4, IN_DRIVE = 5

@@ -1,20 +1,21 @@
 //! Section `axes`: what an axis is made of. Its parameters are read beside.
 
+use super::amc;
 use super::backends::{Backend, Context, backend_of, name_of};
+use super::models::model;
 use super::names::{Entry, Once, Section, limit, quote};
 use super::parameters;
 use super::scale::Travel;
+use super::wiring;
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::axis::Modulo;
-use lineshaft_core::config::AxisConfig;
+use lineshaft_core::config::{AxisConfig, IoConfig};
+use lineshaft_core::drive::Interface;
 use lineshaft_core::object::MAX_AXES;
-use lineshaft_core::sim::{Model, ModelError, SecondOrder};
+use lineshaft_core::sim::Model;
 use lineshaft_core::unit::{Dimension, ScaleKind};
+use lineshaft_core::vocabulary::wf::Wiring;
 
-/// Bandwidth of the second-order model when none is given (Hz).
-const BANDWIDTH: f64 = 60.0;
-/// Its damping when none is given.
-const DAMPING: f64 = 0.8;
 /// For the ranges of a model while the cycle has a problem.
 const SOME_CYCLE_NS: u64 = 1_000_000;
 
@@ -28,16 +29,29 @@ type Taken = Once<(usize, &'static str, u16)>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Drive {
     Virtual,
-    /// Its delay in cycles.
-    Real(u32),
+    Real {
+        /// In cycles.
+        delay: u32,
+        interface: Interface,
+    },
 }
 
-/// The axes, none where one has problems.
-pub(super) fn read(cx: &Context<'_>) -> Vec<Option<Axis>> {
+/// What may stand once in all axes.
+struct Onces<'d> {
+    taken: Taken,
+    outputs: wiring::Taken,
+    masters: amc::Masters<'d>,
+}
+
+/// The axes, none where one has problems. `io` are the entries of that section.
+pub(super) fn read<'d>(cx: &Context<'d>, io: &[Option<IoConfig>]) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
     limit(entries, MAX_AXES);
-    let mut taken = Once::new();
-    entries.iter().map(|entry| axis(entry, cx, &mut taken)).collect()
+    let mut once = Onces { taken: Once::new(), outputs: Once::new(), masters: amc::Masters::new() };
+    let axes = entries.iter().enumerate();
+    let axes = axes.map(|(place, entry)| axis(place, entry, cx, io, &mut once)).collect();
+    amc::refuse_loops(&once.masters, cx);
+    axes
 }
 
 /// Is the axis without a drive, as far as can be seen?
@@ -46,7 +60,14 @@ pub(super) fn is_virtual(entry: &Entry<'_>) -> bool {
     entries.into_iter().flatten().any(|(key, value)| key.peek() == Some("drive") && value.peek() == Some("virtual"))
 }
 
-fn axis<'d>(entry: &Entry<'d>, cx: &Context<'d>, taken: &mut Taken) -> Option<Axis> {
+fn axis<'d>(
+    place: usize,
+    entry: &Entry<'d>,
+    cx: &Context<'d>,
+    io: &[Option<IoConfig>],
+    once: &mut Onces<'d>,
+) -> Option<Axis> {
+    let Onces { taken, outputs, masters } = once;
     let name = entry.name();
     let mut map = entry.value.map(format!("axis `{name}`"))?;
     let mut travel = Travel::read(&mut map);
@@ -55,7 +76,13 @@ fn axis<'d>(entry: &Entry<'d>, cx: &Context<'d>, taken: &mut Taken) -> Option<Ax
     let modulo = map.optional("modulo").map(|value| modulo(&value, &travel));
     let homing = map.optional("homing");
     let sim = map.optional("sim");
-    let parameters = parameters::read(&mut map, &travel, cx.cycle_ns);
+    let mut sections = parameters::Sections::open(&mut map);
+    let wiring = amc::wiring(place, &mut map, &mut sections, cx, io, masters);
+    let (parameters, given) = parameters::read(&mut map, &mut sections, &travel, cx.cycle_ns);
+    let open_loop = sections.of("wf").map_or(Some(Wiring::default()), |section| {
+        wiring::read(section, why_closed(drive, name).as_deref(), cx, io, outputs)
+    });
+    sections.finish();
     map.finish();
     let model = match drive {
         Some(Drive::Virtual) => {
@@ -67,15 +94,37 @@ fn axis<'d>(entry: &Entry<'d>, cx: &Context<'d>, taken: &mut Taken) -> Option<Ax
         }
         _ => {
             homing.iter().for_each(check_homing);
-            Some(sim.map_or(Some(Model::Ideal), |value| model(&value, cx.cycle_ns.unwrap_or(SOME_CYCLE_NS)))?)
+            let cycle_ns = cx.cycle_ns.unwrap_or(SOME_CYCLE_NS);
+            Some(sim.map_or(Some(Model::Ideal), |value| model(&value, interface_of(drive), cycle_ns))?)
         }
     };
+    let interface = interface_of(drive).unwrap_or_default();
     let drive = match drive? {
         Drive::Virtual => None,
-        Drive::Real(delay) => Some(delay),
+        Drive::Real { delay, .. } => Some(delay),
     };
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;
-    Some((AxisConfig { name: name.to_owned(), scale: travel.scale?, modulo, drive, parameters }, model))
+    let open_loop = open_loop?;
+    let config = AxisConfig::new(name.to_owned(), travel.scale?, drive, parameters);
+    let config = AxisConfig { modulo, interface, open_loop, amc: wiring?, ..config };
+    amc::check(&config, &given, cx.cycle_ns);
+    Some((config, model))
+}
+
+fn interface_of(drive: Option<Drive>) -> Option<Interface> {
+    match drive {
+        Some(Drive::Real { interface, .. }) => Some(interface),
+        _ => None,
+    }
+}
+
+/// Why an axis switches no outputs, if that is known.
+fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
+    match drive? {
+        Drive::Virtual => Some(format!("axis {} is virtual", quote(axis))),
+        Drive::Real { interface: Interface::OpenLoop, .. } => None,
+        Drive::Real { interface, .. } => Some(format!("axis {} has interface {}", quote(axis), interface.name())),
+    }
 }
 
 fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken) -> Option<Drive> {
@@ -102,10 +151,10 @@ fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken)
             None
         }
     };
-    let interface = map.optional("interface").map_or(Some(()), |value| interface(&value));
+    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
     map.finish();
-    free.and(interface)?;
-    Some(Drive::Real(backend?.delay()))
+    free?;
+    Some(Drive::Real { delay: backend?.delay(), interface: interface? })
 }
 
 /// Key `key`, which numbers the drives of a backend.
@@ -123,12 +172,14 @@ fn take(
     taken.take((backend, key, number), &value, what).then_some(())
 }
 
-fn interface(value: &Value<'_>) -> Option<()> {
-    let name = value.choice(&["position", "velocity", "torque"].map(|name| (name, name)))?;
-    if name != "position" {
-        value.refuse(format!("interface {name} needs the position loop, which does not exist yet"), None);
+fn interface(value: &Value<'_>) -> Option<Interface> {
+    let all = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
+    let interface = value.choice(&all.map(|interface| (interface.name(), interface)))?;
+    if interface == Interface::Torque {
+        value.refuse("interface torque needs the velocity loop, which does not exist yet", None);
+        return None;
     }
-    (name == "position").then_some(())
+    Some(interface)
 }
 
 fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {
@@ -166,34 +217,4 @@ fn check_homing(value: &Value<'_>) {
     if required == Some(true) || has_method {
         value.refuse("homing does not exist yet", Some("leave it out".to_owned()));
     }
-}
-
-/// Key `sim`.
-fn model(value: &Value<'_>, cycle_ns: u64) -> Option<Model> {
-    let mut map = value.map("sim")?;
-    let second_order = map.required("model").and_then(|v| v.choice(&[("ideal", false), ("second_order", true)]));
-    let (bandwidth, damping) = (map.optional("bandwidth"), map.optional("damping"));
-    map.finish();
-    if second_order == Some(false) {
-        let needless: Vec<_> = [bandwidth, damping].into_iter().flatten().collect();
-        for value in &needless {
-            value.refuse(format!("{} is for model second_order; this one is ideal", value.label()), None);
-        }
-        return needless.is_empty().then_some(Model::Ideal);
-    }
-    // Each by itself, so that both are reported.
-    let hertz = bandwidth.map_or(Some(BANDWIDTH), |value| {
-        let hertz = value.quantity(&[Dimension::Frequency], &Allowed::Any)?.si();
-        accept(&value, SecondOrder::new(hertz, DAMPING, cycle_ns)).map(|_| hertz)
-    });
-    let damping = damping.map_or(Some(DAMPING), |value| {
-        let damping = value.number(f64::NEG_INFINITY..=f64::INFINITY)?;
-        accept(&value, SecondOrder::new(BANDWIDTH, damping, cycle_ns)).map(|_| damping)
-    });
-    second_order?;
-    SecondOrder::new(hertz?, damping?, cycle_ns).ok().map(Model::SecondOrder)
-}
-
-fn accept(value: &Value<'_>, result: Result<SecondOrder, ModelError>) -> Option<SecondOrder> {
-    result.map_err(|error| value.refuse(error.to_string(), None)).ok()
 }

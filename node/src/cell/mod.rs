@@ -16,15 +16,18 @@
 //! assert_eq!(cell.machine.axes[0].parameters.max_velocity, 3e6);
 //! ```
 
+mod amc;
 mod axes;
 mod backends;
 mod devices;
 mod functions;
 mod groups;
+mod models;
 mod names;
 mod parameters;
 mod ros;
 mod scale;
+mod wiring;
 
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
@@ -138,7 +141,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let cx = Context { names, backends, cycle_ns };
     let io = devices::io(&cx);
     let (memory, encoders) = (devices::memory(&cx), devices::encoders(&cx));
-    let axes = axes::read(&cx);
+    let axes = axes::read(&cx, &io);
     functions::check(&cx, &io);
     let groups = groups::read(&cx);
 

@@ -4,21 +4,62 @@ use super::names::quote;
 use super::scale::Travel;
 use crate::document::{Map, Value};
 use lineshaft_core::parameter::{
-    self, AxisParameters, ConvertError, Measure, ParameterInput, ROWS, Range, Refused, Row,
+    self, AxisParameters, Bare, ConvertError, Measure, ParameterInput, ROWS, Range, Refused, Row,
 };
-use lineshaft_core::unit::{Scale, UnitError};
+use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 
 /// Increments that an axis may move in one cycle.
 const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
 
+/// Vocabularies whose keys stand in a map of their own: `amc: {stop_mode: 1}` is `amc.stop_mode: 1`.
+const PREFIXES: [&str; 3] = ["amc", "saia", "wf"];
+
+/// The keys that stand in the file, with their values.
+pub(super) type Given<'d> = Vec<(&'static str, Value<'d>)>;
+
+/// The maps of the vocabularies, where they stand.
+pub(super) struct Sections<'d>([Option<Map<'d>>; 3]);
+
+impl<'d> Sections<'d> {
+    pub(super) fn open(map: &mut Map<'d>) -> Self {
+        Self(PREFIXES.map(|prefix| map.optional(prefix).and_then(|value| value.map(prefix))))
+    }
+
+    /// The map of a vocabulary.
+    pub(super) fn of(&mut self, prefix: &str) -> Option<&mut Map<'d>> {
+        let place = PREFIXES.iter().position(|known| *known == prefix)?;
+        self.0[place].as_mut()
+    }
+
+    pub(super) fn finish(self) {
+        self.0.into_iter().flatten().for_each(Map::finish);
+    }
+
+    /// The value of a key, from its section or by its whole name.
+    pub(super) fn value(&mut self, map: &mut Map<'d>, whole_key: &str) -> Option<Value<'d>> {
+        let whole = map.optional(whole_key);
+        let Some((prefix, key)) = whole_key.split_once('.') else { return whole };
+        let nested = self.of(prefix).and_then(|section| section.optional(key));
+        if let (Some(whole), Some(_)) = (&whole, &nested) {
+            whole.refuse(format!("{whole_key} stands in section {prefix} too"), None);
+        }
+        nested.or(whole)
+    }
+}
+
 /// Reads all parameters of an axis; where one has a problem, its default stands.
-pub(super) fn read(map: &mut Map<'_>, travel: &Travel, cycle_ns: Option<u64>) -> AxisParameters {
+pub(super) fn read<'d>(
+    map: &mut Map<'d>,
+    sections: &mut Sections<'d>,
+    travel: &Travel,
+    cycle_ns: Option<u64>,
+) -> (AxisParameters, Given<'d>) {
     // With no limit given, nothing else must seem to lie above it.
     let mut parameters = AxisParameters::new(f64::MAX, f64::MAX);
-    let mut given = Vec::new();
+    let mut given = Given::new();
     for row in ROWS {
         let is_other_view = refuse_mnemonic(map, row);
-        let value = if row.required && !is_other_view { map.required(row.key) } else { map.optional(row.key) };
+        let value = if row.required && !is_other_view { map.required(row.key) } else { sections.value(map, row.key) };
         let Some(value) = value else { continue };
         let reader = Reader { row, value: &value, travel, cycle_ns };
         if reader.assign(&mut parameters).is_some() {
@@ -28,7 +69,7 @@ pub(super) fn read(map: &mut Map<'_>, travel: &Travel, cycle_ns: Option<u64>) ->
     if let Some(scale) = &travel.scale {
         check(&mut parameters, &given, scale);
     }
-    parameters
+    (parameters, given)
 }
 
 /// The source's name for a value that has one of its own here; true if it stands.
@@ -112,7 +153,7 @@ impl Reader<'_, '_> {
 
     /// Does the value depend on the scale?
     fn is_scaled(&self) -> bool {
-        !matches!(self.row.measure, Measure::Time | Measure::Integer | Measure::Choice(_))
+        !matches!(self.row.measure, Measure::Time | Measure::Integer | Measure::Number | Measure::Choice(_))
     }
 
     fn written(&self) -> &str {
@@ -123,6 +164,7 @@ impl Reader<'_, '_> {
     fn input(&self) -> Option<ParameterInput> {
         match (self.row.measure, self.row.range) {
             (Measure::Integer, Range::Int(low, high)) => self.value.integer(low..=high).map(ParameterInput::Integer),
+            (Measure::Number, _) => self.value.number(f64::NEG_INFINITY..=f64::INFINITY).map(ParameterInput::Number),
             (Measure::Choice(names), _) => {
                 let names: Vec<_> = names.iter().map(|name| (*name, *name)).collect();
                 self.value.choice(&names).map(|name| ParameterInput::Text(name.to_owned()))
@@ -131,6 +173,9 @@ impl Reader<'_, '_> {
                 // A length fits only an axis that is known to be linear.
                 if self.is_scaled() && self.travel.kind.is_none() {
                     return None;
+                }
+                if self.row.bare != Bare::Si && parse_decimal(self.written()).is_ok() {
+                    return self.value.number(f64::NEG_INFINITY..=f64::INFINITY).map(ParameterInput::Number);
                 }
                 let dimensions = measure.dimensions(&self.travel.any_scale()?)?;
                 let quantity = self.value.quantity(&dimensions, &crate::document::Allowed::Any);
@@ -196,6 +241,11 @@ impl Reader<'_, '_> {
             }
             (Range::Int(low, high), Measure::Time) => format!("{}..{}", milliseconds(low), milliseconds(high)),
             (Range::Int(low, high), _) => format!("{low}..{high}"),
+            (Range::Real(low, high), Measure::Number) => format!("{low}..{high}"),
+            (Range::Real(low, high), measure) => {
+                let text = |rate| scale.format_rate(rate, order(measure));
+                format!("{}..{}", text(low), text(high))
+            }
             (Range::PositiveUpTo(high), measure) => {
                 let high = self.highest_velocity().filter(|_| measure == Measure::Velocity).unwrap_or(high).min(high);
                 let text = |rate| scale.format_rate(rate, order(measure));

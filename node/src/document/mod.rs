@@ -90,6 +90,41 @@ impl Document {
         Self { text, root, problems }
     }
 
+    /// Puts an entry into the mapping that the document is, as if it stood there: what was given beside the text. A key that
+    /// stands there has to say the same.
+    pub fn put(&mut self, key: &str, text: &str) {
+        let Some(entries) = self.entries() else { return };
+        let scalar = |text: &str| Node::text_at(Place::START, text);
+        let Some((_, value)) = entries.iter().find(|(known, _)| known.text() == key) else {
+            return entries.push((scalar(key), scalar(text)));
+        };
+        // What is no text is refused by who reads it.
+        if !value.text().is_empty() && value.text() != text {
+            let (place, given) = (value.place, problem::quote(value.text()));
+            let sentence = format!("{key} is {given}; {} was given beside", problem::quote(text));
+            self.problems.push(place, sentence, Some("leave it out".to_owned()));
+        }
+    }
+
+    /// Puts `prefix` before each key of the mapping that the document is.
+    pub fn put_before_keys(&mut self, prefix: &str) {
+        for (key, _) in self.entries().into_iter().flatten() {
+            *key = Node::text_at(key.place, &format!("{prefix}{}", key.text()));
+        }
+    }
+
+    /// The entries of the mapping that the document is; an empty document becomes one.
+    fn entries(&mut self) -> Option<&mut Vec<(Node, Node)>> {
+        let root = self.root.as_mut()?;
+        if root.is_null() {
+            root.kind = Kind::Map(Vec::new());
+        }
+        match &mut root.kind {
+            Kind::Map(entries) => Some(entries),
+            _ => None,
+        }
+    }
+
     /// The value of the whole document, called `label` in problems; `None` when it could not be read.
     pub fn root(&self, label: &str) -> Option<Value<'_>> {
         self.root.as_ref().map(|node| Value::new(node, label.to_owned(), &self.problems))
@@ -135,6 +170,11 @@ enum Kind {
 }
 
 impl Node {
+    /// A text that is no number, wherever one is asked for.
+    fn text_at(place: Place, text: &str) -> Self {
+        Self { place, kind: Kind::Scalar { text: text.to_owned(), quoted: true } }
+    }
+
     /// True for an empty value, `~` and `null`.
     fn is_null(&self) -> bool {
         matches!(&self.kind, Kind::Scalar { text, quoted: false } if matches!(text.as_str(), "" | "~" | "null" | "Null" | "NULL"))

@@ -434,3 +434,35 @@ proptest! {
         never_panics(&parts.concat());
     }
 }
+
+#[test]
+fn what_was_given_beside_a_text_reads_as_if_it_stood_there() {
+    let read = |text: &str| {
+        let mut document = Document::parse("t.yaml", text);
+        document.put("k", "12");
+        let value = document.root("the file").and_then(|root| {
+            let mut map = root.map("the file")?;
+            let value = map.required("k").and_then(|value| value.text().map(str::to_owned));
+            map.rest();
+            value
+        });
+        (value, document.into_problems().to_string())
+    };
+    for good in ["", "a: 1", "{k: 12}", "{k: '12'}", "# nothing\n"] {
+        assert_eq!(read(good), (Some("12".to_owned()), String::new()), "{good}");
+    }
+    for (text, problem) in [
+        ("{a: 1, k: 13}", "t.yaml:1:11: k is `13`; `12` was given beside, leave it out\n"),
+        ("k:", "t.yaml:1:2: k has no value; a text is expected\n"),
+        ("k: [12]", "t.yaml:1:4: k is a list; a text is expected\n"),
+        ("[k, 12]", "t.yaml:1:1: the file is a list; a mapping is expected\n"),
+    ] {
+        assert_eq!(read(text).1, problem, "{text}");
+    }
+    let mut document = Document::parse("t.yaml", "{a.b: 1, c: ~}");
+    document.put_before_keys("x.");
+    let entries = document.root("the file").and_then(|root| root.entries()).unwrap();
+    let keys: Vec<_> =
+        entries.iter().map(|(key, value)| (key.text().unwrap(), key.place().col, value.label())).collect();
+    assert_eq!(keys, [("x.a.b", 2, "x.a.b"), ("x.c", 10, "x.c")]);
+}

@@ -24,7 +24,7 @@ fn value_text(row: &Row, parameters: &AxisParameters) -> String {
         Measure::Acceleration => " inc/s^2",
         Measure::Jerk => " inc/s^3",
         Measure::Time => " ns",
-        Measure::Integer | Measure::Choice(_) => "",
+        Measure::Integer | Measure::Number | Measure::Choice(_) => "",
     };
     match ((row.get)(parameters), row.measure) {
         (Value::Unset, _) => format!("~ # {}", row.default_text),
@@ -88,6 +88,7 @@ mod tests {
                     convert(row, &cell.machine.axes[axis].scale, &ParameterInput::Text(name.to_owned())).unwrap()
                 }
                 (number, Measure::Integer) => Value::Int(number.parse().unwrap()),
+                (number, Measure::Number) => Value::Real(number.parse().unwrap()),
                 (quantity, measure) => {
                     let dimensions = measure.dimensions(&cell.machine.axes[axis].scale).unwrap();
                     let quantity = ParameterInput::Quantity(Quantity::parse(quantity, &dimensions).unwrap());

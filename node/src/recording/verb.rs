@@ -12,6 +12,8 @@
 //!
 //! A position is given by ten decimals: multiples of 2^-32 lie 2.3e-10 apart, and none but the meant one is as near.
 
+mod saia;
+mod wf;
 mod write;
 
 use crate::document::{Document, Value};

@@ -73,6 +73,10 @@ impl Host for Handle {
         self.submit_as(Source::Ros, action)
     }
 
+    fn read_vocabulary(&self, axis: &str, verb: &str, arguments: &str) -> Result<Action, String> {
+        crate::scenario::vocabulary_command(axis, verb, arguments, &self.config, &self.directory)
+    }
+
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>) {
         // A recorder that has ended drops the answer, which tells the asker.
         let _ = self.recorder.send((request, answer));

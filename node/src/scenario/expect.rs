@@ -22,7 +22,7 @@ use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
 
 /// Kinds of events of the interface that the core has none of yet.
-const LATER_KINDS: [&str; 2] = ["mark", "homed"];
+const LATER_KINDS: [&str; 1] = ["homed"];
 
 /// One expectation.
 #[derive(Clone, Debug)]

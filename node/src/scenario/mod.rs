@@ -42,7 +42,7 @@ pub use player::Player;
 pub use report::{Failure, Report};
 pub use simulate::{Options, SimulateError, simulate};
 pub use trace::Trace;
-pub(crate) use verb::recorded_command;
+pub(crate) use verb::{recorded_command, vocabulary_command};
 
 use crate::cell::Cell;
 use crate::document::{Document, Map, Place, Problems, Value};

@@ -6,11 +6,13 @@ mod events;
 mod expectations;
 mod files;
 mod moments;
+mod probe;
 mod problems;
 mod recorded;
 mod steps;
 mod traces;
 mod verbs;
+mod vocabulary;
 
 use super::{Options, Player, Report, Scenario, simulate};
 use crate::cell::Cell;

@@ -12,26 +12,34 @@ use lineshaft_core::request::{Amount, MoveRequest, RequestError, SynchronizeRequ
 use lineshaft_core::unit::{Scale, excerpt};
 
 mod amount;
+mod probe;
 mod recorded;
+mod saia;
+mod vocabulary;
+mod wf;
 
 pub(crate) use recorded::recorded_command;
+pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 11] = [
+const VERBS: [&str; 14] = [
     "enable",
     "disable",
     "halt",
     "quick_stop",
     "reset_errors",
     "move_axis",
+    "probe_axis",
     "synchronize",
     "cancel",
     "set_parameters",
     "set_memory",
+    "saia",
+    "wf",
     "inject",
 ];
 /// Verbs of the contract that are not built.
-const LATER: [&str; 6] = ["home_axis", "set_position", "command_function", "load_table", "saia", "wf"];
+const LATER: [&str; 4] = ["home_axis", "set_position", "command_function", "load_table"];
 
 const MODES: [(&str, u8); 5] =
     [("absolute", 0), ("relative", 1), ("additive", 2), ("velocity", 3), ("superimposed", 4)];
@@ -162,6 +170,10 @@ impl Reader<'_> {
                 let (deed, id) = self.move_axis(arguments);
                 add(deed, id);
             }
+            "probe_axis" => {
+                let (deed, id) = self.probe_axis(arguments);
+                add(deed, id);
+            }
             "synchronize" => {
                 let (deed, id) = self.synchronize(arguments);
                 add(deed, id);
@@ -169,6 +181,8 @@ impl Reader<'_> {
             "cancel" => add(self.cancel(arguments), None),
             "set_parameters" => add(self.set_parameters(arguments), None),
             "set_memory" => self.set_memory(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
+            "saia" => add(self.saia(arguments), None),
+            "wf" => add(self.wf(arguments), None),
             "inject" => add(self.inject(arguments), None),
             later if LATER.contains(&later) => verb.refuse(format!("verb {later} does not exist yet"), None),
             other => {

@@ -27,6 +27,8 @@ pub(super) struct Ending {
     pub message: String,
     /// Command position at the end.
     pub position: Position,
+    /// Position of the axis at the mark that the goal searched for, where it found one.
+    pub mark: Option<Position>,
 }
 
 /// An action of the interface that moves one axis, with what is its own.
@@ -37,8 +39,8 @@ pub(super) trait AxisAction: lineshaft_msgs::Action {
     /// The axis and the command that a goal asks for.
     fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
 
-    /// Feedback from the axis' signals.
-    fn feedback(view: &AxisView, snapshot: &Snapshot) -> Self::Feedback;
+    /// Feedback from the axis' signals; `mark` is what the goal has found.
+    fn feedback(view: &AxisView, snapshot: &Snapshot, mark: Option<Position>) -> Self::Feedback;
 
     /// The result of a goal.
     fn result(view: &AxisView, ending: Ending) -> Self::Result;
@@ -97,6 +99,7 @@ async fn follow<A: AxisAction>(
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let goal = answers.sequence;
     let (mut accepted, mut cancelled) = (false, false);
+    let mut mark = None;
     loop {
         tokio::select! {
             answer = answers.next() => match answer {
@@ -105,7 +108,8 @@ async fn follow<A: AxisAction>(
                         accepted = true;
                         handle.execute();
                     }
-                    Kind::Refused | Kind::Done => return ending(hub, &answer.event),
+                    Kind::Mark => mark = Some(answer.event.position),
+                    Kind::Refused | Kind::Done => return Ending { mark, ..ending(hub, &answer.event) },
                     _ => {}
                 },
                 None => {
@@ -123,7 +127,7 @@ async fn follow<A: AxisAction>(
             // Before that the signals are not yet of this goal.
             _ = ticks.tick(), if accepted => {
                 // A client that does not read feedback is its own matter.
-                let _ = handle.feedback(&A::feedback(view, &hub.host.snapshot()));
+                let _ = handle.feedback(&A::feedback(view, &hub.host.snapshot(), mark));
             }
         }
     }
@@ -131,13 +135,13 @@ async fn follow<A: AxisAction>(
 
 fn ending(hub: &Hub, event: &Event) -> Ending {
     let message = if event.code.is_none() { String::new() } else { text::sentence(event, hub.host.config()) };
-    Ending { code: event.code, message, position: event.position }
+    Ending { code: event.code, message, position: event.position, mark: None }
 }
 
 impl AxisView {
     /// The end of a goal that the machine has not answered: where the axis stands now.
     fn stands(&self, snapshot: &Snapshot, code: Code, message: String) -> Ending {
         let position = Position::whole(self.int(&snapshot.board, AxisSignal::CommandPosition));
-        Ending { code, message, position }
+        Ending { code, message, position, mark: None }
     }
 }

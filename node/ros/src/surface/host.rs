@@ -47,6 +47,12 @@ pub trait Host: Send + Sync + 'static {
     /// The lane is full; nothing was handed over.
     fn submit(&self, action: Action) -> Result<u64, Busy>;
 
+    /// The command that a verb of an old controller asks for; `arguments` are YAML. It may take its time.
+    ///
+    /// # Errors
+    /// What is wrong with it, in one sentence.
+    fn read_vocabulary(&self, axis: &str, verb: &str, arguments: &str) -> Result<Action, String>;
+
     /// Asks the recorder, which answers when it is done or has failed. An answer that is dropped means that the machine has
     /// stopped.
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>);

@@ -10,15 +10,17 @@ mod hub;
 pub mod lines;
 pub mod messages;
 mod move_axis;
+mod probe_axis;
 mod record;
 mod signals;
 mod states;
 mod synchronize;
+mod vocabulary;
 
 use crate::layer::{CreateError, Node};
 use host::{Host, StampedEvent};
 use hub::Hub;
-use lineshaft_msgs::action::{MoveAxis, Synchronize};
+use lineshaft_msgs::action::{MoveAxis, ProbeAxis, Synchronize};
 use std::sync::Arc;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::task::JoinSet;
@@ -55,8 +57,10 @@ impl Surface {
         states::start(&node, &host, rates, &mut tasks)?;
         axes::start(&node, &hub, &mut tasks)?;
         goal::start::<MoveAxis>(&node, &hub, &mut tasks)?;
+        goal::start::<ProbeAxis>(&node, &hub, &mut tasks)?;
         goal::start::<Synchronize>(&node, &hub, &mut tasks)?;
         record::start(&node, &hub, &mut tasks)?;
+        vocabulary::start(&node, &hub, &mut tasks)?;
         Ok(Self { _tasks: tasks, _node: node })
     }
 }

@@ -5,6 +5,7 @@ use super::host::Snapshot;
 use super::signals::AxisView;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::position::Position;
 use lineshaft_core::request::{Amount, MoveRequest, RequestError, Units};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisResult};
@@ -28,20 +29,18 @@ impl AxisAction for MoveAxis {
         Ok((request.axis, Action::Move(request)))
     }
 
-    fn feedback(view: &AxisView, snapshot: &Snapshot) -> MoveAxisFeedback {
-        let int = |signal| view.int(&snapshot.board, signal);
-        let position = int(AxisSignal::ActualPosition);
-        let to_go = int(AxisSignal::TargetPosition).saturating_sub(int(AxisSignal::CommandPosition));
+    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> MoveAxisFeedback {
+        let position = view.int(&snapshot.board, AxisSignal::ActualPosition);
         MoveAxisFeedback {
             position: view.si(position, 0.0),
             velocity: view.rate(&snapshot.board, AxisSignal::ActualVelocity),
-            distance_to_go: view.si(to_go, 0.0),
+            distance_to_go: view.si(view.to_go(&snapshot.board), 0.0),
             position_increments: position,
         }
     }
 
     fn result(view: &AxisView, ending: Ending) -> MoveAxisResult {
-        let Ending { code, message, position } = ending;
+        let Ending { code, message, position, .. } = ending;
         let increments = position.floor();
         let si = view.si(increments, position.fraction());
         MoveAxisResult { code: code.0, message, position: si, position_increments: increments }

@@ -54,6 +54,12 @@ impl AxisView {
         self.scale.rate_to_si(self.real(board, signal))
     }
 
+    /// Target minus command position (inc).
+    pub(super) fn to_go(&self, board: &Board) -> i64 {
+        let target = self.int(board, AxisSignal::TargetPosition);
+        target.saturating_sub(self.int(board, AxisSignal::CommandPosition))
+    }
+
     pub(super) fn effort(&self, board: &Board) -> f64 {
         self.real(board, AxisSignal::ActualEffort)
     }

@@ -5,6 +5,7 @@ use super::host::Snapshot;
 use super::signals::AxisView;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::position::Position;
 use lineshaft_core::request::{Amount, RequestError, SynchronizeRequest};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{Synchronize, SynchronizeFeedback, SynchronizeGoal, SynchronizeResult};
@@ -29,7 +30,7 @@ impl AxisAction for Synchronize {
         Ok((request.axis, Action::Synchronize(request)))
     }
 
-    fn feedback(view: &AxisView, snapshot: &Snapshot) -> SynchronizeFeedback {
+    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> SynchronizeFeedback {
         let coupled = view.bit(&snapshot.board, AxisSignal::InSync);
         let error = view.int(&snapshot.board, AxisSignal::SyncError);
         SynchronizeFeedback {
@@ -42,7 +43,7 @@ impl AxisAction for Synchronize {
     }
 
     fn result(_view: &AxisView, ending: Ending) -> SynchronizeResult {
-        let Ending { code, message, position } = ending;
+        let Ending { code, message, position, .. } = ending;
         SynchronizeResult { code: code.0, message, position_increments: position.floor() }
     }
 }

@@ -1,14 +1,16 @@
 //! Texts of commands word for word, what is refused, and the law over everything that doors make.
 
 mod law;
+mod wf;
 
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize as Coupling,
+    BufferMode, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Source, SyncMode,
+    Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
-use lineshaft_core::object::{AxisSet, Leader};
+use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Row, Value as Set};
 use lineshaft_core::position::Position;
 
@@ -17,6 +19,9 @@ const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
 backends: {plant: {type: sim}}
+io:
+  mark: {type: di, backend: plant, address: 0, latch: true}
+  start: {type: di, backend: plant, address: 1}
 memory:
   feed: {type: i16, initial: 7}
   big: {type: i64, initial: 0}
@@ -76,6 +81,7 @@ fn to(axis: u16, target: Length) -> Move {
         deceleration: 0.0,
         jerk: 0.0,
         direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
     }
 }
 
@@ -93,6 +99,7 @@ fn moves_are_written_in_increments_without_what_is_default() {
         deceleration: 2e5,
         jerk: 1e20,
         direction: Direction::Current,
+        buffer_mode: BufferMode::Aborting,
         ..to(1, Length { nearest: 12345, rest: Position::from_f64(0.25) })
     };
     desk.is(
@@ -126,6 +133,42 @@ fn a_position_is_told_to_a_tenth_decimal_and_read_to_a_2_32th() {
         let json = format!(r#"{{"move_axis":{{"id":"17","axis":"x","mode":"absolute","position":"{text} inc"}}}}"#);
         desk.is(&Action::Move(to(0, target)), &json);
     }
+}
+
+fn search(source: Object) -> Probe {
+    Probe {
+        axis: 0,
+        relative: false,
+        target: Length::whole(9),
+        velocity: 0.0,
+        acceleration: 0.0,
+        deceleration: 0.0,
+        jerk: 0.0,
+        source,
+        edge: ProbeEdge::Rising,
+        distance: Length::default(),
+    }
+}
+
+#[test]
+fn probes_name_what_latches() {
+    let desk = Desk::new();
+    desk.is(
+        &Action::Probe(search(Object::Io(0))),
+        r#"{"probe_axis":{"id":"17","axis":"x","mode":"absolute","position":"9 inc","event":"mark","distance":"0 inc"}}"#,
+    );
+    let full = Probe {
+        relative: true,
+        velocity: 0.5,
+        jerk: 3.0,
+        edge: ProbeEdge::Both,
+        distance: Length { nearest: -7, rest: Position::from_f64(0.25) },
+        ..search(Object::Encoder(0))
+    };
+    desk.is(
+        &Action::Probe(full),
+        r#"{"probe_axis":{"id":"17","axis":"x","mode":"relative","position":"9 inc","velocity":"0.5 inc/s","jerk":"3 inc/s^3","event":"belt","edge":"both","distance":"-6.75 inc"}}"#,
+    );
 }
 
 #[test]
@@ -246,6 +289,11 @@ fn what_is_wrong_is_one_sentence() {
         (r#"{"halt":{"axes":["?"]}}"#, "no axis is called `?`; there are x, turret, odd, fine, coarse"),
         (r#"{"halt":{"axes":[]},"enable":{}}"#, "the command has 2 verbs; one is expected"),
         (r#"{"move_axis":{"id":"17","axis":"q"}}"#, "no axis is called `q`"),
+        (r#"{"probe_axis":{"id":"17","axis":"x"}}"#, "missing key `event` in probe_axis"),
+        (r#"{"probe_axis":{"id":"17","axis":"x","event":"start"}}"#, "`start` does not latch; mark, belt can"),
+        (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","mode":4}}"#, "mode is 4; 0 ABSOLUTE, 1 RELATIVE are"),
+        (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","edge":3}}"#, "edge is 3; 0 RISING, 1 FALLING, 2 BOTH"),
+        (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","distance":"1 s"}}"#, "distance: `1 s` is a time"),
         (r#"{"move_axis":{"id":"m","axis":"x"}}"#, "id is `m`; the sequence number of a command is expected"),
         (r#"{"cancel":{"id":"-1"}}"#, "id is `-1`; the sequence number of a command is expected"),
         (r#"{"cancel":{"id":"18446744073709551616"}}"#, "id is `18446744073709551616`; the sequence number"),
@@ -296,6 +344,11 @@ fn what_no_door_makes_is_written_so_that_it_does_not_read_back() {
         Action::Halt(AxisSet::EMPTY),
         Action::Halt(AxisSet::one(400)),
         Action::Move(to(9, Length::default())),
+        Action::Probe(search(Object::Machine)),
+        Action::Probe(search(Object::Memory(0))),
+        Action::Probe(search(Object::Io(1))),
+        Action::Probe(search(Object::Io(99))),
+        Action::Probe(search(Object::Axis(0))),
         Action::SetMemory { index: 99, value: 1.0 },
         Action::SetMemory { index: 2, value: f64::NAN },
         Action::SetMemory { index: 2, value: f64::INFINITY },
@@ -308,4 +361,19 @@ fn what_no_door_makes_is_written_so_that_it_does_not_read_back() {
         let json = desk.write(&action);
         assert!(desk.read(&json).is_err(), "{json}");
     }
+}
+
+#[test]
+fn a_saia_verb_is_written_with_its_registers_and_flags_in_one_order() {
+    use lineshaft_core::vocabulary::saia::{Command as Flag, Register, Request};
+    let desk = Desk::new();
+    let request =
+        Request { axis: 1, commands: [Flag::Start, Flag::LoadDestination].into_iter().collect(), ..Request::default() };
+    let request = request.with(Register::McFac, Set::Real(1.33333)).with(Register::Mcw, Set::Int(0x41B));
+    let request = request.with(Register::KProp, Set::Int(-7));
+    desk.is(
+        &Action::Saia(Box::new(request)),
+        r#"{"saia":{"axis":"turret","set":{"kprop":-7,"mcfac":1.33333,"mcw":1051},"commands":["fldda","fstart"]}}"#,
+    );
+    desk.is(&Action::Saia(Box::default()), r#"{"saia":{"axis":"x"}}"#);
 }

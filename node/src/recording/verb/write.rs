@@ -1,10 +1,12 @@
 //! From a command to its text.
 
+use super::{saia, wf};
 use lineshaft_core::command::{
-    Action, Command, Direction, Disengage, Length, Move, MoveMode, SyncMode, Synchronize as Coupling,
+    Action, BufferMode, Command, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, SyncMode,
+    Synchronize as Coupling,
 };
 use lineshaft_core::config::{MachineConfig, MemoryKind};
-use lineshaft_core::object::{AxisSet, Leader};
+use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Measure, ROWS, Value};
 use lineshaft_core::unit::Unit;
 use serde::{Serialize, Serializer};
@@ -34,10 +36,13 @@ enum Verb<'a> {
     QuickStop(Axes<'a>),
     ResetErrors(Axes<'a>),
     MoveAxis(MoveAxis<'a>),
+    ProbeAxis(ProbeAxis<'a>),
     Synchronize(Synchronize<'a>),
     Cancel { id: String },
     SetParameters(Entries),
     SetMemory(Entries),
+    Saia(saia::Saia<'a>),
+    Wf(wf::Wf<'a>),
     Refuse { text: &'a str },
     Note { code: u32, number: i64 },
 }
@@ -64,6 +69,18 @@ struct MoveAxis<'a> {
     jerk: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     direction: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    buffer_mode: Option<&'static str>,
+}
+
+#[derive(Serialize)]
+struct ProbeAxis<'a> {
+    #[serde(flatten)]
+    search: MoveAxis<'a>,
+    event: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    edge: Option<&'static str>,
+    distance: String,
 }
 
 #[derive(Serialize)]
@@ -87,7 +104,13 @@ struct Synchronize<'a> {
 }
 
 /// Names and values in the order of the command.
-struct Entries(Vec<(String, Scalar)>);
+pub(super) struct Entries(pub(super) Vec<(String, Scalar)>);
+
+impl Entries {
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
 
 impl Serialize for Entries {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -97,7 +120,7 @@ impl Serialize for Entries {
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Scalar {
+pub(super) enum Scalar {
     Nothing,
     Text(String),
     Whole(i128),
@@ -114,7 +137,10 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::QuickStop(set) => Verb::QuickStop(axes(set)),
         Action::ResetErrors(set) => Verb::ResetErrors(axes(set)),
         Action::Move(request) => Verb::MoveAxis(move_axis(id, request, config)),
+        Action::Probe(request) => Verb::ProbeAxis(probe_axis(id, request, config)),
         Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
+        Action::Saia(request) => Verb::Saia(saia::saia(request, axis(request.axis, config))),
+        Action::Wf(request) => Verb::Wf(wf::wf(request, axis(request.axis, config))),
         Action::Cancel { goal } => Verb::Cancel { id: goal.to_string() },
         Action::SetParameters(changes) => {
             Verb::SetParameters(Entries(changes.iter().map(|change| parameter(change, config)).collect()))
@@ -145,6 +171,7 @@ fn move_axis<'a>(id: String, request: &Move, config: &'a MachineConfig) -> MoveA
             MoveMode::Relative => "relative",
             MoveMode::Additive => "additive",
             MoveMode::Velocity => "velocity",
+            MoveMode::Superimposed => "superimposed",
         },
         position: Some(length(request.target)).filter(|_| !runs || request.target != Length::default()),
         // A goal tells where to, or how fast, also where that is the default.
@@ -158,6 +185,34 @@ fn move_axis<'a>(id: String, request: &Move, config: &'a MachineConfig) -> MoveA
             Direction::Negative => Some("negative"),
             Direction::Current => Some("current"),
         },
+        buffer_mode: match request.buffer_mode {
+            BufferMode::Aborting => None,
+            BufferMode::Buffered => Some("buffered"),
+            BufferMode::BlendingLow => Some("blending_low"),
+            BufferMode::BlendingPrevious => Some("blending_previous"),
+            BufferMode::BlendingNext => Some("blending_next"),
+            BufferMode::BlendingHigh => Some("blending_high"),
+        },
+    }
+}
+
+fn probe_axis<'a>(id: String, request: &Probe, config: &'a MachineConfig) -> ProbeAxis<'a> {
+    let io = |index: u16| config.io.get(usize::from(index)).map(|io| &io.name);
+    let encoder = |index: u16| config.encoders.get(usize::from(index)).map(|encoder| &encoder.name);
+    ProbeAxis {
+        search: move_axis(id, &request.search(), config),
+        event: match request.source {
+            Object::Io(index) => io(index).map_or(NAMELESS, String::as_str),
+            Object::Encoder(index) => encoder(index).map_or(NAMELESS, String::as_str),
+            Object::Axis(index) => axis(index, config),
+            Object::Machine | Object::Memory(_) => NAMELESS,
+        },
+        edge: match request.edge {
+            ProbeEdge::Rising => None,
+            ProbeEdge::Falling => Some("falling"),
+            ProbeEdge::Both => Some("both"),
+        },
+        distance: length(request.distance),
     }
 }
 
@@ -200,6 +255,7 @@ fn parameter(change: &Change, config: &MachineConfig) -> (String, Scalar) {
     };
     let value = match (change.value, row.map(|row| row.measure)) {
         (Value::Unset, _) => Scalar::Nothing,
+        (Value::Real(value), Some(Measure::Number)) => Scalar::Real(value),
         (Value::Real(value), _) => Scalar::Text(rate(value, order)),
         (Value::Int(value), Some(Measure::Position | Measure::Distance)) => Scalar::Text(format!("{value} inc")),
         (Value::Int(value), Some(Measure::Time)) => Scalar::Text(format!("{value} ns")),
@@ -226,14 +282,14 @@ fn given(value: f64, order: u8) -> Option<String> {
 }
 
 /// A rate (inc/s^order) by the shortest decimal that reads back as the same f64.
-fn rate(value: f64, order: u8) -> String {
+pub(super) fn rate(value: f64, order: u8) -> String {
     let unit = Unit::INCREMENT.with_order(order);
     let is_handy = value == 0.0 || (1e-5..1e16).contains(&value.abs());
     if is_handy { format!("{value} {unit}") } else { format!("{value:e} {unit}") }
 }
 
 /// A position (inc) to the tenth decimal, rounded.
-fn length(value: Length) -> String {
+pub(super) fn length(value: Length) -> String {
     const FRACTION_BITS: u32 = 32;
     const DECIMALS: u128 = 10_u128.pow(10);
     let raw = value.exact().raw();

@@ -73,7 +73,7 @@ fn generated(played: &Played, cell: &Cell) -> String {
         };
         writeln!(text, "- {{at: {cycle}, do: {verb}{refused}}}").unwrap();
         match command.action {
-            Action::Move(_) | Action::Synchronize(_) => carried.insert(command.sequence),
+            Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) => carried.insert(command.sequence),
             Action::Cancel { goal } => named.insert(goal),
             _ => false,
         };

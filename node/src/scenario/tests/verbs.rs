@@ -200,30 +200,25 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
 fn what_is_no_request_counts_as_refused_where_that_is_expected() {
     let report = run("scenario: s\ncycles: 20\nsteps:\n\
          - {at: 1, do: {move_axis: {axis: z, position: 5 mm}}, refused: no axis is called}\n\
-         - {at: 2, do: {move_axis: {axis: x, mode: superimposed}}, refused: does not exist yet}\n\
+         - {at: 2, do: {synchronize: {axis: x, master: line, mode: marker}}, refused: does not exist yet}\n\
          - {at: 3, do: {set_parameters: {x.max_velocity: 1 m/s, x.kprop: 3}}, refused: kprop}\n\
          expect: [{event: {kind: refused, code: BAD_REQUEST, source: machine}, count: 3}]");
     assert_eq!(
         report.to_string(),
         "scenario `s`: PASSED\n  20 cycles, 0.02 s\n  1 expectation, 3 of 3 steps fired\n  refused as expected:\n    \
          s.yaml:4:16: move_axis: no axis is called `z`; there are line, x, turret; in cycle 1 (0.001 s)\n    \
-         s.yaml:5:16: move_axis: move_axis in mode SUPERIMPOSED does not exist yet; in cycle 2 (0.002 s)\n    \
+         s.yaml:5:16: synchronize: synchronize in mode MARKER does not exist yet; in cycle 2 (0.002 s)\n    \
          s.yaml:6:16: set_parameters: no parameter is called `x.kprop`; in cycle 3 (0.003 s)\n"
     );
 }
 
 #[test]
 fn verbs_that_are_not_built_are_refused_by_name() {
-    for verb in ["home_axis", "set_position", "command_function", "load_table", "saia", "wf"] {
+    for verb in ["home_axis", "set_position", "command_function", "load_table"] {
         let said = problem("steps", &format!("{{at: 1, do: {{^{verb}: {{axis: x}}}}}}"));
         assert_eq!(said, format!("verb {verb} does not exist yet"));
     }
     assert_eq!(bad("{inject: {^index_lost: {axis: x}}}"), "inject index_lost does not exist yet");
-    assert_eq!(bad("{move_axis: ^{axis: x, mode: 4}}"), "move_axis in mode SUPERIMPOSED does not exist yet");
-    assert_eq!(
-        bad("{move_axis: ^{axis: x, buffer_mode: blending_low}}"),
-        "a buffer_mode other than ABORTING does not exist yet"
-    );
     assert_eq!(
         bad(
             "{synchronize: ^{axis: x, master: line, engage: at_position, master_increments: 5, slave_increments: 5, start_distance_increments: 1}}"
@@ -338,4 +333,45 @@ fn what_is_wrong_with_a_verb_is_told() {
         other,
         "no axis is called `z`; there are line, x, turret, `refused: max_position` is no part of this sentence"
     );
+}
+
+/// Registers are set, then the flags run; several axes of one step start in the same cycle.
+#[test]
+fn saia_sets_registers_and_runs_commands() {
+    let verb = |axis: &str, rest: &str| format!("{{saia: {{axis: {axis}, {rest}}}}}");
+    let init = "set: {veloc: 50000, accel: 500000, mcw: 41BH, mcfac: 1.0}, commands: [axinit]";
+    let (x, line) = (verb("x", init), verb("line", init));
+    let go = "set: {destp: 10000}, commands: [fstart, fldda]";
+    let (go_x, go_line) = (verb("x", go), verb("line", go));
+    passes(&format!(
+        "scenario: s\ncycles: 600\nsteps:\n- {{at: 5, do: [{x}, {line}]}}\n\
+         - {{at: 20, do: {{saia: {{axis: x, commands: [fldda, fstart]}}}}}}\n- {{at: 100, do: [{go_x}, {go_line}]}}\n\
+         - {{at: 90, do: {{saia: {{axis: x}}}}}}\n\
+         - {{at: 50, refused: saia.poser is 40000, do: {{saia: {{axis: x, set: {{poser: 40000}}, commands: [fsetpe]}}}}}}\n\
+         - {{at: 60, refused: a whole number, do: {{saia: {{axis: x, set: {{poser: 4e12}}}}}}}}\n\
+         expect:\n- {{signal: x.saia.state, at: 99, is: HOLD}}\n\
+         - {{signal: x.command.position, minus: line.command.position, from: 100, to: end, is: 0}}\n\
+         - {{signal: x.command.position, at: end, is: 10000}}\n- {{signal: x.saia.ondest, at: end, is: 1}}\n"
+    ));
+}
+
+#[test]
+fn a_saia_verb_tells_what_it_does_not_know_and_what_is_known() {
+    let known = "there are kprop, kint, kder, intl, sampi, mcfac, poser, destp, brkp, veloc, accel, stafrr, mcw";
+    assert_eq!(bad("{saia: {axis: x, set: {^destq: 1}}}"), format!("no register is called `destq`; {known}"));
+    let said = bad("{saia: {axis: x, commands: [fldda, ^fstrat]}}");
+    assert!(said.starts_with("no command is called `fstrat`; there are axinit, fselom, fsetpe, flddr"), "{said}");
+    assert_eq!(bad("{saia: {axis: ^z}}"), "no axis is called `z`; there are line, x, turret");
+    assert_eq!(
+        bad("{saia: {axis: x, set: {destp: ^1.5}}}"),
+        "destp is `1.5`; a whole number -2147483648..2147483647 is expected"
+    );
+    assert_eq!(bad("{saia: {axis: x, set: {mcfac: ^-1}}}"), "mcfac is `-1`; a number 0..9.223371e18 is expected");
+    for bad_number in [".nan", "1e400", "-.inf"] {
+        let said = bad(&format!("{{saia: {{axis: x, set: {{mcfac: ^{bad_number}}}}}}}"));
+        assert!(said.starts_with("mcfac") && said.contains(bad_number), "{said}");
+    }
+    assert_eq!(bad("{saia: {axis: x, commands: [fldda, ^fldda]}}"), "fldda stands twice; a flag is set once");
+    assert_eq!(bad("{saia: {axis: x, commands: ^fldda}}"), "commands is `fldda`; a list is expected");
+    assert_eq!(bad("{saia: {axis: x, ^command: [fldda]}}"), "unknown key `command` in saia, did you mean `commands`?");
 }

@@ -5,6 +5,9 @@ use lineshaft_core::parameter::ParameterInput;
 use lineshaft_core::request::Amount;
 use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, parse_decimal};
 
+/// From here on no number is an i64: 2^63.
+const I64_END: f64 = (1_u64 << 63) as f64;
+
 /// A position (order 0), velocity, acceleration or jerk; a bare number is in the units of the request.
 pub(super) fn amount(value: &Value<'_>, order: u8, scale: Option<&Scale>, in_increments: bool) -> Option<Amount> {
     let text = value.text()?;
@@ -26,10 +29,13 @@ pub(super) fn parameter_input(value: &Value<'_>, dimensions: Option<[Dimension; 
         return Some(ParameterInput::Unset);
     }
     let text = value.text()?;
-    if value.is_integer() {
+    // Where no unit is possible every f64 is a number: those too large for an integer, too small for a fraction, and -0.
+    let plain = dimensions.is_none().then(|| text.parse::<f64>().ok()).flatten().filter(|number| number.is_finite());
+    let is_real = plain.is_some_and(|number| number.abs() >= I64_END || (number == 0.0 && text.starts_with("-0.")));
+    if value.is_integer() && !is_real {
         return value.integer(i64::MIN..=i64::MAX).map(ParameterInput::Integer);
     }
-    if parse_decimal(text).is_ok() {
+    if plain.is_some() || parse_decimal(text).is_ok() {
         return value.number(f64::NEG_INFINITY..=f64::INFINITY).map(ParameterInput::Number);
     }
     if text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {

@@ -34,6 +34,7 @@ fn a_disk_that_is_full_at_any_byte_leaves_whole_files() {
     let room = write(&BagOptions { max_duration_ns: Some(1), ..at(path) }, cycles).size as usize;
     // Each of the last bytes, and some before.
     let sizes = (0..room).step_by(room / 199).chain([1, 8, 9, 60, 61]).chain(room - 20..room);
+    let sizes: std::collections::BTreeSet<usize> = sizes.collect();
     let mut readable = 0;
     for size in sizes {
         let path = folder.path().join(size.to_string());

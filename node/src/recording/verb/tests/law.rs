@@ -2,8 +2,9 @@
 
 use super::*;
 use lineshaft_core::parameter::{PROFILES, ParameterInput, ROWS};
-use lineshaft_core::request::{Amount, MoveRequest, SynchronizeRequest, Units};
+use lineshaft_core::request::{Amount, MoveRequest, ProbeRequest, SynchronizeRequest, Units};
 use lineshaft_core::unit::Quantity;
+use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
 use proptest::prelude::*;
 use std::sync::LazyLock;
 
@@ -84,6 +85,13 @@ fn move_request() -> impl Strategy<Value = MoveRequest> {
             direction,
         },
     )
+}
+
+fn probe_request() -> impl Strategy<Value = ProbeRequest> {
+    let event = prop::sample::select(vec!["mark", "belt"]).prop_map(str::to_owned);
+    (move_request(), 0..2_u8, event, 0..3_u8, amount(0)).prop_map(|(search, mode, event, edge, distance)| {
+        ProbeRequest { search: MoveRequest { mode, ..search }, event, edge, distance }
+    })
 }
 
 fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
@@ -174,6 +182,29 @@ fn plain() -> impl Strategy<Value = Action> {
     ]
 }
 
+fn saia() -> impl Strategy<Value = Option<Action>> {
+    let register = prop::sample::select(Register::ALL.to_vec()).prop_map(|(register, _)| register.name());
+    let input = prop_oneof![
+        2 => number().prop_map(ParameterInput::Number),
+        3 => any::<i32>().prop_map(|number| ParameterInput::Integer(number.into())),
+        1 => any::<i64>().prop_map(ParameterInput::Integer),
+    ];
+    let commands: Vec<&str> = SaiaCommand::ALL.iter().map(|(_, name)| *name).collect();
+    let (set, commands) =
+        (prop::collection::vec((register, input), 0..5), prop::collection::vec(prop::sample::select(commands), 0..8));
+    (0..AXES.len() as u16, set, commands).prop_map(|(axis, set, commands)| {
+        let mut request = saia::Request { axis, ..saia::Request::default() };
+        for (name, input) in &set {
+            let (register, value) = DESK.config.resolve_saia_register(name, input).ok()?;
+            request = request.with(register, value);
+        }
+        for name in commands {
+            request.commands.insert(DESK.config.resolve_saia_command(name).ok()?);
+        }
+        Some(Action::Saia(Box::new(request)))
+    })
+}
+
 /// How many of the requests that a strategy makes become commands, in parts of one.
 fn share<T: std::fmt::Debug>(strategy: impl Strategy<Value = T>, is_good: impl Fn(T) -> bool) -> f64 {
     use proptest::strategy::ValueTree;
@@ -191,6 +222,7 @@ fn enough_requests_become_commands_for_the_laws_to_mean_something() {
     let changes =
         share(rows, |(axis, row, input)| config.resolve_parameter(&format!("{axis}.{}", row.key), &input).is_ok());
     let verbs = share(verb(), |text| DESK.read(&text).is_ok());
+    assert!(share(saia(), |action| action.is_some()) > 0.2);
     assert!(moves > 0.2 && couplings > 0.2 && changes > 0.2 && verbs > 0.2);
 }
 
@@ -229,6 +261,13 @@ proptest! {
     fn every_move_that_a_request_makes(request in move_request()) {
         if let Ok(action) = DESK.config.resolve_move(&request) {
             comes_back(&Action::Move(action))?;
+        }
+    }
+
+    #[test]
+    fn every_probe_that_a_request_makes(request in probe_request()) {
+        if let Ok(request) = DESK.config.resolve_probe(&request) {
+            comes_back(&Action::Probe(request))?;
         }
     }
 
@@ -276,6 +315,13 @@ proptest! {
             velocity: 0.0,
             acceleration: 0.0,
         }))?;
+    }
+
+    #[test]
+    fn every_verb_of_saia(action in saia()) {
+        if let Some(action) = action {
+            comes_back(&action)?;
+        }
     }
 
     #[test]

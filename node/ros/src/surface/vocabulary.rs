@@ -1,0 +1,62 @@
+//! `~/vocabulary`: commands in the words of the old controllers, answered when the machine has accepted or refused them.
+
+use super::hub::{Answers, Hub};
+use crate::layer::{CreateError, Node, Qos, Request, ServiceServer};
+use lineshaft_core::event::Kind;
+use lineshaft_core::text;
+use lineshaft_msgs::srv::{Vocabulary, VocabularyRequest, VocabularyResponse};
+use std::sync::Arc;
+use tokio::task::{JoinSet, spawn_blocking};
+
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    let server = node.service::<Vocabulary>("~/vocabulary", Qos::SERVICE)?;
+    tasks.spawn(serve(server, Arc::clone(hub)));
+    Ok(())
+}
+
+async fn serve(mut server: ServiceServer<Vocabulary>, hub: Arc<Hub>) {
+    // Waiting requests end with the service.
+    let mut open = JoinSet::new();
+    let service = server.name().to_string();
+    while let Some(Request { message, reply }) = server.next().await {
+        while open.try_join_next().is_some() {}
+        // One after the other: commands keep the order of their requests, and many long ones take one thread.
+        match give(&hub, &service, message).await {
+            Ok(answers) => {
+                let hub = Arc::clone(&hub);
+                open.spawn(async move {
+                    let response = answer(&hub, answers).await;
+                    // A client that has gone is no fault of the machine; the layer logs it.
+                    let _ = reply.send(response).await;
+                });
+            }
+            Err(message) => reply.send_soon(VocabularyResponse { success: false, message }),
+        }
+    }
+}
+
+/// Reads a request and hands its command over.
+async fn give(hub: &Arc<Hub>, service: &str, request: VocabularyRequest) -> Result<Answers, String> {
+    let host = Arc::clone(&hub.host);
+    let read = move || host.read_vocabulary(&request.axis, &request.verb, &request.arguments);
+    let command = match spawn_blocking(read).await {
+        Ok(command) => command.inspect_err(|sentence| hub.refuse(format!("{service}: {sentence}")))?,
+        Err(_) => return Err("the request could not be read".to_owned()),
+    };
+    hub.submit(command).map_err(|busy| busy.to_string())
+}
+
+/// Waits for what the machine says to a command.
+async fn answer(hub: &Hub, mut answers: Answers) -> VocabularyResponse {
+    while let Some(answer) = answers.next().await {
+        match answer.event.kind {
+            Kind::Accepted => return VocabularyResponse { success: true, message: String::new() },
+            Kind::Refused => {
+                let message = text::sentence(&answer.event, hub.host.config());
+                return VocabularyResponse { success: false, message };
+            }
+            _ => {}
+        }
+    }
+    VocabularyResponse { success: false, message: "the machine has stopped".to_owned() }
+}

@@ -1,0 +1,154 @@
+//! Verb `wf` (contract section 9): an axis in the words of the Siemens WF 725 / 726 positioning modules.
+//!
+//! Keys, all but `axis` may be left out, which leaves things as they are:
+//! - `mode`: mdi, single, automatic (single block; also automatic_single), continuous, jog, actual_value; changed at rest
+//! - `blocks`: up to 16 of `{position, velocity, absolute}`; replaces the program. `position`: a bare number is in the axis
+//!   unit. `velocity`: a bare number is the speed value, hundredths of max_velocity. `absolute`: true (G90) when left out
+//! - `block`: number of the block, from 1, that the next START begins with
+//! - `start`: true is START
+//! - `jog`: plus, minus, both, none: the inputs JOG+ and JOG-, as they stay. They run the axis in mode jog; in the others they
+//!   choose the direction of approach of a rotary axis
+//! - `fixed_speed`: 1, 2, 3: which of wf.fixed_speed_1 to 3 jogs
+//! - `enable`: the controller enable request, true from the beginning; false stops
+//! - `reset`: true ends what runs and acknowledges the alarm; it stands alone
+//! - `value`: in mode actual_value, the position at which the axis stands from now on; a bare number is in the axis unit
+
+use super::amount::amount;
+use super::{Deed, Reader};
+use crate::document::{Map, Value};
+use lineshaft_core::command::{Action, Length};
+use lineshaft_core::request::{Amount, RequestError, Units};
+use lineshaft_core::unit::Scale;
+use lineshaft_core::vocabulary::wf::{Block, Blocks, FIXED_SPEEDS, Jog, MAX_BLOCKS, Mode, Request, Speed};
+
+/// Modes by name; none waits for homing.
+const MODES: [(&str, Option<Mode>); 8] = [
+    ("mdi", Some(Mode::Mdi)),
+    ("single", Some(Mode::Single)),
+    ("automatic", Some(Mode::Automatic)),
+    ("automatic_single", Some(Mode::Automatic)),
+    ("continuous", Some(Mode::Continuous)),
+    ("jog", Some(Mode::Jog)),
+    ("reference", None),
+    ("actual_value", Some(Mode::ActualValue)),
+];
+
+const JOGS: [(&str, Jog); 4] = [("none", Jog::None), ("plus", Jog::Plus), ("minus", Jog::Minus), ("both", Jog::Both)];
+
+/// What is wrong with a part of the verb: noted already, or to be told as the verb's refusal.
+enum Trouble {
+    Noted,
+    Told(RequestError),
+}
+
+impl From<RequestError> for Trouble {
+    fn from(error: RequestError) -> Self {
+        Self::Told(error)
+    }
+}
+
+impl Reader<'_> {
+    pub(super) fn wf(&self, value: &Value<'_>) -> Option<Deed> {
+        let mut map = value.map("wf")?;
+        let axis = map.required("axis");
+        let scale = self.scale(axis.as_ref());
+        let request = read(&mut map, scale.as_ref());
+        map.finish();
+        let axis = axis?;
+        let (index, _) = match self.names.config.find_axis(axis.text()?) {
+            Ok(found) => found,
+            Err(error) => return self.settle(&axis, Err(error)),
+        };
+        match request {
+            Ok(request) => self.settle(value, Ok(Action::Wf(Box::new(Request { axis: index, ..request })))),
+            Err(Trouble::Told(error)) => self.settle(value, Err(error)),
+            Err(Trouble::Noted) => None,
+        }
+    }
+}
+
+fn read(map: &mut Map<'_>, scale: Option<&Scale>) -> Result<Request, Trouble> {
+    // Every key is asked for before the first trouble ends the reading.
+    let mode = map.optional("mode").map(|value| value.choice(&MODES));
+    let blocks = map.optional("blocks").map(|value| blocks(&value, scale));
+    let block = map.optional("block").map(|value| value.integer(0..=u8::MAX));
+    let start = map.optional("start").map(|value| value.boolean());
+    let jog = map.optional("jog").map(|value| value.choice(&JOGS));
+    let fixed_speed = map.optional("fixed_speed").map(|value| value.integer(1..=FIXED_SPEEDS));
+    let enable = map.optional("enable").map(|value| value.boolean());
+    let reset = map.optional("reset").map(|value| value.boolean());
+    let preset = map.optional("value").map(|value| position(&value, scale));
+    let mode = match noted(mode)? {
+        Some(None) => {
+            let what = "mode reference (reference travel, which needs homing)".to_owned();
+            return Err(RequestError::NotBuilt(what).into());
+        }
+        given => given.flatten(),
+    };
+    let request = Request {
+        axis: 0,
+        mode,
+        blocks: blocks.transpose()?,
+        block: noted(block)?,
+        start: noted(start)?.unwrap_or(false),
+        jog: noted(jog)?,
+        fixed_speed: noted(fixed_speed)?,
+        enable: noted(enable)?,
+        reset: noted(reset)?.unwrap_or(false),
+        value: preset.transpose()?,
+    };
+    if request.reset && request != (Request { reset: true, ..Request::default() }) {
+        map.refuse("reset stands with other keys; it is a verb of its own", Some("write two verbs".to_owned()));
+        return Err(Trouble::Noted);
+    }
+    Ok(request)
+}
+
+/// A key that may be left out, but not be wrong.
+fn noted<T>(value: Option<Option<T>>) -> Result<Option<T>, Trouble> {
+    value.map(|value| value.ok_or(Trouble::Noted)).transpose()
+}
+
+fn blocks(value: &Value<'_>, scale: Option<&Scale>) -> Result<Blocks, Trouble> {
+    let items = value.list().ok_or(Trouble::Noted)?;
+    let blocks: Vec<_> = items.iter().map(|item| block(item, scale)).collect();
+    let blocks: Vec<Block> = blocks.into_iter().collect::<Result<_, _>>()?;
+    let allowed = "1 to 16 blocks are allowed";
+    let bad = || RequestError::BadChoice { field: "number of blocks", value: blocks.len() as i64, allowed };
+    if blocks.is_empty() || blocks.len() > MAX_BLOCKS {
+        return Err(bad().into());
+    }
+    Ok(Blocks::new(&blocks).ok_or_else(bad)?)
+}
+
+fn block(value: &Value<'_>, scale: Option<&Scale>) -> Result<Block, Trouble> {
+    let mut map = value.map(value.label()).ok_or(Trouble::Noted)?;
+    let place = map.required("position").map(|value| position(&value, scale));
+    let speed = map.required("velocity").map(|value| speed(&value, scale));
+    let absolute = map.optional("absolute").map(|value| value.boolean());
+    map.finish();
+    Ok(Block {
+        position: place.ok_or(Trouble::Noted)??.exact(),
+        speed: speed.ok_or(Trouble::Noted)??,
+        absolute: noted(absolute)?.unwrap_or(true),
+    })
+}
+
+fn position(value: &Value<'_>, scale: Option<&Scale>) -> Result<Length, Trouble> {
+    let amount = amount(value, 0, scale, false).ok_or(Trouble::Noted)?;
+    // Without an axis there is nothing to convert with; that is told already.
+    let length = amount.length(Units::AxisUnit, scale.ok_or(Trouble::Noted)?);
+    Ok(length.map_err(|error| RequestError::BadValue { field: value.label().to_owned(), error: Box::new(error) })?)
+}
+
+fn speed(value: &Value<'_>, scale: Option<&Scale>) -> Result<Speed, Trouble> {
+    let amount = amount(value, 1, scale, false).ok_or(Trouble::Noted)?;
+    match amount {
+        Amount::Number(number) => Ok(Speed::Value(number)),
+        Amount::Quantity(_) => {
+            let rate = amount.rate(Units::AxisUnit, scale.ok_or(Trouble::Noted)?, 1);
+            let bad = |error| RequestError::BadValue { field: value.label().to_owned(), error: Box::new(error) };
+            Ok(Speed::Velocity(rate.map_err(bad)?))
+        }
+    }
+}
