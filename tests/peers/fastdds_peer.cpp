@@ -15,7 +15,9 @@ const char* const USAGE =
     "usage: fastdds_peer COMMAND [ARGUMENT..], the domain from ROS_DOMAIN_ID\n"
     "  joint-states [--seconds 3] [--count N]\n"
     "  axes NODE enable|disable|halt|quick_stop|reset_errors [AXIS..]\n"
-    "  move NODE --axis A [--mode absolute] [--units si] [--position P] [--velocity V] [--cancel-after S] [--wait]\n"
+    "  move NODE --axis A [--mode absolute] [--units si] [--position P] [--velocity V] [--buffer-mode N]\n"
+    "       [--cancel-after S] [--wait]\n"
+    "  vocabulary NODE AXIS VERB [ARGUMENTS..]\n"
     "  result NODE move_axis GOAL [--expect SUCCEEDED]\n"
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
@@ -258,6 +260,7 @@ class Peer {
     goal.units = a.choice("--units", UNITS);
     goal.position = a.number("--position", 0);
     goal.velocity = a.number("--velocity", 0);
+    goal.buffer_mode = static_cast<uint8_t>(a.number("--buffer-mode", 0));
     auto& client = move_client(a[1]);
     auto id = client.send(goal);
     bool cancels = a.has("--cancel-after");
@@ -266,6 +269,20 @@ class Peer {
       client.cancel(id);
     }
     if (cancels || a.has("--wait")) client.finish(id, a.text("--expect", cancels ? "CANCELED" : "SUCCEEDED"));
+  }
+
+  void vocabulary(const Arguments& a) {
+    auto& service = once(services_, a[1] + "/vocabulary", [&] {
+      return new Service(dds_, a[1] + "/vocabulary", "lineshaft_msgs::srv::dds_::Vocabulary");
+    });
+    std::string arguments;
+    for (auto& word : a.from(4)) arguments += (arguments.empty() ? "" : " ") + word;
+    Bytes reply = service.call(Writer().text(a[2]).text(a[3]).text(arguments).bytes());
+    Reader r(reply);
+    bool success = r.get<uint8_t>() != 0;
+    auto message = r.text();
+    Object().add("success", success).add("message", message).show();
+    if (!success) throw Failure(message);
   }
 
   void result(const Arguments& a) { move_client(a[1]).finish(from_hex(a[3]), a.text("--expect", "SUCCEEDED")); }
@@ -339,6 +356,7 @@ class Peer {
 const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"joint-states", &Peer::joint_states}, {"axes", &Peer::axes},     {"move", &Peer::move},
     {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
+    {"vocabulary", &Peer::vocabulary},
 };
 
 void serve(Peer& peer) {

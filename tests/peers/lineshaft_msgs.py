@@ -10,6 +10,7 @@ AXIS_STATES = ("DISABLED", "STANDSTILL", "DISCRETE_MOTION", "CONTINUOUS_MOTION",
 MOVE_MODES = ("absolute", "relative", "additive", "velocity", "superimposed")
 UNITS = ("si", "axis_unit", "increments")
 SYNC_MODES = ("velocity", "position", "marker")
+EDGES = ("rising", "falling", "both")
 RECORD_COMMANDS = ("status", "start", "stop", "save")
 
 
@@ -142,6 +143,53 @@ class SyncFeedback(IdlStruct, typename="SyncFeedback"):
 
 
 @dataclass
+class ProbeGoal(IdlStruct, typename="ProbeGoal"):
+    axis: str = ""
+    mode: t.uint8 = 0
+    units: t.uint8 = 0
+    position: t.float64 = 0.0
+    velocity: t.float64 = 0.0
+    acceleration: t.float64 = 0.0
+    deceleration: t.float64 = 0.0
+    jerk: t.float64 = 0.0
+    event: str = ""
+    edge: t.uint8 = 0
+    distance: t.float64 = 0.0
+
+
+@dataclass
+class ProbeResult(IdlStruct, typename="ProbeResult"):
+    code: t.uint32 = 0
+    message: str = ""
+    probed: bool = False
+    probed_position: t.float64 = 0.0
+    probed_increments: t.int64 = 0
+    position: t.float64 = 0.0
+    position_increments: t.int64 = 0
+
+
+@dataclass
+class ProbeFeedback(IdlStruct, typename="ProbeFeedback"):
+    phase: t.uint8 = 0
+    position: t.float64 = 0.0
+    velocity: t.float64 = 0.0
+    distance_to_go: t.float64 = 0.0
+
+
+@dataclass
+class VocabularyRequest(IdlStruct, typename="VocabularyRequest"):
+    axis: str = ""
+    verb: str = ""
+    arguments: str = ""
+
+
+@dataclass
+class VocabularyResponse(IdlStruct, typename="VocabularyResponse"):
+    success: bool = False
+    message: str = ""
+
+
+@dataclass
 class RecordRequest(IdlStruct, typename="RecordRequest"):
     command: t.uint8 = 0
     path: str = ""
@@ -164,5 +212,6 @@ class RecordResponse(IdlStruct, typename="RecordResponse"):
 # Action name: its type and the bodies of goal, result and feedback.
 ACTIONS = {
     "move_axis": ("lineshaft_msgs/MoveAxis", MoveGoal, MoveResult, MoveFeedback),
+    "probe_axis": ("lineshaft_msgs/ProbeAxis", ProbeGoal, ProbeResult, ProbeFeedback),
     "synchronize": ("lineshaft_msgs/Synchronize", SyncGoal, SyncResult, SyncFeedback),
 }

@@ -15,8 +15,9 @@ import time
 import checks
 import goals
 import ros2wire as rw
-from lineshaft_msgs import (ACTIONS, AXIS_STATES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, AxesRequest,
-                            AxesResponse, AxisStates, Event, MoveGoal, RecordRequest, RecordResponse, SyncGoal)
+from lineshaft_msgs import (ACTIONS, AXIS_STATES, EDGES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, AxesRequest,
+                            AxesResponse, AxisStates, Event, MoveGoal, ProbeGoal, RecordRequest, RecordResponse,
+                            SyncGoal, VocabularyRequest, VocabularyResponse)
 from report import Failure, plain, show
 
 STREAM = rw.qos(depth=10_000)  # nothing is lost while a command waits for something else
@@ -136,6 +137,17 @@ def record(peer, a):
         raise Failure(r.message)
 
 
+def vocabulary(peer, a):
+    name = f"{a.node}/vocabulary"
+    client = peer.once(name, lambda: rw.ServiceClient(peer.dp, name, "lineshaft_msgs/Vocabulary", VocabularyRequest,
+                                                      VocabularyResponse))
+    arguments = " ".join(a.arguments).replace("\\n", "\n") + "#" * a.pad
+    r = client.call(VocabularyRequest(a.axis, a.verb, arguments))
+    show(success=r.success, message=r.message)
+    if not r.success:
+        raise Failure(r.message)
+
+
 def send(client, goal):
     gid, r = client.send_goal(goal)
     show(goal=gid.hex(), accepted=r.accepted)
@@ -170,6 +182,15 @@ def move(peer, a):
         cancel_goal(client, gid)
     if a.wait or a.cancel_after is not None:
         finish(client, gid, a.expect or ("SUCCEEDED" if a.cancel_after is None else "CANCELED"))
+
+
+def probe(peer, a):
+    client = peer.action(a.node, "probe_axis")
+    gid = send(client, ProbeGoal(a.axis, ("absolute", "relative").index(a.mode), UNITS.index(a.units), a.position,
+                                 a.velocity, a.acceleration, a.deceleration, a.jerk, a.event, EDGES.index(a.edge),
+                                 a.distance))
+    finish(client, gid, a.expect)
+    show(phases=sorted({f.phase for f in client.feedback(gid)}))
 
 
 def synchronize(peer, a):
@@ -256,6 +277,17 @@ def parser():
     p.add_argument("--cancel-after", type=float)
     p.add_argument("--wait", action="store_true")
     p.add_argument("--expect", choices=rw.STATUS.values())
+    p = command("vocabulary", vocabulary, pad=0)
+    p.add_argument("axis")
+    p.add_argument("verb")
+    p.add_argument("arguments", nargs="*", help="YAML; a \\n in it breaks the line")
+    p = command("probe", probe, position=0.0, velocity=0.0, acceleration=0.0, deceleration=0.0, jerk=0.0, distance=0.0,
+                expect="SUCCEEDED")
+    p.add_argument("--axis", required=True)
+    p.add_argument("--event", required=True)
+    p.add_argument("--mode", choices=("absolute", "relative"), default="absolute")
+    p.add_argument("--units", choices=UNITS, default="si")
+    p.add_argument("--edge", choices=EDGES, default="rising")
     p = command("synchronize", synchronize, numerator=1, denominator=1)
     p.add_argument("--axis", required=True)
     p.add_argument("--master", required=True)
