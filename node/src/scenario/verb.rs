@@ -7,7 +7,7 @@ use crate::document::{Map, Place, Value};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
-use lineshaft_core::parameter::Row;
+use lineshaft_core::parameter::{ROWS, Row};
 use lineshaft_core::request::{Amount, MoveRequest, RequestError, SynchronizeRequest, Units};
 use lineshaft_core::unit::{Scale, excerpt};
 
@@ -329,6 +329,12 @@ impl Reader<'_> {
             match change {
                 None => is_good = false,
                 Some(Ok(change)) => changes.push(change),
+                Some(Err(error @ RequestError::UnknownParameter { .. })) if self.refused.is_none() => {
+                    let row = key.peek().and_then(|name| name.split_once('.')).map_or("", |(_, row)| row);
+                    let hint = nearest(row, ROWS.iter().map(|row| row.key)).map(did_you_mean);
+                    input.refuse(error.to_string(), hint);
+                    is_good = false;
+                }
                 Some(Err(error)) => {
                     let deed = self.settle(input, Err(error));
                     is_good &= deed.is_some();
