@@ -119,6 +119,12 @@ pub struct Event {
 }
 
 impl Event {
+    /// The end of a command: good news without a code, a warning with one.
+    pub fn done(source: Object, sequence: u64, code: Code, position: Position) -> Self {
+        let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
+        Self { position, ..Self::new(severity, Kind::Done, source, code).of_command(sequence) }
+    }
+
     /// An event without numbers; the queue fills in sequence and cycle.
     pub fn new(severity: Severity, kind: Kind, source: Object, code: Code) -> Self {
         Self {

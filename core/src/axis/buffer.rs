@@ -11,7 +11,7 @@ use super::goal::Goal;
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::command::{BufferMode, Move, MoveMode};
-use crate::event::{Event, EventQueue, Kind, Refusal, Severity};
+use crate::event::{Event, EventQueue, Refusal};
 use crate::object::Object;
 use crate::position::Position;
 use crate::profile::{self, Limits, Motion, Plan};
@@ -82,7 +82,7 @@ impl Buffer {
     /// Ends all of them.
     pub(super) fn end(&mut self, events: &mut EventQueue, axis: u16, code: Code, position: Position) {
         while let Some(next) = self.pop() {
-            events.push(done(axis, next.sequence, code, position));
+            events.push(Event::done(Object::Axis(axis), next.sequence, code, position));
         }
     }
 
@@ -92,12 +92,6 @@ impl Buffer {
         // No gaps: what stands behind one would never begin.
         self.0.iter().skip_while(|next| next.is_some()).all(Option::is_none) && self.iter().all(sound)
     }
-}
-
-fn done(axis: u16, sequence: u64, code: Code, position: Position) -> Event {
-    let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
-    let event = Event::new(severity, Kind::Done, Object::Axis(axis), code).of_command(sequence);
-    Event { position, ..event }
 }
 
 impl Axis {
@@ -169,7 +163,7 @@ impl Axis {
         let was_first = self.buffer.first().is_some_and(|next| next.sequence == sequence);
         let removed = self.buffer.remove(sequence);
         if removed {
-            cx.events.push(done(self.setup.index, sequence, Code::CANCELLED, self.command.position));
+            cx.events.push(Event::done(self.object(), sequence, Code::CANCELLED, self.command.position));
         }
         if was_first
             && let Generator::Plan(course) = self.generator
@@ -202,7 +196,7 @@ impl Axis {
                 .check_target(target, &self.parameters)
                 .map(|()| self.course_to(cx.cycle, from, Position::whole(target.nearest()), next.limits)),
             None => self.check_velocity(next.request.velocity).map(|()| {
-                let aim = if next.request.velocity == 0.0 { Aim::Stop } else { Aim::Velocity(next.request.velocity) };
+                let aim = Aim::velocity(next.request.velocity);
                 self.course(cx.cycle, from, aim, next.limits)
             }),
         };
@@ -217,7 +211,7 @@ impl Axis {
                 self.set_state(cx, if moves_on { AxisState::ContinuousMotion } else { AxisState::DiscreteMotion });
             }
             Err(refusal) => {
-                let event = done(self.setup.index, next.sequence, refusal.code, self.command.position);
+                let event = Event::done(self.object(), next.sequence, refusal.code, self.command.position);
                 cx.events.push(event.with(refusal.asked, refusal.limit));
                 self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position);
                 let plan = self.plan_stop(from, &self.parameters.largest_limits());

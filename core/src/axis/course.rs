@@ -22,6 +22,13 @@ pub(super) enum Aim {
     Stop,
 }
 
+impl Aim {
+    /// At a velocity; 0 stops.
+    pub(super) fn velocity(velocity: f64) -> Self {
+        if velocity == 0.0 { Self::Stop } else { Self::Velocity(velocity) }
+    }
+}
+
 /// A profile since a cycle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Course {

@@ -41,9 +41,7 @@ impl Axis {
         if let Some(goal) = self.goal.take() {
             let taken_over = matches!(code, Code::REPLACED | Code::HALTED | Code::QUICK_STOP | Code::DISABLED);
             let code = goal.ending.filter(|_| taken_over).unwrap_or(code);
-            let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
-            let event = Event::new(severity, Kind::Done, self.object(), code).of_command(goal.sequence);
-            cx.events.push(Event { position: self.command.position, ..event });
+            cx.events.push(Event::done(self.object(), goal.sequence, code, self.command.position));
         }
     }
 
@@ -142,7 +140,7 @@ impl Axis {
         let from = self.present();
         let (course, target) = if request.mode == MoveMode::Velocity {
             self.check_velocity(request.velocity)?;
-            let aim = if request.velocity == 0.0 { Aim::Stop } else { Aim::Velocity(request.velocity) };
+            let aim = Aim::velocity(request.velocity);
             (self.course(cx.cycle, from, aim, limits), None)
         } else {
             let target = self.target(request, limits, from, self.goal_target());

@@ -8,7 +8,7 @@ use super::course::{ROUNDING, sharpen};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::command::Move;
-use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::event::{Event, Number, Refusal};
 use crate::position::Position;
 use crate::profile::{self, Jerks, Limits, Motion, Plan, Shape};
 use crate::sync::follower::Reserve;
@@ -48,13 +48,18 @@ impl Overlay {
 
     /// The same from this cycle on with another share of its velocity (%); without any it holds.
     fn planned(self, cycle: u64, share: f64, cycle_ns: u64) -> Self {
-        let velocity = self.limits.velocity * (share / 100.0);
-        let plan = if velocity > 0.0 {
-            profile::to_rest(self.shown, self.end, &Limits { velocity, ..self.limits }, cycle_ns)
-        } else {
-            profile::stop(self.shown, &self.limits, cycle_ns)
-        };
+        let plan = plan(self.shown, self.end, &self.limits, share, cycle_ns);
         Self { plan, start: cycle, share, ..self }
+    }
+}
+
+/// A plan from `shown` to `end` with a share of the velocity (%); without any it holds.
+fn plan(shown: Motion, end: Position, limits: &Limits, share: f64, cycle_ns: u64) -> Plan {
+    let velocity = limits.velocity * (share / 100.0);
+    if velocity > 0.0 {
+        profile::to_rest(shown, end, &Limits { velocity, ..*limits }, cycle_ns)
+    } else {
+        profile::stop(shown, limits, cycle_ns)
     }
 }
 
@@ -116,9 +121,7 @@ impl Axis {
             self.overlay = None;
             self.share_anew();
             let code = ending.unwrap_or(Code::NONE);
-            let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
-            let event = Event::new(severity, Kind::Done, self.object(), code).of_command(sequence);
-            cx.events.push(Event { position: sum.position, ..event });
+            cx.events.push(Event::done(self.object(), sequence, code, sum.position));
             if matches!(self.generator, Generator::Rest) {
                 return Motion::at_rest(Position::whole(sum.position.floor()));
             }
@@ -141,9 +144,8 @@ impl Axis {
         let limits = sharpen(shown, limits, most);
         let end = Position::whole(shown.position.nearest()) + Position::whole(request.target.exact().nearest());
         let share = self.parameters.velocity_override;
-        let whole = profile::to_rest(shown, end, &limits, self.setup.cycle_ns);
-        let overlay = Overlay { sequence, plan: whole, start: cx.cycle, limits, end, share, shown, ending: None };
-        let overlay = overlay.planned(cx.cycle, share, self.setup.cycle_ns);
+        let plan = plan(shown, end, &limits, share, self.setup.cycle_ns);
+        let overlay = Overlay { sequence, plan, start: cx.cycle, limits, end, share, shown, ending: None };
         self.check_sum(&overlay)?;
         self.end_overlay(cx, Code::REPLACED);
         self.overlay = Some(overlay);
@@ -191,7 +193,6 @@ impl Axis {
         self.overlay.map_or(Ok(()), |overlay| self.check_sum(&overlay))
     }
 
-    /// What the motion under way leaves of the axis' limits; what is asked for must lie within.
     /// A goal that will begin below a superimposed motion asks for no more than that leaves.
     pub(super) fn check_beside_overlay(&self, limits: &Limits) -> Result<(), Refusal> {
         let Some(overlay) = &self.overlay else { return Ok(()) };
@@ -302,8 +303,7 @@ impl Axis {
         if let Some(overlay) = self.overlay.take() {
             self.share_anew();
             let code = overlay.ending.unwrap_or(code);
-            let event = Event::new(Severity::Warn, Kind::Done, self.object(), code).of_command(overlay.sequence);
-            cx.events.push(Event { position: self.command.position, ..event });
+            cx.events.push(Event::done(self.object(), overlay.sequence, code, self.command.position));
         }
     }
 

@@ -134,9 +134,8 @@ impl Axis {
     /// Ends the active goal, and all that goes with it, by a refusal: the axis stops.
     fn fail_goal(&mut self, cx: &mut Context<'_>, refusal: Refusal, limits: Limits) {
         if let Some(goal) = self.goal.take() {
-            let event = Event::new(Severity::Warn, Kind::Done, self.object(), refusal.code).of_command(goal.sequence);
-            let event = event.with(refusal.asked, refusal.limit);
-            cx.events.push(Event { position: self.command.position, ..event });
+            let event = Event::done(self.object(), goal.sequence, refusal.code, self.command.position);
+            cx.events.push(event.with(refusal.asked, refusal.limit));
         }
         self.abandon(cx, Code::NOT_REACHED);
         self.brake_to_rest(cx, &limits);

@@ -50,9 +50,7 @@ impl Waiting {
     fn end(&mut self, events: &mut EventQueue, axis: u16, until: Until, code: Code, position: Position) {
         for place in &mut self.0 {
             if let Some((sequence, _)) = place.filter(|(_, waits)| *waits == until) {
-                let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
-                let event = Event::new(severity, Kind::Done, Object::Axis(axis), code).of_command(sequence);
-                events.push(Event { position, ..event });
+                events.push(Event::done(Object::Axis(axis), sequence, code, position));
                 *place = None;
             }
         }
@@ -224,7 +222,7 @@ impl Axis {
         if goes_on {
             self.end_goal(cx, Code::CANCELLED);
             let velocity = self.steady_velocity();
-            let aim = if velocity == 0.0 { Aim::Stop } else { Aim::Velocity(velocity) };
+            let aim = Aim::velocity(velocity);
             self.generator = Generator::Plan(self.course(cx.cycle, self.present(), aim, limits));
             self.reference = Reference::Speed;
             self.set_state(cx, AxisState::ContinuousMotion);

@@ -45,7 +45,7 @@ impl Axis {
     fn stream_at(&mut self, cx: &mut Context<'_>, velocity: f64) {
         let from = self.base();
         let usual = self.parameters.usual_limits();
-        let aim = if velocity == 0.0 { Aim::Stop } else { Aim::Velocity(velocity) };
+        let aim = Aim::velocity(velocity);
         let mut course = self.course(cx.cycle, from, aim, usual);
         // Turning back before a limit may take more than the usual deceleration.
         if self.check_course(&course, from, usual).is_err() {

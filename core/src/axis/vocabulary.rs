@@ -6,7 +6,7 @@ use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::command::{Disengage, SyncMode};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::parameter::{AxisParameters, Row, Value};
+use crate::parameter::{AxisParameters, Change, Row};
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::signal::Board;
@@ -19,15 +19,6 @@ use crate::vocabulary::saia::{self, SaiaSignal};
 use crate::vocabulary::wf::{self, WfSignal};
 use crate::vocabulary::{Latched, Order, Owner, View};
 use serde::{Deserialize, Serialize};
-
-/// A register's value for an event.
-fn number_of(value: Value) -> Number {
-    match value {
-        Value::Int(value) => Number::Count(value),
-        Value::Real(value) => Number::Real(value),
-        Value::Unset => Number::None,
-    }
-}
 
 /// Which vocabularies have been asked for anything: the others take no time, and their signals stand as they began.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,7 +53,6 @@ impl Axis {
             },
             actual: self.actual,
             following_error: self.judge.following_error,
-            in_position: self.judge.in_position,
             at_limit: p.max_position.is_some_and(|limit| position >= limit)
                 || p.min_position.is_some_and(|limit| position <= limit),
             modulo: self.setup.modulo,
@@ -86,7 +76,8 @@ impl Axis {
         for (register, value) in request.registers() {
             let Some((place, row)) = register.row() else { continue };
             let refusal = Refusal::new(Code::PARAMETER_OUT_OF_RANGE, self.object());
-            let refusal = Refusal { parameter: Some(place), ..refusal.with(number_of(value), Number::None) };
+            let number = Change { axis: self.setup.index, row: place, value }.number();
+            let refusal = Refusal { parameter: Some(place), ..refusal.with(number, Number::None) };
             row.assign(&mut parameters, value).map_err(|_| refusal)?;
         }
         let (mut saia, mut outcome) = self.ask_saia(cx, &parameters, request, None)?;
@@ -107,8 +98,9 @@ impl Axis {
         self.accepted(cx, sequence);
         for (register, value) in request.registers() {
             let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE).of_command(sequence);
-            let parameter = register.row().map(|(place, _)| place);
-            cx.events.push(Event { parameter, ..event.with(number_of(value), Number::None) });
+            let Some((row, _)) = register.row() else { continue };
+            let number = Change { axis: self.setup.index, row, value }.number();
+            cx.events.push(Event { parameter: Some(row), ..event.with(number, Number::None) });
         }
         for refusal in outcome.errors.iter().flatten() {
             let event = Event { kind: Kind::Warning, ..refusal.event(sequence) };
@@ -303,7 +295,7 @@ impl Axis {
                 self.check_closed_loop()?;
                 self.check_free()?;
                 self.check_velocity(velocity)?;
-                let aim = if velocity == 0.0 { Aim::Stop } else { Aim::Velocity(velocity) };
+                let aim = Aim::velocity(velocity);
                 let course = self.course(cx.cycle, self.present(), aim, limits);
                 self.check_course(&course, self.present(), limits)?;
                 self.abandon(cx, Code::REPLACED);

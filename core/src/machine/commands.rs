@@ -134,7 +134,7 @@ impl Machine {
         self.accept(command, changes.first().map_or(Object::Machine, Change::object));
         for change in changes {
             let event = Event::new(Severity::Info, Kind::Parameter, change.object(), Code::NONE);
-            let event = event.of_command(command.sequence).with(number_of(change), Number::None);
+            let event = event.of_command(command.sequence).with(change.number(), Number::None);
             self.events.push(Event { parameter: Some(change.row), ..event });
         }
         Ok(())
@@ -154,10 +154,9 @@ impl Machine {
                 key if key == high => low,
                 _ => return Ok(()),
             };
-            let other = Row::find(other).map_or(Number::None, |(row, entry)| {
-                number_of(&Change { row, value: (entry.get)(candidate), ..*change })
-            });
-            return Err(refuse(Code::PARAMETERS_CONTRADICT).with(number_of(change), other));
+            let other = Row::find(other)
+                .map_or(Number::None, |(row, entry)| Change { row, value: (entry.get)(candidate), ..*change }.number());
+            return Err(refuse(Code::PARAMETERS_CONTRADICT).with(change.number(), other));
         }
         let inside = |end: i64| {
             candidate.min_position.is_none_or(|low| end >= low) && candidate.max_position.is_none_or(|high| end <= high)
@@ -167,27 +166,11 @@ impl Machine {
         let reach = axis.reach().filter(|_| limits(candidate) != limits(&axis.parameters));
         match reach.and_then(|(low, high)| [low, high].into_iter().find(|&place| !inside(place))) {
             Some(place) => {
-                let numbers = (number_of(change), Number::Position(place));
+                let numbers = (change.number(), Number::Position(place));
                 Err(refuse(Code::GOAL_BEYOND_NEW_LIMITS).with(numbers.0, numbers.1))
             }
             None => Ok(()),
         }
-    }
-}
-
-/// A change's value with its meaning.
-fn number_of(change: &Change) -> Number {
-    use crate::parameter::Measure;
-    let measure = ROWS.get(usize::from(change.row)).map(|row| row.measure);
-    match (change.value, measure) {
-        (Value::Unset, _) | (_, None) => Number::None,
-        (Value::Int(value), Some(Measure::Position | Measure::Distance)) => Number::Position(value),
-        (Value::Int(value), Some(Measure::Time)) => Number::Time(value),
-        (Value::Int(value), _) => Number::Count(value),
-        (Value::Real(value), Some(Measure::Acceleration)) => Number::Acceleration(value),
-        (Value::Real(value), Some(Measure::Jerk)) => Number::Jerk(value),
-        (Value::Real(value), Some(Measure::Number)) => Number::Real(value),
-        (Value::Real(value), _) => Number::Velocity(value),
     }
 }
 
@@ -198,12 +181,12 @@ fn refusal_of(change: &Change, refused: Refused) -> Refusal {
     };
     let row = ROWS.get(usize::from(change.row));
     let limit = match row.map(|row| row.range) {
-        Some(Range::Int(_, high)) => number_of(&Change { value: Value::Int(high), ..*change }),
+        Some(Range::Int(_, high)) => Change { value: Value::Int(high), ..*change }.number(),
         Some(Range::PositiveUpTo(high) | Range::Real(_, high)) => {
-            number_of(&Change { value: Value::Real(high), ..*change })
+            Change { value: Value::Real(high), ..*change }.number()
         }
         None => Number::None,
     };
-    let refusal = Refusal::new(code, change.object()).with(number_of(change), limit);
+    let refusal = Refusal::new(code, change.object()).with(change.number(), limit);
     Refusal { parameter: Some(change.row), ..refusal }
 }

@@ -9,6 +9,7 @@ mod rows;
 pub use convert::{ConvertError, ParameterInput, convert};
 pub use rows::ROWS;
 
+use crate::event::Number;
 use crate::object::Object;
 use crate::profile::{Jerks, Limits, Shape};
 use crate::vocabulary::{amc, saia, wf};
@@ -200,6 +201,21 @@ impl Change {
     /// The axis as an object.
     pub fn object(&self) -> Object {
         Object::Axis(self.axis)
+    }
+
+    /// The value with its meaning, for an event.
+    pub fn number(&self) -> Number {
+        let measure = ROWS.get(usize::from(self.row)).map(|row| row.measure);
+        match (self.value, measure) {
+            (Value::Unset, _) | (_, None) => Number::None,
+            (Value::Int(value), Some(Measure::Position | Measure::Distance)) => Number::Position(value),
+            (Value::Int(value), Some(Measure::Time)) => Number::Time(value),
+            (Value::Int(value), _) => Number::Count(value),
+            (Value::Real(value), Some(Measure::Acceleration)) => Number::Acceleration(value),
+            (Value::Real(value), Some(Measure::Jerk)) => Number::Jerk(value),
+            (Value::Real(value), Some(Measure::Number)) => Number::Real(value),
+            (Value::Real(value), _) => Number::Velocity(value),
+        }
     }
 }
 

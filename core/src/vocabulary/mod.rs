@@ -85,8 +85,6 @@ pub struct View<'a> {
     pub actual: Lead,
     /// (inc)
     pub following_error: i64,
-    /// At rest at the target, within in_position_window.
-    pub in_position: bool,
     /// The command stands at a software limit or beyond, or the axis stands on a limit switch.
     pub at_limit: bool,
     /// Length of a turn.
@@ -106,11 +104,6 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// Limits of a goal that gives none, with the profile of the axis (MACS-PROF-06).
-    pub fn usual_limits(&self) -> Limits {
-        self.parameters.usual_limits()
-    }
-
     /// Limits at the maxima of the axis, with its profile.
     pub fn largest_limits(&self) -> Limits {
         self.parameters.largest_limits()

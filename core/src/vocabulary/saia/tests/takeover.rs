@@ -70,7 +70,6 @@ impl Bench {
             target: self.command.position,
             actual: Lead { position, valid: true, counted: true, ..Lead::default() },
             following_error: self.following_error,
-            in_position: false,
             at_limit: false,
             modulo: None,
             unit: 1000.0,

@@ -84,7 +84,6 @@ impl Bench {
             target: position,
             actual: Lead { position, valid: true, counted: true, ..Lead::default() },
             following_error: 0,
-            in_position: false,
             at_limit: false,
             modulo: self.modulo,
             unit: MM as f64,
