@@ -1,7 +1,8 @@
 //! Values from outside, with units and names, to values of the core.
 
 use super::{Bare, Measure, Row, Value};
-use crate::unit::{Dimension, Quantity, Scale, Unit, UnitError};
+use crate::unit::{Dimension, Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
+use num_traits::{CheckedDiv, ToPrimitive};
 
 /// A value as it was given.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,20 @@ impl Measure {
     }
 }
 
+impl Row {
+    /// The unit that a plain number of this row may be written with; none where it has none, or one that no file knows.
+    pub fn own_unit(&self) -> Option<Unit> {
+        let is_plain = matches!(self.measure, Measure::Integer | Measure::Number);
+        is_plain.then(|| Unit::parse(self.unit)).flatten()
+    }
+
+    /// What a value may be, in words.
+    pub fn expected(&self) -> String {
+        let what = self.measure.expected();
+        self.own_unit().map_or_else(|| what.clone(), |unit| format!("{what} in {unit}"))
+    }
+}
+
 /// The value of a row on an axis of that scale.
 ///
 /// # Errors
@@ -74,6 +89,10 @@ pub fn convert(row: &Row, scale: &Scale, input: &ParameterInput) -> Result<Value
         // There is one zero.
         (Measure::Number, ParameterInput::Number(number)) if number.is_finite() => Ok(Value::Real(*number + 0.0)),
         (Measure::Number, ParameterInput::Integer(number)) => Ok(Value::Real(*number as f64)),
+        (Measure::Integer | Measure::Number, ParameterInput::Quantity(quantity)) => match row.own_unit() {
+            Some(unit) => of_own_unit(row.measure, unit, quantity),
+            None => mismatch(),
+        },
         (Measure::Integer | Measure::Number | Measure::Choice(_), _) | (_, ParameterInput::Text(_)) => mismatch(),
         (measure, ParameterInput::Quantity(quantity)) => of_quantity(measure, scale, quantity),
         (_, ParameterInput::Number(number)) => of_number(row, scale, *number),
@@ -81,7 +100,17 @@ pub fn convert(row: &Row, scale: &Scale, input: &ParameterInput) -> Result<Value
     }
 }
 
+/// Below it a double tells whole numbers apart.
+const EXACT: f64 = (1_u64 << 52) as f64;
+
 fn of_number(row: &Row, scale: &Scale, number: f64) -> Result<Value, ConvertError> {
+    if row.measure == Measure::Time {
+        // A computed number is seldom whole: as with increments, the nearest counts.
+        let nanoseconds = (number * if row.bare == Bare::Milliseconds { 1e6 } else { 1e9 }).round();
+        if nanoseconds.abs() < EXACT {
+            return Ok(Value::Int(nanoseconds as i64));
+        }
+    }
     let order = match row.measure {
         Measure::Velocity => 1,
         Measure::Acceleration => 2,
@@ -89,7 +118,7 @@ fn of_number(row: &Row, scale: &Scale, number: f64) -> Result<Value, ConvertErro
         _ => 0,
     };
     let (number, unit) = match (row.measure, row.bare) {
-        (Measure::Time, Bare::Milliseconds) => (number / 1000.0, Unit::SECOND),
+        (Measure::Time, Bare::Milliseconds) => (number, Unit::MILLISECOND),
         (Measure::Time, _) => (number, Unit::SECOND),
         (_, Bare::Si | Bare::Milliseconds) => (number, scale.kind().dimension(order).si_unit()),
         (_, Bare::AxisUnit) => (number, scale.unit().with_order(order)),
@@ -108,6 +137,22 @@ fn of_quantity(measure: Measure, scale: &Scale, quantity: &Quantity) -> Result<V
         _ => scale.position(quantity).map(Value::Int),
     };
     value.map_err(ConvertError::Unit)
+}
+
+/// How many of its own unit a quantity is.
+fn of_own_unit(measure: Measure, unit: Unit, quantity: &Quantity) -> Result<Value, ConvertError> {
+    let expected = unit.dimension();
+    if quantity.unit().dimension() != expected {
+        return Err(ConvertError::Unit(UnitError::WrongDimension { given: *quantity, expected }));
+    }
+    let one = Quantity::new(Fraction::from_integer(1), unit);
+    let exact = quantity.exact().zip(one.exact()).and_then(|(all, one)| all.checked_div(&one));
+    if measure == Measure::Number {
+        let number = exact.map_or_else(|| quantity.si() / one.si(), |number| fraction_to_f64(&number));
+        return Ok(Value::Real(number + 0.0));
+    }
+    let whole = exact.filter(Fraction::is_integer).and_then(|number| number.to_integer().to_i64());
+    whole.map(Value::Int).ok_or_else(|| ConvertError::Type(quantity.to_string()))
 }
 
 fn text(input: &ParameterInput) -> String {

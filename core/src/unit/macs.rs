@@ -11,7 +11,7 @@ use num_traits::{CheckedDiv, CheckedMul, Signed};
 pub const MLONG: i64 = (1 << 30) - 1;
 
 /// The six factors by their names in MACS, each 1..MLONG; all are 1 by default but POSFACT_Z and POSFACT_N, 1000.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[expect(missing_docs, reason = "the names are the documentation: MACS-UNIT-01 defines them by one formula")]
 pub struct MacsFactors {
     pub posfact_z: i64,
@@ -52,6 +52,27 @@ impl MacsFactors {
             .map_err(|_| UnitError::MacsFactor { name: "POSFACT_N", value: *factor.denom() })?;
         let factors = Self { posfact_z, posfact_n, ..Self::default() };
         factors.increments_per_user_unit().map(|_| factors)
+    }
+
+    /// SYNCFACTM : SYNCFACTS of a master for cams: the increments of one master unit, found as those of a user unit
+    /// (MACS-UNIT-07).
+    ///
+    /// # Errors
+    /// As [`MacsFactors::of_mechanism`].
+    pub fn of_cam_master(
+        gear: Fraction,
+        counts: i64,
+        quadrature: bool,
+        scaling: Fraction,
+    ) -> Result<(i64, i64), UnitError> {
+        Self::of_mechanism(gear, counts, quadrature, scaling).map(|factors| (factors.posfact_z, factors.posfact_n))
+    }
+
+    /// A scale as POSFACT_Z : POSFACT_N; none where its numbers leave 1..MLONG.
+    pub fn of_ratio(per_unit: &Fraction) -> Option<Self> {
+        let part = |number: &i128| i64::try_from(*number).ok().filter(|number| (1..=MLONG).contains(number));
+        let (posfact_z, posfact_n) = (part(per_unit.numer())?, part(per_unit.denom())?);
+        Some(Self { posfact_z, posfact_n, ..Self::default() })
     }
 
     /// Quadcounts per user unit, exact.
@@ -98,6 +119,17 @@ mod tests {
         let spindle = MacsFactors::of_mechanism(Fraction::from(25), 500, true, Fraction::from(50)).unwrap();
         assert_eq!((spindle.posfact_z, spindle.posfact_n), (1000, 1));
         assert_eq!(spindle.increments(&Fraction::from(1)), Ok(1000));
+    }
+
+    /// A master of 512 counts, one turn of which is 360 MU: 256 qc are 45 MU, whichever way the fraction was found.
+    ///
+    /// Proves: MACS-UNIT-07
+    #[test]
+    fn a_master_for_cams() {
+        let master = MacsFactors::of_cam_master(Fraction::from(1), 512, true, Fraction::from(360));
+        // 2048 / 360, reduced: SYNCFACTM : SYNCFACTS.
+        assert_eq!(master, Ok((256, 45)));
+        assert!(MacsFactors::of_cam_master(Fraction::from(1), 0, true, Fraction::from(360)).is_err());
     }
 
     /// The factor 4 is dropped for an absolute encoder, and the fraction stays exact.

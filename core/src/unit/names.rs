@@ -123,6 +123,8 @@ impl Unit {
     pub const INCREMENT: Self = Self::plain(Base::Increment);
     /// s
     pub const SECOND: Self = Self::plain(Base::Second);
+    /// ms
+    pub const MILLISECOND: Self = Self::plain(Base::Millisecond);
 
     const fn plain(base: Base) -> Self {
         Self { base, rate: Rate::None }

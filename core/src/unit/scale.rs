@@ -67,6 +67,11 @@ impl Scale {
         Ok(Self { kind, per_base, unit: kind.dimension(0).si_unit() })
     }
 
+    /// Of an object without units: an increment stands for a metre.
+    pub fn increments() -> Self {
+        Self { kind: ScaleKind::Linear, per_base: Fraction::from_integer(1), unit: Unit::INCREMENT }
+    }
+
     /// The scale of MACS unit factors, where one user unit is `user_unit`, such as 0.1 mm.
     ///
     /// # Errors

@@ -1,14 +1,16 @@
 //! Parameters of the Unidrive M advanced motion controller, menu 34 (spec/amc.md); a bare number is in the axis unit.
 
-use super::{BASE, Bare, Measure, Range, Row, Value, int, real};
+use super::{Applies, BASE, Bare, Group, Measure, Range, Row, Storage, System, Value, int, real};
 
-const NUMBER: Row = Row { default: Value::Int(0), ..BASE };
+const NUMBER: Row = Row { system: System::Amc, group: Group::Menu, default: Value::Int(0), ..BASE };
 
 pub(super) const ROWS: &[Row] = &[
     Row {
         key: "amc.stop_mode",
+        mnemonic: "Stop Mode",
+        number: "34.001",
         range: Range::Int(0, 3),
-        description: "34.001: how reference 0 stops: 0 with the profile, 1 without it, at once where the axis is; 2 and 3 the \
+        description: "How reference 0 stops: 0 with the profile, 1 without it, at once where the axis is; 2 and 3 the \
                       same, and a following error beyond amc.following_error_window selects reference 0.",
         source: "AMC-PAR-01, AMC-STP-02..06",
         get: |p| Value::Int(p.amc.stop_mode),
@@ -16,10 +18,25 @@ pub(super) const ROWS: &[Row] = &[
         ..NUMBER
     },
     Row {
-        key: "amc.position_reference",
+        key: "amc.stop_reference",
+        mnemonic: "Stop Reference",
+        number: "34.002",
         measure: Measure::Position,
         bare: Bare::AxisUnit,
-        description: "34.003: position of reference 1, distance of reference 6.",
+        default: Value::Unset,
+        default_text: "where the axis would stop",
+        storage: Storage::Signal("amc.stop_reference"),
+        description: "Where the axis would stop now, as amc.stop_mode says; frozen while reference 0 is selected.",
+        source: "AMC-PAR-02, AMC-STP-01",
+        ..NUMBER
+    },
+    Row {
+        key: "amc.position_reference",
+        mnemonic: "Position Reference",
+        number: "34.003",
+        measure: Measure::Position,
+        bare: Bare::AxisUnit,
+        description: "Position of reference 1, distance of reference 6.",
         source: "AMC-PAR-03, AMC-PAR-12",
         get: |p| Value::Int(p.amc.position_reference),
         set: |p, v| p.amc.position_reference = int(v).unwrap_or(p.amc.position_reference),
@@ -27,8 +44,10 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "amc.rotary_mode",
+        mnemonic: "Rotary Mode",
+        number: "34.005",
         range: Range::Int(0, 6),
-        description: "34.005: which way a change of position goes on an axis with a modulo: 0 shortest, 1 forward, 2 reverse, \
+        description: "Which way a change of position goes on an axis with a modulo: 0 shortest, 1 forward, 2 reverse, \
                       3 no rollover, 4 to 6 over several turns forward, reverse, as the sign says.",
         source: "AMC-PAR-05, AMC-ROT-10..16",
         get: |p| Value::Int(p.amc.rotary_mode),
@@ -37,11 +56,13 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "amc.speed_reference",
+        mnemonic: "Speed Reference",
+        number: "34.006",
         measure: Measure::Velocity,
         range: Range::Real(-1e15, 1e15),
         bare: Bare::AxisUnitPerMs,
         default: Value::Real(0.0),
-        description: "34.006: velocity of reference 2, at most max_velocity either way.",
+        description: "Velocity of reference 2, at most max_velocity either way.",
         source: "AMC-PAR-06",
         get: |p| Value::Real(p.amc.speed_reference),
         set: |p, v| p.amc.speed_reference = real(v).unwrap_or(p.amc.speed_reference),
@@ -49,8 +70,10 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "amc.reference_select",
+        mnemonic: "Reference Select",
+        number: "34.007",
         range: Range::Int(0, 7),
-        description: "34.007: what commands the axis: 0 stop, 1 absolute position, 2 speed, 3 cam, 4 gear, 5 home, 6 relative \
+        description: "What commands the axis: 0 stop, 1 absolute position, 2 speed, 3 cam, 4 gear, 5 home, 6 relative \
                       position, 7 the last target position. The machine writes it back where it \
                       changes by itself: 0 when anything else takes the axis; disable leaves it for the next enable.",
         source: "AMC-PAR-07, AMC-SEL-00..09",
@@ -60,8 +83,10 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "amc.action_on_event",
+        mnemonic: "Action On Event",
+        number: "34.008",
         range: Range::Int(0, 2),
-        description: "34.008: what a rising latch of amc.freeze does: 0 nothing, 1 starts the cam, 2 starts the gear.",
+        description: "What a rising latch of amc.freeze does: 0 nothing, 1 starts the cam, 2 starts the gear.",
         source: "AMC-PAR-08, AMC-EVT-02",
         get: |p| Value::Int(p.amc.action_on_event),
         set: |p, v| p.amc.action_on_event = int(v).unwrap_or(p.amc.action_on_event),
@@ -69,8 +94,11 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "amc.reference_select_trigger",
+        storage: Storage::Volatile,
+        mnemonic: "Reference Select Trigger",
+        number: "34.009",
         range: Range::Int(0, 7),
-        description: "34.009: each change of it is written to amc.reference_select.",
+        description: "Each change of it is written to amc.reference_select.",
         source: "AMC-PAR-09, AMC-TRG-01",
         get: |p| Value::Int(p.amc.reference_select_trigger),
         set: |p, v| p.amc.reference_select_trigger = int(v).unwrap_or(p.amc.reference_select_trigger),
@@ -78,12 +106,15 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "amc.following_error_window",
+        applies: Applies::Drive,
+        mnemonic: "Following Error Window",
+        number: "41.007",
         measure: Measure::Distance,
         range: Range::Int(0, (1 << 62) - 1),
         bare: Bare::AxisUnit,
         default: Value::Unset,
         default_text: "as max_following_error",
-        description: "41.007: following error beyond which amc.stop_mode 2 and 3 select reference 0.",
+        description: "Following error beyond which amc.stop_mode 2 and 3 select reference 0.",
         source: "AMC-PAR-11, AMC-STP-06",
         get: |p| p.amc.following_error_window.map_or(Value::Unset, Value::Int),
         set: |p, v| p.amc.following_error_window = int(v),
@@ -91,8 +122,10 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "amc.software_limit_stop_mode",
+        mnemonic: "Software Limit Stop Mode",
+        number: "41.024",
         range: Range::Int(0, 3),
-        description: "41.024: amc.stop_mode while the axis stands at a software limit.",
+        description: "Amc.stop_mode while the axis stands at a software limit.",
         source: "AMC-PAR-11, AMC-STP-07",
         get: |p| Value::Int(p.amc.software_limit_stop_mode),
         set: |p, v| p.amc.software_limit_stop_mode = int(v).unwrap_or(p.amc.software_limit_stop_mode),

@@ -1,11 +1,12 @@
 //! The rows of the catalogue: native ones first, then those of each source.
 
 mod amc;
+mod macs;
 mod native;
 mod saia;
 mod wf;
 
-use super::{Bare, Effect, Measure, PROFILES, Range, Row, Value};
+use super::{Applies, Bare, Effect, Group, Measure, PROFILES, Range, Row, Storage, System, Value};
 
 const POSITION: Range = Range::Int(-((1 << 62) - 1), (1 << 62) - 1);
 const MLONG: i64 = (1 << 30) - 1;
@@ -34,39 +35,61 @@ fn option(value: Option<f64>) -> Value {
 /// What most rows have.
 const BASE: Row = Row {
     key: "",
+    system: System::Native,
     mnemonic: "",
-    number: 0,
+    number: "",
+    group: Group::Basic,
+    view_of: "",
     measure: Measure::Integer,
+    unit: "",
     range: POSITION,
     bare: Bare::Si,
     default: Value::Unset,
     default_text: "",
     required: false,
+    storage: Storage::User,
     effect: Effect::AtOnce,
-    built: None,
+    applies: Applies::Any,
+    missing: "",
     description: "",
     source: "",
+    note: "",
     get: |_| Value::Unset,
     set: |_, _| (),
 };
 
-/// Every parameter of an axis.
-pub const ROWS: &[Row] = &join::<{ native::ROWS.len() + amc::ROWS.len() + saia::ROWS.len() + wf::ROWS.len() }>([
-    native::ROWS,
-    amc::ROWS,
-    saia::ROWS,
-    wf::ROWS,
-]);
+/// Every parameter: those of axes, of which each has the ones that apply to it, and those of the machine.
+pub const ROWS: &[Row] = &join::<{ count(PARTS) }>(PARTS);
 
-const fn join<const N: usize>(parts: [&[Row]; 4]) -> [Row; N] {
+/// What the meaning of others depends on, native rows, then those of each source.
+const PARTS: &[&[&[Row]]] = &[&[macs::SENSE, native::ROWS], &macs::PARTS, &[amc::ROWS, saia::ROWS, wf::ROWS]];
+
+const fn count(parts: &[&[&[Row]]]) -> usize {
+    let (mut part, mut count) = (0, 0);
+    while part < parts.len() {
+        let mut group = 0;
+        while group < parts[part].len() {
+            count += parts[part][group].len();
+            group += 1;
+        }
+        part += 1;
+    }
+    count
+}
+
+const fn join<const N: usize>(parts: &[&[&[Row]]]) -> [Row; N] {
     let mut rows = [BASE; N];
     let (mut part, mut place) = (0, 0);
     while part < parts.len() {
-        let mut index = 0;
-        while index < parts[part].len() {
-            rows[place] = parts[part][index];
-            index += 1;
-            place += 1;
+        let mut group = 0;
+        while group < parts[part].len() {
+            let mut index = 0;
+            while index < parts[part][group].len() {
+                rows[place] = parts[part][group][index];
+                index += 1;
+                place += 1;
+            }
+            group += 1;
         }
         part += 1;
     }

@@ -1,47 +1,40 @@
 //! What every axis has, by its native names.
 
-use super::{BASE, Bare, Effect, HOUR_NS, MLONG, Measure, PROFILES, REAL, Range, Row, Value, int, option, real};
-
-/// A time of MACS-PROF-11.
-const JERK_TIME: Row = Row {
-    measure: Measure::Time,
-    range: Range::Int(0, MLONG * 1_000_000),
-    bare: Bare::Milliseconds,
-    default: Value::Int(0),
-    effect: Effect::NextMotion,
-    source: "MACS-PROF-11",
-    ..BASE
+use super::{
+    Applies, BASE, Effect, Group, HOUR_NS, Measure, PROFILES, REAL, Range, Row, Storage, Value, int, option, real,
 };
 
 pub(super) const ROWS: &[Row] = &[
     Row {
         key: "min_position",
-        mnemonic: "NEGLIMIT",
-        number: 4,
+        group: Group::Inputs,
         measure: Measure::Position,
         default_text: "no limit",
         description: "Lowest position that a goal may ask for or pass; the axis stops before it.",
         source: "MACS-LIM-01, MACS-LIM-02",
         get: |p| p.min_position.map_or(Value::Unset, Value::Int),
-        set: |p, v| p.min_position = int(v),
+        set: |p, v| {
+            p.min_position = int(v);
+            p.keep_limits();
+        },
         ..BASE
     },
     Row {
         key: "max_position",
-        mnemonic: "POSLIMIT",
-        number: 5,
+        group: Group::Inputs,
         measure: Measure::Position,
         default_text: "no limit",
         description: "Highest position that a goal may ask for or pass; the axis stops before it.",
         source: "MACS-LIM-01, MACS-LIM-02",
         get: |p| p.max_position.map_or(Value::Unset, Value::Int),
-        set: |p, v| p.max_position = int(v),
+        set: |p, v| {
+            p.max_position = int(v);
+            p.keep_limits();
+        },
         ..BASE
     },
     Row {
         key: "max_velocity",
-        mnemonic: "VELMAX",
-        number: 1,
         measure: Measure::Velocity,
         range: REAL,
         required: true,
@@ -49,13 +42,14 @@ pub(super) const ROWS: &[Row] = &[
         description: "Highest velocity; a goal that asks for more is refused.",
         source: "MACS-PROF-01",
         get: |p| Value::Real(p.max_velocity),
-        set: |p, v| p.max_velocity = real(v).unwrap_or(p.max_velocity),
+        set: |p, v| {
+            p.max_velocity = real(v).unwrap_or(p.max_velocity);
+            p.macs.velmax = None;
+        },
         ..BASE
     },
     Row {
         key: "max_acceleration",
-        mnemonic: "RAMPMIN",
-        number: 31,
         measure: Measure::Acceleration,
         range: REAL,
         required: true,
@@ -63,7 +57,10 @@ pub(super) const ROWS: &[Row] = &[
         description: "Highest acceleration; a goal that asks for more is refused.",
         source: "MACS-PROF-03",
         get: |p| Value::Real(p.max_acceleration),
-        set: |p, v| p.max_acceleration = real(v).unwrap_or(p.max_acceleration),
+        set: |p, v| {
+            p.max_acceleration = real(v).unwrap_or(p.max_acceleration);
+            p.macs.rampmin = None;
+        },
         ..BASE
     },
     Row {
@@ -80,8 +77,6 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "max_jerk",
-        mnemonic: "JERKMIN",
-        number: 98,
         measure: Measure::Jerk,
         range: REAL,
         default_text: "no limit",
@@ -89,38 +84,16 @@ pub(super) const ROWS: &[Row] = &[
         description: "Highest jerk, for profile jerk; a goal that asks for more is refused.",
         source: "MACS-PROF-10",
         get: |p| option(p.max_jerk),
-        set: |p, v| p.max_jerk = real(v),
+        set: |p, v| {
+            p.max_jerk = real(v);
+            p.macs.jerkmin = None;
+        },
         ..BASE
     },
     Row {
-        key: "jerkmin2",
-        mnemonic: "JERKMIN2",
-        number: 100,
-        description: "Time from the maximum acceleration to 0, for profile jerk; 0: as max_jerk.",
-        get: |p| Value::Int(p.jerk_times[0]),
-        set: |p, v| p.jerk_times[0] = int(v).unwrap_or(p.jerk_times[0]),
-        ..JERK_TIME
-    },
-    Row {
-        key: "jerkmin3",
-        mnemonic: "JERKMIN3",
-        number: 101,
-        description: "Time from 0 to the maximum deceleration, for profile jerk; 0: as max_jerk.",
-        get: |p| Value::Int(p.jerk_times[1]),
-        set: |p, v| p.jerk_times[1] = int(v).unwrap_or(p.jerk_times[1]),
-        ..JERK_TIME
-    },
-    Row {
-        key: "jerkmin4",
-        mnemonic: "JERKMIN4",
-        number: 102,
-        description: "Time from the maximum deceleration to 0, for profile jerk; 0: as max_jerk.",
-        get: |p| Value::Int(p.jerk_times[2]),
-        set: |p, v| p.jerk_times[2] = int(v).unwrap_or(p.jerk_times[2]),
-        ..JERK_TIME
-    },
-    Row {
         key: "velocity_override",
+        storage: Storage::Volatile,
+        unit: "%",
         measure: Measure::Number,
         range: Range::Real(0.0, 100.0),
         default: Value::Real(100.0),
@@ -132,8 +105,6 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "profile",
-        mnemonic: "RAMPTYPE",
-        number: 32,
         measure: Measure::Choice(PROFILES),
         range: Range::Int(0, 2),
         default: Value::Int(0),
@@ -146,8 +117,6 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "default_velocity",
-        mnemonic: "DFLTVEL",
-        number: 33,
         measure: Measure::Velocity,
         range: REAL,
         default_text: "half of max_velocity",
@@ -155,13 +124,14 @@ pub(super) const ROWS: &[Row] = &[
         description: "Velocity of a goal that gives none.",
         source: "MACS-PROF-06",
         get: |p| option(p.default_velocity),
-        set: |p, v| p.default_velocity = real(v),
+        set: |p, v| {
+            p.default_velocity = real(v);
+            p.macs.dfltvel = None;
+        },
         ..BASE
     },
     Row {
         key: "default_acceleration",
-        mnemonic: "DFLTACC",
-        number: 34,
         measure: Measure::Acceleration,
         range: REAL,
         default_text: "half of max_acceleration",
@@ -169,13 +139,16 @@ pub(super) const ROWS: &[Row] = &[
         description: "Acceleration of a goal that gives none; its deceleration takes the same share of max_deceleration.",
         source: "MACS-PROF-06",
         get: |p| option(p.default_acceleration),
-        set: |p, v| p.default_acceleration = real(v),
+        set: |p, v| {
+            p.default_acceleration = real(v);
+            p.macs.dfltacc = None;
+        },
         ..BASE
     },
     Row {
         key: "max_following_error",
-        mnemonic: "POSERR",
-        number: 15,
+        applies: Applies::Drive,
+        group: Group::Regulation,
         measure: Measure::Distance,
         range: Range::Int(1, (1 << 62) - 1),
         default: Value::Int(1000),
@@ -187,8 +160,8 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "following_error_time",
-        mnemonic: "POSERRTIME",
-        number: 111,
+        applies: Applies::Drive,
+        group: Group::Regulation,
         measure: Measure::Time,
         range: Range::Int(0, 10_000_000_000),
         default: Value::Int(0),
@@ -200,8 +173,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "in_position_window",
-        mnemonic: "TESTWIN",
-        number: 8,
+        group: Group::Inputs,
         measure: Measure::Distance,
         range: Range::Int(0, (1 << 62) - 1),
         default: Value::Int(0),
@@ -213,8 +185,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "in_position_time",
-        mnemonic: "TESTTIM",
-        number: 24,
+        group: Group::Inputs,
         measure: Measure::Time,
         range: Range::Int(0, HOUR_NS),
         default: Value::Int(0),
@@ -226,8 +197,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "error_reaction",
-        mnemonic: "ERRCOND",
-        number: 43,
+        group: Group::Inputs,
         measure: Measure::Integer,
         range: Range::Int(0, 5),
         default: Value::Int(0),
@@ -239,46 +209,8 @@ pub(super) const ROWS: &[Row] = &[
         ..BASE
     },
     Row {
-        key: "syncfactm",
-        mnemonic: "SYNCFACTM",
-        number: 49,
-        range: Range::Int(-MLONG, MLONG),
-        default: Value::Int(1),
-        effect: Effect::NextSynchronize,
-        description: "Gear factor, master side, where a synchronize gives 0 : 0; negative reverses.",
-        source: "MACS-SYNC-02, MACS-DIR-04",
-        get: |p| Value::Int(p.sync_master),
-        set: |p, v| p.sync_master = int(v).unwrap_or(p.sync_master),
-        ..BASE
-    },
-    Row {
-        key: "syncfacts",
-        mnemonic: "SYNCFACTS",
-        number: 50,
-        range: Range::Int(1, MLONG),
-        default: Value::Int(1),
-        effect: Effect::NextSynchronize,
-        description: "Gear factor, slave side, where a synchronize gives 0 : 0.",
-        source: "MACS-SYNC-02",
-        get: |p| Value::Int(p.sync_slave),
-        set: |p, v| p.sync_slave = int(v).unwrap_or(p.sync_slave),
-        ..BASE
-    },
-    Row {
-        key: "syncaccuracy",
-        mnemonic: "SYNCACCURACY",
-        number: 55,
-        range: Range::Int(-MLONG, MLONG),
-        default: Value::Int(1000),
-        effect: Effect::NextSynchronize,
-        description: "Sync error [inc] up to which the coupling counts as accurate; a negative value shows the error with its sign.",
-        source: "MACS-SYNC-16",
-        get: |p| Value::Int(p.sync_accuracy),
-        set: |p, v| p.sync_accuracy = int(v).unwrap_or(p.sync_accuracy),
-        ..BASE
-    },
-    Row {
         key: "setpoint_timeout",
+        group: Group::Inputs,
         measure: Measure::Time,
         range: Range::Int(1_000_000, HOUR_NS),
         default: Value::Int(100_000_000),

@@ -3,17 +3,26 @@
 //!
 //! A register holds any 32 bits, as on the module; the command that reads it checks what it takes (SAIA-DET-02, SAIA-HND-04).
 
-use super::{BASE, Bare, Effect, Measure, Range, Row, Value, int, real};
+use super::{BASE, Bare, Effect, Group, Measure, Range, Row, Storage, System, Value, int, real};
 use crate::vocabulary::saia::{COMMAND_ERRORS, Parameters};
 
 const WORD: Range = Range::Int(i32::MIN as i64, i32::MAX as i64);
 const SWITCH: &[&str] = &["false", "true"];
 
 /// A register of 32 bits.
-const REGISTER: Row =
-    Row { range: WORD, bare: Bare::AxisUnit, default: Value::Int(0), effect: Effect::NextSaiaCommand, ..BASE };
+const REGISTER: Row = Row {
+    system: System::Saia,
+    group: Group::Registers,
+    range: WORD,
+    bare: Bare::AxisUnit,
+    default: Value::Int(0),
+    effect: Effect::NextSaiaCommand,
+    ..BASE
+};
 /// An option that is off or on.
 const OPTION: Row = Row {
+    system: System::Saia,
+    group: Group::Registers,
     measure: Measure::Choice(SWITCH),
     range: Range::Int(0, 1),
     bare: Bare::AxisUnit,
@@ -26,14 +35,35 @@ fn word(value: Value) -> Option<i32> {
 }
 
 macro_rules! register {
-    ($name:ident, $key:literal, $default:literal, $source:literal, $description:literal) => {
+    ($name:ident, $key:literal, $mnemonic:literal, $number:literal, $default:literal, $source:literal, $description:literal) => {
         Row {
             key: $key,
+            mnemonic: $mnemonic,
+            number: $number,
             default: Value::Int($default),
             description: $description,
             source: $source,
             get: |p| Value::Int(p.saia.$name.into()),
             set: |p, v| p.saia.$name = word(v).unwrap_or(p.saia.$name),
+            ..REGISTER
+        }
+    };
+}
+
+/// A register that the module fills: a signal here.
+macro_rules! shown {
+    ($key:literal, $mnemonic:literal, $number:literal, $unit:literal, $signal:literal, $source:literal, $description:literal) => {
+        Row {
+            key: $key,
+            mnemonic: $mnemonic,
+            number: $number,
+            unit: $unit,
+            default: Value::Unset,
+            default_text: "what the command reads",
+            storage: Storage::Signal($signal),
+            effect: Effect::AtOnce,
+            description: $description,
+            source: $source,
             ..REGISTER
         }
     };
@@ -57,19 +87,24 @@ fn saia(p: &super::super::AxisParameters) -> &Parameters {
 }
 
 pub(super) const ROWS: &[Row] = &[
-    register!(kprop, "saia.kprop", 0, "SAIA-REG-00", "Proportional factor, 0 to 32767, for fldrp."),
-    register!(kint, "saia.kint", 0, "SAIA-REG-01", "Integral factor, 0 to 32767, for fldrp."),
-    register!(kder, "saia.kder", 0, "SAIA-REG-02", "Derivative factor, 0 to 32767, for fldrp."),
-    register!(intl, "saia.intl", 0, "SAIA-REG-03", "Limit of the integral part, 0 to 32767, for fldrp."),
+    register!(kprop, "saia.kprop", "KProp", "0", 0, "SAIA-REG-00", "Proportional factor, 0 to 32767, for fldrp."),
+    register!(kint, "saia.kint", "KInt", "1", 0, "SAIA-REG-01", "Integral factor, 0 to 32767, for fldrp."),
+    register!(kder, "saia.kder", "KDer", "2", 0, "SAIA-REG-02", "Derivative factor, 0 to 32767, for fldrp."),
+    register!(intl, "saia.intl", "IntL", "3", 0, "SAIA-REG-03", "Limit of the integral part, 0 to 32767, for fldrp."),
     register!(
         sampi,
         "saia.sampi",
+        "SampI",
+        "4",
         0,
         "SAIA-REG-04",
         "Derivative sampling code n, 0 to 255, for fldrp: every n + 1 samples of 341.33 us."
     ),
     Row {
         key: "saia.mcfac",
+        mnemonic: "MCFac",
+        number: "5",
+        unit: "counts/unit",
         measure: Measure::Number,
         range: Range::Real(0.0, 9.223_371e18),
         default: Value::Real(1.0),
@@ -79,12 +114,35 @@ pub(super) const ROWS: &[Row] = &[
         set: |p, v| p.saia.mcfac = real(v).unwrap_or(p.saia.mcfac),
         ..REGISTER
     },
-    register!(poser, "saia.poser", 32_767, "SAIA-REG-06", "Largest position error [counts], 0 to 32767, for fsetpe."),
-    register!(destp, "saia.destp", 0, "SAIA-REG-07", "Destination [units], for fldda and flddr."),
-    register!(brkp, "saia.brkp", 0, "SAIA-REG-08", "Break position [units], for fldbpa and fldbpr."),
-    register!(veloc, "saia.veloc", 0, "SAIA-REG-09", "Velocity [units/s], for fldva and fldvr."),
+    Row {
+        unit: "counts",
+        ..register!(
+            poser,
+            "saia.poser",
+            "PosEr",
+            "6",
+            32_767,
+            "SAIA-REG-06",
+            "Largest position error [counts], 0 to 32767, for fsetpe."
+        )
+    },
+    Row {
+        unit: "units",
+        ..register!(destp, "saia.destp", "DestP", "7", 0, "SAIA-REG-07", "Destination [units], for fldda and flddr.")
+    },
+    Row {
+        unit: "units",
+        ..register!(brkp, "saia.brkp", "BrkP", "8", 0, "SAIA-REG-08", "Break position [units], for fldbpa and fldbpr.")
+    },
+    Row {
+        unit: "units/s",
+        ..register!(veloc, "saia.veloc", "Veloc", "9", 0, "SAIA-REG-09", "Velocity [units/s], for fldva and fldvr.")
+    },
     Row {
         key: "saia.accel",
+        mnemonic: "Accel",
+        number: "10",
+        unit: "units/s^2",
         default: Value::Unset,
         default_text: "as default_acceleration",
         description: "Acceleration [units/s^2], for fldaa and fldar.",
@@ -96,6 +154,8 @@ pub(super) const ROWS: &[Row] = &[
     register!(
         stafrr,
         "saia.stafrr",
+        "StaFRR",
+        "11",
         0,
         "SAIA-REG-11",
         "Status flags that fressf keeps: bits 2 to 6 for OnDest, IPuls, WrapOc, ExcPEr, BrkPos; 0 clears."
@@ -103,9 +163,77 @@ pub(super) const ROWS: &[Row] = &[
     register!(
         mcw,
         "saia.mcw",
+        "MCW",
+        "12",
         0x41B,
         "SAIA-REG-12",
         "Motion control word: bits 0 to 7 reaction to position errors (1BH, 1AH), 8 to 10 stop, 11 velocity control, 12 forward."
+    ),
+    shown!(
+        "saia.ractp",
+        "RActP",
+        "13",
+        "units",
+        "saia.ractp",
+        "SAIA-REG-13",
+        "Actual position, as frdap last read it."
+    ),
+    shown!(
+        "saia.rsetp",
+        "RSetP",
+        "14",
+        "units",
+        "saia.rsetp",
+        "SAIA-REG-14",
+        "Position that the profile asks for, as frdsp last read it."
+    ),
+    shown!(
+        "saia.ractv",
+        "RActV",
+        "15",
+        "units/s",
+        "saia.ractv",
+        "SAIA-REG-15",
+        "Actual velocity, as frdav last read it."
+    ),
+    shown!(
+        "saia.rsetv",
+        "RSetV",
+        "16",
+        "units/s",
+        "saia.rsetv",
+        "SAIA-REG-16",
+        "Velocity that the profile asks for, as frdsv last read it."
+    ),
+    shown!(
+        "saia.rindp",
+        "RIndP",
+        "17",
+        "units",
+        "saia.rindp",
+        "SAIA-REG-17",
+        "Position at the last index that was caught, as frdip last read it."
+    ),
+    Row {
+        note: "The name is RIntS on one page; RIntTS is taken.",
+        ..shown!(
+            "saia.rintts",
+            "RIntTS",
+            "18",
+            "",
+            "saia.rintts",
+            "SAIA-REG-18",
+            "Integral part of the regulator, as frdits last read it."
+        )
+    },
+    shown!(
+        "saia.rsigb",
+        "RSigB",
+        "19",
+        "",
+        "saia.rsigb",
+        "SAIA-REG-19",
+        "Signal register, 16 bits, as frdsr last read it."
     ),
     Row {
         key: "saia.imode",

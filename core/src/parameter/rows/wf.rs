@@ -1,14 +1,18 @@
 //! Parameters of the Siemens WF 725 / 726 positioning modules (spec/wf725.md); a bare number is in the axis unit.
 
-use super::{BASE, Bare, Effect, HOUR_NS, Measure, POSITION, REAL, Range, Row, Value, int, option, real};
+use super::{
+    Applies, BASE, Bare, Effect, Group, HOUR_NS, Measure, POSITION, REAL, Range, Row, System, Value, int, option, real,
+};
 
+/// What a module keeps in one word.
+const WORD: Range = Range::Int(0, i32::MAX as i64);
 /// Two decimal digits (WF-DAC-02).
 const BCD: Range = Range::Int(0, 99);
 const DISTANCE: Range = Range::Int(0, (1 << 62) - 1);
 /// Parts of `max_velocity` in hundredths.
 const SPEED: Range = Range::Real(0.0, 100.0);
 
-const UNIT: Row = Row { bare: Bare::AxisUnit, ..BASE };
+const UNIT: Row = Row { system: System::Wf, group: Group::MachineData, bare: Bare::AxisUnit, ..BASE };
 const RATE: Row = Row {
     measure: Measure::Acceleration,
     range: REAL,
@@ -16,9 +20,17 @@ const RATE: Row = Row {
     source: "WF-MD-01, WF-MD-02, WF-CLC-01",
     ..UNIT
 };
-const STEP_SPEED: Row =
-    Row { measure: Measure::Integer, range: BCD, default: Value::Int(0), source: "WF-MD-19, WF-OLC-07", ..UNIT };
+const STEP_SPEED: Row = Row {
+    measure: Measure::Integer,
+    range: BCD,
+    unit: "%",
+    default: Value::Int(0),
+    applies: Applies::OpenLoop,
+    source: "WF-MD-19, WF-OLC-07",
+    ..UNIT
+};
 const STEP_DISTANCE: Row = Row {
+    applies: Applies::OpenLoop,
     measure: Measure::Distance,
     range: DISTANCE,
     default: Value::Int(0),
@@ -27,6 +39,7 @@ const STEP_DISTANCE: Row = Row {
 };
 const FIXED_SPEED: Row = Row {
     measure: Measure::Number,
+    unit: "%",
     range: SPEED,
     default: Value::Real(0.0),
     effect: Effect::NextMotion,
@@ -42,9 +55,14 @@ const OFFSET: Row = Row {
     ..UNIT
 };
 
+const ENCODERS: &[&str] = &["incremental", "absolute"];
+const CAMS: &[&str] = &["interface", "fast_input"];
+
 pub(super) const ROWS: &[Row] = &[
     Row {
         key: "wf.md1",
+        mnemonic: "MD1",
+        number: "1",
         default_text: "as max_acceleration",
         description: "Acceleration of blocks and of setup in closed loop; not above max_acceleration.",
         get: |p| option(p.wf.md1),
@@ -53,6 +71,8 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "wf.md2",
+        mnemonic: "MD2",
+        number: "2",
         default_text: "as max_deceleration",
         description: "Deceleration of blocks and of setup in closed loop; not above max_deceleration.",
         get: |p| option(p.wf.md2),
@@ -60,18 +80,113 @@ pub(super) const ROWS: &[Row] = &[
         ..RATE
     },
     Row {
+        key: "wf.md4",
+        mnemonic: "MD4",
+        number: "4",
+        measure: Measure::Choice(ENCODERS),
+        range: Range::Int(0, 1),
+        default: Value::Int(0),
+        applies: Applies::Drive,
+        missing: "the encoders of the positioning modules",
+        description: "Kind of encoder. Here the drive knows it.",
+        source: "WF-MD-03",
+        ..UNIT
+    },
+    Row {
+        key: "wf.md5",
+        mnemonic: "MD5",
+        number: "5",
+        unit: "steps",
+        range: Range::Int(1, i32::MAX as i64),
+        default: Value::Int(16384),
+        applies: Applies::Drive,
+        missing: "the encoders of the positioning modules",
+        description: "Steps of an absolute encoder: those of a revolution times its revolutions.",
+        source: "WF-MD-04, WF-ABS-02",
+        ..UNIT
+    },
+    Row {
+        key: "wf.md7",
+        mnemonic: "MD7",
+        number: "7",
+        range: WORD,
+        default: Value::Int(0),
+        applies: Applies::Drive,
+        missing: "the homing of the positioning modules",
+        description: "Incremental encoder: side of the cam on which homing ends, 0 or 1; absolute encoder of a rotary axis: steps that are left out.",
+        source: "WF-MD-05, WF-REF-02",
+        note: "W04: it means another thing with each kind of encoder; the row is both.",
+        ..UNIT
+    },
+    Row {
+        key: "wf.md15",
+        mnemonic: "MD15",
+        number: "15",
+        measure: Measure::Choice(CAMS),
+        range: Range::Int(0, 1),
+        default: Value::Int(0),
+        applies: Applies::Drive,
+        missing: "the homing of the positioning modules",
+        description: "Where the cam of homing comes from.",
+        source: "WF-MD-08, WF-REF-04",
+        ..UNIT
+    },
+    Row {
+        key: "wf.md16",
+        mnemonic: "MD16",
+        number: "16",
+        measure: Measure::Position,
+        default: Value::Int(0),
+        applies: Applies::Drive,
+        missing: "the homing of the positioning modules",
+        description: "Incremental encoder: position of the reference point; absolute encoder: supervision of its word.",
+        source: "WF-MD-09, WF-REF-02, WF-REF-03",
+        note: "W04: it means another thing with each kind of encoder; the row is both.",
+        ..UNIT
+    },
+    Row {
+        key: "wf.md17",
+        mnemonic: "MD17",
+        number: "17",
+        measure: Measure::Position,
+        default: Value::Int(0),
+        applies: Applies::Drive,
+        missing: "the homing of the positioning modules",
+        description: "Way from the zero mark to the reference point; without effect in open loop.",
+        source: "WF-MD-10, WF-REF-01, WF-REF-03",
+        ..UNIT
+    },
+    Row {
+        key: "wf.md21",
+        mnemonic: "MD21",
+        number: "21",
+        range: Range::Among(&[(1, 2), (4, 4)]),
+        default: Value::Int(4),
+        applies: Applies::Drive,
+        missing: "the encoders of the positioning modules",
+        description: "Edges that are counted of each pulse of an incremental encoder: 1, 2 or 4. Here the drive counts all 4.",
+        source: "WF-MD-13",
+        ..UNIT
+    },
+    Row {
         key: "wf.md22",
+        mnemonic: "MD22",
+        number: "22",
         measure: Measure::Number,
+        unit: "(mm/min)/um",
         range: Range::Real(0.01, 100.0),
         default: Value::Real(1.0),
+        applies: Applies::Regulator,
         description: "Servo gain kv of the position loop with interface velocity, (mm/min)/um: 1 is 16.667 1/s.",
         source: "WF-MD-14, WF-CLC-03",
         get: |p| Value::Real(p.wf.md22),
         set: |p, v| p.wf.md22 = real(v).unwrap_or(p.wf.md22),
-        ..BASE
+        ..UNIT
     },
     Row {
         key: "wf.md30",
+        mnemonic: "MD30",
+        number: "30",
         measure: Measure::Time,
         range: Range::Int(0, HOUR_NS),
         default: Value::Int(1_000_000_000),
@@ -82,14 +197,43 @@ pub(super) const ROWS: &[Row] = &[
         ..UNIT
     },
     Row {
+        key: "wf.md34",
+        mnemonic: "MD34",
+        number: "34",
+        range: WORD,
+        default: Value::Int(0),
+        applies: Applies::Drive,
+        missing: "the encoders of the positioning modules",
+        description: "Incremental encoder: pulses of a revolution; absolute encoder of a rotary axis: supervision of the distance.",
+        source: "WF-MD-16",
+        note: "W04: it means another thing with each kind of encoder; the row is both.",
+        ..UNIT
+    },
+    Row {
+        key: "wf.md41",
+        mnemonic: "MD41",
+        number: "41",
+        range: WORD,
+        default: Value::Int(0),
+        applies: Applies::Drive,
+        missing: "the encoders of the positioning modules",
+        description: "Which supervisions of the encoder are on, bit by bit; 0 none.",
+        source: "WF-MD-18",
+        ..UNIT
+    },
+    Row {
         key: "wf.md42",
-        description: "Speed value of reduction step 1.",
+        mnemonic: "MD42",
+        number: "42",
+        description: "Speed value of reduction step 1, in hundredths of max_velocity.",
         get: |p| Value::Int(p.wf.md42),
         set: |p, v| p.wf.md42 = int(v).unwrap_or(p.wf.md42),
         ..STEP_SPEED
     },
     Row {
         key: "wf.md43",
+        mnemonic: "MD43",
+        number: "43",
         description: "Speed value of reduction step 2; not above wf.md42.",
         get: |p| Value::Int(p.wf.md43),
         set: |p, v| p.wf.md43 = int(v).unwrap_or(p.wf.md43),
@@ -97,6 +241,8 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "wf.md44",
+        mnemonic: "MD44",
+        number: "44",
         description: "Speed value of reduction step 3; not above wf.md43.",
         get: |p| Value::Int(p.wf.md44),
         set: |p, v| p.wf.md44 = int(v).unwrap_or(p.wf.md44),
@@ -104,6 +250,8 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "wf.md45",
+        mnemonic: "MD45",
+        number: "45",
         description: "Distance before the target from which on step 1 runs, this distance included.",
         get: |p| Value::Int(p.wf.md45),
         set: |p, v| p.wf.md45 = int(v).unwrap_or(p.wf.md45),
@@ -111,6 +259,8 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "wf.md46",
+        mnemonic: "MD46",
+        number: "46",
         description: "Distance before the target below which step 2 runs; not above wf.md45.",
         get: |p| Value::Int(p.wf.md46),
         set: |p, v| p.wf.md46 = int(v).unwrap_or(p.wf.md46),
@@ -118,6 +268,8 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "wf.md47",
+        mnemonic: "MD47",
+        number: "47",
         description: "Distance before the target below which step 3 runs; not above wf.md46.",
         get: |p| Value::Int(p.wf.md47),
         set: |p, v| p.wf.md47 = int(v).unwrap_or(p.wf.md47),
@@ -125,6 +277,8 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "wf.md48",
+        mnemonic: "MD48",
+        number: "48",
         description: "Distance before the target below which the output is off; not above wf.md47.",
         get: |p| Value::Int(p.wf.md48),
         set: |p, v| p.wf.md48 = int(v).unwrap_or(p.wf.md48),
@@ -156,6 +310,7 @@ pub(super) const ROWS: &[Row] = &[
         measure: Measure::Distance,
         range: DISTANCE,
         default_text: "no alarm",
+        applies: Applies::Drive,
         description: "Set position minus actual position beyond which alarm 10 (in travel) or 11 (at standstill) comes.",
         source: "WF-MD-22, WF-MON-04, W13",
         get: |p| p.wf.max_following_error.map_or(Value::Unset, Value::Int),
@@ -164,7 +319,7 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row {
         key: "wf.fixed_speed_1",
-        description: "Setup speed that fixed_speed 1 chooses in mode jog.",
+        description: "Setup speed that fixed_speed 1 chooses in mode jog, in hundredths of max_velocity.",
         get: |p| Value::Real(p.wf.fixed_speed_1),
         set: |p, v| p.wf.fixed_speed_1 = real(v).unwrap_or(p.wf.fixed_speed_1),
         ..FIXED_SPEED
@@ -181,6 +336,30 @@ pub(super) const ROWS: &[Row] = &[
         description: "Setup speed that fixed_speed 3 chooses in mode jog.",
         get: |p| Value::Real(p.wf.fixed_speed_3),
         set: |p, v| p.wf.fixed_speed_3 = real(v).unwrap_or(p.wf.fixed_speed_3),
+        ..FIXED_SPEED
+    },
+    Row {
+        key: "wf.reference_rapid",
+        applies: Applies::Drive,
+        missing: "the homing of the positioning modules",
+        description: "Speed value of homing towards the cam.",
+        source: "WF-MD-22, WF-REF-01",
+        ..FIXED_SPEED
+    },
+    Row {
+        key: "wf.reference_reduced",
+        applies: Applies::Drive,
+        missing: "the homing of the positioning modules",
+        description: "Speed value of homing on the cam.",
+        source: "WF-MD-22, WF-REF-01",
+        ..FIXED_SPEED
+    },
+    Row {
+        key: "wf.reference_creep",
+        applies: Applies::Drive,
+        missing: "the homing of the positioning modules",
+        description: "Speed value of homing from the cam to the zero mark.",
+        source: "WF-MD-22, WF-REF-01",
         ..FIXED_SPEED
     },
     Row {

@@ -1,0 +1,245 @@
+//! The parameters of one axis, and what follows from them.
+
+use super::rows::ROWS;
+use super::{Macs, Row, Value};
+use crate::code::Code;
+use crate::profile::{Jerks, Limits, Shape};
+use crate::vocabulary::{amc, saia, wf};
+use serde::{Deserialize, Serialize};
+
+/// Largest velocity, acceleration and jerk (inc/s, ..).
+const MOST: f64 = 1e15;
+
+/// The parameters of one axis, in the core's units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AxisParameters {
+    /// Software limit (inc).
+    pub min_position: Option<i64>,
+    /// Software limit (inc).
+    pub max_position: Option<i64>,
+    /// (inc/s)
+    pub max_velocity: f64,
+    /// (inc/s^2)
+    pub max_acceleration: f64,
+    /// (inc/s^2); left out: as `max_acceleration`.
+    pub max_deceleration: Option<f64>,
+    /// (inc/s^3); left out: no limit.
+    pub max_jerk: Option<f64>,
+    /// JERKMIN2 to 4: from the maximum acceleration to 0, from 0 to the maximum deceleration, and back (ns); 0: as `max_jerk`.
+    pub jerk_times: [i64; 3],
+    /// 0 to 100: what a goal may use of `max_velocity` (%).
+    pub velocity_override: f64,
+    /// (inc/s); left out: half of `max_velocity`.
+    pub default_velocity: Option<f64>,
+    /// (inc/s^2); left out: half of `max_acceleration`.
+    pub default_acceleration: Option<f64>,
+    /// Place in [`PROFILES`].
+    pub profile: i64,
+    /// (inc)
+    pub max_following_error: i64,
+    /// (ns)
+    pub following_error_time: i64,
+    /// (inc)
+    pub in_position_window: i64,
+    /// (ns)
+    pub in_position_time: i64,
+    /// ERRCOND 0 to 5.
+    pub error_reaction: i64,
+    /// Gear factor, master side.
+    pub sync_master: i64,
+    /// Gear factor, slave side.
+    pub sync_slave: i64,
+    /// Accuracy window of the coupling (inc); negative: the error is shown with its sign.
+    pub sync_accuracy: i64,
+    /// How long a streamed setpoint holds (ns).
+    pub setpoint_timeout: i64,
+    /// What MACS gives relative to others.
+    pub macs: Macs,
+    /// Of the reference selector.
+    pub amc: amc::Parameters,
+    /// Of the command flags.
+    pub saia: saia::Parameters,
+    /// Of the positioning modules.
+    pub wf: wf::Parameters,
+}
+
+impl AxisParameters {
+    /// Defaults of all rows; the required ones have to follow.
+    pub fn new(max_velocity: f64, max_acceleration: f64) -> Self {
+        let mut parameters = Self {
+            min_position: None,
+            max_position: None,
+            max_velocity,
+            max_acceleration,
+            max_deceleration: None,
+            max_jerk: None,
+            jerk_times: [0; 3],
+            velocity_override: 0.0,
+            default_velocity: None,
+            default_acceleration: None,
+            profile: 0,
+            max_following_error: 0,
+            following_error_time: 0,
+            in_position_window: 0,
+            in_position_time: 0,
+            error_reaction: 0,
+            sync_master: 0,
+            sync_slave: 0,
+            sync_accuracy: 0,
+            setpoint_timeout: 0,
+            macs: Macs::default(),
+            amc: amc::Parameters::default(),
+            saia: saia::Parameters::default(),
+            wf: wf::Parameters::default(),
+        };
+        for row in ROWS.iter().filter(|row| row.is_stored() && !row.required) {
+            (row.set)(&mut parameters, row.default);
+        }
+        parameters
+    }
+
+    /// (inc/s^2)
+    pub fn deceleration_limit(&self) -> f64 {
+        self.max_deceleration.unwrap_or(self.max_acceleration)
+    }
+
+    /// Velocity of a goal that gives none (inc/s).
+    pub fn usual_velocity(&self) -> f64 {
+        self.default_velocity.unwrap_or(self.max_velocity / 2.0)
+    }
+
+    /// Acceleration of a goal that gives none (inc/s^2).
+    pub fn usual_acceleration(&self) -> f64 {
+        self.default_acceleration.unwrap_or(self.max_acceleration / 2.0)
+    }
+
+    /// Deceleration of a goal that gives none: the same share of its maximum as the acceleration (MACS-PROF-06 gives
+    /// both in parts of the maximum) (inc/s^2).
+    pub fn usual_deceleration(&self) -> f64 {
+        self.deceleration_limit() * (self.usual_acceleration() / self.max_acceleration)
+    }
+
+    /// Shape of the ramps with a highest jerk (inc/s^3) (MACS-PROF-07). The four jerks keep their ratios (MACS-PROF-11).
+    pub fn shape(&self, jerk: f64) -> Shape {
+        match self.profile {
+            1 => Shape::SRamp,
+            2 => {
+                let share = self.max_jerk.map_or(1.0, |most| jerk / most);
+                // JERKMIN2 to 4 are times from 0 to the maximum acceleration; 0 takes the value of JERKMIN.
+                let of = |time: i64| if time == 0 { jerk } else { self.max_acceleration / (time as f64 / 1e9) * share };
+                let [fall, brake_rise, brake_fall] = self.jerk_times.map(of);
+                Shape::Jerk(Jerks { rise: jerk, fall, brake_rise, brake_fall })
+            }
+            _ => Shape::Trapezoid,
+        }
+    }
+
+    /// Shape with the largest jerk; without one the jerk is free: a trapezoid.
+    fn largest_shape(&self) -> Shape {
+        self.max_jerk.map_or(self.shapeless(), |jerk| self.shape(jerk))
+    }
+
+    /// Shape of a goal that gives no jerk: half of the largest one, as for its other rates.
+    pub fn usual_shape(&self) -> Shape {
+        self.max_jerk.map_or(self.shapeless(), |jerk| self.shape(jerk / 2.0))
+    }
+
+    fn shapeless(&self) -> Shape {
+        if self.profile == 1 { Shape::SRamp } else { Shape::Trapezoid }
+    }
+
+    /// Limits of a goal that gives none.
+    pub fn usual_limits(&self) -> Limits {
+        Limits {
+            velocity: self.usual_velocity(),
+            acceleration: self.usual_acceleration(),
+            deceleration: self.usual_deceleration(),
+            shape: self.usual_shape(),
+        }
+    }
+
+    /// Limits at their maxima: stops of limits and errors use them (MACS-PROF-13).
+    pub fn largest_limits(&self) -> Limits {
+        Limits {
+            velocity: self.max_velocity,
+            acceleration: self.max_acceleration,
+            deceleration: self.deceleration_limit(),
+            shape: self.largest_shape(),
+        }
+    }
+
+    /// Is every value one that its row takes, and do they agree?
+    pub fn is_sound(&self) -> bool {
+        let is_good = |row: &Row| row.check(row.value(self)).is_ok();
+        let macs = &self.macs;
+        let given = [
+            ("rampmin", macs.rampmin.map(Value::Int)),
+            ("jerkmin", macs.jerkmin.map(Value::Int)),
+            ("dfltvel", macs.dfltvel.map(Value::Int)),
+            ("dfltacc", macs.dfltacc.map(Value::Int)),
+            ("velmax", macs.velmax.map(Value::Real)),
+            ("neglimit", Some(Value::Int(macs.neglimit))),
+            ("poslimit", Some(Value::Int(macs.poslimit))),
+        ];
+        let takes = |key, value| Row::find(key).is_some_and(|(_, row)| row.check(value).is_ok());
+        ROWS.iter().filter(|row| row.is_stored()).all(is_good)
+            && given.into_iter().all(|(key, value)| value.is_none_or(|value| takes(key, value)))
+            && self.is_derived()
+            && self.check().is_ok()
+    }
+
+    /// Do the values agree?
+    ///
+    /// # Errors
+    /// The first contradiction.
+    pub fn check(&self) -> Result<(), Contradiction> {
+        // A value that follows from others may leave its range.
+        for (key, value) in [
+            ("max_velocity", Some(self.max_velocity)),
+            ("max_acceleration", Some(self.max_acceleration)),
+            ("max_jerk", self.max_jerk),
+            ("default_velocity", self.default_velocity),
+            ("default_acceleration", self.default_acceleration),
+        ] {
+            if value.is_some_and(|value| !(value > 0.0 && value <= MOST)) {
+                return Err(Contradiction::OutOfRange(key));
+            }
+        }
+        let sense = self.sense();
+        if sense.position != sense.velocity {
+            return Err(Contradiction::NotBuilt("posdrct", Code::NO_VELOCITY_LOOP));
+        }
+        if !self.reversing().is_built() {
+            return Err(Contradiction::NotBuilt("revers", Code::NO_REVERSING_OUTPUTS));
+        }
+        if let (Some(low), Some(high)) = (self.min_position, self.max_position)
+            && low >= high
+        {
+            return Err(Contradiction::Above("min_position", "max_position"));
+        }
+        // Parts of VELRES, named as they were given.
+        for (key, part) in [("dfltvel", self.macs.dfltvel), ("dfltacc", self.macs.dfltacc)] {
+            if part.is_some_and(|part| part > self.macs.velres) {
+                return Err(Contradiction::Above(key, "velres"));
+            }
+        }
+        if self.default_velocity.is_some_and(|velocity| velocity > self.max_velocity) {
+            return Err(Contradiction::Above("default_velocity", "max_velocity"));
+        }
+        if self.default_acceleration.is_some_and(|acceleration| acceleration > self.max_acceleration) {
+            return Err(Contradiction::Above("default_acceleration", "max_acceleration"));
+        }
+        self.wf.check(self).map_err(|(low, high)| Contradiction::Above(low, high))
+    }
+}
+
+/// Parameters of an axis that cannot stand together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contradiction {
+    /// The first key's value is above that of the second, which it must not be.
+    Above(&'static str, &'static str),
+    /// The value of this key, which follows from others, lies outside its range.
+    OutOfRange(&'static str),
+    /// The value of this key asks for something that does not exist yet; the code says what.
+    NotBuilt(&'static str, Code),
+}

@@ -1,0 +1,234 @@
+//! Values that MACS gives relative to others: a velocity in RPM at the encoder, accelerations and jerks as times, defaults
+//! as parts of VELRES. Given so they stay so: a new VELMAX keeps RAMPMIN a time, and the acceleration follows. Given by the
+//! native name the value is absolute, and stays that. So no order of sets matters.
+
+use super::{AxisParameters, Row, Value};
+use crate::unit::{MLONG, MacsFactors};
+use serde::{Deserialize, Serialize};
+
+/// What MACS has beside the native values.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Macs {
+    /// VELMAX as given (rpm); none where max_velocity is.
+    pub velmax: Option<f64>,
+    /// RAMPMIN as given (ns).
+    pub rampmin: Option<i64>,
+    /// JERKMIN as given (ns); 0: no limit.
+    pub jerkmin: Option<i64>,
+    /// DFLTVEL as given (1/VELRES).
+    pub dfltvel: Option<i64>,
+    /// DFLTACC as given (1/VELRES).
+    pub dfltacc: Option<i64>,
+    /// NEGLIMIT (inc), kept while it is off.
+    pub neglimit: i64,
+    /// POSLIMIT (inc), kept while it is off.
+    pub poslimit: i64,
+    /// ENCODER (counts/rev).
+    pub encoder: i64,
+    /// VELRES
+    pub velres: i64,
+    /// PROFTIME (ms)
+    pub proftime: i64,
+    /// POSDRCT: sense of rotation.
+    pub posdrct: i64,
+    /// REVERS: rule of reversing.
+    pub revers: i64,
+    /// MENCODER (counts/rev); negative: what is shown of the master is scaled.
+    pub mencoder: i64,
+    /// The scale as a cell gives it, or as a ratio; none where its numbers are too large for that.
+    pub scale: Option<MacsFactors>,
+}
+
+impl Default for Macs {
+    /// As MACS begins.
+    fn default() -> Self {
+        Self {
+            velmax: None,
+            rampmin: None,
+            jerkmin: None,
+            dfltvel: None,
+            dfltacc: None,
+            neglimit: -500_000,
+            poslimit: 500_000,
+            encoder: 500,
+            velres: 100,
+            proftime: 1,
+            posdrct: 1,
+            revers: 0,
+            mencoder: 500,
+            scale: None,
+        }
+    }
+}
+
+impl Macs {
+    /// Counts of all edges per revolution of the encoder (inc) (MACS-ENC-01).
+    fn revolution(&self) -> f64 {
+        self.encoder as f64 * 4.0
+    }
+}
+
+impl AxisParameters {
+    /// Computes what follows from the values that MACS gives.
+    pub(super) fn derive(&mut self) {
+        let macs = &self.macs;
+        if let Some(rpm) = macs.velmax {
+            self.max_velocity = rpm * macs.revolution() / 60.0;
+        }
+        if let Some(time) = macs.rampmin {
+            self.max_acceleration = self.max_velocity / seconds(time);
+        }
+        if let Some(time) = macs.jerkmin {
+            self.max_jerk = (time > 0).then(|| self.max_acceleration / seconds(time));
+        }
+        let share = |part: i64| part as f64 / macs.velres as f64;
+        if let Some(part) = macs.dfltvel {
+            self.default_velocity = Some(share(part) * self.max_velocity);
+        }
+        if let Some(part) = macs.dfltacc {
+            self.default_acceleration = Some(share(part) * self.max_acceleration);
+        }
+    }
+
+    /// VELMAX (rpm) (MACS-PROF-01).
+    pub fn velmax(&self) -> f64 {
+        self.macs.velmax.unwrap_or(self.max_velocity * 60.0 / self.macs.revolution())
+    }
+
+    /// RAMPMIN (ns), nearest (MACS-PROF-03).
+    pub fn rampmin(&self) -> i64 {
+        self.macs.rampmin.unwrap_or_else(|| nanoseconds(self.max_velocity / self.max_acceleration))
+    }
+
+    /// JERKMIN (ns), nearest; 0 without a limit (MACS-PROF-10).
+    pub fn jerkmin(&self) -> i64 {
+        let of_jerk = || self.max_jerk.map_or(0, |jerk| nanoseconds(self.max_acceleration / jerk));
+        self.macs.jerkmin.unwrap_or_else(of_jerk)
+    }
+
+    /// DFLTVEL (1/VELRES), nearest (MACS-PROF-04, MACS-PROF-06).
+    pub fn dfltvel(&self) -> i64 {
+        let share = || self.usual_velocity() / self.max_velocity;
+        self.macs.dfltvel.unwrap_or_else(|| (share() * self.macs.velres as f64).round() as i64)
+    }
+
+    /// DFLTACC (1/VELRES), nearest (MACS-PROF-04, MACS-PROF-06).
+    pub fn dfltacc(&self) -> i64 {
+        let share = || self.usual_acceleration() / self.max_acceleration;
+        self.macs.dfltacc.unwrap_or_else(|| (share() * self.macs.velres as f64).round() as i64)
+    }
+
+    /// NEGLIMIT in force (inc): the bound of falling counts, which is the upper one in inverted units.
+    pub fn falling(&self) -> Option<i64> {
+        if self.is_inverted() { self.max_position.map(i64::saturating_neg) } else { self.min_position }
+    }
+
+    /// POSLIMIT in force (inc): the bound of rising counts.
+    pub fn rising(&self) -> Option<i64> {
+        if self.is_inverted() { self.min_position.map(i64::saturating_neg) } else { self.max_position }
+    }
+
+    pub(super) fn set_falling(&mut self, limit: Option<i64>) {
+        let inverted = limit.map(i64::saturating_neg);
+        if self.is_inverted() {
+            self.max_position = inverted
+        } else {
+            self.min_position = limit
+        }
+        self.keep_limits();
+    }
+
+    pub(super) fn set_rising(&mut self, limit: Option<i64>) {
+        let inverted = limit.map(i64::saturating_neg);
+        if self.is_inverted() {
+            self.min_position = inverted
+        } else {
+            self.max_position = limit
+        }
+        self.keep_limits();
+    }
+
+    /// What NEGLIMIT and POSLIMIT are when they are switched off: the nearest number that MACS has for those in force.
+    pub(super) fn keep_limits(&mut self) {
+        let of_macs = |limit: i64| limit.clamp(-MLONG, MLONG);
+        self.macs.neglimit = self.falling().map_or(self.macs.neglimit, of_macs);
+        self.macs.poslimit = self.rising().map_or(self.macs.poslimit, of_macs);
+    }
+
+    /// Another POSDRCT: where its sign changes, the limits go on guarding the same places.
+    pub(super) fn turn_over(&mut self, posdrct: i64) {
+        let was_inverted = self.is_inverted();
+        self.macs.posdrct = posdrct;
+        if self.is_inverted() != was_inverted {
+            let mirror = |limit: Option<i64>| limit.map(i64::saturating_neg);
+            (self.min_position, self.max_position) = (mirror(self.max_position), mirror(self.min_position));
+        }
+        self.keep_limits();
+    }
+
+    /// The same in the sense of rotation of another one: what changes of the other rows begin from (the first row comes first).
+    pub fn in_sense_of(mut self, other: &Self) -> Self {
+        self.turn_over(other.macs.posdrct);
+        self
+    }
+
+    fn is_inverted(&self) -> bool {
+        self.macs.posdrct < 0
+    }
+
+    /// VELMAXQC (inc/ms/65536), cut (MACS-PROF-02).
+    pub fn velmaxqc(&self) -> i64 {
+        (self.max_velocity / 1000.0 * 65536.0) as i64
+    }
+
+    /// ACCMAXQC (inc/ms^2/65536), cut (MACS-PROF-03).
+    pub fn accmaxqc(&self) -> i64 {
+        (self.max_acceleration / 1e6 * 65536.0) as i64
+    }
+
+    /// Is the row the one by which its value was given? Writing these rows alone, and reading them, gives the same parameters.
+    pub fn gives(&self, row: &Row) -> bool {
+        let by_view = self.is_by_view(row.root()).unwrap_or(false);
+        match row.key {
+            // What a switched-off limit was; in force it is the native value.
+            "neglimit" => self.falling().is_none(),
+            "poslimit" => self.rising().is_none(),
+            _ if row.is_view() => by_view,
+            _ => row.is_stored() && !by_view,
+        }
+    }
+
+    /// Was the value of this root given by its view; none where that makes no difference.
+    fn is_by_view(&self, root: &str) -> Option<bool> {
+        let macs = &self.macs;
+        match root {
+            "max_velocity" => Some(macs.velmax.is_some()),
+            "max_acceleration" => Some(macs.rampmin.is_some()),
+            "max_jerk" => Some(macs.jerkmin.is_some()),
+            "default_velocity" => Some(macs.dfltvel.is_some()),
+            "default_acceleration" => Some(macs.dfltacc.is_some()),
+            _ => None,
+        }
+    }
+
+    /// Has the row this value, as if nothing else had been set after it?
+    pub fn holds(&self, row: &Row, value: Value) -> bool {
+        row.value(self) == value && self.is_by_view(row.root()).is_none_or(|by_view| by_view == row.is_view())
+    }
+
+    /// Are the values that follow from others what they must be?
+    pub(super) fn is_derived(&self) -> bool {
+        let mut copy = *self;
+        copy.derive();
+        copy == *self
+    }
+}
+
+fn seconds(nanoseconds: i64) -> f64 {
+    nanoseconds as f64 / 1e9
+}
+
+/// Saturates.
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}

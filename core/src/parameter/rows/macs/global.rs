@@ -1,0 +1,190 @@
+//! Parameters of the machine (GL).
+
+use super::super::{Applies, BASE, Effect, Group, MLONG, Range, Row, System, Value};
+
+const GLOBAL_ROW: Row = Row { system: System::Macs, group: Group::Global, applies: Applies::Machine, ..BASE };
+
+/// CANBAUD: one or two digits, each 0 to 8 (D05).
+const CANBAUD: [(i64, i64); 9] = {
+    let mut ranges = [(0, 0); 9];
+    let mut tens = 0;
+    while tens < 9 {
+        ranges[tens as usize] = (tens * 10, tens * 10 + 8);
+        tens += 1;
+    }
+    ranges
+};
+
+pub(in super::super) const ROWS: &[Row] = &[
+    Row {
+        key: "cannr",
+        mnemonic: "CANNR",
+        number: "100",
+        range: Range::Among(&[(0, 127), (9999, 9999)]),
+        default: Value::Int(0),
+        effect: Effect::Start,
+        missing: "the CAN bus",
+        description: "Own node on the bus, 1 to 127; 0 none, 9999 without the usual objects.",
+        source: "MACS-CAN-19",
+        note: "D23: the range is missing in the overview; 0 to 127 and 9999 are taken.",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "canbaud",
+        mnemonic: "CANBAUD",
+        number: "101",
+        range: Range::Among(&CANBAUD),
+        default: Value::Int(5),
+        effect: Effect::Start,
+        missing: "the CAN bus",
+        description: "Bit rate: 0 to 8 for 5, 10, 20, 50, 100, 125, 250, 500, 1000 kbit/s; with two buses the tens digit is the master bus, the units digit the slave bus.",
+        source: "MACS-CAN-20",
+        note: "D05: the range 0 to 8 leaves out two digits, which MACS3 has; each digit may be 0 to 8.",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "prgpar",
+        mnemonic: "PRGPAR",
+        number: "102",
+        range: Range::Among(&[(-1, 127), (999, 1127)]),
+        default: Value::Int(-1),
+        effect: Effect::Start,
+        missing: "program control",
+        description: "Program that starts after the autostart program; -1 none, 1000 more: with the motors off.",
+        source: "MACS-IO-11",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "i_prgstart",
+        mnemonic: "I_PRGSTART",
+        number: "103",
+        range: Range::Int(0, 8),
+        default: Value::Int(0),
+        effect: Effect::Start,
+        missing: "program control",
+        description: "Input that starts the program that was chosen; 0 none.",
+        source: "MACS-IO-12",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "i_prgchoice",
+        mnemonic: "I_PRGCHOICE",
+        number: "104",
+        range: Range::Int(0, 8),
+        default: Value::Int(0),
+        effect: Effect::Start,
+        missing: "program control",
+        description: "First of the inputs that choose a program, binary, up to the one before i_prgstart; 0 none.",
+        source: "MACS-IO-13",
+        note: "A-50: the example lost an input and the limits disagree; the choice is one of 0 to 89.",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "i_break",
+        mnemonic: "I_BREAK",
+        number: "105",
+        range: Range::Int(-8, 8),
+        default: Value::Int(0),
+        missing: "assigned inputs and outputs",
+        description: "Input that aborts the running program: n with the rising edge, -n with the falling one, 0 none.",
+        source: "MACS-IO-08",
+        note: "A-47: sign and edge are told in two ways; the table is taken.",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "i_continue",
+        mnemonic: "I_CONTINUE",
+        number: "106",
+        range: Range::Int(-8, 8),
+        default: Value::Int(0),
+        missing: "assigned inputs and outputs",
+        description: "Input that goes on with an aborted program: n with the rising edge, -n with the falling one, 0 none.",
+        source: "MACS-IO-09",
+        note: "A-47: sign and edge are told in two ways; the table is taken.",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "i_errclr",
+        mnemonic: "I_ERRCLR",
+        number: "107",
+        range: Range::Int(-8, 8),
+        default: Value::Int(0),
+        missing: "assigned inputs and outputs",
+        description: "Input that clears an error: n with the rising edge, -n with the falling one, 0 none.",
+        source: "MACS-IO-10",
+        note: "A-47: sign and edge are told in two ways; the table is taken.",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "o_error",
+        mnemonic: "O_ERROR",
+        number: "108",
+        range: Range::Int(-8, 8),
+        default: Value::Int(0),
+        missing: "assigned inputs and outputs",
+        description: "Output that shows an error: n high, -n low, 0 none.",
+        source: "MACS-IO-07",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "ainftime",
+        mnemonic: "AINFTIME",
+        number: "109",
+        unit: "samples",
+        range: Range::Int(0, MLONG),
+        default: Value::Int(0),
+        missing: "the filter of analog inputs",
+        description: "Readings of 1 ms over which analog input 1 is smoothed; 0 not.",
+        source: "MACS-IO-14",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "cansynctimer",
+        mnemonic: "CANSYNCTIMER",
+        number: "114",
+        unit: "ms",
+        range: Range::Int(0, MLONG),
+        default: Value::Int(1),
+        missing: "the CAN bus",
+        description: "Period in which the drives are asked for their positions; 0: never.",
+        source: "MACS-CAN-17",
+        note: "D06: the default is 0 in the overview; 1 is taken. A-54: 0 is not explained; it is no cyclic request.",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "vmenctyp",
+        mnemonic: "VMENCTYP",
+        number: "116",
+        range: Range::Int(0, MLONG),
+        default: Value::Int(0),
+        effect: Effect::NextVirtualMaster,
+        missing: "the virtual master of MACS",
+        description: "Virtual master: hundreds the axis whose command it is, 0 a velocity of its own; the rest the encodertype while it is off; 100000 more: not put out.",
+        source: "MACS-VM-01",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "vmencres",
+        mnemonic: "VMENCRES",
+        number: "117",
+        unit: "inc",
+        range: Range::Int(0, 65_535),
+        default: Value::Int(500),
+        missing: "the virtual master of MACS",
+        description: "Increments between two marks of the virtual master; 0 none.",
+        source: "MACS-VM-06",
+        ..GLOBAL_ROW
+    },
+    Row {
+        key: "vmencmtyp",
+        mnemonic: "VMENCMTYP",
+        number: "118",
+        range: Range::Int(0, MLONG),
+        default: Value::Int(0),
+        missing: "the virtual master of MACS",
+        description: "Mark of the virtual master: 0, 1 its index, 2, 3 an input up, down; the tens digit is the input.",
+        source: "MACS-VM-07",
+        note: "A-46: value 1 is missing in the text; it is taken as 0.",
+        ..GLOBAL_ROW
+    },
+];

@@ -1,0 +1,229 @@
+//! The position loop (AXR).
+
+use super::super::{Applies, BASE, Bare, Effect, Group, MLONG, Measure, Range, Row, System, Value, int};
+
+const REGULATION_ROW: Row = Row { system: System::Macs, group: Group::Regulation, applies: Applies::Drive, ..BASE };
+
+/// REVERS: -10 to -90, or rule (0 to 2) + 10 output + 100 node (A-08).
+static REVERS: [(i64, i64); 9 + 1280] = {
+    let mut ranges = [(0, 0); 9 + 1280];
+    let mut place = 0;
+    while place < ranges.len() {
+        let tens = place as i64 - 9;
+        ranges[place] = if tens < 0 { (tens * 10, tens * 10) } else { (tens * 10, tens * 10 + 2) };
+        place += 1;
+    }
+    ranges
+};
+
+pub(in super::super) const ROWS: &[Row] = &[
+    Row {
+        key: "poserr",
+        mnemonic: "POSERR",
+        number: "15",
+        view_of: "max_following_error",
+        unit: "inc",
+        range: Range::Int(1, MLONG),
+        default: Value::Int(1000),
+        description: "Following error that is tolerated: max_following_error. One revolution of the encoder, 4 ENCODER, is a good value.",
+        source: "MACS-ERR-06, MACS-UNIT-03",
+        note: "D15: the default is 20000 in the overview; 1000 is taken.",
+        get: |p| Value::Int(p.max_following_error),
+        set: |p, v| p.max_following_error = int(v).unwrap_or(p.max_following_error),
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "proftime",
+        mnemonic: "PROFTIME",
+        number: "29",
+        unit: "ms",
+        range: Range::Int(1, 5),
+        default: Value::Int(1),
+        effect: Effect::AtOnce,
+        applies: Applies::Any,
+        description: "Period of the profile generator of MACS, kept and without effect: the profile runs in every cycle here, and goals that give no rates take the defaults.",
+        source: "MACS-PROF-05, MACS-STO-09",
+        note: "D16: the default is 1000 in the overview; 1 ms is taken, and an import reads 1000 to 5000 as us.",
+        get: |p| Value::Int(p.macs.proftime),
+        set: |p, v| p.macs.proftime = int(v).unwrap_or(p.macs.proftime),
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "poserrtime",
+        mnemonic: "POSERRTIME",
+        number: "111",
+        view_of: "following_error_time",
+        measure: Measure::Time,
+        range: Range::Int(0, 10_000_000_000),
+        bare: Bare::Milliseconds,
+        default: Value::Int(0),
+        description: "How long the following error may be exceeded: following_error_time. 0: not at all.",
+        source: "MACS-ERR-07",
+        get: |p| Value::Int(p.following_error_time),
+        set: |p, v| p.following_error_time = int(v).unwrap_or(p.following_error_time),
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "drivetype",
+        mnemonic: "DRIVETYPE",
+        number: "0",
+        range: Range::Int(-194, 194),
+        default: Value::Int(0),
+        missing: "the choice of a drive by number",
+        description: "Kind of drive: 0 an analog output, 1 to 13 a drive on the bus, 91 to 94 an output on the bus, 100 more: its control word is left alone; negative without guarding. Setting it builds the objects of the bus anew.",
+        source: "MACS-CAN-01",
+        note: "D09: the range is +-94 though 110 is used; +-194 in AXR is taken.",
+        effect: Effect::Disabled,
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "kprop",
+        mnemonic: "KPROP",
+        number: "11",
+        range: Range::Int(1, 65_000),
+        default: Value::Int(30),
+        missing: "the position loop of MACS",
+        description: "Proportional gain of the position loop, on an error in increments.",
+        source: "MACS-REG-01",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "kder",
+        mnemonic: "KDER",
+        number: "12",
+        range: Range::Int(0, 65_000),
+        default: Value::Int(0),
+        missing: "the position loop of MACS",
+        description: "Derivative gain of the position loop, on the change of the error in one period.",
+        source: "MACS-REG-01",
+        note: "D13: the default is 1 in the overview; 0 is taken.",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "kint",
+        mnemonic: "KINT",
+        number: "13",
+        range: Range::Int(0, 65_000),
+        default: Value::Int(0),
+        missing: "the position loop of MACS",
+        description: "Integral gain of the position loop, on the sum of the errors of all periods.",
+        source: "MACS-REG-01",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "timer",
+        mnemonic: "TIMER",
+        number: "14",
+        unit: "ms",
+        range: Range::Int(1, 1000),
+        default: Value::Int(1),
+        missing: "the position loop of MACS",
+        description: "Period of the position loop and of the setpoints to the drive.",
+        source: "MACS-REG-04",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "kilim",
+        mnemonic: "KILIM",
+        number: "21",
+        range: Range::Int(0, 65_000),
+        default: Value::Int(1000),
+        missing: "the position loop of MACS",
+        description: "Bound of the sum of errors, either way; 0 is no integral part.",
+        source: "MACS-REG-05",
+        note: "D14: the default is 0 in the overview; 1000 is taken, without effect while KINT is 0. A-23: whether the sum or its product with KINT is bounded is not said; the sum is.",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "bandwidth",
+        mnemonic: "BANDWIDTH",
+        number: "35",
+        unit: "1/10 %",
+        range: Range::Int(0, 1000),
+        default: Value::Int(1000),
+        missing: "the position loop of MACS",
+        description: "Share of the output that the position loop may use; feed-forward comes on top.",
+        source: "MACS-REG-08",
+        note: "D04: the unit is % in the overview; 1/10 % is taken, so that 1000 is all of it. A-24: clamp or scale is told in two ways; a clamp is taken.",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "ffvel",
+        mnemonic: "FFVEL",
+        number: "36",
+        unit: "1/1000",
+        range: Range::Int(0, 100_000),
+        default: Value::Int(0),
+        missing: "the position loop of MACS",
+        description: "Share of the output that the command velocity VELMAX adds: 1000 is all of it; 0 off.",
+        source: "MACS-REG-09",
+        note: "D10: the unit is % in the overview and the scale 1000 in the detail; 1/1000 is taken.",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "ffacc",
+        mnemonic: "FFACC",
+        number: "37",
+        unit: "1/1000",
+        range: Range::Int(0, 100_000),
+        default: Value::Int(0),
+        missing: "the position loop of MACS",
+        description: "Share of the output that the largest command acceleration adds: 1000 is all of it; 0 off.",
+        source: "MACS-REG-10",
+        note: "D10: the unit is % in the overview and missing in the detail; 1/1000 is taken, as for ffvel (A-25).",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "regwmax",
+        mnemonic: "REGWMAX",
+        number: "38",
+        unit: "inc",
+        range: Range::Int(0, MLONG),
+        default: Value::Int(0),
+        missing: "the position loop of MACS",
+        description: "Error beyond which the position loop switches on again; with regwmin 0, too, it is always on.",
+        source: "MACS-REG-11",
+        note: "A-26: what is compared is lost with a figure; command minus actual position is taken.",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "regwmin",
+        mnemonic: "REGWMIN",
+        number: "39",
+        unit: "inc",
+        range: Range::Int(0, MLONG),
+        default: Value::Int(0),
+        missing: "the position loop of MACS",
+        description: "Error inside which the position loop switches off until regwmax is exceeded.",
+        source: "MACS-REG-11",
+        note: "A-26: what is compared is lost with a figure; command minus actual position is taken.",
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "revers",
+        mnemonic: "REVERS",
+        number: "63",
+        range: Range::Among(&REVERS),
+        default: Value::Int(0),
+        effect: Effect::Disabled,
+        description: "May the axis move backwards? 0 always, 1 only while its master does, 2 never.",
+        source: "MACS-DIR-05, MACS-DIR-06",
+        note: "A-08: the printed range leaves out samples of the text; rule 0 to 2, output 0 to 9, node 0 to 127 and -10, -20 to \
+               -90 are taken. Outputs and node do not exist yet: values above 2 and below 0 are refused.",
+        get: |p| Value::Int(p.macs.revers),
+        set: |p, v| p.macs.revers = int(v).unwrap_or(p.macs.revers),
+        ..REGULATION_ROW
+    },
+    Row {
+        key: "kilimtime",
+        mnemonic: "KILIMTIME",
+        number: "105",
+        unit: "ms",
+        range: Range::Int(-32_767, 32_767),
+        default: Value::Int(0),
+        missing: "the position loop of MACS",
+        description: "When the integral part acts: 0 always, positive in motion only, negative at rest only; the value is the time of the change.",
+        source: "MACS-REG-06",
+        ..REGULATION_ROW
+    },
+];
