@@ -110,9 +110,13 @@ impl Axis {
             return Err(Refusal::new(Code::NOTHING_TO_WAIT_FOR, self.object()));
         }
         self.check_beside_overlay(&limits)?;
+        if request.mode == MoveMode::Velocity {
+            self.check_forward(request.velocity)?;
+        }
         let next = Next { sequence, request: *request, limits };
         let before = self.waiting_ends().last().unwrap_or(self.known_end());
         if let Some(end) = self.end_of(&next, before) {
+            self.check_end_forward(before, end)?;
             self.check_target(end, &self.parameters)?;
             let (down, up) = self.overlay_ahead();
             self.check_range(end + down, end + up)?;

@@ -206,6 +206,7 @@ impl Axis {
 
     /// A velocity does not lead beyond a limit at which the axis stands already.
     pub(super) fn check_velocity(&self, velocity: f64) -> Result<(), Refusal> {
+        self.check_forward(velocity)?;
         let now = self.command.position;
         let limit = self.limit(velocity > 0.0);
         let at_limit = match velocity {
@@ -222,6 +223,7 @@ impl Axis {
 
     /// A course to a target stays within the limits of position on its way.
     pub(super) fn check_course(&self, course: &Course, from: Motion, limits: Limits) -> Result<(), Refusal> {
+        self.check_course_forward(course, from)?;
         let now = from.position;
         match course.aim {
             Aim::Target(_) if course.end_velocity() == 0.0 => self.check_extent(course.extent_from(now), limits),
@@ -296,7 +298,8 @@ impl Axis {
             _ => Gear::new(ratio),
         };
         let follower =
-            Follower::new(request.leader, gear, request.mode, request.disengage, self.present(), offset, bounds);
+            Follower::new(request.leader, gear, request.mode, request.disengage, self.present(), offset, bounds)
+                .with_accuracy(self.parameters.sync_accuracy);
         self.begin_goal(cx, sequence, None);
         self.reference = Reference::Gear;
         self.generator = Generator::Follow(follower);

@@ -73,7 +73,7 @@ impl Judge {
 
 impl Axis {
     pub(super) fn judge(&mut self, cx: &mut Context<'_>) {
-        let answered = self.judge.exchange(self.command.position.floor());
+        let answered = self.judge.exchange(self.asked());
         if !self.is_on() {
             self.judge.following_error = 0;
             self.judge.inside_since = None;
@@ -144,7 +144,7 @@ impl Axis {
     fn is_in_window(&mut self, cx: &Context<'_>) -> bool {
         let window = self.parameters.in_position_window;
         if window > 0 && !self.is_virtual() {
-            let distance = self.command.position.floor().saturating_sub(self.actual.position.floor());
+            let distance = self.asked().saturating_sub(self.actual.position.floor());
             if distance.unsigned_abs() > window.unsigned_abs() {
                 self.judge.inside_since = None;
                 return false;

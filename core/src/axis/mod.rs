@@ -8,6 +8,7 @@
 
 mod buffer;
 mod course;
+mod direction;
 mod goal;
 mod judge;
 mod modulo;
@@ -22,6 +23,7 @@ mod stops;
 mod stream;
 mod vocabulary;
 
+pub use direction::{Polarity, Reversing, Rule, Sense, may_turn_loop};
 pub use modulo::Modulo;
 pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, REFERENCES, Reference};
 
@@ -110,7 +112,7 @@ pub struct Axis {
     warning: bool,
     stale_cycles: u32,
     counter: Counter,
-    /// Position minus raw count.
+    /// Counts of its coordinate minus raw count, both in the sense of the drive.
     origin: i64,
     actual: Lead,
     effort: f64,
@@ -183,6 +185,31 @@ impl Axis {
             awake: Awake::default(),
             output: DriveOutput::default(),
         }
+    }
+
+    /// Before its first cycle: these are in force.
+    pub fn begin_with(&mut self, parameters: AxisParameters) {
+        self.parameters = parameters;
+        self.override_seen = parameters.velocity_override;
+    }
+
+    /// Is it switched off, or does it stand without a goal where it cannot be?
+    pub fn is_idle(&self) -> bool {
+        match self.state {
+            AxisState::Disabled => self.power == Power::Off,
+            AxisState::Standstill => self.is_virtual(),
+            _ => false,
+        }
+    }
+
+    /// Does nothing end in the dark when its power goes now?
+    pub fn may_lose_power(&self) -> bool {
+        let is_off = match self.state {
+            AxisState::Disabled | AxisState::ErrorStop => self.power == Power::Off || self.is_virtual(),
+            AxisState::Standstill => self.is_virtual(),
+            _ => false,
+        };
+        is_off && self.goal.is_none() && self.waiting.is_empty()
     }
 
     /// One cycle up to its outputs. `commands` are all commands of the cycle; the axis takes those that name it, and
@@ -287,7 +314,7 @@ impl Axis {
 
     /// The position of raw counts near those of this cycle (inc).
     pub fn locate(&self, count: i64) -> i64 {
-        self.counter.locate(count)
+        self.turn_counts(self.counter.locate(count))
     }
 
     /// What the drive is asked for.
@@ -336,12 +363,12 @@ impl Axis {
         self.warning = input.online && input.status & crate::drive::STATUS_WARNING != 0;
         let change = if input.online { self.counter.take(input.count, input.epoch) } else { 0 };
         self.origin = self.counter.position().wrapping_sub(input.count);
-        self.effort = input.effort;
+        self.effort = self.across(input.effort);
         self.mode = input.mode;
         self.actual = Lead {
-            position: Position::whole(self.counter.position()),
-            change: Position::whole(change),
-            velocity: input.velocity,
+            position: Position::whole(self.turn_counts(self.counter.position())),
+            change: Position::whole(self.turn_counts(change)),
+            velocity: self.across(input.velocity),
             counted: true,
             valid: input.online,
         };

@@ -1,7 +1,7 @@
 //! What moves an axis in a cycle, and what keeps it within its limits.
 
 use super::course::{Aim, Course};
-use super::{Axis, AxisState, Context, Reference};
+use super::{Axis, AxisState, Context, Reference, Rule};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
 use crate::position::Position;
@@ -63,6 +63,7 @@ impl Axis {
         // Without one, the axis stops already.
         if let Some(base) = base {
             let next = self.superimpose(cx, base);
+            let next = self.forward(cx, next);
             if !self.stop_at_limit(cx, next) {
                 self.command = next;
             }
@@ -86,8 +87,7 @@ impl Axis {
                 self.generator = Generator::Rest;
             }
             // What is superimposed moves on from where it is.
-            let rest = if self.overlay.is_some() { next.position } else { Position::whole(next.position.floor()) };
-            return Motion::at_rest(rest);
+            return if self.overlay.is_some() { Motion::at_rest(next.position) } else { self.resting(next.position) };
         }
         match course.aim {
             Aim::Target(_) => self.pass(cx, next),
@@ -147,9 +147,12 @@ impl Axis {
             return None;
         }
         let was = follower.phase();
-        let next = follower.step(self.underlying(), lead, self.cycle_s(), self.reserve());
+        let rule = self.parameters.reversing().rule;
+        let next = follower.step(self.underlying(), lead, self.cycle_s(), self.reserve(), rule);
         if was == Phase::Synchronized && follower.phase() == Phase::CatchingUp {
-            let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SYNC_LOST);
+            let waits = follower.leader_reverses() && rule == Rule::Never;
+            let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
+            let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
             cx.events.push(Event { position: next.position, ..event });
         }
         self.generator = Generator::Follow(follower);
@@ -339,7 +342,7 @@ impl Axis {
         }
         let present = self.present();
         if present.velocity == 0.0 && (present.acceleration == 0.0 || limits.shape == Shape::Trapezoid) {
-            self.command = Motion::at_rest(Position::whole(self.command.position.floor()));
+            self.command = self.resting(self.command.position);
             self.generator = Generator::Rest;
             return;
         }

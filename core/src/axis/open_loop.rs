@@ -89,6 +89,7 @@ impl Axis {
         if velocity.abs() > self.parameters.max_velocity {
             return refuse(Code::VELOCITY_TOO_HIGH, Number::Velocity(self.parameters.max_velocity));
         }
+        self.check_forward(velocity)?;
         if let Some(limit) = self.limit_ahead(velocity) {
             return refuse(Code::LIMIT_VIOLATION, Number::Position(limit));
         }
@@ -144,7 +145,7 @@ impl Axis {
 
     /// What these outputs show.
     pub fn switching(&self) -> Switching {
-        self.allowed(self.wf.switching())
+        self.switching_of(self.allowed(self.wf.switching()))
     }
 
     /// Whatever ends the speed ends the axis output and the voltage in the same cycle, and an error or somebody else's

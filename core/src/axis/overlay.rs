@@ -40,7 +40,7 @@ impl Overlay {
     }
 
     /// Lowest and highest way from now to where it ends.
-    fn ahead(&self) -> (Position, Position) {
+    pub(super) fn ahead(&self) -> (Position, Position) {
         let now = self.shown.position;
         let (low, high) = self.plan.extent_from(now);
         (low.min(self.end).min(now) - now, high.max(self.end).max(now) - now)
@@ -123,7 +123,7 @@ impl Axis {
             let code = ending.unwrap_or(Code::NONE);
             cx.events.push(Event::done(self.object(), sequence, code, sum.position));
             if matches!(self.generator, Generator::Rest) {
-                return Motion::at_rest(Position::whole(sum.position.floor()));
+                return self.resting(sum.position);
             }
         }
         sum
@@ -146,6 +146,7 @@ impl Axis {
         let share = self.parameters.velocity_override;
         let plan = plan(shown, end, &limits, share, self.setup.cycle_ns);
         let overlay = Overlay { sequence, plan, start: cx.cycle, limits, end, share, shown, ending: None };
+        self.check_overlay_forward(&overlay)?;
         self.check_sum(&overlay)?;
         self.end_overlay(cx, Code::REPLACED);
         self.overlay = Some(overlay);

@@ -63,7 +63,7 @@ impl Axis {
                 } else if self.drive_state == DriveState::Enabled && cx.cycle > since.saturating_add(self.delay()) {
                     self.power = Power::On;
                     self.command = Motion::at_rest(self.actual.position);
-                    self.judge.fill(self.command.position.floor());
+                    self.judge.fill(self.asked());
                     self.set_state(cx, AxisState::Standstill);
                 } else if self.has_timed_out(cx.cycle, since) {
                     self.fail_off(cx, Code::ENABLE_TIMEOUT);
@@ -153,9 +153,13 @@ impl Axis {
             },
         };
         self.output = DriveOutput {
-            position: self.command.position.floor().wrapping_sub(self.origin),
-            velocity: self.drive_velocity(),
-            acceleration: if self.setup.interface == Interface::Position { self.command.acceleration } else { 0.0 },
+            position: self.turn_counts(self.asked()).wrapping_sub(self.origin),
+            velocity: self.reference_across(self.drive_velocity()),
+            acceleration: if self.setup.interface == Interface::Position {
+                self.across(self.command.acceleration)
+            } else {
+                0.0
+            },
             effort: 0.0,
             control: word,
             mode: self.setup.interface.mode(),
@@ -163,7 +167,7 @@ impl Axis {
         };
     }
 
-    /// The velocity for the drive (inc/s): to be followed, to be told beside the position, or to run at.
+    /// The velocity for the drive in the user's sense (inc/s): to be followed, to be told beside the position, or to run at.
     fn drive_velocity(&self) -> f64 {
         match self.setup.interface {
             Interface::Velocity if self.is_on() => {
@@ -180,7 +184,9 @@ impl Axis {
     /// The output of the position loop, -1 to 1; 0 where the drive closes it.
     pub(super) fn regulator_output(&self) -> f64 {
         match self.setup.interface {
-            Interface::Velocity => (self.output.velocity / self.parameters.max_velocity).clamp(-1.0, 1.0),
+            Interface::Velocity => {
+                (self.reference_across(self.output.velocity) / self.parameters.max_velocity).clamp(-1.0, 1.0)
+            }
             _ => 0.0,
         }
     }

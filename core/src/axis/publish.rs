@@ -5,8 +5,8 @@ use super::{Axis, Generator};
 use crate::position::Position;
 use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
-use crate::sync::Leads;
 use crate::sync::follower::Phase;
+use crate::sync::{Leads, status};
 
 /// What the axis shows of its coupling.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,11 +17,18 @@ struct Coupling {
     in_sync: bool,
 }
 
+/// What it shows of its master, in increments or master units.
+#[derive(Clone, Copy, Debug, Default)]
+struct Master {
+    position: f64,
+    velocity: f64,
+}
+
 impl Axis {
     fn coupling(&self, leads: &Leads) -> Coupling {
         let Generator::Follow(follower) = &self.generator else { return Coupling::default() };
         let error = follower.error(self.command.position).floor();
-        let window = self.parameters.sync_accuracy;
+        let window = follower.accuracy();
         // MACS-SYNC-16: a positive window shows the error without its sign.
         let shown = if window >= 0 { error.saturating_abs() } else { error };
         Coupling {
@@ -30,6 +37,31 @@ impl Axis {
             accurate: error.unsigned_abs() <= window.unsigned_abs(),
             in_sync: follower.phase() == Phase::Synchronized,
         }
+    }
+
+    /// The leader that it follows, or may follow, in master units where MENCODER is negative (MACS-UNIT-09).
+    fn master_shown(&self, leads: &Leads) -> Master {
+        let coupled = match &self.generator {
+            Generator::Follow(follower) => Some(follower.leader),
+            _ => self.master(),
+        };
+        let Some(lead) = coupled.map(|leader| leads.get(leader)) else { return Master::default() };
+        let p = &self.parameters;
+        // Multiplied first: whole turns of the master stay whole units.
+        let units = |increments: f64| match p.macs.mencoder {
+            ..0 if p.sync_master != 0 => increments * p.sync_slave as f64 / p.sync_master as f64,
+            _ => increments,
+        };
+        Master { position: units(lead.position.to_f64()), velocity: units(lead.velocity) }
+    }
+
+    /// REG_NORMTRACKERR: the tracking error in parts of the command velocity per ms (%); 0 at rest (MACS-SYS-03).
+    fn track_error(&self) -> f64 {
+        let per_ms = self.command.velocity / 1000.0;
+        let error = (self.command.position - self.actual.position).to_f64();
+        let share = 100.0 * error / per_ms;
+        // Of next to no velocity any error is beyond all numbers.
+        if per_ms == 0.0 || !share.is_finite() || !self.is_on() { 0.0 } else { share }
     }
 
     /// Writes all signals of this cycle.
@@ -80,19 +112,23 @@ impl Axis {
         set(ActualVelocity, real(self.actual.velocity));
         set(ActualEffort, real(self.effort));
         set(FollowingError, int(self.judge.following_error));
-        set(RegulatorError, int(if self.is_on() { position.saturating_sub(actual) } else { 0 }));
+        set(RegulatorError, int(if self.is_on() { self.asked().saturating_sub(actual) } else { 0 }));
         set(RegulatorOutput, real(self.regulator_output()));
         set(ModuloPosition, int(within.floor()));
         set(Turns, int(turns));
         set(SyncMaster, int(coupling.master));
         set(SyncError, int(coupling.error));
-        set(SyncStatus, bit(coupling.accurate));
+        set(SyncStatus, if coupling.accurate { status::ACCURATE } else { 0 });
         set(LimitSoftwarePositive, bit(p.max_position.is_some_and(|limit| position >= limit)));
         set(LimitSoftwareNegative, bit(p.min_position.is_some_and(|limit| position <= limit)));
         set(OutputPosition, int(self.output.position));
         set(OutputVelocity, real(self.output.velocity));
         set(OutputEffort, real(self.output.effort));
         set(OutputControl, u64::from(self.output.control));
+        let master = self.master_shown(leads);
+        set(MasterPosition, real(master.position));
+        set(MasterVelocity, real(master.velocity));
+        set(TrackError, real(self.track_error()));
         self.publish_vocabularies(board, leads);
     }
 

@@ -33,6 +33,10 @@ const MAX_WAITING: usize = 8;
 pub(super) struct Waiting([Option<(u64, Until)>; MAX_WAITING]);
 
 impl Waiting {
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.iter().all(Option::is_none)
+    }
+
     fn has_room(&self) -> bool {
         self.0.iter().any(Option::is_none)
     }
@@ -221,7 +225,9 @@ impl Axis {
         let goes_on = matches!(&self.generator, Generator::Follow(f) if f.disengage == Disengage::KeepVelocity);
         if goes_on {
             self.end_goal(cx, Code::CANCELLED);
-            let velocity = self.steady_velocity();
+            let steady = self.steady_velocity();
+            // Alone it may not go where its master led it.
+            let velocity = if self.reverses_alone() { steady } else { steady.max(0.0) };
             let aim = Aim::velocity(velocity);
             self.generator = Generator::Plan(self.course(cx.cycle, self.present(), aim, limits));
             self.reference = Reference::Speed;

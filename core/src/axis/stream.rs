@@ -26,6 +26,7 @@ impl Axis {
             && free
             && self.power == Power::On
             && velocity.abs() <= self.velocity_for_base()
+            && self.check_forward(velocity).is_ok()
         {
             self.stream_age = 0;
             if velocity != 0.0 || !self.rests() {

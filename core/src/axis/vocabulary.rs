@@ -239,7 +239,8 @@ impl Axis {
         };
         // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
         let (gear, mode) = (Gear::new(ratio), SyncMode::Position);
-        Ok(Follower::new(leader, gear, mode, Disengage::Stop, self.command, Position::ZERO, bounds))
+        let follower = Follower::new(leader, gear, mode, Disengage::Stop, self.command, Position::ZERO, bounds);
+        Ok(follower.with_accuracy(p.sync_accuracy))
     }
 
     /// Does an order that no command waits for; what the axis refuses is told.

@@ -99,6 +99,8 @@ impl Limits {
                 brake_rise: mine.brake_rise.max(other.brake_rise),
                 brake_fall: mine.brake_fall.max(other.brake_fall),
             }),
+            // What has no limit of jerk must not get one in its ramp: there its acceleration would never end.
+            (Shape::Jerk(_), other) => other,
             (shape, _) => shape,
         };
         Self {

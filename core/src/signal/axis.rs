@@ -37,7 +37,7 @@ signal_block! {
     Turns "turns" Int, None; "whole turns of the command position"
     SyncMaster "sync.master" Int, Position; "position of the leader"
     SyncError "sync.error" Int, Position; "geared leader minus command position"
-    SyncStatus "sync.status" Word, None; "bit 0 accurate"
+    SyncStatus "sync.status" Word, None; "bit 0 accurate, 1 ready, 2 fault, 3 master 4 slave marker missed"
     MarkerError "marker.error" Real, Position; "error between marks"
     MarkerCorrection "marker.correction" Real, Position; "correction for the marks"
     LimitPositive "limit.positive" Bit, None; "positive limit switch"
@@ -51,4 +51,7 @@ signal_block! {
     OutputVelocity "output.velocity" Real, Velocity; "velocity asked of the drive"
     OutputEffort "output.effort" Real, None; "effort asked of the drive"
     OutputControl "output.control" Word, None; "control word to the drive (6040h)"
+    MasterPosition "master.position" Real, None; "position of the master (inc), of a negative mencoder in master units (MAPOS)"
+    MasterVelocity "master.velocity" Real, None; "velocity of the master, the same per s (MAVEL)"
+    TrackError "regulator.track_error" Real, None; "100 * (command - actual) / command velocity per ms (REG_NORMTRACKERR)"
 }

@@ -24,6 +24,16 @@ enum Motion {
 }
 
 impl Motion {
+    /// Turns it against its setpoint?
+    fn is_inverted(&self) -> bool {
+        match self {
+            Motion::Ideal | Motion::SecondOrder { .. } => false,
+            Motion::Velocity(law) => law.inverted,
+            Motion::TwoSpeed(law) => law.inverted,
+            Motion::Valve { law, .. } => law.inverted,
+        }
+    }
+
     /// Takes it velocities, whatever the mode?
     fn has_velocity_only(&self) -> bool {
         matches!(self, Motion::Velocity(_) | Motion::TwoSpeed(_) | Motion::Valve { .. })
@@ -141,6 +151,7 @@ impl SimDrive {
         if self.motion.has_velocity_only() || matches!(output.mode, MODE_CSV | MODE_VELOCITY) {
             // Without its voltage a motor is asked for nothing, and runs down.
             let asked = if is_on && output.velocity.is_finite() { output.velocity } else { 0.0 };
+            let asked = if self.motion.is_inverted() { 0.0 - asked } else { asked };
             self.run_at(asked.clamp(-FASTEST, FASTEST));
         } else if is_on {
             self.move_to(output.position);

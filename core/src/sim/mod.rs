@@ -34,6 +34,18 @@ pub enum Model {
 }
 
 impl Model {
+    /// The same motor wired so that it turns against its setpoint, if `inverted`; a model of positions stays what it is.
+    pub fn wired(self, inverted: bool) -> Self {
+        let mut model = self;
+        match &mut model {
+            Model::Ideal | Model::SecondOrder(_) => {}
+            Model::Velocity(law) => law.inverted = inverted,
+            Model::TwoSpeed(law) => law.inverted = inverted,
+            Model::Valve(law) => law.inverted = inverted,
+        }
+        model
+    }
+
     /// Does a drive of this kind take what `interface` gives it?
     pub fn fits(&self, interface: Interface) -> bool {
         match self {

@@ -72,7 +72,11 @@ fn check_lag(time_constant_ns: i64, error: fn(i64) -> ModelError) -> Result<(), 
 
 /// A drive with a velocity loop: a lag to its setpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VelocityLag(Lag);
+pub struct VelocityLag {
+    lag: Lag,
+    /// Wired so that it turns against its setpoint.
+    pub(super) inverted: bool,
+}
 
 impl VelocityLag {
     /// A lag of that time constant (ns), stepped once per cycle.
@@ -81,11 +85,11 @@ impl VelocityLag {
     /// A time outside its range.
     pub fn new(time_constant_ns: i64, cycle_ns: u64) -> Result<Self, ModelError> {
         check_lag(time_constant_ns, ModelError::TimeConstant)?;
-        Ok(Self(Lag::new(time_constant_ns, cycle_ns)))
+        Ok(Self { lag: Lag::new(time_constant_ns, cycle_ns), inverted: false })
     }
 
     pub(super) fn step(&self, velocity: &mut f64, setpoint: f64) -> f64 {
-        self.0.cycle(velocity, setpoint)
+        self.lag.cycle(velocity, setpoint)
     }
 }
 
@@ -94,6 +98,8 @@ impl VelocityLag {
 pub struct TwoSpeed {
     driven: Lag,
     coasting: Lag,
+    /// Wired so that it turns against its setpoint.
+    pub(super) inverted: bool,
 }
 
 impl TwoSpeed {
@@ -104,7 +110,8 @@ impl TwoSpeed {
     pub fn new(time_constant_ns: i64, coast_ns: i64, cycle_ns: u64) -> Result<Self, ModelError> {
         check_lag(time_constant_ns, ModelError::TimeConstant)?;
         check_lag(coast_ns, ModelError::Coast)?;
-        Ok(Self { driven: Lag::new(time_constant_ns, cycle_ns), coasting: Lag::new(coast_ns, cycle_ns) })
+        let (driven, coasting) = (Lag::new(time_constant_ns, cycle_ns), Lag::new(coast_ns, cycle_ns));
+        Ok(Self { driven, coasting, inverted: false })
     }
 
     pub(super) fn step(&self, velocity: &mut f64, setpoint: f64) -> f64 {
@@ -123,6 +130,8 @@ pub struct Valve {
     /// Whole cycles of the dead time.
     cycles: usize,
     cycle_s: f64,
+    /// Wired so that it turns against its setpoint.
+    pub(super) inverted: bool,
 }
 
 impl Valve {
@@ -141,6 +150,7 @@ impl Valve {
             after: Lag::new(time_constant_ns, cycle_ns - part_ns),
             cycles: (dead_ns / cycle_ns) as usize,
             cycle_s: cycle_ns as f64 / 1e9,
+            inverted: false,
         })
     }
 

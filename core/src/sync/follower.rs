@@ -11,6 +11,7 @@
 //! Source   MACS-SYNC-02, MACS-SYNC-04, MACS-SYNC-06, MACS-SYNC-07, A-30
 
 use super::gear::Gear;
+use crate::axis::Rule;
 use crate::command::{Disengage, SyncMode};
 use crate::encoder::Lead;
 use crate::object::Leader;
@@ -81,6 +82,8 @@ pub struct Follower {
     target: Position,
     bounds: Bounds,
     counted: bool,
+    /// Error up to which it counts as accurate (inc); negative: the error is shown with its sign.
+    accuracy: i64,
     /// The geared leader's change of the last cycle (inc).
     last: f64,
     /// The same, smoothed.
@@ -110,13 +113,23 @@ impl Follower {
     ) -> Self {
         let counted = !matches!(leader, Leader::AxisCommand(_));
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
-        Self { leader, disengage, mode, gear, phase, target, bounds, counted, last: 0.0, mean: 0.0 }
+        Self { leader, disengage, mode, gear, phase, target, bounds, counted, accuracy: 0, last: 0.0, mean: 0.0 }
     }
 
     /// The same with a way of the leader that is past already and counts.
     pub fn with_past(mut self, past: Position) -> Self {
         self.target += self.gear.step(past);
         self
+    }
+
+    /// The same with this window of accuracy (inc), which it keeps (MACS-STO-09); negative: the error is shown with its sign.
+    pub fn with_accuracy(self, accuracy: i64) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// Window of accuracy (inc).
+    pub fn accuracy(&self) -> i64 {
+        self.accuracy
     }
 
     /// Where the gear wants the slave.
@@ -158,8 +171,14 @@ impl Follower {
         self.target += by;
     }
 
-    /// One cycle: the slave's next motion, with what `reserve` leaves of the bounds.
-    pub fn step(&mut self, slave: Motion, lead: Lead, cycle_s: f64, reserve: Reserve) -> Motion {
+    /// Did the leader's last change, geared, lead backwards?
+    pub fn leader_reverses(&self) -> bool {
+        self.last < 0.0
+    }
+
+    /// One cycle: the slave's next motion, with what `reserve` leaves of the bounds. Where the rule forbids to go backwards, the
+    /// slave stands, and the gear waits for it ahead or behind.
+    pub fn step(&mut self, slave: Motion, lead: Lead, cycle_s: f64, reserve: Reserve, rule: Rule) -> Motion {
         let bounds = self.bounds.less(reserve);
         let change = self.gear.step(lead.change);
         self.target += change;
@@ -171,9 +190,21 @@ impl Follower {
         let uneven = self.uneven().min((geared - self.last).abs());
         self.last = geared;
         self.mean += (geared - self.mean) / MEAN_CYCLES;
+        let forward_only = match rule {
+            Rule::Always => false,
+            Rule::WithMaster => geared >= 0.0,
+            Rule::Never => true,
+        };
+        let follows = !(forward_only && geared < 0.0) && self.can_follow(geared, before, uneven, cycle_s, bounds);
         let position = match self.phase {
-            Phase::Synchronized if self.can_follow(geared, before, uneven, cycle_s, bounds) => slave.position + change,
-            _ => self.catch_up(slave.position, change, before, uneven, cycle_s, bounds),
+            Phase::Synchronized if follows => slave.position + change,
+            _ => {
+                let rate = bounds.acceleration * cycle_s * cycle_s;
+                let (low, high) = (before - rate - uneven, before + rate + uneven);
+                // What went backwards with its leader may still slow down.
+                let low = if forward_only { low.max(high.min(0.0)) } else { low };
+                self.catch_up(slave.position, change, (low, high), cycle_s, bounds)
+            }
         };
         let velocity = (position - slave.position).to_f64() / cycle_s;
         Motion { position, velocity, acceleration: (velocity - slave.velocity) / cycle_s, jerk: 0.0 }
@@ -188,13 +219,12 @@ impl Follower {
             && (geared - before).abs() <= rate * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + grid
     }
 
-    /// The position after a cycle of catching up; turns to synchronized when it arrives.
+    /// The position after a cycle of catching up, with a step between `low` and `high`; turns to synchronized when it arrives.
     fn catch_up(
         &mut self,
         position: Position,
         change: Position,
-        before: f64,
-        uneven: f64,
+        (low, high): (f64, f64),
         cycle_s: f64,
         bounds: Bounds,
     ) -> Position {
@@ -210,7 +240,7 @@ impl Follower {
         let top = if catches { bounds.velocity } else { bounds.max_velocity } * cycle_s;
         let wanted = (geared + closing).clamp(-top, top);
         // Not `clamp`: a state that was made up may have no number before.
-        let step = wanted.max(before - rate - uneven).min(before + rate + uneven);
+        let step = wanted.max(low).min(high);
         // Bit for bit the velocity that is asked for: nothing held it back.
         if arrives && step == geared + closing {
             self.phase = Phase::Synchronized;

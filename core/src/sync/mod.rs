@@ -7,6 +7,20 @@ use crate::encoder::Lead;
 use crate::object::Leader;
 use serde::{Deserialize, Serialize};
 
+/// Bits of `x.sync.status`, what MACS calls SYNCSTAT; the text gives no numbers (MACS-SYS-04, A-55).
+pub mod status {
+    /// The sync error lies within SYNCACCURACY.
+    pub const ACCURATE: u64 = 1;
+    /// Enough markers have come.
+    pub const READY: u64 = 1 << 1;
+    /// Markers stay away.
+    pub const FAULT: u64 = 1 << 2;
+    /// A marker of the master was missed.
+    pub const MASTER_MARKER_MISSED: u64 = 1 << 3;
+    /// A marker of the slave was missed.
+    pub const SLAVE_MARKER_MISSED: u64 = 1 << 4;
+}
+
 /// Everything that can lead, as far as this cycle has come.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Leads {

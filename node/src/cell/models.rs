@@ -28,12 +28,13 @@ const KINDS: [(&str, Kind); 5] = [
 ];
 
 /// The keys of models, and whose they are.
-const KEYS: [(&str, &[Kind]); 5] = [
+const KEYS: [(&str, &[Kind]); 6] = [
     ("bandwidth", &[Kind::SecondOrder]),
     ("damping", &[Kind::SecondOrder]),
     ("time_constant", &[Kind::Velocity, Kind::TwoSpeed, Kind::Valve]),
     ("coast", &[Kind::TwoSpeed]),
     ("dead_time", &[Kind::Valve]),
+    ("inverted", &[Kind::Velocity, Kind::TwoSpeed, Kind::Valve]),
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,9 +87,10 @@ pub(super) fn model(value: &Value<'_>, interface: Option<Interface>, cycle_ns: u
 /// The values of [`KEYS`], each read by itself so that every problem is reported.
 fn read(
     kind: Kind,
-    [bandwidth, damping, constant, coast, dead]: &[Option<Value<'_>>; 5],
+    [bandwidth, damping, constant, coast, dead, inverted]: &[Option<Value<'_>>; 6],
     cycle_ns: u64,
 ) -> Option<Model> {
+    let inverted = inverted.as_ref().map_or(Some(false), Value::boolean);
     let constant_or = |usual| time(constant, usual, |ns| VelocityLag::new(ns, cycle_ns).map(drop));
     match kind {
         Kind::Ideal => Some(Model::Ideal),
@@ -103,16 +105,21 @@ fn read(
             });
             SecondOrder::new(hertz?, damping?, cycle_ns).ok().map(Model::SecondOrder)
         }
-        Kind::Velocity => VelocityLag::new(constant_or(SERVO_NS)?, cycle_ns).ok().map(Model::Velocity),
+        Kind::Velocity => {
+            let law = VelocityLag::new(constant_or(SERVO_NS)?, cycle_ns).ok()?;
+            Some(Model::Velocity(law).wired(inverted?))
+        }
         Kind::TwoSpeed => {
             let constant = constant_or(MOTOR_NS);
             let coast = time(coast, COAST_NS, |ns| TwoSpeed::new(0, ns, cycle_ns).map(drop));
-            TwoSpeed::new(constant?, coast?, cycle_ns).ok().map(Model::TwoSpeed)
+            let law = TwoSpeed::new(constant?, coast?, cycle_ns).ok()?;
+            Some(Model::TwoSpeed(law).wired(inverted?))
         }
         Kind::Valve => {
             let constant = constant_or(MOTOR_NS);
             let dead = time(dead, DEAD_NS, |ns| Valve::new(0, ns, cycle_ns).map(drop));
-            Valve::new(constant?, dead?, cycle_ns).ok().map(Model::Valve)
+            let law = Valve::new(constant?, dead?, cycle_ns).ok()?;
+            Some(Model::Valve(law).wired(inverted?))
         }
     }
 }

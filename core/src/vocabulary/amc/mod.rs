@@ -79,6 +79,11 @@ impl Amc {
         p.reference_select != STOP || p.reference_select_trigger != self.trigger || p.action_on_event != 0
     }
 
+    /// Its axis counts the other way from now on, and stands where it is.
+    pub(crate) fn turn_over(&mut self) {
+        self.stop = -self.stop;
+    }
+
     /// One step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Step {
         let p = &view.parameters.amc;

@@ -211,7 +211,7 @@ impl Rig {
 
     pub(super) fn register(&self, register: Register) -> Value {
         let (_, row) = register.row().unwrap();
-        (row.get)(self.machine.parameters(X).unwrap())
+        row.value(self.machine.parameters(X).unwrap())
     }
 
     pub(super) fn enable(&mut self) {

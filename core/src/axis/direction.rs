@@ -1,0 +1,401 @@
+//! The sense in which an axis counts, and whether it may reverse.
+//!
+//! Law      position = sense * (origin + count); what goes to the drive and what comes from it is turned over at this border
+//!          only, so that everything inside the axis is in the user's sense. An axis that is turned over while it is off keeps
+//!          its place: its position becomes the mirror of what it was
+//! Reads    POSDRCT, REVERS
+//! Writes   nothing; the axis asks at each place where counts and positions meet
+//! Refuses  a motion backwards where REVERS forbids it
+//! Source   MACS-DIR-01..10, A-07, A-08, A-09
+
+use super::course::{Aim, Course, ROUNDING};
+use super::overlay::Overlay;
+use super::{Axis, Context, Generator};
+use crate::code::Code;
+use crate::drive::Interface;
+use crate::event::{Number, Refusal};
+use crate::parameter::AxisParameters;
+use crate::position::Position;
+use crate::profile::{self, Motion};
+use crate::vocabulary::wf::Switching;
+use crate::vocabulary::{saia, wf};
+
+/// What POSDRCT says (MACS-DIR-01): each true where it is inverted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sense {
+    /// The user's units count against the encoder.
+    pub units: bool,
+    /// A positive reference of the position loop moves the encoder negative.
+    pub position: bool,
+    /// The same of the velocity loop.
+    pub velocity: bool,
+}
+
+impl Sense {
+    /// Decodes POSDRCT; none for a value that it does not have.
+    pub fn decode(posdrct: i64) -> Option<Self> {
+        let digits = posdrct.unsigned_abs();
+        let (tens, ones) = if digits < 10 { (digits, digits) } else { (digits / 10, digits % 10) };
+        let inverted = |digit: u64| match digit {
+            1 => Some(false),
+            2 => Some(true),
+            _ => None,
+        };
+        Some(Self { units: posdrct < 0, position: inverted(ones)?, velocity: inverted(tens)? })
+    }
+
+    /// Counts as the user counts them, and the other way round (inc).
+    fn turn(self, counts: i64) -> i64 {
+        if self.units { counts.wrapping_neg() } else { counts }
+    }
+
+    /// The same of a position.
+    fn turn_position(self, position: Position) -> Position {
+        if self.units { -position } else { position }
+    }
+
+    /// The same of a velocity, an acceleration or an effort. Never -0: a mirror of nothing is nothing.
+    fn turn_real(self, value: f64) -> f64 {
+        if self.units { 0.0 - value } else { value }
+    }
+}
+
+/// When an axis may move backwards (MACS-DIR-06).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rule {
+    /// Always.
+    #[default]
+    Always,
+    /// While the master that it is coupled to does: geared, with the sign of the ratio. Without a coupling never.
+    WithMaster,
+    /// Never.
+    Never,
+}
+
+/// What REVERS makes of the sign of the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Polarity {
+    /// It has one (MACS-DIR-08, output 0).
+    #[default]
+    Bipolar,
+    /// This output shows it (MACS-DIR-08).
+    Direction(u8),
+    /// This output enables one sense, the next one the other (MACS-DIR-09).
+    Enables(u8),
+}
+
+/// What REVERS says (MACS-DIR-05, -09).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reversing {
+    /// When it may.
+    pub rule: Rule,
+    /// How the drive is told the sign.
+    pub polarity: Polarity,
+    /// Bus ID of the drive; 0 for none (MACS-DIR-10).
+    pub node: u8,
+}
+
+impl Reversing {
+    /// Decodes REVERS: rule + 10 output + 100 node, or -10 to -90; none for a value that it does not have.
+    pub fn decode(revers: i64) -> Option<Self> {
+        if revers < 0 {
+            let output = u8::try_from(revers.unsigned_abs() / 10).ok().filter(|output| (1..=9).contains(output))?;
+            return (revers % 10 == 0).then_some(Self { polarity: Polarity::Enables(output), ..Self::default() });
+        }
+        let rule = match revers % 10 {
+            0 => Rule::Always,
+            1 => Rule::WithMaster,
+            2 => Rule::Never,
+            _ => return None,
+        };
+        let polarity = match u8::try_from(revers / 10 % 10).ok()? {
+            0 => Polarity::Bipolar,
+            output => Polarity::Direction(output),
+        };
+        let node = u8::try_from(revers / 100).ok().filter(|node| *node <= 127)?;
+        Some(Self { rule, polarity, node })
+    }
+
+    /// Is all of it built: the rule alone?
+    pub fn is_built(self) -> bool {
+        self.polarity == Polarity::Bipolar && self.node == 0
+    }
+}
+
+impl AxisParameters {
+    /// What POSDRCT says.
+    pub fn sense(&self) -> Sense {
+        // The row lets nothing else pass.
+        Sense::decode(self.macs.posdrct).unwrap_or_default()
+    }
+
+    /// What REVERS says.
+    pub fn reversing(&self) -> Reversing {
+        Reversing::decode(self.macs.revers).unwrap_or_default()
+    }
+}
+
+/// Can a loop that is closed there be turned over here? Where a drive closes its position loop, it has to be told.
+pub fn may_turn_loop(interface: Option<Interface>, parameters: &AxisParameters) -> bool {
+    !parameters.sense().position || !matches!(interface, Some(Interface::Position))
+}
+
+impl Axis {
+    /// A virtual axis has no encoder that it could count against.
+    pub(super) fn turned(&self) -> Sense {
+        if self.is_virtual() { Sense::default() } else { self.parameters.sense() }
+    }
+
+    /// A count of the drive's coordinate in the user's sense (inc).
+    pub(super) fn turn_counts(&self, counts: i64) -> i64 {
+        self.turned().turn(counts)
+    }
+
+    /// A value of the drive in the user's sense, and the other way round.
+    pub(super) fn across(&self, value: f64) -> f64 {
+        self.turned().turn_real(value)
+    }
+
+    /// A reference for the drive in the sense in which its motor turns: that of the loop that is closed here.
+    pub(super) fn reference_across(&self, value: f64) -> f64 {
+        let value = self.across(value);
+        if self.turned().position && self.setup.interface != Interface::Position { 0.0 - value } else { value }
+    }
+
+    /// The whole increment that the drive is asked for at `position`, in the user's sense: the lower one in its own counts.
+    pub(super) fn asked_at(&self, position: Position) -> i64 {
+        let sense = self.turned();
+        sense.turn(sense.turn_position(position).floor())
+    }
+
+    /// The whole increment that the drive is asked for in this cycle, in the user's sense.
+    pub(super) fn asked(&self) -> i64 {
+        self.asked_at(self.command.position)
+    }
+
+    /// Where the axis rests that comes to rest at `position`: the increment that its drive was given already.
+    pub(super) fn resting(&self, position: Position) -> Motion {
+        Motion::at_rest(Position::whole(self.asked_at(position)))
+    }
+
+    /// The outputs that choose a direction, as they are wired to the motor.
+    pub(crate) fn switching_of(&self, shown: Switching) -> Switching {
+        if self.reference_across(1.0) > 0.0 {
+            return shown;
+        }
+        Switching { forward: shown.backward, backward: shown.forward, dac: 0.0 - shown.dac, ..shown }
+    }
+
+    /// New parameters are in force from now on. True where that turns the axis over: what others keep of its position is to
+    /// be mirrored as well.
+    pub fn take_parameters(&mut self, parameters: AxisParameters) -> bool {
+        let before = self.turned().units;
+        self.parameters = parameters;
+        let turns = before != self.turned().units;
+        if turns {
+            self.turn_over();
+        }
+        turns
+    }
+
+    /// Everything that it remembers of places: it is off, and stays where it is.
+    fn turn_over(&mut self) {
+        self.command = Motion::at_rest(-self.command.position);
+        self.actual.position = -self.actual.position;
+        self.last_direction = 0.0 - self.last_direction;
+        self.judge.fill(self.command.position.floor());
+        self.amc.turn_over();
+        // As after the power came on: their zeros and targets were those of the other sense.
+        self.saia = saia::Saia::default();
+        self.wf = wf::Wf::default();
+    }
+
+    /// May it have these parameters?
+    ///
+    /// # Errors
+    /// The loop of its drive cannot be turned over here.
+    pub fn admits_sense(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
+        let interface = self.setup.drive.map(|_| self.setup.interface);
+        if may_turn_loop(interface, candidate) {
+            return Ok(());
+        }
+        let (row, _) = crate::parameter::Row::find("posdrct").unzip();
+        let asked = Number::Count(candidate.macs.posdrct);
+        let refusal = Refusal::new(Code::LOOP_IN_DRIVE, self.object()).with(asked, Number::None);
+        Err(Refusal { parameter: row, ..refusal })
+    }
+
+    /// May a motion that no master commands go backwards?
+    pub(super) fn reverses_alone(&self) -> bool {
+        self.parameters.reversing().rule == Rule::Always
+    }
+
+    /// May it go backwards in this cycle?
+    fn may_reverse(&self) -> bool {
+        match self.parameters.reversing().rule {
+            Rule::Always => true,
+            Rule::WithMaster => matches!(&self.generator, Generator::Follow(follower) if follower.leader_reverses()),
+            Rule::Never => false,
+        }
+    }
+
+    fn backwards(&self, asked: Number) -> Refusal {
+        Refusal::new(Code::REVERSE_FORBIDDEN, self.object()).with(asked, Number::None)
+    }
+
+    /// A velocity leads forwards, where nothing else is allowed.
+    pub(super) fn check_forward(&self, velocity: f64) -> Result<(), Refusal> {
+        let good = velocity >= 0.0 || self.reverses_alone();
+        if good { Ok(()) } else { Err(self.backwards(Number::Velocity(velocity))) }
+    }
+
+    /// A course leads forwards all the way, where nothing else is allowed. What moves backwards already (with its master) has to
+    /// stop first.
+    pub(super) fn check_course_forward(&self, course: &Course, from: Motion) -> Result<(), Refusal> {
+        if self.reverses_alone() {
+            return Ok(());
+        }
+        let start = if from.velocity < 0.0 {
+            profile::stop(from, &self.stop_limits(), self.setup.cycle_ns).end()
+        } else {
+            from.position
+        };
+        let rounding = Position::from_f64(ROUNDING);
+        let (lowest, highest) = course.extent_from(from.position);
+        match course.aim {
+            // Behind where it begins, or passed and come back to.
+            Aim::Target(target) if lowest.min(target) < start - rounding || highest > course.end() + rounding => {
+                Err(self.backwards(Number::Position(target.nearest())))
+            }
+            Aim::Velocity(velocity) => self.check_forward(velocity),
+            _ => Ok(()),
+        }
+    }
+
+    /// A goal that waits ends no further back than the one before it.
+    pub(super) fn check_end_forward(&self, before: Option<Position>, end: Position) -> Result<(), Refusal> {
+        let behind = before.is_some_and(|before| Position::whole(end.nearest()) < Position::whole(before.nearest()));
+        if behind && !self.reverses_alone() {
+            return Err(self.backwards(Number::Position(end.nearest())));
+        }
+        Ok(())
+    }
+
+    /// A superimposed motion leads forwards, where nothing else is allowed.
+    pub(super) fn check_overlay_forward(&self, overlay: &Overlay) -> Result<(), Refusal> {
+        let (down, _) = overlay.ahead();
+        if down < -Position::from_f64(ROUNDING) && !self.reverses_alone() {
+            return Err(self.backwards(Number::Position(down.nearest())));
+        }
+        Ok(())
+    }
+
+    /// The motion of this cycle, no velocity below 0 where that is forbidden: what would turn back stands, and goes
+    /// on from there if its target lies ahead.
+    pub(super) fn forward(&mut self, cx: &mut Context<'_>, next: Motion) -> Motion {
+        // One that moves backwards with its master may still slow down.
+        if next.velocity >= 0.0 || self.command.velocity < 0.0 || self.may_reverse() {
+            return next;
+        }
+        let here = self.resting(self.command.position);
+        if let Generator::Plan(course) = self.generator {
+            let goes_on = match course.aim {
+                Aim::Target(target) => target >= here.position,
+                Aim::Velocity(velocity) => velocity > 0.0,
+                Aim::Stop => false,
+            };
+            if goes_on {
+                self.generator = Generator::Plan(self.course(cx.cycle, here, course.aim, course.limits));
+            } else {
+                if course.aim != Aim::Stop {
+                    self.end_goal(cx, Code::REVERSE_FORBIDDEN);
+                    self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, here.position);
+                }
+                self.generator = Generator::Rest;
+            }
+        }
+        here
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sense(units: bool, position: bool, velocity: bool) -> Option<Sense> {
+        Some(Sense { units, position, velocity })
+    }
+
+    /// The table of the source; 11 is 1, and every other value is none.
+    ///
+    /// Proves: MACS-DIR-01
+    #[test]
+    fn posdrct_decodes_by_its_table() {
+        let table = [
+            (1, sense(false, false, false)),
+            (-1, sense(true, false, false)),
+            (2, sense(false, true, true)),
+            (-2, sense(true, true, true)),
+            (12, sense(false, true, false)),
+            (21, sense(false, false, true)),
+            (22, sense(false, true, true)),
+            (-12, sense(true, true, false)),
+            (-21, sense(true, false, true)),
+            (-22, sense(true, true, true)),
+            (11, sense(false, false, false)),
+            (-11, sense(true, false, false)),
+        ];
+        for value in -300..=300 {
+            let expected = table.iter().find(|(known, _)| *known == value).and_then(|(_, sense)| *sense);
+            assert_eq!(Sense::decode(value), expected, "{value}");
+        }
+        for value in [i64::MIN, i64::MAX, 112, 211] {
+            assert_eq!(Sense::decode(value), None, "{value}");
+        }
+    }
+
+    /// The row takes what decodes, and nothing else.
+    ///
+    /// Proves: MACS-DIR-01, MACS-DIR-05
+    #[test]
+    fn rows_take_what_decodes() {
+        use crate::parameter::{Row, Value};
+        let (_, posdrct) = Row::find("posdrct").unwrap();
+        let (_, revers) = Row::find("revers").unwrap();
+        for value in -200..=13_000 {
+            let takes = |row: &Row| row.check(Value::Int(value)).is_ok();
+            assert_eq!(takes(posdrct), Sense::decode(value).is_some(), "posdrct {value}");
+            assert_eq!(takes(revers), Reversing::decode(value).is_some(), "revers {value}");
+        }
+    }
+
+    /// rule + 10 output + 100 node, and the two enables.
+    ///
+    /// Proves: MACS-DIR-05
+    #[test]
+    fn revers_decodes_into_rule_output_and_node() {
+        let of = |rule, polarity, node| Some(Reversing { rule, polarity, node });
+        for (value, expected) in [
+            (0, of(Rule::Always, Polarity::Bipolar, 0)),
+            (1, of(Rule::WithMaster, Polarity::Bipolar, 0)),
+            (2, of(Rule::Never, Polarity::Bipolar, 0)),
+            (3, None),
+            (12, of(Rule::Never, Polarity::Direction(1), 0)),
+            // The sample that the printed range leaves out.
+            (20, of(Rule::Always, Polarity::Direction(2), 0)),
+            (300, of(Rule::Always, Polarity::Bipolar, 3)),
+            (12_702, of(Rule::Never, Polarity::Bipolar, 127)),
+            (12_792, of(Rule::Never, Polarity::Direction(9), 127)),
+            (12_793, None),
+            (12_800, None),
+            (-10, of(Rule::Always, Polarity::Enables(1), 0)),
+            (-90, of(Rule::Always, Polarity::Enables(9), 0)),
+            (-11, None),
+            (-100, None),
+            (i64::MIN, None),
+            (i64::MAX, None),
+        ] {
+            assert_eq!(Reversing::decode(value), expected, "{value}");
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! The system variables of MACS by their names and numbers, and the signals that show them here.
+//!
+//! Law      number = 4095 + subindex of object 0x2500 (MACS-SYS-02)
+//! Reads    nothing
+//! Writes   nothing: a table for people and tools that know the numbers
+//! Refuses  nothing
+//! Source   MACS-SYS-01..04, A-55
+
+/// Where the numbers from 4096 on stand on the bus (CANopen index).
+pub const OBJECT: u16 = 0x2500;
+
+/// Number of a system variable of subindex 0 of [`OBJECT`].
+const BASE: u16 = 4095;
+
+/// How a program of the source names a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Address {
+    /// SYSVAR of this number.
+    Number(u16),
+    /// An object of the controller by index and subindex.
+    Object(u16, u8),
+    /// A name alone: the text gives no number.
+    Name,
+}
+
+impl Address {
+    /// Index and subindex on the bus, where it has one (MACS-SYS-02).
+    pub fn object(self) -> Option<(u16, u8)> {
+        match self {
+            Self::Number(number) => Some((OBJECT, number.checked_sub(BASE).and_then(|sub| u8::try_from(sub).ok())?)),
+            Self::Object(index, subindex) => Some((index, subindex)),
+            Self::Name => None,
+        }
+    }
+}
+
+/// What shows a variable here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// The end of the name of a signal of the axis.
+    Signal(&'static str),
+    /// The end of the name of a signal of an entry of section `encoders`.
+    Encoder(&'static str),
+    /// Nothing yet: this does not exist.
+    Missing(&'static str),
+}
+
+/// A named system variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SystemVariable {
+    /// As the source writes it; empty where it gives a number only.
+    pub name: &'static str,
+    /// How a program names it.
+    pub address: Address,
+    /// What it holds, with the source's unit.
+    pub meaning: &'static str,
+    /// What shows it here.
+    pub shown: Shown,
+}
+
+const fn variable(name: &'static str, address: Address, meaning: &'static str, shown: Shown) -> SystemVariable {
+    SystemVariable { name, address, meaning, shown }
+}
+
+/// Every system variable that the text names (MACS-SYS-01).
+pub const SYSTEM_VARIABLES: &[SystemVariable] = &[
+    variable("", Address::Number(16), "errors of an absolute encoder so far", Shown::Missing("absolute encoders")),
+    variable("", Address::Number(42), "physical value of a shared encoder (qc)", Shown::Encoder("count")),
+    variable("", Address::Number(4096), "commanded position (qc)", Shown::Signal("command.position")),
+    variable(
+        "",
+        Address::Number(4105),
+        "master simulation (qc; written: qc/st)",
+        Shown::Missing("the master simulation"),
+    ),
+    variable(
+        "REG_NORMTRACKERR",
+        Address::Number(4124),
+        "tracking error (% of the command velocity in qc/st)",
+        Shown::Signal("regulator.track_error"),
+    ),
+    variable("", Address::Number(4238), "filtered marker distance (qc)", Shown::Missing("marker synchronization")),
+    variable(
+        "PFG_COMMANDPOS",
+        Address::Number(4311),
+        "command position, exact (qc)",
+        Shown::Signal("command.position"),
+    ),
+    variable(
+        "PFG_OLDCOMMANDPOS",
+        Address::Number(4312),
+        "command position of the cycle before (qc)",
+        Shown::Missing("the command of the cycle before; a recording has it"),
+    ),
+    variable(
+        "PFG_SYNCMNEGBUFFER",
+        Address::Number(4315),
+        "stored backward motion of the master (qc)",
+        Shown::Missing("SYNCTYPE bit 2"),
+    ),
+    variable("PFG_MFILTERERROR", Address::Name, "error of the master filter (qc)", Shown::Missing("SYNCVFTIME")),
+    variable("AMP_I2TVALUE", Address::Object(0x2700, 27), "i2t value", Shown::Missing("the current loop")),
+    variable("AMP_GETCUR", Address::Name, "filtered current (mA)", Shown::Missing("the current loop")),
+    variable("", Address::Name, "physical encoder, written 0x0122022A (qc)", Shown::Signal("actual.count")),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::Directory;
+
+    /// Proves: MACS-SYS-02
+    #[test]
+    fn numbers_are_subindices_of_2500() {
+        assert_eq!(Address::Number(4315).object(), Some((0x2500, 220)));
+        assert_eq!(Address::Number(4124).object(), Some((0x2500, 29)));
+        assert_eq!(Address::Number(4096).object(), Some((0x2500, 1)));
+        assert_eq!(Address::Object(0x2700, 27).object(), Some((0x2700, 27)));
+        // Below, and beyond what a subindex holds, there is none.
+        for number in [16, 42, 4094, 4095 + 256] {
+            assert_eq!(Address::Number(number).object(), None, "{number}");
+        }
+    }
+
+    /// Every variable that is named has a line; what a line names is there, on a machine of any kind.
+    ///
+    /// Proves: MACS-SYS-01
+    #[test]
+    fn every_signal_that_the_table_names_exists() {
+        let mut directory = Directory::default();
+        crate::signal::axis::AxisSignal::add_all(&mut directory, "x");
+        for variable in SYSTEM_VARIABLES {
+            match variable.shown {
+                Shown::Signal(end) => assert!(directory.find(&format!("x.{end}")).is_some(), "{variable:?}"),
+                Shown::Encoder(end) => assert!(["count", "position", "velocity", "error"].contains(&end)),
+                Shown::Missing(what) => assert!(!what.is_empty(), "{variable:?}"),
+            }
+        }
+        let numbers: Vec<u16> = SYSTEM_VARIABLES
+            .iter()
+            .filter_map(|variable| match variable.address {
+                Address::Number(number) => Some(number),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(numbers, [16, 42, 4096, 4105, 4124, 4238, 4311, 4312, 4315]);
+        for name in
+            ["REG_NORMTRACKERR", "PFG_COMMANDPOS", "PFG_OLDCOMMANDPOS", "PFG_SYNCMNEGBUFFER", "PFG_MFILTERERROR"]
+        {
+            assert_eq!(SYSTEM_VARIABLES.iter().filter(|variable| variable.name == name).count(), 1, "{name}");
+        }
+    }
+
+    /// The table in docs/motion.md is this one.
+    #[test]
+    fn the_book_has_every_line() {
+        let book = include_str!("../../../docs/motion.md");
+        for variable in SYSTEM_VARIABLES {
+            let number = match variable.address {
+                Address::Number(number) => number.to_string(),
+                Address::Object(index, subindex) => format!("0x{index:04X}:{subindex}"),
+                Address::Name => String::new(),
+            };
+            let shown = match variable.shown {
+                Shown::Signal(end) => format!("`x.{end}`"),
+                Shown::Encoder(end) => format!("`belt.{end}`"),
+                Shown::Missing(what) => format!("not yet: {what}"),
+            };
+            let line = format!("| {number} | {} | {} | {shown} |", variable.name, variable.meaning);
+            assert!(book.contains(&line), "{line}");
+        }
+    }
+}
