@@ -133,6 +133,13 @@ codes! {
     /// The axis closes a position loop, and the command is for one that does not.
     CLOSED_LOOP = 10031;
 
+    /// Something that needs a disabled axis, or one that stands if it is virtual.
+    NOT_DISABLED = 10032;
+    /// A parameter that the machine computes, or that stands in the cell.
+    READ_ONLY = 10033;
+    /// A set that gives one value twice, by two names, and not the same.
+    GIVEN_TWICE = 10034;
+
     /// A position reference that does not lie within the turn (VM_AMC_POSITION_REF).
     AMC_OUTSIDE_TURN = 10041;
     /// The integrators of the reference selector would differ by more turns than they hold.
@@ -141,6 +148,15 @@ codes! {
     AMC_NO_MASTER = 10043;
     /// The reference selector has nothing that freezes its master.
     AMC_NO_FREEZE = 10044;
+
+    /// A motion backwards, which REVERS forbids.
+    REVERSE_FORBIDDEN = 10051;
+    /// POSDRCT would turn over a position loop that the drive closes.
+    LOOP_IN_DRIVE = 10052;
+    /// POSDRCT would turn over the velocity loop alone, which does not exist yet.
+    NO_VELOCITY_LOOP = 10053;
+    /// REVERS asks for outputs or a node, which do not exist yet.
+    NO_REVERSING_OUTPUTS = 10054;
 
     /// A newer command took the axis over.
     REPLACED = 10101;

@@ -7,7 +7,7 @@
 use crate::axis::Reference;
 use crate::code::Code;
 use crate::object::{AxisSet, Leader, Object};
-use crate::parameter::Change;
+use crate::parameter::{Change, Layer};
 use crate::position::Position;
 use crate::vocabulary::{saia, wf};
 use serde::{Deserialize, Serialize};
@@ -78,6 +78,19 @@ pub enum Action {
     },
     /// Sets parameters of axes: all of them, or none.
     SetParameters(Box<[Change]>),
+    /// Keeps what is in force as layer User (SAVEEPROM, MACS-STO-06). Who stores it outside writes it down.
+    SaveParameters(AxisSet),
+    /// Brings a layer back into force (MACS-STO-03, MACS-STO-05).
+    ResetParameters {
+        /// Of which axes.
+        axes: AxisSet,
+        /// Which layer.
+        layer: Layer,
+    },
+    /// Empties layer User: what the cell says is in force (MACS-STO-03).
+    DeleteParameters(AxisSet),
+    /// The power went and came back, in simulation; all axes must be disabled.
+    PowerCycle,
     /// Sets a memory cell; integers saturate at the cell's type.
     SetMemory {
         /// Place in section `memory`.

@@ -1,11 +1,20 @@
 //! What a machine is made of, in the core's units.
 
-use crate::axis::{AxisSetup, MAX_DELAY, Modulo};
+use crate::axis::{AxisSetup, MAX_DELAY, Modulo, may_turn_loop};
+use crate::code::Code;
 use crate::drive::{Backend, Interface};
 use crate::object::{Leader, MAX_AXES, Object};
-use crate::parameter::AxisParameters;
+use crate::parameter::{AxisParameters, Contradiction};
 use crate::unit::{Fraction, Quantity, Scale, fraction_to_f64};
 use crate::vocabulary::{amc, wf};
+
+/// Increments that an axis may move in one cycle.
+const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
+
+/// The highest velocity that a cycle of that length can do (inc/s).
+pub fn highest_velocity(cycle_ns: u64) -> f64 {
+    MOST_PER_CYCLE * 1e9 / cycle_ns as f64
+}
 
 /// Kind of an input or output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,8 +94,10 @@ pub struct AxisConfig {
     pub amc: amc::Wiring,
     /// Outputs of an open-loop axis.
     pub open_loop: wf::Wiring,
-    /// Parameters.
+    /// Parameters as the cell gives them: layer Init.
     pub parameters: AxisParameters,
+    /// Layer User at the start, where something was saved.
+    pub saved: Option<AxisParameters>,
 }
 
 impl AxisConfig {
@@ -101,7 +112,13 @@ impl AxisConfig {
             amc: amc::Wiring::default(),
             open_loop: wf::Wiring::default(),
             parameters,
+            saved: None,
         }
+    }
+
+    /// In force at the start.
+    pub fn power_on(&self) -> AxisParameters {
+        self.saved.unwrap_or(self.parameters)
     }
 
     /// Increments per axis unit, rounded to f64.
@@ -190,6 +207,24 @@ pub enum ConfigError {
         /// One of the loop.
         axis: String,
     },
+    /// A parameter that follows from others.
+    #[error("{axis}: {key} follows from others and leaves its range")]
+    Derived {
+        /// Whose.
+        axis: String,
+        /// Which.
+        key: &'static str,
+    },
+    /// A parameter that asks for something that does not exist.
+    #[error("{axis}: {key} {}", crate::text::not_built_here(*code))]
+    NotBuilt {
+        /// Whose.
+        axis: String,
+        /// Which.
+        key: &'static str,
+        /// What does not exist.
+        code: Code,
+    },
     /// Two parameters of an axis.
     #[error("{axis}: {low} lies above {high}")]
     Contradiction {
@@ -232,9 +267,18 @@ impl MachineConfig {
                 return Err(ConfigError::Torque { axis: name() });
             }
             self.check_outputs(axis)?;
-            axis.parameters.check().map_err(|(low, high)| ConfigError::Contradiction { axis: name(), low, high })?;
-            amc::check(&axis.parameters, &self.selector(axis))
-                .map_err(|problem| ConfigError::Selector { axis: name(), key: problem.key })?;
+            for parameters in [Some(axis.parameters), axis.saved].into_iter().flatten() {
+                parameters.check().map_err(|contradiction| match contradiction {
+                    Contradiction::Above(low, high) => ConfigError::Contradiction { axis: name(), low, high },
+                    Contradiction::OutOfRange(key) => ConfigError::Derived { axis: name(), key },
+                    Contradiction::NotBuilt(key, code) => ConfigError::NotBuilt { axis: name(), key, code },
+                })?;
+                if !may_turn_loop(axis.drive.map(|_| axis.interface), &parameters) {
+                    return Err(ConfigError::NotBuilt { axis: name(), key: "posdrct", code: Code::LOOP_IN_DRIVE });
+                }
+                amc::check(&parameters, &self.selector(axis))
+                    .map_err(|problem| ConfigError::Selector { axis: name(), key: problem.key })?;
+            }
         }
         self.check_masters()
     }

@@ -8,6 +8,7 @@
 
 mod commands;
 mod order;
+mod parameters;
 mod signals;
 mod state;
 
@@ -36,6 +37,8 @@ pub struct Machine {
     directory: Directory,
     signals: Signals,
     state: State,
+    /// The state before cycle 0.
+    first: State,
     events: EventQueue,
     /// Room for the parameters of axes while a set of changes is checked.
     candidates: Vec<AxisParameters>,
@@ -59,7 +62,7 @@ impl Machine {
         let setups = config.setups();
         let axes: Vec<Axis> = std::iter::zip(&setups, &config.axes)
             .zip(&signals.axes)
-            .map(|((&setup, axis), &first)| Axis::new(setup, axis.parameters, first))
+            .map(|((&setup, axis), &first)| Axis::new(setup, axis.power_on(), first))
             .collect();
         let encoders: Vec<Encoder> = config.encoders.iter().map(|encoder| Encoder::new(encoder.bits)).collect();
         let leads = Leads {
@@ -69,6 +72,19 @@ impl Machine {
         };
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
+        let state = State {
+            board,
+            order: (0..axes.len() as u16).collect(),
+            leads,
+            cycle: 0,
+            overruns: 0,
+            next_event: 0,
+            user: axes.iter().map(|axis| axis.parameters).collect(),
+            parameter_version: 0,
+            axes,
+            encoders,
+        };
+        let axes = &state.axes;
         let mut machine = Self {
             // Each command may be answered, and ended by each axis; each axis may tell of more than that.
             events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + 16 * axes.len()),
@@ -76,16 +92,8 @@ impl Machine {
             couplings: vec![None; axes.len()],
             latched: Vec::with_capacity(MAX_LATCHES),
             couples: false,
-            state: State {
-                board,
-                order: (0..axes.len() as u16).collect(),
-                leads,
-                cycle: 0,
-                overruns: 0,
-                next_event: 0,
-                axes,
-                encoders,
-            },
+            first: state.clone(),
+            state,
             signals,
             directory,
             config,
@@ -185,7 +193,12 @@ impl Machine {
             events: &mut self.events,
         };
         let live = commands.iter().take(MAX_COMMANDS).enumerate().filter(|(place, _)| admitted >> place & 1 == 1);
+        // What a vocabulary writes by itself.
+        let written = (axis.parameters.amc.reference_select, axis.parameters.saia);
         axis.step(&mut cx, live, answered);
+        if written != (axis.parameters.amc.reference_select, axis.parameters.saia) {
+            self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
+        }
         axis.publish(&mut self.state.board, &self.state.leads);
         let (motion, before) = (axis.command(), self.state.leads.command[index].position);
         self.state.leads.command[index] = Lead {

@@ -6,8 +6,9 @@
 use crate::command::{Length, Move, MoveMode, Probe, ProbeEdge, Synchronize};
 use crate::config::{AxisConfig, IoKind, MachineConfig};
 use crate::object::{AxisSet, Leader, Object};
-use crate::parameter::{self, Change, ParameterInput, Row};
+use crate::parameter::{self, Applies, Change, MACHINE, ParameterInput, Row};
 use crate::position::Position;
+use crate::text::expected_text;
 use crate::unit::{Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
 
 /// Why a request is refused before it becomes a command.
@@ -82,6 +83,14 @@ pub enum RequestError {
         value: String,
         /// What it may be.
         allowed: String,
+    },
+    /// A parameter that others have.
+    #[error("{name} is not there; it is for {allowed}")]
+    NotApplicable {
+        /// The parameter.
+        name: String,
+        /// Who has it.
+        allowed: &'static str,
     },
     /// Something that this version does not have.
     #[error("{0} does not exist yet")]
@@ -423,19 +432,25 @@ impl MachineConfig {
     pub fn resolve_parameter(&self, name: &str, input: &ParameterInput) -> Result<Change, RequestError> {
         let unknown = |hint: String| RequestError::UnknownParameter { name: crate::unit::excerpt(name), hint };
         let (object, key) = name.split_once('.').ok_or_else(|| unknown("; parameters are written axis.key".into()))?;
-        let (index, axis) = self.find_axis(object)?;
+        let is_machine = object == "machine";
+        let axis = if is_machine { None } else { Some(self.find_axis(object)?) };
         let (row, entry) = Row::find(key).ok_or_else(|| unknown(String::new()))?;
-        let value = parameter::convert(entry, &axis.scale, input).map_err(|error| error.named(name, entry))?;
-        Ok(Change { axis: index, row, value })
+        let applies = axis.map_or(entry.applies == Applies::Machine, |(_, axis)| entry.applies.to(axis));
+        if !applies {
+            return Err(RequestError::NotApplicable { name: name.to_owned(), allowed: entry.applies.text() });
+        }
+        let scale = axis.map_or(Scale::increments(), |(_, axis)| axis.scale);
+        let value = parameter::convert(entry, &scale, input).map_err(|error| error.named(name, entry, &scale))?;
+        Ok(Change { axis: axis.map_or(MACHINE, |(index, _)| index), row, value })
     }
 }
 
 impl parameter::ConvertError {
-    fn named(self, name: &str, row: &Row) -> RequestError {
+    fn named(self, name: &str, row: &Row, scale: &Scale) -> RequestError {
         match self {
             Self::Unit(error) => RequestError::BadValue { field: name.to_owned(), error: Box::new(error) },
             Self::Type(value) => {
-                RequestError::BadParameter { name: name.to_owned(), value, allowed: row.measure.expected() }
+                RequestError::BadParameter { name: name.to_owned(), value, allowed: expected_text(row, scale) }
             }
         }
     }

@@ -7,8 +7,13 @@ use crate::code::Code;
 use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
-use crate::parameter::{Measure, ROWS, Row};
+use crate::parameter::{ROWS, Refused, Row, Value};
+use crate::unit::Scale;
 use crate::vocabulary::saia::Register;
+
+mod parameter;
+
+pub use parameter::{expected_text, range_text, refused_text, value_text};
 
 /// The sentence of an event.
 pub fn sentence(event: &Event, config: &MachineConfig) -> String {
@@ -45,13 +50,27 @@ fn changed(event: &Event, config: &MachineConfig) -> String {
 }
 
 fn parameter_value(row: &Row, number: Number, source: Object, config: &MachineConfig) -> String {
-    match (row.measure, number) {
-        (Measure::Choice(names), Number::Count(place)) => {
-            names.get(place.unsigned_abs() as usize).map_or_else(|| place.to_string(), |name| (*name).to_owned())
+    value_text(row, value_of(number), &scale_of(source, config))
+}
+
+/// The number of an event as a parameter's value.
+fn value_of(number: Number) -> Value {
+    match number {
+        Number::None => Value::Unset,
+        Number::Position(value) | Number::Count(value) | Number::Time(value) => Value::Int(value),
+        Number::Velocity(value) | Number::Acceleration(value) | Number::Jerk(value) | Number::Real(value) => {
+            Value::Real(value)
         }
-        (_, Number::None) => row.default_text.to_owned(),
-        _ => number_text(number, source, config),
     }
+}
+
+/// In whose units the parameters of an object are written.
+fn scale_of(source: Object, config: &MachineConfig) -> Scale {
+    let axis = match source {
+        Object::Axis(index) => config.axes.get(usize::from(index)),
+        _ => None,
+    };
+    axis.map_or(Scale::increments(), |axis| axis.scale)
 }
 
 fn latched(event: &Event, config: &MachineConfig) -> String {
@@ -213,23 +232,16 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
             format!("ratio {} : {} is none; both parts must not be 0 and stay below 2^62", asked(), limit())
         }
         Code::NOT_BUILT => not_built(event, config),
+        Code::READ_ONLY => read_only(event, config),
+        Code::NOT_DISABLED => not_disabled(event, config),
+        Code::REVERSE_FORBIDDEN => reverse_forbidden(event, config),
+        Code::LOOP_IN_DRIVE | Code::NO_VELOCITY_LOOP | Code::NO_REVERSING_OUTPUTS => {
+            format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
+        }
         Code::UNKNOWN_GOAL => format!("goal {} is not active", plain(event.asked)),
         Code::PARAMETER_OUT_OF_RANGE => out_of_range(event, config),
-        Code::PARAMETERS_CONTRADICT => {
-            let other = match key(event) {
-                "min_position" => "must lie below max_position",
-                "max_position" => "must lie above min_position",
-                "default_velocity" => "must not lie above max_velocity",
-                "max_velocity" => "must not lie below default_velocity",
-                "default_acceleration" => "must not lie above max_acceleration",
-                "max_acceleration" => "must not lie below default_acceleration",
-                "wf.md1" => "must not lie above max_acceleration",
-                "wf.md2" => "must not lie above the largest deceleration",
-                key if key.starts_with("wf.") => "breaks the falling order of the steps beside",
-                _ => "contradicts the other parameters of the axis",
-            };
-            format!("{} {} {other} {}", key(event), asked(), limit())
-        }
+        Code::PARAMETERS_CONTRADICT => contradict(event, config),
+        Code::GIVEN_TWICE => given_twice(event, config),
         Code::GOAL_BEYOND_NEW_LIMITS => {
             format!("{} {} would leave out {}, which the motion under way reaches", key(event), asked(), limit())
         }
@@ -339,6 +351,7 @@ fn key(event: &Event) -> &'static str {
 
 fn not_built(event: &Event, config: &MachineConfig) -> String {
     match row(event) {
+        Some(row) if !row.missing.is_empty() => refused(event, row, Refused::NotBuilt, config),
         Some(row) => {
             let value = parameter_value(row, event.asked, event.source, config);
             format!("{} {value} does not exist yet", row.key)
@@ -347,23 +360,120 @@ fn not_built(event: &Event, config: &MachineConfig) -> String {
     }
 }
 
+/// What is missing for a value, behind its name.
+pub fn not_built_here(code: Code) -> &'static str {
+    match code {
+        Code::LOOP_IN_DRIVE => {
+            "inverts the position loop, which a drive with interface position closes itself; 1, 11, -1 and -11 are allowed"
+        }
+        Code::NO_VELOCITY_LOOP => {
+            "inverts one loop and not the other, but the velocity loop does not exist yet; 1, 2, 11, 22 and their negatives \
+             are allowed"
+        }
+        Code::NO_REVERSING_OUTPUTS => "asks for outputs or a node, which do not exist yet; 0, 1 and 2 are allowed",
+        _ => "does not exist yet",
+    }
+}
+
+fn reverse_forbidden(event: &Event, config: &MachineConfig) -> String {
+    let asked = || number_text(event.asked, event.source, config);
+    match event.asked {
+        Number::Position(_) => format!("the way to {} leads backwards, which revers forbids", asked()),
+        Number::Velocity(_) => {
+            format!("velocity {} leads backwards, which revers forbids; 0 or more is allowed", asked())
+        }
+        _ => "the motion leads backwards, which revers forbids; the axis waits".to_owned(),
+    }
+}
+
+fn read_only(event: &Event, config: &MachineConfig) -> String {
+    row(event).map_or("the parameter is read-only".to_owned(), |row| refused(event, row, Refused::ReadOnly, config))
+}
+
+fn refused(event: &Event, row: &Row, why: Refused, config: &MachineConfig) -> String {
+    refused_text(row, why, value_of(event.asked), &scale_of(event.source, config))
+}
+
+fn not_disabled(event: &Event, config: &MachineConfig) -> String {
+    let axis = config.name(event.source);
+    match row(event) {
+        Some(row) => {
+            let value = parameter_value(row, event.asked, event.source, config);
+            format!("{} becomes {value} only while {axis} is disabled", row.key)
+        }
+        None => {
+            format!("{axis} is not disabled; the power goes only where all axes are disabled and virtual ones stand")
+        }
+    }
+}
+
 fn out_of_range(event: &Event, config: &MachineConfig) -> String {
-    use crate::parameter::Range;
     let Some(row) = row(event) else { return "a parameter lies outside its range".to_owned() };
-    let text = |number| number_text(number, event.source, config);
-    let range = match (row.range, row.measure) {
-        (Range::Int(low, high), Measure::Position | Measure::Distance) => {
-            format!("{} to {}", text(Number::Position(low)), text(Number::Position(high)))
+    let value = parameter_value(row, event.asked, event.source, config);
+    match event.limit {
+        Number::None => refused(event, row, Refused::OutOfRange, config),
+        // What a cycle can do is less than what the row says.
+        limit => {
+            let limit = number_text(limit, event.source, config);
+            match row.root() {
+                "max_velocity" if !row.is_view() => {
+                    format!("{} is {value}; more than 0 up to {limit} is allowed", row.key)
+                }
+                _ => format!("{} {value} makes max_velocity more than {limit}, the most that a cycle can do", row.key),
+            }
         }
-        (Range::Int(low, high), Measure::Time) => {
-            format!("{} to {}", text(Number::Time(low)), text(Number::Time(high)))
-        }
-        (Range::Int(low, high), _) => format!("{low} to {high}"),
-        (Range::Real(low, _), Measure::Number) => format!("{low} to {}", text(event.limit)),
-        (Range::Real(low, _), _) => format!("{} to {}", text(Number::Velocity(low)), text(event.limit)),
-        (Range::PositiveUpTo(_), _) => format!("more than 0 up to {}", text(event.limit)),
+    }
+}
+
+fn given_twice(event: &Event, config: &MachineConfig) -> String {
+    let Some(row) = row(event) else { return "a value stands twice in the set".to_owned() };
+    let [value, other] = [event.asked, event.limit].map(|number| parameter_value(row, number, event.source, config));
+    format!("{} {value} stands twice in the set: another line makes it {other}; give it once", row.key)
+}
+
+/// Two values that cannot stand together, or one that leads another out of its range.
+fn contradict(event: &Event, config: &MachineConfig) -> String {
+    let Some(row) = row(event) else { return "the parameters contradict each other".to_owned() };
+    let value = parameter_value(row, event.asked, event.source, config);
+    let limit = number_text(event.limit, event.source, config);
+    let derived = match event.limit {
+        Number::Velocity(value) => Some(("max_velocity", value)),
+        Number::Acceleration(value) => Some(("max_acceleration", value)),
+        Number::Jerk(value) => Some(("max_jerk", value)),
+        _ => None,
     };
-    format!("{} is {}; {range} is allowed", row.key, parameter_value(row, event.asked, event.source, config))
+    if let Some((native, number)) = derived
+        && let Some((_, native)) = Row::find(native)
+        && native.check(Value::Real(number)).is_err()
+    {
+        let range = range_text(native, |value| value_text(native, value, &scale_of(event.source, config)));
+        return format!("{} {value} makes {} {limit}; {range} is allowed", row.key, native.key);
+    }
+    // What MACS gives as a part or a count is told beside what MACS has there.
+    let key = match (row.key, event.limit) {
+        ("neglimit" | "poslimit" | "swneglimact" | "swposlimact", _) => row.key,
+        ("dfltvel" | "dfltacc", Number::Count(_)) => row.key,
+        _ => row.root(),
+    };
+    let other = match key {
+        "dfltvel" | "dfltacc" => "must not lie above velres",
+        "velres" => "must not lie below dfltvel or dfltacc",
+        "neglimit" => "must lie below poslimit",
+        "poslimit" => "must lie above neglimit",
+        "swneglimact" => "puts neglimit in force, which must lie below poslimit",
+        "swposlimact" => "puts poslimit in force, which must lie above neglimit",
+        "min_position" => "must lie below max_position",
+        "max_position" => "must lie above min_position",
+        "default_velocity" => "must not lie above max_velocity",
+        "max_velocity" => "must not lie below default_velocity",
+        "default_acceleration" => "must not lie above max_acceleration",
+        "max_acceleration" => "must not lie below default_acceleration",
+        "wf.md1" => "must not lie above max_acceleration",
+        "wf.md2" => "must not lie above the largest deceleration",
+        key if key.starts_with("wf.") => "breaks the falling order of the steps beside",
+        _ => "contradicts the other parameters of the axis:",
+    };
+    format!("{} {value} {other} {limit}", row.key)
 }
 
 #[cfg(test)]
@@ -406,6 +516,34 @@ mod tests {
         }
         let sentence = "machine: the flight recorder saved no bag: no such file or folder (system error 2)";
         assert_eq!(text(Code::FLIGHT_FAILED, 2), sentence);
+    }
+
+    /// Of values by another name, what was set is told, and what follows from it.
+    #[test]
+    fn what_follows_from_a_value_is_told_with_it() {
+        let text = |code, key, asked, limit| {
+            let event = Event::new(Severity::Warn, Kind::Refused, Object::Machine, code).with(asked, limit);
+            let parameter = Row::find(key).map(|(row, _)| row);
+            sentence(&Event { parameter, ..event }, &MachineConfig::default())
+        };
+        let (speed, ramp) = (Number::Velocity(2.0), Number::Acceleration(2e15));
+        assert_eq!(
+            text(Code::PARAMETERS_CONTRADICT, "rampmin", Number::Time(1_000_000), ramp),
+            "machine: rampmin 1 ms makes max_acceleration 2000000000000000 inc/s^2; \
+             more than 0 up to 1000000000000000 inc/s^2 is allowed"
+        );
+        assert_eq!(
+            text(Code::PARAMETERS_CONTRADICT, "dfltvel", Number::Count(150), speed),
+            "machine: dfltvel 150 must not lie above max_velocity 2 inc/s"
+        );
+        assert_eq!(
+            text(Code::PARAMETER_OUT_OF_RANGE, "velmax", Number::Real(7.0), speed),
+            "machine: velmax 7 makes max_velocity more than 2 inc/s, the most that a cycle can do"
+        );
+        assert_eq!(
+            text(Code::PARAMETER_OUT_OF_RANGE, "max_velocity", Number::Velocity(3.0), speed),
+            "machine: max_velocity is 3 inc/s; more than 0 up to 2 inc/s is allowed"
+        );
     }
 
     #[test]

@@ -10,7 +10,7 @@ use lineshaft_core::drive::{Backend, Edge, EncoderInput, Interface, Latch};
 use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader, Object};
-use lineshaft_core::parameter::{AxisParameters, Change, Row, Value};
+use lineshaft_core::parameter::{AxisParameters, Change, Layer, Row, Value};
 use lineshaft_core::sim::{Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
@@ -94,6 +94,16 @@ impl Numbers {
 }
 
 fn action(numbers: &mut Numbers) -> Action {
+    if numbers.below(30) == 0 {
+        let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);
+        return match numbers.below(5) {
+            0 => Action::SaveParameters(set),
+            1 => Action::ResetParameters { axes: set, layer: Layer::User },
+            2 => Action::ResetParameters { axes: set, layer: Layer::Init },
+            3 => Action::DeleteParameters(set),
+            _ => Action::PowerCycle,
+        };
+    }
     let axis = numbers.below(u64::from(AXES) + 1) as u16;
     let set = AxisSet::one(axis % AXES);
     let number = numbers.below(200_000) as i64 - 100_000;
@@ -148,7 +158,10 @@ fn action(numbers: &mut Numbers) -> Action {
             edge: ProbeEdge::Rising,
             distance: Length::whole(number % 1_000),
         }),
-        _ => Action::SetParameters(Box::new([Change { axis, row: 2, value: Value::Real(5e4 + number as f64 / 4.0) }])),
+        _ => {
+            let (row, _) = Row::find("max_velocity").expect("a key of the catalogue");
+            Action::SetParameters(Box::new([Change { axis, row, value: Value::Real(5e4 + number as f64 / 4.0) }]))
+        }
     }
 }
 
@@ -247,4 +260,39 @@ fn the_watch_sees_an_allocation() {
     let before = violation_count();
     let bytes = assert_no_alloc(|| std::hint::black_box(vec![1_u8; 16]));
     assert!(violation_count() > before, "{} bytes were taken unseen", bytes.len());
+}
+
+/// Layers and the power change at rest, too.
+#[test]
+fn no_change_of_a_layer_takes_or_gives_back_memory() {
+    let config = config();
+    let models: Vec<_> = (1..AXES).map(|index| Some(model(index))).collect();
+    let mut plant = Plant::new(&config, &models);
+    let mut machine = Machine::new(config).unwrap();
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut image = machine.parameter_image();
+    let axes = AxisSet::first(usize::from(AXES));
+    let actions = [
+        Action::SetParameters(Box::new([Change {
+            axis: 3,
+            row: Row::find("default_velocity").expect("a key of the catalogue").0,
+            value: Value::Real(5e4),
+        }])),
+        Action::SaveParameters(axes),
+        Action::ResetParameters { axes, layer: Layer::Init },
+        Action::ResetParameters { axes, layer: Layer::User },
+        Action::PowerCycle,
+        Action::DeleteParameters(axes),
+    ];
+    for (sequence, action) in (1..).zip(actions) {
+        let commands = [Command { sequence, source: Source::Scenario, action }];
+        assert_no_alloc(|| {
+            plant.read(&mut inputs);
+            machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
+            machine.copy_parameters(&mut image);
+            plant.write(&outputs);
+        });
+        assert_eq!(violation_count(), 0, "{:?}", commands[0].action);
+        assert!(machine.events().iter().any(|event| event.kind == Kind::Accepted), "{:?}", commands[0].action);
+    }
 }

@@ -5,7 +5,6 @@ use crate::code::Code;
 use crate::command::{Action, Command, Commands, Synchronize};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
-use crate::parameter::{AxisParameters, Change, ROWS, Range, Refused, Row, Value};
 
 impl Machine {
     /// Answers what is answered here and returns which commands the axes have to look at, as bits.
@@ -60,6 +59,22 @@ impl Machine {
                 self.set_parameters(command, changes)?;
                 Ok(false)
             }
+            Action::SaveParameters(axes) => {
+                self.save_parameters(command, *axes)?;
+                Ok(false)
+            }
+            Action::ResetParameters { axes, layer } => {
+                self.reset_parameters(command, *axes, *layer)?;
+                Ok(false)
+            }
+            Action::DeleteParameters(axes) => {
+                self.delete_parameters(command, *axes)?;
+                Ok(false)
+            }
+            Action::PowerCycle => {
+                self.power_cycle(command)?;
+                Ok(false)
+            }
             Action::SetMemory { index, value } => {
                 let object = Object::Memory(*index);
                 if !value.is_finite() || !self.signals.set_memory(&mut self.state.board, *index, *value) {
@@ -78,7 +93,7 @@ impl Machine {
         }
     }
 
-    fn accept(&mut self, command: &Command, object: Object) {
+    pub(super) fn accept(&mut self, command: &Command, object: Object) {
         let event = Event::new(Severity::Info, Kind::Accepted, object, Code::NONE);
         self.events.push(event.of_command(command.sequence));
     }
@@ -112,81 +127,4 @@ impl Machine {
             }
         }
     }
-
-    /// Sets all of them, or none.
-    fn set_parameters(&mut self, command: &Command, changes: &[Change]) -> Result<(), Refusal> {
-        for change in changes {
-            let axis = self.state.axes.get(usize::from(change.axis));
-            let axis = axis.ok_or(Refusal::new(Code::BAD_REQUEST, Object::Machine))?;
-            self.candidates[usize::from(change.axis)] = axis.parameters;
-        }
-        for change in changes {
-            let row = ROWS.get(usize::from(change.row));
-            let row = row.ok_or(Refusal::new(Code::BAD_REQUEST, Object::Machine))?;
-            let candidate = &mut self.candidates[usize::from(change.axis)];
-            row.assign(candidate, change.value).map_err(|refused| refusal_of(change, refused))?;
-        }
-        changes.iter().try_for_each(|change| self.check_candidate(change))?;
-        for change in changes {
-            let index = usize::from(change.axis);
-            self.state.axes[index].parameters = self.candidates[index];
-        }
-        self.accept(command, changes.first().map_or(Object::Machine, Change::object));
-        for change in changes {
-            let event = Event::new(Severity::Info, Kind::Parameter, change.object(), Code::NONE);
-            let event = event.of_command(command.sequence).with(change.number(), Number::None);
-            self.events.push(Event { parameter: Some(change.row), ..event });
-        }
-        Ok(())
-    }
-
-    /// The whole set of an axis must agree, with itself and with what the axis is doing.
-    fn check_candidate(&self, change: &Change) -> Result<(), Refusal> {
-        let index = usize::from(change.axis);
-        self.state.axes[index].admits_selector(&self.candidates[index], self.state.cycle, &self.state.leads)?;
-        let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
-        let refuse = |code| Refusal { parameter: Some(change.row), ..Refusal::new(code, change.object()) };
-        if let Err((low, high)) = candidate.check() {
-            let key = ROWS.get(usize::from(change.row)).map_or("", |row| row.key);
-            // The change that is one of the two is to blame; if this one is not, the other change of the set is.
-            let other = match key {
-                key if key == low => high,
-                key if key == high => low,
-                _ => return Ok(()),
-            };
-            let other = Row::find(other)
-                .map_or(Number::None, |(row, entry)| Change { row, value: (entry.get)(candidate), ..*change }.number());
-            return Err(refuse(Code::PARAMETERS_CONTRADICT).with(change.number(), other));
-        }
-        let inside = |end: i64| {
-            candidate.min_position.is_none_or(|low| end >= low) && candidate.max_position.is_none_or(|high| end <= high)
-        };
-        let limits = |p: &AxisParameters| (p.min_position, p.max_position);
-        // On its way back from outside, an axis takes any other change.
-        let reach = axis.reach().filter(|_| limits(candidate) != limits(&axis.parameters));
-        match reach.and_then(|(low, high)| [low, high].into_iter().find(|&place| !inside(place))) {
-            Some(place) => {
-                let numbers = (change.number(), Number::Position(place));
-                Err(refuse(Code::GOAL_BEYOND_NEW_LIMITS).with(numbers.0, numbers.1))
-            }
-            None => Ok(()),
-        }
-    }
-}
-
-fn refusal_of(change: &Change, refused: Refused) -> Refusal {
-    let code = match refused {
-        Refused::NotBuilt => Code::NOT_BUILT,
-        Refused::OutOfRange | Refused::WrongType => Code::PARAMETER_OUT_OF_RANGE,
-    };
-    let row = ROWS.get(usize::from(change.row));
-    let limit = match row.map(|row| row.range) {
-        Some(Range::Int(_, high)) => Change { value: Value::Int(high), ..*change }.number(),
-        Some(Range::PositiveUpTo(high) | Range::Real(_, high)) => {
-            Change { value: Value::Real(high), ..*change }.number()
-        }
-        None => Number::None,
-    };
-    let refusal = Refusal::new(code, change.object()).with(change.number(), limit);
-    Refusal { parameter: Some(change.row), ..refusal }
 }

@@ -25,6 +25,10 @@ pub struct State {
     pub(super) overruns: u64,
     /// Number of the next event.
     pub(super) next_event: u64,
+    /// Layer User of the parameters, by axis.
+    pub(super) user: Vec<AxisParameters>,
+    /// Grows with every change of a parameter or layer.
+    pub(super) parameter_version: u64,
 }
 
 /// Why a state does not belong to a machine.
@@ -74,6 +78,18 @@ impl State {
         self.axes.iter().map(|axis| &axis.parameters)
     }
 
+    /// As after the power came back: all of `first` but the count of cycles and events and what was saved. Takes no memory.
+    pub(super) fn power_up_from(&mut self, first: &Self) {
+        self.board.copy_from(&first.board);
+        self.axes.clone_from(&first.axes);
+        self.encoders.clone_from(&first.encoders);
+        self.order.clone_from(&first.order);
+        self.leads.copy_from(&first.leads);
+        for (axis, user) in self.axes.iter_mut().zip(&self.user) {
+            axis.begin_with(*user);
+        }
+    }
+
     /// Does it fit a machine that was just made?
     fn check(&self, machine: &Machine) -> Result<(), StateError> {
         let fresh = &machine.state;
@@ -82,6 +98,7 @@ impl State {
         };
         shape("signals", self.board.len(), fresh.board.len())?;
         shape("axes", self.axes.len(), fresh.axes.len())?;
+        shape("saved sets of parameters", self.user.len(), fresh.user.len())?;
         shape("encoders", self.encoders.len(), fresh.encoders.len())?;
         shape("leading commands", self.leads.command.len(), fresh.leads.command.len())?;
         shape("leading actual positions", self.leads.actual.len(), fresh.leads.actual.len())?;
@@ -93,6 +110,9 @@ impl State {
         }
         if !std::iter::zip(&self.encoders, &fresh.encoders).all(|(mine, fresh)| mine.has_width_of(fresh)) {
             return Err(StateError::Encoders);
+        }
+        if let Some(unsound) = self.user.iter().position(|user| !user.is_sound()) {
+            return Err(StateError::Unsound { axis: machine.config.axes[unsound].name.clone() });
         }
         for ((mine, fresh), axis) in std::iter::zip(&self.axes, &fresh.axes).zip(&machine.config.axes) {
             if !mine.is_set_up_as(fresh) {
@@ -132,6 +152,7 @@ impl Clone for State {
             encoders: self.encoders.clone(),
             order: self.order.clone(),
             leads: self.leads.clone(),
+            user: self.user.clone(),
             ..*self
         }
     }
@@ -143,6 +164,8 @@ impl Clone for State {
         self.encoders.clone_from(&other.encoders);
         self.order.clone_from(&other.order);
         self.leads.copy_from(&other.leads);
+        self.user.clone_from(&other.user);
         (self.cycle, self.overruns, self.next_event) = (other.cycle, other.overruns, other.next_event);
+        self.parameter_version = other.parameter_version;
     }
 }

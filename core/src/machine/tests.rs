@@ -4,10 +4,13 @@ mod amc;
 mod anything;
 mod buffer;
 mod changes;
+mod direction;
 mod edges;
+mod layers;
 
 mod limits;
 mod loops;
+mod moments;
 mod moves;
 mod open_loop;
 mod parameters;

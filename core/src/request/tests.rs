@@ -116,7 +116,7 @@ fn parameters_take_units_and_names() {
     assert!(error("q.max_velocity", ParameterInput::Number(1.0)).contains("no axis is called `q`"));
     let text = error("x.profile", ParameterInput::Text("cubic".into()));
     assert_eq!(text, "x.profile is `cubic`; one of trapezoid, s_ramp, jerk is expected");
-    assert!(error("x.error_reaction", ParameterInput::Number(1.5)).contains("a whole number is expected"));
+    assert!(error("x.error_reaction", ParameterInput::Number(1.5)).contains("a whole number, 0 to 5, is expected"));
     let wrong = Quantity::parse("3 mm", &config.axes[0].scale.dimensions(0)).unwrap();
     assert!(error("x.max_velocity", ParameterInput::Quantity(wrong)).starts_with("x.max_velocity: "));
 }

@@ -188,10 +188,12 @@ fn a_selection_that_cannot_begin_at_enable_is_told_and_written_back() {
     let mut rig = Rig::of(wired());
     let kept = set(&mut rig, Y, &[("reference_select", 1), ("position_reference", 50_001)]);
     assert!(rig.was_accepted(kept), "off, nothing is judged yet");
+    let version = rig.machine.parameter_version();
     rig.enable();
     assert_eq!(warnings(&rig), ["y: target 50.001 mm lies above max_position 50 mm"]);
     assert_eq!((rig.int("y.amc.select"), rig.int("y.command.position")), (0, 0));
     assert_eq!(rig.machine.parameters(Y).unwrap().amc.reference_select, 0);
+    assert!(rig.machine.parameter_version() > version, "who shows parameters has to see it");
 }
 
 /// 2147483647 / 1000 inc per unit: R = 360 inc is 0.36 units, which leaves 5 965 232 353 turns; with one increment per

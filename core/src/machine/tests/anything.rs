@@ -10,7 +10,7 @@ use crate::command::{
 use crate::drive::{Edge, Interface, Latch};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader, Object};
-use crate::parameter::{Change, Row, Value};
+use crate::parameter::{Change, Layer, Row, Value};
 use crate::position::Position;
 use crate::sim::{Model, TwoSpeed, VelocityLag};
 use crate::vocabulary::{Order, saia, wf};
@@ -79,6 +79,17 @@ fn setting() -> impl Strategy<Value = Action> {
         let (row, _) = Row::find(key).expect("the key of a row");
         Action::SetParameters([Change { axis, row, value }].into())
     })
+}
+
+/// What happens to layers.
+fn storing() -> impl Strategy<Value = Action> {
+    let layer = prop::sample::select(&[Layer::User, Layer::Init][..]);
+    prop_oneof![
+        2 => axes().prop_map(Action::SaveParameters),
+        2 => (axes(), layer).prop_map(|(axes, layer)| Action::ResetParameters { axes, layer }),
+        1 => axes().prop_map(Action::DeleteParameters),
+        1 => Just(Action::PowerCycle),
+    ]
 }
 
 /// What the other vocabularies ask for.
@@ -198,6 +209,11 @@ fn interface() -> impl Strategy<Value = Interface> {
     prop::sample::select(&[Interface::Position, Interface::Velocity, Interface::OpenLoop][..])
 }
 
+/// Any sense of rotation; with interface position only that of the units.
+fn posdrct() -> impl Strategy<Value = i64> {
+    prop::sample::select(vec![1_i64, -1, 2, -2])
+}
+
 /// A drive that fits.
 fn model(interface: Interface) -> Model {
     let ms = 1_000_000;
@@ -235,6 +251,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         3 => command(running().boxed()),
         2 => command(setting().boxed()),
         2 => command(vocabulary().boxed()),
+        2 => command(storing().boxed()),
         1 => (axis(), prop_oneof![Just(0.0), -110_000.0..110_000.0_f64, Just(f64::NAN)])
             .prop_map(|(axis, velocity)| Happening::Stream(axis, velocity)),
         3 => command(coupling().boxed()),
@@ -267,6 +284,8 @@ fn ends(action: &Action) -> usize {
         // What a vocabulary does has no end of its own.
         Action::Saia(_) | Action::Wf(_) => 0,
         Action::Note { .. } | Action::SetParameters(_) => 0,
+        Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
+        Action::DeleteParameters(_) | Action::PowerCycle => 0,
         _ => 1,
     }
 }
@@ -295,6 +314,7 @@ proptest! {
         delay in 0_u32..5,
         interfaces in [interface(), interface()],
         modulo in any::<bool>(),
+        sense in (posdrct(), 0_i64..3),
         happenings in prop::collection::vec((happening(), any::<bool>()), 1..40),
     ) {
         let mut config = config(delay);
@@ -305,11 +325,14 @@ proptest! {
         }
         for (axis, interface) in config.axes[1..].iter_mut().zip(interfaces) {
             axis.interface = interface;
+            let digit = if interface == Interface::Position { 1 } else { sense.0.abs() };
+            axis.parameters.macs.posdrct = sense.0.signum() * digit;
+            axis.parameters.macs.revers = sense.1;
             if interface == Interface::Velocity {
                 axis.parameters.max_following_error = 10_000;
             }
         }
-        let mut rig = Rig::with(config, interfaces.map(model));
+        let mut rig = Rig::with(config, interfaces.map(|interface| model(interface).wired(sense.0.abs() == 2)));
         rig.give(Action::Enable(AxisSet::first(3)));
         rig.run(60);
         let (mut given, mut goals, mut waiting) = (Vec::new(), Vec::new(), Vec::new());

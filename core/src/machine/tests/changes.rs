@@ -111,7 +111,7 @@ fn stands(rig: &Rig) -> bool {
 }
 
 /// The first law that the step from `before` to `now` breaks.
-fn fault(before: Seen, now: Seen, (low, high): (f64, f64), only_jerk: bool) -> Option<String> {
+fn fault(before: Seen, now: Seen, (low, high): (f64, f64), only_jerk: bool, inverted: bool) -> Option<String> {
     let near = 1.0 + 1e-9;
     if now.velocity.abs() > MAX_VELOCITY * near {
         return Some(format!("velocity {}", now.velocity));
@@ -138,19 +138,23 @@ fn fault(before: Seen, now: Seen, (low, high): (f64, f64), only_jerk: bool) -> O
     if way.abs() > MAX_ACCELERATION * CYCLE * CYCLE / 2.0 + 1.001 {
         return Some(format!("position off by {way}"));
     }
-    // Where a limit was set behind an axis at rest, it may only come back; a stop ends on the increment below.
-    if now.position > high.max(before.position) || now.position < low.min(before.position.floor()) {
+    // Where a limit was set behind an axis at rest, it may only come back; a stop ends on the increment below, as the drive
+    // counts.
+    let here = before.position;
+    let (lowest, highest) = if inverted { (here, here.ceil()) } else { (here.floor(), here) };
+    if now.position > high.max(highest) || now.position < low.min(lowest) {
         return Some(format!("position {} beyond a limit", now.position));
     }
     None
 }
 
-fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool) -> Result<(), TestCaseError> {
+fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Result<(), TestCaseError> {
     let mut config = config(0);
     config.axes[usize::from(X)].modulo = Modulo::new(100_001, 3).filter(|_| modulo);
     let p = &mut config.axes[usize::from(X)].parameters;
     p.max_deceleration = Some(MAX_ACCELERATION / 2.0);
     (p.max_jerk, p.profile) = (Some(MAX_JERK), shape);
+    (p.macs.posdrct, p.macs.revers) = sense;
     (p.min_position, p.max_position) = (Some(LOW), Some(HIGH));
     // Limits that a velocity goal runs into are reported and no lock follows.
     p.error_reaction = 2;
@@ -203,7 +207,8 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool) -> Result<(), TestCaseEr
             // A stop that its shape would lead beyond a limit brakes without shape, and ends there.
             let at_limit =
                 [limits.0, limits.1].contains(&(rig.int("x.target.position") as f64)) && !matches!(deed, Deed::Move(_));
-            let broken = fault(before, now, limits, only_jerk && !at_limit && rig.state("x") != "ERROR_STOP");
+            let broken =
+                fault(before, now, limits, only_jerk && !at_limit && rig.state("x") != "ERROR_STOP", sense.0 < 0);
             prop_assert!(
                 broken.is_none(),
                 "{} after {:?} in cycle {}: {:?} -> {:?}",
@@ -255,8 +260,10 @@ proptest! {
     fn no_change_at_any_moment_leads_beyond_a_limit(
         shape in 0_i64..3,
         modulo in any::<bool>(),
+        posdrct in prop::sample::select(vec![1_i64, -1]),
+        revers in prop::sample::select(vec![0_i64, 0, 2]),
         deeds in prop::collection::vec((deed(), prop_oneof![Just(0_u64), 0_u64..20, 0_u64..400]), 1..30),
     ) {
-        run(&deeds, shape, modulo)?;
+        run(&deeds, shape, modulo, (posdrct, revers))?;
     }
 }

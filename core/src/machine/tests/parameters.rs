@@ -139,3 +139,23 @@ fn inputs_show_on_the_board() {
     rig.run(1);
     assert_eq!((rig.int("start"), rig.int("stop"), rig.int("lamp"), rig.real("feed")), (0, 1, 0, -2.5));
 }
+
+/// in a set the sense of rotation counts first, wherever it stands.
+#[test]
+fn a_set_means_the_same_wherever_the_sense_of_rotation_stands_in_it() {
+    let int = |key, value| change(key, Value::Int(value));
+    let changes = [int("max_position", 9_000), int("posdrct", -1), int("neglimit", -7_000), int("swneglimact", 1)];
+    let [native, sense, limit, switch] = changes;
+    for set_of in [[sense, limit, switch], [limit, sense, switch], [limit, switch, sense], [switch, limit, sense]] {
+        let mut rig = Rig::new();
+        let sequence = set(&mut rig, &set_of);
+        assert!(rig.was_accepted(sequence));
+        let now = rig.machine.parameters(X).unwrap();
+        assert_eq!((now.min_position, now.max_position), (None, Some(7_000)));
+    }
+    for set_of in [[sense, native], [native, sense]] {
+        let mut rig = Rig::new();
+        set(&mut rig, &set_of);
+        assert_eq!(rig.machine.parameters(X).unwrap().max_position, Some(9_000));
+    }
+}

@@ -386,11 +386,18 @@ proptest! {
 
     /// A chain of goals within the limits meets all its targets, in order, and no limit.
     #[test]
-    fn every_goal_of_a_chain_is_reached(shape in 0_i64..3, modulo in any::<bool>(), goals in chain()) {
+    fn every_goal_of_a_chain_is_reached(
+        shape in 0_i64..3,
+        modulo in any::<bool>(),
+        posdrct in prop::sample::select(vec![1_i64, -1]),
+        revers in prop::sample::select(vec![0_i64, 0, 2]),
+        goals in chain(),
+    ) {
         let mut config = config(0);
         let axis = &mut config.axes[usize::from(X)];
         let p = &mut axis.parameters;
         (p.max_jerk, p.profile) = (Some(2e7), shape);
+        (p.macs.posdrct, p.macs.revers) = (posdrct, revers);
         (p.min_position, p.max_position) = (Some(-20_000), Some(20_000));
         if modulo {
             axis.modulo = Modulo::new(36_000, 1);

@@ -1,0 +1,307 @@
+//! Parameters while the machine runs: sets, layers, power.
+//!
+//! Law      A set applies as a whole or not at all; what it says is checked together, with itself and with the motions under
+//!          way. Its order does not matter
+//! Refuses  values outside their range, of functions that do not exist, of the structure; sets that contradict
+//! Source   MACS-STO-02..08
+
+use super::Machine;
+use crate::code::Code;
+use crate::command::Command;
+use crate::config::highest_velocity;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::object::{AxisSet, Object};
+use crate::parameter::{
+    AxisParameters, Change, Contradiction, Effect, Layer, MACHINE, ParameterImage, ROWS, Refused, Row, Value, in_order,
+};
+
+impl Machine {
+    /// Sets all of them, or none.
+    pub(super) fn set_parameters(&mut self, command: &Command, changes: &[Change]) -> Result<(), Refusal> {
+        let missing = Refusal::new(Code::BAD_REQUEST, Object::Machine);
+        for change in changes.iter().filter(|change| change.axis != MACHINE) {
+            let axis = self.state.axes.get(usize::from(change.axis)).ok_or(missing)?;
+            self.candidates[usize::from(change.axis)] = axis.parameters;
+        }
+        for change in in_order(changes) {
+            let row = change.row().ok_or(missing)?;
+            let result = match self.candidates.get_mut(usize::from(change.axis)) {
+                Some(candidate) => row.change(candidate, change.value),
+                // A parameter of the machine does nothing yet.
+                None => row.check(change.value),
+            };
+            result.map_err(|refused| refusal_of(change, refused))?;
+            self.check_moment(change, row)?;
+        }
+        changes.iter().try_for_each(|change| self.check_given_once(change))?;
+        for change in changes.iter().filter(|change| change.axis != MACHINE) {
+            self.check_candidate(usize::from(change.axis), changes)?;
+        }
+        for change in changes.iter().filter(|change| change.axis != MACHINE) {
+            let index = usize::from(change.axis);
+            self.put_in_force(index, self.candidates[index]);
+        }
+        self.count_change();
+        self.accept(command, changes.first().map_or(Object::Machine, Change::object));
+        changes.iter().for_each(|change| self.tell(command, change));
+        Ok(())
+    }
+
+    /// Keeps what is in force (MACS-STO-06).
+    pub(super) fn save_parameters(&mut self, command: &Command, axes: AxisSet) -> Result<(), Refusal> {
+        self.check_axes(axes)?;
+        for index in axes.iter().map(usize::from) {
+            self.state.user[index] = self.state.axes[index].parameters.saved(&self.config.axes[index].parameters);
+        }
+        self.count_change();
+        self.accept(command, Object::Machine);
+        Ok(())
+    }
+
+    /// Brings a layer back into force (MACS-STO-03..05).
+    pub(super) fn reset_parameters(&mut self, command: &Command, axes: AxisSet, layer: Layer) -> Result<(), Refusal> {
+        self.check_axes(axes)?;
+        for index in axes.iter().map(usize::from) {
+            self.candidates[index] = match layer {
+                Layer::User => self.state.user[index],
+                Layer::Init => self.config.axes[index].parameters,
+            };
+        }
+        for index in axes.iter().map(usize::from) {
+            self.check_reset(index)?;
+        }
+        self.count_change();
+        self.accept(command, Object::Machine);
+        for index in axes.iter() {
+            let new = self.candidates[usize::from(index)];
+            let old = self.state.axes[usize::from(index)].parameters;
+            self.put_in_force(usize::from(index), new);
+            for (row, entry) in ROWS.iter().enumerate().filter(|(_, row)| row.is_stored()) {
+                let value = entry.value(&new);
+                if value != entry.value(&old) {
+                    self.tell(command, &Change { axis: index, row: row as u16, value });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Forgets what was saved: the cell is in force again (MACS-STO-03).
+    pub(super) fn delete_parameters(&mut self, command: &Command, axes: AxisSet) -> Result<(), Refusal> {
+        self.reset_parameters(command, axes, Layer::Init)?;
+        for index in axes.iter().map(usize::from) {
+            self.state.user[index] = self.config.axes[index].parameters;
+        }
+        Ok(())
+    }
+
+    /// The machine as after its power came back: layer User is in force, positions begin anew (MACS-STO-04, MACS-STO-05).
+    pub(super) fn power_cycle(&mut self, command: &Command) -> Result<(), Refusal> {
+        if let Some(index) = self.state.axes.iter().position(|axis| !axis.may_lose_power()) {
+            return Err(Refusal::new(Code::NOT_DISABLED, Object::Axis(index as u16)));
+        }
+        self.accept(command, Object::Machine);
+        self.state.power_up_from(&self.first);
+        self.note_couplings();
+        self.count_change();
+        Ok(())
+    }
+
+    /// All parameters, for who shows and stores them.
+    pub fn parameter_image(&self) -> ParameterImage {
+        let mut image = ParameterImage {
+            version: self.state.parameter_version,
+            effective: self.candidates.clone(),
+            user: self.state.user.clone(),
+        };
+        self.copy_parameters(&mut image);
+        image
+    }
+
+    /// Brings an image of this machine up to date; takes no memory.
+    pub fn copy_parameters(&self, image: &mut ParameterImage) {
+        image.version = self.state.parameter_version;
+        for (copy, axis) in image.effective.iter_mut().zip(&self.state.axes) {
+            *copy = axis.parameters;
+        }
+        for (copy, user) in image.user.iter_mut().zip(&self.state.user) {
+            *copy = *user;
+        }
+    }
+
+    /// Grows with every change of any parameter or layer.
+    pub fn parameter_version(&self) -> u64 {
+        self.state.parameter_version
+    }
+
+    /// An axis takes a set. One that it turns over stays where it is: who follows its command sees no motion.
+    fn put_in_force(&mut self, index: usize, parameters: AxisParameters) {
+        if self.state.axes[index].take_parameters(parameters) {
+            let lead = &mut self.state.leads.command[index];
+            lead.position = -lead.position;
+        }
+    }
+
+    fn count_change(&mut self) {
+        self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
+    }
+
+    fn check_axes(&self, axes: AxisSet) -> Result<(), Refusal> {
+        if axes.iter().any(|axis| usize::from(axis) >= self.state.axes.len()) {
+            return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
+        }
+        Ok(())
+    }
+
+    fn tell(&mut self, command: &Command, change: &Change) {
+        let event = Event::new(Severity::Info, Kind::Parameter, change.object(), Code::NONE);
+        let event = event.of_command(command.sequence).with(change.number(), Number::None);
+        self.events.push(Event { parameter: Some(change.row), ..event });
+    }
+
+    /// May it change now?
+    fn check_moment(&self, change: &Change, row: &Row) -> Result<(), Refusal> {
+        let Some(axis) = self.state.axes.get(usize::from(change.axis)) else { return Ok(()) };
+        let is_new = row.value(&self.candidates[usize::from(change.axis)]) != row.value(&axis.parameters);
+        if row.effect == Effect::Disabled && is_new && !axis.is_idle() {
+            return Err(blame(change, Code::NOT_DISABLED));
+        }
+        Ok(())
+    }
+
+    /// Another view of the same value in the set would make its order count.
+    fn check_given_once(&self, change: &Change) -> Result<(), Refusal> {
+        let (Some(row), Some(candidate)) = (change.row(), self.candidates.get(usize::from(change.axis))) else {
+            return Ok(());
+        };
+        if candidate.holds(row, change.value) {
+            return Ok(());
+        }
+        let other = Change { value: row.value(candidate), ..*change };
+        Err(blame(change, Code::GIVEN_TWICE).with(change.number(), other.number()))
+    }
+
+    /// The whole set of an axis must agree, with itself and with what the axis is doing.
+    fn check_candidate(&self, index: usize, changes: &[Change]) -> Result<(), Refusal> {
+        self.state.axes[index].admits_selector(&self.candidates[index], self.state.cycle, &self.state.leads)?;
+        let candidate = &self.candidates[index];
+        self.state.axes[index].admits_sense(candidate)?;
+        let of_axis = || changes.iter().filter(|change| usize::from(change.axis) == index);
+        let is = |change: &Change, key: &str| change.row().is_some_and(|row| row.key == key || row.root() == key);
+        // A change that is one of the two is to blame, else the first of those from which it follows.
+        let guilty = |keys: [&str; 2]| {
+            let named = of_axis().find(|change| keys.iter().any(|&key| is(change, key)));
+            named.or_else(|| of_axis().next()).copied()
+        };
+        if let Err(contradiction) = candidate.check() {
+            let keys = match contradiction {
+                Contradiction::Above(low, high) => [low, high],
+                Contradiction::OutOfRange(key) => {
+                    let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
+                    let change = Change { value: value_of(&change, candidate), ..change };
+                    return Err(blame(&change, Code::PARAMETER_OUT_OF_RANGE));
+                }
+                Contradiction::NotBuilt(key, code) => {
+                    let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
+                    return Err(blame(&Change { value: value_of(&change, candidate), ..change }, code));
+                }
+            };
+            let other = |change: &Change| match change.row().map(|row| row.key) {
+                // In inverted units the native limits are the other way round.
+                Some("neglimit" | "swneglimact") => "poslimit",
+                Some("poslimit" | "swposlimact") => "neglimit",
+                _ if is(change, keys[0]) => keys[1],
+                _ => keys[0],
+            };
+            return Err(guilty(keys).map_or(Refusal::new(Code::PARAMETERS_CONTRADICT, Object::Machine), |change| {
+                let limit = Change { row: find(other(&change)), ..change };
+                let limit = Change { value: value_of(&limit, candidate), ..limit };
+                blame(&change, Code::PARAMETERS_CONTRADICT).with(change.number(), limit.number())
+            }));
+        }
+        let highest = highest_velocity(self.config.cycle_ns);
+        let is_new = candidate.max_velocity != self.state.axes[index].parameters.max_velocity;
+        if is_new && candidate.max_velocity > highest {
+            let change = guilty(["max_velocity"; 2]);
+            return Err(change.map_or(Refusal::new(Code::PARAMETER_OUT_OF_RANGE, Object::Machine), |change| {
+                blame(&change, Code::PARAMETER_OUT_OF_RANGE).with(change.number(), Number::Velocity(highest))
+            }));
+        }
+        match self.left_out(index) {
+            Some(place) => Err(guilty(["min_position", "max_position"])
+                .map_or(Refusal::new(Code::GOAL_BEYOND_NEW_LIMITS, Object::Machine), |change| {
+                    blame(&change, Code::GOAL_BEYOND_NEW_LIMITS).with(change.number(), Number::Position(place))
+                })),
+            None => Ok(()),
+        }
+    }
+
+    /// May a layer come back into force on that axis?
+    fn check_reset(&self, index: usize) -> Result<(), Refusal> {
+        let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
+        let refuse = |key: &str, code| {
+            let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
+            let change = Change { value: value_of(&change, candidate), ..change };
+            blame(&change, code)
+        };
+        let selects = candidate.amc.reference_select;
+        if selects != 0 && selects != axis.parameters.amc.reference_select && !axis.is_idle() {
+            return Err(refuse("amc.reference_select", Code::NOT_DISABLED));
+        }
+        let changes_now = |row: &&Row| row.effect == Effect::Disabled && row.is_stored();
+        let differs = |row: &&Row| row.value(candidate) != row.value(&axis.parameters);
+        if let Some(row) = ROWS.iter().filter(changes_now).find(differs)
+            && !axis.is_idle()
+        {
+            return Err(refuse(row.key, Code::NOT_DISABLED));
+        }
+        axis.admits_selector(candidate, self.state.cycle, &self.state.leads)?;
+        axis.admits_sense(candidate)?;
+        match self.left_out(index) {
+            Some(place) => {
+                let is_low = candidate.min_position.is_some_and(|low| place < low);
+                let refusal =
+                    refuse(if is_low { "min_position" } else { "max_position" }, Code::GOAL_BEYOND_NEW_LIMITS);
+                Err(refusal.with(refusal.asked, Number::Position(place)))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// A place that the motion under way reaches and new limits would leave out.
+    fn left_out(&self, index: usize) -> Option<i64> {
+        let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
+        let inside = |end: i64| {
+            candidate.min_position.is_none_or(|low| end >= low) && candidate.max_position.is_none_or(|high| end <= high)
+        };
+        let limits = |p: &AxisParameters| (p.min_position, p.max_position);
+        // On its way back from outside, an axis takes any other change.
+        let reach = axis.reach().filter(|_| limits(candidate) != limits(&axis.parameters));
+        reach.and_then(|(low, high)| [low, high].into_iter().find(|&place| !inside(place)))
+    }
+}
+
+/// Place of a row that is there.
+fn find(key: &str) -> u16 {
+    Row::find(key).map_or(u16::MAX, |(row, _)| row)
+}
+
+fn value_of(change: &Change, parameters: &AxisParameters) -> Value {
+    change.row().map_or(Value::Unset, |row| row.value(parameters))
+}
+
+fn blame(change: &Change, code: Code) -> Refusal {
+    let refusal = Refusal::new(code, change.object()).with(change.number(), Number::None);
+    Refusal { parameter: Some(change.row), ..refusal }
+}
+
+fn refusal_of(change: &Change, refused: Refused) -> Refusal {
+    blame(
+        change,
+        match refused {
+            Refused::NotBuilt => Code::NOT_BUILT,
+            Refused::ReadOnly => Code::READ_ONLY,
+            Refused::OutOfRange | Refused::WrongType => Code::PARAMETER_OUT_OF_RANGE,
+        },
+    )
+}

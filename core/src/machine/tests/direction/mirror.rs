@@ -1,0 +1,194 @@
+//! A machine with inverted units that is asked for the mirror image does the mirror image, and asks its drives for the same.
+//!
+//! Bit for bit, but for profile jerk: its plans add their ramps in the order up, down, whatever their direction, so that they may
+//! round the last bit of a fraction otherwise.
+
+use super::super::rig::{Rig, X, at, cases, couple, to};
+use super::{closed_here, servo, turned};
+use crate::command::{Action, BufferMode, Commands, Length, Move, MoveMode, Setpoints, Synchronize};
+use crate::event::{Event, Number};
+use crate::object::{AxisSet, Leader};
+use crate::parameter::{Change, Row, Value};
+use crate::sim::Model;
+use proptest::prelude::*;
+
+#[derive(Clone, Debug)]
+enum Deed {
+    Move(Move),
+    Override(f64),
+    Halt,
+    Disable,
+    Enable,
+    Slip(i64),
+    Stream(f64),
+    /// Follow the line.
+    Couple(i64),
+    MoveLine(i64),
+}
+
+fn deed() -> impl Strategy<Value = Deed> {
+    use MoveMode::{Absolute, Additive, Relative, Superimposed};
+    let mode = prop::sample::select(vec![Absolute, Relative, Additive, Superimposed]);
+    let buffer = prop::sample::select(vec![
+        BufferMode::Aborting,
+        BufferMode::Buffered,
+        BufferMode::BlendingLow,
+        BufferMode::BlendingNext,
+        BufferMode::BlendingHigh,
+    ]);
+    let rates = (prop_oneof![Just(0.0), 1e3..1e5_f64], prop_oneof![Just(0.0), 1e5..1e6_f64]);
+    let moves = (mode, -40_000_i64..40_000, rates, buffer).prop_map(|(mode, target, (velocity, rate), buffer_mode)| {
+        Deed::Move(Move { mode, velocity, acceleration: rate, buffer_mode, ..to(X, target) })
+    });
+    let runs = (-90_000.0..90_000.0_f64).prop_map(|velocity| Deed::Move(at(X, velocity)));
+    prop_oneof![
+        6 => moves,
+        2 => runs,
+        1 => (0.0..100.0_f64).prop_map(Deed::Override),
+        1 => Just(Deed::Halt),
+        1 => Just(Deed::Disable),
+        2 => Just(Deed::Enable),
+        1 => (-300_i64..300).prop_map(Deed::Slip),
+        1 => (-90_000.0..90_000.0_f64).prop_map(Deed::Stream),
+        2 => (-3_i64..4).prop_map(Deed::Couple),
+        2 => (-20_000_i64..20_000).prop_map(Deed::MoveLine),
+    ]
+}
+
+/// The same for a machine whose x counts the other way round.
+fn mirrored(deed: &Deed) -> Deed {
+    match deed {
+        Deed::Move(request) => {
+            let target = Length { nearest: -request.target.nearest, rest: -request.target.rest };
+            let velocity = if request.mode == MoveMode::Velocity { 0.0 - request.velocity } else { request.velocity };
+            Deed::Move(Move { target, velocity, ..*request })
+        }
+        Deed::Stream(velocity) => Deed::Stream(0.0 - velocity),
+        Deed::Couple(numerator) => Deed::Couple(-numerator),
+        other => other.clone(),
+    }
+}
+
+fn does(rig: &mut Rig, deed: &Deed, generation: u64) {
+    let x = AxisSet::one(X);
+    let action = match deed {
+        Deed::Move(request) => Action::Move(*request),
+        Deed::Override(share) => {
+            let (row, _) = Row::find("velocity_override").unwrap();
+            Action::SetParameters([Change { axis: X, row, value: Value::Real(*share) }].into())
+        }
+        Deed::Halt => Action::Halt(x),
+        Deed::Disable => Action::Disable(x),
+        Deed::Enable => Action::Enable(x),
+        // Of the drive: the same in both.
+        Deed::Slip(by) => return rig.plant.drive(0).unwrap().jump(*by),
+        Deed::Stream(velocity) => {
+            let stream = Setpoints { generation, velocity: vec![None, Some(*velocity), None] };
+            return rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+        }
+        Deed::Couple(numerator) => {
+            let request = couple(X, Leader::AxisCommand(0), *numerator, 1);
+            Action::Synchronize(Synchronize { velocity: 50_000.0, ..request })
+        }
+        Deed::MoveLine(target) => Action::Move(to(0, *target)),
+    };
+    rig.give(action);
+}
+
+/// What an event says, but for places and velocities.
+fn gist(event: &Event) -> (u64, u32, String, bool) {
+    let has_number = event.asked != Number::None;
+    (event.command, event.code.0, format!("{:?}", event.kind), has_number)
+}
+
+fn same(one: &mut Rig, other: &mut Rig) -> Result<(), TestCaseError> {
+    prop_assert_eq!(one.outputs().drive.clone(), other.outputs().drive.clone());
+    let raw = |rig: &Rig| {
+        // Whole and fraction are exact in units of 2^-32.
+        let fraction = (rig.real("x.command.fraction") * (1_u64 << 32) as f64) as i128;
+        (i128::from(rig.int("x.command.position")) << 32) + fraction
+    };
+    prop_assert_eq!(raw(one), -raw(other));
+    for name in ["x.actual.position", "x.following_error", "x.regulator.error"] {
+        prop_assert_eq!(one.int(name), -other.int(name), "{}", name);
+    }
+    for name in
+        ["x.state", "x.in_position", "x.enabled", "x.error", "x.actual.count", "x.reference", "line.command.position"]
+    {
+        prop_assert_eq!(one.int(name), other.int(name), "{}", name);
+    }
+    for name in ["x.command.velocity", "x.command.acceleration", "x.actual.velocity", "x.regulator.output"] {
+        prop_assert_eq!(one.real(name), 0.0 - other.real(name), "{}", name);
+    }
+    let gists = |rig: &mut Rig| rig.events.drain(..).map(|event| gist(&event)).collect::<Vec<_>>();
+    let (mine, others) = (gists(one), gists(other));
+    prop_assert_eq!(mine, others);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(100))]
+
+    /// Proves: MACS-DIR-02, MACS-DIR-03
+    #[test]
+    fn inverted_units_are_the_mirror_image_to_the_last_bit(
+        shape in 0_i64..2,
+        here in any::<bool>(),
+        deeds in prop::collection::vec((deed(), 0_u64..150), 1..20),
+    ) {
+        let rig = |sign: i64| {
+            // A loop that is closed here is wired the other way round as well.
+            let mut config = if here { closed_here(2 * sign) } else { turned(sign) };
+            let p = &mut config.axes[1].parameters;
+            (p.max_jerk, p.profile, p.in_position_window) = (Some(2e7), shape, 3);
+            let mut rig = Rig::with(config, [if here { servo(true) } else { Model::Ideal }, Model::Ideal]);
+            rig.enable();
+            rig
+        };
+        let (mut one, mut other) = (rig(1), rig(-1));
+        same(&mut one, &mut other)?;
+        for (generation, (deed, cycles)) in (1..).zip(&deeds) {
+            does(&mut one, deed, generation);
+            does(&mut other, &mirrored(deed), generation);
+            same(&mut one, &mut other)?;
+            for _ in 0..*cycles {
+                one.run(1);
+                other.run(1);
+                same(&mut one, &mut other)?;
+            }
+        }
+    }
+}
+
+/// Proves: MACS-DIR-02
+#[test]
+fn inverted_units_are_the_mirror_image_with_limited_jerk() {
+    let rig = |posdrct| {
+        let mut config = turned(posdrct);
+        (config.axes[1].parameters.max_jerk, config.axes[1].parameters.profile) = (Some(2e7), 2);
+        let mut rig = Rig::of(config);
+        rig.enable();
+        rig
+    };
+    let (mut one, mut other) = (rig(1), rig(-1));
+    let deeds = [
+        (Deed::Move(to(X, 12_345)), 100),
+        (Deed::Move(at(X, 43_314.466)), 76),
+        (Deed::Halt, 103),
+        (Deed::Move(to(X, -7_001)), 70),
+        (Deed::Move(to(X, 333)), 1_000),
+    ];
+    for (deed, cycles) in deeds {
+        does(&mut one, &deed, 0);
+        does(&mut other, &mirrored(&deed), 0);
+        for _ in 0..cycles {
+            one.run(1);
+            other.run(1);
+            let position = |rig: &Rig| rig.int("x.command.position") as f64 + rig.real("x.command.fraction");
+            assert!((position(&one) + position(&other)).abs() < 1e-6);
+            assert!((one.real("x.output.velocity") - other.real("x.output.velocity")).abs() < 1e-6);
+            assert!((one.int("x.output.position") - other.int("x.output.position")).abs() <= 1);
+        }
+    }
+    assert_eq!((one.int("x.output.position"), other.int("x.output.position")), (333, 333));
+}

@@ -1,0 +1,168 @@
+//! Parameters in sentences: one text of a value, of a range, of a refusal, for every door.
+
+use crate::parameter::{Measure, Range, Refused, Row, Storage, Value};
+use crate::unit::{Scale, ScaleKind};
+
+/// Where the ranges of positions end (inc).
+const LARGEST_POSITION: i64 = (1 << 62) - 1;
+
+/// A value in the axis unit, or in the row's own; of a choice, its name.
+pub fn value_text(row: &Row, value: Value, scale: &Scale) -> String {
+    match (value, row.measure) {
+        (Value::Unset, _) => row.default_text.to_owned(),
+        (Value::Int(place), Measure::Choice(names)) => usize::try_from(place)
+            .ok()
+            .and_then(|place| names.get(place))
+            .map_or_else(|| place.to_string(), |name| (*name).to_owned()),
+        (Value::Int(value), Measure::Position | Measure::Distance) => scale.format_increments(value),
+        (Value::Int(value), Measure::Time) => format!("{} ms", value as f64 / 1e6),
+        (Value::Int(value), _) => value.to_string(),
+        (Value::Real(value), Measure::Velocity) => scale.format_rate(value, 1),
+        (Value::Real(value), Measure::Acceleration) => scale.format_rate(value, 2),
+        (Value::Real(value), Measure::Jerk) => scale.format_rate(value, 3),
+        (Value::Real(value), _) => value.to_string(),
+    }
+}
+
+/// The values that a row permits, in words; `text` writes one of them.
+pub fn range_text(row: &Row, text: impl Fn(Value) -> String) -> String {
+    match row.range {
+        Range::Int(0, LARGEST_POSITION) => format!("{} and above", text(Value::Int(0))),
+        Range::Int(low, LARGEST_POSITION) if low > 0 => {
+            let (low, exact) = (text(Value::Int(low)), format!("{low} inc"));
+            if low == exact { format!("{low} and above") } else { format!("{low} ({exact}) and above") }
+        }
+        Range::Int(low, high) => format!("{} to {}", text(Value::Int(low)), text(Value::Int(high))),
+        Range::Among(ranges) => ranges_text(ranges),
+        Range::Real(low, high) => format!("{} to {}", text(Value::Real(low)), text(Value::Real(high))),
+        Range::PositiveUpTo(high) => format!("more than 0 up to {}", text(Value::Real(high))),
+    }
+}
+
+/// Ranges one by one; a regular row of them by its beginning and its end: `0 to 2, 10 to 12, .. 90 to 92`.
+fn ranges_text(ranges: &[(i64, i64)]) -> String {
+    /// A shorter row is written out.
+    const REGULAR: usize = 5;
+    let one = |&(low, high): &(i64, i64)| if low == high { low.to_string() } else { format!("{low} to {high}") };
+    let mut parts = Vec::new();
+    let mut rest = ranges;
+    while let [first, tail @ ..] = rest {
+        let shift = tail.first().map(|second| (second.0 - first.0, second.1 - first.1));
+        let follows = |pair: &&[(i64, i64)]| match pair {
+            [before, after] => Some((after.0 - before.0, after.1 - before.1)) == shift,
+            _ => false,
+        };
+        let length = 1 + rest.windows(2).take_while(follows).count();
+        match rest.get(..length) {
+            Some([first, second, .., last]) if length >= REGULAR => {
+                parts.push(format!("{}, {}, .. {}", one(first), one(second), one(last)));
+                rest = rest.get(length..).unwrap_or_default();
+            }
+            _ => {
+                parts.push(one(first));
+                rest = tail;
+            }
+        }
+    }
+    parts.join(", ")
+}
+
+/// What a value of a row may be, in words, for a value that is none.
+pub fn expected_text(row: &Row, scale: &Scale) -> String {
+    let unit = match scale.kind() {
+        ScaleKind::Linear => ["10 mm", "0.5 m/s", "2 m/s^2", "50 m/s^3"],
+        ScaleKind::Rotary => ["10 deg", "90 deg/s", "360 deg/s^2", "9000 deg/s^3"],
+    };
+    let range = || range_text(row, |value| value_text(row, value, scale));
+    match row.measure {
+        Measure::Position | Measure::Distance => format!("a position such as {}", unit[0]),
+        Measure::Velocity => format!("a velocity such as {}", unit[1]),
+        Measure::Acceleration => format!("an acceleration such as {}", unit[2]),
+        Measure::Jerk => format!("a jerk such as {}", unit[3]),
+        Measure::Integer => format!("{}, {},", row.expected(), range()),
+        Measure::Number => format!("{}, {},", row.expected(), range()),
+        Measure::Time | Measure::Choice(_) => row.measure.expected(),
+    }
+}
+
+/// Why a row refuses a value: key, value and what is permitted, without the name of the axis.
+pub fn refused_text(row: &Row, why: Refused, value: Value, scale: &Scale) -> String {
+    let key = row.key;
+    let text = |value| value_text(row, value, scale);
+    match why {
+        Refused::OutOfRange | Refused::WrongType => {
+            format!("{key} is {}; {} is allowed", text(value), range_text(row, text))
+        }
+        Refused::NotBuilt => {
+            let (value, default) = (text(value), text(row.default));
+            format!("{key} is {value}: {} does not exist yet; only {default} is allowed", row.missing)
+        }
+        Refused::ReadOnly => match row.storage {
+            Storage::Cell => format!("{key} is part of the cell; it changes with the file and a new start"),
+            Storage::Signal(signal) => format!("{key} is read-only; read the signal {signal} of the axis"),
+            _ => format!("{key} is computed from other parameters"),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::unit::{Fraction, Quantity, Unit};
+
+    fn row(key: &str) -> &'static Row {
+        Row::find(key).unwrap_or_else(|| panic!("no row {key}")).1
+    }
+
+    fn millimetres() -> Scale {
+        let one = Quantity::new(Fraction::from(1), Unit::MILLIMETRE);
+        Scale::new(Fraction::from(1000), one).and_then(|scale| scale.with_unit(Unit::MILLIMETRE)).expect("a good scale")
+    }
+
+    fn range(key: &str) -> String {
+        range_text(row(key), |value| value_text(row(key), value, &millimetres()))
+    }
+
+    #[test]
+    fn a_range_is_told_in_the_units_of_its_row() {
+        assert_eq!(range("error_reaction"), "0 to 5");
+        assert_eq!(range("wf.md22"), "0.01 to 100");
+        assert_eq!(range("following_error_time"), "0 ms to 10000 ms");
+        assert_eq!(range("in_position_window"), "0 mm and above");
+        assert_eq!(range("max_following_error"), "0.001 mm (1 inc) and above");
+        assert_eq!(range("max_velocity"), "more than 0 up to 1000000000000 mm/s");
+    }
+
+    #[test]
+    fn many_ranges_are_told_by_their_rule() {
+        // rule 0 to 2 + 10 output + 100 node, and -10 to -90.
+        assert_eq!(range("revers"), "-90, -80, .. -10, 0 to 2, 10 to 12, .. 12790 to 12792");
+        assert_eq!(range("canbaud"), "0 to 8, 10 to 18, .. 80 to 88");
+        assert_eq!(range("cannr"), "0 to 127, 9999");
+        assert_eq!(ranges_text(&[(0, 1), (4, 5), (8, 9)]), "0 to 1, 4 to 5, 8 to 9");
+        assert_eq!(ranges_text(&[]), "");
+    }
+
+    #[test]
+    fn what_is_expected_fits_the_axis() {
+        let turn = Quantity::new(Fraction::from(1), Unit::REVOLUTION);
+        let rotary = Scale::new(Fraction::from(1000), turn).unwrap();
+        assert_eq!(expected_text(row("max_velocity"), &millimetres()), "a velocity such as 0.5 m/s");
+        assert_eq!(expected_text(row("max_velocity"), &rotary), "a velocity such as 90 deg/s");
+        assert_eq!(expected_text(row("kprop"), &rotary), "a whole number, 1 to 65000,");
+    }
+
+    #[test]
+    fn a_refusal_names_key_value_and_what_is_permitted() {
+        let text = |key, why, value| refused_text(row(key), why, value, &millimetres());
+        assert_eq!(
+            text("max_following_error", Refused::OutOfRange, Value::Int(0)),
+            "max_following_error is 0 mm; 0.001 mm (1 inc) and above is allowed"
+        );
+        assert_eq!(text("velmaxqc", Refused::ReadOnly, Value::Int(5)), "velmaxqc is computed from other parameters");
+        assert_eq!(
+            text("posfact_z", Refused::ReadOnly, Value::Int(5)),
+            "posfact_z is part of the cell; it changes with the file and a new start"
+        );
+    }
+}
