@@ -171,7 +171,9 @@ fn help_and_version_are_no_errors() {
         (&["--help"][..], "Exit codes"),
         (&["--version"], concat!("lineshaft ", env!("CARGO_PKG_VERSION"))),
         (&["run", "--help"], "ROS_DOMAIN_ID"),
+        (&["run", "--help"], "--store <FILE|none>"),
         (&["sim", "--help"], "--csv"),
+        (&["sim", "--help"], "--store <FILE|none>"),
         (&["check", "--help"], "--scenario"),
     ] {
         let output = lineshaft(&here, arguments);
@@ -198,7 +200,9 @@ fn a_log_that_nobody_reads_any_more_does_not_end_the_node() {
     use rustix::process::{Pid, Signal, kill_process};
     use std::io::{BufRead, BufReader};
     use std::process::Stdio;
+    let home = tempfile::tempdir().unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+    command.env("ROS_HOME", home.path());
     command.env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST").env("ROS_DOMAIN_ID", "98").stderr(Stdio::piped());
     let mut program = command.spawn().unwrap();
     let mut log = BufReader::new(program.stderr.take().unwrap());
@@ -221,4 +225,56 @@ fn output_that_nobody_reads_is_no_failure() {
     let arguments = ["check", "launch-configs/demo.yaml"];
     let status = command.args(arguments).current_dir(root("")).stdout(Stdio::from(full)).status().unwrap();
     assert_eq!(status.code(), Some(0));
+}
+
+/// `lineshaft params`: the catalogue, one parameter, a cell, and a file of parameters out and in again.
+#[test]
+fn params_shows_the_catalogue_and_a_cell_and_checks_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let cell = root("launch-configs/demo.yaml");
+    let cell = cell.to_str().unwrap();
+    let run = |arguments: &[&str]| lineshaft(folder.path(), &[&["params"], arguments].concat());
+
+    let all = text(&run(&[]).stdout);
+    assert!(all.lines().next().unwrap().starts_with("name "), "{all}");
+    assert!(
+        all.lines().any(|line| line.starts_with("max_velocity "))
+            && all.lines().any(|line| line.starts_with("revers "))
+    );
+    let one = text(&run(&["--name", "VELMAX"]).stdout);
+    assert!(one.starts_with("velmax\n") && one.contains("another view of max_velocity"), "{one}");
+    let page = text(&run(&["--markdown"]).stdout);
+    assert_eq!(page, std::fs::read_to_string(root("docs/parameters.md")).unwrap());
+
+    let changed = text(&run(&[cell, "--changed", "--name", "x.*"]).stdout);
+    assert!(changed.contains("x.max_position") && !changed.contains("y.") && !changed.contains("setpoint_timeout"));
+    let export = run(&[cell, "--export"]);
+    assert_eq!(code(&export), 0);
+    std::fs::write(folder.path().join("p.yaml"), &export.stdout).unwrap();
+    assert_eq!(text(&run(&[cell, "--import", "p.yaml"]).stdout), "nothing would change\n");
+    std::fs::write(folder.path().join("p.yaml"), "x.max_velocity: 0.8 m/s\nx.PROFTIME: 2000\n").unwrap();
+    let change = "x.max_velocity: 1200 mm/s -> 800 mm/s\nx.proftime: 1 ms -> 2 ms\n";
+    assert_eq!(text(&run(&[cell, "--import", "p.yaml"]).stdout), change);
+
+    std::fs::write(folder.path().join("p.yaml"), "x.max_velocty: 1\nx.error_reaction: 6\n").unwrap();
+    let bad = run(&[cell, "--import", "p.yaml"]);
+    assert_eq!((code(&bad), text(&bad.stdout).as_str()), (2, ""));
+    assert_eq!(
+        text(&bad.stderr),
+        "p.yaml:1:1: no parameter is called `x.max_velocty`, did you mean `max_velocity`?\n\
+         p.yaml:2:19: error_reaction is 6; 0 to 5 is allowed\n"
+    );
+    for (arguments, said) in [
+        (&["--name", "velmx"][..], "error: no parameter matches `velmx`, did you mean `velmax`?\n"),
+        (&["--name", "["], "error: --name: `[` is no pattern: unclosed character class; missing ']'\n"),
+        (&["none.yaml"], "none.yaml:1:1: cannot read the file: No such file or directory (os error 2)\n"),
+        (
+            &[cell, "--import", "none.yaml"],
+            "none.yaml:1:1: cannot read the file: No such file or directory (os error 2)\n",
+        ),
+    ] {
+        let output = run(arguments);
+        assert_eq!((code(&output), text(&output.stderr).as_str()), (2, said));
+    }
+    assert_eq!(code(&run(&["--export"])), 2);
 }

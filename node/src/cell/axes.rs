@@ -70,15 +70,16 @@ fn axis<'d>(
     let Onces { taken, outputs, masters } = once;
     let name = entry.name();
     let mut map = entry.value.map(format!("axis `{name}`"))?;
-    let mut travel = Travel::read(&mut map);
-    travel.read_unit(&mut map);
+    let (travel, factors) = Travel::read_axis(&mut map);
     let drive = map.required("drive").and_then(|value| drive(&value, name, cx, taken));
     let modulo = map.optional("modulo").map(|value| modulo(&value, &travel));
     let homing = map.optional("homing");
     let sim = map.optional("sim");
     let mut sections = parameters::Sections::open(&mut map);
     let wiring = amc::wiring(place, &mut map, &mut sections, cx, io, masters);
-    let (parameters, given) = parameters::read(&mut map, &mut sections, &travel, cx.cycle_ns);
+    let who = drive.map(|drive| interface_of(Some(drive)));
+    let (mut parameters, given) = parameters::read(&mut map, &mut sections, &travel, who, cx.cycle_ns);
+    parameters.macs.scale = factors;
     let open_loop = sections.of("wf").map_or(Some(Wiring::default()), |section| {
         wiring::read(section, why_closed(drive, name).as_deref(), cx, io, outputs)
     });

@@ -36,6 +36,7 @@ use lineshaft_core::sim::Model;
 use lineshaft_core::unit::Dimension;
 use lineshaft_ros::layer::NodeName;
 use names::{Names, Section, quote};
+pub(crate) use parameters::{contradictions, double_views, turned_views};
 use std::path::Path;
 
 /// The format that this program reads.

@@ -1,15 +1,23 @@
 //! The keys of an axis that the catalogue of parameters knows.
 
+mod agree;
+
 use super::names::quote;
 use super::scale::Travel;
-use crate::document::{Map, Value};
+use crate::document::{Allowed, Map, Value};
+pub(crate) use agree::{contradictions, double_views, turned_views};
+use lineshaft_core::axis::may_turn_loop;
+use lineshaft_core::code::Code;
+use lineshaft_core::config::highest_velocity;
+use lineshaft_core::drive::Interface;
 use lineshaft_core::parameter::{
-    self, AxisParameters, Bare, ConvertError, Measure, ParameterInput, ROWS, Range, Refused, Row,
+    self, Applies, AxisParameters, Bare, ConvertError, Measure, ParameterInput, ROWS, Range, Refused, Row, Storage,
 };
+use lineshaft_core::text::{expected_text, not_built_here, range_text, refused_text, value_text};
 use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 
-/// Increments that an axis may move in one cycle.
-const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
+/// Largest velocity and acceleration that a row takes.
+const MOST: f64 = 1e15;
 
 /// Vocabularies whose keys stand in a map of their own: `amc: {stop_mode: 1}` is `amc.stop_mode: 1`.
 const PREFIXES: [&str; 3] = ["amc", "saia", "wf"];
@@ -47,81 +55,46 @@ impl<'d> Sections<'d> {
     }
 }
 
-/// Reads all parameters of an axis; where one has a problem, its default stands.
+/// Reads all parameters of an axis; where one has a problem, its default stands. `who` is its interface, none of a virtual
+/// one, where that is known.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     sections: &mut Sections<'d>,
     travel: &Travel,
+    who: Option<Option<Interface>>,
     cycle_ns: Option<u64>,
 ) -> (AxisParameters, Given<'d>) {
     // With no limit given, nothing else must seem to lie above it.
-    let mut parameters = AxisParameters::new(f64::MAX, f64::MAX);
+    let mut parameters = AxisParameters::new(MOST, MOST);
     let mut given = Given::new();
-    for row in ROWS {
-        let is_other_view = refuse_mnemonic(map, row);
-        let value = if row.required && !is_other_view { map.required(row.key) } else { sections.value(map, row.key) };
+    let mut set = Vec::new();
+    for row in ROWS.iter().filter(|row| row.storage != Storage::Cell) {
+        let needs = row.required && !ROWS.iter().any(|view| view.view_of == row.key && map.has(view.key));
+        let value = if needs { map.required(row.key) } else { sections.value(map, row.key) };
         let Some(value) = value else { continue };
+        let is_there = row.applies != Applies::Machine && who.is_none_or(|who| row.applies.to_interface(who));
+        if !is_there {
+            let sentence = format!("{} is for {}", row.key, row.applies.text());
+            value.refuse(sentence, Some("leave it out".to_owned()));
+            continue;
+        }
         let reader = Reader { row, value: &value, travel, cycle_ns };
         if reader.assign(&mut parameters).is_some() {
             given.push((row.key, value));
+            set.push((row, row.value(&parameters)));
         }
+    }
+    double_views(&given, |_| false);
+    turned_views(&parameters, given.iter().zip(&set).map(|((_, value), (row, number))| (*row, *number, value)));
+    if let (Some(who), Some((_, value))) = (who, given.iter().find(|(key, _)| *key == "posdrct"))
+        && !may_turn_loop(who, &parameters)
+    {
+        value.refuse(format!("posdrct {} {}", parameters.macs.posdrct, not_built_here(Code::LOOP_IN_DRIVE)), None);
     }
     if let Some(scale) = &travel.scale {
-        check(&mut parameters, &given, scale);
+        contradictions(&parameters, &given, scale, cycle_ns);
     }
     (parameters, given)
-}
-
-/// The source's name for a value that has one of its own here; true if it stands.
-fn refuse_mnemonic(map: &mut Map<'_>, row: &Row) -> bool {
-    let mnemonic = row.mnemonic.to_lowercase();
-    let stands = mnemonic != row.key && map.has(&mnemonic);
-    if stands && let Some(value) = map.optional(&mnemonic) {
-        value.refuse(format!("parameter {mnemonic} does not exist yet"), Some(format!("write `{}`", row.key)));
-    }
-    stands
-}
-
-/// Refuses what contradicts, every pair once.
-fn check(parameters: &mut AxisParameters, given: &[(&str, Value<'_>)], scale: &Scale) {
-    let mut checked = *parameters;
-    while let Err((low, high)) = checked.check() {
-        let (Some((_, low_row)), Some((_, high_row))) = (Row::find(low), Row::find(high)) else { return };
-        let (low_value, high_value) = ((low_row.get)(&checked), (high_row.get)(&checked));
-        let (low_text, high_text) = (text(low_row, scale, low_value), text(high_row, scale, high_value));
-        let sentence = if low_value == high_value {
-            format!("{low} {low_text} lies at {high} {high_text}; below is allowed")
-        } else {
-            format!("{low} {low_text} lies above {high} {high_text}")
-        };
-        if let Some((_, value)) = given.iter().find(|(key, _)| *key == low) {
-            value.refuse(sentence, None);
-        }
-        // The next look must not find the same pair.
-        if low_row.assign(&mut checked, parameter::Value::Unset).is_err() {
-            return;
-        }
-    }
-}
-
-/// A value in the axis unit.
-fn text(row: &Row, scale: &Scale, value: parameter::Value) -> String {
-    let order = order(row.measure);
-    match value {
-        parameter::Value::Int(value) if order == 0 => scale.format_increments(value),
-        parameter::Value::Int(value) => value.to_string(),
-        parameter::Value::Real(value) => scale.format_rate(value, order),
-        parameter::Value::Unset => row.default_text.to_owned(),
-    }
-}
-
-fn order(measure: Measure) -> u8 {
-    match measure {
-        Measure::Velocity => 1,
-        Measure::Acceleration => 2,
-        Measure::Jerk => 3,
-        _ => 0,
-    }
 }
 
 /// A value of the file for one parameter.
@@ -137,7 +110,7 @@ impl Reader<'_, '_> {
         let input = self.input()?;
         // Without a scale the unit has been checked, and there is no more to say about a length.
         let scale = if self.is_scaled() { &self.travel.scale? } else { &self.travel.any_scale()? };
-        let value = parameter::convert(self.row, scale, &input).map_err(|error| self.refuse_type(error)).ok()?;
+        let value = parameter::convert(self.row, scale, &input).map_err(|error| self.refuse_type(error, scale)).ok()?;
         if self.is_too_fast(value) {
             self.refuse_range(scale);
             return None;
@@ -145,8 +118,8 @@ impl Reader<'_, '_> {
         match self.row.assign(parameters, value) {
             Ok(()) => return Some(()),
             Err(Refused::OutOfRange) => self.refuse_range(scale),
-            Err(Refused::NotBuilt) => self.refuse_choice(),
-            Err(Refused::WrongType) => self.refuse_type(ConvertError::Type(self.written().to_owned())),
+            Err(Refused::WrongType) => self.refuse_type(ConvertError::Type(self.written().to_owned()), scale),
+            Err(why) => self.value.refuse(refused_text(self.row, why, value, scale), Some("leave it out".to_owned())),
         }
         None
     }
@@ -160,16 +133,29 @@ impl Reader<'_, '_> {
         self.value.peek().unwrap_or_default()
     }
 
+    /// Does it read as a number with more behind it?
+    fn is_quantity(&self) -> bool {
+        let text = self.written();
+        let is_number = self.value.is_integer() || text.parse::<f64>().is_ok();
+        !is_number && text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
+    }
+
     /// The value as the catalogue takes it; the dimension of a quantity is right then.
     fn input(&self) -> Option<ParameterInput> {
-        match (self.row.measure, self.row.range) {
-            (Measure::Integer, Range::Int(low, high)) => self.value.integer(low..=high).map(ParameterInput::Integer),
-            (Measure::Number, _) => self.value.number(f64::NEG_INFINITY..=f64::INFINITY).map(ParameterInput::Number),
-            (Measure::Choice(names), _) => {
+        if let Some(unit) = self.row.own_unit().filter(|_| self.is_quantity()) {
+            return self.value.quantity(&[unit.dimension()], &Allowed::Any).map(ParameterInput::Quantity);
+        }
+        match self.row.measure {
+            Measure::Integer => whole(self.row, self.value, &self.travel.any_scale()?).map(ParameterInput::Integer),
+            Measure::Number => self.value.number(f64::NEG_INFINITY..=f64::INFINITY).map(ParameterInput::Number),
+            Measure::Choice(_) if self.value.is_integer() => {
+                self.value.integer(i64::MIN..=i64::MAX).map(ParameterInput::Integer)
+            }
+            Measure::Choice(names) => {
                 let names: Vec<_> = names.iter().map(|name| (*name, *name)).collect();
                 self.value.choice(&names).map(|name| ParameterInput::Text(name.to_owned()))
             }
-            (measure, _) => {
+            measure => {
                 // A length fits only an axis that is known to be linear.
                 if self.is_scaled() && self.travel.kind.is_none() {
                     return None;
@@ -178,34 +164,29 @@ impl Reader<'_, '_> {
                     return self.value.number(f64::NEG_INFINITY..=f64::INFINITY).map(ParameterInput::Number);
                 }
                 let dimensions = measure.dimensions(&self.travel.any_scale()?)?;
-                let quantity = self.value.quantity(&dimensions, &crate::document::Allowed::Any);
+                let quantity = self.value.quantity(&dimensions, &Allowed::Any);
                 quantity.map(ParameterInput::Quantity)
             }
         }
     }
 
-    /// Highest velocity (inc/s) of the axis, where the cycle is known.
+    /// Highest velocity (inc/s) that the row may have, where the cycle sets one.
     fn highest_velocity(&self) -> Option<f64> {
-        self.cycle_ns.map(|cycle_ns| MOST_PER_CYCLE * 1e9 / cycle_ns as f64)
+        let is_limit = self.row.measure == Measure::Velocity && matches!(self.row.range, Range::PositiveUpTo(_));
+        self.cycle_ns.filter(|_| is_limit).map(highest_velocity)
     }
 
     fn is_too_fast(&self, value: parameter::Value) -> bool {
         match value {
-            parameter::Value::Real(velocity) if self.row.measure == Measure::Velocity => {
-                self.highest_velocity().is_some_and(|highest| velocity > highest)
-            }
+            parameter::Value::Real(velocity) => self.highest_velocity().is_some_and(|highest| velocity > highest),
             _ => false,
         }
     }
 
-    fn refuse_type(&self, error: ConvertError) {
-        let key = self.row.key;
+    fn refuse_type(&self, error: ConvertError, scale: &Scale) {
         match error {
             ConvertError::Unit(error) => self.refuse_unit(&error),
-            ConvertError::Type(value) => {
-                let sentence = format!("{key} is {}; {} is expected", quote(&value), self.row.measure.expected());
-                self.value.refuse(sentence, None);
-            }
+            ConvertError::Type(value) => refuse_type(self.row, self.value, &value, scale, None),
         }
     }
 
@@ -214,43 +195,38 @@ impl Reader<'_, '_> {
     }
 
     fn refuse_range(&self, scale: &Scale) {
-        let sentence = format!("{} is {}; {} is allowed", self.row.key, quote(self.written()), self.permitted(scale));
-        self.value.refuse(sentence, None);
+        let highest = self.highest_velocity().unwrap_or(f64::INFINITY);
+        refuse_range(self.row, self.value, scale, highest);
     }
+}
 
-    fn refuse_choice(&self) {
-        let built = match (self.row.measure, self.row.built) {
-            (Measure::Choice(names), Some(built)) => names.get(..=built as usize).unwrap_or_default(),
-            _ => &[],
-        };
-        let hint = (!built.is_empty()).then(|| format!("write `{}`", built.join("` or `")));
-        self.value.refuse(format!("{} {} does not exist yet", self.row.key, self.written()), hint);
-    }
-
-    /// The range of the row in the axis unit.
-    fn permitted(&self, scale: &Scale) -> String {
-        let milliseconds = |nanoseconds: i64| format!("{} ms", nanoseconds as f64 / 1e6);
-        match (self.row.range, self.row.measure) {
-            // What lies above is no position at all and was refused as such.
-            (Range::Int(0, _), Measure::Distance) => format!("{} and above", scale.format_increments(0)),
-            (Range::Int(low, _), Measure::Distance) => {
-                format!("{} ({low} inc) and above", scale.format_increments(low))
-            }
-            (Range::Int(low, high), Measure::Position) => {
-                format!("{}..{}", scale.format_increments(low), scale.format_increments(high))
-            }
-            (Range::Int(low, high), Measure::Time) => format!("{}..{}", milliseconds(low), milliseconds(high)),
-            (Range::Int(low, high), _) => format!("{low}..{high}"),
-            (Range::Real(low, high), Measure::Number) => format!("{low}..{high}"),
-            (Range::Real(low, high), measure) => {
-                let text = |rate| scale.format_rate(rate, order(measure));
-                format!("{}..{}", text(low), text(high))
-            }
-            (Range::PositiveUpTo(high), measure) => {
-                let high = self.highest_velocity().filter(|_| measure == Measure::Velocity).unwrap_or(high).min(high);
-                let text = |rate| scale.format_rate(rate, order(measure));
-                format!("more than {} up to {}", text(0.0), text(high))
-            }
+/// The value of a row for whole numbers, if it is one; its range is checked by the row.
+pub(super) fn whole(row: &Row, value: &Value<'_>, scale: &Scale) -> Option<i64> {
+    match value.peek() {
+        Some(text) if !value.is_integer() => {
+            // Only quotes keep it from being one.
+            let hint = text.parse::<i64>().is_ok().then(|| "write it without quotes".to_owned());
+            refuse_type(row, value, text, scale, hint);
+            None
+        }
+        _ => {
+            let number = value.integer(i128::MIN..=i128::MAX)?;
+            let number = i64::try_from(number);
+            number.map_err(|_| refuse_range(row, value, scale, f64::INFINITY)).ok()
         }
     }
+}
+
+fn refuse_type(row: &Row, value: &Value<'_>, written: &str, scale: &Scale, hint: Option<String>) {
+    value.refuse(format!("{} is {}; {} is expected", row.key, quote(written), expected_text(row, scale)), hint);
+}
+
+/// Tells the range of a row, of which a velocity may use up to `highest` (inc/s).
+pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: f64) {
+    let range = range_text(row, |end| match end {
+        parameter::Value::Real(end) => value_text(row, parameter::Value::Real(end.min(highest)), scale),
+        end => value_text(row, end, scale),
+    });
+    let written = value.peek().unwrap_or_default();
+    value.refuse(format!("{} is {}; {range} is allowed", row.key, quote(written)), None);
 }

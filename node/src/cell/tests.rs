@@ -3,6 +3,7 @@
 mod amc;
 mod axes;
 mod interfaces;
+mod scale;
 mod sections;
 
 use super::*;
@@ -133,7 +134,7 @@ groups: {arm: [x, y]}
          10:25: increments is `0`; a number above 0 is allowed\n\
          11:22: backend is `plnat`; no backend has that name, did you mean `plant`?\n\
          12:19: max_velocity: `1.2 mm` is a length; a velocity such as `1.2 mm/s` is expected\n\
-         14:21: error_reaction is 6; 0..5 is allowed\n\
+         14:21: error_reaction is `6`; 0 to 5 is allowed\n\
          15:5: unknown key `max_pos` in axis `x`\n\
          16:3: `X2` is no name; a letter a..z, then a..z, 0..9 and _, at most 32 characters, is allowed, write `x2`\n\
          16:7: missing key `max_acceleration` in axis `X2`\n\

@@ -12,9 +12,10 @@ mod place;
 mod topics;
 
 use super::metadata::{FileInformation, Metadata, TopicInformation};
-use super::parameters::parameters_text;
 use super::{Encoded, Topic};
 use crate::cell::Cell;
+use crate::parameters::parameters_text;
+use crate::store::store_text;
 use disk::Medium;
 use file::{BagFile, Counts, Opening};
 use lineshaft_ros::layer::{FullName, NodeName};
@@ -50,6 +51,8 @@ pub struct Subject {
     pub cell: String,
     /// Parameters in force before cycle 0, of [`parameters_text`]; a later file has those of its first cycle.
     pub parameters: String,
+    /// What was saved when the machine started, of [`store_text`]; nothing where nothing was.
+    pub store: Option<String>,
     /// Whose topics they are.
     pub node: NodeName,
     /// Length of a cycle (ns).
@@ -144,10 +147,11 @@ impl Lost {
 impl Subject {
     /// A machine of that cell before its cycle 0, shown as `node`.
     pub fn new(cell: &Cell, node: &NodeName) -> Self {
-        let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.parameters).collect();
+        let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.power_on()).collect();
         Self {
             cell: cell.text.clone(),
             parameters: parameters_text(&cell.machine, &parameters),
+            store: store_text(&cell.machine),
             node: node.clone(),
             cycle_ns: cell.machine.cycle_ns,
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -322,6 +326,7 @@ impl Bag {
         let parameters = first.and_then(|first| first.parameters.as_deref()).unwrap_or(&subject.parameters);
         let yaml = |name, text: &str| (name, "application/yaml", Cow::Owned(text.as_bytes().to_vec()));
         let mut attachments = vec![yaml("cell.yaml", &subject.cell), yaml("parameters.yaml", parameters)];
+        attachments.extend(subject.store.as_ref().map(|store| yaml("store.yaml", store)));
         attachments.extend(state.map(|state| ("machine_state", "application/octet-stream", Cow::Borrowed(state))));
         let record = [
             ("version", subject.version.clone()),

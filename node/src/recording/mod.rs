@@ -11,7 +11,6 @@ pub mod encoder;
 pub mod info;
 pub mod inputs;
 pub mod metadata;
-pub mod parameters;
 pub mod plot;
 pub mod replay;
 #[cfg(test)]
@@ -102,7 +101,7 @@ impl Encoded {
         let parameters: Vec<AxisParameters> = state.parameters().copied().collect();
         // Nothing in a state has no serialized form; without one no file would begin here.
         let bytes = postcard::to_allocvec(state).ok();
-        Self { state: bytes, parameters: Some(parameters::parameters_text(config, &parameters)), ..self }
+        Self { state: bytes, parameters: Some(crate::parameters::parameters_text(config, &parameters)), ..self }
     }
 
     /// Memory that it takes (bytes).

@@ -45,7 +45,7 @@ impl Injection {
 
 /// Reads what to inject.
 pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
-    const KINDS: &str = "latch, input, fault, drive_lost, encoder_jump";
+    const KINDS: &str = "latch, input, fault, drive_lost, encoder_jump, power_cycle";
     let entries = value.entries()?;
     let [(kind, arguments)] = entries.as_slice() else {
         value.refuse(format!("inject does one thing: one of {KINDS}"), None);

@@ -40,9 +40,9 @@ mod verb;
 pub(crate) use names::{did_you_mean, nearest};
 pub use player::Player;
 pub use report::{Failure, Report};
-pub use simulate::{Options, SimulateError, simulate};
+pub use simulate::{Options, SimulateError, simulate, simulate_with};
 pub use trace::Trace;
-pub(crate) use verb::{recorded_command, vocabulary_command};
+pub(crate) use verb::{parameter_change, recorded_command, vocabulary_command};
 
 use crate::cell::Cell;
 use crate::document::{Document, Map, Place, Problems, Value};

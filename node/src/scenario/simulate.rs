@@ -4,10 +4,12 @@ use super::{Player, Report, Scenario, Trace};
 use crate::cell::Cell;
 use crate::recording::bag::{BagError, BagOptions};
 use crate::recording::simulation::SimulationRecorder;
+use crate::store::{Store, StoreError};
 use indicatif::{ProgressBar, ProgressStyle};
 use lineshaft_core::config::ConfigError;
 use lineshaft_core::drive::Backend;
 use lineshaft_core::machine::Machine;
+use lineshaft_core::parameter::{AxisParameters, ParameterImage};
 use lineshaft_core::sim::Plant;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal};
@@ -45,6 +47,9 @@ pub enum SimulateError {
     /// The recording could not be written to its end.
     #[error(transparent)]
     Record(#[from] BagError),
+    /// What was saved could not be written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
     /// The cell makes no machine.
     #[error("the cell makes no machine: {0}")]
     Machine(#[from] ConfigError),
@@ -55,6 +60,19 @@ pub enum SimulateError {
 /// # Errors
 /// The trace or the recording cannot be written, or the cell makes no machine.
 pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<Report, SimulateError> {
+    simulate_with(cell, scenario, options, None)
+}
+
+/// The same with a store, from which the cell was loaded: what the scenario saves goes into it at the end of its cycle.
+///
+/// # Errors
+/// Likewise, or the store cannot be written.
+pub fn simulate_with(
+    cell: &Cell,
+    scenario: &Scenario,
+    options: &Options,
+    store: Option<Store>,
+) -> Result<Report, SimulateError> {
     let started = Instant::now();
     let mut machine = Machine::new(cell.machine.clone())?;
     let models: Vec<_> = cell.models.iter().copied().map(Some).collect();
@@ -67,6 +85,7 @@ pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<R
         Some(options) => Some(SimulationRecorder::new(cell, &machine, options).map_err(SimulateError::Place)?),
         None => None,
     };
+    let mut keeper = store.map(|store| Keeper::new(store, &machine));
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut player = Player::new(scenario);
     let mut sequence = 0;
@@ -84,6 +103,9 @@ pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<R
         if let Some(recorder) = &mut recorder {
             recorder.after(&inputs, player.commands(), &machine)?;
         }
+        if let Some(keeper) = &mut keeper {
+            keeper.after(&machine)?;
+        }
         player.after(&machine);
         if let Some(trace) = &mut trace {
             trace.write(cycle, &machine)?;
@@ -100,6 +122,33 @@ pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<R
         recorder.finish()?;
     }
     Ok(Report { wall: Some(started.elapsed()), ..player.finish() })
+}
+
+/// Keeps layer User on the disk, cycle by cycle.
+struct Keeper {
+    store: Store,
+    image: ParameterImage,
+    /// Layer User as it was last seen.
+    seen: Vec<AxisParameters>,
+}
+
+impl Keeper {
+    fn new(store: Store, machine: &Machine) -> Self {
+        let image = machine.parameter_image();
+        Self { store, seen: image.user.clone(), image }
+    }
+
+    fn after(&mut self, machine: &Machine) -> Result<(), StoreError> {
+        if machine.parameter_version() == self.image.version {
+            return Ok(());
+        }
+        machine.copy_parameters(&mut self.image);
+        if self.image.user != self.seen {
+            self.seen.clone_from(&self.image.user);
+            self.store.keep(machine.config(), &self.seen)?;
+        }
+        Ok(())
+    }
 }
 
 struct TraceFile<'a> {

@@ -7,7 +7,7 @@ use crate::document::{Map, Place, Value};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
-use lineshaft_core::parameter::{ROWS, Row};
+use lineshaft_core::parameter::{Change, Layer, ROWS, Row};
 use lineshaft_core::request::{Amount, MoveRequest, RequestError, SynchronizeRequest, Units};
 use lineshaft_core::unit::{Scale, excerpt};
 
@@ -18,11 +18,11 @@ mod saia;
 mod vocabulary;
 mod wf;
 
-pub(crate) use recorded::recorded_command;
+pub(crate) use recorded::{parameter_change, recorded_command};
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 14] = [
+const VERBS: [&str; 17] = [
     "enable",
     "disable",
     "halt",
@@ -33,6 +33,9 @@ const VERBS: [&str; 14] = [
     "synchronize",
     "cancel",
     "set_parameters",
+    "save_parameters",
+    "reset_parameters",
+    "delete_parameters",
     "set_memory",
     "saia",
     "wf",
@@ -180,6 +183,9 @@ impl Reader<'_> {
             }
             "cancel" => add(self.cancel(arguments), None),
             "set_parameters" => add(self.set_parameters(arguments), None),
+            "save_parameters" => add(self.axes(arguments, Action::SaveParameters), None),
+            "reset_parameters" => add(self.reset_parameters(arguments), None),
+            "delete_parameters" => add(self.axes(arguments, Action::DeleteParameters), None),
             "set_memory" => self.set_memory(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
             "saia" => add(self.saia(arguments), None),
             "wf" => add(self.wf(arguments), None),
@@ -214,6 +220,25 @@ impl Reader<'_> {
         let mut map = value.map(value.label())?;
         let axes = map.optional("axes");
         map.finish();
+        self.axis_set(value, axes, action)
+    }
+
+    fn reset_parameters(&self, value: &Value<'_>) -> Option<Deed> {
+        let mut map = value.map("reset_parameters")?;
+        let axes = map.optional("axes");
+        let layer = map.optional("layer").map_or(Some(Layer::User), |layer| layer.choice(Layer::NAMES));
+        map.finish();
+        let layer = layer?;
+        self.axis_set(value, axes, |axes| Action::ResetParameters { axes, layer })
+    }
+
+    /// A command for the axes of a list; without a list, for all.
+    fn axis_set(
+        &self,
+        value: &Value<'_>,
+        axes: Option<Value<'_>>,
+        action: impl FnOnce(AxisSet) -> Action,
+    ) -> Option<Deed> {
         let items = axes.as_ref().map_or(Some(Vec::new()), |axes| axes.list())?;
         let names: Vec<_> = items.iter().map(|item| item.text()).collect();
         let names: Vec<&str> = names.into_iter().collect::<Option<_>>()?;
@@ -319,20 +344,11 @@ impl Reader<'_> {
         let mut refused = None;
         let mut is_good = true;
         for (key, input) in &entries {
-            let change = key.text().and_then(|name| {
-                let (object, row) = name.split_once('.').unwrap_or((name, ""));
-                let scale = self.names.config.find_axis(object).ok().map(|(_, axis)| axis.scale);
-                let dimensions = Row::find(row).zip(scale).and_then(|((_, row), scale)| row.measure.dimensions(&scale));
-                let input_value = parameter_input(input, dimensions)?;
-                Some(self.names.config.resolve_parameter(name, &input_value))
-            });
-            match change {
+            match self.change(key.text(), input) {
                 None => is_good = false,
                 Some(Ok(change)) => changes.push(change),
                 Some(Err(error @ RequestError::UnknownParameter { .. })) if self.refused.is_none() => {
-                    let row = key.peek().and_then(|name| name.split_once('.')).map_or("", |(_, row)| row);
-                    let hint = nearest(row, ROWS.iter().map(|row| row.key)).map(did_you_mean);
-                    input.refuse(error.to_string(), hint);
+                    input.refuse(error.to_string(), key.peek().and_then(meant));
                     is_good = false;
                 }
                 Some(Err(error)) => {
@@ -346,6 +362,16 @@ impl Reader<'_> {
             return None;
         }
         refused.or_else(|| Some(Deed::Command(Action::SetParameters(changes.into()))))
+    }
+
+    /// What a name and a value ask for; none where the value is none at all, which is noted.
+    fn change(&self, name: Option<&str>, input: &Value<'_>) -> Option<Result<Change, RequestError>> {
+        let name = name?;
+        let (object, row) = name.split_once('.').unwrap_or((name, ""));
+        let scale = self.names.config.find_axis(object).ok().map(|(_, axis)| axis.scale);
+        let dimensions = Row::find(row).zip(scale).and_then(|((_, row), scale)| row.measure.dimensions(&scale));
+        let input = parameter_input(input, dimensions)?;
+        Some(self.names.config.resolve_parameter(name, &input))
     }
 
     fn set_memory(&self, value: &Value<'_>) -> Vec<Deed> {
@@ -373,11 +399,24 @@ impl Reader<'_> {
     }
 
     fn inject(&self, value: &Value<'_>) -> Option<Deed> {
+        let entries = if value.is_map() { value.entries()? } else { Vec::new() };
+        if let [(kind, arguments)] = entries.as_slice()
+            && kind.peek() == Some("power_cycle")
+        {
+            arguments.map("power_cycle")?.finish();
+            return Some(Deed::Command(Action::PowerCycle));
+        }
         if self.refused.is_some() {
             value.refuse("inject is never refused; leave `refused` out of this step", None);
         }
         inject::read(value, self.names).map(Deed::Inject)
     }
+}
+
+/// The parameter that a name without a parameter may mean.
+fn meant(name: &str) -> Option<String> {
+    let (_, key) = name.split_once('.')?;
+    nearest(key, ROWS.iter().map(|row| row.key)).map(did_you_mean)
 }
 
 /// A choice by name or number; 0 when it is left out.

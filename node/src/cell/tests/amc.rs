@@ -76,7 +76,7 @@ fn parameters_that_do_not_fit_the_axis_are_refused_where_they_stand() {
             "amc: {reference_select_trigger: 1}",
             "13:39: amc.reference_select_trigger is 0 when the machine starts, leave it out",
         ),
-        ("amc: {stop_mode: 4}", "13:24: stop_mode is 4; 0..3 is allowed"),
+        ("amc: {stop_mode: 4}", "13:24: amc.stop_mode is `4`; 0 to 3 is allowed"),
     ] {
         assert_eq!(said(&cell(keys, "")), expected);
     }

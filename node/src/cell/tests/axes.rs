@@ -91,24 +91,20 @@ fn limits_and_windows_are_kept_in_increments() {
 #[test]
 fn parameters_tell_their_range_in_the_axis_unit() {
     for (key, value, expected) in [
-        ("max_velocity", "0 m/s", "is `0 m/s`; more than 0 mm/s up to 20480000 mm/s is allowed"),
-        ("max_velocity", "-1", "is `-1`; more than 0 mm/s up to 20480000 mm/s is allowed"),
+        ("max_velocity", "0 m/s", "is `0 m/s`; more than 0 up to 20480000 mm/s is allowed"),
+        ("max_velocity", "-1", "is `-1`; more than 0 up to 20480000 mm/s is allowed"),
         // 2^31 inc in a cycle of 1 ms, and one more.
-        (
-            "max_velocity",
-            "2147483648001 inc/s",
-            "is `2147483648001 inc/s`; more than 0 mm/s up to 20480000 mm/s is allowed",
-        ),
-        ("default_velocity", "1e9 m/s", "is `1e9 m/s`; more than 0 mm/s up to 20480000 mm/s is allowed"),
-        ("max_acceleration", "-8 m/s^2", "is `-8 m/s^2`; more than 0 mm/s^2 up to 9536743160 mm/s^2 is allowed"),
-        ("max_jerk", "0", "is `0`; more than 0 mm/s^3 up to 9536743160 mm/s^3 is allowed"),
+        ("max_velocity", "2147483648001 inc/s", "is `2147483648001 inc/s`; more than 0 up to 20480000 mm/s is allowed"),
+        ("default_velocity", "1e9 m/s", "is `1e9 m/s`; more than 0 up to 20480000 mm/s is allowed"),
+        ("max_acceleration", "-8 m/s^2", "is `-8 m/s^2`; more than 0 up to 9536743160 mm/s^2 is allowed"),
+        ("max_jerk", "0", "is `0`; more than 0 up to 9536743160 mm/s^3 is allowed"),
         ("in_position_window", "-1 mm", "is `-1 mm`; 0 mm and above is allowed"),
         ("max_following_error", "0 mm", "is `0 mm`; 0.00000953674316 mm (1 inc) and above is allowed"),
-        ("following_error_time", "11 s", "is `11 s`; 0 ms..10000 ms is allowed"),
-        ("setpoint_timeout", "1 us", "is `1 us`; 1 ms..3600000 ms is allowed"),
-        ("error_reaction", "-1", "is -1; 0..5 is allowed"),
-        ("syncfacts", "0", "is 0; 1..1073741823 is allowed"),
-        ("error_reaction", "hold", "is `hold`; a whole number 0..5 is allowed"),
+        ("following_error_time", "11 s", "is `11 s`; 0 ms to 10000 ms is allowed"),
+        ("setpoint_timeout", "1 us", "is `1 us`; 1 ms to 3600000 ms is allowed"),
+        ("error_reaction", "-1", "is `-1`; 0 to 5 is allowed"),
+        ("syncfacts", "0", "is `0`; 1 to 1073741823 is allowed"),
+        ("error_reaction", "hold", "is `hold`; a whole number, 0 to 5, is expected"),
         ("max_jerk", "", "has no value; a jerk is expected"),
         ("profile", "round", "is `round`; one of trapezoid, s_ramp, jerk is allowed"),
     ] {
@@ -141,18 +137,48 @@ fn a_value_that_no_unit_fits_says_why() {
     }
 }
 
+/// ENCODER 500 is 2000 inc per revolution (MACS-PROF-01).
+#[test]
+fn a_view_stands_in_the_place_of_its_value_but_not_beside_it() {
+    let both = "8:13: velmax is another view of max_velocity, which stands at 13:19, write one of them";
+    assert_eq!(said(&axis(&[("velmax", "3000")])), both);
+    let instead = axis(&[("velmax", "3000")]).replace("    max_velocity: 1.2 m/s\n", "");
+    assert_eq!(read(&instead).parameters.max_velocity, 100_000.0);
+}
+
+#[test]
+fn a_plain_number_takes_the_unit_of_its_row() {
+    let read = |keys: &[(&str, &str)]| {
+        let file = axis(keys).replace("    max_velocity: 1.2 m/s\n", "    velmax: 3000 rpm\n");
+        read(&file).parameters
+    };
+    let p = read(&[("poserr", "500 inc"), ("testwin", "7"), ("velocity_override", "50 %"), ("proftime", "2000 us")]);
+    // 3000 rpm at 500 lines of 4 increments.
+    assert_eq!((p.max_velocity, p.max_following_error, p.in_position_window), (100_000.0, 500, 7));
+    assert_eq!((p.velocity_override, p.macs.proftime), (50.0, 2));
+    for (key, value, expected) in [
+        ("poserr", "5 mm", ": `5 mm` is a length; a number of increments such as `5 inc` is expected"),
+        ("poserr", "5 incs", ": `incs` in `5 incs` is not a unit; a number of increments has inc"),
+        ("poserr", "0.5 inc", " is `0.5 inc`; a whole number in inc, 1 to 1073741823, is expected"),
+        ("poserr", "0 inc", " is `0 inc`; 1 to 1073741823 is allowed"),
+        ("proftime", "1ms", ": `1ms` has no blank between number and unit, write `1 ms`"),
+        ("velocity_override", "101 %", " is `101 %`; 0 to 100 is allowed"),
+        ("velres", "100 %", " is `100 %`; a whole number, 1 to 10000, is expected"),
+    ] {
+        assert_eq!(said(&axis(&[(key, value)])), format!("8:{}: {key}{expected}", 7 + key.len()));
+    }
+}
+
 #[test]
 fn what_does_not_exist_yet_is_refused_by_name() {
     for (key, value, expected) in [
         ("homing", "{method: 35}", "homing does not exist yet, leave it out"),
         ("homing", "{required: true}", "homing does not exist yet, leave it out"),
         ("homing", "{home_type: 1}", "homing does not exist yet, leave it out"),
-        ("velmax", "3000", "parameter velmax does not exist yet, write `max_velocity`"),
+        ("kprop", "31", "kprop is 31: the position loop of MACS does not exist yet; only 30 is allowed, leave it out"),
     ] {
         assert_eq!(said(&axis(&[(key, value)])), format!("8:{}: {expected}", 7 + key.len()));
     }
-    let instead = axis(&[("velmax", "3000")]).replace("    max_velocity: 1.2 m/s\n", "");
-    assert_eq!(said(&instead), "8:13: parameter velmax does not exist yet, write `max_velocity`");
     good(&axis(&[("homing", "{required: false}"), ("profile", "trapezoid")]));
     assert_eq!(
         said(&axis(&[("homing", "{method: 400}")])).lines().next(),

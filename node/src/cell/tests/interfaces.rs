@@ -61,6 +61,46 @@ fn a_model_that_does_not_fit_says_where_it_does() {
     }
 }
 
+/// Proves: MACS-DIR-01, MACS-DIR-05
+#[test]
+fn senses_of_rotation_and_rules_of_reversing() {
+    let with = |interface: &str, key: &str, value: &str| axis(&[("drive", &drive(interface)), (key, value)]);
+    for (interface, key, value) in [
+        ("position", "posdrct", "-1"),
+        ("position", "posdrct", "-11"),
+        ("velocity", "posdrct", "-22"),
+        ("open_loop", "posdrct", "2"),
+        ("position", "revers", "2"),
+    ] {
+        let cell = good(&with(interface, key, value));
+        let macs = cell.machine.axes[0].parameters.macs;
+        let found = if key == "revers" { macs.revers } else { macs.posdrct };
+        assert_eq!(found.to_string(), value, "{interface}");
+        assert_eq!(cell.machine.check(), Ok(()));
+    }
+    let in_drive =
+        "inverts the position loop, which a drive with interface position closes itself; 1, 11, -1 and -11 are allowed";
+    let one_loop = "inverts one loop and not the other, but the velocity loop does not exist yet; 1, 2, 11, 22 and their \
+                    negatives are allowed";
+    for (interface, key, value, expected) in [
+        ("position", "posdrct", "2", format!("9:14: posdrct 2 {in_drive}")),
+        ("velocity", "posdrct", "-12", format!("9:14: posdrct -12 {one_loop}")),
+        (
+            "position",
+            "revers",
+            "20",
+            "9:13: revers 20 asks for outputs or a node, which do not exist yet; 0, 1 and 2 are allowed".to_owned(),
+        ),
+    ] {
+        assert_eq!(said(&with(interface, key, value)), expected);
+    }
+    assert!(said(&with("position", "posdrct", "3")).starts_with("9:14: posdrct is `3`; -22 to -21"));
+    let inverted = good(&axis(&[("drive", &drive("velocity")), ("sim", "{model: velocity, inverted: true}")]));
+    let usual = good(&axis(&[("drive", &drive("velocity")), ("sim", "{model: velocity}")]));
+    assert_eq!(inverted.models[0], usual.models[0].wired(true));
+    assert_ne!(inverted.models[0], usual.models[0]);
+}
+
 #[test]
 fn keys_and_values_of_models() {
     for (sim, expected) in [
@@ -70,6 +110,11 @@ fn keys_and_values_of_models() {
             "{model: ideal, time_constant: 1 ms}",
             "9:40: time_constant is for models velocity, two_speed, valve; this one is ideal",
         ),
+        (
+            "{model: ideal, inverted: true}",
+            "9:35: inverted is for models velocity, two_speed, valve; this one is ideal",
+        ),
+        ("{model: velocity, inverted: 1}", "9:38: inverted is `1`; true or false is allowed, write `true`"),
         ("{model: velocity, damping: 1}", "9:37: damping is for model second_order; this one is velocity"),
         ("{model: velocity, time_constant: -1 ms}", "9:43: time_constant is -1 ms; 0 ms to 10000 ms is allowed"),
         ("{model: velocity, time_constant: 10001 ms}", "9:43: time_constant is 10001 ms; 0 ms to 10000 ms is allowed"),
@@ -96,9 +141,14 @@ fn keys_and_values_of_models() {
 fn kv_lies_within_its_range() {
     let kv = |value| axis(&[("drive", &drive("velocity")), ("wf", value)]);
     assert_eq!(good(&kv("{md22: 1.5}")).machine.axes[0].parameters.wf.md22, 1.5);
-    assert_eq!(good(&axis(&[("wf.md22", "2")])).machine.axes[0].parameters.wf.md22, 2.0);
-    assert_eq!(said(&kv("{md22: 0}")), "9:16: wf.md22 is `0`; 0.01..100 is allowed");
-    assert_eq!(said(&kv("{md22: 100.1}")), "9:16: wf.md22 is `100.1`; 0.01..100 is allowed");
+    let whole = axis(&[("drive", &drive("velocity")), ("wf.md22", "2")]);
+    assert_eq!(good(&whole).machine.axes[0].parameters.wf.md22, 2.0);
+    assert_eq!(said(&kv("{md22: 0}")), "9:16: wf.md22 is `0`; 0.01 to 100 is allowed");
+    assert_eq!(said(&kv("{md22: 100.1}")), "9:16: wf.md22 is `100.1`; 0.01 to 100 is allowed");
+    assert_eq!(
+        said(&axis(&[("wf.md22", "2")])),
+        "8:14: wf.md22 is for axes with interface velocity or torque, leave it out"
+    );
 }
 
 const IO: &str = "io:\n  fwd: {type: do, backend: plant, address: 0}\n  bwd: {type: do, backend: plant, address: 1}\n  \

@@ -8,7 +8,7 @@ use super::super::metadata::FILE_NAME;
 use super::super::rig::{self, MOVING, Recorded};
 use super::*;
 use crate::cell::Cell;
-use crate::recording::parameters::parameters_text;
+use crate::parameters::parameters_text;
 use lineshaft_msgs::cdr::decode_with_header;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::msg::{AppliedCommand, AxisStates, CycleInputs, Event, Signals};
@@ -23,6 +23,7 @@ fn subject() -> Subject {
     let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.parameters).collect();
     Subject {
         parameters: parameters_text(&cell.machine, &parameters),
+        store: None,
         cell: cell.text,
         node: NodeName::new("/", "lineshaft").unwrap(),
         cycle_ns: 1_000_000,

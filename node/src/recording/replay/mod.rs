@@ -2,8 +2,9 @@
 //!
 //! Law      the same cell, the same inputs and the same commands in the same cycles give the same signals and the same
 //!          messages; of wall time only the stamps that were recorded take part
-//! Reads    a [`Run`] with the attachment `cell.yaml`: commands and inputs to play, everything else to compare with. A run that
-//!          does not begin with cycle 0 begins with the attachment `machine_state`
+//! Reads    a [`Run`] with the attachment `cell.yaml`: commands and inputs to play, everything else to compare with. What was
+//!          saved before it began is the attachment `store.yaml`. A run that does not begin with cycle 0 begins with the
+//!          attachment `machine_state`
 //! Refuses  a run without cell or inputs, a cell that was changed, a state of another version or cell
 //!
 //! All messages of a cycle have the same log time, in whatever order they stand.
@@ -20,6 +21,7 @@ use super::run::{Run, RunError};
 use super::{Cycle, inputs, verb};
 use crate::cell::Cell;
 use crate::document::Problems;
+use crate::store::read_store;
 use compare::Comparison;
 use group::Group;
 use lineshaft_core::command::{Command, Commands, Source};
@@ -56,6 +58,9 @@ pub enum ReplayError {
     /// The cell has errors, for this version.
     #[error("the attached cell has errors:\n{0}")]
     Cell(Problems),
+    /// What was saved does not fit the cell, for this version.
+    #[error("the attached store does not fit the attached cell:\n{0}")]
+    Store(Problems),
     /// It begins in the middle of a run.
     #[error("the recording begins with cycle {0} and holds no state of the machine to begin with")]
     NoState(u64),
@@ -137,7 +142,15 @@ fn attached_cell(run: &Run) -> Result<Cell, ReplayError> {
             return Err(ReplayError::ChangedCell { found, recorded: recorded.clone() });
         }
     }
-    Cell::parse("cell.yaml", text).map_err(ReplayError::Cell)
+    let mut cell = Cell::parse("cell.yaml", text).map_err(ReplayError::Cell)?;
+    if let Some(bytes) = run.attachment("store.yaml")? {
+        let text = String::from_utf8_lossy(&bytes);
+        let stored = read_store("store.yaml", &text, &cell.machine).map_err(ReplayError::Store)?;
+        for (axis, set) in cell.machine.axes.iter_mut().zip(stored.sets) {
+            axis.saved = set;
+        }
+    }
+    Ok(cell)
 }
 
 /// Plays one cycle after the other.

@@ -7,7 +7,7 @@ use lineshaft_core::command::{
 };
 use lineshaft_core::config::{MachineConfig, MemoryKind};
 use lineshaft_core::object::{AxisSet, Leader, Object};
-use lineshaft_core::parameter::{Change, Measure, ROWS, Value};
+use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
 use lineshaft_core::unit::Unit;
 use serde::{Serialize, Serializer};
 use serde_json::ser::Formatter;
@@ -38,14 +38,35 @@ enum Verb<'a> {
     MoveAxis(MoveAxis<'a>),
     ProbeAxis(ProbeAxis<'a>),
     Synchronize(Synchronize<'a>),
-    Cancel { id: String },
+    Cancel {
+        id: String,
+    },
     SetParameters(Entries),
+    SaveParameters(Axes<'a>),
+    ResetParameters {
+        axes: Vec<&'a str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        layer: Option<&'static str>,
+    },
+    DeleteParameters(Axes<'a>),
+    Inject {
+        power_cycle: Nothing,
+    },
     SetMemory(Entries),
     Saia(saia::Saia<'a>),
     Wf(wf::Wf<'a>),
-    Refuse { text: &'a str },
-    Note { code: u32, number: i64 },
+    Refuse {
+        text: &'a str,
+    },
+    Note {
+        code: u32,
+        number: i64,
+    },
 }
+
+/// `{}`
+#[derive(Serialize)]
+struct Nothing {}
 
 #[derive(Serialize)]
 struct Axes<'a> {
@@ -145,6 +166,13 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::SetParameters(changes) => {
             Verb::SetParameters(Entries(changes.iter().map(|change| parameter(change, config)).collect()))
         }
+        Action::SaveParameters(set) => Verb::SaveParameters(axes(set)),
+        Action::ResetParameters { axes: set, layer } => {
+            let name = Layer::NAMES.iter().find(|(_, known)| known == layer).map(|(name, _)| *name);
+            Verb::ResetParameters { axes: axes(set).axes, layer: name.filter(|_| *layer != Layer::User) }
+        }
+        Action::DeleteParameters(set) => Verb::DeleteParameters(axes(set)),
+        Action::PowerCycle => Verb::Inject { power_cycle: Nothing {} },
         Action::SetMemory { index, value } => Verb::SetMemory(Entries(vec![cell(*index, *value, config)])),
         Action::Refuse(text) => Verb::Refuse { text },
         Action::Note { code, number } => Verb::Note { code: code.0, number: *number },
@@ -246,8 +274,9 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
 }
 
 fn parameter(change: &Change, config: &MachineConfig) -> (String, Scalar) {
-    let row = ROWS.get(usize::from(change.row));
-    let name = format!("{}.{}", axis(change.axis, config), row.map_or(NAMELESS, |row| row.key));
+    let row = change.row();
+    let object = if change.axis == MACHINE { "machine" } else { axis(change.axis, config) };
+    let name = format!("{object}.{}", row.map_or(NAMELESS, |row| row.key));
     let order = match row.map(|row| row.measure) {
         Some(Measure::Acceleration) => 2,
         Some(Measure::Jerk) => 3,

@@ -202,13 +202,14 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
          - {at: 1, do: {move_axis: {axis: z, position: 5 mm}}, refused: no axis is called}\n\
          - {at: 2, do: {synchronize: {axis: x, master: line, mode: marker}}, refused: does not exist yet}\n\
          - {at: 3, do: {set_parameters: {x.max_velocity: 1 m/s, x.kprop: 3}}, refused: kprop}\n\
-         expect: [{event: {kind: refused, code: BAD_REQUEST, source: machine}, count: 3}]");
+         expect: [{event: {kind: refused, code: BAD_REQUEST, source: machine}, count: 2},\n\
+         {event: {kind: refused, code: NOT_BUILT, source: x}, count: 1}]");
     assert_eq!(
         report.to_string(),
-        "scenario `s`: PASSED\n  20 cycles, 0.02 s\n  1 expectation, 3 of 3 steps fired\n  refused as expected:\n    \
+        "scenario `s`: PASSED\n  20 cycles, 0.02 s\n  2 expectations, 3 of 3 steps fired\n  refused as expected:\n    \
          s.yaml:4:16: move_axis: no axis is called `z`; there are line, x, turret; in cycle 1 (0.001 s)\n    \
          s.yaml:5:16: synchronize: synchronize in mode MARKER does not exist yet; in cycle 2 (0.002 s)\n    \
-         s.yaml:6:16: set_parameters: no parameter is called `x.kprop`; in cycle 3 (0.003 s)\n"
+         s.yaml:6:16: set_parameters: x: kprop is 3: the position loop of MACS does not exist yet; only 30 is allowed; in cycle 3 (0.003 s)\n"
     );
 }
 
@@ -323,9 +324,12 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{inject: {drive_lost: {axis: ^q}}}"), "no axis is called `q`; there are line, x, turret");
     assert_eq!(
         bad("{inject: {^explode: {}}}"),
-        "`explode` cannot be injected; latch, input, fault, drive_lost, encoder_jump can"
+        "`explode` cannot be injected; latch, input, fault, drive_lost, encoder_jump, power_cycle can"
     );
-    assert_eq!(bad("{inject: ^{}}"), "inject does one thing: one of latch, input, fault, drive_lost, encoder_jump");
+    assert_eq!(
+        bad("{inject: ^{}}"),
+        "inject does one thing: one of latch, input, fault, drive_lost, encoder_jump, power_cycle"
+    );
     let refused = problem("steps", "{at: 1, refused: x, do: {inject: ^{latch: {input: mark}}}}");
     assert_eq!(refused, "inject is never refused; leave `refused` out of this step");
     let other = problem("steps", "{at: 1, refused: max_position, do: {halt: {axes: ^[z]}}}");

@@ -1,12 +1,33 @@
 //! A verb that stands alone, as a recording keeps a command: its ids are the sequence numbers of commands.
 
-use super::{Act, Deed, Ids, Reader};
+use super::{Act, Deed, Ids, Reader, meant};
 use crate::document::Value;
 use crate::scenario::names::Names;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::parameter::Change;
+use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::excerpt;
+
+/// What a parameter's name and a value ask for. Notes a problem where it returns `None`; `key` is where the name stands.
+pub(crate) fn parameter_change(
+    name: &str,
+    key: &Value<'_>,
+    value: &Value<'_>,
+    config: &MachineConfig,
+    directory: &Directory,
+) -> Option<Change> {
+    let mut ids = Ids::default();
+    let change =
+        Reader { names: &Names { config, directory }, ids: &mut ids, refused: None }.change(Some(name), value)?;
+    let noted = change.map_err(|error| match &error {
+        RequestError::UnknownParameter { .. } => key.refuse(error.to_string(), meant(name)),
+        RequestError::UnknownAxis { .. } | RequestError::NotApplicable { .. } => key.refuse(error.to_string(), None),
+        _ => value.refuse(error.to_string(), None),
+    });
+    noted.ok()
+}
 
 /// Reads the command of one verb. Notes a problem where it returns `None`.
 pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Action> {

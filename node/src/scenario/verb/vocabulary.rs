@@ -24,7 +24,10 @@ pub(crate) fn vocabulary_command(
     config: &MachineConfig,
     directory: &Directory,
 ) -> Result<Action, String> {
-    config.find_axis(axis).map_err(|error| error.to_string())?;
+    // The machine has parameters too, and nothing else of these.
+    if (axis, verb) != ("machine", "set_parameters") {
+        config.find_axis(axis).map_err(|error| error.to_string())?;
+    }
     if !VERBS.contains(&verb) {
         let hint = nearest(verb, VERBS.into_iter()).map_or(String::new(), |near| format!(", {}", did_you_mean(near)));
         return Err(format!("verb is `{}`; {} are allowed{hint}", excerpt(verb), VERBS.join(", ")));

@@ -1,23 +1,52 @@
-//! The parameters in force as a text that stands in a bag.
+//! The parameters in force as a text: what stands in a bag, and what is exported.
 
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::parameter::{AxisParameters, Measure, ROWS, Row, Value};
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::{AxisParameters, Measure, ParameterImage, ROWS, Row, Value};
+use lineshaft_ros::surface::host::Listing;
 use std::fmt::Write;
 
 /// Every parameter of every axis in increments, exactly: a line `x.max_velocity: 125829120 inc/s` for each. What is left
 /// out is `~`, with what that means.
 pub fn parameters_text(config: &MachineConfig, parameters: &[AxisParameters]) -> String {
+    lines(config, parameters, |_, _| true)
+}
+
+/// The parameters in force of some axes, as [`read_changes`](super::read_changes) takes them.
+pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet, what: Listing) -> String {
+    let defaults = AxisParameters::new(0.0, 0.0);
+    // Reading the text begins with the sense of rotation.
+    let before = |index: usize, row: &Row, other: &AxisParameters| match image.effective.get(index) {
+        Some(now) if row.key != "posdrct" => row.value(&other.in_sense_of(now)),
+        _ => row.value(other),
+    };
+    lines(config, &image.effective, |index, row| {
+        let now = image.effective.get(index).map(|parameters| row.value(parameters));
+        let other = match what {
+            Listing::All => None,
+            // What a cell must give has no default.
+            Listing::NotDefault => Some(row.value(&defaults)).filter(|_| !row.required),
+            Listing::NotCell => config.axes.get(index).map(|axis| before(index, row, &axis.parameters)),
+            Listing::NotSaved => image.user.get(index).map(|user| before(index, row, user)),
+        };
+        axes.contains(index as u16) && (other.is_none() || now != other)
+    })
+}
+
+/// A line for each parameter that was given by its row, and that `takes`.
+fn lines(config: &MachineConfig, parameters: &[AxisParameters], takes: impl Fn(usize, &Row) -> bool) -> String {
     let mut text = String::new();
-    for (axis, parameters) in config.axes.iter().zip(parameters) {
-        for row in ROWS {
+    for (index, (axis, parameters)) in config.axes.iter().zip(parameters).enumerate() {
+        for row in ROWS.iter().filter(|row| row.applies.to(axis) && parameters.gives(row) && takes(index, row)) {
             // Writing to a text cannot fail.
-            let _ = writeln!(text, "{}.{}: {}", axis.name, row.key, value_text(row, parameters));
+            let _ = writeln!(text, "{}.{}: {}", axis.name, row.key, exact_text(row, parameters));
         }
     }
     text
 }
 
-fn value_text(row: &Row, parameters: &AxisParameters) -> String {
+/// The value of a row as it is read back, exactly.
+pub(crate) fn exact_text(row: &Row, parameters: &AxisParameters) -> String {
     let unit = match row.measure {
         Measure::Position | Measure::Distance => " inc",
         Measure::Velocity => " inc/s",
@@ -26,7 +55,7 @@ fn value_text(row: &Row, parameters: &AxisParameters) -> String {
         Measure::Time => " ns",
         Measure::Integer | Measure::Number | Measure::Choice(_) => "",
     };
-    match ((row.get)(parameters), row.measure) {
+    match (row.value(parameters), row.measure) {
         (Value::Unset, _) => format!("~ # {}", row.default_text),
         (Value::Int(value), Measure::Choice(names)) => usize::try_from(value)
             .ok()
@@ -51,7 +80,13 @@ mod tests {
     fn every_parameter_of_every_axis_has_a_line() {
         let cell = Cell::demo();
         let text = parameters_text(&cell.machine, &defaults(&cell));
-        assert_eq!(text.lines().count(), 4 * ROWS.len());
+        for (axis, parameters) in cell.machine.axes.iter().zip(defaults(&cell)) {
+            let rows = ROWS.iter().filter(|row| row.applies.to(axis) && row.is_stored());
+            let lines = text.lines().filter(|line| line.starts_with(&format!("{}.", axis.name)));
+            // A limit that is off is given by what it was, too.
+            let off = [parameters.min_position, parameters.max_position].iter().filter(|limit| limit.is_none()).count();
+            assert_eq!(lines.count(), rows.count() + off);
+        }
         for line in [
             "x.max_velocity: 125829120 inc/s",
             "x.min_position: -5242880 inc",

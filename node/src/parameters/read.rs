@@ -1,0 +1,164 @@
+//! Changes from a text of lines `x.max_velocity: 0.8 m/s`: what is exported, imported and stored.
+//!
+//! All problems of a text are told at once, by line and column: names, units, ranges, two views of one value. A text may be
+//! of old days: names as MACS writes them (`x.VELMAX`), and as its manual misprints them, are read too, and a PROFTIME in us.
+
+mod names;
+
+use crate::cell::{contradictions, double_views, turned_views};
+use crate::document::{Document, Problems, Value};
+use crate::scenario::parameter_change;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::parameter::{self, AxisParameters, Change, MACHINE, Row, in_order};
+use lineshaft_core::signal::Directory;
+use lineshaft_core::text::refused_text;
+use lineshaft_core::unit::{Scale, excerpt};
+
+/// PROFTIME in us, as some firmware keeps it.
+const PROFTIME_US: std::ops::RangeInclusive<i64> = 1000..=5000;
+
+/// The changes that a text asks for, in its order. `label` names the text in problems.
+///
+/// # Errors
+/// All that is wrong with it, by line and column. What contradicts the values in force is found by the machine.
+pub fn read_changes(
+    label: &str,
+    text: &str,
+    config: &MachineConfig,
+    directory: &Directory,
+) -> Result<Box<[Change]>, Problems> {
+    let document = Document::parse(label, text);
+    let lines = Lines::read(&document, config, directory);
+    let changes = lines.0.iter().map(|line| line.change).collect();
+    if document.problems().is_empty() { Ok(changes) } else { Err(document.into_problems()) }
+}
+
+/// What a file of parameters would do to a machine that has just started.
+#[derive(Debug)]
+pub struct Import {
+    /// What it asks for.
+    pub changes: Box<[Change]>,
+    /// The parameters of each axis afterwards.
+    pub parameters: Vec<AxisParameters>,
+}
+
+/// Checks a file of parameters against a cell, without a machine.
+///
+/// # Errors
+/// All that is wrong with it, by line and column; also what contradicts the cell.
+pub fn check_import(document: Document, config: &MachineConfig, directory: &Directory) -> Result<Import, Problems> {
+    let lines = Lines::read(&document, config, directory);
+    let mut parameters: Vec<AxisParameters> = config.axes.iter().map(|axis| axis.power_on()).collect();
+    for (index, axis) in config.axes.iter().enumerate() {
+        let Some(after) = parameters.get_mut(index) else { continue };
+        let changes: Vec<Change> = lines.of(index).map(|line| line.change).collect();
+        for change in in_order(&changes) {
+            // What its row refuses is told already.
+            let _ = change.row().map(|row| row.change(after, change.value));
+        }
+        let set = lines.of(index).filter_map(|line| Some((line.change.row()?, line.change.value, &line.value)));
+        turned_views(after, set);
+        contradictions(after, &lines.given(index), &axis.scale, Some(config.cycle_ns));
+    }
+    let changes = lines.0.iter().map(|line| line.change).collect();
+    if document.problems().is_empty() { Ok(Import { changes, parameters }) } else { Err(document.into_problems()) }
+}
+
+/// A line of the text.
+struct Line<'d> {
+    change: Change,
+    value: Value<'d>,
+}
+
+/// The lines that stand for a change.
+struct Lines<'d>(Vec<Line<'d>>);
+
+impl<'d> Lines<'d> {
+    fn read(document: &'d Document, config: &MachineConfig, directory: &Directory) -> Self {
+        let mut lines = Self(Vec::new());
+        let Some(root) = document.root("the file of parameters") else { return lines };
+        let entries = root.entries().unwrap_or_default();
+        if entries.is_empty() && (root.is_map() || root.is_null()) {
+            root.refuse("no parameter stands there; lines `axis.key: value` are expected", None);
+        }
+        for (key, value) in entries {
+            if let Some(change) = change(&key, &value, config, directory) {
+                lines.push(Line { change, value }, &key);
+            }
+        }
+        for index in 0..config.axes.len() {
+            double_views(&lines.given(index), |view| lines.is_off(index, view));
+        }
+        lines
+    }
+
+    fn push(&mut self, line: Line<'d>, key: &Value<'d>) {
+        let is_same = |other: &&Line<'_>| (other.change.axis, other.change.row) == (line.change.axis, line.change.row);
+        match (self.0.iter().find(is_same), line.change.row()) {
+            (Some(first), Some(row)) => {
+                let place = first.value.place();
+                let sentence = format!("{} stands at {}:{} already", row.key, place.line, place.col);
+                key.refuse(sentence, Some("write it once".to_owned()));
+            }
+            _ => self.0.push(line),
+        }
+    }
+
+    fn of(&self, axis: usize) -> impl Iterator<Item = &Line<'d>> {
+        self.0.iter().filter(move |line| usize::from(line.change.axis) == axis)
+    }
+
+    /// The keys of an axis, with their values.
+    fn given(&self, axis: usize) -> Vec<(&'static str, Value<'d>)> {
+        self.of(axis).filter_map(|line| Some((line.change.row()?.key, line.value.clone()))).collect()
+    }
+
+    /// Is the limit off whose place the view keeps? Then both stand in an export. In inverted units that is the other limit;
+    /// in which sense the machine counts by then, the text need not say.
+    fn is_off(&self, axis: usize, view: &Row) -> bool {
+        let is_off = |line: &Line<'_>| {
+            let is_limit = line.change.row().is_some_and(|row| !row.is_view() && row.key.ends_with("_position"));
+            is_limit && line.change.value == parameter::Value::Unset
+        };
+        matches!(view.key, "neglimit" | "poslimit") && self.of(axis).any(is_off)
+    }
+}
+
+/// What a line asks for; a value that its row does not take is a problem.
+fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Change> {
+    let name = names::canonical(key.text()?);
+    let change = parameter_change(&name, key, value, config, directory)?;
+    let row = change.row()?;
+    let change = Change { value: of_proftime(row, change.value, value)?, ..change };
+    let axis = config.axes.get(usize::from(change.axis)).filter(|_| change.axis != MACHINE);
+    let scale = axis.map_or(Scale::increments(), |axis| axis.scale);
+    let mut copy = axis.map_or(AxisParameters::new(1.0, 1.0), |axis| axis.parameters);
+    let taken = if axis.is_some() { row.change(&mut copy, change.value) } else { row.check(change.value) };
+    taken.map_err(|why| value.refuse(refused_text(row, why, change.value, &scale), None)).ok()?;
+    Some(change)
+}
+
+/// PROFTIME in ms, also where it was written in us; what is no whole number of ms is a problem.
+fn of_proftime(row: &Row, given: parameter::Value, value: &Value<'_>) -> Option<parameter::Value> {
+    match given {
+        parameter::Value::Int(us) if row.key == "proftime" && PROFTIME_US.contains(&us) => {
+            if us % 1000 != 0 {
+                let written = excerpt(value.peek().unwrap_or_default());
+                let sentence = format!("proftime is `{written}`; 1 to 5 (ms), or 1000, 2000 .. 5000 (us), is allowed");
+                value.refuse(sentence, None);
+                return None;
+            }
+            Some(parameter::Value::Int(us / 1000))
+        }
+        other => Some(other),
+    }
+}
+
+/// The changes that a mapping of a document asks for, one for each entry. Notes a problem where it returns `None`.
+pub(crate) fn changes(value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Box<[Change]>> {
+    let entries = value.entries()?;
+    let change = |(key, value): &(Value<'_>, Value<'_>)| parameter_change(key.text()?, key, value, config, directory);
+    // All of them, so that every problem is noted.
+    let changes: Vec<Option<Change>> = entries.iter().map(change).collect();
+    changes.into_iter().collect()
+}

@@ -1,0 +1,210 @@
+//! Files of parameters: what they say, what is wrong with them, and what they would change.
+
+use super::rig::Rig;
+use crate::cell::Cell;
+use crate::document::Document;
+use crate::parameters::{Import, check_import, differences, export_text, read_changes};
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::{AxisParameters, Row, Value};
+use lineshaft_ros::surface::host::Listing;
+
+fn read(text: &str) -> Result<AxisParameters, String> {
+    check(text).map(|import| import.parameters[1])
+}
+
+fn check(text: &str) -> Result<Import, String> {
+    let rig = Rig::new();
+    let machine = rig.machine();
+    let import = check_import(Document::parse("p", text), rig.config(), machine.directory());
+    // The reader of a running machine finds the same, but for what contradicts the values in force.
+    let changes = read_changes("p", text, rig.config(), machine.directory());
+    if let Ok(import) = &import {
+        assert_eq!(changes.expect("good"), import.changes);
+    }
+    import.map_err(|problems| problems.to_string())
+}
+
+fn refused(text: &str) -> String {
+    read(text).expect_err("it is refused")
+}
+
+/// A-19: what some firmware keeps in us is read as ms from a file, and nowhere else.
+///
+/// Proves: MACS-PROF-05
+#[test]
+fn proftime_may_be_in_microseconds_in_a_file() {
+    let (_, row) = Row::find("proftime").unwrap();
+    for (text, ms) in [("1", 1), ("5", 5), ("1000", 1), ("2000", 2), ("5000", 5)] {
+        assert_eq!(row.value(&read(&format!("x.proftime: {text}")).unwrap()), Value::Int(ms), "{text}");
+    }
+    assert_eq!(
+        refused("x.proftime: 1500"),
+        "p:1:13: proftime is `1500`; 1 to 5 (ms), or 1000, 2000 .. 5000 (us), is allowed\n"
+    );
+    for text in ["0", "6", "999", "5001"] {
+        assert_eq!(refused(&format!("x.proftime: {text}")), format!("p:1:13: proftime is {text}; 1 to 5 is allowed\n"));
+    }
+}
+
+/// A-01: the spellings of the manual.
+#[test]
+fn names_may_be_written_as_macs_writes_and_misprints_them() {
+    let p = read("x.SYNCFAC_T_M: 3\nx.SYNCFACTS: 2\nx.Maxvel: 60 \nx.POSERRTIM: 5\n").unwrap();
+    assert_eq!((p.sync_master, p.sync_slave, p.following_error_time), (3, 2, 5_000_000));
+    // 500 lines, 4 edges, one turn per second.
+    assert_eq!(p.max_velocity, 2000.0);
+    assert_eq!(
+        refused("x.syncfactm: 3\nx.SYNCFAC_T_M: 3\n"),
+        "p:2:1: syncfactm stands at 1:14 already, write it once\n"
+    );
+}
+
+#[test]
+fn all_that_is_wrong_is_told_at_once_with_its_place() {
+    let text = "x.max_velocty: 1 m/s\nq.kprop: 30\nx.kprop: 31\nline.kprop: 30\n\nx.error_reaction: 6\nx.profile: round\n\
+                x.in_position_window: 5 s\nx.velmaxqc: 5\nx.posfact_z: 5\nkprop: 30\nx.max_jerk: -1\nmachine.cannr: 128\n";
+    assert_eq!(
+        refused(text),
+        "p:1:1: no parameter is called `x.max_velocty`, did you mean `max_velocity`?\n\
+         p:2:1: no axis is called `q`; there are line, x, v, o\n\
+         p:3:10: kprop is 31: the position loop of MACS does not exist yet; only 30 is allowed\n\
+         p:4:1: line.kprop is not there; it is for axes with a drive\n\
+         p:6:19: error_reaction is 6; 0 to 5 is allowed\n\
+         p:7:12: x.profile is `round`; one of trapezoid, s_ramp, jerk is expected\n\
+         p:8:23: x.in_position_window: `5 s` is a time; a length such as `5 m` is expected\n\
+         p:9:13: velmaxqc is computed from other parameters\n\
+         p:10:14: posfact_z is part of the cell; it changes with the file and a new start\n\
+         p:11:1: no parameter is called `kprop`; parameters are written axis.key\n\
+         p:12:13: max_jerk is -1000 mm/s^3; more than 0 up to 1000000000000 mm/s^3 is allowed\n\
+         p:13:16: cannr is 128; 0 to 127, 9999 is allowed\n"
+    );
+    assert_eq!(refused(""), "p:1:1: no parameter stands there; lines `axis.key: value` are expected\n");
+    assert!(refused("[1]").contains("a mapping is expected"));
+    assert!(refused("x.kprop: 30\nx.kprop: 30\n").contains("p:2:1: "));
+}
+
+#[test]
+fn one_value_by_two_names_is_refused() {
+    assert_eq!(
+        refused("x.velmax: 60\nx.max_velocity: 2 mm/s\nline.max_velocity: 5 mm/s\n"),
+        "p:1:11: velmax is another view of max_velocity, which stands at 2:17, write one of them\n"
+    );
+    // A limit that is off keeps its place by the name of MACS; both stand in an export.
+    let p = read("x.min_position: ~\nx.neglimit: -500\n").unwrap();
+    assert_eq!((p.min_position, p.macs.neglimit), (None, -500));
+    assert!(refused("x.min_position: -5 mm\nx.neglimit: -500\n").contains("p:2:13: neglimit is another view"));
+    assert!(refused("x.min_position: ~\nx.swneglimact: 1\n").contains("p:2:16: swneglimact is another view"));
+    // Place and switch are two things.
+    assert_eq!(read("x.swneglimact: 1\nx.neglimit: -500\n").unwrap().min_position, Some(-500));
+    assert_eq!(read("x.neglimit: -500\nx.swneglimact: 1\n").unwrap().min_position, Some(-500));
+}
+
+#[test]
+fn what_contradicts_the_cell_or_the_file_names_what_was_written() {
+    for (text, expected) in [
+        ("x.default_velocity: 101 mm/s", "1:21: default_velocity 101 mm/s lies above max_velocity 100 mm/s"),
+        ("x.dfltvel: 150", "1:12: dfltvel 150 lies above velres 100"),
+        (
+            "x.velmax: 60\nx.default_velocity: 3 mm/s",
+            "2:21: default_velocity 3 mm/s lies above max_velocity 2 mm/s (velmax)",
+        ),
+        (
+            "x.min_position: 5 mm\nx.max_position: 5 mm",
+            "1:17: min_position 5 mm lies at max_position 5 mm; below is allowed",
+        ),
+        ("o.wf.md43: 5", "1:12: wf.md43 5 lies above wf.md42 0"),
+        ("x.max_velocity: 3 km/s", "1:17: x.max_velocity: `3 km/s` has no unit that is known"),
+        (
+            "x.max_velocity: 3000000 m/s",
+            "1:17: max_velocity is `3000000 m/s`; more than 0 up to 2147483650 mm/s is allowed",
+        ),
+        (
+            "x.encoder: 1073741823\nx.velmax: 65535",
+            "2:11: velmax `65535` makes max_velocity 4691178020 mm/s; up to 2147483650 mm/s is allowed",
+        ),
+    ] {
+        let said = refused(text);
+        let place = expected.split_once(": ").unwrap().0;
+        assert!(said.starts_with(&format!("p:{place}: ")), "{said}, not {expected}");
+        if !expected.contains("that is known") {
+            assert_eq!(said, format!("p:{expected}\n"));
+        }
+    }
+    // Both at once agree again, in either order.
+    for text in
+        ["x.max_velocity: 1 m/s\nx.dfltvel: 100", "x.dfltvel: 150\nx.velres: 200", "x.velres: 200\nx.dfltvel: 150"]
+    {
+        read(text).unwrap_or_else(|said| panic!("{said}"));
+    }
+}
+
+/// An export is exact and is taken again; what it would change is nothing.
+#[test]
+fn an_export_is_imported_and_changes_nothing() {
+    for cell in [Cell::demo(), Rig::new().cell] {
+        let machine = lineshaft_core::machine::Machine::new(cell.machine.clone()).unwrap();
+        let axes = AxisSet::first(cell.machine.axes.len());
+        for what in [Listing::All, Listing::NotDefault] {
+            let text = export_text(&cell.machine, &machine.parameter_image(), axes, what);
+            let import = check_import(Document::parse("p", text), &cell.machine, machine.directory());
+            let import = import.unwrap_or_else(|problems| panic!("{problems}"));
+            assert_eq!(differences(&cell.machine, &import), "");
+            let before: Vec<_> = cell.machine.axes.iter().map(|axis| axis.parameters).collect();
+            assert_eq!(import.parameters, before);
+        }
+    }
+}
+
+#[test]
+fn what_a_file_would_change_is_told_by_name_and_in_the_unit_of_the_axis() {
+    let rig = Rig::new();
+    let import = check("x.velmax: 1500\nx.poslimit: 5000\nx.max_following_error: 1 mm\nline.profile: jerk").unwrap();
+    assert_eq!(
+        differences(rig.config(), &import),
+        "line.profile: trapezoid -> jerk\n\
+         x.max_velocity: 100 mm/s -> 50 mm/s\n\
+         x.velmax: 3000 rpm -> 1500 rpm\n\
+         x.poslimit: 500000 inc -> 5000 inc\n"
+    );
+}
+
+/// In inverted units POSLIMIT keeps the place of the lower native limit where that is off.
+#[test]
+fn an_export_of_inverted_units_is_read_back() {
+    for limit in ["min_position: -5 mm", "max_position: 100 mm", "neglimit: -7, swneglimact: 1", "poslimit: 9"] {
+        for posdrct in [1, -1] {
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\naxes:\n  x: {{type: linear, unit: mm, scale: \
+                 {{increments: 1000, per: 1 mm}}, drive: {{backend: plant, address: 0}}, max_velocity: 1 m/s, \
+                 max_acceleration: 1 m/s^2, sim: {{model: ideal}}, posdrct: {posdrct}, {limit}}}\n"
+            );
+            let config = Cell::parse("cell.yaml", &*text).unwrap_or_else(|problems| panic!("{problems}")).machine;
+            let machine = lineshaft_core::machine::Machine::new(config.clone()).unwrap();
+            let exported = export_text(&config, &machine.parameter_image(), AxisSet::first(1), Listing::All);
+            let import = check_import(Document::parse("p", &*exported), &config, machine.directory());
+            let import = import.unwrap_or_else(|problems| panic!("{limit}, {posdrct}: {problems}"));
+            assert_eq!(import.parameters, [config.axes[0].parameters], "{limit}, {posdrct}");
+            assert!(read_changes("p", &exported, &config, machine.directory()).is_ok());
+        }
+    }
+}
+
+/// There POSLIMIT and the lower native limit are one value.
+#[test]
+fn two_names_of_one_limit_in_inverted_units_are_refused() {
+    let rig = Rig::new();
+    let machine = rig.machine();
+    let import = |text: &str| check_import(Document::parse("p", text), rig.config(), machine.directory());
+    let refused = import("x.posdrct: -1\nx.min_position: -3 mm\nx.swposlimact: 1\nx.poslimit: 5\n").unwrap_err();
+    assert!(
+        refused.to_string().starts_with(
+            "p:2:17: min_position stands beside another key of the same limit: posdrct is below 0, write one of them\n"
+        ),
+        "{refused}"
+    );
+    assert!(
+        import("x.posdrct: -1\nx.max_position: 3 mm\nx.swposlimact: 1\nx.poslimit: 5\n").is_err(),
+        "the rule of names"
+    );
+    assert!(import("x.min_position: -3 mm\nx.swposlimact: 1\nx.poslimit: 5\n").is_ok());
+}

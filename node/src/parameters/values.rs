@@ -1,0 +1,80 @@
+//! The parameters of a cell's axes: what they are, and what a file would change.
+
+use super::catalogue::Filter;
+use super::read::Import;
+use super::words::{default_text, storage_text};
+use lineshaft_core::config::{AxisConfig, MachineConfig};
+use lineshaft_core::parameter::{AxisParameters, Change, Measure, ROWS, Row, Storage, Value};
+use lineshaft_core::text::value_text;
+use std::fmt::Write;
+
+/// A line for each parameter that applies, `*` where it is not at its default; with `changed` only those, each by the name by
+/// which it was given.
+pub fn values(config: &MachineConfig, parameters: &[AxisParameters], filter: &Filter, changed: bool) -> String {
+    let defaults = AxisParameters::new(0.0, 0.0);
+    let mut lines = Vec::new();
+    for (axis, parameters) in config.axes.iter().zip(parameters) {
+        for row in ROWS.iter().filter(|row| row.applies.to(axis) && filter.takes_of(&axis.name, row)) {
+            let is_given = row.required || row.value(parameters) != row.value(&defaults);
+            let differs = is_given && parameters.gives(row);
+            if changed && !differs {
+                continue;
+            }
+            let mark = if differs { "*" } else { "" };
+            lines.push([
+                format!("{}.{}", axis.name, row.key),
+                mark.to_owned(),
+                value(row, parameters, axis),
+                remark(row, differs),
+            ]);
+        }
+    }
+    let width = |column: usize| lines.iter().map(|line: &[String; 4]| line[column].chars().count()).max().unwrap_or(0);
+    let (name_width, value_width) = (width(0), width(2));
+    let mut text = String::new();
+    for [name, mark, value, remark] in &lines {
+        let line = format!("{name:name_width$} {mark:1} {value:value_width$}  {remark}");
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    text
+}
+
+/// What a file changes: a line `x.max_velocity: 1200 mm/s -> 800 mm/s` for each.
+pub fn differences(config: &MachineConfig, import: &Import) -> String {
+    let mut text = String::new();
+    for (index, (axis, after)) in config.axes.iter().zip(&import.parameters).enumerate() {
+        let before = axis.power_on();
+        let is_named = |row: &Row| {
+            let of_row = |change: &&Change| {
+                usize::from(change.axis) == index && change.row().is_some_and(|named| named.key == row.key)
+            };
+            import.changes.iter().any(|change| of_row(&change))
+        };
+        for row in ROWS.iter().filter(|row| row.applies.to(axis) && (row.is_stored() || is_named(row))) {
+            if row.value(&before) != row.value(after) {
+                let (old, new) = (value(row, &before, axis), value(row, after, axis));
+                let _ = writeln!(text, "{}.{}: {old} -> {new}", axis.name, row.key);
+            }
+        }
+    }
+    text
+}
+
+/// In the axis unit or the row's own.
+fn value(row: &Row, parameters: &AxisParameters, axis: &AxisConfig) -> String {
+    let text = value_text(row, row.value(parameters), &axis.scale);
+    let is_plain = matches!(row.measure, Measure::Integer | Measure::Number) && !row.unit.is_empty();
+    if is_plain && row.value(parameters) != Value::Unset { format!("{text} {}", row.unit) } else { text }
+}
+
+/// What a person wants to know beside the value.
+fn remark(row: &Row, differs: bool) -> String {
+    match row.storage {
+        _ if row.is_view() => format!("view of {}", row.view_of),
+        _ if !row.missing.is_empty() => format!("not yet: {}", row.missing),
+        Storage::User | Storage::Volatile if row.required => "required".to_owned(),
+        Storage::User | Storage::Volatile if differs => format!("default {}", default_text(row)),
+        Storage::User | Storage::Volatile => "default".to_owned(),
+        storage => storage_text(storage),
+    }
+}
