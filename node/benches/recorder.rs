@@ -16,6 +16,7 @@ use lineshaft_core::command::{Action, BufferMode, Command, Commands, Direction, 
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::sim::Plant;
 use lineshaft_ros::surface::host::Snapshot;
 use std::fmt::Write;
@@ -121,7 +122,8 @@ fn recorded(c: &mut Criterion, name: &str, with_bag: bool) {
     let (config, directory) = (machine.config().clone(), machine.directory().clone());
     let encoder = Encoder::new(&cell, &config, &directory);
     let ((commander, _lanes), (ask, asked)) = (lanes(), channel());
-    let handle = Arc::new(Handle::new(config, directory, commander, ask, Snapshot::default()));
+    let handle =
+        Arc::new(Handle::new(config, directory, commander, ask, Snapshot::default(), ParameterImage::default()));
     let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));
     let options = BagOptions { path: folder.path().join("bag"), ..BagOptions::default() };
     let bag = with_bag.then(|| Bag::create(&options, Subject::clone(&subject)).expect("a new bag"));

@@ -4,6 +4,8 @@
 pub mod cell;
 pub mod cli;
 pub mod document;
+pub mod parameters;
 pub mod recording;
 pub mod run;
 pub mod scenario;
+pub mod store;

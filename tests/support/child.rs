@@ -10,6 +10,7 @@ use std::{
 };
 
 use rustix::process::{Pid, Signal, kill_process};
+use tempfile::TempDir;
 
 use super::domain::Domain;
 
@@ -32,6 +33,8 @@ pub(super) struct Captured {
     lines: Receiver<String>,
     log: Arc<Mutex<String>>,
     readers: Vec<JoinHandle<()>>,
+    /// What a node keeps for its user: gone with the process, so that no test finds what another one saved.
+    _home: Option<TempDir>,
 }
 
 impl Captured {
@@ -40,11 +43,15 @@ impl Captured {
         for variable in FOREIGN {
             command.env_remove(variable);
         }
+        let has_home = command.get_envs().any(|(name, value)| name == "ROS_HOME" && value.is_some());
+        let home =
+            (!has_home).then(|| tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("room within the build"));
+        if let Some(home) = &home {
+            command.env("ROS_HOME", home.path());
+        }
         let mut child = command
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
             .env("ROS_DOMAIN_ID", domain.to_string())
-            // What a node keeps for its user stays within the build.
-            .env("ROS_HOME", env!("CARGO_TARGET_TMPDIR"))
             .stdin(stdin)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -61,7 +68,7 @@ impl Captured {
             }),
             read(stderr, log.clone(), drop),
         ];
-        Self { name: name.to_owned(), child, lines, log, readers }
+        Self { name: name.to_owned(), child, lines, log, readers, _home: home }
     }
 
     pub(super) fn stdin(&mut self) -> ChildStdin {

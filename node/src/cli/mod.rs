@@ -2,11 +2,13 @@
 
 mod bag;
 mod check;
+mod params;
 mod plot;
 mod replay;
 mod run;
 mod signals;
 mod sim;
+mod store;
 mod validate;
 
 use crate::recording::bag::BagOptions;
@@ -17,6 +19,7 @@ use crate::run::realtime::Processor;
 use crate::run::recorder::MOST_SECONDS;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
+use lineshaft_core::parameter::System;
 use lineshaft_ros::layer::{RosArguments, log_filter};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -76,6 +79,9 @@ enum Command {
     Check(CheckArgs),
     /// List the signals of a cell that can be traced
     Signals(CellArgs),
+    /// List the parameters there are, or those of a cell
+    #[command(after_help = PARAMS_HELP)]
+    Params(ParamsArgs),
     /// Play a recorded run through the core again and report the first difference
     #[command(
         after_help = "Plays the recorded inputs and commands with the attached cell and compares all signals, events and \
@@ -96,6 +102,19 @@ enum Command {
     #[command(subcommand)]
     Bag(BagCommand),
 }
+
+const PARAMS_HELP: &str = "\
+Without a cell: the catalogue, or everything about the one parameter that --name names. With a cell: the values that its axes \
+begin with; * marks those that are not at their default.
+
+Examples:
+  lineshaft params --name 'sync*'
+  lineshaft params --name max_velocity
+  lineshaft params cell.yaml --changed
+  lineshaft params cell.yaml --export > parameters.yaml
+  lineshaft params cell.yaml --import parameters.yaml
+
+Exit codes: 0 good, 2 bad usage, no such parameter, or a file with errors.";
 
 const VALIDATE_HELP: &str = "\
 Both runs are bags of any recorder: an .mcap file, a folder, or a metadata.yaml. The trajectories of joint_states and \
@@ -205,6 +224,8 @@ struct RunArgs {
     record: RecordArgs,
     #[command(flatten)]
     flight: FlightArgs,
+    #[command(flatten)]
+    store: StoreArgs,
 }
 
 /// Where and how a run is recorded.
@@ -249,6 +270,15 @@ impl Default for FlightArgs {
     }
 }
 
+/// Where saved parameters are kept.
+#[derive(Clone, Debug, Default, Args)]
+struct StoreArgs {
+    /// Start with the parameters saved in this file, and keep there what is saved; `none`: keep nothing. Left out: `sim`
+    /// keeps nothing, `run` uses ~/.ros/lineshaft/<node>/parameters.<cell>.yaml (ROS_HOME counts)
+    #[arg(long, value_name = "FILE|none")]
+    store: Option<PathBuf>,
+}
+
 #[derive(Debug, Args)]
 struct SimArgs {
     /// The cell
@@ -261,6 +291,8 @@ struct SimArgs {
     csv: Option<PathBuf>,
     #[command(flatten)]
     record: RecordArgs,
+    #[command(flatten)]
+    store: StoreArgs,
 }
 
 #[derive(Debug, Args)]
@@ -282,6 +314,57 @@ struct CheckArgs {
 struct CellArgs {
     /// The cell
     cell: PathBuf,
+}
+
+#[derive(Debug, Args)]
+struct ParamsArgs {
+    /// The cell; left out: the catalogue
+    cell: Option<PathBuf>,
+    /// Only parameters whose key, source's name or name with its axis matches, as `sync*`; capitals do not count
+    #[arg(long, value_name = "GLOB")]
+    name: Option<String>,
+    /// Only parameters of one source
+    #[arg(long, value_enum)]
+    system: Option<SystemArg>,
+    /// Only what is not at its default
+    #[arg(long, requires = "cell")]
+    changed: bool,
+    /// Print the parameters, exactly, as --import and ~/import_parameters take them
+    #[arg(long, requires = "cell", conflicts_with_all = ["name", "system"])]
+    export: bool,
+    /// Check a file of parameters against the cell and tell what it would change; changes nothing
+    #[arg(long, value_name = "FILE", requires = "cell", conflicts_with_all = ["name", "system", "changed", "export"])]
+    import: Option<PathBuf>,
+    /// Print the catalogue as Markdown: docs/parameters.md
+    #[arg(long, conflicts_with_all = ["cell", "name", "system", "changed", "export", "import"])]
+    markdown: bool,
+}
+
+/// A source of parameters.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SystemArg {
+    /// Lineshaft itself
+    Native,
+    /// zub MACS
+    Macs,
+    /// Unidrive M advanced motion controller
+    Amc,
+    /// SAIA PCD4.H3
+    Saia,
+    /// Siemens WF 725 and 726
+    Wf,
+}
+
+impl From<SystemArg> for System {
+    fn from(system: SystemArg) -> Self {
+        match system {
+            SystemArg::Native => Self::Native,
+            SystemArg::Macs => Self::Macs,
+            SystemArg::Amc => Self::Amc,
+            SystemArg::Saia => Self::Saia,
+            SystemArg::Wf => Self::Wf,
+        }
+    }
 }
 
 fn processor(text: &str) -> Result<Processor, String> {
@@ -336,6 +419,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Sim(args)) => sim::sim(&args),
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
+        Some(Command::Params(args)) => params::params(&args),
         Some(Command::Plot(args)) => plot::plot(&args),
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Validate(args)) => validate::validate(&args),
@@ -352,6 +436,11 @@ fn complain(error: &dyn std::fmt::Display) {
 /// Prints to standard output; a reader that has seen enough is no failure.
 fn say(text: &dyn std::fmt::Display) {
     let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// Prints a text that ends its lines itself; likewise.
+fn say_all(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// Logs to standard error; `RUST_LOG` decides what, else all that a person would want to know.

@@ -1,7 +1,7 @@
 //! `lineshaft run`.
 
 use super::check::summary;
-use super::{Exit, FlightArgs, RunArgs, say};
+use super::{Exit, FlightArgs, RunArgs, say, store};
 use crate::cell::Cell;
 use crate::recording::bag::{Bag, Subject};
 use crate::recording::encoder::Encoder;
@@ -9,10 +9,12 @@ use crate::run::bridge::{Bridge, Handle};
 use crate::run::flight::Flight;
 use crate::run::flight::folder::FlightFolder;
 use crate::run::frames::frames;
+use crate::run::keeper::Keeper;
 use crate::run::lanes;
 use crate::run::recorder::{FlightRecorder, Recorder};
 use crate::run::thread::{CycleThread, Play, Statistics};
 use crate::scenario::{Player, Report, Scenario};
+use crate::store::Store;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
@@ -55,7 +57,7 @@ pub(super) fn run(args: &RunArgs, ros: RosArguments) -> Exit {
             return Exit::Usage;
         }
     };
-    match start(args, &cell, &title, scenario, ros) {
+    match start(args, cell, &title, scenario, ros) {
         Ok(exit) => exit,
         Err(sentence) => {
             eprintln!("error: {sentence}");
@@ -67,7 +69,7 @@ pub(super) fn run(args: &RunArgs, ros: RosArguments) -> Exit {
 /// Everything that can be wrong before the machine starts is said here; nothing has started then.
 fn start(
     args: &RunArgs,
-    cell: &Cell,
+    mut cell: Cell,
     title: &str,
     scenario: Option<Scenario>,
     ros: RosArguments,
@@ -81,7 +83,11 @@ fn start(
     let name = ros.name.as_deref().unwrap_or(&cell.ros.name);
     let namespace = ros.namespace.as_deref().unwrap_or(&cell.ros.namespace);
     let name = NodeName::new(namespace, name).map_err(|error| error.to_string())?;
-    let environment = environment(cell)?;
+    let environment = environment(&cell)?;
+    let Ok(store) = store::open_for_node(&args.store, &mut cell, &name, args.cell.as_deref()) else {
+        return Ok(Exit::Usage);
+    };
+    let cell = &cell;
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
     let plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
     cell.machine.check_backend(&plant).map_err(|error| error.to_string())?;
@@ -95,7 +101,7 @@ fn start(
     let exit = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        let (running, events) = Running::start(args, cell, machine, plant, scenario, recording);
+        let (running, events) = Running::start(args, cell, machine, plant, scenario, recording, store);
         Ok::<_, String>(serve(cell, name, &environment, running, events, signals).await)
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
@@ -150,13 +156,9 @@ fn flight(args: &FlightArgs, name: &NodeName) -> Result<Option<FlightRecorder>, 
     Ok(Some((Flight::new(args.flight_recorder * 1_000_000_000), folder)))
 }
 
-/// Where the ROS tools keep what belongs to a user: `$ROS_HOME`, else `~/.ros`.
 fn flight_folder(name: &NodeName) -> Result<PathBuf, String> {
-    let given = |variable| std::env::var_os(variable).filter(|value| !value.is_empty()).map(PathBuf::from);
-    let home = given("ROS_HOME").or_else(|| Some(given("HOME")?.join(".ros")));
-    let home = home.ok_or("no folder for the flight recorder: HOME is not set; give --flight-folder")?;
-    let node = name.to_string();
-    Ok(home.join("lineshaft").join(node.trim_start_matches('/').replace('/', "_")))
+    let folder = store::node_folder(name);
+    folder.ok_or_else(|| "no folder for the flight recorder: HOME is not set; give --flight-folder".to_owned())
 }
 
 /// The threads of a running machine.
@@ -170,6 +172,8 @@ struct Running {
     bridge: JoinHandle<()>,
     /// True where all bags have a good end.
     recorder: JoinHandle<bool>,
+    /// Ends with [`Handle::end_keeping`].
+    keeper: Option<JoinHandle<()>>,
     /// The report of the scenario, once it is over; nothing without one.
     report: Option<Receiver<Report>>,
 }
@@ -182,6 +186,7 @@ impl Running {
         plant: Plant,
         scenario: Option<Scenario>,
         recording: Recording,
+        store: Option<Store>,
     ) -> (Self, UnboundedReceiver<StampedEvent>) {
         let (commander, lanes) = lanes::lanes();
         let (frames, frames_out, spent) = frames(&machine);
@@ -189,8 +194,18 @@ impl Running {
         let (events, events_out) = RingBuffer::new(EVENT_ROOM);
         let first = Snapshot { cycle: 0, stamp_ns: 0, board: machine.board().clone() };
         let (snapshot, signals) = triple_buffer::triple_buffer(&first);
-        let handle =
-            Arc::new(Handle::new(machine.config().clone(), machine.directory().clone(), commander, ask, first));
+        let image = machine.parameter_image();
+        let (parameters, parameters_out) = triple_buffer::triple_buffer(&image);
+        let (config, directory) = (machine.config().clone(), machine.directory().clone());
+        let handle = Handle::new(config.clone(), directory, commander, ask, first, image);
+        let (handle, keeper) = match store {
+            None => (handle, None),
+            Some(store) => {
+                let (orders, keeper) = Keeper::new(store, config);
+                (handle.with_keeper(orders), Some(std::thread::spawn(move || keeper.run())))
+            }
+        };
+        let handle = Arc::new(handle);
         let statistics = Arc::new(Statistics::default());
         let (stop_cycle, stop_others) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         let encoder = Encoder::new(cell, machine.config(), machine.directory());
@@ -213,6 +228,8 @@ impl Running {
             events,
             frames,
             snapshot,
+            parameters,
+            published: 0,
             stop: Arc::clone(&stop_cycle),
             statistics: Arc::clone(&statistics),
             processor: args.cpu.unwrap_or_default(),
@@ -222,12 +239,12 @@ impl Running {
         if let Ok(refused) = granted.recv() {
             warn(&refused);
         }
-        let bridge = Bridge::new(events_out, signals, spent, listener, Arc::clone(&statistics));
+        let bridge = Bridge::new(events_out, signals, parameters_out, spent, listener, Arc::clone(&statistics));
         let (for_bridge, end) = (Arc::clone(&handle), Arc::clone(&stop_others));
         let bridge = std::thread::spawn(move || bridge.run(&for_bridge, &end));
         let end = Arc::clone(&stop_others);
         let recorder = std::thread::spawn(move || recorder.run(&end));
-        (Self { handle, statistics, stop_cycle, stop_others, cycle, bridge, recorder, report }, heard)
+        (Self { handle, statistics, stop_cycle, stop_others, cycle, bridge, recorder, keeper, report }, heard)
     }
 
     /// Ends the threads; an error when one of them has panicked.
@@ -236,6 +253,9 @@ impl Running {
         let cycle = self.cycle.join();
         self.stop_others.store(true, Ordering::Relaxed);
         let (bridge, recorder) = (self.bridge.join(), self.recorder.join());
+        // After the bridge: it has passed on what was saved last.
+        self.handle.end_keeping();
+        let keeper = self.keeper.map_or(Ok(()), JoinHandle::join);
         let of = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
         let statistics = &self.statistics;
         tracing::info!(
@@ -245,7 +265,7 @@ impl Running {
             of(&statistics.worst_lateness_ns) / 1000,
             of(&statistics.worst_duration_ns) / 1000,
         );
-        if cycle.is_err() || bridge.is_err() || recorder.is_err() {
+        if cycle.is_err() || bridge.is_err() || recorder.is_err() || keeper.is_err() {
             tracing::error!("a thread of the machine has failed; drives are left to their own supervision");
             return Exit::Failed;
         }

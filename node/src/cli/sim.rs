@@ -1,20 +1,21 @@
 //! `lineshaft sim`.
 
-use super::{Exit, SimArgs, say};
+use super::{Exit, SimArgs, say, store};
 use crate::cell::Cell;
-use crate::scenario::{Options, Scenario, SimulateError, simulate};
+use crate::scenario::{Options, Scenario, SimulateError, simulate_with};
 
 pub(super) fn sim(args: &SimArgs) -> Exit {
     let scenario = Cell::load(&args.cell).and_then(|cell| Ok((Scenario::load(&args.scenario, &cell)?, cell)));
-    let (scenario, cell) = match scenario {
+    let (scenario, mut cell) = match scenario {
         Ok(read) => read,
         Err(problems) => {
             eprint!("{problems}");
             return Exit::Usage;
         }
     };
+    let Ok(store) = store::open(&args.store, &mut cell) else { return Exit::Usage };
     let options = Options { csv: args.csv.clone(), record: args.record.options(), progress: true };
-    match simulate(&cell, &scenario, &options) {
+    match simulate_with(&cell, &scenario, &options, store) {
         Ok(report) => {
             say(&report);
             if report.passed() { Exit::Good } else { Exit::Failed }
@@ -23,7 +24,7 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
             eprintln!("error: {error}");
             match error {
                 // Neither the files nor the usage were bad: the disk was.
-                SimulateError::Record(_) => Exit::Failed,
+                SimulateError::Record(_) | SimulateError::Store(_) => Exit::Failed,
                 _ => Exit::Usage,
             }
         }

@@ -1,17 +1,21 @@
 //! Between the cycle thread and everybody else: passes events and signals on, frees what the recorder has no room for.
 
 use super::frames::Spent;
+use super::keeper::Orders;
 use super::lanes::{Commander, Numbers};
 use super::recorder::Asked;
 use super::thread::Statistics;
+use crate::parameters::{export_text, read_changes};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Kind, Severity};
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text;
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
-use lineshaft_ros::surface::host::{Busy, Host, Snapshot, StampedEvent};
+use lineshaft_ros::surface::host::{Busy, Host, Listing, Snapshot, StampedEvent};
 use lineshaft_ros::surface::lines::LineLimit;
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,6 +36,8 @@ pub struct Handle {
     commander: Commander,
     recorder: Sender<Asked>,
     newest: RwLock<Arc<Snapshot>>,
+    parameters: RwLock<Arc<ParameterImage>>,
+    keeper: Option<Orders>,
 }
 
 impl Handle {
@@ -42,8 +48,22 @@ impl Handle {
         commander: Commander,
         recorder: Sender<Asked>,
         first: Snapshot,
+        parameters: ParameterImage,
     ) -> Self {
-        Self { config, directory, commander, recorder, newest: RwLock::new(Arc::new(first)) }
+        let (newest, parameters) = (RwLock::new(Arc::new(first)), RwLock::new(Arc::new(parameters)));
+        Self { config, directory, commander, recorder, newest, parameters, keeper: None }
+    }
+
+    /// The same, whose saved parameters are kept in a store.
+    pub fn with_keeper(self, keeper: Orders) -> Self {
+        Self { keeper: Some(keeper), ..self }
+    }
+
+    /// Ends the thread of the store, once it has written what it has.
+    pub fn end_keeping(&self) {
+        if let Some(keeper) = &self.keeper {
+            keeper.end();
+        }
     }
 
     /// Where the numbers of commands come from.
@@ -77,6 +97,28 @@ impl Host for Handle {
         crate::scenario::vocabulary_command(axis, verb, arguments, &self.config, &self.directory)
     }
 
+    fn read_parameters(&self, text: &str) -> Result<Action, String> {
+        let changes = read_changes("parameters", text, &self.config, &self.directory);
+        changes.map(Action::SetParameters).map_err(|problems| problems.to_string())
+    }
+
+    fn write_parameters(&self, axes: AxisSet, what: Listing) -> String {
+        export_text(&self.config, &self.parameters(), axes, what)
+    }
+
+    fn store_parameters(&self, answer: oneshot::Sender<Result<(), String>>) {
+        match &self.keeper {
+            // A keeper that has ended drops the answer, which tells the asker.
+            Some(keeper) => keeper.keep(self.parameters(), Some(answer)),
+            None => {
+                let sentence =
+                    "the program keeps no parameters: `--store` names a file; what is saved holds until it ends";
+                // Who asked may have gone.
+                let _ = answer.send(Err(sentence.to_owned()));
+            }
+        }
+    }
+
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>) {
         // A recorder that has ended drops the answer, which tells the asker.
         let _ = self.recorder.send((request, answer));
@@ -84,6 +126,10 @@ impl Host for Handle {
 
     fn snapshot(&self) -> Arc<Snapshot> {
         Arc::clone(&self.newest.read().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn parameters(&self) -> Arc<ParameterImage> {
+        Arc::clone(&self.parameters.read().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
@@ -93,6 +139,8 @@ pub struct Bridge {
     events: Consumer<StampedEvent>,
     /// Signals.
     signals: triple_buffer::Output<Snapshot>,
+    /// Parameters.
+    parameters: triple_buffer::Output<ParameterImage>,
     /// Commands that nobody wants any more.
     spent: Spent,
     /// Who gets the events, each all of them in order.
@@ -111,6 +159,7 @@ impl Bridge {
     pub fn new(
         events: Consumer<StampedEvent>,
         signals: triple_buffer::Output<Snapshot>,
+        parameters: triple_buffer::Output<ParameterImage>,
         spent: Spent,
         listener: UnboundedSender<StampedEvent>,
         statistics: Arc<Statistics>,
@@ -118,6 +167,7 @@ impl Bridge {
         Self {
             events,
             signals,
+            parameters,
             spent,
             listeners: vec![listener],
             statistics,
@@ -144,6 +194,13 @@ impl Bridge {
         if self.signals.update() {
             let newest = Arc::new(self.signals.output_buffer().clone());
             *handle.newest.write().unwrap_or_else(PoisonError::into_inner) = newest;
+        }
+        if self.parameters.update() {
+            let newest = Arc::new(self.parameters.output_buffer().clone());
+            if let Some(keeper) = handle.keeper.as_ref().filter(|_| newest.user != handle.parameters().user) {
+                keeper.keep(Arc::clone(&newest), None);
+            }
+            *handle.parameters.write().unwrap_or_else(PoisonError::into_inner) = newest;
         }
         for event in self.taken.drain(..) {
             log(&event, handle, &self.warnings);

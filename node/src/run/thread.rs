@@ -6,6 +6,7 @@ use super::realtime::{self, Processor};
 use crate::scenario::{Player, Report};
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
+use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::sim::Plant;
 use lineshaft_ros::surface::host::{Snapshot, StampedEvent};
 use rtrb::Producer;
@@ -59,6 +60,10 @@ pub struct CycleThread {
     pub frames: FrameSender,
     /// Way out of signals.
     pub snapshot: triple_buffer::Input<Snapshot>,
+    /// Way out of parameters.
+    pub parameters: triple_buffer::Input<ParameterImage>,
+    /// The version that went out last.
+    pub published: u64,
     /// Set from outside to end it.
     pub stop: Arc<AtomicBool>,
     /// How it does.
@@ -126,6 +131,7 @@ impl CycleThread {
         snapshot.stamp_ns = stamp_ns;
         snapshot.board.copy_from(self.machine.board());
         self.snapshot.publish();
+        self.publish_parameters();
         // After the signals: who reacts to an event finds signals that are at least as new.
         for &event in self.machine.events() {
             if self.events.push(StampedEvent { event, stamp_ns }).is_err() {
@@ -133,6 +139,15 @@ impl CycleThread {
             }
         }
         self.frames.send(stamp_ns, inputs, &self.machine, self.lanes.drain());
+    }
+
+    fn publish_parameters(&mut self) {
+        // Of the three images each is brought up to date when its turn comes.
+        if self.published != self.machine.parameter_version() {
+            self.published = self.machine.parameter_version();
+            self.machine.copy_parameters(self.parameters.input_buffer_mut());
+            self.parameters.publish();
+        }
     }
 
     /// Judges the cycle for the scenario, and reports it when it is over.

@@ -40,7 +40,7 @@ impl FlightFolder {
         let trial = folder.join(format!(".trial_{}", std::process::id()));
         let made = fs::create_dir(&trial).and_then(|()| fs::remove_dir(&trial));
         made.map_err(|error| failed(&trial, error))?;
-        // The lock of the folder itself: nothing but bags lies in it.
+        // The lock of the folder itself; the store of parameters beside the bags has a lock of its own.
         let lock = File::open(&folder).map_err(|error| failed(&folder, error))?;
         match lock.try_lock() {
             Ok(()) => Ok(Self { folder, keep: keep.max(1), _lock: Arc::new(lock) }),

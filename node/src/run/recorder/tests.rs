@@ -30,7 +30,8 @@ impl Rig {
         let (config, directory) = (machine.config().clone(), machine.directory().clone());
         let encoder = Encoder::new(&cell, &config, &directory);
         let ((commander, lanes), (ask, asked)) = (lanes(), channel());
-        let handle = Arc::new(Handle::new(config, directory, commander, ask.clone(), Default::default()));
+        let handle =
+            Arc::new(Handle::new(config, directory, commander, ask.clone(), Default::default(), Default::default()));
         let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));
         let options = BagOptions { path: folder.path().join("bag.mcap"), ..BagOptions::default() };
         let bag = record.then(|| Bag::create(&options, Subject::clone(&subject)).unwrap());

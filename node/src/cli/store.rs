@@ -1,0 +1,90 @@
+//! `--store`: where a machine keeps what was saved.
+
+use super::{StoreArgs, complain};
+use crate::cell::Cell;
+use crate::store::{Store, StoreError};
+use lineshaft_ros::layer::NodeName;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// In the place of a file: nothing is read or kept.
+const NONE: &str = "none";
+
+impl StoreArgs {
+    /// The file that was asked for; nothing where none was, or `none`.
+    fn file(&self) -> Option<&Path> {
+        self.store.as_deref().filter(|path| *path != Path::new(NONE))
+    }
+}
+
+/// Opens the store that was asked for, and puts what it holds into the cell.
+///
+/// # Errors
+/// What is wrong was told.
+pub(super) fn open(args: &StoreArgs, cell: &mut Cell) -> Result<Option<Store>, ()> {
+    let opened = args.file().map(Store::open).transpose();
+    load(opened, cell)
+}
+
+/// The same for a node; without `--store`, the store in its folder. Where another program has that one, or it has no place,
+/// the machine starts all the same, with a warning: two nodes of one name do not block each other.
+///
+/// # Errors
+/// Likewise.
+pub(super) fn open_for_node(
+    args: &StoreArgs,
+    cell: &mut Cell,
+    name: &NodeName,
+    file: Option<&Path>,
+) -> Result<Option<Store>, ()> {
+    if args.store.is_some() {
+        return open(args, cell);
+    }
+    let Some(path) = node_folder(name).map(|folder| folder.join(usual_name(file))) else {
+        tracing::warn!("nothing that is saved will be kept: HOME is not set; --store names a file");
+        return Ok(None);
+    };
+    if let Some(Err(error)) = path.parent().map(fs::create_dir_all) {
+        tracing::warn!("nothing that is saved will be kept: {}: {error}; --store names another file", path.display());
+        return Ok(None);
+    }
+    load(Store::open_beside(&path).map(Some), cell)
+}
+
+fn load(opened: Result<Option<Store>, StoreError>, cell: &mut Cell) -> Result<Option<Store>, ()> {
+    let loaded = opened.and_then(|store| {
+        store.as_ref().map_or(Ok(()), |store| store.load(&mut cell.machine))?;
+        Ok(store)
+    });
+    loaded.map_err(|error| match error {
+        // Each problem is a line that begins with its place, as those of a cell are.
+        StoreError::Unfit { .. } => eprintln!("{error}"),
+        _ => complain(&error),
+    })
+}
+
+/// The file of a cell in the folder of its node: cells that one node runs in turn do not take each other's values.
+fn usual_name(cell: Option<&Path>) -> String {
+    let stem = cell.and_then(Path::file_stem);
+    stem.map_or_else(|| "parameters.yaml".to_owned(), |stem| format!("parameters.{}.yaml", stem.to_string_lossy()))
+}
+
+/// Where the ROS tools keep what belongs to a user, and there what belongs to this node: in `$ROS_HOME`, else `~/.ros`.
+pub(super) fn node_folder(name: &NodeName) -> Option<PathBuf> {
+    let given = |variable| std::env::var_os(variable).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let home = given("ROS_HOME").or_else(|| Some(given("HOME")?.join(".ros")))?;
+    let node = name.to_string();
+    Some(home.join("lineshaft").join(node.trim_start_matches('/').replace('/', "_")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cell_of_a_node_has_a_file_of_its_own() {
+        assert_eq!(usual_name(None), "parameters.yaml");
+        assert_eq!(usual_name(Some(Path::new("/a/press.yaml"))), "parameters.press.yaml");
+        assert_eq!(usual_name(Some(Path::new("cells/demo.v2.yaml"))), "parameters.demo.v2.yaml");
+    }
+}

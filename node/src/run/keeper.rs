@@ -1,0 +1,209 @@
+//! The keeper: writes layer User of the parameters into the store, on a thread of its own. Nobody waits for it but who asks to
+//! be told when a set is on the disk.
+
+use crate::store::{Store, StoreError};
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::parameter::ParameterImage;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use tokio::sync::oneshot;
+
+/// Who waits for the answer, if anybody.
+type Answer = Option<oneshot::Sender<Result<(), String>>>;
+
+enum Order {
+    Keep(Arc<ParameterImage>, Answer),
+    End,
+}
+
+/// The way to the keeper. It never blocks.
+#[derive(Debug)]
+pub struct Orders(Sender<Order>);
+
+impl Orders {
+    /// Has layer User of these parameters written down, unless newer ones wait already. The answer comes when these or newer
+    /// ones are on the disk, or says why they are not.
+    pub fn keep(&self, image: Arc<ParameterImage>, answer: Answer) {
+        // A keeper that has ended drops the answer, which tells the asker.
+        let _ = self.0.send(Order::Keep(image, answer));
+    }
+
+    /// Ends the keeper, once it has written what it has.
+    pub fn end(&self) {
+        let _ = self.0.send(Order::End);
+    }
+}
+
+/// The thread.
+pub struct Keeper {
+    store: Store,
+    config: MachineConfig,
+    orders: Receiver<Order>,
+    newest: Option<Arc<ParameterImage>>,
+    /// What was told of the last failure: one cause is one line in the log.
+    told: Option<String>,
+}
+
+impl Keeper {
+    /// A keeper and the way to it. `config` is that of the machine.
+    pub fn new(store: Store, config: MachineConfig) -> (Orders, Self) {
+        let (send, orders) = channel();
+        (Orders(send), Self { store, config, orders, newest: None, told: None })
+    }
+
+    /// Works until [`Orders::end`], or until nobody can order any more.
+    pub fn run(mut self) {
+        let mut goes_on = true;
+        while goes_on {
+            let Ok(first) = self.orders.recv() else { break };
+            // What came meanwhile is written at once: the newest set counts.
+            let orders: Vec<_> = std::iter::once(first).chain(self.orders.try_iter()).collect();
+            let mut answers = Vec::new();
+            for order in orders {
+                match order {
+                    Order::Keep(image, answer) => {
+                        self.take(image);
+                        answers.extend(answer);
+                    }
+                    Order::End => goes_on = false,
+                }
+            }
+            let kept = self.write();
+            for answer in answers {
+                // Who asked may have gone.
+                let _ = answer.send(kept.clone());
+            }
+        }
+    }
+
+    fn take(&mut self, image: Arc<ParameterImage>) {
+        let is_newer = |known: &Arc<ParameterImage>| image.version.wrapping_sub(known.version).cast_signed() >= 0;
+        if self.newest.as_ref().is_none_or(is_newer) {
+            self.newest = Some(image);
+        }
+    }
+
+    fn write(&mut self) -> Result<(), String> {
+        let Some(image) = &self.newest else { return Ok(()) };
+        let kept = self.store.keep(&self.config, &image.user);
+        match &kept {
+            Ok(is_new) => {
+                if *is_new {
+                    let (path, generation) = (self.store.path().display(), self.store.generation());
+                    tracing::info!("{path}: parameters are saved; generation {generation}");
+                }
+                self.told = None;
+            }
+            Err(error) => self.tell(error),
+        }
+        kept.map(drop).map_err(|error| error.to_string())
+    }
+
+    fn tell(&mut self, error: &StoreError) {
+        let sentence = error.to_string();
+        if self.told.as_ref() != Some(&sentence) {
+            tracing::error!("{sentence}");
+            self.told = Some(sentence);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::Cell;
+    use std::path::Path;
+    use tempfile::TempDir;
+
+    /// A keeper that runs, and what a machine would give it.
+    struct Rig {
+        folder: TempDir,
+        orders: Orders,
+        thread: std::thread::JoinHandle<()>,
+        image: ParameterImage,
+    }
+
+    impl Rig {
+        fn new() -> Self {
+            let folder = tempfile::tempdir().expect("a folder");
+            let config = Cell::demo().machine;
+            let image = lineshaft_core::machine::Machine::new(config.clone()).expect("the demo").parameter_image();
+            let store = Store::open(&folder.path().join("p.yaml")).expect("a new store");
+            let (orders, keeper) = Keeper::new(store, config);
+            Self { folder, orders, thread: std::thread::spawn(move || keeper.run()), image }
+        }
+
+        fn save(&mut self, time: i64) -> Arc<ParameterImage> {
+            self.image.version += 1;
+            self.image.user[1].following_error_time = time;
+            Arc::new(self.image.clone())
+        }
+
+        fn ask(&self, image: Arc<ParameterImage>) -> Result<(), String> {
+            let (answer, answered) = oneshot::channel();
+            self.orders.keep(image, Some(answer));
+            answered.blocking_recv().expect("the keeper runs")
+        }
+
+        fn path(&self) -> std::path::PathBuf {
+            self.folder.path().join("p.yaml")
+        }
+    }
+
+    fn saved(path: &Path) -> Option<i64> {
+        let mut config = Cell::demo().machine;
+        Store::open_beside(path).and_then(|store| store.load(&mut config)).expect("a good store");
+        config.axes[1].saved.map(|saved| saved.following_error_time)
+    }
+
+    /// Proves: MACS-STO-06
+    #[test]
+    fn an_answer_comes_when_the_set_is_on_the_disk() {
+        let mut rig = Rig::new();
+        let image = rig.save(5_000_000);
+        assert_eq!(rig.ask(image), Ok(()));
+        assert_eq!(saved(&rig.path()), Some(5_000_000));
+    }
+
+    #[test]
+    fn an_older_set_never_takes_the_place_of_a_newer_one() {
+        let mut rig = Rig::new();
+        let (old, new) = (rig.save(1_000_000), rig.save(2_000_000));
+        assert_eq!((rig.ask(new), rig.ask(old)), (Ok(()), Ok(())));
+        assert_eq!(saved(&rig.path()), Some(2_000_000));
+    }
+
+    #[test]
+    fn the_end_comes_after_all_that_was_ordered() {
+        let mut rig = Rig::new();
+        for time in 1..=50 {
+            let image = rig.save(time * 1_000_000);
+            rig.orders.keep(image, None);
+        }
+        rig.orders.end();
+        rig.thread.join().unwrap();
+        assert_eq!(saved(&rig.folder.path().join("p.yaml")), Some(50_000_000));
+        // Who asks after the end learns that there is nobody.
+        let (answer, answered) = oneshot::channel();
+        rig.orders.keep(Arc::new(rig.image), Some(answer));
+        assert!(answered.blocking_recv().is_err());
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_answered_and_written_later() {
+        let mut rig = Rig::new();
+        let image = rig.save(1_000_000);
+        assert_eq!(rig.ask(image), Ok(()));
+        // In the way of the new text stands what cannot be removed as a file.
+        let way = rig.folder.path().join(".p.yaml.new");
+        std::fs::create_dir(&way).unwrap();
+        let image = rig.save(2_000_000);
+        let sentence = rig.ask(image).unwrap_err();
+        assert!(sentence.contains("p.yaml: parameters cannot be written: "), "{sentence}");
+        assert_eq!(saved(&rig.path()), Some(1_000_000));
+        std::fs::remove_dir(&way).unwrap();
+        rig.orders.end();
+        rig.thread.join().unwrap();
+        assert_eq!(saved(&rig.folder.path().join("p.yaml")), Some(2_000_000));
+    }
+}

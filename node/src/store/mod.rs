@@ -1,0 +1,236 @@
+//! The store: layer User of the parameters in a file, so that it outlives the program (MACS-STO-04, MACS-STO-06).
+//!
+//! Law      what was told to be kept is on the disk, whole; whatever happens while it is written, the file holds the set
+//!          before or the new one. What is read gives bit for bit the parameters that were written
+//! Writes   only what differs from what the file holds: its medium endures some ten thousand writes (MACS-STO-06)
+//! Refuses  a store that another program uses; a damaged one without a good generation before it; one that does not fit the
+//!          cell
+//!
+//! The file holds what differs from the cell, so that an edit of the cell counts for all that was never saved.
+
+mod file;
+mod read;
+mod text;
+
+use crate::document::Problems;
+use file::{Files, Found, Present};
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::parameter::AxisParameters;
+use std::fs::{File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use read::{Stored, read_store};
+pub use text::store_text;
+
+/// Why a store cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// Its place cannot be one.
+    #[error("{}: {reason}", .path.display())]
+    Place {
+        /// As it was given.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// Another program uses it.
+    #[error("{}: another program keeps its parameters there; end it, or name another file with --store", .0.display())]
+    InUse(PathBuf),
+    /// Neither of both generations can be read.
+    #[error(
+        "{}: it is damaged: {current}. {before}. Put a good copy in its place, or delete it to begin with the values of \
+         the cell", .path.display()
+    )]
+    Damaged {
+        /// The store.
+        path: PathBuf,
+        /// What is wrong with it.
+        current: String,
+        /// What is wrong with the generation before.
+        before: String,
+    },
+    /// It does not fit the cell.
+    #[error(
+        "{problems}{}: the machine does not start with it; mend the cell, name another file with --store, or delete this \
+         one: what was saved is lost then", .path.display()
+    )]
+    Unfit {
+        /// The file.
+        path: PathBuf,
+        /// All that does not fit.
+        problems: Problems,
+    },
+    /// Nothing is written here.
+    #[error("{}: parameters are not kept there: {reason}", .path.display())]
+    ReadOnly {
+        /// The store.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The system.
+    #[error("{}: parameters cannot be written: {error}; what was saved before stands", .path.display())]
+    Write {
+        /// The store.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// The text would not give the same parameters again.
+    #[error("{}: these parameters cannot be written without a loss; what was saved before stands", .0.display())]
+    Inexact(PathBuf),
+}
+
+/// The file that keeps layer User of one machine.
+#[derive(Debug)]
+pub struct Store {
+    files: Files,
+    /// The lock, held as long as this lives, however the process ends; or why nothing is written.
+    lock: Result<File, String>,
+    /// The text that counts, and the file that it stands in.
+    found: Option<(PathBuf, String)>,
+    present: Present,
+    /// Saved values as they stand in the file that counts.
+    body: String,
+    generation: u64,
+}
+
+impl Store {
+    /// Opens a store for this program alone. It need not exist; its folder must.
+    ///
+    /// # Errors
+    /// Another program uses it; both generations are damaged; it cannot be a file, or cannot be read.
+    pub fn open(path: &Path) -> Result<Self, StoreError> {
+        let files = Files::of(path)?;
+        let lock = match lock(&files.lock) {
+            Ok(lock) => Ok(lock),
+            Err(TryLockError::WouldBlock) => return Err(StoreError::InUse(files.current)),
+            Err(TryLockError::Error(error)) => Err(format!("{}: {error}", files.lock.display())),
+        };
+        Self::read(files, lock)
+    }
+
+    /// The same; where another program uses it, it is read, and never written.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn open_beside(path: &Path) -> Result<Self, StoreError> {
+        match Self::open(path) {
+            Err(StoreError::InUse(_)) => {
+                Self::read(Files::of(path)?, Err("another program keeps its own there".into()))
+            }
+            opened => opened,
+        }
+    }
+
+    fn read(files: Files, lock: Result<File, String>) -> Result<Self, StoreError> {
+        let Found { text, present } = files.find()?;
+        let (body, generation) = text.as_ref().map_or((text::body(&[]), 0), |(_, text)| {
+            (text::body_of(text).to_owned(), text::generation_of(text).unwrap_or(0))
+        });
+        let store = Self { files, lock, found: text, present, body, generation };
+        if let Err(reason) = &store.lock {
+            tracing::warn!("{}: it is read, but nothing will be saved there: {reason}", store.path().display());
+        }
+        Ok(store)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.files.current
+    }
+
+    /// Number of the set that the file holds; 0 before the first.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Puts what is saved into `config`, as layer User of its start.
+    ///
+    /// # Errors
+    /// It does not fit that cell; nothing is changed then.
+    pub fn load(&self, config: &mut MachineConfig) -> Result<(), StoreError> {
+        let Some((path, text)) = &self.found else { return Ok(()) };
+        let label = path.display().to_string();
+        let stored =
+            read_store(&label, text, config).map_err(|problems| StoreError::Unfit { path: path.clone(), problems })?;
+        for line in text::differences(config, &stored.sets) {
+            tracing::debug!("{label}: {line}");
+        }
+        if stored.values > 0 {
+            let axes: Vec<_> = std::iter::zip(&config.axes, &stored.sets)
+                .filter_map(|(axis, set)| set.as_ref().map(|_| axis.name.as_str()))
+                .collect();
+            let (values, take) =
+                if stored.values == 1 { ("1 value", "takes") } else { (&*format!("{} values", stored.values), "take") };
+            tracing::info!(
+                "{label}: {values} of {} {take} the place of what the cell says; generation {}",
+                axes.join(", "),
+                stored.generation
+            );
+        }
+        for (axis, set) in config.axes.iter_mut().zip(stored.sets) {
+            axis.saved = set;
+        }
+        Ok(())
+    }
+
+    /// Writes layer User down; false where the file holds that set already.
+    ///
+    /// # Errors
+    /// It cannot be written; the file holds what it held.
+    pub fn keep(&mut self, config: &MachineConfig, user: &[AxisParameters]) -> Result<bool, StoreError> {
+        self.keep_while(config, user, &mut |_| Ok(()))
+    }
+
+    /// `may` is asked before each step on the disk.
+    fn keep_while(
+        &mut self,
+        config: &MachineConfig,
+        user: &[AxisParameters],
+        may: &mut dyn FnMut(&'static str) -> io::Result<()>,
+    ) -> Result<bool, StoreError> {
+        // A file that somebody took away holds nothing any more.
+        if self.present != Present::Missing && matches!(self.path().try_exists(), Ok(false)) {
+            tracing::warn!(
+                "{}: somebody has taken it away; what is saved now is all that it holds",
+                self.path().display()
+            );
+            (self.body, self.present) = (text::body(&[]), Present::Missing);
+        }
+        let sets: Vec<_> = std::iter::zip(&config.axes, user).collect();
+        let body = text::body(&sets);
+        if body == self.body && self.present != Present::Damaged {
+            return Ok(false);
+        }
+        let path = self.path().to_owned();
+        if let Err(reason) = &self.lock {
+            return Err(StoreError::ReadOnly { path, reason: reason.clone() });
+        }
+        let generation = self.generation.saturating_add(1);
+        let text = text::whole(generation, &body);
+        if !gives(&text, config, user) {
+            return Err(StoreError::Inexact(path));
+        }
+        self.files.replace(&text, self.present, may).map_err(|error| StoreError::Write { path, error })?;
+        (self.body, self.generation, self.present) = (body, generation, Present::Good);
+        tracing::debug!("{}: generation {generation} is on the disk", self.path().display());
+        Ok(true)
+    }
+}
+
+/// Does the text give these parameters, bit for bit?
+fn gives(text: &str, config: &MachineConfig, user: &[AxisParameters]) -> bool {
+    let Ok(stored) = read_store("store", text, config) else { return false };
+    std::iter::zip(&config.axes, stored.sets).map(|(axis, set)| set.unwrap_or(axis.parameters)).eq(user.iter().copied())
+}
+
+fn lock(path: &Path) -> Result<File, TryLockError> {
+    let file = File::options().create(true).truncate(false).write(true).open(path).map_err(TryLockError::Error)?;
+    file.try_lock()?;
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests;

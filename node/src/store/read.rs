@@ -1,0 +1,190 @@
+//! A store against the cell that is to start with it.
+
+use super::text::{FORMAT, scale_text};
+use crate::document::{Document, Problems, Value};
+use lineshaft_core::code::Code;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::{Number, Refusal};
+use lineshaft_core::object::Object;
+use lineshaft_core::parameter::{AxisParameters, Change, Contradiction, Refused, Row, Storage};
+use lineshaft_core::signal::Directory;
+use lineshaft_core::text::sentence;
+use lineshaft_core::unit::excerpt;
+use lineshaft_core::vocabulary::amc;
+
+/// Before the scale of an axis whose positions count against its encoder.
+const AGAINST: char = '-';
+
+/// What a store holds for a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stored {
+    /// Number of the set.
+    pub generation: u64,
+    /// How many values it holds.
+    pub values: usize,
+    /// Layer User by axis, where something of it was saved.
+    pub sets: Vec<Option<AxisParameters>>,
+}
+
+/// Reads the text of a store for a cell. `label` names it in problems.
+///
+/// # Errors
+/// All that does not fit, by line and column.
+pub fn read_store(label: &str, text: &str, config: &MachineConfig) -> Result<Stored, Problems> {
+    let document = Document::parse(label, text);
+    let stored = document.root("the store").and_then(|root| read(&root, config));
+    match stored {
+        Some(stored) if document.problems().is_empty() => Ok(stored),
+        _ => Err(document.into_problems()),
+    }
+}
+
+fn read(root: &Value<'_>, config: &MachineConfig) -> Option<Stored> {
+    let mut map = root.map("the store")?;
+    let version = map.required("lineshaft_store")?;
+    let format = version.text()?;
+    if format != FORMAT {
+        let given = excerpt(format);
+        version.refuse(format!("lineshaft_store is `{given}`; format version {FORMAT} is allowed"), None);
+        // Another format has other keys.
+        map.rest();
+        return None;
+    }
+    let generation = map.required("generation").and_then(|value| value.integer(0..=u64::MAX));
+    map.allow(&["sha256"]);
+    let axes = map.required("axes").and_then(|value| value.entries()).unwrap_or_default();
+    let fits = check_axes(&axes, config);
+    let values = map.required("parameters");
+    map.finish();
+    // Where increments mean something else, no value is worth a look.
+    let values = values.filter(|_| fits)?;
+    let (values, sets) = if values.is_null() { (0, vec![None; config.axes.len()]) } else { sets(&values, config)? };
+    check_senses(&axes, &sets, config);
+    Some(Stored { generation: generation?, values, sets })
+}
+
+/// Do the increments of the store mean what those of the cell mean?
+fn check_axes(axes: &[(Value<'_>, Value<'_>)], config: &MachineConfig) -> bool {
+    let mut fits = true;
+    for (name, scale) in axes {
+        let Some(name_text) = name.text() else { continue };
+        let Some(axis) = config.axes.iter().find(|axis| axis.name == name_text) else {
+            let all: Vec<_> = config.axes.iter().map(|axis| axis.name.as_str()).collect();
+            let sentence = format!("the cell has no axis `{}`; its axes are {}", excerpt(name_text), all.join(", "));
+            name.refuse(sentence, None);
+            fits = false;
+            continue;
+        };
+        let (Some(given), expected) = (scale.text(), scale_text(&axis.scale)) else { continue };
+        if given.strip_prefix(AGAINST).unwrap_or(given) != expected {
+            let sentence = format!(
+                "{name_text} was saved with a scale of {}, and has {expected} in the cell: its increments mean something else",
+                excerpt(given)
+            );
+            scale.refuse(sentence, None);
+            fits = false;
+        }
+    }
+    fits
+}
+
+/// Do the positions of the store count the way in which they will be read? Where the cell turned the sense of rotation over,
+/// limits would guard other places.
+fn check_senses(axes: &[(Value<'_>, Value<'_>)], sets: &[Option<AxisParameters>], config: &MachineConfig) {
+    for (name, scale) in axes {
+        let found = std::iter::zip(&config.axes, sets).find(|(axis, _)| name.peek() == Some(axis.name.as_str()));
+        let (Some((axis, set)), Some(given)) = (found, scale.peek()) else { continue };
+        let posdrct = set.as_ref().unwrap_or(&axis.parameters).macs.posdrct;
+        if given.starts_with(AGAINST) != (posdrct < 0) {
+            let saved = if posdrct < 0 { "above" } else { "below" };
+            let sentence = format!(
+                "{} was saved with posdrct {saved} 0, and the cell has posdrct {posdrct}: its positions count the other way",
+                axis.name
+            );
+            scale.refuse(sentence, None);
+        }
+    }
+}
+
+/// The sets that result when the values take the place of those of the cell, and how many values they are.
+fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<(usize, Vec<Option<AxisParameters>>)> {
+    let entries = values.entries()?;
+    let changes = crate::parameters::changes(values, config, &Directory::default())?;
+    let mut sets: Vec<Option<AxisParameters>> = vec![None; config.axes.len()];
+    let mut is_good = true;
+    for ((key, value), change) in entries.iter().zip(&changes) {
+        let Some(row) = change.row() else { continue };
+        let place = usize::from(change.axis);
+        let (Some(axis), Some(set)) = (config.axes.get(place), sets.get_mut(place)) else {
+            key.refuse(format!("{}: what the machine has is not saved", excerpt(key.peek().unwrap_or_default())), None);
+            is_good = false;
+            continue;
+        };
+        if row.storage == Storage::Volatile {
+            key.refuse(format!("{}: {} begins anew with each start and is never saved", axis.name, row.key), None);
+            is_good = false;
+        }
+        let set = set.get_or_insert(axis.parameters);
+        if let Err(refused) = row.change(set, change.value) {
+            let code = match refused {
+                Refused::NotBuilt => Code::NOT_BUILT,
+                Refused::ReadOnly => Code::READ_ONLY,
+                Refused::OutOfRange | Refused::WrongType => Code::PARAMETER_OUT_OF_RANGE,
+            };
+            value.refuse(told(code, change, change.number(), Number::None, config), None);
+            is_good = false;
+        }
+    }
+    if is_good {
+        for (place, set) in sets.iter().enumerate() {
+            if let Some((key, sentence)) = set.as_ref().and_then(|set| contradiction(place, set, config)) {
+                let of_axis =
+                    || std::iter::zip(&entries, &changes).filter(|(_, change)| usize::from(change.axis) == place);
+                let root = |change: &Change| change.row().map_or("", Row::root);
+                let guilty = of_axis().find(|(_, change)| root(change) == key).or_else(|| of_axis().next());
+                guilty
+                    .map_or_else(|| values.refuse(&*sentence, None), |((_, value), _)| value.refuse(&*sentence, None));
+                is_good = false;
+            }
+        }
+    }
+    is_good.then_some((changes.len(), sets))
+}
+
+/// A key whose value cannot stand beside the others of an axis, and why.
+fn contradiction(place: usize, set: &AxisParameters, config: &MachineConfig) -> Option<(&'static str, String)> {
+    let axis = config.axes.get(place)?;
+    let change = |key: &'static str| {
+        let (row, entry) = Row::find(key)?;
+        Some(Change { axis: u16::try_from(place).ok()?, row, value: entry.value(set) })
+    };
+    match set.check() {
+        Err(Contradiction::Above(low, high)) => {
+            let (low_change, high_change) = (change(low)?, change(high)?);
+            let code = Code::PARAMETERS_CONTRADICT;
+            // The one that was saved is to blame; the other one stands in the cell, which a person may have changed.
+            let is_cells =
+                |change: &Change| change.row().is_some_and(|row| row.value(&axis.parameters) == change.value);
+            let (guilty, other) =
+                if is_cells(&low_change) { (high_change, low_change) } else { (low_change, high_change) };
+            let key = if is_cells(&low_change) { high } else { low };
+            return Some((key, told(code, &guilty, guilty.number(), other.number(), config)));
+        }
+        Err(Contradiction::OutOfRange(key)) => {
+            return Some((key, format!("{}: {key}, which follows from others, leaves its range", axis.name)));
+        }
+        Err(Contradiction::NotBuilt(key, code)) => {
+            let change = change(key)?;
+            return Some((key, told(code, &change, change.number(), Number::None, config)));
+        }
+        Ok(()) => {}
+    }
+    let problem = amc::check(set, &config.selector(axis)).err()?;
+    Some((problem.key, told(problem.code, &change(problem.key)?, problem.asked, problem.limit, config)))
+}
+
+/// The sentence of a refusal.
+fn told(code: Code, change: &Change, asked: Number, limit: Number, config: &MachineConfig) -> String {
+    let refusal = Refusal::new(code, Object::Axis(change.axis)).with(asked, limit);
+    sentence(&Refusal { parameter: Some(change.row), ..refusal }.event(0), config)
+}

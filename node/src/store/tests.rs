@@ -1,0 +1,368 @@
+//! The store on a disk that fails, with files that are damaged, for cells that were changed.
+
+mod exact;
+mod unfit;
+
+use super::*;
+use crate::cell::Cell;
+use std::fs;
+use tempfile::TempDir;
+
+/// Two axes, each with a few values of its own.
+const CELL: &str = "\
+lineshaft: 1
+cycle: 1 ms
+backends: {plant: {type: sim}}
+axes:
+  x: {type: linear, unit: mm, scale: {increments: 1000, per: 1 mm}, drive: {backend: plant, address: 0}, min_position: 0 mm,
+      max_position: 1000 mm, max_velocity: 1 m/s, max_acceleration: 100 m/s^2, sim: {model: ideal}}
+  table: {type: rotary, unit: deg, scale: {increments: 1000, per: 3 rev}, drive: virtual, velmax: 1000, rampmin: 500}
+";
+
+fn config() -> MachineConfig {
+    Cell::parse("cell.yaml", CELL).expect("the cell of the tests").machine
+}
+
+/// A folder with a store in it.
+struct Bench {
+    folder: TempDir,
+    config: MachineConfig,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a folder"), config: config() }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn open(&self) -> Result<Store, StoreError> {
+        Store::open(&self.path("p.yaml"))
+    }
+
+    /// Both axes with values that carry `n`.
+    fn user(&self, n: i64) -> Vec<AxisParameters> {
+        let mut user: Vec<_> = self.config.axes.iter().map(|axis| axis.parameters).collect();
+        for axis in &mut user {
+            axis.jerk_times[0] = n * 1_000_000;
+            axis.in_position_window = n;
+        }
+        user
+    }
+
+    /// Saves `n`; the generation.
+    fn save(&self, n: i64) -> u64 {
+        let mut store = self.open().expect("a store");
+        assert!(store.keep(&self.config, &self.user(n)).expect("a disk"), "{n} was there");
+        store.generation()
+    }
+
+    /// The `n` that all values carry; none where nothing is saved.
+    fn loaded(&self) -> Result<Option<i64>, StoreError> {
+        let store = self.open()?;
+        let mut config = self.config.clone();
+        store.load(&mut config)?;
+        let sets: Vec<_> = config.axes.iter().filter_map(|axis| axis.saved).collect();
+        let Some(n) = sets.first().map(|set| set.in_position_window) else { return Ok(None) };
+        assert_eq!(sets, self.user(n), "a mixture");
+        Ok(Some(n))
+    }
+
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).expect("the folder");
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// Proves: MACS-STO-04, MACS-STO-06
+#[test]
+fn what_was_saved_is_there_for_the_next_program_and_what_is_unchanged_is_not_written() {
+    let bench = Bench::new();
+    assert_eq!(bench.loaded().unwrap(), None);
+    assert_eq!(bench.files(), [".p.yaml.lock"], "nothing was saved, and no file is made");
+    assert_eq!((bench.save(1), bench.save(2)), (1, 2));
+    assert_eq!(bench.loaded().unwrap(), Some(2));
+    assert_eq!(bench.files(), [".p.yaml.lock", "p.yaml", "p.yaml.previous"]);
+
+    let before = fs::metadata(bench.path("p.yaml")).unwrap();
+    let mut store = bench.open().unwrap();
+    assert!(!store.keep(&bench.config, &bench.user(2)).unwrap());
+    use std::os::unix::fs::MetadataExt;
+    assert_eq!(fs::metadata(bench.path("p.yaml")).unwrap().ino(), before.ino(), "it was written again");
+    // Deleted: nothing is saved, and that is written.
+    let init: Vec<_> = bench.config.axes.iter().map(|axis| axis.parameters).collect();
+    assert!(store.keep(&bench.config, &init).unwrap());
+    drop(store);
+    assert_eq!(bench.loaded().unwrap(), None);
+    assert!(
+        fs::read_to_string(bench.path("p.yaml")).unwrap().contains("\ngeneration: 3\naxes:\nparameters:\nsha256: ")
+    );
+}
+
+#[test]
+fn the_file_is_what_the_documentation_shows() {
+    let bench = Bench::new();
+    bench.save(7);
+    let text = fs::read_to_string(bench.path("p.yaml")).unwrap();
+    let lines: Vec<_> = text.lines().filter(|line| !line.starts_with('#') && !line.starts_with("sha256: ")).collect();
+    let expected = [
+        "lineshaft_store: 1",
+        "generation: 1",
+        "axes:",
+        "  x: 1000000 inc/m",
+        "  table: 1000/3 inc/rev",
+        "parameters:",
+        "  x.in_position_window: 7 inc",
+        "  x.jerkmin2: 7000000 ns",
+        "  table.in_position_window: 7 inc",
+        "  table.jerkmin2: 7000000 ns",
+    ];
+    // A virtual axis may have fewer of them.
+    let of_table = |line: &&str| line.starts_with("  table.");
+    assert_eq!(
+        lines.iter().filter(|line| !of_table(line)).collect::<Vec<_>>(),
+        expected.iter().filter(|line| !of_table(line)).collect::<Vec<_>>()
+    );
+}
+
+/// A disk that fails at any step: the set before stands, whole, and the next save does what it should.
+///
+/// Proves: MACS-STO-06
+#[test]
+fn whatever_step_fails_the_old_set_stands_or_the_new_one() {
+    let mut steps = Vec::new();
+    {
+        let bench = Bench::new();
+        bench.save(1);
+        let mut store = bench.open().unwrap();
+        let mut note = |step| {
+            steps.push(step);
+            Ok(())
+        };
+        store.keep_while(&bench.config, &bench.user(2), &mut note).unwrap();
+    }
+    assert_eq!(steps, ["clear", "create", "write", "sync", "link", "keep", "rename", "sync folder"]);
+    for failing in &steps {
+        let bench = Bench::new();
+        bench.save(1);
+        bench.save(2);
+        let mut store = bench.open().unwrap();
+        let mut fail = |step: &'static str| {
+            if step == *failing { Err(io::Error::from(io::ErrorKind::StorageFull)) } else { Ok(()) }
+        };
+        let error = store.keep_while(&bench.config, &bench.user(3), &mut fail).unwrap_err().to_string();
+        assert!(error.contains("p.yaml: parameters cannot be written: ") && error.contains("storage"), "{error}");
+        drop(store);
+        // Only when the names are changed already does the new one count, and it is not told to be kept.
+        let expected = if *failing == "sync folder" { 3 } else { 2 };
+        assert_eq!(bench.loaded().unwrap(), Some(expected), "{failing}");
+        assert_eq!(bench.files(), [".p.yaml.lock", "p.yaml", "p.yaml.previous"], "{failing}");
+        bench.save(4);
+        assert_eq!(bench.loaded().unwrap(), Some(4), "{failing}");
+        fs::write(bench.path("p.yaml"), "").unwrap();
+        assert_eq!(bench.loaded().unwrap(), Some(expected), "{failing}: the generation before");
+    }
+}
+
+/// The program is gone between two steps, with all that it left.
+#[test]
+fn whatever_step_was_the_last_one_the_next_program_finds_a_whole_set() {
+    for left in 0..9 {
+        let bench = Bench::new();
+        bench.save(1);
+        bench.save(2);
+        let files = Files::of(&bench.path("p.yaml")).unwrap();
+        let user = bench.user(3);
+        let sets: Vec<_> = std::iter::zip(&bench.config.axes, &user).collect();
+        let text = text::whole(3, &text::body(&sets));
+        let mut step = 0;
+        let _ = files.steps(&text, Present::Good, &mut |_| {
+            step += 1;
+            if step > left { Err(io::Error::other("killed")) } else { Ok(()) }
+        });
+        let found = bench.loaded().unwrap();
+        assert!(found == Some(2) || found == Some(3), "{left}: {found:?}");
+        assert_eq!(found == Some(3), left >= 7, "{left}: {found:?}");
+        bench.save(9);
+        assert_eq!(bench.loaded().unwrap(), Some(9));
+        fs::write(bench.path("p.yaml"), "").unwrap();
+        assert_eq!(bench.loaded().unwrap(), found, "{left}: the generation before");
+    }
+}
+
+/// Every bit flipped, and the text cut at every length: the same set, or the generation before.
+///
+/// Proves: MACS-STO-06
+#[test]
+fn damage_is_found_wherever_it_is_and_the_generation_before_is_used() {
+    let bench = Bench::new();
+    bench.save(1);
+    bench.save(2);
+    let path = bench.path("p.yaml");
+    let whole = fs::read(&path).unwrap();
+    let files = Files::of(&path).unwrap();
+    let check = |bytes: &[u8], what: &str| {
+        fs::write(&path, bytes).unwrap();
+        let found = files.find().unwrap();
+        assert_eq!(found.present, Present::Damaged, "{what}");
+        let (used, text) = found.text.unwrap();
+        assert_eq!((used, text::generation_of(&text)), (files.previous.clone(), Some(1)), "{what}");
+    };
+    for place in 0..whole.len() {
+        check(&whole[..place], &format!("cut at {place}"));
+        for bit in 0..8 {
+            let mut bytes = whole.clone();
+            bytes[place] ^= 1 << bit;
+            check(&bytes, &format!("bit {bit} of byte {place}"));
+        }
+    }
+    check(&[&whole[..], b"\n"].concat(), "one more line");
+    check(&[&whole[..], &whole[..]].concat(), "twice");
+    check(&[0; 4096], "zeros");
+    check(&[0xff; 100], "no text");
+    assert_eq!(bench.loaded().unwrap(), Some(1));
+    // The damaged file does not become the generation before: the good one stays, until it is one back.
+    let mut store = bench.open().unwrap();
+    assert!(store.keep(&bench.config, &bench.user(1)).unwrap(), "the same set, and yet the file is mended");
+    assert!(store.keep(&bench.config, &bench.user(5)).unwrap());
+    drop(store);
+    assert_eq!(bench.loaded().unwrap(), Some(5));
+    fs::write(&path, "").unwrap();
+    assert_eq!(bench.loaded().unwrap(), Some(1));
+}
+
+#[test]
+fn without_a_good_generation_nothing_starts() {
+    let bench = Bench::new();
+    bench.save(1);
+    fs::write(bench.path("p.yaml"), "").unwrap();
+    let alone = bench.loaded().unwrap_err().to_string();
+    assert!(alone.contains("p.yaml: it is damaged: it is empty. There is no generation before. "), "{alone}");
+    fs::write(bench.path("p.yaml.previous"), [0xff; 9]).unwrap();
+    let both = bench.loaded().unwrap_err().to_string();
+    assert!(both.contains("The generation before, "), "{both}");
+    assert!(both.contains("p.yaml.previous, too: it is not UTF-8 text"), "{both}");
+    assert!(both.contains("delete it to begin with the values of the cell"), "{both}");
+    fs::write(bench.path("p.yaml"), vec![b'#'; (4 << 20) + 1]).unwrap();
+    assert!(bench.loaded().unwrap_err().to_string().contains("it is longer than 4194304 bytes"));
+}
+
+#[test]
+fn without_the_file_nothing_is_saved_and_the_generation_before_goes() {
+    let bench = Bench::new();
+    bench.save(1);
+    bench.save(2);
+    fs::remove_file(bench.path("p.yaml")).unwrap();
+    assert_eq!(bench.loaded().unwrap(), None);
+    bench.save(3);
+    assert_eq!(bench.files(), [".p.yaml.lock", "p.yaml"], "it would bring back what was taken away");
+}
+
+/// While a program runs: what it saves next is on the disk again, also where that is what the file had held.
+#[test]
+fn a_file_that_was_taken_away_is_written_by_the_next_save() {
+    for (next, generation) in [(2, 3), (1, 3), (7, 3)] {
+        let bench = Bench::new();
+        bench.save(1);
+        let mut store = bench.open().unwrap();
+        assert!(store.keep(&bench.config, &bench.user(2)).unwrap());
+        fs::remove_file(bench.path("p.yaml")).unwrap();
+        assert!(store.keep(&bench.config, &bench.user(next)).unwrap(), "{next} was taken for saved");
+        assert!(!store.keep(&bench.config, &bench.user(next)).unwrap());
+        assert_eq!(store.generation(), generation);
+        drop(store);
+        assert_eq!(bench.loaded().unwrap(), Some(next));
+    }
+    // Nothing to save needs no file.
+    let bench = Bench::new();
+    bench.save(1);
+    let mut store = bench.open().unwrap();
+    fs::remove_file(bench.path("p.yaml")).unwrap();
+    let init: Vec<_> = bench.config.axes.iter().map(|axis| axis.parameters).collect();
+    assert!(!store.keep(&bench.config, &init).unwrap());
+    assert!(!bench.path("p.yaml").exists());
+}
+
+#[test]
+fn what_a_killed_program_left_is_replaced() {
+    let bench = Bench::new();
+    bench.save(1);
+    for left in [".p.yaml.new", ".p.yaml.old"] {
+        fs::write(bench.path(left), "half of a te").unwrap();
+    }
+    assert_eq!(bench.loaded().unwrap(), Some(1));
+    bench.save(2);
+    assert_eq!(bench.loaded().unwrap(), Some(2));
+    assert_eq!(bench.files(), [".p.yaml.lock", "p.yaml", "p.yaml.previous"]);
+}
+
+#[test]
+fn two_programs_do_not_write_one_store() {
+    let bench = Bench::new();
+    bench.save(1);
+    let first = bench.open().unwrap();
+    let refused = bench.open().unwrap_err().to_string();
+    assert!(
+        refused
+            .ends_with("p.yaml: another program keeps its parameters there; end it, or name another file with --store")
+    );
+    let mut beside = Store::open_beside(&bench.path("p.yaml")).unwrap();
+    let mut config = bench.config.clone();
+    beside.load(&mut config).unwrap();
+    assert_eq!(config.axes[0].saved.unwrap().in_position_window, 1);
+    assert!(!beside.keep(&bench.config, &bench.user(1)).unwrap(), "that is there");
+    let error = beside.keep(&bench.config, &bench.user(2)).unwrap_err().to_string();
+    assert!(error.contains("p.yaml: parameters are not kept there: another program"), "{error}");
+    drop((first, beside));
+    assert_eq!(bench.loaded().unwrap(), Some(1));
+}
+
+#[test]
+fn a_place_that_is_none_is_refused() {
+    let bench = Bench::new();
+    let refused = |path: PathBuf| Store::open(&path).unwrap_err().to_string();
+    assert!(refused(bench.path("no/p.yaml")).contains("p.yaml: there is no folder "));
+    assert!(refused(bench.path("")).contains("it is no file"));
+    assert!(refused(PathBuf::from("/dev/null")).contains("/dev/null: it is no file"));
+    assert!(refused(PathBuf::from("/")).contains("/: it is no name of a file"));
+}
+
+/// A folder in which nothing can be made: what is there counts, and saving says why not.
+#[test]
+fn a_store_that_cannot_be_locked_is_read() {
+    let bench = Bench::new();
+    bench.save(1);
+    fs::remove_file(bench.path(".p.yaml.lock")).unwrap();
+    fs::create_dir(bench.path(".p.yaml.lock")).unwrap();
+    assert_eq!(bench.loaded().unwrap(), Some(1));
+    let error = bench.open().unwrap().keep(&bench.config, &bench.user(2)).unwrap_err().to_string();
+    assert!(error.contains("parameters are not kept there: ") && error.contains(".p.yaml.lock"), "{error}");
+}
+
+#[test]
+fn a_link_stays_one_and_the_rights_of_the_file_too() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let bench = Bench::new();
+    fs::create_dir(bench.path("far")).unwrap();
+    fs::write(bench.path("far/q.yaml"), "").unwrap();
+    fs::remove_file(bench.path("far/q.yaml")).unwrap();
+    let mut far = Store::open(&bench.path("far/q.yaml")).unwrap();
+    far.keep(&bench.config, &bench.user(1)).unwrap();
+    drop(far);
+    fs::set_permissions(bench.path("far/q.yaml"), fs::Permissions::from_mode(0o640)).unwrap();
+    symlink(bench.path("far/q.yaml"), bench.path("p.yaml")).unwrap();
+    bench.save(2);
+    assert!(fs::symlink_metadata(bench.path("p.yaml")).unwrap().is_symlink());
+    // Also where nothing is behind it yet.
+    symlink("far/new.yaml", bench.path("new.yaml")).unwrap();
+    Store::open(&bench.path("new.yaml")).unwrap().keep(&bench.config, &bench.user(3)).unwrap();
+    assert!(fs::symlink_metadata(bench.path("new.yaml")).unwrap().is_symlink());
+    assert!(bench.path("far/new.yaml").is_file());
+    assert_eq!(fs::metadata(bench.path("far/q.yaml")).unwrap().permissions().mode() & 0o777, 0o640);
+    assert_eq!(bench.loaded().unwrap(), Some(2));
+}
