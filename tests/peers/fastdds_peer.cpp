@@ -18,6 +18,8 @@ const char* const USAGE =
     "  move NODE --axis A [--mode absolute] [--units si] [--position P] [--velocity V] [--buffer-mode N]\n"
     "       [--cancel-after S] [--wait]\n"
     "  vocabulary NODE AXIS VERB [ARGUMENTS..]\n"
+    "  params NODE get|describe NAME..\n"
+    "  params NODE set NAME=NUMBER\n"
     "  result NODE move_axis GOAL [--expect SUCCEEDED]\n"
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
@@ -285,6 +287,78 @@ class Peer {
     if (!success) throw Failure(message);
   }
 
+  void params(const Arguments& a) {
+    Writer w;
+    auto names = a.from(3);
+    w.put<uint32_t>(names.size());
+    if (a[2] == "set") {
+      for (auto& word : names) {
+        auto equals = word.find('=');
+        if (equals == std::string::npos) throw Failure("NAME=NUMBER is needed, not " + word);
+        put_double(w.text(word.substr(0, equals)), std::stod(word.substr(equals + 1)));
+      }
+      Bytes reply = parameter_service(a[1] + "/set_parameters", "SetParameters").call(w.bytes());
+      Reader r(reply);
+      for (auto n = r.get<uint32_t>(); n > 0; n--) {
+        bool successful = r.get<uint8_t>() != 0;
+        Object().add("successful", successful).add("reason", r.text()).show();
+      }
+      return;
+    }
+    for (auto& name : names) w.text(name);
+    bool gets = a[2] == "get";
+    auto& service = gets ? parameter_service(a[1] + "/get_parameters", "GetParameters")
+                         : parameter_service(a[1] + "/describe_parameters", "DescribeParameters");
+    Bytes reply = service.call(w.bytes());
+    Reader r(reply);
+    auto count = r.get<uint32_t>();
+    Object().add("count", count).show();
+    for (; count > 0; count--) gets ? show_value(r) : show_descriptor(r);
+  }
+
+  static void put_double(Writer& w, double value) {
+    w.put<uint8_t>(3).put<uint8_t>(0).put<int64_t>(0).put<double>(value).text("");
+    for (int arrays = 0; arrays < 5; arrays++) w.put<uint32_t>(0);
+  }
+
+  static void show_value(Reader& r) {
+    int type = r.get<uint8_t>();
+    bool truth = r.get<uint8_t>() != 0;
+    auto integer = r.get<int64_t>();
+    auto number = r.get<double>();
+    auto text = r.text();
+    for (int arrays = 0; arrays < 5; arrays++)
+      if (r.get<uint32_t>() > 0) throw Failure("a value with an array in it");
+    Object o;
+    o.add("type", type);
+    if (type == 1) o.add("value", truth);
+    if (type == 2) o.add("value", integer);
+    if (type == 3) o.add("value", number);
+    if (type == 4) o.add("value", text);
+    o.show();
+  }
+
+  static void show_descriptor(Reader& r) {
+    Object o;
+    o.add("name", r.text());
+    o.add("type", static_cast<int>(r.get<uint8_t>()));
+    o.add("description", r.text());
+    o.add("additional_constraints", r.text());
+    o.add("read_only", r.get<uint8_t>() != 0);
+    o.add("dynamic_typing", r.get<uint8_t>() != 0);
+    for (auto n = r.get<uint32_t>(); n > 0; n--) {
+      for (auto name : {"low", "high", "step"}) o.add(name, r.get<double>());
+    }
+    for (auto n = r.get<uint32_t>(); n > 0; n--) {
+      for (auto name : {"low", "high", "step"}) o.add(name, r.get<int64_t>());
+    }
+    o.show();
+  }
+
+  Service& parameter_service(const std::string& name, const std::string& type) {
+    return once(services_, name, [&] { return new Service(dds_, name, "rcl_interfaces::srv::dds_::" + type); });
+  }
+
   void result(const Arguments& a) { move_client(a[1]).finish(from_hex(a[3]), a.text("--expect", "SUCCEEDED")); }
 
   void cancel(const Arguments& a) { move_client(a[1]).cancel(from_hex(a[3])); }
@@ -356,7 +430,7 @@ class Peer {
 const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"joint-states", &Peer::joint_states}, {"axes", &Peer::axes},     {"move", &Peer::move},
     {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
-    {"vocabulary", &Peer::vocabulary},
+    {"vocabulary", &Peer::vocabulary}, {"params", &Peer::params},
 };
 
 void serve(Peer& peer) {

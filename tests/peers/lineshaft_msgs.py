@@ -11,6 +11,8 @@ MOVE_MODES = ("absolute", "relative", "additive", "velocity", "superimposed")
 UNITS = ("si", "axis_unit", "increments")
 SYNC_MODES = ("velocity", "position", "marker")
 EDGES = ("rising", "falling", "both")
+LAYERS = ("user", "init")
+EXPORTS = ("all", "not_default", "not_cell", "not_saved")
 RECORD_COMMANDS = ("status", "start", "stop", "save")
 
 
@@ -74,6 +76,42 @@ class AxesRequest(IdlStruct, typename="AxesRequest"):
 
 @dataclass
 class AxesResponse(IdlStruct, typename="AxesResponse"):
+    success: bool = False
+    message: str = ""
+
+
+@dataclass
+class ResetRequest(IdlStruct, typename="ResetRequest"):
+    axes: t.sequence[str] = field(default_factory=list)
+    layer: t.uint8 = 0
+
+
+@dataclass
+class ResetResponse(IdlStruct, typename="ResetResponse"):
+    success: bool = False
+    message: str = ""
+
+
+@dataclass
+class ExportRequest(IdlStruct, typename="ExportRequest"):
+    axes: t.sequence[str] = field(default_factory=list)
+    which: t.uint8 = 0
+
+
+@dataclass
+class ExportResponse(IdlStruct, typename="ExportResponse"):
+    success: bool = False
+    message: str = ""
+    text: str = ""
+
+
+@dataclass
+class ImportRequest(IdlStruct, typename="ImportRequest"):
+    text: str = ""
+
+
+@dataclass
+class ImportResponse(IdlStruct, typename="ImportResponse"):
     success: bool = False
     message: str = ""
 

@@ -14,6 +14,7 @@ import time
 
 import checks
 import goals
+import parameters
 import ros2wire as rw
 from lineshaft_msgs import (ACTIONS, AXIS_STATES, EDGES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, AxesRequest,
                             AxesResponse, AxisStates, Event, MoveGoal, ProbeGoal, RecordRequest, RecordResponse,
@@ -217,17 +218,6 @@ def cancel(peer, a):
     cancel_goal(peer.action(a.node, a.action), rw.UUID.of_hex(a.goal))
 
 
-def params(peer, a):
-    client = peer.once(f"{a.node} parameters", lambda: rw.ParameterClient(peer.dp, a.node))
-    if a.op == "list":
-        show(list=client.list(a.args))
-    elif a.op in ("get", "types", "describe"):
-        show(**{a.op: getattr(client, a.op)(*a.args)})
-    else:
-        values = dict(x.split("=", 1) for x in a.args)
-        show(**{a.op: getattr(client, a.op)({k: rw.parsed(v) for k, v in values.items()})})
-
-
 def talk(peer, a):
     """A stream of joint states of one joint, so that the peers can be tested against each other."""
     w = rw.publisher(peer.dp, "/joint_states", rw.JointState, rw.qos())
@@ -299,9 +289,7 @@ def parser():
     p = command("cancel", cancel)
     p.add_argument("action", choices=ACTIONS)
     p.add_argument("goal")
-    p = command("params", params)
-    p.add_argument("op", choices=("list", "get", "types", "describe", "set", "set_atomically"))
-    p.add_argument("args", nargs="*", help="names, prefixes, or name=value")
+    parameters.add_commands(command)
     command("action-conformance", checks.action_conformance, axis="x", distance=0.005, velocity=0.02)
     command("bad-requests", checks.bad_requests, axis="x", other="turret")
     p = command("random-goals", goals.random_goals, seconds=5.0, seed=1)

@@ -43,6 +43,13 @@ class Checklist:
         if not ok:
             self.failed.append(f"{name} (got {value})")
 
+    def check_quietly(self, name, got, want, more=""):
+        """As `check`, for what is checked so often that only what fails is shown."""
+        value = got()
+        if value != want:
+            show(check=name, ok=False, got=value, more=more)
+            self.failed.append(f"{name} (got {value} {more})")
+
     def close(self):
         if self.failed:
             raise Failure("; ".join(self.failed))

@@ -11,10 +11,10 @@ use crate::foreign::rcl_interfaces::msg::{Log, ParameterType};
 use crate::foreign::rcl_interfaces::srv::ListParametersRequest;
 use crate::interface::{Field, Interface, Section};
 use crate::msg::{AxisState, CycleInputs, Event};
-use crate::srv::CommandFunctionRequest;
+use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 15] = [
+const OWN_INTERFACES: [(&str, &str); 18] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -185,6 +185,31 @@ const OWN_INTERFACES: [(&str, &str); 15] = [
         bool replayable",
     ),
     (
+        "srv/ResetParameters",
+        "uint8 USER=0 INIT=1
+        string[] axes
+        uint8 layer
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/ExportParameters",
+        "uint8 ALL=0 NOT_DEFAULT=1 NOT_CELL=2 NOT_SAVED=3
+        string[] axes
+        uint8 which
+        ---
+        bool success
+        string message text",
+    ),
+    (
+        "srv/ImportParameters",
+        "string text
+        ---
+        bool success
+        string message",
+    ),
+    (
         "srv/SetPosition",
         "string axis
         float64 position
@@ -214,7 +239,7 @@ const OWN_INTERFACES: [(&str, &str); 15] = [
 ];
 
 /// The layouts of other packages that are easy to get wrong, in the same form.
-const FOREIGN_INTERFACES: [(&str, &str, &str); 10] = [
+const FOREIGN_INTERFACES: [(&str, &str, &str); 12] = [
     ("builtin_interfaces", "msg/Time", "int32 sec\nuint32 nanosec"),
     ("std_msgs", "msg/Header", "builtin_interfaces/Time stamp\nstring frame_id"),
     ("std_srvs", "srv/Trigger", "---\nbool success\nstring message"),
@@ -236,6 +261,27 @@ const FOREIGN_INTERFACES: [(&str, &str, &str); 10] = [
         bool read_only dynamic_typing
         rcl_interfaces/FloatingPointRange[<=1] floating_point_range
         rcl_interfaces/IntegerRange[<=1] integer_range",
+    ),
+    (
+        "rcl_interfaces",
+        "msg/ParameterValue",
+        "uint8 type
+        bool bool_value
+        int64 integer_value
+        float64 double_value
+        string string_value
+        byte[] byte_array_value
+        bool[] bool_array_value
+        int64[] integer_array_value
+        float64[] double_array_value
+        string[] string_array_value",
+    ),
+    (
+        "rcl_interfaces",
+        "msg/ParameterEvent",
+        "builtin_interfaces/Time stamp
+        string node
+        rcl_interfaces/Parameter[] new_parameters changed_parameters deleted_parameters",
     ),
     (
         "rcl_interfaces",
@@ -359,6 +405,8 @@ fn every_constant_has_its_value() {
         }
         SynchronizeFeedback { WAITING = 0, CATCHING_UP = 1, SYNCHRONIZED = 2 }
         CommandFunctionRequest { RESET = 0, START = 1, VALUE_NEW = 5, READ_VALUE = 6 }
+        ResetParametersRequest { USER = 0, INIT = 1 }
+        ExportParametersRequest { ALL = 0, NOT_DEFAULT = 1, NOT_CELL = 2, NOT_SAVED = 3 }
         Log { DEBUG = 10, INFO = 20, WARN = 30, ERROR = 40, FATAL = 50 }
         ParameterType {
             PARAMETER_NOT_SET = 0, PARAMETER_BOOL = 1, PARAMETER_INTEGER = 2, PARAMETER_DOUBLE = 3,

@@ -6,6 +6,7 @@ use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr};
 use std::pin::pin;
 use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use futures::{Stream, StreamExt};
@@ -80,6 +81,9 @@ pub(super) struct Related {
 pub(super) struct Sample {
     pub(super) id: SampleId,
     pub(super) related: Option<Related>,
+    /// Written before the reader was there, for one of a node that ran before: the library asks a writer for all that it still
+    /// has. Known only where both have one clock.
+    pub(super) is_stale: bool,
     pub(super) endian: Endian,
     pub(super) bytes: Bytes,
 }
@@ -98,6 +102,9 @@ pub(super) struct Participant {
     subscriber: rustdds::Subscriber,
     listener: DomainParticipantStatusListener,
     participant: DomainParticipant,
+    longest_identified: usize,
+    /// All others are on this host.
+    has_one_clock: bool,
 }
 
 impl Participant {
@@ -115,6 +122,8 @@ impl Participant {
             subscriber: participant.create_subscriber(&defaults).map_err(fail)?,
             listener: participant.status_listener(),
             participant,
+            longest_identified: longest_identified(networks),
+            has_one_clock: is_loopback(networks),
         })
     }
 
@@ -131,7 +140,7 @@ impl Participant {
     pub(super) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Writer, DdsError> {
         let made = self.topic(topic, type_name, qos)?;
         match self.publisher.create_datawriter_no_key(&made, None) {
-            Ok(inner) => Ok(Writer { inner }),
+            Ok(inner) => Ok(Writer { inner, longest_identified: self.longest_identified }),
             Err(error) => Err(DdsError::new(format!("a writer of {topic}"), error)),
         }
     }
@@ -139,7 +148,7 @@ impl Participant {
     pub(super) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Reader, DdsError> {
         let made = self.topic(topic, type_name, qos)?;
         match self.subscriber.create_simple_datareader_no_key(&made, None) {
-            Ok(inner) => Ok(Reader { inner }),
+            Ok(inner) => Ok(Reader { inner, since: self.has_one_clock.then(Instant::now) }),
             Err(error) => Err(DdsError::new(format!("a reader of {topic}"), error)),
         }
     }
@@ -219,18 +228,25 @@ fn policies(qos: Qos) -> QosPolicies {
 /// Writes samples of one topic.
 pub(super) struct Writer {
     inner: DataWriter<Raw, Raw>,
+    longest_identified: usize,
 }
 
 /// To whom a reply goes, and what it answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Address {
     pub(super) reader: Guid,
-    pub(super) answers: SampleId,
+    /// For clients that know their reply by it (`related_sample_identity`); no longer than [`Writer::longest_identified`].
+    pub(super) answers: Option<SampleId>,
 }
 
 impl Writer {
     pub(super) fn guid(&self) -> Guid {
         self.inner.guid().into()
+    }
+
+    /// Longest sample that may be written with what it answers (bytes).
+    pub(super) fn longest_identified(&self) -> usize {
+        self.longest_identified
     }
 
     /// Writes to all matched readers.
@@ -240,17 +256,17 @@ impl Writer {
 
     /// Writes to one reader, which must be matched.
     pub(super) fn write_to(&self, bytes: impl Into<Bytes>, address: Address) -> Result<(), WriteFailure> {
+        let (bytes, options) = (bytes.into(), WriteOptionsBuilder::new().to_single_reader(address.reader.into()));
+        let Some(answers) = address.answers else { return self.write_with(bytes, options) };
         let answers = SampleIdentity {
-            writer_guid: address.answers.writer.into(),
-            sequence_number: SequenceNumber::from(address.answers.number),
+            writer_guid: answers.writer.into(),
+            sequence_number: SequenceNumber::from(answers.number),
         };
-        let options =
-            WriteOptionsBuilder::new().related_sample_identity(answers).to_single_reader(address.reader.into());
-        self.write_with(bytes.into(), options)
+        self.write_with(bytes, options.related_sample_identity(answers))
     }
 
     fn write_with(&self, bytes: Bytes, options: WriteOptionsBuilder) -> Result<(), WriteFailure> {
-        let options = options.source_timestamp(Timestamp::now()).build();
+        let (options, bytes) = (options.source_timestamp(Timestamp::now()).build(), padded(bytes));
         match self.inner.write_with_options(Raw { endian: Endian::Little, bytes }, options) {
             Ok(_) => Ok(()),
             Err(rustdds::dds::WriteError::WouldBlock { .. }) => Err(WriteFailure::Full),
@@ -259,9 +275,40 @@ impl Writer {
     }
 }
 
+/// Longest sample with a `related_sample_identity` (bytes) on networks of these addresses: what goes out in one piece. In fragments
+/// of such a sample the library (0.15.1) writes one byte too many before the inline QoS: receivers cannot read them, and in a
+/// debug build the library's thread panics.
+fn longest_identified(networks: Option<&[Ipv4Addr]>) -> usize {
+    if is_loopback(networks) { LONGEST_ON_LOOPBACK } else { LONGEST_ELSEWHERE }
+}
+
+fn is_loopback(networks: Option<&[Ipv4Addr]>) -> bool {
+    networks.is_some_and(|addresses| addresses.iter().all(Ipv4Addr::is_loopback))
+}
+
+/// A datagram of the loopback holds it.
+pub(super) const LONGEST_ON_LOOPBACK: usize = 65_000;
+/// The library cuts what does not fit the network's datagrams, of which it keeps 48 bytes for headers below it, 32 for a
+/// heartbeat, 48 for headers of its own; 4 are the encapsulation. Ethernet carries 1500, tunnels 1280 at least.
+const LONGEST_ELSEWHERE: usize = 1280 - 48 - 32 - 48 - 4;
+
+/// As it stands on the wire: to the next multiple of 4 bytes, which readers expect. The library pads whole samples itself, but
+/// not the last fragment of a long one, so that what follows it in the same datagram is not aligned.
+fn padded(bytes: Bytes) -> Bytes {
+    let length = bytes.len().next_multiple_of(4);
+    if length == bytes.len() {
+        return bytes;
+    }
+    let mut longer = Vec::from(bytes);
+    longer.resize(length, 0);
+    longer.into()
+}
+
 /// Reads samples of one topic.
 pub(super) struct Reader {
     inner: SimpleDataReader<Raw, Raw>,
+    /// When it was made, where all writers have the clock of this host.
+    since: Option<Instant>,
 }
 
 impl Reader {
@@ -273,7 +320,7 @@ impl Reader {
     pub(super) async fn next(&mut self) -> Result<Sample, String> {
         let mut samples = pin!(self.inner.as_async_stream());
         match samples.next().await {
-            Some(Ok(change)) => Ok(sample(&change)),
+            Some(Ok(change)) => Ok(sample(&change, self.since)),
             Some(Err(error)) => Err(error.to_string()),
             // The library's streams never end; should one do, there is nothing more to read.
             None => std::future::pending().await,
@@ -281,7 +328,7 @@ impl Reader {
     }
 }
 
-fn sample(change: &no_key::DeserializedCacheChange<Raw>) -> Sample {
+fn sample(change: &no_key::DeserializedCacheChange<Raw>, since: Option<Instant>) -> Sample {
     let related = change.related_sample_identity().map(|related| Related {
         guid: related.writer_guid.into(),
         number: Some(related.sequence_number).filter(|n| *n != SequenceNumber::UNKNOWN).map(i64::from),
@@ -289,9 +336,18 @@ fn sample(change: &no_key::DeserializedCacheChange<Raw>) -> Sample {
     Sample {
         id: SampleId { writer: change.writer_guid.into(), number: change.sequence_number.into() },
         related,
+        is_stale: is_stale(change.source_timestamp(), Timestamp::now(), since.map(|since| since.elapsed())),
         endian: change.sample.endian,
         bytes: change.sample.bytes.clone(),
     }
+}
+
+/// Is a sample older than its reader? Ages are compared, so that a clock that is set anew does not matter.
+fn is_stale(written: Option<Timestamp>, now: Timestamp, age_of_reader: Option<Duration>) -> bool {
+    let (Some(written), Some(age_of_reader)) = (written, age_of_reader) else { return false };
+    // Ticks of 2^-32 s.
+    let age = now.to_ticks().saturating_sub(written.to_ticks());
+    u128::from(age) * 1_000_000_000 > age_of_reader.as_nanos() << 32
 }
 
 impl From<GUID> for Guid {
@@ -353,6 +409,41 @@ impl SerializerAdapter<Raw> for Raw {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_identified_sample_is_as_long_as_the_smallest_datagram_of_its_networks() {
+        let (loopback, ethernet) = (Ipv4Addr::LOCALHOST, Ipv4Addr::new(192, 168, 1, 9));
+        assert_eq!(longest_identified(Some(&[loopback])), 65_000);
+        for networks in [None, Some([ethernet].as_slice()), Some(&[loopback, ethernet])] {
+            assert_eq!(longest_identified(networks), 1148, "{networks:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_written_before_its_reader_was_there_is_stale() {
+        let at = |seconds: u64| Timestamp::from_ticks(seconds << 32);
+        let age = |seconds| Some(Duration::from_secs(seconds));
+        assert!(is_stale(Some(at(99)), at(110), age(10)));
+        for (written, now, age) in [
+            (Some(at(100)), at(110), age(10)),
+            (Some(at(109)), at(110), age(10)),
+            // The clock was set back, or the writer's is ahead.
+            (Some(at(115)), at(110), age(10)),
+            (None, at(110), age(10)),
+            // Clocks of other hosts.
+            (Some(at(1)), at(110), None),
+        ] {
+            assert!(!is_stale(written, now, age), "{written:?} {now:?} {age:?}");
+        }
+    }
+
+    #[test]
+    fn samples_end_at_a_multiple_of_four_bytes() {
+        for (length, wanted) in [(0, 0), (1, 4), (3, 4), (4, 4), (70_001, 70_004)] {
+            let sample = padded(vec![7; length].into());
+            assert_eq!((sample.len(), sample.iter().filter(|byte| **byte == 7).count()), (wanted, length));
+        }
+    }
 
     #[test]
     fn the_mark_of_a_client_stands_among_other_user_data() {

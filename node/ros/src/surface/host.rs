@@ -3,6 +3,8 @@
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Event;
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::signal::{Board, Directory};
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
 use std::sync::Arc;
@@ -33,6 +35,19 @@ pub struct StampedEvent {
 #[error("too many commands wait for the machine; try again")]
 pub struct Busy;
 
+/// Which parameters are listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listing {
+    /// All.
+    All,
+    /// Those that are not at the default of the catalogue.
+    NotDefault,
+    /// Those that the cell does not give so: what was set or saved.
+    NotCell,
+    /// Those that differ from what is saved.
+    NotSaved,
+}
+
 /// The running machine, as the surface sees it.
 pub trait Host: Send + Sync + 'static {
     /// What the machine is made of.
@@ -53,10 +68,26 @@ pub trait Host: Send + Sync + 'static {
     /// What is wrong with it, in one sentence.
     fn read_vocabulary(&self, axis: &str, verb: &str, arguments: &str) -> Result<Action, String>;
 
+    /// The command that sets parameters as a text of lines `x.max_velocity: 0.8 m/s` says. It may take its time.
+    ///
+    /// # Errors
+    /// What is wrong with it, in one sentence.
+    fn read_parameters(&self, text: &str) -> Result<Action, String>;
+
+    /// Parameters in force as a text that [`Host::read_parameters`] takes. It may take its time.
+    fn write_parameters(&self, axes: AxisSet, what: Listing) -> String;
+
+    /// Writes layer User of the newest parameters down, if it has changed; the answer comes when it is on the disk, or says
+    /// why it is not. An answer that is dropped means that the machine has stopped.
+    fn store_parameters(&self, answer: oneshot::Sender<Result<(), String>>);
+
     /// Asks the recorder, which answers when it is done or has failed. An answer that is dropped means that the machine has
     /// stopped.
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>);
 
     /// The newest signals.
     fn snapshot(&self) -> Arc<Snapshot>;
+
+    /// The newest parameters: at least as new as every event that was passed on.
+    fn parameters(&self) -> Arc<ParameterImage>;
 }

@@ -10,6 +10,7 @@ mod hub;
 pub mod lines;
 pub mod messages;
 mod move_axis;
+mod parameters;
 mod probe_axis;
 mod record;
 mod signals;
@@ -59,6 +60,7 @@ impl Surface {
         goal::start::<MoveAxis>(&node, &hub, &mut tasks)?;
         goal::start::<ProbeAxis>(&node, &hub, &mut tasks)?;
         goal::start::<Synchronize>(&node, &hub, &mut tasks)?;
+        parameters::start(&node, &hub, &mut tasks)?;
         record::start(&node, &hub, &mut tasks)?;
         vocabulary::start(&node, &hub, &mut tasks)?;
         Ok(Self { _tasks: tasks, _node: node })

@@ -44,6 +44,11 @@ impl Limiter {
     }
 }
 
+/// What a line says of those that were left out before it.
+pub(super) fn more(before: u64) -> String {
+    if before > 0 { format!(" ({before} more since the last line)") } else { String::new() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,9 +13,9 @@ use serde::Serialize;
 use tokio::sync::watch;
 
 use self::caller::Caller;
-use self::limiter::Limiter;
+use self::limiter::{Limiter, more};
 use self::replies::Replies;
-use super::dds::{Reader, Sample};
+use super::dds::{LONGEST_ON_LOOPBACK, Reader, Sample};
 use super::endpoint::{Context, CreateError, Registered};
 use super::name::FullName;
 use super::qos::Qos;
@@ -38,6 +38,19 @@ pub enum ReplyError {
         /// Full name of the service.
         service: FullName,
     },
+    /// A client of rmw_fastrtps cannot be sent that much.
+    #[error(
+        "{service}: the reply of {length} bytes is not sent: {longest} bytes reach a client of rmw_fastrtps {}; ask for less in one \
+         request (fewer names), or use rmw_cyclonedds", networks(*.longest)
+    )]
+    TooLong {
+        /// Full name of the service.
+        service: FullName,
+        /// Of the reply (bytes).
+        length: usize,
+        /// That can be sent (bytes).
+        longest: usize,
+    },
     /// The DDS library failed.
     #[error("{service}: no reply: {reason}")]
     Dds {
@@ -46,6 +59,15 @@ pub enum ReplyError {
         /// What it says.
         reason: String,
     },
+}
+
+/// Where so much can be sent, and where more.
+fn networks(longest: usize) -> &'static str {
+    if longest < LONGEST_ON_LOOPBACK {
+        "on this network (65000 where both have ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST)"
+    } else {
+        "on the loopback"
+    }
 }
 
 /// Takes the requests of one service; dropping it takes the service from the node.
@@ -109,8 +131,7 @@ impl<S: Service> ServiceServer<S> {
     fn refuse(&mut self, sample: &Sample, refusal: &caller::Refusal) {
         let from = sample.id.writer.prefix();
         if let Some(before) = self.refused.say(from, Instant::now()) {
-            let more = if before > 0 { format!(" ({before} more since the last line)") } else { String::new() };
-            tracing::warn!("{}: a request of participant {from} was refused: {refusal}{more}", self.name());
+            tracing::warn!("{}: a request of participant {from} was refused: {refusal}{}", self.name(), more(before));
         }
     }
 }

@@ -10,6 +10,7 @@ use tokio::time::{Instant, sleep_until, timeout_at};
 
 use super::ReplyError;
 use super::caller::{Caller, Place};
+use super::limiter::{Limiter, more};
 use crate::layer::dds::{Address, WriteFailure, Writer};
 use crate::layer::endpoint::{Context, Registered};
 use crate::layer::guid::Guid;
@@ -30,11 +31,19 @@ pub(super) struct Replies {
     context: Context,
     /// The reader of a client that writes with this writer, where a search has found exactly one.
     known: Mutex<HashMap<Guid, Guid>>,
+    too_long: Mutex<Limiter>,
 }
 
 impl Replies {
     pub(super) fn new(context: &Context, writer: Registered<Writer>, service: FullName) -> Self {
-        Self { writer, topic: service.reply(), service, context: context.clone(), known: Mutex::default() }
+        Self {
+            writer,
+            topic: service.reply(),
+            service,
+            context: context.clone(),
+            known: Mutex::default(),
+            too_long: Mutex::default(),
+        }
     }
 
     pub(super) fn service(&self) -> &FullName {
@@ -64,12 +73,15 @@ impl Replies {
             return Err(ReplyError::NoReader { service: self.service.clone() });
         }
         for reader in readers {
-            self.write(&bytes, Address { reader, answers: caller.answers }).await?;
+            self.write(&bytes, Address { reader, answers: caller.identity() }).await?;
         }
         Ok(())
     }
 
     async fn write(&self, bytes: &Bytes, address: Address) -> Result<(), ReplyError> {
+        if address.answers.is_some() && bytes.len() > self.writer.longest_identified() {
+            return Err(self.too_long(bytes.len(), address.reader));
+        }
         let deadline = Instant::now() + PATIENCE;
         let service = || self.service.clone();
         loop {
@@ -82,6 +94,18 @@ impl Replies {
                 Err(WriteFailure::Full) => sleep_until(Instant::now() + AGAIN).await,
             }
         }
+    }
+
+    /// Tells the operator: a client that waits for ever does not say why.
+    fn too_long(&self, length: usize, reader: Guid) -> ReplyError {
+        let longest = self.writer.longest_identified();
+        let error = ReplyError::TooLong { service: self.service.clone(), length, longest };
+        let from = reader.prefix();
+        let said = self.too_long.lock().unwrap_or_else(PoisonError::into_inner).say(from, std::time::Instant::now());
+        if let Some(before) = said {
+            tracing::warn!("{error} (participant {from}){}", more(before));
+        }
+        error
     }
 
     fn is_matched(&self, reader: Guid) -> bool {

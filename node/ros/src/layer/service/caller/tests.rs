@@ -15,7 +15,7 @@ fn guid(vendor: [u8; 2], kind: u8) -> Guid {
 
 fn sample(vendor: [u8; 2], bytes: Vec<u8>) -> Sample {
     let id = SampleId { writer: guid(vendor, 3), number: 42 };
-    Sample { id, related: None, endian: Endian::Little, bytes: bytes.into() }
+    Sample { id, related: None, is_stale: false, endian: Endian::Little, bytes: bytes.into() }
 }
 
 /// As rmw_fastrtps sends it.
@@ -51,6 +51,14 @@ fn rmw_fastrtps_is_answered_by_its_reader_and_the_number_of_the_sample() {
     assert_eq!(caller.answers, SampleId { writer: guid(FAST, 4), number: 42 });
     let response = TriggerResponse { success: true, message: "done".to_owned() };
     assert_eq!(caller.reply(&response), encode(&response));
+}
+
+#[test]
+fn a_request_for_the_node_before_this_one_is_refused_in_every_form() {
+    for form in [fast(encode(&axes(&["x"]))), cyclone(&axes(&["x"])), sample(OTHER, encode(&axes(&["x"])))] {
+        assert!(read::<AxesCommandRequest>(&form).is_ok());
+        assert_eq!(refusal::<AxesCommandRequest>(&Sample { is_stale: true, ..form }), Refusal::Stale);
+    }
 }
 
 #[test]

@@ -1,0 +1,115 @@
+//! /parameter_events: the difference of successive images, whoever made it.
+
+use super::catalogue::{Catalogue, Declared};
+use crate::layer::{CreateError, Node, Publisher, Qos, now};
+use crate::surface::host::Host;
+use lineshaft_core::parameter::ParameterImage;
+use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterEvent, ParameterType};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::task::JoinSet;
+use tokio::time::MissedTickBehavior;
+
+/// How often the image is looked at.
+const PERIOD: Duration = Duration::from_millis(10);
+
+pub(super) fn start(
+    node: &Node,
+    host: &Arc<dyn Host>,
+    catalogue: &Arc<Catalogue>,
+    tasks: &mut JoinSet<()>,
+) -> Result<(), CreateError> {
+    let publisher = node.publisher::<ParameterEvent>("/parameter_events", Qos::PARAMETERS)?;
+    let name = node.name().to_string();
+    tasks.spawn(publish(publisher, name, Arc::clone(host), Arc::clone(catalogue)));
+    Ok(())
+}
+
+async fn publish(publisher: Publisher<ParameterEvent>, node: String, host: Arc<dyn Host>, catalogue: Arc<Catalogue>) {
+    let mut failed = 0_u64;
+    let mut say = |event: ParameterEvent| {
+        if let Err(error) = publisher.publish(&ParameterEvent { stamp: now(), node: node.clone(), ..event }) {
+            failed += 1;
+            if failed.is_power_of_two() {
+                tracing::warn!("{error} ({failed} so far)");
+            }
+        }
+    };
+    let mut last = host.parameters();
+    declarations(&catalogue, &last).into_iter().for_each(&mut say);
+    let mut ticks = tokio::time::interval(PERIOD);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    loop {
+        ticks.tick().await;
+        let newest = host.parameters();
+        if newest.version == last.version {
+            continue;
+        }
+        let changed_parameters = changes(&catalogue, &last, &newest);
+        if !changed_parameters.is_empty() {
+            say(ParameterEvent { changed_parameters, ..ParameterEvent::default() });
+        }
+        last = newest;
+    }
+}
+
+/// The parameters that have a value at the start, one event for each object.
+fn declarations(catalogue: &Catalogue, image: &ParameterImage) -> Vec<ParameterEvent> {
+    let object = |declared: &Declared| declared.name.split('.').next().unwrap_or_default().to_owned();
+    let of_object = |declared: &[Declared]| {
+        let parameters = declared.iter().map(|declared| declared.parameter(image));
+        let with_value = |parameter: &Parameter| parameter.value.r#type != ParameterType::PARAMETER_NOT_SET;
+        ParameterEvent { new_parameters: parameters.filter(with_value).collect(), ..ParameterEvent::default() }
+    };
+    catalogue.all().chunk_by(|a, b| object(a) == object(b)).map(of_object).collect()
+}
+
+/// What differs; what is left out now has no value.
+fn changes(catalogue: &Catalogue, last: &ParameterImage, newest: &ParameterImage) -> Vec<Parameter> {
+    let differs = |declared: &&Declared| declared.value(last) != declared.value(newest);
+    catalogue.all().iter().filter(differs).map(|declared| declared.parameter(newest)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fake;
+    use super::*;
+    use lineshaft_core::parameter::{Row, Value};
+
+    #[test]
+    fn a_change_shows_in_every_view_of_it() {
+        let config = fake::config();
+        let (catalogue, first) = (Catalogue::new(&config), fake::image(&config));
+        assert!(changes(&catalogue, &first, &first).is_empty());
+        let mut second = first.clone();
+        let (_, velocity) = Row::find("max_velocity").unwrap();
+        velocity.change(&mut second.effective[1], Value::Real(500_000.0)).unwrap();
+        let changed = changes(&catalogue, &first, &second);
+        let names: Vec<&str> = changed.iter().map(|parameter| parameter.name.as_str()).collect();
+        // The ramp takes half of the time to half of the velocity; rates of goals that give none are shares.
+        assert_eq!(names, ["x.max_velocity", "x.rampmin", "x.velmax", "x.velmaxqc"]);
+        assert_eq!(changed[0].value.double_value, 0.5);
+        assert_eq!(changed[1].value.double_value, 100.0);
+
+        let (_, low) = Row::find("min_position").unwrap();
+        low.change(&mut second.effective[1], Value::Int(-1000)).unwrap();
+        let mut third = second.clone();
+        low.change(&mut third.effective[1], Value::Unset).unwrap();
+        let off = changes(&catalogue, &second, &third);
+        let low = off.iter().find(|parameter| parameter.name == "x.min_position").unwrap();
+        assert_eq!(low.value.r#type, ParameterType::PARAMETER_NOT_SET, "left out, not deleted");
+    }
+
+    #[test]
+    fn what_has_a_value_is_declared_at_the_start() {
+        let config = fake::config();
+        let (catalogue, image) = (Catalogue::new(&config), fake::image(&config));
+        let events = declarations(&catalogue, &image);
+        assert_eq!(events.len(), 3, "line, machine, x");
+        let names: Vec<&String> =
+            events.iter().flat_map(|event| &event.new_parameters).map(|parameter| &parameter.name).collect();
+        assert!(names.contains(&&"x.max_velocity".to_owned()) && !names.contains(&&"x.max_jerk".to_owned()));
+        let without = catalogue.all().iter().filter(|declared| declared.message(&image).r#type == 0).count();
+        assert_eq!(names.len() + without, catalogue.all().len());
+    }
+}

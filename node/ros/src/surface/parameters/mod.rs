@@ -1,0 +1,63 @@
+//! Parameters as ROS 2 sees them: `x.<key>` for each row of the catalogue that applies to axis x, `machine.<key>` for the
+//! machine.
+//!
+//! The machine owns them: what is asked for becomes a command, what is shown comes from the newest image. A number is in
+//! the unit of the row's bare numbers (contract section 2).
+
+mod catalogue;
+mod describe;
+mod events;
+mod layers;
+mod list;
+mod read;
+mod set;
+mod text;
+
+#[cfg(test)]
+mod fake;
+
+use self::catalogue::Catalogue;
+use super::hub::{Answers, Hub};
+use crate::layer::{CreateError, Node};
+use lineshaft_core::command::Action;
+use lineshaft_core::event::Kind;
+use lineshaft_core::text as sentences;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::task::JoinSet;
+
+/// Longer than the machine ever takes to say yes or no: without an answer it stands.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    let catalogue = Arc::new(Catalogue::new(hub.host.config()));
+    read::start(node, hub, &catalogue, tasks)?;
+    set::start(node, hub, &catalogue, tasks)?;
+    events::start(node, &hub.host, &catalogue, tasks)?;
+    layers::start(node, hub, tasks)?;
+    text::start(node, hub, tasks)
+}
+
+/// Gives a command; what the machine will say to it.
+fn give(hub: &Arc<Hub>, action: Action) -> Result<Answers, String> {
+    hub.submit(action).map_err(|busy| busy.to_string())
+}
+
+/// Waits until the machine has accepted a command.
+///
+/// # Errors
+/// Its sentence.
+async fn accepted(hub: &Hub, mut answers: Answers) -> Result<(), String> {
+    let answer = async {
+        while let Some(answer) = answers.next().await {
+            match answer.event.kind {
+                Kind::Accepted => return Ok(()),
+                Kind::Refused => return Err(sentences::sentence(&answer.event, hub.host.config())),
+                _ => {}
+            }
+        }
+        Err("the machine has stopped".to_owned())
+    };
+    let late = || Err(format!("the machine has not answered within {} s", PATIENCE.as_secs()));
+    tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| late())
+}

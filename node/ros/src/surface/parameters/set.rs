@@ -1,0 +1,227 @@
+//! set_parameters and set_parameters_atomically: each set is one command to the machine, whose answer is the result.
+
+use super::catalogue::Catalogue;
+use super::{accepted, give};
+use crate::layer::{CreateError, Node, Qos, Request, ServiceServer};
+use crate::surface::hub::{Answers, Hub};
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::parameter::{Change, ParameterInput};
+use lineshaft_core::request::RequestError;
+use lineshaft_core::unit::excerpt;
+use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, SetParametersResult};
+use lineshaft_msgs::foreign::rcl_interfaces::srv::{
+    SetParameters, SetParametersAtomically, SetParametersAtomicallyResponse, SetParametersResponse,
+};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use tokio::task::JoinSet;
+
+/// Sets of one request that are on their way at a time: a fraction of the machine's lane, so that others find room.
+const UNDER_WAY: usize = 32;
+
+pub(super) fn start(
+    node: &Node,
+    hub: &Arc<Hub>,
+    catalogue: &Arc<Catalogue>,
+    tasks: &mut JoinSet<()>,
+) -> Result<(), CreateError> {
+    let server = node.service::<SetParameters>("~/set_parameters", Qos::PARAMETERS)?;
+    tasks.spawn(serve_each(server, Arc::clone(hub), Arc::clone(catalogue)));
+    let server = node.service::<SetParametersAtomically>("~/set_parameters_atomically", Qos::PARAMETERS)?;
+    tasks.spawn(serve_together(server, Arc::clone(hub), Arc::clone(catalogue)));
+    Ok(())
+}
+
+async fn serve_each(mut server: ServiceServer<SetParameters>, hub: Arc<Hub>, catalogue: Arc<Catalogue>) {
+    let service = server.name().to_string();
+    // One request after the other: their order is that of the clients.
+    while let Some(Request { message, reply }) = server.next().await {
+        let results = set_each(&hub, &catalogue, &service, &message.parameters).await;
+        reply.send_soon(SetParametersResponse { results });
+    }
+}
+
+async fn serve_together(mut server: ServiceServer<SetParametersAtomically>, hub: Arc<Hub>, catalogue: Arc<Catalogue>) {
+    let service = server.name().to_string();
+    while let Some(Request { message, reply }) = server.next().await {
+        let result = set_together(&hub, &catalogue, &service, &message.parameters).await;
+        reply.send_soon(SetParametersAtomicallyResponse { result });
+    }
+}
+
+/// Sets each by itself, in order.
+async fn set_each(
+    hub: &Arc<Hub>,
+    catalogue: &Catalogue,
+    service: &str,
+    parameters: &[Parameter],
+) -> Vec<SetParametersResult> {
+    let mut results: Vec<SetParametersResult> = Vec::with_capacity(parameters.len());
+    let mut under_way = VecDeque::new();
+    let mut wrong = Wrong::default();
+    for parameter in parameters {
+        let given = match change(catalogue, hub.host.config(), parameter) {
+            Ok(change) => give(hub, Action::SetParameters([change].into())),
+            Err(sentence) => {
+                wrong.note(&sentence);
+                Err(sentence)
+            }
+        };
+        under_way.push_back(given);
+        if under_way.len() >= UNDER_WAY
+            && let Some(given) = under_way.pop_front()
+        {
+            results.push(result(hub, given).await);
+        }
+    }
+    while let Some(given) = under_way.pop_front() {
+        results.push(result(hub, given).await);
+    }
+    wrong.tell(hub, service);
+    results
+}
+
+/// Sets all of them, or none.
+async fn set_together(
+    hub: &Arc<Hub>,
+    catalogue: &Catalogue,
+    service: &str,
+    parameters: &[Parameter],
+) -> SetParametersResult {
+    let refused = |reason: &str| SetParametersResult { successful: false, reason: reason.to_owned() };
+    if parameters.is_empty() {
+        return refused("the list of parameters is empty; at least one is needed");
+    }
+    let changes = parameters.iter().map(|parameter| change(catalogue, hub.host.config(), parameter));
+    match changes.collect::<Result<Box<[Change]>, String>>() {
+        Ok(changes) => result(hub, give(hub, Action::SetParameters(changes))).await,
+        Err(sentence) => {
+            hub.refuse(format!("{service}: {sentence}"));
+            refused(&sentence)
+        }
+    }
+}
+
+async fn result(hub: &Hub, given: Result<Answers, String>) -> SetParametersResult {
+    let outcome = match given {
+        Ok(answers) => accepted(hub, answers).await,
+        Err(sentence) => Err(sentence),
+    };
+    SetParametersResult { successful: outcome.is_ok(), reason: outcome.err().unwrap_or_default() }
+}
+
+/// The change that a client asks for.
+fn change(catalogue: &Catalogue, config: &MachineConfig, parameter: &Parameter) -> Result<Change, String> {
+    let Some(declared) = catalogue.find(&parameter.name) else {
+        let sentence = format!("parameter `{}` has not been declared", excerpt(&parameter.name));
+        // Why not, where the name is known elsewhere.
+        return Err(match config.resolve_parameter(&parameter.name, &ParameterInput::Unset) {
+            Err(error @ RequestError::NotApplicable { .. }) => format!("{sentence}: {error}"),
+            _ => sentence,
+        });
+    };
+    if declared.row.is_read_only() {
+        let why = declared.descriptor().additional_constraints;
+        return Err(format!("{} is read-only: {why}", declared.name));
+    }
+    let input = declared.input(&parameter.value)?;
+    config.resolve_parameter(&parameter.name, &input).map_err(|error| error.to_string())
+}
+
+/// Requests that never became commands are told once for each call.
+#[derive(Default)]
+struct Wrong {
+    first: Option<String>,
+    more: usize,
+}
+
+impl Wrong {
+    fn note(&mut self, sentence: &str) {
+        match self.first {
+            Some(_) => self.more += 1,
+            None => self.first = Some(sentence.to_owned()),
+        }
+    }
+
+    fn tell(self, hub: &Hub, service: &str) {
+        let Some(sentence) = self.first else { return };
+        let more = if self.more > 0 { format!(" ({} more in this request)", self.more) } else { String::new() };
+        hub.refuse(format!("{service}: {sentence}{more}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fake;
+    use super::*;
+    use lineshaft_core::parameter::Value;
+    use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterType, ParameterValue};
+
+    fn ask(name: &str, value: ParameterValue) -> Result<Change, String> {
+        let config = fake::config();
+        change(&Catalogue::new(&config), &config, &Parameter { name: name.to_owned(), value })
+    }
+
+    fn double(double_value: f64) -> ParameterValue {
+        ParameterValue { r#type: ParameterType::PARAMETER_DOUBLE, double_value, ..ParameterValue::default() }
+    }
+
+    fn integer(integer_value: i64) -> ParameterValue {
+        ParameterValue { r#type: ParameterType::PARAMETER_INTEGER, integer_value, ..ParameterValue::default() }
+    }
+
+    fn string(text: &str) -> ParameterValue {
+        let string_value = text.to_owned();
+        ParameterValue { r#type: ParameterType::PARAMETER_STRING, string_value, ..ParameterValue::default() }
+    }
+
+    #[test]
+    fn numbers_are_in_the_unit_of_the_row() {
+        let value = |name, given| ask(name, given).unwrap().value;
+        // 1000 increments are a millimetre, which is the axis unit.
+        assert_eq!(value("x.max_velocity", double(0.25)), Value::Real(250_000.0));
+        assert_eq!(value("x.max_velocity", integer(1)), Value::Real(1_000_000.0));
+        assert_eq!(value("x.min_position", double(-0.05)), Value::Int(-50_000));
+        assert_eq!(value("x.min_position", ParameterValue::default()), Value::Unset);
+        assert_eq!(value("x.amc.position_reference", double(60.0)), Value::Int(60_000));
+        assert_eq!(value("x.amc.speed_reference", double(0.5)), Value::Real(500_000.0));
+        assert_eq!(value("x.rampmin", integer(20)), Value::Int(20_000_000));
+        assert_eq!(value("x.profile", string("jerk")), Value::Int(2));
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_name_and_what_would_be_right() {
+        for (name, given, sentence) in [
+            ("x.max_speed", double(1.0), "parameter `x.max_speed` has not been declared"),
+            ("", double(1.0), "parameter `` has not been declared"),
+            (
+                "line.kprop",
+                integer(1),
+                "parameter `line.kprop` has not been declared: line.kprop is not there; it is for axes with a drive",
+            ),
+            ("x.max_velocity", string("fast"), "x.max_velocity cannot be a string; a number is needed"),
+            (
+                "x.max_velocity",
+                ParameterValue::default(),
+                "x.max_velocity cannot be without a value; a number is needed",
+            ),
+            ("x.error_reaction", double(2.0), "x.error_reaction cannot be a double; an integer is needed"),
+            ("x.profile", string("round"), "x.profile is `round`; one of trapezoid, s_ramp, jerk is expected"),
+            ("x.velmaxqc", integer(1), "x.velmaxqc is read-only: computed from other parameters"),
+            (
+                "x.posfact_z",
+                integer(1),
+                "x.posfact_z is read-only: part of the cell: changes with the file and a new start",
+            ),
+        ] {
+            assert_eq!(ask(name, given).unwrap_err(), sentence);
+        }
+        for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for name in ["x.max_velocity", "x.velocity_override", "x.min_position", "x.rampmin"] {
+                let sentence = ask(name, double(number)).unwrap_err();
+                assert!(sentence.starts_with(name), "{sentence}");
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! ~/export_parameters and ~/import_parameters: sets of parameters as text.
+
+use super::{accepted, give};
+use crate::layer::{CreateError, Node, Qos, Request, ServiceServer};
+use crate::surface::host::Listing;
+use crate::surface::hub::Hub;
+use lineshaft_core::command::Action;
+use lineshaft_msgs::srv::{
+    ExportParameters, ExportParametersRequest, ExportParametersResponse, ImportParameters, ImportParametersResponse,
+};
+use std::sync::Arc;
+use tokio::task::{JoinSet, spawn_blocking};
+
+/// Longest text that is read (bytes): many times all parameters of the largest machine.
+const LONGEST: usize = 1 << 20;
+
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    let server = node.service::<ExportParameters>("~/export_parameters", Qos::SERVICE)?;
+    tasks.spawn(serve_export(server, Arc::clone(hub)));
+    let server = node.service::<ImportParameters>("~/import_parameters", Qos::SERVICE)?;
+    tasks.spawn(serve_import(server, Arc::clone(hub)));
+    Ok(())
+}
+
+async fn serve_export(mut server: ServiceServer<ExportParameters>, hub: Arc<Hub>) {
+    let service = server.name().to_string();
+    while let Some(Request { message, reply }) = server.next().await {
+        let response = match export(&hub, message).await {
+            Ok(text) => ExportParametersResponse { success: true, message: String::new(), text },
+            Err(message) => {
+                hub.refuse(format!("{service}: {message}"));
+                ExportParametersResponse { success: false, message, text: String::new() }
+            }
+        };
+        reply.send_soon(response);
+    }
+}
+
+async fn export(hub: &Arc<Hub>, request: ExportParametersRequest) -> Result<String, String> {
+    let axes = hub.host.config().find_axes(&request.axes).map_err(|error| error.to_string())?;
+    let what = listing(request.which)?;
+    let host = Arc::clone(&hub.host);
+    let text = spawn_blocking(move || host.write_parameters(axes, what)).await;
+    text.map_err(|_| "the text could not be written".to_owned())
+}
+
+/// The choice of that number in the interface.
+fn listing(number: u8) -> Result<Listing, String> {
+    match number {
+        ExportParametersRequest::ALL => Ok(Listing::All),
+        ExportParametersRequest::NOT_DEFAULT => Ok(Listing::NotDefault),
+        ExportParametersRequest::NOT_CELL => Ok(Listing::NotCell),
+        ExportParametersRequest::NOT_SAVED => Ok(Listing::NotSaved),
+        other => Err(format!("which is {other}; 0 ALL, 1 NOT_DEFAULT, 2 NOT_CELL, 3 NOT_SAVED are allowed")),
+    }
+}
+
+async fn serve_import(mut server: ServiceServer<ImportParameters>, hub: Arc<Hub>) {
+    let service = server.name().to_string();
+    // One after the other: sets keep the order of their requests, and many long ones take one thread.
+    while let Some(Request { message, reply }) = server.next().await {
+        let outcome = match read(&hub, message.text).await {
+            Ok(Some(set)) => set_all(&hub, set).await,
+            Ok(None) => Ok(()),
+            Err(sentence) => {
+                hub.refuse(format!("{service}: {sentence}"));
+                Err(sentence)
+            }
+        };
+        let success = outcome.is_ok();
+        reply.send_soon(ImportParametersResponse { success, message: outcome.err().unwrap_or_default() });
+    }
+}
+
+async fn set_all(hub: &Arc<Hub>, set: Action) -> Result<(), String> {
+    accepted(hub, give(hub, set)?).await
+}
+
+/// The command that a text asks for; none where it asks for nothing, as the export of an axis at its defaults does.
+async fn read(hub: &Arc<Hub>, text: String) -> Result<Option<Action>, String> {
+    if text.len() > LONGEST {
+        return Err(format!("the text is {} bytes long; {LONGEST} are allowed", text.len()));
+    }
+    if is_empty(&text) {
+        return Ok(None);
+    }
+    let host = Arc::clone(&hub.host);
+    let read = spawn_blocking(move || host.read_parameters(&text)).await;
+    let read = read.unwrap_or_else(|_| Err("the text could not be read".to_owned()));
+    read.map(Some).map_err(|sentences| sentences.trim_end().to_owned())
+}
+
+/// Nothing but blanks and comments.
+fn is_empty(text: &str) -> bool {
+    text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_have_the_numbers_of_the_interface() {
+        let all = [Listing::All, Listing::NotDefault, Listing::NotCell, Listing::NotSaved];
+        assert_eq!([0, 1, 2, 3].map(listing), all.map(Ok));
+        assert!(listing(4).is_err_and(|sentence| sentence.starts_with("which is 4; 0 ALL")));
+    }
+
+    #[test]
+    fn comments_alone_ask_for_nothing() {
+        assert!(is_empty("") && is_empty(" \n# nothing\n  # here\n"));
+        assert!(!is_empty("# x\nx.max_velocity: 1") && !is_empty("{}"));
+    }
+}
