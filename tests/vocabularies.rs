@@ -53,6 +53,11 @@ fn play(cell: &Path, scenario: &Path) -> Result<(), String> {
 }
 
 #[test]
+fn the_layers_of_parameters_play_their_scenarios() {
+    assert!(plays("parameters") >= 6);
+}
+
+#[test]
 fn the_words_of_macs_play_their_scenarios() {
     assert!(plays("macs") >= 4);
 }
