@@ -33,7 +33,7 @@ pub struct AxisParameters {
     pub default_velocity: Option<f64>,
     /// (inc/s^2); left out: half of `max_acceleration`.
     pub default_acceleration: Option<f64>,
-    /// Place in [`PROFILES`].
+    /// Place in [`PROFILES`](super::PROFILES).
     pub profile: i64,
     /// (inc)
     pub max_following_error: i64,

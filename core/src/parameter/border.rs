@@ -1,4 +1,4 @@
-//! Values of the core as bare numbers, for a border that knows types but no units: [`convert`] the other way round.
+//! Values of the core as bare numbers, for a border that knows types but no units: `convert` the other way round.
 //!
 //! Law      what is shown converts back into the value, wherever a number of 64 bits can do that; of several the one with
 //!          the fewest digits is shown, so that what was set reads as it was written
