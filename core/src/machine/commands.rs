@@ -46,9 +46,7 @@ impl Machine {
             | Action::Halt(axes)
             | Action::QuickStop(axes)
             | Action::ResetErrors(axes) => {
-                if axes.iter().any(|axis| usize::from(axis) >= self.state.axes.len()) {
-                    return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
-                }
+                self.check_axes(*axes)?;
                 self.state.axes.iter().try_for_each(|axis| axis.admits(&command.action))?;
                 self.accept(command, Object::Machine);
                 Ok(true)

@@ -146,7 +146,8 @@ impl Machine {
         self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
     }
 
-    fn check_axes(&self, axes: AxisSet) -> Result<(), Refusal> {
+    /// Are all of them there?
+    pub(super) fn check_axes(&self, axes: AxisSet) -> Result<(), Refusal> {
         if axes.iter().any(|axis| usize::from(axis) >= self.state.axes.len()) {
             return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
         }
