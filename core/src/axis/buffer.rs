@@ -279,7 +279,12 @@ impl Axis {
             _ => {
                 let exact = self.goal.and_then(|goal| goal.target);
                 let exact = exact.filter(|exact| Position::whole(exact.nearest()) == target);
-                let end = Position::whole(self.target(&next.request, next.limits, at_target, exact).nearest());
+                let end = self.target(&next.request, next.limits, at_target, exact);
+                // Where the goal before it had no end, its own was not known when it was taken: it will be refused there, at rest.
+                if self.check_target(end, &self.parameters).is_err() {
+                    return 0.0;
+                }
+                let end = Position::whole(end.nearest());
                 (Some(end), (end - target).to_f64())
             }
         };

@@ -260,3 +260,34 @@ fn what_cannot_wait_is_refused_and_changes_nothing() {
     let beyond = rig.give(after(BufferMode::Buffered, beyond));
     assert!(rig.refusal(beyond).contains("does not lie within +-2^62 increments"));
 }
+
+/// Behind a stop nobody knows where goals will end. Such a goal is not passed into one that a limit forbids: it stands first.
+#[test]
+fn a_goal_does_not_pass_into_one_that_will_be_refused() {
+    use BufferMode::{BlendingHigh, BlendingLow, BlendingNext, BlendingPrevious};
+    let ends_at = 40_000;
+    for mode in [BlendingLow, BlendingPrevious, BlendingNext, BlendingHigh] {
+        let mut config = super::rig::config(0);
+        config.axes[usize::from(X)].parameters.max_position = Some(ends_at);
+        let mut rig = Rig::of(config);
+        rig.enable();
+        rig.give(Action::Move(Move { deceleration: 1e6, ..at(X, 50_000.0) }));
+        rig.run(100);
+        rig.give(Action::Move(Move { deceleration: 1e6, ..at(X, 0.0) }));
+        // From the last cycle of 50 mm/s on it needs 1250 inc to stand.
+        let stand = rig.int("x.target.position");
+        let relative = |way| Move { mode: MoveMode::Relative, ..quick(way) };
+        let first = rig.give(after(BufferMode::Buffered, relative(ends_at - stand)));
+        let second = rig.give(after(mode, relative(10_000)));
+        assert!(rig.was_accepted(first) && rig.was_accepted(second), "their ends are not known yet");
+        for _ in 0..2_000 {
+            rig.run(1);
+            assert!(position(&rig) <= ends_at as f64, "{mode:?}: beyond the limit at {}", position(&rig));
+            assert!(rig.real("x.command.acceleration") >= -1e6 * (1.0 + 1e-9), "{mode:?}");
+        }
+        let codes = |sequence| ends(&rig, sequence).iter().map(|(_, code)| *code).collect::<Vec<_>>();
+        assert_eq!(codes(first), [Code::NONE], "{mode:?}");
+        assert_eq!(codes(second), [Code::ABOVE_MAX_POSITION], "{mode:?}");
+        assert_eq!((rig.state("x"), position(&rig)), ("STANDSTILL", ends_at as f64));
+    }
+}
