@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::files::OWN;
-use crate::interface::{Element, Field, Interface, Kind, Section, Shape};
+use crate::interface::{Constant, Element, Field, Interface, Kind, Section, Shape};
 use crate::schema::schema;
 
 /// The field that ROS 2 gives a struct without fields: one byte on the wire.
@@ -20,7 +20,39 @@ pub(crate) fn generate(interfaces: &[Interface]) -> String {
             &format!("/// Interfaces of the package `{name}`.\npub mod {name} {{\n{}}}\n", package(interfaces, name));
     }
     out += "}\n";
-    out + &list(interfaces)
+    out + &about(interfaces) + &list(interfaces)
+}
+
+/// The interfaces of this package as data for people, with their comments.
+fn about(interfaces: &[Interface]) -> String {
+    let mut out = "/// The interfaces of this package, with what their files say about them.\n\
+                   pub const INTERFACES: &[about::Interface] = &[\n"
+        .to_owned();
+    for interface in interfaces.iter().filter(|interface| interface.package == OWN) {
+        let Interface { package, kind, name, .. } = interface;
+        out += &format!("about::Interface {{ name: \"{package}/{}/{name}\", sections: &[\n", kind.name());
+        for (section, name) in interface.sections.iter().zip(interface.kind.sections()) {
+            out += &format!("about::Section {{ name: {name:?}, doc: {:?}, constants: &[\n", joined(&section.doc));
+            for Constant { doc, primitive, name, value } in &section.constants {
+                let (kind, doc) = (primitive.name, joined(doc));
+                out +=
+                    &format!("about::Constant {{ kind: {kind:?}, name: {name:?}, value: {value}, doc: {doc:?} }},\n");
+            }
+            out += "], fields: &[\n";
+            for Field { doc, type_text: kind, name, .. } in &section.fields {
+                out += &format!("about::Field {{ kind: {kind:?}, name: {name:?}, doc: {:?} }},\n", joined(doc));
+            }
+            out += "] },\n";
+        }
+        out += "] },\n";
+    }
+    out + "];\n"
+}
+
+/// Comment lines as one text; an empty line is a new paragraph.
+fn joined(lines: &[String]) -> String {
+    let paragraphs: Vec<String> = lines.split(String::is_empty).map(|lines| lines.join(" ")).collect();
+    paragraphs.join("\n\n")
 }
 
 /// A macro that calls another one with every message struct: tests that hold for all of them use it.

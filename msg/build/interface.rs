@@ -63,6 +63,8 @@ pub(crate) struct Constant {
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
     pub(crate) doc: Vec<String>,
+    /// Its type as it stands in the file.
+    pub(crate) type_text: String,
     pub(crate) element: Element,
     pub(crate) shape: Shape,
     pub(crate) name: String,

@@ -99,7 +99,8 @@ impl Reader {
             return Err(format!("field {name}: small letters, digits and single _, a letter first and no _ last"));
         }
         self.unique(name)?;
-        self.section.fields.push(Field { doc, element, shape, name: name.to_owned() });
+        let (type_text, name) = (type_text.to_owned(), name.to_owned());
+        self.section.fields.push(Field { doc, type_text, element, shape, name });
         Ok(())
     }
 

@@ -8,6 +8,7 @@
 //! Nothing here knows DDS or opens a socket.
 #![forbid(unsafe_code)]
 
+pub mod about;
 mod action_parts;
 mod bounded;
 pub mod cdr;

@@ -3,6 +3,7 @@
 mod any_value;
 mod contract;
 mod golden;
+mod hostile;
 mod names;
 mod package;
 mod wire;

@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 18] = [
+const OWN_INTERFACES: [(&str, &str); 20] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -51,6 +51,17 @@ const OWN_INTERFACES: [(&str, &str); 18] = [
         "msg/AppliedCommand",
         "uint64 cycle sequence
         string source command",
+    ),
+    (
+        "msg/CycleStatistics",
+        "std_msgs/Header header
+        uint64 cycle
+        uint32 cycle_ns
+        uint64 cycles missed period_cycles period_missed
+        float64 lateness_mean
+        uint64 lateness_max lateness_worst
+        float64 duration_mean
+        uint64 duration_max duration_worst events_lost",
     ),
     (
         "msg/CycleInputs",
@@ -161,6 +172,12 @@ const OWN_INTERFACES: [(&str, &str); 18] = [
         ---
         bool success
         string message",
+    ),
+    (
+        "msg/Setpoints",
+        "std_msgs/Header header
+        string[] axes
+        float64[] velocities",
     ),
     (
         "msg/Signals",

@@ -1,0 +1,58 @@
+//! Lengths that lie, in every message, request, response, goal, result and feedback.
+
+use std::fs;
+
+use super::any_value::any_value;
+use crate::Message;
+use crate::cdr::{Endian, decode, encode};
+
+/// Longest sentence about bytes that are no message (bytes).
+const LONGEST_SENTENCE: usize = 600;
+
+/// Each word of a good value in turn is a length of 4 GiB, of 2 GiB, and of as many bytes as there are.
+fn lies<T: Message>() {
+    let good = encode(&any_value::<T>(&[161; 300]));
+    for place in (0..good.len().saturating_sub(3)).step_by(4) {
+        for length in [u32::MAX, i32::MAX as u32, good.len() as u32] {
+            let mut bytes = good.clone();
+            bytes[place..place + 4].copy_from_slice(&length.to_le_bytes());
+            for endian in [Endian::Little, Endian::Big] {
+                if let Err(error) = decode::<T>(&bytes, endian) {
+                    let sentence = error.to_string();
+                    assert!(sentence.len() < LONGEST_SENTENCE, "{sentence}");
+                }
+            }
+        }
+    }
+}
+
+/// Most memory that this process has asked for so far (kB), also of what it did not touch.
+fn asked_for() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").expect("Linux");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmPeak:")).expect("a line of every process");
+    line.trim().trim_end_matches(" kB").parse().expect("a number")
+}
+
+#[test]
+fn no_length_takes_memory_that_no_bytes_stand_for() {
+    let before = asked_for();
+    macro_rules! call {
+        ($type:ty) => {
+            lies::<$type>()
+        };
+    }
+    for_every_struct!(call);
+    let after = asked_for();
+    // The other tests of this process ask for some MB; one length believed would be 2 GiB at least.
+    assert!(after - before < 1_000_000, "{before} kB before, {after} kB after");
+}
+
+#[test]
+fn a_text_of_ten_megabytes_stands_in_no_sentence() {
+    use crate::srv::AxesCommandRequest;
+    let mut bytes = encode(&AxesCommandRequest { axes: vec!["x".to_owned(), "y".repeat(10_000_000)] });
+    let last = bytes.len() - 1;
+    bytes[last] = b'y';
+    let error = decode::<AxesCommandRequest>(&bytes, Endian::Little).unwrap_err();
+    assert_eq!((error.field.as_str(), error.to_string().len() < 150), ("axes[1]", true), "{error}");
+}
