@@ -158,6 +158,25 @@ codes! {
     /// REVERS asks for outputs or a node, which do not exist yet.
     NO_REVERSING_OUTPUTS = 10054;
 
+    /// An axis left the path of its trajectory by more than its tolerance.
+    TRAJECTORY_PATH_TOLERANCE = 10061;
+    /// An axis did not come within its goal tolerance in time.
+    TRAJECTORY_GOAL_TOLERANCE = 10062;
+    /// No point of the trajectory lies ahead.
+    TRAJECTORY_IN_THE_PAST = 10063;
+    /// A superimposed or waiting goal on an axis that runs a trajectory.
+    TRAJECTORY_UNDER_WAY = 10064;
+    /// Between its points the trajectory would go beyond `max_position`.
+    TRAJECTORY_ABOVE_MAX_POSITION = 10065;
+    /// Between its points the trajectory would go beyond `min_position`.
+    TRAJECTORY_BELOW_MIN_POSITION = 10066;
+    /// The machine is inactive: nothing is switched on and nothing moves until it is activated.
+    NOT_ACTIVE = 10071;
+    /// Streamed setpoints come for an axis that something else moves.
+    STREAM_BUSY = 10081;
+    /// A streamed setpoint is no number.
+    SETPOINT_NO_NUMBER = 10082;
+
     /// A newer command took the axis over.
     REPLACED = 10101;
     /// halt ended the goal.

@@ -9,8 +9,10 @@ use crate::code::Code;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer};
 use crate::position::Position;
+use crate::trajectory::Trajectory;
 use crate::vocabulary::{saia, wf};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Who gave a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,10 +63,18 @@ pub enum Action {
     QuickStop(AxisSet),
     /// Clears errors and the lock of a quick stop.
     ResetErrors(AxisSet),
+    /// Lets axes be switched on and moved. A machine begins so.
+    Activate,
+    /// Stops all axes with their maximum deceleration, then switches them off; from then on nothing is switched on and nothing
+    /// moves until [`Action::Activate`]. Done, as one, when every drive is off and every axis stands.
+    Deactivate,
     /// Moves one axis.
     Move(Move),
     /// Moves one axis to a place that it has to find.
     Probe(Probe),
+    /// Runs a trajectory of several axes as one goal: one `done` ends it, of the axis that made it end, or of the machine. Who
+    /// gives it keeps a reference for as long as the machine may have one, so that none is freed in a cycle.
+    Trajectory(Arc<Trajectory>),
     /// Couples one axis to a leader.
     Synchronize(Synchronize),
     /// Registers and command flags (SAIA-CMD).
@@ -109,6 +119,27 @@ pub enum Action {
         /// What the code counts or names.
         number: i64,
     },
+}
+
+impl Action {
+    /// Does it stop axes? Such commands have their own way into a cycle, ahead of all others.
+    pub fn stops(&self) -> bool {
+        matches!(self, Self::Halt(_) | Self::QuickStop(_) | Self::Disable(_) | Self::Deactivate)
+    }
+
+    /// May it switch an axis on, or move one? An inactive machine refuses it.
+    pub fn needs_active(&self) -> bool {
+        matches!(
+            self,
+            Self::Enable(_)
+                | Self::Move(_)
+                | Self::Probe(_)
+                | Self::Trajectory(_)
+                | Self::Synchronize(_)
+                | Self::Saia(_)
+                | Self::Wf(_)
+        )
+    }
 }
 
 /// A length at the border: nearest whole increments and what the rounding left, so that `rest` is half an increment only
@@ -311,23 +342,61 @@ pub struct Synchronize {
     pub acceleration: f64,
 }
 
-/// The newest of the streamed setpoints: a velocity for some axes.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// A streamed setpoint of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setpoint {
+    /// (inc/s)
+    pub velocity: f64,
+    /// For how long it was asked for (ns): then the axis stops, as it was to. None: until the next one comes. Either way no
+    /// longer than `setpoint_timeout`.
+    pub duration: Option<u64>,
+}
+
+/// The setpoints that are new in a cycle, each the newest of its axis. One that came in an earlier cycle is not among them: each
+/// axis counts for itself for how long it has had none.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Setpoints {
-    /// Grows with every new set: the same number twice is the same set, and is no sign of life.
-    pub generation: u64,
-    /// One entry per axis, in file order: velocity (inc/s), or none.
-    pub velocity: Vec<Option<f64>>,
+    /// Who gave the newest of them.
+    pub source: Source,
+    /// One entry per axis, in file order.
+    pub axes: Vec<Option<Setpoint>>,
+}
+
+impl Setpoints {
+    /// Room for so many axes, with nothing new.
+    pub fn none(axes: usize) -> Self {
+        Self { source: Source::Machine, axes: vec![None; axes] }
+    }
+
+    /// Takes newer ones in the place of its own.
+    pub fn take(&mut self, newer: &Self) {
+        if !newer.is_empty() {
+            self.source = newer.source;
+        }
+        for (mine, newer) in self.axes.iter_mut().zip(&newer.axes) {
+            *mine = newer.or(*mine);
+        }
+    }
+
+    /// Takes all of them out.
+    pub fn clear(&mut self) {
+        self.axes.fill(None);
+    }
+
+    /// Is there anything new?
+    pub fn is_empty(&self) -> bool {
+        self.axes.iter().all(Option::is_none)
+    }
 }
 
 /// What enters a cycle beside the inputs: the stop lane and the queue, in this order, and the mailbox.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Commands<'a> {
-    /// halt, quick_stop, disable: applied before the queue.
+    /// halt, quick_stop, disable, deactivate: applied before the queue.
     pub stop: &'a [Command],
     /// Everything else, by sequence number.
     pub queue: &'a [Command],
-    /// Newest streamed setpoints.
+    /// Streamed setpoints that are new.
     pub stream: Option<&'a Setpoints>,
 }
 

@@ -24,5 +24,6 @@ pub mod signal;
 pub mod sim;
 pub mod sync;
 pub mod text;
+pub mod trajectory;
 pub mod unit;
 pub mod vocabulary;

@@ -6,15 +6,17 @@
 //! Refuses  commands, each by one event; the cycle itself cannot fail: faults are states
 //! Source   contract section 1
 
+mod activity;
 mod commands;
 mod order;
 mod parameters;
 mod signals;
 mod state;
+mod trajectories;
 
 use crate::axis::{Axis, Context};
 use crate::code::Code;
-use crate::command::Commands;
+use crate::command::{Action, Command, Commands};
 use crate::config::{ConfigError, IoKind, MachineConfig};
 use crate::drive::{DriveOutput, EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::{Encoder, Lead};
@@ -81,6 +83,9 @@ impl Machine {
             next_event: 0,
             user: axes.iter().map(|axis| axis.parameters).collect(),
             parameter_version: 0,
+            active: true,
+            deactivating: None,
+            runs: axes.iter().map(|_| None).collect(),
             axes,
             encoders,
         };
@@ -133,9 +138,13 @@ impl Machine {
         let admitted = self.admit(commands);
         self.read_inputs(inputs);
         let mut answered = 0;
-        for place in 0..self.state.order.len() {
-            self.step_axis(place, inputs, commands, admitted, &mut answered);
+        match first_trajectory(commands, admitted) {
+            None => (0..self.state.order.len()).for_each(|place| {
+                self.step_axis(place, inputs, commands, admitted, &mut answered);
+            }),
+            Some(first) => self.step_together(first, inputs, commands, admitted, &mut answered),
         }
+        self.judge_trajectories(inputs);
         self.answer_the_rest(commands, admitted & !answered);
         if self.couples {
             // New couplings move first in the next cycle; this one still ran in the order of the old ones.
@@ -148,7 +157,8 @@ impl Machine {
             }
             self.signals.publish_switching(&mut self.state.board, axis.wiring(), axis.switching(), outputs);
         }
-        self.signals.publish_machine(&mut self.state.board, &self.state.axes, self.state.overruns);
+        self.settle_deactivation();
+        self.signals.publish_machine(&mut self.state.board, &self.state.axes, self.state.active, self.state.overruns);
         self.state.cycle = self.state.cycle.wrapping_add(1);
         self.state.next_event = self.events.next();
     }
@@ -190,16 +200,64 @@ impl Machine {
             leads: &self.state.leads,
             latches: &self.latched,
             stream: commands.stream,
+            runs: &self.state.runs,
             events: &mut self.events,
         };
-        let live = commands.iter().take(MAX_COMMANDS).enumerate().filter(|(place, _)| admitted >> place & 1 == 1);
         // What a vocabulary writes by itself.
         let written = (axis.parameters.amc.reference_select, axis.parameters.saia);
-        axis.step(&mut cx, live, answered);
+        axis.step(&mut cx, live(commands, admitted), answered);
         if written != (axis.parameters.amc.reference_select, axis.parameters.saia) {
             self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
         }
         axis.publish(&mut self.state.board, &self.state.leads);
+        self.note_lead(index);
+    }
+
+    /// A cycle with a trajectory among its commands: it concerns several axes at once, so that all of them move before it, and
+    /// what comes behind it waits for it. Others see in this cycle what an axis was before these commands.
+    fn step_together(
+        &mut self,
+        first: usize,
+        inputs: &Inputs,
+        commands: Commands<'_>,
+        admitted: u64,
+        answered: &mut u64,
+    ) {
+        for place in 0..self.state.order.len() {
+            let index = usize::from(self.state.order[place]);
+            self.with_axis(index, inputs, commands.stream, |axis, cx| {
+                axis.begin_step(cx);
+                for (place, command) in live(commands, admitted).take_while(|(place, _)| *place < first) {
+                    axis.take(cx, place, command, answered);
+                }
+                axis.show_virtual();
+            });
+            self.note_lead(index);
+        }
+        for (place, command) in live(commands, admitted).skip_while(|(place, _)| *place < first) {
+            if let Action::Trajectory(trajectory) = &command.action {
+                self.start_trajectory(inputs, command, trajectory);
+                continue;
+            }
+            for index in 0..self.state.axes.len() {
+                self.with_axis(index, inputs, commands.stream, |axis, cx| axis.take(cx, place, command, answered));
+            }
+        }
+        for place in 0..self.state.order.len() {
+            let index = usize::from(self.state.order[place]);
+            let parameters = |axis: &Axis| (axis.parameters.amc.reference_select, axis.parameters.saia);
+            let written = parameters(&self.state.axes[index]);
+            self.with_axis(index, inputs, commands.stream, |axis, cx| axis.end_step(cx));
+            if written != parameters(&self.state.axes[index]) {
+                self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
+            }
+            self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
+        }
+    }
+
+    /// What others see of an axis.
+    fn note_lead(&mut self, index: usize) {
+        let axis = &self.state.axes[index];
         let (motion, before) = (axis.command(), self.state.leads.command[index].position);
         self.state.leads.command[index] = Lead {
             position: motion.position,
@@ -242,6 +300,18 @@ impl Machine {
     pub fn parameters(&self, axis: u16) -> Option<&AxisParameters> {
         self.state.axes.get(usize::from(axis)).map(|axis| &axis.parameters)
     }
+}
+
+/// The commands that the axes have to look at, with their places.
+fn live(commands: Commands<'_>, admitted: u64) -> impl Iterator<Item = (usize, &Command)> {
+    commands.iter().take(MAX_COMMANDS).enumerate().filter(move |(place, _)| admitted >> place & 1 == 1)
+}
+
+/// The place of the first trajectory among them.
+fn first_trajectory(commands: Commands<'_>, admitted: u64) -> Option<usize> {
+    live(commands, admitted)
+        .find(|(_, command)| matches!(command.action, Action::Trajectory(_)))
+        .map(|(place, _)| place)
 }
 
 #[cfg(test)]

@@ -3,6 +3,12 @@
 //! What is wrong in a request itself (an unknown name, a number that is none) is refused here with a sentence and never
 //! reaches the machine. What limits or states forbid is refused by the machine.
 
+mod setpoints;
+mod trajectory;
+
+pub use setpoints::SetpointRequest;
+pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
+
 use crate::command::{Length, Move, MoveMode, Probe, ProbeEdge, Synchronize};
 use crate::config::{AxisConfig, IoKind, MachineConfig};
 use crate::object::{AxisSet, Leader, Object};
@@ -91,6 +97,25 @@ pub enum RequestError {
         name: String,
         /// Who has it.
         allowed: &'static str,
+    },
+    /// Something of a trajectory.
+    #[error("{name}: {value}; {allowed}")]
+    BadTrajectory {
+        /// What.
+        name: String,
+        /// What was given.
+        value: String,
+        /// What it may be.
+        allowed: String,
+    },
+    /// A set of setpoints without one.
+    #[error("no axis is named; one or more, each with a velocity, are expected")]
+    NoSetpoint,
+    /// A name that stands twice where each axis stands once.
+    #[error("axis `{name}` stands twice; once is allowed")]
+    AxisTwice {
+        /// The name.
+        name: String,
     },
     /// Something that this version does not have.
     #[error("{0} does not exist yet")]

@@ -15,6 +15,17 @@ mod parameter;
 
 pub use parameter::{expected_text, range_text, refused_text, value_text};
 
+/// Warnings that only streamed setpoints have.
+const STREAMED: [Code; 7] = [
+    Code::NOT_ENABLED,
+    Code::IN_ERROR,
+    Code::QUICK_STOPPED,
+    Code::VELOCITY_TOO_HIGH,
+    Code::LIMIT_VIOLATION,
+    Code::STREAM_BUSY,
+    Code::SETPOINT_NO_NUMBER,
+];
+
 /// The sentence of an event.
 pub fn sentence(event: &Event, config: &MachineConfig) -> String {
     let name = config.name(event.source);
@@ -27,6 +38,9 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
         Kind::Overrun => format!("{} cycles missed", plain(event.asked)),
         Kind::Reset => format!("reset after: {}", reason(event, config)),
         Kind::Done if event.code.is_none() => "done".to_owned(),
+        Kind::Warning if STREAMED.contains(&event.code) => {
+            format!("streamed setpoints are not followed: {}", reason(event, config))
+        }
         _ => reason(event, config),
     };
     format!("{name}: {text}")
@@ -258,6 +272,7 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::PROBE_MISSED => fixed("nothing latched until the end of the search"),
         Code::NOT_REACHED => fixed("the goal before it did not reach its end"),
         Code::NOT_AT_STANDSTILL => fixed("the axis is still stopping"),
+        Code::NOT_ACTIVE => fixed("the machine is inactive; activate it first"),
         Code::OPEN_LOOP => fixed("the axis runs in open loop; only commands of `wf` move it"),
         Code::CLOSED_LOOP => fixed("the axis closes a position loop; a speed without one is for interface open_loop"),
         Code::AMC_OUTSIDE_TURN => {
@@ -277,6 +292,31 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::AMC_NO_FREEZE => {
             format!("{} {} waits for a latch; give `amc: {{freeze: ..}}` in the cell", key(event), asked())
         }
+        Code::TRAJECTORY_PATH_TOLERANCE => {
+            let what = measured(event.asked);
+            format!("off the path of its trajectory: {what} error {} lies beyond tolerance {}", asked(), limit())
+        }
+        Code::TRAJECTORY_GOAL_TOLERANCE => {
+            let what = measured(event.asked);
+            format!(
+                "not at the goal of its trajectory in time: {what} error {} lies beyond tolerance {}",
+                asked(),
+                limit()
+            )
+        }
+        Code::TRAJECTORY_IN_THE_PAST => {
+            let (last, now) = (plain(event.asked), plain(event.limit));
+            format!("the last point of the trajectory is at {last}; it must lie after the present time, {now}")
+        }
+        Code::TRAJECTORY_UNDER_WAY => fixed(
+            "the axis runs a trajectory; only an aborting goal, absolute, relative, additive or velocity, replaces it",
+        ),
+        Code::TRAJECTORY_ABOVE_MAX_POSITION => {
+            format!("between its points the trajectory would reach {}, above max_position {}", asked(), limit())
+        }
+        Code::TRAJECTORY_BELOW_MIN_POSITION => {
+            format!("between its points the trajectory would reach {}, below min_position {}", asked(), limit())
+        }
         Code::REPLACED => fixed("a newer command took the axis over"),
         Code::HALTED => fixed("halt ended the goal"),
         Code::CANCELLED => fixed("the goal was cancelled"),
@@ -290,6 +330,8 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::ENCODER_INVALID => fixed("the encoder gives no valid value"),
         Code::LEADER_LOST => fixed("what the axis follows is lost"),
         Code::DRIVE_STALE => fixed("the drive sent nothing new for more than 10 cycles"),
+        Code::STREAM_BUSY => fixed("something else moves the axis, and a stream takes no axis over; halt it first"),
+        Code::SETPOINT_NO_NUMBER => fixed("the velocity is no finite number"),
         Code::STREAM_TIMEOUT => fixed("streamed setpoints stopped coming"),
         Code::ENCODER_JUMP => format!("the leader jumped by {} in one cycle", asked()),
         Code::SYNC_LOST => fixed("the leader is faster than the axis may be; it lags and catches up"),

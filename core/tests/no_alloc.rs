@@ -2,19 +2,22 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoints,
-    Source, SyncMode, Synchronize,
+    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoint,
+    Setpoints, Source, SyncMode, Synchronize,
 };
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, IoKind, MachineConfig, MemoryConfig, MemoryKind};
 use lineshaft_core::drive::{Backend, Edge, EncoderInput, Interface, Latch};
-use lineshaft_core::event::Kind;
+use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{AxisParameters, Change, Layer, Row, Value};
+use lineshaft_core::position::Position;
 use lineshaft_core::sim::{Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
+use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
 use lineshaft_core::vocabulary::{amc, wf};
+use std::sync::Arc;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -96,12 +99,14 @@ impl Numbers {
 fn action(numbers: &mut Numbers) -> Action {
     if numbers.below(30) == 0 {
         let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);
-        return match numbers.below(5) {
+        return match numbers.below(8) {
             0 => Action::SaveParameters(set),
             1 => Action::ResetParameters { axes: set, layer: Layer::User },
             2 => Action::ResetParameters { axes: set, layer: Layer::Init },
             3 => Action::DeleteParameters(set),
-            _ => Action::PowerCycle,
+            4 => Action::PowerCycle,
+            5 => Action::Deactivate,
+            _ => Action::Activate,
         };
     }
     let axis = numbers.below(u64::from(AXES) + 1) as u16;
@@ -204,6 +209,25 @@ fn saia(axis: u16, numbers: &mut Numbers) -> Request {
     Request { commands: commands.into_iter().collect(), ..request }
 }
 
+/// A trajectory of two axes from wherever they are, slow enough for many of them.
+fn trajectory(numbers: &mut Numbers) -> Arc<Trajectory> {
+    let first = numbers.below(u64::from(AXES)) as u16;
+    let step = (200 + numbers.below(800)) * 1_000_000;
+    let times: Box<[u64]> = (1..=3).map(|place| place * step).collect();
+    let mut track = |axis| {
+        let tolerance = Tolerance { position: Some(100.0 + numbers.below(50_000) as f64), ..Tolerance::default() };
+        let knots = (0..3).map(|place| Knot {
+            position: Position::whole(numbers.below(40_000) as i64),
+            velocity: Some(if place == 2 { 0.0 } else { numbers.below(5_000) as f64 }),
+            acceleration: Some(0.0),
+        });
+        Track { axis, knots: knots.collect(), path: tolerance, goal: tolerance }
+    };
+    let tracks = Box::new([track(first), track((first + 4) % AXES)]);
+    let start = numbers.below(400_000_000) as i64 - 200_000_000;
+    Arc::new(Trajectory::new(start, times, tracks, Some(100_000_000)).expect("a sound one"))
+}
+
 #[test]
 fn no_cycle_takes_or_gives_back_memory() {
     let config = config();
@@ -213,22 +237,29 @@ fn no_cycle_takes_or_gives_back_memory() {
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
     let mut numbers = Numbers(7);
-    let mut stream = Setpoints { generation: 0, velocity: vec![None; usize::from(AXES)] };
+    let mut stream = Setpoints::none(usize::from(AXES));
     let (mut sequence, mut count, mut events, mut marks) = (0, 0_i64, 0, 0);
+    // As whoever gives them does: kept for as long as the machine may have them.
+    let (mut trajectories, mut runs) = (Vec::new(), 0);
     for cycle in 0..20_000_u64 {
-        let commands: Vec<Command> = (0..numbers.below(40).saturating_sub(37))
+        let mut commands: Vec<Command> = (0..numbers.below(40).saturating_sub(37))
             .map(|_| {
                 sequence += 1;
                 Command { sequence, source: Source::Scenario, action: action(&mut numbers) }
             })
             .collect();
+        if numbers.below(40) == 0 {
+            let trajectory = trajectory(&mut numbers);
+            trajectories.push(Arc::clone(&trajectory));
+            sequence += 1;
+            commands.push(Command { sequence, source: Source::Scenario, action: Action::Trajectory(trajectory) });
+        }
         if numbers.below(500) == 0
             && let Some(drive) = plant.drive(numbers.below(7) as usize)
         {
             drive.inject_fault(0x1234);
         }
-        stream.generation += 1;
-        stream.velocity[3] = (cycle % 4_000 < 1_000).then_some(1_000.0);
+        stream.axes[3] = (cycle % 4_000 < 1_000).then_some(Setpoint { velocity: 1_000.0, duration: None });
         inputs.cycle = cycle;
         assert_no_alloc(|| plant.read(&mut inputs));
         count += 20;
@@ -248,10 +279,21 @@ fn no_cycle_takes_or_gives_back_memory() {
         });
         assert_eq!(violation_count(), 0, "in cycle {cycle}");
         events += machine.events().len();
+        let begins = |event: &Event| {
+            event.kind == Kind::Accepted
+                && commands
+                    .iter()
+                    .any(|command| command.sequence == event.command && matches!(command.action, Action::Trajectory(_)))
+        };
+        runs += machine.events().iter().filter(|event| begins(event)).count();
         marks += machine.events().iter().filter(|event| event.kind == Kind::Mark).count();
     }
     assert!(events > 20_000, "a run in which little happens proves little: {events} events");
     assert!(marks > 10, "{marks} marks were found");
+    assert!(runs > 10, "{runs} trajectories ran");
+    drop(machine);
+    drop(kept);
+    assert!(trajectories.iter().all(|trajectory| Arc::strong_count(trajectory) == 1));
 }
 
 /// The watch is armed: a cycle that did take memory would be seen.

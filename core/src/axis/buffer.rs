@@ -14,7 +14,7 @@ use crate::command::{BufferMode, Move, MoveMode};
 use crate::event::{Event, EventQueue, Refusal};
 use crate::object::Object;
 use crate::position::Position;
-use crate::profile::{self, Limits, Motion, Plan};
+use crate::profile::{self, Limits, Motion, Plan, Shape};
 use serde::{Deserialize, Serialize};
 
 /// Most goals that wait.
@@ -173,15 +173,15 @@ impl Axis {
             && let Generator::Plan(course) = self.generator
             && course.pass != 0.0
         {
-            // Where the goal's own deceleration would pass a limit now, the largest one does not: the next goal had to keep it.
-            let mut limits = course.limits;
-            let plan = |limits: &Limits| match course.aim {
+            // Where the goal's own deceleration would pass a limit now, the largest one may not, and without a shape it does not:
+            // the next goal had to keep it, but an acceleration under way takes its time to run out in a shape.
+            let largest = Limits { velocity: course.limits.velocity, ..self.parameters.largest_limits() };
+            let constant = Limits { shape: Shape::Trapezoid, ..largest };
+            let stays = |limits: &Limits| match course.aim {
                 Aim::Target(target) => self.check_way(&self.plan_to(self.base(), target, limits), *limits).is_ok(),
                 _ => true,
             };
-            if !plan(&limits) {
-                limits = Limits { velocity: limits.velocity, ..self.parameters.largest_limits() };
-            }
+            let limits = [course.limits, largest].into_iter().find(stays).unwrap_or(constant);
             self.replan(cx, course.aim, limits);
         }
         removed
@@ -207,7 +207,7 @@ impl Axis {
         let result = result.and_then(|course| self.check_course(&course, from, next.limits).map(|()| course));
         match result {
             Ok(course) => {
-                self.goal = Some(Goal { sequence: next.sequence, ending: None, target, search: None });
+                self.goal = Some(Goal { sequence: next.sequence, ending: None, target, search: None, track: None });
                 self.judge.rested_at = None;
                 self.reference = next.request.mode.reference();
                 self.generator = Generator::Plan(course.with_lead(lead));

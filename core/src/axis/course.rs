@@ -168,6 +168,9 @@ impl Axis {
 
     /// Where the motion under way ends; none without end or motion.
     pub(super) fn course_end(&self) -> Option<Position> {
+        if let Some(goal) = self.goal.filter(|goal| goal.track.is_some()) {
+            return goal.target;
+        }
         let super::Generator::Plan(course) = &self.generator else { return None };
         match course.aim {
             Aim::Target(target) => Some(target),

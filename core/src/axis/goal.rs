@@ -3,6 +3,7 @@
 use super::course::{Aim, Course, ROUNDING};
 use super::power::Power;
 use super::probe::Search;
+use super::track::Tracker;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::command::{BufferMode, Move, MoveMode, SyncMode, Synchronize};
@@ -33,6 +34,8 @@ pub(super) struct Goal {
     pub target: Option<Position>,
     /// The mark that it searches for, or has found.
     pub search: Option<Search>,
+    /// The trajectory that it belongs to.
+    pub track: Option<Tracker>,
 }
 
 impl Axis {
@@ -41,6 +44,11 @@ impl Axis {
         if let Some(goal) = self.goal.take() {
             let taken_over = matches!(code, Code::REPLACED | Code::HALTED | Code::QUICK_STOP | Code::DISABLED);
             let code = goal.ending.filter(|_| taken_over).unwrap_or(code);
+            if goal.track.is_some() {
+                // The machine ends it for all of its axes at once.
+                self.left = Some((goal.sequence, code));
+                return;
+            }
             cx.events.push(Event::done(self.object(), goal.sequence, code, self.command.position));
         }
     }
@@ -55,7 +63,7 @@ impl Axis {
 
     fn begin_goal(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
         self.abandon(cx, Code::REPLACED);
-        self.goal = Some(Goal { sequence, ending: None, target, search: None });
+        self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None });
         self.judge.rested_at = None;
         self.accepted(cx, sequence);
     }
@@ -73,6 +81,7 @@ impl Axis {
         match (self.state, self.power) {
             (AxisState::ErrorStop, _) => Err(self.refuse(Code::IN_ERROR)),
             (AxisState::Stopping, _) => Err(self.refuse(Code::QUICK_STOPPED)),
+            _ if !self.active => Err(self.refuse(Code::NOT_ACTIVE)),
             (_, Power::On) => Ok(()),
             _ => Err(self.refuse(Code::NOT_ENABLED)),
         }
@@ -130,6 +139,10 @@ impl Axis {
     pub(super) fn start_move(&mut self, cx: &mut Context<'_>, sequence: u64, request: &Move) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
+        let waits = request.mode == MoveMode::Superimposed || request.buffer_mode != BufferMode::Aborting;
+        if waits && self.tracker().is_some() {
+            return Err(self.refuse(Code::TRAJECTORY_UNDER_WAY));
+        }
         if request.mode == MoveMode::Superimposed && !self.rests() {
             return self.start_superimposed(cx, sequence, request);
         }

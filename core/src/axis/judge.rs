@@ -117,7 +117,8 @@ impl Axis {
         self.finish_stop();
         self.judge.in_position = self.is_in_window(cx);
         let is_moving_state = matches!(self.state, AxisState::DiscreteMotion | AxisState::ContinuousMotion);
-        if !is_moving_state || self.power != Power::On {
+        // A trajectory ends for all of its axes at once.
+        if !is_moving_state || self.power != Power::On || self.tracker().is_some() {
             return;
         }
         let missed = self.searches();

@@ -21,11 +21,13 @@ mod publish;
 mod state;
 mod stops;
 mod stream;
+mod track;
 mod vocabulary;
 
 pub use direction::{Polarity, Reversing, Rule, Sense, may_turn_loop};
 pub use modulo::Modulo;
 pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, REFERENCES, Reference};
+pub use track::{Run, Violation};
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
@@ -47,6 +49,7 @@ use overlay::Overlay;
 use power::Power;
 use serde::{Deserialize, Serialize};
 use stops::Waiting;
+use stream::Streamed;
 use vocabulary::Awake;
 
 /// Longest delay of a drive in cycles.
@@ -90,8 +93,10 @@ pub struct Context<'a> {
     pub leads: &'a Leads,
     /// The latches of this cycle.
     pub latches: &'a [Latched],
-    /// Newest streamed setpoints.
+    /// Streamed setpoints that are new.
     pub stream: Option<&'a Setpoints>,
+    /// The trajectories that run.
+    pub runs: &'a [Option<Run>],
     /// Where events go.
     pub events: &'a mut EventQueue,
 }
@@ -107,6 +112,8 @@ pub struct Axis {
     state: AxisState,
     reference: Reference,
     power: Power,
+    /// As the machine is: it may be switched on and moved.
+    active: bool,
     drive_state: DriveState,
     /// Status bit 7 of the drive.
     warning: bool,
@@ -123,6 +130,8 @@ pub struct Axis {
     is_led: bool,
     generator: Generator,
     goal: Option<Goal>,
+    /// The trajectory that it has left in this cycle, and why.
+    left: Option<(u64, Code)>,
     overlay: Option<Overlay>,
     buffer: Buffer,
     /// The override that the motion under way was planned with (%).
@@ -133,8 +142,7 @@ pub struct Axis {
     brake: bool,
     /// Sign of the last motion, for direction CURRENT.
     last_direction: f64,
-    stream_generation: u64,
-    stream_age: u64,
+    streamed: Streamed,
     owner: Owner,
     amc: amc::Amc,
     saia: saia::Saia,
@@ -155,6 +163,7 @@ impl Axis {
             state: if is_virtual { AxisState::Standstill } else { AxisState::Disabled },
             reference: Reference::Stop,
             power: if is_virtual { Power::On } else { Power::Off },
+            active: true,
             drive_state: if is_virtual { DriveState::Enabled } else { DriveState::NotReady },
             warning: false,
             stale_cycles: 0,
@@ -167,6 +176,7 @@ impl Axis {
             is_led: false,
             generator: Generator::Rest,
             goal: None,
+            left: None,
             overlay: None,
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
@@ -175,9 +185,7 @@ impl Axis {
             error: Code::NONE,
             brake: false,
             last_direction: 0.0,
-            stream_generation: 0,
-            // None has ever come.
-            stream_age: u64::MAX,
+            streamed: Streamed::default(),
             owner: Owner::Native,
             amc: amc::Amc::default(),
             saia: saia::Saia::default(),
@@ -220,12 +228,23 @@ impl Axis {
         commands: impl Iterator<Item = (usize, &'c Command)>,
         answered: &mut u64,
     ) {
-        self.supervise(cx);
-        self.advance(cx);
-        self.take_mark(cx);
+        self.begin_step(cx);
         for (place, command) in commands {
             self.take(cx, place, command, answered);
         }
+        self.end_step(cx);
+        self.show_virtual();
+    }
+
+    /// The part of a cycle before its commands.
+    pub fn begin_step(&mut self, cx: &mut Context<'_>) {
+        self.supervise(cx);
+        self.advance(cx);
+        self.take_mark(cx);
+    }
+
+    /// The part of a cycle after its commands.
+    pub fn end_step(&mut self, cx: &mut Context<'_>) {
         self.follow_override(cx);
         self.leave_velocity(cx);
         self.step_vocabularies(cx);
@@ -233,6 +252,10 @@ impl Axis {
         self.judge(cx);
         self.switch_drive(cx);
         self.settle_waiting(cx);
+    }
+
+    /// The actual position of a virtual axis is its command.
+    pub fn show_virtual(&mut self) {
         if self.is_virtual() {
             let change = self.command.position - self.actual.position;
             let Motion { position, velocity, .. } = self.command;
@@ -241,12 +264,13 @@ impl Axis {
     }
 
     /// Applies a command that names this axis and answers it. Set commands were admitted for all their axes before.
-    fn take(&mut self, cx: &mut Context<'_>, place: usize, command: &Command, answered: &mut u64) {
+    pub fn take(&mut self, cx: &mut Context<'_>, place: usize, command: &Command, answered: &mut u64) {
         let sequence = command.sequence;
         let result = match &command.action {
             Action::Enable(axes) if axes.contains(self.setup.index) => return self.enable(cx, sequence),
             Action::Disable(axes) if axes.contains(self.setup.index) => return self.disable(cx, sequence),
             Action::Halt(axes) if axes.contains(self.setup.index) => return self.halt(cx, sequence),
+            Action::Deactivate => return self.begin_disable(cx),
             Action::QuickStop(axes) if axes.contains(self.setup.index) => return self.quick_stop(cx, sequence),
             Action::ResetErrors(axes) if axes.contains(self.setup.index) => return self.reset(cx, sequence),
             Action::Move(request) if request.axis == self.setup.index => self.start_move(cx, sequence, request),
@@ -256,7 +280,7 @@ impl Axis {
             }
             Action::Saia(request) if request.axis == self.setup.index => self.run_saia(cx, sequence, request),
             Action::Wf(request) if request.axis == self.setup.index => self.run_wf(cx, sequence, request),
-            Action::Cancel { goal } if self.cancel(cx, sequence, *goal) => Ok(()),
+            Action::Cancel { goal } if self.cancel(cx, sequence, *goal, *answered >> place & 1 == 1) => Ok(()),
             _ => return,
         };
         *answered |= 1 << place;
@@ -274,8 +298,11 @@ impl Axis {
             Generator::Rest => true,
             Generator::Open { .. } | Generator::Coast { .. } => self.is_open_loop(),
             Generator::Plan(_) | Generator::Follow(_) => !self.is_open_loop(),
+            Generator::Track(_) => !self.is_open_loop() && self.tracker().is_some(),
         };
-        fits && self.generator.is_sound()
+        let tracks = self.tracker().is_none_or(|tracker| tracker.is_sound()) && self.left.is_none();
+        fits && tracks
+            && self.generator.is_sound()
             && self.parameters.is_sound()
             && vocabularies
             && searches

@@ -23,6 +23,8 @@ pub(super) enum Generator {
     Plan(Course),
     /// A coupling.
     Follow(Follower),
+    /// A trajectory.
+    Track(Follower),
     /// Open loop: the drive runs at this speed (inc/s), and the command is where it is.
     Open { velocity: f64 },
     /// Open loop: switched off in cycle `since`, until the drive stands.
@@ -34,7 +36,7 @@ impl Generator {
         match self {
             Generator::Rest | Generator::Coast { .. } => true,
             Generator::Plan(course) => course.is_sound(),
-            Generator::Follow(follower) => follower.is_sound(),
+            Generator::Follow(follower) | Generator::Track(follower) => follower.is_sound(),
             Generator::Open { velocity } => velocity.is_finite(),
         }
     }
@@ -52,6 +54,7 @@ impl Axis {
         if self.is_open_loop() {
             return self.advance_open(cx);
         }
+        self.start_waiting_track(cx);
         self.is_led = matches!(self.generator, Generator::Follow(_));
         let base = match &self.generator {
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => {
@@ -59,6 +62,7 @@ impl Axis {
             }
             Generator::Plan(_) => Some(self.read_course(cx)),
             Generator::Follow(_) => self.follow(cx),
+            Generator::Track(_) => self.follow_track(cx),
         };
         // Without one, the axis stops already.
         if let Some(base) = base {
@@ -165,27 +169,23 @@ impl Axis {
         let watched = match &self.generator {
             // One that passes its target was checked with the goal behind it.
             Generator::Plan(course) => course.end_velocity() != 0.0 && course.pass == 0.0,
-            Generator::Follow(_) => true,
+            Generator::Follow(_) | Generator::Track(_) => true,
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
         };
         if !watched {
             return false;
         }
-        let way = self.stopping_way(next);
-        let up = way > 0.0;
+        let Some(up) = self.passed_limit(next) else { return false };
         let limit = Position::whole(self.limit(up));
-        let sign = if up { 1.0 } else { -1.0 };
-        let room = |from: Motion| sign * (limit - from.position).to_f64();
-        if way == 0.0 || room(next) + ROUNDING >= way.abs() {
-            return false;
-        }
+        let ahead = if up { self.command.velocity > 0.0 } else { self.command.velocity < 0.0 };
+        let is_within = if up { self.command.position < limit } else { self.command.position > limit };
         // The motion before kept the rule, so it can stop in time; it started a cycle ago.
         let before = Motion { acceleration: self.present().acceleration, ..self.command };
         let limits = self.sharpened(before, self.stop_limits());
-        let plan = if before.velocity * sign > 0.0 && room(before) > 0.0 {
+        let plan = if ahead && is_within {
             self.plan_stop_at(before, limit, &limits)
         } else {
-            profile::stop(before, &limits, self.setup.cycle_ns)
+            self.plan_stop(before, &limits)
         };
         let course = Course::new(plan, cx.cycle.saturating_sub(1), Aim::Stop, limits);
         self.command = course.at(cx.cycle);
@@ -197,6 +197,25 @@ impl Axis {
         self.judge.after_stop = self.parameters.error_reaction;
         self.set_state(cx, AxisState::ErrorStop);
         true
+    }
+
+    /// Which limit a stop after `next` would lead beyond: true for the upper one. A stop whose acceleration has to run out
+    /// may turn before it ends, so the limit ahead counts although it ends behind its start.
+    fn passed_limit(&self, next: Motion) -> Option<bool> {
+        let end = self.stopping_way(next);
+        let (mut down, mut up) = (end.min(0.0), end.max(0.0));
+        let limits = self.stop_limits();
+        if next.velocity * next.acceleration < 0.0 && limits.shape != Shape::Trapezoid {
+            let (low, high) = profile::stop(next, &limits, self.setup.cycle_ns).extent();
+            (down, up) = (down.min((low - next.position).to_f64()), up.max((high - next.position).to_f64()));
+        }
+        let room = |up: bool| (Position::whole(self.limit(up)) - next.position).to_f64();
+        // What lies ahead comes first.
+        let beyond = |is_up: bool| {
+            if is_up { up > 0.0 && room(true) + ROUNDING < up } else { down < 0.0 && room(false) - ROUNDING > down }
+        };
+        let first = next.velocity > 0.0;
+        [first, !first].into_iter().find(|up| beyond(*up))
     }
 
     /// The software limit in a direction, or the end of all positions.
@@ -212,7 +231,7 @@ impl Axis {
     pub(super) fn stop_limits(&self) -> Limits {
         let limits = self.parameters.largest_limits();
         match &self.generator {
-            Generator::Follow(_) => Limits { shape: Shape::Trapezoid, ..limits },
+            Generator::Follow(_) | Generator::Track(_) => Limits { shape: Shape::Trapezoid, ..limits },
             // Maxima that were lowered meanwhile hold from the next motion on.
             Generator::Plan(course) => limits.at_least(&course.limits),
             _ => limits,
@@ -224,7 +243,10 @@ impl Axis {
     fn stopping_way(&self, next: Motion) -> f64 {
         let limits = self.stop_limits();
         match &self.generator {
-            Generator::Follow(follower) => {
+            Generator::Track(_) if self.tracker().is_some_and(|tracker| tracker.is_exact()) => {
+                profile::stopping_way(next, &limits)
+            }
+            Generator::Follow(follower) | Generator::Track(follower) => {
                 let cycle_s = self.cycle_s();
                 let step = (next.velocity.abs() * cycle_s - follower.uneven()).max(0.0);
                 let less = limits.deceleration * cycle_s * cycle_s;
@@ -250,11 +272,9 @@ impl Axis {
             return constant();
         }
         let limits = Limits { velocity: from.velocity.abs(), ..*limits };
-        let up = target > from.position;
         let plan_to = |end: Position| {
             let plan = profile::to_rest(from, end, &limits, self.setup.cycle_ns);
-            let (low, high) = plan.extent();
-            (if up { high <= target } else { low >= target }).then_some(plan)
+            self.passed_by(&plan, from).is_none().then_some(plan)
         };
         if let Some(plan) = plan_to(target) {
             return plan;
@@ -282,13 +302,14 @@ impl Axis {
         let now = self.command.position;
         let stopping = match &self.generator {
             Generator::Plan(course) if course.end_velocity() != 0.0 => Some(self.earliest_rest()),
-            Generator::Follow(_) => Some(self.earliest_rest()),
+            Generator::Follow(_) | Generator::Track(_) => Some(self.earliest_rest()),
             Generator::Rest if self.overlay.is_some() => Some(now),
             // Where an axis coasts to is not known.
             _ => None,
         };
         let stopping = stopping.map(|rest| (now.min(rest), now.max(rest)));
-        let (low, high) = [stopping, self.known_reach()].into_iter().flatten().reduce(union)?;
+        let tracked = self.tracker().map(|tracker| tracker.extent());
+        let (low, high) = [stopping, self.known_reach(), tracked].into_iter().flatten().reduce(union)?;
         let (down, up) = self.overlay_ahead();
         Some(((low + down).floor(), (high + up).ceil()))
     }
@@ -318,17 +339,29 @@ impl Axis {
     /// A plan to rest with `limits`, or as much more as it takes to stay within the limit.
     pub(super) fn plan_stop(&self, from: Motion, limits: &Limits) -> Plan {
         let plan = profile::stop(from, limits, self.setup.cycle_ns);
+        let Some(up) = self.passed_by(&plan, from) else { return plan };
+        let sharpest = self.sharpened(from, self.stop_limits());
+        let ahead = if up { from.velocity > 0.0 } else { from.velocity < 0.0 };
+        if ahead {
+            return self.plan_stop_at(from, Position::whole(self.limit(up)), &sharpest);
+        }
+        // Its acceleration would swing it back, beyond the limit behind it: one that ends at once does not.
+        let plan = profile::stop(from, &Limits { shape: Shape::Trapezoid, ..sharpest }, self.setup.cycle_ns);
+        match self.passed_by(&plan, from) {
+            Some(up) => profile::stop_at(from, Position::whole(self.limit(up)), self.setup.cycle_ns),
+            None => plan,
+        }
+    }
+
+    /// Which limit a plan from `from` leads beyond: true for the upper one. Beyond a limit already, it can only stop.
+    fn passed_by(&self, plan: &Plan, from: Motion) -> Option<bool> {
         let (low, high) = plan.extent();
         let (lowest, highest) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
-        let sharpest = self.sharpened(from, self.stop_limits());
-        // Beyond a limit already, it can only stop.
-        if high > highest && from.position < highest && from.velocity > 0.0 {
-            return self.plan_stop_at(from, highest, &sharpest);
+        match () {
+            () if high > highest && from.position < highest => Some(true),
+            () if low < lowest && from.position > lowest => Some(false),
+            () => None,
         }
-        if low < lowest && from.position > lowest && from.velocity < 0.0 {
-            return self.plan_stop_at(from, lowest, &sharpest);
-        }
-        plan
     }
 
     /// Stops from the present motion; at rest it stays where its drive is asked to be.

@@ -124,20 +124,6 @@ impl Axis {
         }
     }
 
-    /// Streamed setpoints cannot be followed: told once when they begin to come.
-    pub(super) fn refuse_stream(&mut self, cx: &mut Context<'_>) {
-        let silence = self.stream_age.saturating_mul(self.setup.cycle_ns);
-        self.stream_age = self.stream_age.saturating_add(1);
-        let Some(stream) = cx.stream.filter(|stream| stream.generation != self.stream_generation) else { return };
-        self.stream_generation = stream.generation;
-        if stream.velocity.get(usize::from(self.setup.index)).is_some_and(Option::is_some) {
-            self.stream_age = 0;
-            if silence > self.parameters.setpoint_timeout.unsigned_abs() {
-                cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::OPEN_LOOP));
-            }
-        }
-    }
-
     /// Which outputs it switches, by their places in section `io`.
     pub fn wiring(&self) -> Wiring {
         self.setup.open_loop

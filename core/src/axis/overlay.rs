@@ -105,7 +105,7 @@ impl Axis {
         let (sequence, ending) = (overlay.sequence, overlay.ending);
         match &mut self.generator {
             Generator::Plan(course) => course.shift(change),
-            Generator::Follow(follower) => follower.shift(change),
+            Generator::Follow(follower) | Generator::Track(follower) => follower.shift(change),
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => {}
         }
         if let Some(target) = self.goal.as_mut().and_then(|goal| goal.target.as_mut()) {
@@ -221,7 +221,7 @@ impl Axis {
         let most = self.parameters.largest_limits();
         let used = match &self.generator {
             Generator::Plan(course) => Some(course.limits),
-            Generator::Follow(_) => Some(self.parameters.usual_limits()),
+            Generator::Follow(_) | Generator::Track(_) => Some(self.parameters.usual_limits()),
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => None,
         };
         // The goals that wait will move it beside this one too.

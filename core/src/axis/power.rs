@@ -41,6 +41,25 @@ impl Axis {
         self.setup.drive.map_or(0, |(_, delay)| delay.into())
     }
 
+    /// Takes over whether the machine is active.
+    pub fn set_active(&mut self, active: bool) {
+        self.active = active;
+    }
+
+    /// May it be switched on and moved?
+    pub fn is_active(&self) -> bool {
+        self.active
+    }
+
+    /// Does it stand without power, as far as its drive shows? A virtual axis only stands.
+    pub fn is_off(&self) -> bool {
+        if self.is_virtual() {
+            return self.rests();
+        }
+        let runs = matches!(self.drive_state, DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction);
+        self.power == Power::Off && !runs
+    }
+
     pub(super) fn is_virtual(&self) -> bool {
         self.setup.drive.is_none()
     }

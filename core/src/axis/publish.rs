@@ -26,6 +26,9 @@ struct Master {
 
 impl Axis {
     fn coupling(&self, leads: &Leads) -> Coupling {
+        if let Some(error) = self.track_error_position() {
+            return Coupling { error: error.nearest(), ..Coupling::default() };
+        }
         let Generator::Follow(follower) = &self.generator else { return Coupling::default() };
         let error = follower.error(self.command.position).floor();
         let window = follower.accuracy();

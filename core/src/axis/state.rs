@@ -66,6 +66,8 @@ pub enum Reference {
     PositionProfile = 7,
     /// Streamed setpoints.
     Stream = 9,
+    /// A trajectory.
+    Trajectory = 10,
 }
 
 impl Reference {

@@ -112,7 +112,8 @@ impl Axis {
     }
 
     pub(super) fn enable(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        if self.power == Power::Off {
+        // A deactivation of the same cycle wins over it: the wait ends at once then.
+        if self.power == Power::Off && self.active {
             // Who has just switched it off has what it wanted, though it does not last.
             self.waiting.end(cx.events, self.setup.index, Until::Disabled, Code::NONE, self.command.position);
             self.power = Power::SwitchingOn { since: cx.cycle };
@@ -121,11 +122,16 @@ impl Axis {
     }
 
     pub(super) fn disable(&mut self, cx: &mut Context<'_>, sequence: u64) {
+        self.begin_disable(cx);
+        self.wait(cx, sequence, if self.is_virtual() { Until::Standstill } else { Until::Disabled });
+    }
+
+    /// Stops with the maximum deceleration, then switches off; nobody is told its end.
+    pub(super) fn begin_disable(&mut self, cx: &mut Context<'_>) {
         self.abandon(cx, Code::DISABLED);
         if self.is_virtual() {
             // A virtual axis is always on: there is only its motion to end.
             self.brake_to_rest(cx, &self.stop_limits());
-            self.wait(cx, sequence, Until::Standstill);
             return;
         }
         match self.power {
@@ -136,7 +142,6 @@ impl Axis {
             Power::SwitchingOff => {}
             _ => self.switch_off(cx),
         }
-        self.wait(cx, sequence, Until::Disabled);
     }
 
     pub(super) fn halt(&mut self, cx: &mut Context<'_>, sequence: u64) {
@@ -195,7 +200,8 @@ impl Axis {
     }
 
     /// Ends a goal of this axis with a controlled stop; the active one lives until the axis stands. False for another's.
-    pub(super) fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64, goal: u64) -> bool {
+    /// `is_told`: another axis of the same goal has answered.
+    pub(super) fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64, goal: u64, is_told: bool) -> bool {
         let is_active = self.goal.is_some_and(|active| active.sequence == goal);
         let is_overlay = self.overlay.is_some_and(|overlay| overlay.sequence == goal);
         let answer = |kind| Event::new(Severity::Info, kind, self.object(), Code::NONE).of_command(sequence);
@@ -206,6 +212,9 @@ impl Axis {
             }
             cx.events.push(accepted);
             self.cancel_waiting(cx, goal);
+        } else if is_told {
+            self.cancel_active(cx);
+            return true;
         } else {
             cx.events.push(accepted);
             if is_overlay {

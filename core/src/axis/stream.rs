@@ -1,48 +1,108 @@
 //! Streamed setpoints: the newest velocity holds until the next one, and for no longer than setpoint_timeout.
+//!
+//! Law      a setpoint moves an axis that is on and stands, or that a setpoint moves already; it takes no axis from a goal. An axis
+//!          that has had none for longer than `setpoint_timeout` stops, and says so; one whose setpoint was asked for so
+//!          long and no longer stops then, and is free for the next one on its way
+//! Refuses  what it may not follow: told once by a warning with the reason, and again when that changes or the stream was silent
+//!          between. A setpoint of 0 asks for nothing that anybody would miss, and is not told of
 
 use super::course::Aim;
-use super::power::Power;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
-use crate::event::{Event, Kind, Severity};
+use crate::event::{Event, Kind, Number, Severity};
 use crate::vocabulary::Owner;
+use crate::{command::Setpoint, event::Refusal};
+use serde::{Deserialize, Serialize};
+
+/// What an axis knows of its setpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Streamed {
+    /// Cycles since the last one that it followed.
+    age: u64,
+    /// For how long that one was asked for (ns).
+    duration: Option<u64>,
+    /// Cycles since the last one that came.
+    silence: u64,
+    /// Why one was not followed, as it was told.
+    told: Code,
+}
+
+impl Default for Streamed {
+    /// None has ever come.
+    fn default() -> Self {
+        Self { age: u64::MAX, duration: None, silence: u64::MAX, told: Code::NONE }
+    }
+}
 
 impl Axis {
-    /// Takes the newest streamed velocity, and stops when none has come for too long.
+    /// Takes a new setpoint, and stops when none has come for too long.
     pub(super) fn follow_stream(&mut self, cx: &mut Context<'_>) {
-        if self.is_open_loop() {
-            return self.refuse_stream(cx);
-        }
-        let streams = self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream;
-        let free = self.state == AxisState::Standstill || streams;
-        let newest = cx.stream.filter(|stream| stream.generation != self.stream_generation);
-        let wanted = newest.and_then(|stream| *stream.velocity.get(usize::from(self.setup.index))?);
-        self.stream_age = self.stream_age.saturating_add(1);
-        if let Some(stream) = newest {
-            self.stream_generation = stream.generation;
-        }
-        // NaN fails the comparison: a bad setpoint is no sign of life.
-        if let Some(velocity) = wanted
-            && free
-            && self.power == Power::On
-            && velocity.abs() <= self.velocity_for_base()
-            && self.check_forward(velocity).is_ok()
-        {
-            self.stream_age = 0;
-            if velocity != 0.0 || !self.rests() {
-                self.stream_at(cx, velocity);
-            }
-        }
         let timeout = self.parameters.setpoint_timeout.unsigned_abs();
-        let silent = self.stream_age.saturating_mul(self.setup.cycle_ns) > timeout;
+        let Streamed { age, silence, .. } = &mut self.streamed;
+        (*age, *silence) = (age.saturating_add(1), silence.saturating_add(1));
+        if silence.saturating_mul(self.setup.cycle_ns) > timeout {
+            self.streamed.told = Code::NONE;
+        }
+        let new = cx.stream.and_then(|stream| *stream.axes.get(usize::from(self.setup.index))?);
+        if let Some(setpoint) = new {
+            self.streamed.silence = 0;
+            self.take_setpoint(cx, setpoint);
+        }
+        let age = self.streamed.age.saturating_mul(self.setup.cycle_ns);
         // Also one that the override holds: it is not to move once that lets it go.
         let runs = matches!(&self.generator, Generator::Plan(course) if course.aim != Aim::Stop);
-        if self.reference == Reference::Stream && runs && silent {
+        if self.reference != Reference::Stream || !runs {
+            return;
+        }
+        if age > timeout {
             self.end_overlay(cx, Code::STREAM_TIMEOUT);
             self.brake_to_rest(cx, &self.parameters.usual_limits());
             cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::STREAM_TIMEOUT));
+        } else if self.streamed.duration.is_some_and(|duration| age >= duration) {
+            self.stream_at(cx, 0.0);
         }
     }
+
+    fn take_setpoint(&mut self, cx: &mut Context<'_>, Setpoint { velocity, duration }: Setpoint) {
+        match self.check_setpoint(velocity) {
+            Ok(true) => {
+                self.streamed = Streamed { age: 0, duration, silence: 0, told: Code::NONE };
+                if velocity != 0.0 || !self.rests() {
+                    self.stream_at(cx, velocity);
+                }
+            }
+            Ok(false) => {}
+            // One that is not followed is no sign of life.
+            Err(refusal) if velocity != 0.0 && self.streamed.told != refusal.code => {
+                self.streamed.told = refusal.code;
+                let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
+                cx.events.push(event.with(refusal.asked, refusal.limit));
+            }
+            Err(_) => {}
+        }
+    }
+
+    /// May the axis follow it? Not yet, where it comes to rest by itself.
+    fn check_setpoint(&self, velocity: f64) -> Result<bool, Refusal> {
+        let refuse = |code, limit| Err(Refusal::new(code, self.object()).with(Number::Velocity(velocity), limit));
+        self.check_closed_loop()?;
+        if !velocity.is_finite() {
+            // Without it: an event with NaN would not equal itself.
+            return Err(Refusal::new(Code::SETPOINT_NO_NUMBER, self.object()));
+        }
+        self.check_free()?;
+        let streams = self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream;
+        if !streams && self.state != AxisState::Standstill {
+            let stops = matches!(&self.generator, Generator::Plan(course) if course.aim == Aim::Stop);
+            return if stops { Ok(false) } else { refuse(Code::STREAM_BUSY, Number::None) };
+        }
+        let most = self.velocity_for_base();
+        if velocity.abs() > most {
+            return refuse(Code::VELOCITY_TOO_HIGH, Number::Velocity(most));
+        }
+        self.check_velocity(velocity).map(|()| true)
+    }
+
     fn stream_at(&mut self, cx: &mut Context<'_>, velocity: f64) {
         let from = self.base();
         let usual = self.parameters.usual_limits();

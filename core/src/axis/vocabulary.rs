@@ -258,6 +258,9 @@ impl Axis {
     pub(crate) fn obey(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
         match order {
             Order::SwitchOn => {
+                if !self.active {
+                    return Err(Refusal::new(Code::NOT_ACTIVE, self.object()));
+                }
                 if self.power == Power::Off && !self.is_virtual() {
                     self.power = Power::SwitchingOn { since: cx.cycle };
                 }

@@ -40,7 +40,18 @@ impl Machine {
 
     /// True where the axes have to look at the command.
     fn admit_one(&mut self, command: &Command) -> Result<bool, Refusal> {
+        if command.action.needs_active() && !self.state.active {
+            return Err(Refusal::new(Code::NOT_ACTIVE, Object::Machine));
+        }
         match &command.action {
+            Action::Activate => {
+                self.activate(command);
+                Ok(false)
+            }
+            Action::Deactivate => {
+                self.deactivate(command);
+                Ok(true)
+            }
             Action::Enable(axes)
             | Action::Disable(axes)
             | Action::Halt(axes)
@@ -52,7 +63,12 @@ impl Machine {
                 Ok(true)
             }
             Action::Synchronize(request) => self.admit_synchronize(request),
-            Action::Move(_) | Action::Probe(_) | Action::Saia(_) | Action::Wf(_) | Action::Cancel { .. } => Ok(true),
+            Action::Move(_)
+            | Action::Probe(_)
+            | Action::Saia(_)
+            | Action::Wf(_)
+            | Action::Cancel { .. }
+            | Action::Trajectory(_) => Ok(true),
             Action::SetParameters(changes) => {
                 self.set_parameters(command, changes)?;
                 Ok(false)

@@ -15,6 +15,7 @@ use crate::vocabulary::{Latched, amc, saia, wf};
 
 /// Names of `machine.state`, by number.
 const MACHINE_STATES: &[&str] = &["INACTIVE", "ACTIVE", "ERROR"];
+const INACTIVE: i64 = 0;
 const ACTIVE: i64 = 1;
 const ERROR: i64 = 2;
 
@@ -126,9 +127,18 @@ impl Signals {
         board.set_int(first.plus(3), if lead.valid { 0 } else { i64::from(Code::ENCODER_INVALID.0) });
     }
 
-    pub(super) fn publish_machine(&self, board: &mut Board, axes: &[Axis], overruns: u64) {
+    pub(super) fn publish_machine(&self, board: &mut Board, axes: &[Axis], active: bool, overruns: u64) {
         let error = axes.iter().map(Axis::error).find(|error| !error.is_none()).unwrap_or(Code::NONE);
-        board.set_int(self.machine, if error.is_none() { ACTIVE } else { ERROR });
+        board.set_int(
+            self.machine,
+            if !error.is_none() {
+                ERROR
+            } else if active {
+                ACTIVE
+            } else {
+                INACTIVE
+            },
+        );
         board.set_int(self.machine.plus(1), i64::from(error.0));
         board.set_int(self.machine.plus(2), overruns.cast_signed());
     }

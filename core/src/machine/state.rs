@@ -4,7 +4,7 @@
 //! Refuses  a state of another shape than the config's: other axes, encoders, signals, drives
 
 use super::Machine;
-use crate::axis::Axis;
+use crate::axis::{Axis, Run};
 use crate::config::{ConfigError, MachineConfig};
 use crate::encoder::Encoder;
 use crate::parameter::AxisParameters;
@@ -25,10 +25,16 @@ pub struct State {
     pub(super) overruns: u64,
     /// Number of the next event.
     pub(super) next_event: u64,
+    /// Axes may be switched on and moved.
+    pub(super) active: bool,
+    /// Sequence number of the deactivation under way: it is told when every drive is off.
+    pub(super) deactivating: Option<u64>,
     /// Layer User of the parameters, by axis.
     pub(super) user: Vec<AxisParameters>,
     /// Grows with every change of a parameter or layer.
     pub(super) parameter_version: u64,
+    /// The trajectories that run, each in a place; there are as many places as axes.
+    pub(super) runs: Vec<Option<Run>>,
 }
 
 /// Why a state does not belong to a machine.
@@ -59,6 +65,12 @@ pub enum StateError {
         /// Its name.
         axis: String,
     },
+    /// Axes that do not know what the machine is.
+    #[error("the state holds axes that are active in a machine that is not, or the other way round")]
+    Active,
+    /// A trajectory that its axes do not run, or that none can be.
+    #[error("the state holds a trajectory that its axes do not run")]
+    Trajectory,
     /// Encoders of another width.
     #[error("the state holds encoders of another width than the cell")]
     Encoders,
@@ -85,8 +97,10 @@ impl State {
         self.encoders.clone_from(&first.encoders);
         self.order.clone_from(&first.order);
         self.leads.copy_from(&first.leads);
+        self.runs.clone_from(&first.runs);
         for (axis, user) in self.axes.iter_mut().zip(&self.user) {
             axis.begin_with(*user);
+            axis.set_active(self.active);
         }
     }
 
@@ -100,6 +114,7 @@ impl State {
         shape("axes", self.axes.len(), fresh.axes.len())?;
         shape("saved sets of parameters", self.user.len(), fresh.user.len())?;
         shape("encoders", self.encoders.len(), fresh.encoders.len())?;
+        shape("places for trajectories", self.runs.len(), fresh.runs.len())?;
         shape("leading commands", self.leads.command.len(), fresh.leads.command.len())?;
         shape("leading actual positions", self.leads.actual.len(), fresh.leads.actual.len())?;
         shape("leading encoders", self.leads.encoder.len(), fresh.leads.encoder.len())?;
@@ -107,6 +122,9 @@ impl State {
         order.sort_unstable();
         if !order.iter().copied().eq(0..self.axes.len() as u16) {
             return Err(StateError::Order);
+        }
+        if self.axes.iter().any(|axis| axis.is_active() != self.active) {
+            return Err(StateError::Active);
         }
         if !std::iter::zip(&self.encoders, &fresh.encoders).all(|(mine, fresh)| mine.has_width_of(fresh)) {
             return Err(StateError::Encoders);
@@ -122,7 +140,29 @@ impl State {
                 return Err(StateError::Unsound { axis: axis.name.clone() });
             }
         }
+        if !self.has_sound_runs(machine.config.cycle_ns) {
+            return Err(StateError::Trajectory);
+        }
         Ok(())
+    }
+
+    /// Is each trajectory one, and run by its axes and by no others?
+    fn has_sound_runs(&self, cycle_ns: u64) -> bool {
+        let is_run = |slot: usize, run: &Run| {
+            let mut tracks = run.trajectory.tracks().iter().enumerate();
+            let axis = |index: u16| self.axes.get(usize::from(index));
+            run.cycle_ns == cycle_ns
+                && run.trajectory.is_sound()
+                && tracks.all(|(track, of)| axis(of.axis).is_some_and(|axis| axis.tracks(run.sequence, slot, track)))
+        };
+        let is_known = |(sequence, slot, track): (u64, usize, usize), index: usize| {
+            let run = self.runs.get(slot).and_then(Option::as_ref).filter(|run| run.sequence == sequence);
+            run.and_then(|run| run.trajectory.tracks().get(track)).is_some_and(|track| usize::from(track.axis) == index)
+        };
+        let runs = self.runs.iter().enumerate();
+        let axes = self.axes.iter().enumerate();
+        runs.filter_map(|(slot, run)| run.as_ref().map(|run| (slot, run))).all(|(slot, run)| is_run(slot, run))
+            && axes.filter_map(|(index, axis)| Some((axis.tracked()?, index))).all(|(of, index)| is_known(of, index))
     }
 }
 
@@ -153,6 +193,7 @@ impl Clone for State {
             order: self.order.clone(),
             leads: self.leads.clone(),
             user: self.user.clone(),
+            runs: self.runs.clone(),
             ..*self
         }
     }
@@ -165,7 +206,10 @@ impl Clone for State {
         self.order.clone_from(&other.order);
         self.leads.copy_from(&other.leads);
         self.user.clone_from(&other.user);
+        // Who gave a trajectory frees it: here only counts change.
+        self.runs.clone_from(&other.runs);
         (self.cycle, self.overruns, self.next_event) = (other.cycle, other.overruns, other.next_event);
         self.parameter_version = other.parameter_version;
+        (self.active, self.deactivating) = (other.active, other.deactivating);
     }
 }

@@ -1,5 +1,6 @@
 mod rig;
 
+mod activity;
 mod amc;
 mod anything;
 mod buffer;
@@ -17,6 +18,8 @@ mod parameters;
 mod probe;
 mod state;
 mod stops;
+mod stream;
 mod superimposed;
 mod synchronize;
 mod together;
+mod trajectory;

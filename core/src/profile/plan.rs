@@ -87,6 +87,9 @@ fn far(base: Position, way: f64) -> Position {
     base + Position::from_f64(way)
 }
 
+/// Way of a phase that is rounding (inc).
+const NEGLIGIBLE: f64 = 1e-9;
+
 /// A planned profile, read by elapsed cycles.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Plan {
@@ -212,40 +215,61 @@ impl Plan {
         if self.waves >> (index % MAX_PHASES) & 1 == 0 { phase.at(clock) } else { phase.wave_at(clock) }
     }
 
-    /// Lowest and highest position from `now` to its end: its way, or the turn that still lies ahead.
+    /// Lowest and highest position from `now` to its end, which is `now`, the end or where it turns.
     pub fn extent_from(&self, now: Position) -> (Position, Position) {
         let (low, high) = self.extent();
-        // Between its start and now it may have passed places that it will not see again; keeping them errs on the safe side
-        // only where it turns, and there they still lie ahead.
-        let low = if low == self.start { now.min(self.end) } else { low };
-        let high = if high == self.start { now.max(self.end) } else { high };
-        (low, high)
+        // Places between its start and now it will not see again, but for those to which it turns back; of the turns those that
+        // lie behind it are kept too, which errs on the safe side.
+        let (mut least, mut most) = (now.min(self.end), now.max(self.end));
+        self.places(|place, is_turn| {
+            if is_turn {
+                (least, most) = (least.min(place), most.max(place));
+            }
+        });
+        (if low == self.start { least } else { low }, if high == self.start { most } else { high })
     }
 
     /// Lowest and highest position on the way; for a plan to rest.
     pub fn extent(&self) -> (Position, Position) {
         let (mut low, mut high) = (self.start.min(self.end), self.start.max(self.end));
-        let mut see = |position: Position| {
-            low = low.min(position);
-            high = high.max(position);
-        };
+        self.places(|place, _| (low, high) = (low.min(place), high.max(place)));
+        (low, high)
+    }
+
+    /// Where its phases meet, and where it turns: within a phase, or from one to the next.
+    fn places(&self, mut see: impl FnMut(Position, bool)) {
         let turn = usize::from(self.turn).min(MAX_PHASES);
         let places = (0..usize::from(self.count).min(turn)).chain(turn..MAX_PHASES);
+        let mut direction = 0.0;
         for index in places.clone() {
             let begin = self.begins.get(index).copied().unwrap_or_default();
             let next = places.clone().find(|next| *next > index).and_then(|next| self.begins.get(next));
             let end = next.copied().unwrap_or(self.duration);
             let (before, after) = (self.read(index, begin), self.read(index, end));
             let base = if index >= turn { self.end } else { self.start };
-            // What counts from the start is exact where it begins, what counts from the end where it ends.
-            see(position(base, if index >= turn { after.0 } else { before.0 }));
             // Within a phase the acceleration has one sign.
-            if before.1.velocity * after.1.velocity < 0.0 {
-                let way = self.read(index, self.turning_time(index, begin, end)).0;
-                see(position(base, way));
+            let turns = before.1.velocity * after.1.velocity < 0.0;
+            let way = after.0 - before.0;
+            let moves = way.abs() > NEGLIGIBLE;
+            let (first, last) = match (turns, moves) {
+                (true, _) => (before.1.velocity, after.1.velocity),
+                (false, true) => (way, way),
+                (false, false) => (direction, direction),
+            };
+            // What counts from the start is exact where it begins, what counts from the end where it ends.
+            let turned = first * direction < 0.0;
+            if index < turn || turned {
+                see(position(base, before.0), turned);
             }
+            if index >= turn {
+                see(position(base, after.0), false);
+            }
+            if turns {
+                let way = self.read(index, self.turning_time(index, begin, end)).0;
+                see(position(base, way), true);
+            }
+            direction = last;
         }
-        (low, high)
     }
 
     /// When the velocity of a phase passes through zero between `begin` and `end` (s).

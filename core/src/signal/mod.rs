@@ -210,11 +210,13 @@ impl Board {
         }
     }
 
-    pub(crate) fn set_int(&mut self, signal: Signal, value: i64) {
+    /// Sets an integer, bit, enum or word; one of another board stays.
+    pub fn set_int(&mut self, signal: Signal, value: i64) {
         self.set(signal, value.cast_unsigned());
     }
 
-    pub(crate) fn set_real(&mut self, signal: Signal, value: f64) {
+    /// Sets a real; one of another board stays.
+    pub fn set_real(&mut self, signal: Signal, value: f64) {
         self.set(signal, value.to_bits());
     }
 

@@ -80,6 +80,8 @@ pub struct Follower {
     phase: Phase,
     /// Where the gear wants the slave.
     target: Position,
+    /// Where the leader will stop at once, if that is known: the slave slows down before.
+    halt: Option<Position>,
     bounds: Bounds,
     counted: bool,
     /// Error up to which it counts as accurate (inc); negative: the error is shown with its sign.
@@ -113,7 +115,19 @@ impl Follower {
     ) -> Self {
         let counted = !matches!(leader, Leader::AxisCommand(_));
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
-        Self { leader, disengage, mode, gear, phase, target, bounds, counted, accuracy: 0, last: 0.0, mean: 0.0 }
+        let halt = None;
+        Self { leader, disengage, mode, gear, phase, target, halt, bounds, counted, accuracy: 0, last: 0.0, mean: 0.0 }
+    }
+
+    /// The same, exactly on its leader from the first cycle on, as far as its limits allow.
+    #[must_use]
+    pub fn at_once(self) -> Self {
+        Self { phase: Phase::Synchronized, ..self }
+    }
+
+    /// Says where the leader will stop at once, while the slave is on its straight way there; none: nobody knows.
+    pub fn halt_at(&mut self, halt: Option<Position>) {
+        self.halt = halt;
     }
 
     /// The same with a way of the leader that is past already and counts.
@@ -195,11 +209,13 @@ impl Follower {
             Rule::WithMaster => geared >= 0.0,
             Rule::Never => true,
         };
-        let follows = !(forward_only && geared < 0.0) && self.can_follow(geared, before, uneven, cycle_s, bounds);
+        let rate = bounds.acceleration * cycle_s * cycle_s;
+        let ahead = self.slowed(slave.position, geared, rate) == geared;
+        let follows =
+            ahead && !(forward_only && geared < 0.0) && self.can_follow(geared, before, uneven, cycle_s, bounds);
         let position = match self.phase {
             Phase::Synchronized if follows => slave.position + change,
             _ => {
-                let rate = bounds.acceleration * cycle_s * cycle_s;
                 let (low, high) = (before - rate - uneven, before + rate + uneven);
                 // What went backwards with its leader may still slow down.
                 let low = if forward_only { low.max(high.min(0.0)) } else { low };
@@ -217,6 +233,14 @@ impl Follower {
         let rate = if geared.abs() > before.abs() { bounds.max_acceleration } else { bounds.max_deceleration };
         geared.abs() <= bounds.max_velocity * cycle_s + uneven + grid
             && (geared - before).abs() <= rate * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + grid
+    }
+
+    /// A step that leads the slave no further than it can still stop for the halt of its leader.
+    fn slowed(&self, position: Position, step: f64, rate: f64) -> f64 {
+        match self.halt.map(|halt| (halt - position).to_f64()) {
+            Some(way) if way * step > 0.0 => step.abs().min(closing(way, rate).0.abs()).copysign(step),
+            _ => step,
+        }
     }
 
     /// The position after a cycle of catching up, with a step between `low` and `high`; turns to synchronized when it arrives.
@@ -238,7 +262,7 @@ impl Follower {
         // A leader that is as fast as the goal's velocity can only be caught with more.
         let catches = bounds.velocity * cycle_s > geared.abs();
         let top = if catches { bounds.velocity } else { bounds.max_velocity } * cycle_s;
-        let wanted = (geared + closing).clamp(-top, top);
+        let wanted = self.slowed(position, (geared + closing).clamp(-top, top), rate);
         // Not `clamp`: a state that was made up may have no number before.
         let step = wanted.max(low).min(high);
         // Bit for bit the velocity that is asked for: nothing held it back.

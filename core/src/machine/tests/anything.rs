@@ -4,8 +4,7 @@ use super::rig::{Rig, at, cases, config, to};
 use crate::axis::Modulo;
 use crate::code::Code;
 use crate::command::{
-    Action, BufferMode, Commands, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoints, SyncMode,
-    Synchronize,
+    Action, BufferMode, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, SyncMode, Synchronize,
 };
 use crate::drive::{Edge, Interface, Latch};
 use crate::event::Kind;
@@ -13,8 +12,10 @@ use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer, Row, Value};
 use crate::position::Position;
 use crate::sim::{Model, TwoSpeed, VelocityLag};
+use crate::trajectory::{Tolerance, Track, Trajectory};
 use crate::vocabulary::{Order, saia, wf};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 const AXES: [&str; 3] = ["line", "x", "y"];
 
@@ -185,6 +186,32 @@ fn probing() -> impl Strategy<Value = Action> {
     )
 }
 
+/// Over some of the axes, from whatever they do; most of them are not too fast.
+fn following() -> impl Strategy<Value = Action> {
+    let rate = |most: f64| prop::option::weighted(0.7, prop_oneof![Just(0.0), -most..most]);
+    let point = || (-50_000_i64..50_000, rate(20_000.0), rate(100_000.0));
+    let tolerance =
+        || prop::option::of(0.0..3_000.0_f64).prop_map(|position| Tolerance { position, ..Tolerance::default() });
+    let track = move || (prop::collection::vec(point(), 3), tolerance(), tolerance());
+    let tracks = prop::collection::vec(track(), 3);
+    let times = (1_u64..4, 1_u64..1_500_000_000, 1_000_000_u64..3_000_000_000);
+    let start = prop_oneof![2 => Just(0), 1 => -500_000_000_i64..500_000_000];
+    (axes(), tracks, times, start, prop::option::of(0_u64..500_000_000)).prop_map(
+        |(axes, tracks, (count, first, step), start, goal_time)| {
+            let times: Box<[u64]> = (0..count).map(|place| first + place * step).collect();
+            let tracks = axes.iter().zip(tracks).map(|(axis, (mut points, path, goal))| {
+                points.truncate(count as usize);
+                if let Some((_, velocity, _)) = points.last_mut() {
+                    *velocity = velocity.map(|_| 0.0);
+                }
+                Track { path, goal, ..super::trajectory::track(axis, &points) }
+            });
+            let trajectory = Trajectory::new(start, times, tracks.collect(), goal_time);
+            Action::Trajectory(Arc::new(trajectory.expect("a sound one")))
+        },
+    )
+}
+
 fn telling() -> impl Strategy<Value = Action> {
     let note = (prop::sample::select(&Code::NOTES[..]), any::<i64>());
     let refuse = Just(Action::Refuse("no axis is called `q`".into()));
@@ -255,6 +282,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         1 => (axis(), prop_oneof![Just(0.0), -110_000.0..110_000.0_f64, Just(f64::NAN)])
             .prop_map(|(axis, velocity)| Happening::Stream(axis, velocity)),
         3 => command(coupling().boxed()),
+        3 => command(following().boxed()),
         2 => command(probing().boxed()),
         2 => (1_u16..3, any::<bool>(), 0_u32..1_000_000)
             .prop_map(|(source, rising, age)| Happening::Latch(source, rising, age)),
@@ -263,6 +291,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         2 => command(axes().prop_map(Action::Halt).boxed()),
         1 => command(axes().prop_map(Action::QuickStop).boxed()),
         3 => command(axes().prop_map(Action::ResetErrors).boxed()),
+        1 => command(prop::sample::select(vec![Action::Deactivate, Action::Activate, Action::Activate]).boxed()),
         1 => command(telling().boxed()),
         2 => (0_usize..4).prop_map(Happening::Cancel),
         3 => ordering(),
@@ -285,7 +314,7 @@ fn ends(action: &Action) -> usize {
         Action::Saia(_) | Action::Wf(_) => 0,
         Action::Note { .. } | Action::SetParameters(_) => 0,
         Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
-        Action::DeleteParameters(_) | Action::PowerCycle => 0,
+        Action::DeleteParameters(_) | Action::PowerCycle | Action::Activate => 0,
         _ => 1,
     }
 }
@@ -336,7 +365,7 @@ proptest! {
         rig.give(Action::Enable(AxisSet::first(3)));
         rig.run(60);
         let (mut given, mut goals, mut waiting) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut before, mut generation) = (motions(&rig), 1);
+        let mut before = motions(&rig);
         for (happening, together) in happenings {
             match happening {
                 Happening::Command(action) => waiting.push(action),
@@ -351,10 +380,7 @@ proptest! {
                     rig.plant.add_latch(Latch { object, edge, age_ns: Some(age), position: None });
                 }
                 Happening::Stream(axis, velocity) => {
-                    let mut stream = Setpoints { generation, velocity: vec![None; 3] };
-                    generation += 1;
-                    stream.velocity[usize::from(axis)] = Some(velocity);
-                    rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+                    rig.stream(axis, velocity);
                     before = motions(&rig);
                 }
                 Happening::Slip(drive, by) => rig.plant.drive(drive).unwrap().jump(by),
@@ -376,7 +402,10 @@ proptest! {
                             // 1e6 inc/s^2 in a cycle; where a stop ends, it may end between two increments. One that followed
                             // single counts to a limit knows its velocity to a count per cycle.
                             let change = (now.1 - before.1).abs();
-                            let most = if rig.state(name) == "ERROR_STOP" { 2_001.0 } else { 1_001.0 };
+                            // On a trajectory it shows the velocity of the spline, else its mean since the last cycle.
+                            let tracks = rig.int(&format!("{name}.reference")) == 10;
+                            let most = if tracks { 1_502.0 } else { 1_001.0 };
+                            let most = if rig.state(name) == "ERROR_STOP" { 2_001.0 } else { most };
                             prop_assert!(change <= most, "{} changes its velocity by {}", name, change);
                             let way = (now.0 - before.0) - 0.5 * (now.1 + before.1) * 0.001;
                             prop_assert!(way.abs() <= 1.6, "{} jumps by {}", name, way);
@@ -391,7 +420,7 @@ proptest! {
             }
             let first = given.len() as u64 + 2;
             for (number, action) in (first..).zip(&waiting) {
-                if matches!(action, Action::Move(_) | Action::Probe(_) | Action::Synchronize(_)) {
+                if matches!(action, Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Trajectory(_)) {
                     goals.push(number);
                 }
                 given.push((number, action.clone()));

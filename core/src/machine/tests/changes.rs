@@ -3,7 +3,7 @@
 
 use super::rig::{Rig, X, at, cases, config, to};
 use crate::axis::Modulo;
-use crate::command::{Action, BufferMode, Commands, Direction, Move, MoveMode, Setpoints};
+use crate::command::{Action, BufferMode, Direction, Move, MoveMode};
 use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
 use proptest::prelude::*;
@@ -163,7 +163,7 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
     // A jerk that was lowered in motion is one that the axis is beyond already.
     let shapes_change = deeds.iter().any(|(deed, _)| matches!(deed, Deed::Set("profile" | "max_jerk" | "jerkmin3", _)));
     let only_jerk = shape == 2 && !shapes_change;
-    let (mut goals, mut before, mut generation) = (Vec::new(), seen(&rig), 0);
+    let (mut goals, mut before) = (Vec::new(), seen(&rig));
     for (deed, cycles) in deeds {
         let action = match deed {
             Deed::Move(request) => Action::Move(*request),
@@ -184,9 +184,7 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
             rig.plant.drive(0).unwrap().inject_fault(0x8611);
         }
         if let Deed::Stream(velocity) = deed {
-            generation += 1;
-            let stream = Setpoints { generation, velocity: vec![None, Some(*velocity), None] };
-            rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+            rig.stream(X, *velocity);
         } else {
             let sequence = rig.give(action);
             if is_move {
@@ -272,5 +270,60 @@ proptest! {
         deeds in prop::collection::vec((deed(), prop_oneof![Just(0_u64), 0_u64..20, 0_u64..400]), 1..30),
     ) {
         run(&deeds, shape, modulo, (posdrct, revers))?;
+    }
+}
+
+/// A velocity goal with less jerk takes a braking motion over: its acceleration runs out so slowly that it swings back, and
+/// only then goes where it should. A stop would end behind its start, but turns beyond the limit ahead.
+#[test]
+fn a_swing_back_begins_before_the_limit_ahead() {
+    for (low, sign) in [(LOW, 1.0), (-HIGH, -1.0)] {
+        let mut config = config(0);
+        let p = &mut config.axes[usize::from(X)].parameters;
+        p.max_deceleration = Some(MAX_ACCELERATION / 2.0);
+        (p.max_jerk, p.profile) = (Some(MAX_JERK), 2);
+        (p.min_position, p.max_position) = if sign > 0.0 { (Some(low), Some(HIGH)) } else { (Some(LOW), Some(-low)) };
+        let ahead = if sign > 0.0 { low } else { -low };
+        let mut rig = Rig::of(config);
+        rig.enable();
+        let deceleration = MAX_ACCELERATION / 4.0;
+        rig.give(Action::Move(Move { velocity: MAX_VELOCITY, deceleration, jerk: MAX_JERK, ..to(X, ahead) }));
+        // It brakes with all that it may, and no more than 5 mm/s are left.
+        let left = 5_000.0;
+        rig.run(50);
+        while rig.real("x.command.velocity").abs() > left {
+            rig.run(1);
+        }
+        assert_eq!(rig.real("x.command.acceleration"), sign * deceleration);
+        let (row, _) = Row::find("max_jerk").unwrap();
+        // The acceleration takes 2 * 5 mm/s out before it is gone: the velocity turns on the way.
+        let jerk = deceleration * deceleration / (4.0 * left);
+        rig.give(Action::SetParameters([Change { axis: X, row, value: Value::Real(jerk) }].into()));
+        let goal = rig.give(Action::Move(Move { jerk, ..at(X, -sign * MAX_VELOCITY) }));
+        assert!(rig.was_accepted(goal));
+        for _ in 0..2_000 {
+            rig.run(1);
+            let now = seen(&rig);
+            assert!(sign * (now.position - ahead as f64) >= 0.0, "beyond the limit at {}", now.position);
+            assert!(now.acceleration.abs() <= MAX_ACCELERATION / 2.0 * (1.0 + 1e-9), "{}", now.acceleration);
+        }
+        assert_eq!(rig.state("x"), "ERROR_STOP");
+        assert!(stands(&rig));
+        assert_eq!(rig.done(goal).len(), 1);
+    }
+}
+
+/// An S-ramp that has just begun to pass takes long to end its acceleration. Without the goal behind it there is no room for
+/// that before the limit.
+#[test]
+fn a_passage_whose_next_goal_is_cancelled_stops_before_the_limit() {
+    for cycles in 100..160 {
+        let deeds = [
+            (Deed::Move(to(X, LOW)), 6),
+            (Deed::Move(Move { mode: MoveMode::Relative, velocity: 62_380.072_232_098_384, ..to(X, HIGH) }), 564),
+            (Deed::Move(Move { buffer_mode: BufferMode::BlendingLow, ..at(X, MAX_VELOCITY) }), cycles),
+            (Deed::Cancel, 400),
+        ];
+        run(&deeds, 1, false, (1, 0)).unwrap_or_else(|error| panic!("after {cycles} cycles: {error}"));
     }
 }

@@ -3,7 +3,7 @@
 //! Two machines do the same, and in one of them a row is set in between.
 
 use super::rig::{LINE, Rig, X, at, config, couple, to};
-use crate::command::{Action, Commands, Length, Setpoints, Synchronize};
+use crate::command::{Action, Length, Synchronize};
 use crate::config::MachineConfig;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{AxisParameters, Change, Effect, ROWS, Row, System, Value};
@@ -449,8 +449,7 @@ fn a_target_window_is_judged_anew_at_once() {
 #[test]
 fn a_setpoint_holds_as_long_as_its_time_says_now() {
     let mut rig = Rig::enabled();
-    let stream = Setpoints { generation: 1, velocity: vec![None, Some(20_000.0), None] };
-    rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+    rig.stream(X, 20_000.0);
     rig.run(50);
     assert_eq!(rig.real("x.command.velocity"), 20_000.0);
     set(&mut rig, &[("setpoint_timeout", Value::Int(20 * MS))]);

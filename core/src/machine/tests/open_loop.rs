@@ -2,7 +2,7 @@
 
 use super::rig::{Rig, X, at, config, couple, to};
 use crate::code::Code;
-use crate::command::{Action, Commands, Setpoints};
+use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::drive::Interface;
 use crate::event::Kind;
@@ -182,10 +182,8 @@ fn goals_and_streams_need_a_position_loop() {
         assert_eq!(rig.order(X, order).unwrap_err().code, Code::OPEN_LOOP);
     }
     let told = rig.events.len();
-    let mut stream = Setpoints { generation: 0, velocity: vec![None, Some(100.0), None] };
     for _ in 0..500 {
-        stream.generation += 1;
-        rig.cycle(Commands { stop: &[], queue: &[], stream: Some(&stream) });
+        rig.stream(X, 100.0);
     }
     let said: Vec<_> = rig.events[told..].iter().filter(|event| event.kind == Kind::Warning).collect();
     assert_eq!(said.len(), 1, "a stream is refused once, not in each cycle");

@@ -2,7 +2,8 @@
 
 use crate::axis::Context;
 use crate::command::{
-    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
+    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Setpoint, Setpoints, Source,
+    SyncMode, Synchronize,
 };
 use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
 use crate::drive::{Backend, Inputs, Outputs};
@@ -54,7 +55,15 @@ fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refu
     let cycle = machine.next_cycle();
     let Machine { state, events, .. } = machine;
     events.begin(cycle, state.next_event);
-    let mut cx = Context { cycle, input: None, leads: &state.leads, latches: &[], stream: None, events: &mut *events };
+    let mut cx = Context {
+        cycle,
+        input: None,
+        leads: &state.leads,
+        latches: &[],
+        stream: None,
+        runs: &[],
+        events: &mut *events,
+    };
     let result = state.axes[usize::from(axis)].obey(&mut cx, Owner::Wf, order);
     state.next_event = events.next();
     result
@@ -101,6 +110,17 @@ impl Rig {
             .collect();
         self.cycle(Commands::queue(&commands));
         self.sequence
+    }
+
+    /// One cycle with a new setpoint for an axis.
+    pub(super) fn stream(&mut self, axis: u16, velocity: f64) {
+        self.stream_for(axis, Setpoint { velocity, duration: None });
+    }
+
+    pub(super) fn stream_for(&mut self, axis: u16, setpoint: Setpoint) {
+        let mut stream = Setpoints::none(3);
+        stream.axes[usize::from(axis)] = Some(setpoint);
+        self.cycle(Commands { stream: Some(&stream), ..Commands::default() });
     }
 
     pub(super) fn give(&mut self, action: Action) -> u64 {

@@ -1,6 +1,6 @@
 use super::rig::{LINE, Rig, X, Y, at, config, to};
 use crate::code::Code;
-use crate::command::{Action, Command, Commands, Setpoints, Source};
+use crate::command::{Action, Command, Commands, Source};
 use crate::event::Kind;
 use crate::object::AxisSet;
 
@@ -243,23 +243,17 @@ fn a_drive_that_is_lost_or_fails_stops_the_axis_in_the_same_cycle() {
 #[test]
 fn streamed_velocities_move_the_axis_and_their_silence_stops_it() {
     let mut rig = Rig::enabled();
-    let mut stream = Setpoints { generation: 0, velocity: vec![None, Some(20_000.0), None] };
     for _ in 0..300 {
-        stream.generation += 1;
-        rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+        rig.stream(X, 20_000.0);
     }
     assert_eq!((rig.int("x.reference"), rig.real("x.command.velocity")), (9, 20_000.0));
-    // The same set again is no sign of life: 100 ms later the axis stops, within 40 ms.
-    for _ in 0..150 {
-        rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
-    }
+    // 100 ms later the axis stops, within 40 ms.
+    rig.run(150);
     assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("STANDSTILL", 0.0));
     assert!(rig.events.iter().any(|event| event.code == Code::STREAM_TIMEOUT));
     // Nothing that is no velocity moves it.
     for bad in [f64::NAN, f64::INFINITY, 100_001.0] {
-        stream.generation += 1;
-        stream.velocity[usize::from(X)] = Some(bad);
-        rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+        rig.stream(X, bad);
         rig.run(2);
         assert_eq!(rig.state("x"), "STANDSTILL", "{bad}");
     }

@@ -3,7 +3,7 @@
 use super::rig::{Rig, X, at, cases, config, to};
 use crate::axis::Modulo;
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Commands, Direction, Length, Move, MoveMode, Setpoints};
+use crate::command::{Action, BufferMode, Direction, Length, Move, MoveMode};
 use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
 use crate::position::Position;
@@ -42,11 +42,6 @@ fn velocity(rig: &Rig) -> f64 {
 
 fn codes(rig: &Rig, sequence: u64) -> Vec<Code> {
     rig.done(sequence).iter().map(|event| event.code).collect()
-}
-
-fn stream(rig: &mut Rig, generation: u64, wanted: f64) {
-    let stream = Setpoints { generation, velocity: vec![None, Some(wanted), None] };
-    rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
 }
 
 /// Limits of position that change must leave room for all that is going to happen.
@@ -160,7 +155,7 @@ fn goals_and_superimposed_motion_together_keep_the_limits_of_position() {
 #[test]
 fn what_was_streamed_long_ago_does_not_move_an_axis_that_the_override_releases() {
     let mut rig = Rig::enabled();
-    stream(&mut rig, 1, 20_000.0);
+    rig.stream(X, 20_000.0);
     rig.run(20);
     share(&mut rig, 0.0);
     rig.run(3_000);
@@ -174,9 +169,9 @@ fn what_was_streamed_long_ago_does_not_move_an_axis_that_the_override_releases()
 #[test]
 fn a_streamed_zero_ends_at_standstill() {
     let mut rig = Rig::enabled();
-    stream(&mut rig, 1, 20_000.0);
+    rig.stream(X, 20_000.0);
     rig.run(20);
-    stream(&mut rig, 2, 0.0);
+    rig.stream(X, 0.0);
     rig.run(2_000);
     assert_eq!((velocity(&rig), rig.state("x")), (0.0, "STANDSTILL"));
 }
@@ -184,16 +179,16 @@ fn a_streamed_zero_ends_at_standstill() {
 #[test]
 fn a_setpoint_beside_a_superimposed_motion_counts_it_once() {
     let mut rig = Rig::enabled();
-    stream(&mut rig, 1, 20_000.0);
+    rig.stream(X, 20_000.0);
     rig.run(60);
     rig.give(Action::Move(Move { velocity: 20_000.0, ..over(20_000) }));
     rig.run(30);
     let before = velocity(&rig);
-    stream(&mut rig, 2, 20_000.0);
+    rig.stream(X, 20_000.0);
     rig.run(1);
     assert!((velocity(&rig) - before).abs() <= 2_000.0, "from {before} to {}", velocity(&rig));
     // With 20 mm/s beside it, 90 mm/s would be too much.
-    stream(&mut rig, 3, 90_000.0);
+    rig.stream(X, 90_000.0);
     for _ in 0..90 {
         rig.run(1);
         assert!(velocity(&rig) <= 100_000.0, "{}", velocity(&rig));

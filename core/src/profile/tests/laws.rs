@@ -123,11 +123,30 @@ impl Case {
         Ok(())
     }
 
+    /// What lies ahead of a place lies within what the plan tells from there.
+    fn check_ahead(&self, plan: &Plan, digits: Digits) -> Result<(), TestCaseError> {
+        if self.end_velocity != 0.0 || plan.cycles() > 2000 {
+            return Ok(());
+        }
+        let rounding = Position::from_f64(1e-6 + 1e-15 * digits.way);
+        let (mut low, mut high) = (plan.end(), plan.end());
+        for k in (0..plan.cycles()).rev() {
+            let now = plan.at(k).position;
+            (low, high) = (low.min(now), high.max(now));
+            if k % 16 == 0 {
+                let (least, most) = plan.extent_from(now);
+                prop_assert!(least <= low + rounding && most >= high - rounding, "cycle {k}: {low:?} {high:?}");
+            }
+        }
+        Ok(())
+    }
+
     fn check(&self) -> Result<(), TestCaseError> {
         let plan = self.plan();
         prop_assert!(plan.duration().is_finite() && plan.is_sound());
         let digits = Digits::of(&plan);
         let (low, high) = plan.extent();
+        self.check_ahead(&plan, digits)?;
         let first = plan.at(0);
         prop_assert_eq!(first.position, self.start.position);
         let mut before = self.start;

@@ -94,3 +94,28 @@ fn a_hostile_plan_does_not_panic() {
     }
     assert!(refused > 0);
 }
+
+/// A plan that runs at its target already, swings back and passes it: where it turns behind its start lies ahead of it.
+#[test]
+fn what_lies_ahead_is_told_from_every_place_of_a_plan_that_turns_twice() {
+    let jerks = Jerks { rise: 1e6, fall: 1e6, brake_rise: 1e7, brake_fall: 1e6 };
+    let limits = Limits { velocity: 1e5, acceleration: 1e6, deceleration: 5e5, shape: Shape::Jerk(jerks) };
+    let start = Motion { velocity: 17_825.55, acceleration: -188_815.0, ..Motion::default() };
+    let plan = to_pass(start, Position::whole(1122), 5_000.0, &limits, MS);
+    let velocities: Vec<f64> = (0..plan.cycles()).map(|k| plan.at(k).velocity).collect();
+    let turns = velocities.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
+    assert_eq!(turns, 2, "it should turn twice");
+    let lowest_of_turns = (300..plan.cycles()).map(|k| plan.at(k).position).min().expect("a cycle");
+    assert!(lowest_of_turns > Position::ZERO, "it turns above its start: {lowest_of_turns:?}");
+    let (mut low, mut high) = (plan.end(), plan.end());
+    let rounding = Position::from_f64(1e-6);
+    for k in (0..plan.cycles()).rev() {
+        let now = plan.at(k).position;
+        (low, high) = (low.min(now), high.max(now));
+        let (least, most) = plan.extent_from(now);
+        assert!(
+            least <= low + rounding && most >= high - rounding,
+            "cycle {k}: {low:?} {high:?} of {least:?} {most:?}"
+        );
+    }
+}

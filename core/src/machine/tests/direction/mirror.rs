@@ -5,7 +5,7 @@
 
 use super::super::rig::{Rig, X, at, cases, couple, to};
 use super::{closed_here, servo, turned};
-use crate::command::{Action, BufferMode, Commands, Length, Move, MoveMode, Setpoints, Synchronize};
+use crate::command::{Action, BufferMode, Length, Move, MoveMode, Synchronize};
 use crate::event::{Event, Number};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
@@ -69,7 +69,7 @@ fn mirrored(deed: &Deed) -> Deed {
     }
 }
 
-fn does(rig: &mut Rig, deed: &Deed, generation: u64) {
+fn does(rig: &mut Rig, deed: &Deed) {
     let x = AxisSet::one(X);
     let action = match deed {
         Deed::Move(request) => Action::Move(*request),
@@ -83,8 +83,7 @@ fn does(rig: &mut Rig, deed: &Deed, generation: u64) {
         // Of the drive: the same in both.
         Deed::Slip(by) => return rig.plant.drive(0).unwrap().jump(*by),
         Deed::Stream(velocity) => {
-            let stream = Setpoints { generation, velocity: vec![None, Some(*velocity), None] };
-            return rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+            return rig.stream(X, *velocity);
         }
         Deed::Couple(numerator) => {
             let request = couple(X, Leader::AxisCommand(0), *numerator, 1);
@@ -147,9 +146,9 @@ proptest! {
         };
         let (mut one, mut other) = (rig(1), rig(-1));
         same(&mut one, &mut other)?;
-        for (generation, (deed, cycles)) in (1..).zip(&deeds) {
-            does(&mut one, deed, generation);
-            does(&mut other, &mirrored(deed), generation);
+        for (deed, cycles) in &deeds {
+            does(&mut one, deed);
+            does(&mut other, &mirrored(deed));
             same(&mut one, &mut other)?;
             for _ in 0..*cycles {
                 one.run(1);
@@ -179,8 +178,8 @@ fn inverted_units_are_the_mirror_image_with_limited_jerk() {
         (Deed::Move(to(X, 333)), 1_000),
     ];
     for (deed, cycles) in deeds {
-        does(&mut one, &deed, 0);
-        does(&mut other, &mirrored(&deed), 0);
+        does(&mut one, &deed);
+        does(&mut other, &mirrored(&deed));
         for _ in 0..cycles {
             one.run(1);
             other.run(1);

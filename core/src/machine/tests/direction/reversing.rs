@@ -3,7 +3,7 @@
 use super::super::rig::{Rig, X, at, cases, config, couple, to};
 use super::set;
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Commands, Disengage, Move, MoveMode, Setpoints, Synchronize};
+use crate::command::{Action, BufferMode, Disengage, Move, MoveMode, Synchronize};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
@@ -43,8 +43,7 @@ fn a_way_back_is_refused() {
             let refused = rig.give(Action::Move(request));
             assert!(rig.refusal(refused).contains(sentence), "{}", rig.refusal(refused));
         }
-        let stream = Setpoints { generation: 1, velocity: vec![None, Some(-20_000.0), None] };
-        rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+        rig.stream(X, -20_000.0);
         rig.run(50);
         assert_eq!((rig.int("x.command.position"), rig.state("x")), (10_000, "STANDSTILL"));
         let good = rig.give(Action::Move(to(X, 10_001)));
@@ -219,12 +218,11 @@ proptest! {
         let mut rig = Rig::of(config);
         rig.enable();
         let (mut before, mut speed) = (rig.int("x.command.position"), 0.0_f64);
-        for (generation, (deed, cycles)) in (1..).zip(deeds) {
+        for (deed, cycles) in deeds {
             let was_coupled_before = rig.state("x") == "SYNCHRONIZED_MOTION";
             match deed {
                 Deed::Stream(velocity) => {
-                    let stream = Setpoints { generation, velocity: vec![None, Some(velocity), None] };
-                    rig.cycle(Commands { stream: Some(&stream), ..Commands::default() });
+                    rig.stream(X, velocity);
                 }
                 Deed::Move(request) | Deed::Line(request) => drop(rig.give(Action::Move(request))),
                 Deed::Set(key, value) => {

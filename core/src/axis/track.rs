@@ -1,0 +1,399 @@
+//! A trajectory on one of its axes. The machine keeps it, and judges all of its axes together.
+//!
+//! Law      target(k) = the trajectory at t_k. The axis follows it as a coupled axis follows its leader: exactly, where its
+//!          limits allow that; else it lags, and catches up within them. Splines of degree 3 and 5 were checked before, so
+//!          that only the steps of velocity between straight segments make it lag
+//! Reads    the trajectories that run
+//! Refuses  knots, ways, velocities, accelerations beyond the limits of the axis, as moves do
+//! Source   PLCopen (MC_GearIn, for the way to the target), ros2_controllers' joint_trajectory_controller for the splines
+
+use super::course::{Aim, ROUNDING};
+use super::goal::Goal;
+use super::{Axis, AxisState, Context, Generator, Reference, Rule};
+use crate::code::Code;
+use crate::command::{Disengage, SyncMode};
+use crate::encoder::Lead;
+use crate::event::{Number, Refusal};
+use crate::object::Leader;
+use crate::position::Position;
+use crate::profile::Motion;
+use crate::sync::follower::{Bounds, Follower, Phase, Reserve};
+use crate::sync::gear::{Gear, Ratio};
+use crate::trajectory::{Begin, Reach, Tolerance, Trajectory};
+use crate::vocabulary::Owner;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What rounding may put a rate beyond its limit, as a share of it.
+const SLACK: f64 = 1e-9;
+/// What the differences of whole cycles may be more than the rates of a spline, as a share.
+const STEP_SLACK: f64 = 1e-6;
+
+/// A trajectory that runs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Run {
+    /// Number of its command.
+    pub sequence: u64,
+    /// Freed by who gave it.
+    #[serde(with = "shared")]
+    pub trajectory: Arc<Trajectory>,
+    /// The cycle in which it begins on its axes.
+    pub begins: u64,
+    /// The trajectory's time in that cycle (ns).
+    pub begin_ns: u64,
+    /// Length of a cycle (ns).
+    pub cycle_ns: u64,
+}
+
+impl Run {
+    /// The trajectory's time in a cycle (ns), from the one in which it begins on.
+    pub fn time_ns(&self, cycle: u64) -> u64 {
+        self.begin_ns.saturating_add(cycle.saturating_sub(self.begins).saturating_mul(self.cycle_ns))
+    }
+}
+
+/// An axis' place in a trajectory.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Tracker {
+    /// Its place among those that run.
+    slot: u16,
+    /// Its place among the trajectory's.
+    track: u16,
+    /// The motion with which it begins.
+    begin: Motion,
+    /// It has not begun yet.
+    waits: bool,
+    /// Change of the command in the last cycle (inc/s).
+    moved: f64,
+    /// The command is the spline itself, and shows its velocity: within half of what a cycle may change, that of its step.
+    exact: bool,
+    /// Lowest and highest position of all of it.
+    low: Position,
+    high: Position,
+}
+
+impl Tracker {
+    pub(super) fn is_sound(&self) -> bool {
+        self.begin.is_sound() && self.moved.is_finite()
+    }
+
+    pub(super) fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    /// Lowest and highest position of all of it.
+    pub(super) fn extent(&self) -> (Position, Position) {
+        (self.low, self.high)
+    }
+
+    fn begin(&self, run: &Run) -> Begin {
+        Begin { motion: self.begin, time_ns: run.begin_ns }
+    }
+}
+
+/// A tolerance that does not hold: what was found, what is allowed.
+pub type Violation = (Number, Number);
+
+impl Axis {
+    pub(super) fn tracker(&self) -> Option<Tracker> {
+        self.goal.and_then(|goal| goal.track)
+    }
+
+    /// Is it the axis of that track of that run, between two cycles?
+    pub fn tracks(&self, sequence: u64, slot: usize, track: usize) -> bool {
+        let place = |tracker: Tracker| (usize::from(tracker.slot), usize::from(tracker.track));
+        self.goal.is_some_and(|goal| goal.sequence == sequence && goal.track.map(place) == Some((slot, track)))
+    }
+
+    /// The trajectory that it is of: number, place among those that run, place among its tracks.
+    pub fn tracked(&self) -> Option<(u64, usize, usize)> {
+        let goal = self.goal?;
+        goal.track.map(|tracker| (goal.sequence, usize::from(tracker.slot), usize::from(tracker.track)))
+    }
+
+    /// Why it has left the trajectory of that command, if it has; asked once.
+    pub fn take_left(&mut self, sequence: u64) -> Option<Code> {
+        let (_, code) = self.left.filter(|(of, _)| *of == sequence)?;
+        self.left = None;
+        Some(code)
+    }
+
+    /// Has its trajectory been cancelled?
+    pub fn is_cancelled(&self) -> bool {
+        self.goal.is_some_and(|goal| goal.ending.is_some())
+    }
+
+    /// Nothing moves its command.
+    pub fn stands(&self) -> bool {
+        self.rests()
+    }
+
+    /// May it take that track of a run? Its motion where the track begins, if it may.
+    ///
+    /// # Errors
+    /// What its state or its limits forbid.
+    pub fn prepare_track(&self, cycle: u64, run: &Run, track: usize) -> Result<Motion, Refusal> {
+        self.check_closed_loop()?;
+        self.check_free()?;
+        let motion = self.motion_at(cycle, run.begins);
+        let begin = Begin { motion, time_ns: run.begin_ns };
+        let refuse = || Refusal::new(Code::BAD_REQUEST, self.object());
+        let demand = run.trajectory.demand(track).ok_or_else(refuse)?;
+        for knot in [demand.lowest, demand.highest] {
+            self.check_target(knot, &self.parameters)?;
+        }
+        let first = run.trajectory.first_spline(track, &begin).ok_or_else(refuse)?.reach();
+        for reach in [&demand.way, &first] {
+            self.check_reach(reach, motion.position)?;
+        }
+        Ok(motion)
+    }
+
+    fn check_reach(&self, reach: &Reach, from: Position) -> Result<(), Refusal> {
+        let refuse = |code, asked, limit| Err(Refusal::new(code, self.object()).with(asked, limit));
+        let rounding = Position::from_f64(ROUNDING);
+        let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
+        let place = |position: i64| Number::Position(position);
+        if reach.high > high.max(from) + rounding {
+            return refuse(Code::TRAJECTORY_ABOVE_MAX_POSITION, place(reach.high.ceil()), place(high.floor()));
+        }
+        if reach.low < low.min(from) - rounding {
+            return refuse(Code::TRAJECTORY_BELOW_MIN_POSITION, place(reach.low.floor()), place(low.floor()));
+        }
+        let p = &self.parameters;
+        let rates = [
+            (reach.speed(), p.max_velocity, Code::VELOCITY_TOO_HIGH, Number::Velocity as fn(f64) -> Number),
+            (reach.acceleration, p.max_acceleration, Code::ACCELERATION_TOO_HIGH, Number::Acceleration),
+            (reach.deceleration, p.deceleration_limit(), Code::DECELERATION_TOO_HIGH, Number::Acceleration),
+        ];
+        for (asked, most, code, number) in rates {
+            if asked.is_nan() || asked > most * (1.0 + SLACK) {
+                return refuse(code, number(asked), number(most));
+            }
+        }
+        if reach.slowest < -SLACK * p.max_velocity {
+            self.check_forward(reach.slowest)?;
+        }
+        Ok(())
+    }
+
+    /// Its motion in the cycle in which a track begins, when it stops from now on until then.
+    pub fn motion_at(&self, cycle: u64, begins: u64) -> Motion {
+        let present = self.present();
+        if begins <= cycle {
+            return present;
+        }
+        let course = self.course(cycle, present, Aim::Stop, self.parameters.usual_limits());
+        if course.has_ended(begins) { self.resting(course.at(begins).position) } else { course.at(begins) }
+    }
+
+    /// Leaves what moves it, for a trajectory that takes it over.
+    pub fn abandon_track(&mut self, cx: &mut Context<'_>) {
+        self.abandon(cx, Code::REPLACED);
+    }
+
+    /// Takes that track of a run: what moved it before is replaced.
+    pub fn begin_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize), begin: Motion) {
+        self.abandon(cx, Code::REPLACED);
+        let at = Begin { motion: begin, time_ns: run.begin_ns };
+        let first = run.trajectory.first_spline(track, &at).map(|spline| spline.reach());
+        let way = run.trajectory.demand(track).map(|demand| demand.way);
+        let reach = [first, way].into_iter().flatten().reduce(Reach::union).unwrap_or(Reach::at(begin.position));
+        let waits = run.begins > cx.cycle;
+        if waits {
+            self.brake_to_rest(cx, &self.parameters.usual_limits());
+        }
+        let tracker = Tracker {
+            slot: slot as u16,
+            track: track as u16,
+            begin,
+            waits,
+            moved: begin.velocity,
+            exact: true,
+            low: reach.low,
+            high: reach.high,
+        };
+        let target = run.trajectory.end(track);
+        self.goal = Some(Goal { sequence: run.sequence, ending: None, target, search: None, track: Some(tracker) });
+        self.judge.rested_at = None;
+        self.owner = Owner::Native;
+        self.reference = Reference::Trajectory;
+        if !waits {
+            self.generator = self.track_from(begin);
+        }
+        self.set_state(cx, AxisState::DiscreteMotion);
+    }
+
+    fn track_from(&self, begin: Motion) -> Generator {
+        let p = &self.parameters;
+        let down = p.deceleration_limit();
+        let bounds = Bounds {
+            velocity: p.max_velocity,
+            acceleration: p.max_acceleration.min(down),
+            max_velocity: p.max_velocity * (1.0 + STEP_SLACK),
+            max_acceleration: p.max_acceleration * (1.0 + STEP_SLACK),
+            max_deceleration: down * (1.0 + STEP_SLACK),
+        };
+        let Some(ratio) = Ratio::new(1, 1) else { return Generator::Rest };
+        // The trajectory leads; no axis does, and nobody asks which.
+        let leader = Leader::AxisCommand(self.setup.index);
+        let (mode, disengage) = (SyncMode::Position, Disengage::Stop);
+        let follower = Follower::new(leader, Gear::new(ratio), mode, disengage, begin, Position::ZERO, bounds);
+        Generator::Track(follower.at_once())
+    }
+
+    /// A track that waited begins, once the cycle has come in which it does.
+    pub(super) fn start_waiting_track(&mut self, cx: &Context<'_>) {
+        let Some(mut tracker) = self.tracker().filter(|tracker| tracker.waits && !self.is_cancelled()) else { return };
+        let Some(run) = cx.runs.get(usize::from(tracker.slot)).and_then(Option::as_ref) else { return };
+        if cx.cycle <= run.begins {
+            return;
+        }
+        (tracker.begin, tracker.moved, tracker.waits) = (self.present(), self.command.velocity, false);
+        self.generator = self.track_from(tracker.begin);
+        self.keep(tracker);
+    }
+
+    fn keep(&mut self, tracker: Tracker) {
+        if let Some(goal) = &mut self.goal {
+            goal.track = Some(tracker);
+        }
+    }
+
+    /// The motion of this cycle by the trajectory; none where there is none, and the axis stops already.
+    pub(super) fn follow_track(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
+        let Generator::Track(mut follower) = self.generator else { return None };
+        let tracked = self.tracker().and_then(|tracker| {
+            let run = cx.runs.get(usize::from(tracker.slot))?.as_ref()?;
+            Some((tracker, run))
+        });
+        let Some((mut tracker, run)) = tracked else {
+            self.brake_to_rest(cx, &self.stop_limits());
+            return None;
+        };
+        let sample = run.trajectory.sample(usize::from(tracker.track), &tracker.begin(run), run.time_ns(cx.cycle));
+        let change = sample.position - follower.target();
+        follower.halt_at(run.trajectory.straight_end(
+            usize::from(tracker.track),
+            &tracker.begin(run),
+            run.time_ns(cx.cycle),
+        ));
+        let lead = Lead { position: sample.position, change, velocity: sample.velocity, counted: false, valid: true };
+        let slave = Motion { velocity: tracker.moved, ..self.command };
+        let rule = if self.reverses_alone() { Rule::Always } else { Rule::Never };
+        let next = follower.step(slave, lead, self.cycle_s(), Reserve::default(), rule);
+        tracker.moved = next.velocity;
+        // Not where two straight segments meet, nor where it arrives: there the step of this cycle is what stops begin with.
+        let most = self.parameters.max_acceleration.max(self.parameters.deceleration_limit());
+        let half = 0.5 * most * self.cycle_s() * (1.0 + STEP_SLACK);
+        let is_smooth = (sample.velocity - next.velocity).abs() <= half;
+        tracker.exact = follower.phase() == Phase::Synchronized && is_smooth;
+        self.is_led = !tracker.exact;
+        self.keep(tracker);
+        self.generator = Generator::Track(follower);
+        // Where it is on the spline, its velocity is that of the spline now, not its mean since the last cycle.
+        Some(if tracker.exact { Motion { position: next.position, ..sample } } else { next })
+    }
+
+    /// Trajectory minus command (inc); none without one.
+    pub(super) fn track_error_position(&self) -> Option<Position> {
+        match &self.generator {
+            Generator::Track(follower) => Some(follower.error(self.command.position)),
+            _ => None,
+        }
+    }
+
+    /// Is it too far from where its trajectory wanted it? Its command is compared as its following error is: with the cycle
+    /// that the actual values answer.
+    pub fn path_violation(&self, cycle: u64, run: &Run) -> Option<Violation> {
+        let tracker = self.tracker().filter(|tracker| !tracker.waits)?;
+        let track = usize::from(tracker.track);
+        let path = run.trajectory.tracks().get(track)?.path;
+        if path.is_none() {
+            return None;
+        }
+        let age = if self.is_virtual() { 0 } else { self.delay().saturating_add(1) };
+        let answered = cycle.checked_sub(age).filter(|answered| *answered >= run.begins)?;
+        if run.time_ns(answered) >= run.trajectory.end_ns() {
+            return None;
+        }
+        let begin = tracker.begin(run);
+        let wanted = run.trajectory.sample(track, &begin, run.time_ns(answered));
+        let now = run.trajectory.sample(track, &begin, run.time_ns(cycle));
+        // No drive measures its acceleration: the commanded one is what there is.
+        let wanted = Motion { acceleration: now.acceleration - self.command.acceleration, ..wanted };
+        self.violation(&path, wanted)
+    }
+
+    /// Is it too far from where its trajectory has ended?
+    pub fn goal_violation(&self, run: &Run) -> Option<Violation> {
+        let track = usize::from(self.tracker()?.track);
+        let goal = run.trajectory.tracks().get(track)?.goal;
+        let end = Motion::at_rest(run.trajectory.end(track)?);
+        self.violation(&goal, Motion { acceleration: -self.command.acceleration, ..end })
+    }
+
+    /// The first tolerance that does not hold. The acceleration of `wanted` is the error itself.
+    fn violation(&self, tolerance: &Tolerance, wanted: Motion) -> Option<Violation> {
+        let position = (wanted.position - self.actual.position).to_f64();
+        let velocity = wanted.velocity - self.actual.velocity;
+        let whole = |value: f64| Number::Position(value as i64);
+        let beyond = |error: f64, limit: Option<f64>| limit.filter(|limit| error.abs() > *limit);
+        // The error away from 0, the tolerance towards it: what is told is beyond what is allowed as well.
+        beyond(position, tolerance.position)
+            .map(|limit| (whole(position.abs().ceil().copysign(position)), whole(limit.floor())))
+            .or_else(|| {
+                let limit = beyond(velocity, tolerance.velocity)?;
+                Some((Number::Velocity(velocity), Number::Velocity(limit)))
+            })
+            .or_else(|| {
+                let limit = beyond(wanted.acceleration, tolerance.acceleration)?;
+                Some((Number::Acceleration(wanted.acceleration), Number::Acceleration(limit)))
+            })
+    }
+
+    /// Does its command stand where its trajectory ends? One that may not go backwards stays where rounding led it.
+    pub fn is_at_end(&self) -> bool {
+        let end = self.goal.and_then(|goal| goal.target);
+        self.tracker().is_some_and(|tracker| !tracker.waits)
+            && matches!(self.generator, Generator::Track(_))
+            && end.is_some_and(|end| (end - self.command.position).to_f64().abs() <= ROUNDING)
+            && self.command.velocity == 0.0
+    }
+
+    /// The trajectory has ended well: the axis stands at its end.
+    pub fn finish_track(&mut self, cx: &mut Context<'_>) {
+        let end = self.goal.take().and_then(|goal| goal.target);
+        self.generator = Generator::Rest;
+        self.command = self.resting(end.unwrap_or(self.command.position));
+        self.set_state(cx, AxisState::Standstill);
+    }
+
+    /// The trajectory has ended otherwise: the axis stops, if it does not already.
+    pub fn release_track(&mut self, cx: &mut Context<'_>) {
+        self.goal = None;
+        if self.is_on() && matches!(self.generator, Generator::Track(_)) {
+            self.brake_to_rest(cx, &self.parameters.usual_limits());
+        }
+        self.reference = Reference::Stop;
+        if self.rests() && self.state == AxisState::DiscreteMotion {
+            self.set_state(cx, AxisState::Standstill);
+        }
+    }
+}
+
+/// A trajectory within a state.
+mod shared {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::sync::Arc;
+
+    pub(super) fn serialize<T: Serialize, S: Serializer>(shared: &Arc<T>, serializer: S) -> Result<S::Ok, S::Error> {
+        shared.as_ref().serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Arc<T>, D::Error> {
+        T::deserialize(deserializer).map(Arc::new)
+    }
+}

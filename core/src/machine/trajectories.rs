@@ -1,0 +1,200 @@
+//! The trajectories that run: begun on all of their axes or on none, judged together, ended once.
+//!
+//! Law      t(k) = (k - k of the command) T - start. Until time 0 the axes stand, or stop and then stand; in the first cycle
+//!          with t >= 0 each of them begins with the motion that it has. An axis that leaves, for whatever reason, ends it for
+//!          all: the others stop as a halt does
+//! Refuses  a trajectory of which every point is past; whatever one of its axes refuses
+//! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
+
+use super::Machine;
+use crate::axis::{Context, Run};
+use crate::code::Code;
+use crate::command::{Command, Setpoints};
+use crate::drive::Inputs;
+use crate::event::{Event, Number, Refusal};
+use crate::object::Object;
+use crate::trajectory::Trajectory;
+use std::sync::Arc;
+
+/// How a trajectory ends.
+struct End {
+    object: Object,
+    code: Code,
+    asked: Number,
+    limit: Number,
+    /// All axes stand where they should.
+    reached: bool,
+}
+
+impl End {
+    fn new(object: Object, code: Code) -> Self {
+        Self { object, code, asked: Number::None, limit: Number::None, reached: false }
+    }
+}
+
+impl Machine {
+    /// Begins a trajectory on all of its axes, after they have moved in this cycle, or answers why not.
+    pub(super) fn start_trajectory(&mut self, inputs: &Inputs, command: &Command, trajectory: &Arc<Trajectory>) {
+        let run = self.run_of(command.sequence, trajectory);
+        if let Err(refusal) = self.check_run(&run) {
+            self.events.push(refusal.event(command.sequence));
+            return;
+        }
+        // Whom it takes its axes from. A place is free after that: each of the others has an axis that this one has not.
+        for of in trajectory.tracks() {
+            self.with_axis(usize::from(of.axis), inputs, None, |axis, cx| axis.abandon_track(cx));
+        }
+        for slot in 0..self.state.runs.len() {
+            self.settle_trajectory(slot, inputs, Self::left_by);
+        }
+        let Some(slot) = self.state.runs.iter().position(Option::is_none) else {
+            self.events.push(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine).event(command.sequence));
+            return;
+        };
+        let cycle = self.state.cycle;
+        for (track, of) in trajectory.tracks().iter().enumerate() {
+            let index = usize::from(of.axis);
+            let begin = self.state.axes.get(index).map(|axis| axis.motion_at(cycle, run.begins));
+            if let Some(begin) = begin {
+                self.with_axis(index, inputs, None, |axis, cx| axis.begin_track(cx, &run, (slot, track), begin));
+            }
+        }
+        self.accept(command, Object::Machine);
+        if let Some(place) = self.state.runs.get_mut(slot) {
+            *place = Some(run);
+        }
+    }
+
+    /// When it begins: in this cycle, or in the first one with a time of 0 or later.
+    fn run_of(&self, sequence: u64, trajectory: &Arc<Trajectory>) -> Run {
+        let cycle_ns = self.config.cycle_ns;
+        let ahead = u64::try_from(trajectory.start_ns()).unwrap_or(0);
+        let cycles = ahead.div_ceil(cycle_ns);
+        let begin_ns = match u64::try_from(trajectory.start_ns()) {
+            Ok(ahead) => cycles.saturating_mul(cycle_ns).saturating_sub(ahead),
+            Err(_) => trajectory.start_ns().unsigned_abs(),
+        };
+        let begins = self.state.cycle.saturating_add(cycles);
+        Run { sequence, trajectory: Arc::clone(trajectory), begins, begin_ns, cycle_ns }
+    }
+
+    fn check_run(&self, run: &Run) -> Result<(), Refusal> {
+        let last = run.trajectory.end_ns();
+        if last <= run.begin_ns {
+            let time = |ns: u64| Number::Time(i64::try_from(ns).unwrap_or(i64::MAX));
+            return Err(
+                Refusal::new(Code::TRAJECTORY_IN_THE_PAST, Object::Machine).with(time(last), time(run.begin_ns))
+            );
+        }
+        for (track, of) in run.trajectory.tracks().iter().enumerate() {
+            let axis = self.state.axes.get(usize::from(of.axis));
+            let axis = axis.ok_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine))?;
+            axis.prepare_track(self.state.cycle, run, track)?;
+        }
+        Ok(())
+    }
+
+    /// Judges the trajectories that run, after all axes have moved in this cycle.
+    pub(super) fn judge_trajectories(&mut self, inputs: &Inputs) {
+        for slot in 0..self.state.runs.len() {
+            self.settle_trajectory(slot, inputs, Self::end_of);
+        }
+    }
+
+    /// Ends the trajectory of a place, if something ends it.
+    fn settle_trajectory(&mut self, slot: usize, inputs: &Inputs, ends: fn(&mut Self, &Run) -> Option<End>) {
+        let Some(run) = self.state.runs.get_mut(slot).and_then(Option::take) else { return };
+        match ends(self, &run) {
+            Some(end) => self.end_trajectory(&run, &end, inputs),
+            None => self.state.runs[slot] = Some(run),
+        }
+    }
+
+    /// The first of its axes that has left it.
+    fn left_by(&mut self, run: &Run) -> Option<End> {
+        let tracks = run.trajectory.tracks();
+        let mut left = None;
+        for index in tracks.iter().map(|track| usize::from(track.axis)) {
+            let code = self.state.axes.get_mut(index).and_then(|axis| axis.take_left(run.sequence));
+            left = left.or(code.map(|code| End::new(Object::Axis(index as u16), code)));
+        }
+        left
+    }
+
+    fn end_of(&mut self, run: &Run) -> Option<End> {
+        if let Some(left) = self.left_by(run) {
+            return Some(left);
+        }
+        let tracks = run.trajectory.tracks();
+        let cycle = self.state.cycle;
+        let axes = || tracks.iter().filter_map(|track| self.state.axes.get(usize::from(track.axis)));
+        if axes().any(|axis| axis.is_cancelled()) {
+            return axes().all(|axis| axis.stands()).then(|| End::new(Object::Machine, Code::CANCELLED));
+        }
+        if cycle < run.begins {
+            return None;
+        }
+        let violated = |code, object, (asked, limit)| End { asked, limit, ..End::new(object, code) };
+        let off = axes().find_map(|axis| Some((axis.object(), axis.path_violation(cycle, run)?)));
+        if let Some((object, violation)) = off {
+            return Some(violated(Code::TRAJECTORY_PATH_TOLERANCE, object, violation));
+        }
+        let late = run.time_ns(cycle).checked_sub(run.trajectory.end_ns())?;
+        match axes().find_map(|axis| Some((axis.object(), axis.goal_violation(run)?))) {
+            Some((object, violation)) if run.trajectory.goal_time_ns().is_some_and(|most| late > most) => {
+                Some(violated(Code::TRAJECTORY_GOAL_TOLERANCE, object, violation))
+            }
+            None if axes().all(|axis| axis.is_at_end()) => {
+                Some(End { reached: true, ..End::new(Object::Machine, Code::NONE) })
+            }
+            _ => None,
+        }
+    }
+
+    fn end_trajectory(&mut self, run: &Run, end: &End, inputs: &Inputs) {
+        let position = match end.object {
+            Object::Axis(index) => self.state.axes.get(usize::from(index)).map(|axis| axis.command().position),
+            _ => None,
+        };
+        let done = Event::done(end.object, run.sequence, end.code, position.unwrap_or_default());
+        self.events.push(done.with(end.asked, end.limit));
+        for track in run.trajectory.tracks() {
+            let index = usize::from(track.axis);
+            let is_member = |axis: &crate::axis::Axis| axis.tracked().is_some_and(|(of, ..)| of == run.sequence);
+            if !self.state.axes.get(index).is_some_and(is_member) {
+                continue;
+            }
+            let reached = end.reached;
+            self.with_axis(
+                index,
+                inputs,
+                None,
+                |axis, cx| {
+                    if reached { axis.finish_track(cx) } else { axis.release_track(cx) }
+                },
+            );
+            self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
+        }
+    }
+
+    /// Does something with one axis, beside its step.
+    pub(super) fn with_axis<T>(
+        &mut self,
+        index: usize,
+        inputs: &Inputs,
+        stream: Option<&Setpoints>,
+        act: impl FnOnce(&mut crate::axis::Axis, &mut Context<'_>) -> T,
+    ) -> Option<T> {
+        let axis = self.state.axes.get_mut(index)?;
+        let mut cx = Context {
+            cycle: self.state.cycle,
+            input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
+            leads: &self.state.leads,
+            latches: &self.latched,
+            stream,
+            runs: &self.state.runs,
+            events: &mut self.events,
+        };
+        Some(act(axis, &mut cx))
+    }
+}

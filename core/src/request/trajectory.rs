@@ -1,0 +1,284 @@
+//! Trajectories, in names and units.
+
+use super::{Amount, RequestError, Units};
+use crate::config::{AxisConfig, MachineConfig};
+use crate::drive::Interface;
+use crate::position::Position;
+use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajectory};
+
+/// A point of a trajectory. Its lists are as long as the list of axes, in its order; what it does not carry is empty.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointRequest<N = f64> {
+    /// From time 0 (ns).
+    pub time_ns: u64,
+    /// m, rad, or what the units say.
+    pub positions: Vec<N>,
+    /// Per s.
+    pub velocities: Vec<N>,
+    /// Per s^2.
+    pub accelerations: Vec<N>,
+}
+
+impl<N> Default for PointRequest<N> {
+    fn default() -> Self {
+        Self { time_ns: 0, positions: Vec::new(), velocities: Vec::new(), accelerations: Vec::new() }
+    }
+}
+
+/// How far an axis may be off; none: without limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToleranceRequest<N = f64> {
+    /// m, rad, or what the units say.
+    pub position: Option<N>,
+    /// Per s.
+    pub velocity: Option<N>,
+    /// Per s^2.
+    pub acceleration: Option<N>,
+}
+
+impl<N> Default for ToleranceRequest<N> {
+    fn default() -> Self {
+        Self { position: None, velocity: None, acceleration: None }
+    }
+}
+
+/// A trajectory. Its numbers are bare ones in its units, or amounts with units of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrajectoryRequest<N = f64> {
+    /// Names of the axes; each once.
+    pub axes: Vec<String>,
+    /// What the numbers mean.
+    pub units: Units,
+    /// From the cycle in which the command applies to time 0 (ns); negative: it has begun before.
+    pub start_ns: i64,
+    /// Its points, by ascending time.
+    pub points: Vec<PointRequest<N>>,
+    /// On the way: one for each axis, or empty.
+    pub path: Vec<ToleranceRequest<N>>,
+    /// At the end: one for each axis, or empty.
+    pub goal: Vec<ToleranceRequest<N>>,
+    /// How long after the last point the axes may take to come within their goal tolerances (ns); none: for ever.
+    pub goal_time_ns: Option<u64>,
+}
+
+impl<N> Default for TrajectoryRequest<N> {
+    fn default() -> Self {
+        Self {
+            axes: Vec::new(),
+            units: Units::default(),
+            start_ns: 0,
+            points: Vec::new(),
+            path: Vec::new(),
+            goal: Vec::new(),
+            goal_time_ns: None,
+        }
+    }
+}
+
+impl From<f64> for Amount {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl MachineConfig {
+    /// The trajectory that a request asks for. The last point of each axis lies on a whole increment, the nearest one, as the
+    /// target of every goal does.
+    ///
+    /// # Errors
+    /// What is wrong with it in itself; what limits forbid, the machine refuses.
+    pub fn resolve_trajectory<N>(&self, request: &TrajectoryRequest<N>) -> Result<Trajectory, RequestError>
+    where
+        N: Copy + Into<Amount>,
+    {
+        let axes = self.axes_of(&request.axes)?;
+        let times = times(&request.points)?;
+        let knots = request.points.len().saturating_mul(axes.len());
+        if knots > MAX_KNOTS {
+            let value = format!("{} for {} axes", request.points.len(), axes.len());
+            return Err(bad("points", value, format!("points times axes may be {MAX_KNOTS}, and are {knots}")));
+        }
+        if let Some(time) = request.goal_time_ns.filter(|time| i64::try_from(*time).is_err()) {
+            return Err(bad("goal time", format!("{time} ns"), format!("at most {} ns is allowed", i64::MAX)));
+        }
+        for (place, point) in request.points.iter().enumerate() {
+            check_lists(place, point, axes.len())?;
+        }
+        for (name, list) in [("path tolerances", &request.path), ("goal tolerances", &request.goal)] {
+            if !list.is_empty() && list.len() != axes.len() {
+                return Err(bad(name, format!("{} values", list.len()), format!("none or {} are allowed", axes.len())));
+            }
+        }
+        let tracks: Result<Box<[Track]>, RequestError> = axes
+            .iter()
+            .enumerate()
+            .map(|(place, &(index, axis))| {
+                let field = Field { axis, units: request.units };
+                let tolerance = |name: &str, list: &[ToleranceRequest<N>]| match list.get(place) {
+                    Some(asked) => field.tolerance(name, asked),
+                    None => Ok(Tolerance::default()),
+                };
+                Ok(Track {
+                    axis: index,
+                    knots: field.knots(place, &request.points)?,
+                    path: tolerance("path tolerance", &request.path)?,
+                    goal: tolerance("goal tolerance", &request.goal)?,
+                })
+            })
+            .collect();
+        let trajectory = Trajectory::new(request.start_ns, times, tracks?, request.goal_time_ns);
+        trajectory
+            .ok_or_else(|| bad("the trajectory", "not sound".to_owned(), "finite numbers are expected".to_owned()))
+    }
+
+    /// The axes of a trajectory, with their places.
+    fn axes_of(&self, names: &[String]) -> Result<Vec<(u16, &AxisConfig)>, RequestError> {
+        if names.is_empty() {
+            return Err(bad("axes", "empty".to_owned(), format!("1 to {} names are expected", self.axes.len())));
+        }
+        let mut axes: Vec<(u16, &AxisConfig)> = Vec::with_capacity(names.len().min(self.axes.len()));
+        for name in names {
+            let (index, axis) = self.find_axis(name)?;
+            if axes.iter().any(|(known, _)| *known == index) {
+                return Err(bad("axes", format!("{name} twice"), "each axis may stand once".to_owned()));
+            }
+            if axis.drive.is_some() && axis.interface == Interface::OpenLoop {
+                let allowed = "an axis with a closed position loop, or a virtual one, is expected".to_owned();
+                return Err(bad("axes", format!("{name}, which runs in open loop"), allowed));
+            }
+            axes.push((index, axis));
+        }
+        Ok(axes)
+    }
+}
+
+fn bad(name: impl Into<String>, value: String, allowed: String) -> RequestError {
+    RequestError::BadTrajectory { name: name.into(), value, allowed }
+}
+
+fn times<N>(points: &[PointRequest<N>]) -> Result<Box<[u64]>, RequestError> {
+    if !(1..=MAX_POINTS).contains(&points.len()) {
+        return Err(bad("points", format!("a list of {}", points.len()), format!("1 to {MAX_POINTS} are allowed")));
+    }
+    for (place, pair) in points.windows(2).enumerate() {
+        if pair[1].time_ns <= pair[0].time_ns {
+            let (name, value) = (format!("time of point {}", place + 1), format!("{} ns", pair[1].time_ns));
+            return Err(bad(
+                name,
+                value,
+                format!("more than {} ns, that of the point before, is expected", pair[0].time_ns),
+            ));
+        }
+    }
+    let last = points.last().map_or(0, |last| last.time_ns);
+    if i64::try_from(last).is_err() {
+        let name = format!("time of point {}", points.len() - 1);
+        return Err(bad(name, format!("{last} ns"), format!("at most {} ns is allowed", i64::MAX)));
+    }
+    Ok(points.iter().map(|point| point.time_ns).collect())
+}
+
+fn check_lists<N>(place: usize, point: &PointRequest<N>, axes: usize) -> Result<(), RequestError> {
+    let lists = [
+        ("positions", point.positions.len(), false),
+        ("velocities", point.velocities.len(), true),
+        ("accelerations", point.accelerations.len(), true),
+    ];
+    for (name, count, may_lack) in lists {
+        if count != axes && !(may_lack && count == 0) {
+            let allowed =
+                if may_lack { format!("none or {axes} are expected") } else { format!("{axes} are expected") };
+            return Err(bad(format!("{name} of point {place}"), format!("a list of {count}"), allowed));
+        }
+    }
+    Ok(())
+}
+
+/// Values of one axis.
+struct Field<'a> {
+    axis: &'a AxisConfig,
+    units: Units,
+}
+
+impl Field<'_> {
+    fn named(&self, name: &str, point: Option<usize>) -> String {
+        match point {
+            Some(point) => format!("{name} of {} at point {point}", self.axis.name),
+            None => format!("{name} of {}", self.axis.name),
+        }
+    }
+
+    fn rate<N: Into<Amount>>(
+        &self,
+        name: &str,
+        point: Option<usize>,
+        asked: N,
+        order: u8,
+    ) -> Result<f64, RequestError> {
+        asked
+            .into()
+            .rate(self.units, &self.axis.scale, order)
+            .map_err(|error| RequestError::BadValue { field: self.named(name, point), error: Box::new(error) })
+    }
+
+    fn knots<N: Copy + Into<Amount>>(
+        &self,
+        place: usize,
+        points: &[PointRequest<N>],
+    ) -> Result<Box<[Knot]>, RequestError> {
+        let last = points.len() - 1;
+        let knot = |(number, point): (usize, &PointRequest<N>)| {
+            let at = Some(number);
+            let position = match point.positions.get(place) {
+                Some(&asked) => self.position(number, asked.into(), number == last)?,
+                None => Position::ZERO,
+            };
+            let velocity = point.velocities.get(place).map(|&asked| self.rate("velocity", at, asked, 1)).transpose()?;
+            if number == last && velocity.is_some_and(|velocity| velocity != 0.0) {
+                let value = format!("{} inc/s", velocity.unwrap_or_default());
+                return Err(bad(self.named("velocity", at), value, "0 is expected at the last point".to_owned()));
+            }
+            let acceleration = point.accelerations.get(place).map(|&asked| self.rate("acceleration", at, asked, 2));
+            Ok(Knot { position, velocity, acceleration: acceleration.transpose()? })
+        };
+        points.iter().enumerate().map(knot).collect()
+    }
+
+    fn position(&self, point: usize, asked: Amount, whole: bool) -> Result<Position, RequestError> {
+        let length = asked.length(self.units, &self.axis.scale).map_err(|error| RequestError::BadValue {
+            field: self.named("position", Some(point)),
+            error: Box::new(error),
+        })?;
+        let position = if whole { Position::whole(length.nearest) } else { length.exact() };
+        if !position.is_legal() {
+            let value = format!("{} inc", length.nearest);
+            return Err(bad(self.named("position", Some(point)), value, "within +-2^62 inc is expected".to_owned()));
+        }
+        Ok(position)
+    }
+
+    fn tolerance<N: Copy + Into<Amount>>(
+        &self,
+        name: &str,
+        asked: &ToleranceRequest<N>,
+    ) -> Result<Tolerance, RequestError> {
+        let of = |asked: Option<N>, order: u8| {
+            let Some(asked) = asked else { return Ok(None) };
+            let value = self.rate(name, None, asked, order)?;
+            if value < 0.0 {
+                let units = ["inc", "inc/s", "inc/s^2"];
+                let value = format!("{value} {}", units.get(usize::from(order)).unwrap_or(&"inc"));
+                return Err(bad(self.named(name, None), value, "0 or more is expected".to_owned()));
+            }
+            Ok(Some(value))
+        };
+        Ok(Tolerance {
+            position: of(asked.position, 0)?,
+            velocity: of(asked.velocity, 1)?,
+            acceleration: of(asked.acceleration, 2)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
