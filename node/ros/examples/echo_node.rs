@@ -11,7 +11,7 @@ use lineshaft_msgs::foreign::std_msgs::msg::Header;
 use lineshaft_msgs::foreign::std_srvs::srv::{Trigger, TriggerResponse};
 use lineshaft_msgs::{Action, Message};
 use lineshaft_ros::layer::{
-    ActionEvent, ActionOptions, ActionServer, Environment, GoalHandle, Node, NodeName, PublishError, Publisher, Qos,
+    ActionEvent, ActionOptions, ActionServer, Environment, GoalHandle, Node, NodeOptions, PublishError, Publisher, Qos,
     RosArguments, ServiceServer, Severity, Source, log_filter, now,
 };
 use serde::{Deserialize, Serialize};
@@ -24,9 +24,10 @@ async fn main() -> Result<(), Box<dyn Error>> {
     if let Some(unknown) = rest.first() {
         return Err(format!("{unknown:?} is not understood, only --ros-args is").into());
     }
-    let namespace = arguments.namespace.as_deref().unwrap_or("/");
-    let name = NodeName::new(namespace, arguments.name.as_deref().unwrap_or("echo"))?;
-    let node = Node::new(name, &Environment::read()?)?;
+    let name = arguments.node_name("echo", "/")?;
+    let (names, overrides) = (arguments.names(&name)?, arguments.overrides(&name));
+    let options = NodeOptions { names, overrides, rosout: arguments.rosout_logs, ..NodeOptions::plain(name) };
+    let node = Node::with(options, &Environment::read()?)?;
 
     let rosout = node.rosout()?;
     tokio::spawn(publish(node.publisher("joint_states", Qos::STREAM)?));

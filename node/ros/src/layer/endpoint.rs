@@ -6,6 +6,8 @@ use std::sync::{Arc, Weak};
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 
+use super::arguments::Names;
+use super::clock::Clock;
 use super::dds::{DdsError, Participant, Reader, Writer};
 use super::graph::{Graph, Kind};
 use super::guid::Guid;
@@ -19,19 +21,38 @@ pub(super) struct Context {
     pub(super) graph: Arc<Graph>,
     pub(super) matches: Arc<Matches>,
     pub(super) runtime: Handle,
+    pub(super) names: Arc<Names>,
+    /// What stamps show.
+    pub(super) clock: Clock,
     /// Fails to change once the node is gone.
     pub(super) closed: watch::Receiver<()>,
+    /// All that was ever opened on the wire.
+    #[cfg(test)]
+    pub(super) opened: Opened,
 }
+
+/// What a node has opened: whether it writes, the topic and its type in DDS, how it is delivered.
+#[cfg(test)]
+pub(crate) type Opened = Arc<std::sync::Mutex<Vec<(bool, String, String, Qos)>>>;
 
 impl Context {
     pub(super) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Registered<Writer>, CreateError> {
+        #[cfg(test)]
+        self.note(true, topic, type_name, qos);
         let writer = self.participant()?.writer(topic, type_name, qos)?;
         Ok(Registered::new(self, Kind::Writer, writer.guid(), writer))
     }
 
     pub(super) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Registered<Reader>, CreateError> {
+        #[cfg(test)]
+        self.note(false, topic, type_name, qos);
         let reader = self.participant()?.reader(topic, type_name, qos)?;
         Ok(Registered::new(self, Kind::Reader, reader.guid(), reader))
+    }
+
+    #[cfg(test)]
+    fn note(&self, writes: bool, topic: &str, type_name: &str, qos: Qos) {
+        self.opened.lock().unwrap().push((writes, topic.to_owned(), type_name.to_owned(), qos));
     }
 
     fn participant(&self) -> Result<Arc<Participant>, CreateError> {
@@ -48,6 +69,9 @@ pub enum CreateError {
     /// The DDS library refused.
     #[error(transparent)]
     Dds(#[from] DdsError),
+    /// A parameter that was given at the start, in one sentence.
+    #[error("{0}")]
+    Given(String),
     /// The node is gone.
     #[error("the node is closed")]
     Closed,

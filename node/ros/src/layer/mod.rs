@@ -11,30 +11,41 @@ mod environment;
 mod graph;
 mod guid;
 mod latched;
+mod limiter;
 mod log;
+mod loggers;
 mod matches;
 mod name;
 mod node;
 mod publisher;
 mod qos;
+mod qos_overrides;
 mod rosout;
 mod service;
+mod subscription;
+mod time_source;
 
 pub use self::action::{
     ActionEvent, ActionOptions, ActionServer, CancelRequest, Cancels, GoalHandle, GoalId, GoalRequest, Status,
 };
-pub use self::arguments::{ArgumentError, RosArguments};
-pub use self::clock::now;
+pub use self::arguments::{ArgumentError, Given, Names, Overrides, RosArguments};
+pub use self::clock::{Clock, now};
 pub use self::dds::DdsError;
 pub use self::endpoint::CreateError;
 pub use self::environment::{Environment, EnvironmentError, Interface, Networks};
 pub use self::log::log_filter;
+pub use self::loggers::{Level, Loggers};
 pub use self::name::{FullName, NameError, NodeName};
-pub use self::node::Node;
+pub use self::node::{Node, NodeHandle, NodeOptions};
 pub use self::publisher::{PublishError, Publisher};
 pub use self::qos::Qos;
-pub use self::rosout::{Rosout, Severity, Source};
+pub use self::rosout::{Rosout, Severity, Source, TOLD};
 pub use self::service::{Reply, ReplyError, Request, ServiceServer};
+pub use self::subscription::Subscription;
+pub use self::time_source::TimeSource;
+
+#[cfg(any(test, feature = "fuzz"))]
+pub use self::service::any_request;
 
 #[cfg(test)]
 mod tests;

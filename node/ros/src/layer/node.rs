@@ -1,25 +1,53 @@
 //! A ROS node: the one member of the DDS domain that this process is.
 
 use std::future::poll_fn;
-use std::sync::{Arc, Weak};
+use std::ops::Deref;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::task::Poll;
 
-use lineshaft_msgs::foreign::rcl_interfaces::msg::Log;
+use lineshaft_msgs::foreign::rcl_interfaces::msg::{Log, ParameterValue};
 use lineshaft_msgs::{Action, Message, Service};
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 
 use super::action::{ActionOptions, ActionServer};
-use super::dds::{DdsError, Participant};
+use super::arguments::{Names, Overrides};
+use super::clock::Clock;
+use super::dds::{Barrier, DdsError, Discovery, Participant};
 use super::endpoint::{Context, CreateError};
 use super::environment::Environment;
 use super::graph::Graph;
+use super::loggers::Loggers;
 use super::matches::Matches;
 use super::name::NodeName;
 use super::publisher::Publisher;
 use super::qos::Qos;
+use super::qos_overrides::QosOverrides;
 use super::rosout::Rosout;
 use super::service::ServiceServer;
+use super::subscription::Subscription;
+use super::time_source::TimeSource;
+
+/// What a node is given at its start.
+#[derive(Debug)]
+pub struct NodeOptions {
+    /// Its name, and how it calls its topics, services and actions.
+    pub names: Names,
+    /// Values of its parameters; those of QoS it takes itself.
+    pub overrides: Overrides,
+    /// Whether its log lines go to `/rosout`.
+    pub rosout: bool,
+    /// Levels of its loggers.
+    pub loggers: Loggers,
+}
+
+impl NodeOptions {
+    /// A node of that name to which nothing was given.
+    pub fn plain(name: NodeName) -> Self {
+        let (names, overrides) = (Names::plain(name), Overrides::default());
+        Self { names, overrides, rosout: true, loggers: Loggers::default() }
+    }
+}
 
 /// A node in the ROS graph.
 ///
@@ -29,51 +57,180 @@ pub struct Node {
     // Before all others: it tells them.
     _open: watch::Sender<()>,
     _participant: Arc<Participant>,
+    handle: NodeHandle,
+}
+
+/// Makes what belongs to a node, and does not keep it in the graph.
+#[derive(Clone)]
+pub struct NodeHandle {
     context: Context,
-    name: NodeName,
+    given: Arc<AtStart>,
+}
+
+/// What a node was given, and what was made of it once.
+struct AtStart {
+    overrides: Mutex<Overrides>,
+    qos: QosOverrides,
+    has_rosout: bool,
+    rosout: Mutex<Option<Rosout>>,
+    loggers: Loggers,
+}
+
+impl Deref for Node {
+    type Target = NodeHandle;
+    fn deref(&self) -> &NodeHandle {
+        &self.handle
+    }
 }
 
 impl Node {
     /// Joins the ROS graph. Its tasks run on the present runtime.
     ///
+    /// # Errors
+    /// The DDS library cannot.
+    ///
     /// # Panics
     /// Outside of a tokio runtime.
     pub fn new(name: NodeName, environment: &Environment) -> Result<Self, DdsError> {
+        Self::with(NodeOptions::plain(name), environment)
+    }
+
+    /// Likewise, with what was given to it.
+    ///
+    /// # Errors
+    /// Likewise.
+    ///
+    /// # Panics
+    /// Likewise.
+    pub fn with(options: NodeOptions, environment: &Environment) -> Result<Self, DdsError> {
+        let NodeOptions { names, mut overrides, rosout, loggers } = options;
         let runtime = Handle::current();
         let participant = Arc::new(Participant::new(environment.domain, environment.networks.addresses())?);
         let matches = Arc::new(Matches::new());
-        runtime.spawn(follow(Arc::downgrade(&participant), matches.clone()));
-        let graph = Arc::new(Graph::new(&runtime, &participant, &name)?);
+        runtime.spawn(follow(Arc::downgrade(&participant), participant.barrier()?, matches.clone()));
+        let graph = Arc::new(Graph::new(&runtime, &participant, names.node())?);
         let (open, closed) = watch::channel(());
-        let context = Context { participant: Arc::downgrade(&participant), graph, matches, runtime, closed };
-        Ok(Self { _open: open, _participant: participant, context, name })
+        let (names, clock) = (Arc::new(names), Clock::default());
+        let context = Context {
+            participant: Arc::downgrade(&participant),
+            graph,
+            matches,
+            runtime,
+            names,
+            clock,
+            closed,
+            #[cfg(test)]
+            opened: super::endpoint::Opened::default(),
+        };
+        let qos = QosOverrides::new(&mut overrides);
+        let (overrides, made) = (Mutex::new(overrides), Mutex::default());
+        let given = AtStart { overrides, qos, has_rosout: rosout, rosout: made, loggers };
+        Ok(Self { _open: open, _participant: participant, handle: NodeHandle { context, given: Arc::new(given) } })
     }
+}
 
+impl NodeHandle {
     /// Name and namespace.
     pub fn name(&self) -> &NodeName {
-        &self.name
+        self.context.names.node()
     }
 
-    /// Publishes the topic `name`, which is expanded as [`NodeName::expand`] says.
+    /// The clock of its stamps.
+    pub fn clock(&self) -> &Clock {
+        &self.context.clock
+    }
+
+    /// The levels of its loggers.
+    pub fn loggers(&self) -> &Loggers {
+        &self.given.loggers
+    }
+
+    /// Publishes the topic `name`, which is expanded and remapped as [`Names`] say, with the QoS that was given for it.
+    ///
+    /// # Errors
+    /// The name, the QoS that was given, or the DDS library.
     pub fn publisher<M: Message>(&self, name: &str, qos: Qos) -> Result<Publisher<M>, CreateError> {
-        Publisher::new(&self.context, self.name.expand(name)?, qos)
+        let topic = self.context.names.topic(name)?;
+        let qos = self.given.qos.apply(&topic, "publisher", qos).map_err(CreateError::Given)?;
+        Publisher::new(&self.context, topic, qos)
+    }
+
+    /// Reads the topic `name`.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn subscription<M: Message>(&self, name: &str, qos: Qos) -> Result<Subscription<M>, CreateError> {
+        let topic = self.context.names.topic(name)?;
+        let qos = self.given.qos.apply(&topic, "subscription", qos).map_err(CreateError::Given)?;
+        Subscription::new(&self.context, topic, qos)
     }
 
     /// Serves `name`, with [`Qos::SERVICE`] or [`Qos::PARAMETERS`].
+    ///
+    /// # Errors
+    /// The name, or the DDS library.
     pub fn service<S: Service>(&self, name: &str, qos: Qos) -> Result<ServiceServer<S>, CreateError> {
-        ServiceServer::new(&self.context, self.name.expand(name)?, qos)
+        ServiceServer::new(&self.context, self.context.names.service(name)?, qos)
     }
 
     /// Serves the action `name`.
+    ///
+    /// # Errors
+    /// Likewise.
     pub fn action<A: Action>(&self, name: &str, options: ActionOptions) -> Result<ActionServer<A>, CreateError> {
-        ActionServer::new(&self.context, self.name.expand(name)?, options)
+        ActionServer::new(&self.context, self.context.names.action(name)?, options)
     }
 
-    /// Publishes log lines of the node on `/rosout`.
+    /// What sets the clock by the topic `name`, once it is switched on.
+    ///
+    /// # Errors
+    /// The name, or the QoS that was given.
+    pub fn time_source(&self, name: &'static str, qos: Qos) -> Result<TimeSource, CreateError> {
+        // Told now: later nobody would be there to correct it.
+        let topic = self.context.names.topic(name)?;
+        self.given.qos.apply(&topic, "subscription", qos).map_err(CreateError::Given)?;
+        let handle = self.clone();
+        let subscribe = move || handle.subscription(name, qos);
+        Ok(TimeSource::new(self.context.runtime.clone(), self.clock().clone(), subscribe))
+    }
+
+    /// Publishes log lines of the node on `/rosout`; all that ask get the same publisher.
+    ///
+    /// # Errors
+    /// The DDS library cannot.
     pub fn rosout(&self) -> Result<Rosout, CreateError> {
-        let topic = self.name.expand("/rosout")?.topic();
-        let writer = self.context.writer(&topic, Log::DDS_NAME, Qos::ROSOUT)?;
-        Ok(Rosout::start(&self.context.runtime, writer, self.name.logger()))
+        let mut made = self.given.rosout.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(rosout) = made.as_ref() {
+            return Ok(rosout.clone());
+        }
+        let context = &self.context;
+        let topic = context.names.topic("/rosout")?.topic();
+        let writer = self.given.has_rosout.then(|| context.writer(&topic, Log::DDS_NAME, Qos::ROSOUT)).transpose()?;
+        let (clock, loggers) = (self.clock().clone(), self.loggers().clone());
+        let rosout = Rosout::start(&context.runtime, writer, self.name().logger(), clock, loggers);
+        *made = Some(rosout.clone());
+        Ok(rosout)
+    }
+
+    /// Takes the values that were given for its parameters; a second time there are none.
+    pub fn take_overrides(&self) -> Overrides {
+        std::mem::take(&mut self.given.overrides.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// The QoS of its topics so far, as parameters.
+    pub fn qos_parameters(&self) -> Vec<(String, ParameterValue)> {
+        self.given.qos.shown()
+    }
+
+    /// QoS that was given for no topic that it has so far.
+    pub fn unused_qos(&self) -> Overrides {
+        self.given.qos.unused()
+    }
+
+    /// All that was ever opened, and what will be.
+    #[cfg(test)]
+    pub(crate) fn opened(&self) -> super::endpoint::Opened {
+        Arc::clone(&self.context.opened)
     }
 
     #[cfg(test)]
@@ -82,16 +239,27 @@ impl Node {
     }
 }
 
-/// Notes all matches for as long as the participant lives.
-async fn follow(participant: Weak<Participant>, matches: Arc<Matches>) {
+/// Notes all matches for as long as the participant lives, each once the library is ready for samples to that reader.
+async fn follow(participant: Weak<Participant>, barrier: Barrier, matches: Arc<Matches>) {
+    while let Some(changes) = poll_fn(|context| poll_changes(&participant, context)).await {
+        if changes.iter().any(|change| matches!(change, Discovery::Matched { .. })) {
+            barrier.pass().await;
+        }
+        changes.into_iter().for_each(|change| matches.note(change));
+    }
+}
+
+/// All changes up to now, at least one; `None`: the participant is gone.
+fn poll_changes(participant: &Weak<Participant>, context: &mut std::task::Context<'_>) -> Poll<Option<Vec<Discovery>>> {
     // Only for the moment of each poll does it hold the participant: that goes with its node.
-    let next = || {
-        poll_fn(|context| match participant.upgrade() {
-            Some(participant) => participant.poll_discovery(context),
-            None => Poll::Ready(None),
-        })
-    };
-    while let Some(change) = next().await {
-        matches.note(change);
+    let Some(participant) = participant.upgrade() else { return Poll::Ready(None) };
+    let mut changes = Vec::new();
+    loop {
+        match participant.poll_discovery(context) {
+            Poll::Ready(Some(change)) => changes.push(change),
+            Poll::Pending if changes.is_empty() => return Poll::Pending,
+            Poll::Ready(None) if changes.is_empty() => return Poll::Ready(None),
+            Poll::Pending | Poll::Ready(None) => return Poll::Ready(Some(changes)),
+        }
     }
 }

@@ -2,16 +2,18 @@
 
 use std::time::Duration;
 
-/// How samples of a topic are delivered. All of it is reliable: nothing that a motion node says is best effort.
+/// How samples of a topic are delivered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Qos {
+    /// Whether lost samples are sent again (`reliable` in ROS 2, else `best_effort`).
+    pub reliable: bool,
     /// Samples that are kept for a reader; at least 1.
     pub depth: u16,
     /// Whether readers that come later get the kept samples (`transient_local` in ROS 2, else `volatile`).
     pub latched: bool,
     /// Age after which readers drop a sample; `None`: never.
     pub lifespan: Option<Duration>,
-    /// Unacknowledged samples that a writer holds before it refuses more.
+    /// Unacknowledged samples that a writer holds before it refuses more; a reader holds `depth`.
     pub window: i32,
 }
 
@@ -30,11 +32,14 @@ impl Qos {
     pub const ROSOUT: Self =
         Self { latched: true, lifespan: Some(Duration::from_secs(10)), window: 1000, ..Self::volatile(1000) };
 
+    /// The time of a simulation: only the newest counts, and it comes often.
+    pub const CLOCK: Self = Self { reliable: false, ..Self::volatile(1) };
+
     const fn volatile(depth: u16) -> Self {
         // With a finite window every reader that comes later would close it until its first acknowledgement: the DDS
         // layer counts all samples of the writer's life as unacknowledged by it. What a frozen reader holds up ends
         // with its lease, 10 to 20 s.
-        Self { depth, latched: false, lifespan: None, window: i32::MAX }
+        Self { reliable: true, depth, latched: false, lifespan: None, window: i32::MAX }
     }
 }
 

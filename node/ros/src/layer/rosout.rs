@@ -6,9 +6,13 @@ use tokio::runtime::Handle;
 use tokio::sync::mpsc::{self, Receiver, Sender};
 use tokio::time::{Duration, sleep};
 
-use super::clock;
+use super::clock::Clock;
 use super::dds::{WriteFailure, Writer};
 use super::endpoint::Registered;
+use super::loggers::Loggers;
+
+/// Target of lines of the program's log that are sent to `/rosout` beside it: whoever passes the log on leaves them out.
+pub const TOLD: &str = "lineshaft_ros::told";
 
 /// Lines that wait while a reader does not keep up; more are dropped.
 const WAITING: usize = 1000;
@@ -32,7 +36,7 @@ pub enum Severity {
 }
 
 impl Severity {
-    fn level(self) -> u8 {
+    pub(super) fn level(self) -> u8 {
         match self {
             Self::Debug => Log::DEBUG,
             Self::Info => Log::INFO,
@@ -58,23 +62,37 @@ pub struct Source {
 #[derive(Clone)]
 pub struct Rosout {
     logger: String,
-    lines: Sender<Log>,
+    clock: Clock,
+    loggers: Loggers,
+    /// Nothing where `/rosout` is switched off.
+    lines: Option<Sender<Log>>,
 }
 
 impl Rosout {
-    pub(super) fn start(runtime: &Handle, writer: Registered<Writer>, logger: String) -> Self {
-        let (lines, receiver) = mpsc::channel(WAITING);
-        runtime.spawn(run(receiver, writer));
-        Self { logger, lines }
+    pub(super) fn start(
+        runtime: &Handle,
+        writer: Option<Registered<Writer>>,
+        logger: String,
+        clock: Clock,
+        loggers: Loggers,
+    ) -> Self {
+        let lines = writer.map(|writer| {
+            let (lines, receiver) = mpsc::channel(WAITING);
+            runtime.spawn(run(receiver, writer));
+            lines
+        });
+        Self { logger, clock, loggers, lines }
     }
 
-    /// Sends a line, stamped with the present time. Never waits: while a reader does not keep up, lines are dropped.
+    /// Sends a line, stamped with the present time, if the node's logger lets it through. Never waits: while a reader does not
+    /// keep up, lines are dropped.
     pub fn log(&self, severity: Severity, text: impl Into<String>, source: Source) {
+        let Some(lines) = self.lines.as_ref().filter(|_| self.loggers.lets_through(severity)) else { return };
         let Source { file, function, line } = source;
         let (name, level) = (self.logger.clone(), severity.level());
-        let line = Log { stamp: clock::now(), level, name, msg: text.into(), file, function, line };
+        let line = Log { stamp: self.clock.now(), level, name, msg: text.into(), file, function, line };
         // Full, or the runtime is gone. A log line about a lost log line would not arrive either.
-        let _ = self.lines.try_send(line);
+        let _ = lines.try_send(line);
     }
 }
 

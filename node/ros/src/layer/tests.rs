@@ -7,6 +7,7 @@ use std::time::Duration;
 use lineshaft_msgs::action::{HomeAxis, HomeAxisFeedback, HomeAxisGoal, HomeAxisResult};
 use lineshaft_msgs::cdr::{decode, encode};
 use lineshaft_msgs::foreign::action_msgs::srv::{CancelGoal, CancelGoalRequest, CancelGoalResponse};
+use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use lineshaft_msgs::foreign::unique_identifier_msgs::msg::UUID;
 use lineshaft_msgs::srv::{AxesCommand, AxesCommandRequest, AxesCommandResponse};
 use lineshaft_msgs::{GetResult, GetResultRequest, GetResultResponse, SendGoal, SendGoalRequest, Service};
@@ -224,9 +225,26 @@ async fn the_application_decides_about_cancel_requests_if_it_wants() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn goals_are_stamped_by_the_clock_of_the_node() {
+    let serving = node("stamps");
+    let mut server = serving.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
+    let mut client = Asking::new("stamps").await;
+    let stamp = Time { sec: 7, nanosec: 1 };
+    serving.clock().simulate(true);
+    serving.clock().set(&stamp);
+    client.send_goal(1);
+    let accepted = goal(&mut server).await.accept();
+    assert_eq!(client.goals.receive().await.stamp, stamp);
+    client.send_goal(2);
+    goal(&mut server).await.reject();
+    assert_eq!(client.goals.receive().await.stamp, stamp);
+    drop(accepted);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_outlives_its_node_is_harmless() {
     let gone = node("gone");
-    let publisher = gone.publisher::<lineshaft_msgs::foreign::builtin_interfaces::msg::Time>("t", Qos::STREAM).unwrap();
+    let publisher = gone.publisher::<Time>("t", Qos::STREAM).unwrap();
     let mut actions = gone.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
     let rosout = gone.rosout().unwrap();
     publisher.publish(&now()).unwrap();

@@ -14,6 +14,10 @@ use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalResponse;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use tokio::sync::watch;
 
+/// Who may wait for the result of one goal; of more, the first to ask is forgotten. A goal that stays open for days is asked
+/// for by clients that have gone since.
+const MOST_ASKERS: usize = 256;
+
 /// Identifier of a goal, which its client chose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct GoalId(pub [u8; 16]);
@@ -215,6 +219,9 @@ impl<R: Clone, W> Goals<R, W> {
             None => Asked::Unknown(who),
             Some(Goal { ended: Some((_, result)), shown, .. }) => Asked::Ended(who, shown.status, result.clone()),
             Some(goal) => {
+                if goal.waiting.len() >= MOST_ASKERS {
+                    goal.waiting.remove(0);
+                }
                 goal.waiting.push(who);
                 Asked::Waits
             }

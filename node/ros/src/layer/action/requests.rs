@@ -8,7 +8,6 @@ use tokio::sync::watch;
 
 use super::goals::{End, GoalId, Selection, Stamp};
 use super::server::{Shared, goal_info};
-use crate::layer::clock;
 use crate::layer::publisher::PublishError;
 use crate::layer::service::Reply;
 
@@ -38,7 +37,7 @@ impl<A: Action> GoalRequest<A> {
 
     /// Accepts it; [`GoalHandle::execute`] begins it.
     pub fn accept(mut self) -> GoalHandle<A> {
-        let stamp = clock::now();
+        let stamp = self.shared.clock.now();
         let mut goals = self.shared.goals();
         let canceled = goals.accept(self.id, Stamp::from(&stamp));
         self.shared.show(&goals);
@@ -58,7 +57,7 @@ impl<A: Action> GoalRequest<A> {
     fn decide_not(&mut self) -> bool {
         let Some(reply) = self.reply.take() else { return false };
         self.shared.goals().withdraw(self.id);
-        reply.send_soon(SendGoalResponse { accepted: false, stamp: clock::now() });
+        reply.send_soon(SendGoalResponse { accepted: false, stamp: self.shared.clock.now() });
         true
     }
 }

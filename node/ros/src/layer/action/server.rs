@@ -12,6 +12,7 @@ use tokio::task::JoinHandle;
 
 use super::goals::{Asked, End, GoalId, Goals, Shown, Stamp};
 use super::requests::{CancelRequest, GoalRequest};
+use crate::layer::clock::Clock;
 use crate::layer::endpoint::{Context, CreateError};
 use crate::layer::latched::Latched;
 use crate::layer::name::FullName;
@@ -71,15 +72,17 @@ impl<A: Action> ActionServer<A> {
         name: FullName,
         options: ActionOptions,
     ) -> Result<Self, CreateError> {
+        let service = |part: &str| context.names.remapped_service(name.action_part(part));
         let services = Services {
-            goals: ServiceServer::new(context, name.action_part("send_goal"), Qos::SERVICE)?,
-            results: ServiceServer::new(context, name.action_part("get_result"), Qos::SERVICE)?,
-            cancels: ServiceServer::new(context, name.action_part("cancel_goal"), Qos::SERVICE)?,
+            goals: ServiceServer::new(context, service("send_goal"), Qos::SERVICE)?,
+            results: ServiceServer::new(context, service("get_result"), Qos::SERVICE)?,
+            cancels: ServiceServer::new(context, service("cancel_goal"), Qos::SERVICE)?,
         };
-        let feedback = Untyped::new(context, name.action_part("feedback"), A::FEEDBACK_MESSAGE_DDS_NAME, Qos::STREAM)?;
+        let feedback = context.names.remapped_topic(name.action_part("feedback"));
+        let feedback = Untyped::new(context, feedback, A::FEEDBACK_MESSAGE_DDS_NAME, Qos::STREAM)?;
         let status = status(context, &name)?;
         let goals = Mutex::new(Goals::new(options.result_timeout, options.kept_goals));
-        let shared = Arc::new(Shared { goals, status, feedback, name });
+        let shared = Arc::new(Shared { goals, status, feedback, name, clock: context.clock.clone() });
         let (sender, events) = mpsc::channel(WAITING);
         let dispatch = Dispatch { shared: shared.clone(), events: sender, cancels: options.cancels };
         let task = context.runtime.spawn(dispatch.run(services));
@@ -104,7 +107,7 @@ impl<A: Action> Drop for ActionServer<A> {
 }
 
 fn status(context: &Context, name: &FullName) -> Result<Latched, CreateError> {
-    let topic = name.action_part("status").topic();
+    let topic = context.names.remapped_topic(name.action_part("status")).topic();
     let first = context.writer(&topic, GoalStatusArray::DDS_NAME, Qos::STATUS)?;
     let again = context.clone();
     let make = move || again.writer(&topic, GoalStatusArray::DDS_NAME, Qos::STATUS).ok();
@@ -120,6 +123,7 @@ pub(super) struct Shared<A: Action> {
     status: Latched,
     feedback: Untyped,
     pub(super) name: FullName,
+    pub(super) clock: Clock,
 }
 
 impl<A: Action> Shared<A> {

@@ -22,7 +22,7 @@ use super::super::dds::{Related, Sample, SampleId};
 use super::super::guid::Guid;
 
 /// Length of rmw_cyclonedds' header; a multiple of 8, so that the message behind it is aligned as without it.
-const HEADER: usize = 16;
+pub(super) const HEADER: usize = 16;
 
 /// rmw_cyclonedds' header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,8 +1,12 @@
 //! Services, for callers with rmw_fastrtps and with rmw_cyclonedds alike.
 
 mod caller;
-mod limiter;
+#[cfg(any(test, feature = "fuzz"))]
+mod laws;
 mod replies;
+
+#[cfg(any(test, feature = "fuzz"))]
+pub use laws::any_request;
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -13,15 +17,16 @@ use serde::Serialize;
 use tokio::sync::watch;
 
 use self::caller::Caller;
-use self::limiter::{Limiter, more};
 use self::replies::Replies;
 use super::dds::{LONGEST_ON_LOOPBACK, Reader, Sample};
 use super::endpoint::{Context, CreateError, Registered};
+use super::limiter::{Limiter, more};
 use super::name::FullName;
 use super::qos::Qos;
 
-/// Requests that wait for the server; more than ROS has, because clients of all kinds share them.
-const WAITING: u16 = 1000;
+/// Requests that wait for the server; more than the 10 of ROS, because clients of all kinds share them. Not more than a burst
+/// needs, because the library keeps as many that were taken, however long they are.
+const WAITING: u16 = 256;
 
 /// A reply that did not go out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -78,6 +83,7 @@ pub struct ServiceServer<S> {
     replies: Arc<Replies>,
     closed: watch::Receiver<()>,
     refused: Limiter,
+    unread: Limiter,
     service: PhantomData<fn(S)>,
 }
 
@@ -91,7 +97,7 @@ pub struct Request<S: Service> {
 
 impl<S: Service> ServiceServer<S> {
     pub(super) fn new(context: &Context, name: FullName, qos: Qos) -> Result<Self, CreateError> {
-        let requests = Qos { depth: qos.depth.max(WAITING), ..qos };
+        let requests = Qos { depth: WAITING, ..qos };
         let requests = context.reader(&name.request(), S::REQUEST_DDS_NAME, requests)?;
         let writer = context.writer(&name.reply(), S::RESPONSE_DDS_NAME, qos)?;
         Ok(Self {
@@ -99,6 +105,7 @@ impl<S: Service> ServiceServer<S> {
             replies: Arc::new(Replies::new(context, writer, name)),
             closed: context.closed.clone(),
             refused: Limiter::default(),
+            unread: Limiter::default(),
             service: PhantomData,
         })
     }
@@ -123,7 +130,11 @@ impl<S: Service> ServiceServer<S> {
                     }
                     Err(refusal) => self.refuse(&sample, &refusal),
                 },
-                Err(reason) => tracing::warn!("{}: a request was refused: {reason}", self.name()),
+                Err(reason) => {
+                    if let Some(before) = self.unread.say_of_nobody(Instant::now()) {
+                        tracing::warn!("{}: a request was refused: {reason}{}", self.name(), more(before));
+                    }
+                }
             }
         }
     }

@@ -10,10 +10,10 @@ use tokio::time::{Instant, sleep_until, timeout_at};
 
 use super::ReplyError;
 use super::caller::{Caller, Place};
-use super::limiter::{Limiter, more};
 use crate::layer::dds::{Address, WriteFailure, Writer};
 use crate::layer::endpoint::{Context, Registered};
 use crate::layer::guid::Guid;
+use crate::layer::limiter::{Limiter, more};
 use crate::layer::name::FullName;
 
 /// Longest time for which a reply waits for its reader to be matched, and then for room.

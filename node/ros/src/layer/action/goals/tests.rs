@@ -159,6 +159,16 @@ fn cancel_by_id_and_time_means_that_one_and_the_older_ones() {
 }
 
 #[test]
+fn of_too_many_who_wait_the_first_to_ask_is_forgotten() {
+    let (mut goals, now) = executing(&[1]);
+    for asker in 0..1000 {
+        assert_eq!(goals.ask(id(1), asker, now), Asked::Waits);
+    }
+    let (_, waiting) = goals.end(id(1), End::Succeeded, "", now).unwrap();
+    assert_eq!(waiting, (744..1000).collect::<Vec<u32>>());
+}
+
+#[test]
 fn cancel_all() {
     let (mut goals, now) = executing(&[1, 2, 3]);
     goals.end(id(2), End::Succeeded, "", now);

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use super::super::guid::Prefix;
+use super::guid::Prefix;
 
 /// Between two lines about the same caller.
 const PAUSE: Duration = Duration::from_secs(5);
@@ -17,6 +17,11 @@ pub(super) struct Limiter {
 }
 
 impl Limiter {
+    /// [`Self::say`] where nobody knows who it was: all of them are one.
+    pub(super) fn say_of_nobody(&mut self, now: Instant) -> Option<u64> {
+        self.say(Prefix([0; 12]), now)
+    }
+
     /// `Some(n)`: say it, n were left out since the last line. `None`: leave it out.
     pub(super) fn say(&mut self, caller: Prefix, now: Instant) -> Option<u64> {
         let over = |(since, _): &(Instant, u64)| now.duration_since(*since) >= PAUSE;

@@ -1,0 +1,209 @@
+//! Parameters that are given to a node at its start: `-p` and `--params-file`.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+
+use lineshaft_msgs::foreign::rcl_interfaces::msg::ParameterValue;
+
+use super::yaml::{self, Yaml};
+use crate::layer::name::NodeName;
+
+/// The key below which a node's parameters stand in a file.
+const PARAMETERS: &str = "ros__parameters";
+
+/// For which nodes: words between slashes, `*` for any one word, `**` for any number of words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Pattern(Vec<String>);
+
+impl Pattern {
+    /// Reads a name; without a slash at its beginning it is in the root namespace, as rclcpp has it.
+    fn parse(text: &str) -> Result<Self, String> {
+        let words: Vec<String> = text.trim_start_matches('/').split('/').map(str::to_owned).collect();
+        let is_word = |word: &String| !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        match words.iter().find(|word| !is_word(word) && !matches!(word.as_str(), "*" | "**")) {
+            Some(word) => Err(format!("{text:?} is no name of a node: {word:?} is no word, * or **")),
+            None => Ok(Self(words)),
+        }
+    }
+
+    fn everything() -> Self {
+        Self(vec!["**".to_owned()])
+    }
+
+    fn is_for_many(&self) -> bool {
+        self.0.iter().any(|word| word.starts_with('*'))
+    }
+
+    fn fits(&self, node: &NodeName) -> bool {
+        let full = node.to_string();
+        let words: Vec<&str> = full.trim_start_matches('/').split('/').collect();
+        fits(&self.0, &words)
+    }
+}
+
+fn fits(pattern: &[String], words: &[&str]) -> bool {
+    match pattern.split_first() {
+        None => words.is_empty(),
+        Some((any, rest)) if any == "**" => (0..=words.len()).any(|from| fits(rest, &words[from..])),
+        Some((word, rest)) => {
+            words.split_first().is_some_and(|(first, others)| (word == "*" || word == first) && fits(rest, others))
+        }
+    }
+}
+
+/// A value that was given for a parameter of some nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Override {
+    nodes: Pattern,
+    name: String,
+    given: Given,
+}
+
+/// A value that was given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Given {
+    /// The value; an empty list, whose type nobody knows, is an empty byte array.
+    pub value: ParameterValue,
+    /// Where it stands.
+    pub place: String,
+    /// It was meant for this node; else for many, of which another one may have such a parameter.
+    pub is_strict: bool,
+}
+
+/// Reads `[NODE:]NAME:=VALUE`.
+///
+/// # Errors
+/// What is wrong, as the end of a sentence.
+pub(super) fn parse(flag: &str, given: &str) -> Result<Override, String> {
+    let (name, value) = given.split_once(":=").ok_or("")?;
+    let (nodes, name) = match name.split_once(':') {
+        Some((node, name)) => (Pattern::parse(node).map_err(|error| format!(": {error}"))?, name),
+        None => (Pattern::everything(), name),
+    };
+    if name.is_empty() || name.contains(|c: char| c.is_whitespace() || c == ':') {
+        return Err(format!(": {name:?} is no name of a parameter"));
+    }
+    let value = yaml::parse(value).and_then(|yaml| yaml.value()).map_err(|error| format!(": {}", error.sentence))?;
+    let place = format!("{flag} {name}");
+    Ok(Override { nodes, name: name.to_owned(), given: Given { value, place, is_strict: true } })
+}
+
+/// Reads a file of parameters.
+///
+/// # Errors
+/// What is wrong, with its place.
+pub(super) fn read_file(path: &str) -> Result<Vec<Override>, String> {
+    let mut text = String::new();
+    let opened = File::open(path).and_then(|file| file.take(yaml::LONGEST + 1).read_to_string(&mut text));
+    match opened {
+        Err(error) => Err(format!("--params-file {path}: {error}")),
+        Ok(_) if text.len() as u64 > yaml::LONGEST => {
+            Err(format!("{path}: the file is longer than {} bytes", yaml::LONGEST))
+        }
+        Ok(_) => read(path, &text),
+    }
+}
+
+fn read(path: &str, text: &str) -> Result<Vec<Override>, String> {
+    let mut found = Vec::new();
+    let tree = yaml::parse(text);
+    let read = tree.and_then(|tree| nodes(path, "", &tree, &mut found));
+    read.map_err(|error| format!("{path}:{}:{}: {}", error.line, error.column, error.sentence))?;
+    Ok(found)
+}
+
+/// Nodes, and namespaces with nodes in them.
+fn nodes(path: &str, prefix: &str, tree: &Yaml, found: &mut Vec<Override>) -> Result<(), yaml::Wrong> {
+    for (key, value) in tree.map("names of nodes with ros__parameters below them are")? {
+        if key.text == PARAMETERS {
+            let pattern = if prefix.is_empty() {
+                Err(format!("{PARAMETERS} stands below no node; /**: would give it to all"))
+            } else {
+                Pattern::parse(prefix)
+            };
+            let pattern = pattern.map_err(|sentence| key.wrong(sentence))?;
+            parameters(path, &pattern, "", value, found)?;
+        } else {
+            let name = format!("{prefix}/{}", key.text.trim_start_matches('/'));
+            nodes(path, &name, value, found)?;
+        }
+    }
+    Ok(())
+}
+
+/// Parameters, and groups of them.
+fn parameters(
+    path: &str,
+    nodes: &Pattern,
+    prefix: &str,
+    tree: &Yaml,
+    found: &mut Vec<Override>,
+) -> Result<(), yaml::Wrong> {
+    for (key, value) in tree.map("parameters are")? {
+        let name = if prefix.is_empty() { key.text.clone() } else { format!("{prefix}.{}", key.text) };
+        if value.is_map() {
+            parameters(path, nodes, &name, value, found)?;
+            continue;
+        }
+        let place = format!("{path}:{}:{}", key.line, key.column);
+        let given = Given { value: value.value()?, place, is_strict: !nodes.is_for_many() };
+        found.push(Override { nodes: nodes.clone(), name, given });
+    }
+    Ok(())
+}
+
+/// The parameters that were given to one node, by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overrides(BTreeMap<String, Given>);
+
+impl Overrides {
+    pub(super) fn of(all: &[Override], node: &NodeName) -> Self {
+        let mut own: BTreeMap<String, Given> = BTreeMap::new();
+        for one in all.iter().filter(|one| one.nodes.fits(node)) {
+            // What was once meant for this node alone has to be there.
+            let was_strict = own.get(&one.name).is_some_and(|before| before.is_strict);
+            let given = Given { is_strict: one.given.is_strict || was_strict, ..one.given.clone() };
+            own.insert(one.name.clone(), given);
+        }
+        Self(own)
+    }
+
+    /// Takes the value that was given for a parameter.
+    pub fn take(&mut self, name: &str) -> Option<Given> {
+        self.0.remove(name)
+    }
+
+    /// Takes all whose names fit.
+    pub fn take_where(&mut self, fits: impl Fn(&str) -> bool) -> Self {
+        let (taken, left) = std::mem::take(&mut self.0).into_iter().partition(|(name, _)| fits(name));
+        self.0 = left;
+        Self(taken)
+    }
+
+    /// All of them, ascending by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&String, &Given)> {
+        self.0.iter()
+    }
+
+    /// Whether nothing was given.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// What is left at the end is known to nobody: what was meant for this node is an error, the rest a list of warnings.
+    ///
+    /// # Errors
+    /// All that was meant for this node, in one sentence.
+    pub fn unknown(&self) -> Result<Vec<String>, String> {
+        let sentence = |(name, given): (&String, &Given)| format!("{}: no parameter is called `{name}`", given.place);
+        let strict: Vec<String> = self.0.iter().filter(|(_, given)| given.is_strict).map(sentence).collect();
+        match strict.is_empty() {
+            true => Ok(self.0.iter().map(sentence).collect()),
+            false => Err(format!("{}; `ros2 param list` and `lineshaft params CELL` name all", strict.join("; "))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,165 @@
+//! What must hold for every request, whoever has sent it.
+
+use std::fmt::Debug;
+
+use lineshaft_msgs::action::{HomeAxisGoal, MoveAxisGoal, ProbeAxisGoal, SynchronizeGoal};
+use lineshaft_msgs::cdr::{self, Endian};
+use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalRequest;
+use lineshaft_msgs::foreign::rcl_interfaces::srv::{
+    DescribeParametersRequest, ListParametersRequest, SetParametersRequest,
+};
+use lineshaft_msgs::foreign::std_srvs::srv::TriggerRequest;
+use lineshaft_msgs::srv::{
+    AxesCommandRequest, ImportParametersRequest, RecordRequest, ResetParametersRequest, SetPositionRequest,
+    VocabularyRequest,
+};
+use lineshaft_msgs::{GetResultRequest, SendGoalRequest};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::caller::{HEADER, read};
+use crate::fuzz::LONGEST_SENTENCE;
+use crate::layer::dds::{Related, Sample, SampleId};
+use crate::layer::guid::Guid;
+
+/// The first two bytes choose the sender; the others are the sample.
+///
+/// # Panics
+/// When a law does not hold.
+pub fn any_request(bytes: &[u8]) {
+    let [form, kind, bytes @ ..] = bytes else { return };
+    let sample = sample(*form, bytes);
+    match kind % 15 {
+        0 => law::<AxesCommandRequest>(&sample),
+        1 => law::<SetPositionRequest>(&sample),
+        2 => law::<VocabularyRequest>(&sample),
+        3 => law::<RecordRequest>(&sample),
+        4 => law::<ImportParametersRequest>(&sample),
+        5 => law::<ResetParametersRequest>(&sample),
+        6 => law::<SetParametersRequest>(&sample),
+        7 => law::<DescribeParametersRequest>(&sample),
+        8 => law::<ListParametersRequest>(&sample),
+        9 => law::<CancelGoalRequest>(&sample),
+        10 => law::<GetResultRequest>(&sample),
+        11 => law::<SendGoalRequest<MoveAxisGoal>>(&sample),
+        12 => law::<SendGoalRequest<ProbeAxisGoal>>(&sample),
+        13 => law::<SendGoalRequest<SynchronizeGoal>>(&sample),
+        _ => {
+            law::<SendGoalRequest<HomeAxisGoal>>(&sample);
+            law::<TriggerRequest>(&sample);
+        }
+    }
+}
+
+fn sample(form: u8, bytes: &[u8]) -> Sample {
+    let vendor = [[0x01, 0x10], [0x01, 0x0f], [0x01, 0x12]][usize::from(form % 3)];
+    let guid = |kind| Guid([vendor[0], vendor[1], 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 0, 1, kind]);
+    let related = match form >> 2 & 3 {
+        0 => Some(Related { guid: guid(4), number: None }),
+        1 => Some(Related { guid: guid(3), number: Some(i64::from(form)) }),
+        _ => None,
+    };
+    Sample {
+        id: SampleId { writer: guid(3), number: 42 },
+        related,
+        is_stale: form >> 4 & 7 == 7,
+        endian: if form & 0x80 == 0 { Endian::Little } else { Endian::Big },
+        bytes: bytes.to_vec().into(),
+    }
+}
+
+/// Refused with a short sentence, or understood to its last byte, and in one way only.
+fn law<Q: DeserializeOwned + Serialize + Debug>(sample: &Sample) {
+    let (caller, message) = match read::<Q>(sample) {
+        Ok(read) => read,
+        Err(refusal) => return assert!(refusal.to_string().len() < LONGEST_SENTENCE, "{refusal}"),
+    };
+    assert!(!sample.is_stale, "{message:?}");
+    let header = caller.reply(&0_u8).len() - 1;
+    assert!(header == 0 || header == HEADER);
+    let (used, given) = (header + cdr::encode(&message).len(), sample.bytes.len());
+    assert!(used <= given && given <= used + cdr::MAX_PADDING, "{used} of {given} bytes are {message:?}");
+    if sample.related.is_none() {
+        let plain = cdr::decode::<Q>(&sample.bytes, sample.endian).is_ok();
+        let headed = sample.bytes.get(HEADER..).is_some_and(|bytes| cdr::decode::<Q>(bytes, sample.endian).is_ok());
+        assert!(plain != headed, "{message:?} can be read in both forms");
+        assert_eq!(headed, header == HEADER);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_msgs::foreign::unique_identifier_msgs::msg::UUID;
+    use proptest::prelude::*;
+
+    /// Bytes as they are in messages: small numbers, letters, zeros.
+    fn bytes(most: usize) -> impl Strategy<Value = Vec<u8>> {
+        prop::collection::vec(prop_oneof![4 => Just(0), 2 => 0..4_u8, 1 => Just(b'x'), 1 => any::<u8>()], 0..most)
+    }
+
+    fn good() -> impl Strategy<Value = (u8, Vec<u8>)> {
+        let axes = prop::collection::vec("[a-z]{0,5}", 0..4);
+        let axes = axes.prop_map(|axes| (0, cdr::encode(&AxesCommandRequest { axes })));
+        let position = ("[a-z]{0,9}", any::<f64>(), any::<u8>());
+        let position = position
+            .prop_map(|(axis, position, units)| (1, cdr::encode(&SetPositionRequest { axis, position, units })));
+        let goal = (any::<[u8; 16]>(), "[a-z]{0,9}", any::<f64>());
+        let goal = goal.prop_map(|(uuid, axis, position)| {
+            let goal = MoveAxisGoal { axis, position, ..MoveAxisGoal::default() };
+            (11, cdr::encode(&SendGoalRequest { goal_id: UUID { uuid }, goal }))
+        });
+        let result = any::<[u8; 16]>().prop_map(|uuid| (10, cdr::encode(&GetResultRequest { goal_id: UUID { uuid } })));
+        prop_oneof![axes, position, goal, result]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4000))]
+
+        #[test]
+        fn any_bytes_are_refused_or_understood_in_one_way(form: u8, kind: u8, bytes in bytes(200)) {
+            any_request(&[&[form, kind], bytes.as_slice()].concat());
+        }
+
+        /// With or without the header of the other RMW, longer, shorter, with a length that lies.
+        #[test]
+        fn good_requests_are_so_when_they_are_damaged(
+            form: u8, (kind, good) in good(), headed: bool, longer in 0..20_usize, shorter in 0..20_usize,
+            lie in prop::option::of((any::<prop::sample::Index>(), any::<u32>())),
+        ) {
+            let mut bytes = if headed { vec![7; HEADER] } else { Vec::new() };
+            bytes.extend(good);
+            bytes.resize(bytes.len() + longer, 0);
+            bytes.truncate(bytes.len().saturating_sub(shorter));
+            if let Some((place, length)) = lie
+                && bytes.len() >= 4
+            {
+                let place = place.index(bytes.len() / 4) * 4;
+                bytes[place..place + 4].copy_from_slice(&length.to_le_bytes());
+            }
+            any_request(&[&[form, kind], bytes.as_slice()].concat());
+        }
+
+        /// Each caller's own form is understood, so that the law above is not empty.
+        #[test]
+        fn good_requests_are_understood((_, good) in good()) {
+            let fast = sample(1, &good);
+            prop_assert!(fast.related.is_some());
+            let known = read::<AxesCommandRequest>(&fast).is_ok() || read::<SetPositionRequest>(&fast).is_ok()
+                || read::<SendGoalRequest<MoveAxisGoal>>(&fast).is_ok() || read::<GetResultRequest>(&fast).is_ok();
+            prop_assert!(known);
+        }
+    }
+
+    /// A goal whose name is 10 MB long, in each form, costs its own length and no more sentence than any other.
+    #[test]
+    fn ten_megabytes_are_refused_shortly() {
+        let goal = MoveAxisGoal { axis: "x".repeat(10_000_000), ..MoveAxisGoal::default() };
+        let mut bytes = cdr::encode(&SendGoalRequest { goal_id: UUID::default(), goal });
+        bytes.resize(bytes.len() + 4, 0);
+        for form in [0, 1, 8, 9, 10, 0x80] {
+            any_request(&[&[form, 11], bytes.as_slice()].concat());
+            any_request(&[&[form, 0], bytes.as_slice()].concat());
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Topics that the node reads.
+
+use std::marker::PhantomData;
+use std::time::Instant;
+
+use lineshaft_msgs::{Message, cdr};
+use tokio::sync::watch;
+
+use super::dds::Reader;
+use super::endpoint::{Context, CreateError, Registered};
+use super::limiter::{Limiter, more};
+use super::name::FullName;
+use super::qos::Qos;
+
+/// Reads the messages of one topic; dropping it takes the topic from the node.
+///
+/// Messages that are not exactly of the topic's form, or were written before the subscription was there, are refused, logged
+/// and never handed out.
+pub struct Subscription<M> {
+    samples: Registered<Reader>,
+    topic: FullName,
+    latched: bool,
+    closed: watch::Receiver<()>,
+    refused: Limiter,
+    unread: Limiter,
+    message: PhantomData<fn() -> M>,
+}
+
+impl<M: Message> Subscription<M> {
+    pub(super) fn new(context: &Context, topic: FullName, qos: Qos) -> Result<Self, CreateError> {
+        Ok(Self {
+            samples: context.reader(&topic.topic(), M::DDS_NAME, qos)?,
+            topic,
+            latched: qos.latched,
+            closed: context.closed.clone(),
+            refused: Limiter::default(),
+            unread: Limiter::default(),
+            message: PhantomData,
+        })
+    }
+
+    /// Full name of the topic.
+    pub fn topic(&self) -> &FullName {
+        &self.topic
+    }
+
+    /// The next message; `None` once the node is gone. Nothing is lost when the future is dropped.
+    pub async fn next(&mut self) -> Option<M> {
+        loop {
+            let taken = tokio::select! {
+                taken = self.samples.next() => taken,
+                _ = self.closed.changed() => return None,
+            };
+            let (from, refusal) = match taken {
+                // A writer that is there already is asked for all that it has: that was meant for others.
+                Ok(sample) if sample.is_stale && !self.latched => {
+                    (sample.id.writer, "it is older than this node".to_owned())
+                }
+                Ok(sample) => match cdr::decode(&sample.bytes, sample.endian) {
+                    Ok(message) => return Some(message),
+                    Err(error) => (sample.id.writer, error.to_string()),
+                },
+                Err(reason) => {
+                    if let Some(before) = self.unread.say_of_nobody(Instant::now()) {
+                        tracing::warn!("{}: a message was refused: {reason}{}", self.topic, more(before));
+                    }
+                    continue;
+                }
+            };
+            let from = from.prefix();
+            if let Some(before) = self.refused.say(from, Instant::now()) {
+                tracing::warn!(
+                    "{}: a message of participant {from} was refused: {refusal}{}",
+                    self.topic,
+                    more(before)
+                );
+            }
+        }
+    }
+}
