@@ -4,5 +4,7 @@
 //! and of rmw_cyclonedds, and knows nothing of axes.
 #![forbid(unsafe_code)]
 
+#[cfg(any(test, feature = "fuzz"))]
+pub mod fuzz;
 pub mod layer;
 pub mod surface;

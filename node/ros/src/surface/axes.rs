@@ -1,7 +1,8 @@
 //! `~/enable`, `~/disable`, `~/halt`, `~/quick_stop`, `~/reset_errors`: each answers when its axes have done it, or failed.
 
 use super::hub::Hub;
-use crate::layer::{CreateError, Node, Qos, Request, ServiceServer};
+use super::table::{self, Served};
+use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_core::command::Action;
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::object::AxisSet;
@@ -17,18 +18,18 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// The command for a set of axes.
 type Command = fn(AxisSet) -> Action;
 
-/// Name, what it does, and its past participle for the answer.
-const SERVICES: [(&str, Command, &str); 5] = [
-    ("~/enable", Action::Enable, "enabled"),
-    ("~/disable", Action::Disable, "disabled"),
-    ("~/halt", Action::Halt, "halted"),
-    ("~/quick_stop", Action::QuickStop, "stopped"),
-    ("~/reset_errors", Action::ResetErrors, "reset"),
+/// Which, what it does, and its past participle for the answer.
+const SERVICES: [(Served<AxesCommand>, Command, &str); 5] = [
+    (table::ENABLE, Action::Enable, "enabled"),
+    (table::DISABLE, Action::Disable, "disabled"),
+    (table::HALT, Action::Halt, "halted"),
+    (table::QUICK_STOP, Action::QuickStop, "stopped"),
+    (table::RESET_ERRORS, Action::ResetErrors, "reset"),
 ];
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
-    for (name, action, done) in SERVICES {
-        let server = node.service::<AxesCommand>(name, Qos::SERVICE)?;
+    for (served, action, done) in SERVICES {
+        let server = served.server(node)?;
         tasks.spawn(serve(server, Arc::clone(hub), action, done));
     }
     Ok(())

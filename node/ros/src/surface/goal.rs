@@ -3,7 +3,8 @@
 use super::host::Snapshot;
 use super::hub::{Answers, Hub};
 use super::signals::AxisView;
-use crate::layer::{ActionEvent, ActionOptions, ActionServer, CreateError, GoalHandle, Node};
+use super::table::Acted;
+use crate::layer::{ActionEvent, ActionServer, CreateError, GoalHandle, Node};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
@@ -32,9 +33,9 @@ pub(super) struct Ending {
 }
 
 /// An action of the interface that moves one axis, with what is its own.
-pub(super) trait AxisAction: lineshaft_msgs::Action {
-    /// Name of the action.
-    const SERVED_AS: &'static str;
+pub(super) trait AxisAction: lineshaft_msgs::Action + Sized {
+    /// Its row of the table.
+    const SERVED_AS: Acted<Self>;
 
     /// The axis and the command that a goal asks for.
     fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
@@ -48,7 +49,7 @@ pub(super) trait AxisAction: lineshaft_msgs::Action {
 
 /// Serves one action.
 pub(super) fn start<A: AxisAction>(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
-    let server = node.action::<A>(&format!("~/{}", A::SERVED_AS), ActionOptions::default())?;
+    let server = A::SERVED_AS.server(node)?;
     tasks.spawn(serve(server, Arc::clone(hub)));
     Ok(())
 }
@@ -67,7 +68,7 @@ async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
                 open.spawn(run(Arc::clone(&hub), request.accept(), command, view.clone()));
             }
             Err(error) => {
-                hub.refuse(format!("{}: goal rejected: {error}", A::SERVED_AS));
+                hub.refuse(format!("{}: goal rejected: {error}", A::SERVED_AS.0.name.trim_start_matches("~/")));
                 request.reject();
             }
         }
@@ -78,7 +79,7 @@ async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
 async fn run<A: AxisAction>(hub: Arc<Hub>, handle: GoalHandle<A>, command: Action, view: AxisView) {
     let ending = match hub.submit(command) {
         Ok(answers) => follow(&hub, &handle, answers, &view).await,
-        Err(busy) => view.stands(&hub.host.snapshot(), Code::TOO_MANY_WAITING, busy.to_string()),
+        Err(busy) => view.stands(&hub.host.snapshot(), busy.code(), busy.to_string()),
     };
     let code = ending.code;
     let result = A::result(&view, ending);

@@ -1,6 +1,7 @@
 //! What the surface needs of the program that runs the machine.
 
-use lineshaft_core::command::Action;
+use lineshaft_core::code::Code;
+use lineshaft_core::command::{Action, Setpoints};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Event;
 use lineshaft_core::object::AxisSet;
@@ -30,10 +31,60 @@ pub struct StampedEvent {
     pub stamp_ns: u64,
 }
 
-/// The lanes are full: the machine does not keep up with what it is asked.
+/// A command is not even taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("too many commands wait for the machine; try again")]
-pub struct Busy;
+pub enum Busy {
+    /// The lanes are full: the machine does not keep up with what it is asked.
+    #[error("too many commands wait for the machine; try again")]
+    Full,
+    /// No cycle runs, so none would take it.
+    #[error("the node is unconfigured and no cycle runs; configure and activate it first (~/change_state)")]
+    Unconfigured,
+}
+
+impl Busy {
+    /// The code for a result.
+    pub fn code(self) -> Code {
+        match self {
+            Self::Full => Code::TOO_MANY_WAITING,
+            Self::Unconfigured => Code::NOT_ACTIVE,
+        }
+    }
+}
+
+/// Whether cycles run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum GateState {
+    /// They run, and the backends exchange.
+    Open,
+    /// They do not.
+    Closed,
+    /// They do not, because a backend did not start: why.
+    Failed(String),
+}
+
+/// How well the cycle keeps its time, since the program began unless it says otherwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Cycles run.
+    pub cycles: u64,
+    /// Cycles missed.
+    pub missed: u64,
+    /// Sum of the wake-ups after their deadlines (ns); it may be a cycle ahead of `cycles`, or behind.
+    pub lateness_ns: u64,
+    /// Sum of the lengths of the cycles (ns), likewise.
+    pub duration_ns: u64,
+    /// Latest wake-up since the last time it was asked for (ns).
+    pub newest_lateness_ns: u64,
+    /// Longest cycle since the last time it was asked for (ns).
+    pub newest_duration_ns: u64,
+    /// Latest wake-up (ns).
+    pub worst_lateness_ns: u64,
+    /// Longest cycle (ns).
+    pub worst_duration_ns: u64,
+    /// Events that found no room.
+    pub events_lost: u64,
+}
 
 /// Which parameters are listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,8 +110,15 @@ pub trait Host: Send + Sync + 'static {
     /// Hands a command over and returns its sequence number; the answer comes as an event.
     ///
     /// # Errors
-    /// The lane is full; nothing was handed over.
+    /// The lane is full, or no cycle runs; nothing was handed over.
     fn submit(&self, action: Action) -> Result<u64, Busy>;
+
+    /// Hands streamed setpoints over: each takes the place of the last one of its axis, and all of them enter the same cycle. None
+    /// is answered; what an axis does not follow it tells by a warning.
+    ///
+    /// # Errors
+    /// No cycle runs; nothing was handed over.
+    fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy>;
 
     /// The command that a verb of an old controller asks for; `arguments` are YAML. It may take its time.
     ///
@@ -84,6 +142,33 @@ pub trait Host: Send + Sync + 'static {
     /// Asks the recorder, which answers when it is done or has failed. An answer that is dropped means that the machine has
     /// stopped.
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>);
+
+    /// The description of the robot (URDF) that is published; none: nothing is.
+    fn robot_description(&self) -> Option<&str> {
+        None
+    }
+
+    /// Do cycles run from the start, with axes that may be switched on? Else they wait for [`Host::open`].
+    fn begins_active(&self) -> bool;
+
+    /// Has the backends start and cycles run, the first one with a deactivated machine. [`Host::gate`] tells when they do. The
+    /// machine goes on from the state that it had.
+    fn open(&self);
+
+    /// Takes commands again, once cycles run.
+    fn take_commands(&self);
+
+    /// Takes no more commands, gives those that wait their cycle, then ends the cycles and stops the backends.
+    fn close(&self);
+
+    /// Whether cycles run.
+    fn gate(&self) -> GateState;
+
+    /// How well the cycle keeps its time. What is newest begins anew with each call: one asker may call it.
+    fn statistics(&self) -> Statistics;
+
+    /// What the drive of an axis is called, `backend:address`; none for a virtual axis.
+    fn hardware(&self, axis: u16) -> Option<&str>;
 
     /// The newest signals.
     fn snapshot(&self) -> Arc<Snapshot>;

@@ -3,9 +3,13 @@
 use super::host::{Busy, Host, StampedEvent};
 use super::lines::LineLimit;
 use super::messages;
-use crate::layer::{CreateError, Node, Publisher, Qos, Rosout, Severity, Source};
+use super::parameters::own::OwnParameters;
+use super::table;
+use crate::layer::{Clock, CreateError, Node, Publisher, Rosout, Severity, Source, TOLD};
+use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
-use lineshaft_core::event::Kind;
+use lineshaft_core::event::{Event as CoreEvent, Kind};
+use lineshaft_core::object::Object;
 use lineshaft_core::text;
 use lineshaft_msgs::msg::Event;
 use std::collections::HashMap;
@@ -16,9 +20,15 @@ use tokio::task::JoinSet;
 /// Commands and events of one surface.
 pub(super) struct Hub {
     pub host: Arc<dyn Host>,
+    /// Parameters of the node itself.
+    pub own: OwnParameters,
     /// Who waits for which command. Taken before a command is handed over, so that no answer can come before its asker.
     waiting: Mutex<HashMap<u64, Place>>,
+    /// The newest error of each axis, with its sentence.
+    errors: Mutex<HashMap<u16, (Code, String)>>,
     rosout: Rosout,
+    /// What stamps show.
+    pub clock: Clock,
     lines: LineLimit,
 }
 
@@ -56,9 +66,16 @@ impl Hub {
         events: UnboundedReceiver<StampedEvent>,
         tasks: &mut JoinSet<()>,
     ) -> Result<Arc<Self>, CreateError> {
-        let publisher = node.publisher::<Event>("~/events", Qos::EVENTS)?;
-        let hub =
-            Arc::new(Self { host, waiting: Mutex::default(), rosout: node.rosout()?, lines: LineLimit::default() });
+        let publisher = table::EVENTS.publisher(node)?;
+        let hub = Arc::new(Self {
+            host,
+            own: OwnParameters::new(node.take_overrides()),
+            waiting: Mutex::default(),
+            errors: Mutex::default(),
+            rosout: node.rosout()?,
+            clock: node.clock().clone(),
+            lines: LineLimit::default(),
+        });
         tasks.spawn(Arc::clone(&hub).pass_on(events, publisher));
         Ok(hub)
     }
@@ -85,9 +102,25 @@ impl Hub {
         self.host.submit(action)
     }
 
+    /// Tells all who still wait for an answer that none will come: no cycle runs any more.
+    pub(super) fn forget_askers(&self) {
+        self.waiting().clear();
+    }
+
+    /// The sentence of the error of an axis, if `code` is its newest.
+    pub(super) fn error_of(&self, axis: u16, code: Code) -> Option<String> {
+        let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
+        errors.get(&axis).filter(|(known, _)| *known == code).map(|(_, sentence)| sentence.clone())
+    }
+
+    /// The time that stamps of requests are compared with: nanoseconds since the Unix epoch.
+    pub(super) fn now_ns(&self) -> i64 {
+        i64::try_from(self.clock.now_ns()).unwrap_or(i64::MAX)
+    }
+
     /// Tells of a request that was refused before it became a command: on `/rosout`, and as an event.
     pub(super) fn refuse(&self, sentence: String) {
-        self.lines.say(|more| tracing::warn!("{sentence}{more}"));
+        self.lines.say(|more| tracing::warn!(target: TOLD, "{sentence}{more}"));
         self.say(Severity::Warn, &sentence);
         let mut waiting = self.waiting();
         // With a full lane the sentence stays on /rosout alone.
@@ -97,7 +130,7 @@ impl Hub {
     }
 
     /// A line on `/rosout`.
-    fn say(&self, severity: Severity, sentence: &str) {
+    pub(super) fn say(&self, severity: Severity, sentence: &str) {
         self.rosout.log(severity, sentence, Source { function: "surface".to_owned(), ..Source::default() });
     }
 
@@ -107,7 +140,11 @@ impl Hub {
             let refused = self.deliver(&event);
             let config = self.host.config();
             let sentence = refused.unwrap_or_else(|| text::sentence(&event.event, config));
-            let message = messages::event(&event.event, event.stamp_ns, config, sentence);
+            let message = messages::event(&event.event, self.clock.stamp(event.stamp_ns), config, sentence);
+            if let (Kind::Error, Object::Axis(axis)) = (event.event.kind, event.event.source) {
+                let mut errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
+                errors.insert(axis, (event.event.code, message.text.clone()));
+            }
             self.tell(&event, &message.text);
             if let Err(error) = publisher.publish(&message) {
                 failed += 1;
@@ -135,15 +172,33 @@ impl Hub {
 
     /// Errors and refusals also stand in the log of the ROS system.
     fn tell(&self, event: &StampedEvent, sentence: &str) {
-        use lineshaft_core::event::Severity as Matters;
-        let severity = match (event.event.severity, event.event.kind) {
-            (Matters::Error, _) => Severity::Error,
-            (Matters::Warn, Kind::Refused | Kind::Limit | Kind::Warning) => Severity::Warn,
-            _ => return,
-        };
-        // What never became a command was told when it was refused.
-        if event.event.code != lineshaft_core::code::Code::BAD_REQUEST {
+        if let Some(severity) = told(&event.event) {
             self.say(severity, sentence);
         }
     }
+}
+
+/// How an event is told on `/rosout`, if it is.
+fn told(event: &CoreEvent) -> Option<Severity> {
+    use lineshaft_core::event::Severity as Matters;
+    // What never became a command was told when it was refused.
+    if event.code == Code::BAD_REQUEST {
+        return None;
+    }
+    match (event.severity, event.kind) {
+        (Matters::Error, _) => Some(Severity::Error),
+        (Matters::Warn, Kind::Refused | Kind::Limit | Kind::Warning) => Some(Severity::Warn),
+        // A trajectory of the topic has nobody else to tell.
+        (Matters::Warn, Kind::Done) if missed_its_tolerance(event.code) => Some(Severity::Warn),
+        _ => None,
+    }
+}
+
+/// Whether the surface tells an event on `/rosout`, so that a line of the log about it does not go there once more.
+pub fn is_told(event: &CoreEvent) -> bool {
+    told(event).is_some()
+}
+
+fn missed_its_tolerance(code: Code) -> bool {
+    matches!(code, Code::TRAJECTORY_PATH_TOLERANCE | Code::TRAJECTORY_GOAL_TOLERANCE)
 }

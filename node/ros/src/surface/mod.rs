@@ -5,18 +5,36 @@
 pub mod host;
 
 mod axes;
+mod cycle_statistics;
+mod diagnostics;
 mod goal;
 mod hub;
+#[cfg(any(test, feature = "fuzz"))]
+mod laws;
+mod lifecycle;
 pub mod lines;
+mod loggers;
 pub mod messages;
 mod move_axis;
+mod names;
 mod parameters;
 mod probe_axis;
 mod record;
+mod robot_description;
 mod signals;
 mod states;
+mod streams;
 mod synchronize;
+pub mod table;
+mod time;
+mod trajectory;
 mod vocabulary;
+
+pub use hub::is_told;
+#[cfg(any(test, feature = "fuzz"))]
+pub use laws::any_goal;
+pub use names::check_names;
+pub use parameters::start_command;
 
 use crate::layer::{CreateError, Node};
 use host::{Host, StampedEvent};
@@ -39,30 +57,51 @@ pub struct Rates {
 pub struct Surface {
     // Before the node: its tasks hold endpoints of it.
     _tasks: JoinSet<()>,
+    #[cfg(test)]
+    hub: Arc<Hub>,
     _node: Node,
 }
 
 impl Surface {
-    /// Opens all topics, services and actions on `node`. `events` are all events of the machine, in order.
+    /// Opens all topics, services and actions on `node`. `events` are all events of the machine, in order; `groups` are the
+    /// groups of axes that take trajectories together (name, places of the axes), none for all axes with a drive.
     ///
     /// # Errors
-    /// An endpoint that cannot be made.
+    /// An endpoint that cannot be made, or a parameter that was given to the node and cannot be.
     pub fn start(
         node: Node,
         host: Arc<dyn Host>,
         events: UnboundedReceiver<StampedEvent>,
         rates: Rates,
+        groups: &[(String, Vec<u16>)],
     ) -> Result<Self, CreateError> {
         let mut tasks = JoinSet::new();
         let hub = Hub::start(&node, Arc::clone(&host), events, &mut tasks)?;
+        time::start(&node, &hub, &mut tasks)?;
+        loggers::start(&node, &mut tasks)?;
         states::start(&node, &host, rates, &mut tasks)?;
+        cycle_statistics::start(&node, &hub, &mut tasks)?;
+        let life = lifecycle::start(&node, &hub, &mut tasks)?;
+        diagnostics::start(&node, &hub, life, &mut tasks)?;
         axes::start(&node, &hub, &mut tasks)?;
         goal::start::<MoveAxis>(&node, &hub, &mut tasks)?;
         goal::start::<ProbeAxis>(&node, &hub, &mut tasks)?;
         goal::start::<Synchronize>(&node, &hub, &mut tasks)?;
-        parameters::start(&node, &hub, &mut tasks)?;
         record::start(&node, &hub, &mut tasks)?;
+        robot_description::start(&node, &hub, &mut tasks)?;
+        streams::start(&node, &hub, &mut tasks)?;
         vocabulary::start(&node, &hub, &mut tasks)?;
-        Ok(Self { _tasks: tasks, _node: node })
+        trajectory::start(&node, &hub, groups, &mut tasks)?;
+        // Last: it shows what the others have declared, and refuses what was given for none of them.
+        parameters::start(&node, &hub, &mut tasks)?;
+        Ok(Self {
+            _tasks: tasks,
+            #[cfg(test)]
+            hub,
+            _node: node,
+        })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 use super::goal::{AxisAction, Ending};
 use super::host::Snapshot;
 use super::signals::AxisView;
+use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::position::Position;
@@ -11,7 +12,7 @@ use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{ProbeAxis, ProbeAxisFeedback, ProbeAxisGoal, ProbeAxisResult};
 
 impl AxisAction for ProbeAxis {
-    const SERVED_AS: &'static str = "probe_axis";
+    const SERVED_AS: Acted<Self> = table::PROBE_AXIS;
 
     fn resolve(config: &MachineConfig, goal: &ProbeAxisGoal) -> Result<(u16, Action), RequestError> {
         let request = config.resolve_probe(&ProbeRequest {

@@ -54,6 +54,29 @@ impl AxisView {
         self.scale.rate_to_si(self.real(board, signal))
     }
 
+    /// Increments in the axis' unit, with the unit.
+    pub(super) fn length_text(&self, board: &Board, signal: AxisSignal) -> String {
+        self.scale.format_increments(self.int(board, signal))
+    }
+
+    /// A velocity in the axis' unit, with the unit.
+    pub(super) fn velocity_text(&self, board: &Board, signal: AxisSignal) -> String {
+        self.scale.format_rate(self.real(board, signal), 1)
+    }
+
+    /// Command position in m or rad.
+    fn command(&self, board: &Board) -> f64 {
+        let fraction = self.real(board, AxisSignal::CommandFraction);
+        self.si(self.int(board, AxisSignal::CommandPosition), fraction)
+    }
+
+    /// Where what the axis follows wants it to be, in m or rad: the command, and how far the axis lags behind.
+    pub(super) fn desired(&self, board: &Board) -> f64 {
+        let lag = self.int(board, AxisSignal::SyncError);
+        let fraction = self.real(board, AxisSignal::CommandFraction);
+        self.si(self.int(board, AxisSignal::CommandPosition).saturating_add(lag), fraction)
+    }
+
     /// Target minus command position (inc).
     pub(super) fn to_go(&self, board: &Board) -> i64 {
         let target = self.int(board, AxisSignal::TargetPosition);
@@ -69,7 +92,6 @@ impl AxisView {
         use AxisSignal::*;
         let int = |signal| self.int(board, signal);
         let bit = |signal| self.bit(board, signal);
-        let command = self.si(int(CommandPosition), self.real(board, CommandFraction));
         AxisState {
             name: self.name.clone(),
             state: self.small(board, State),
@@ -85,7 +107,7 @@ impl AxisView {
             positive_limit: bit(LimitPositive) || bit(LimitSoftwarePositive),
             negative_limit: bit(LimitNegative) || bit(LimitSoftwareNegative),
             error_code: u32::try_from(int(Error)).unwrap_or(u32::MAX),
-            command_position: command,
+            command_position: self.command(board),
             command_velocity: self.rate(board, CommandVelocity),
             command_acceleration: self.rate(board, CommandAcceleration),
             position: self.si(int(ActualPosition), 0.0),

@@ -3,10 +3,9 @@
 use super::Rates;
 use super::host::{Host, Snapshot};
 use super::messages::{AxisView, axis_states, joint_states};
-use crate::layer::{CreateError, Node, PublishError, Publisher, Qos};
+use super::table;
+use crate::layer::{Clock, CreateError, Node, PublishError, Publisher};
 use lineshaft_msgs::Message;
-use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
-use lineshaft_msgs::msg::AxisStates;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::task::JoinSet;
@@ -20,11 +19,14 @@ pub(super) fn start(
 ) -> Result<(), CreateError> {
     let views = AxisView::all(host.config(), host.directory());
     let joints = views.clone();
-    let publisher = node.publisher::<JointState>("joint_states", Qos::STREAM)?;
-    let message = move |snapshot: &Snapshot| joint_states(&joints, &snapshot.board, snapshot.stamp_ns);
+    let publisher = table::JOINT_STATES.publisher(node)?;
+    let clock: Clock = node.clock().clone();
+    let message = move |snapshot: &Snapshot| joint_states(&joints, &snapshot.board, clock.stamp(snapshot.stamp_ns));
     tasks.spawn(publish(publisher, Arc::clone(host), rates.joint_states, message));
-    let publisher = node.publisher::<AxisStates>("~/axis_states", Qos::STREAM)?;
-    let message = move |snapshot: &Snapshot| axis_states(&views, &snapshot.board, snapshot.cycle, snapshot.stamp_ns);
+    let publisher = table::AXIS_STATES.publisher(node)?;
+    let clock: Clock = node.clock().clone();
+    let message =
+        move |snapshot: &Snapshot| axis_states(&views, &snapshot.board, snapshot.cycle, clock.stamp(snapshot.stamp_ns));
     tasks.spawn(publish(publisher, Arc::clone(host), rates.axis_states, message));
     Ok(())
 }

@@ -3,6 +3,7 @@
 use super::goal::{AxisAction, Ending};
 use super::host::Snapshot;
 use super::signals::AxisView;
+use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::position::Position;
@@ -11,7 +12,7 @@ use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{Synchronize, SynchronizeFeedback, SynchronizeGoal, SynchronizeResult};
 
 impl AxisAction for Synchronize {
-    const SERVED_AS: &'static str = "synchronize";
+    const SERVED_AS: Acted<Self> = table::SYNCHRONIZE;
 
     fn resolve(config: &MachineConfig, goal: &SynchronizeGoal) -> Result<(u16, Action), RequestError> {
         let request = config.resolve_synchronize(&SynchronizeRequest {

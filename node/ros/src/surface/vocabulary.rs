@@ -1,7 +1,8 @@
 //! `~/vocabulary`: commands in the words of the old controllers, answered when the machine has accepted or refused them.
 
 use super::hub::{Answers, Hub};
-use crate::layer::{CreateError, Node, Qos, Request, ServiceServer};
+use super::table;
+use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_core::event::Kind;
 use lineshaft_core::text;
 use lineshaft_msgs::srv::{Vocabulary, VocabularyRequest, VocabularyResponse};
@@ -9,7 +10,7 @@ use std::sync::Arc;
 use tokio::task::{JoinSet, spawn_blocking};
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
-    let server = node.service::<Vocabulary>("~/vocabulary", Qos::SERVICE)?;
+    let server = table::VOCABULARY.server(node)?;
     tasks.spawn(serve(server, Arc::clone(hub)));
     Ok(())
 }

@@ -59,11 +59,6 @@ impl Catalogue {
         let place = self.0.binary_search_by(|declared| declared.name.as_str().cmp(name)).ok()?;
         self.0.get(place)
     }
-
-    /// The parameters of these names; none when one of them is not declared, as rclcpp answers.
-    pub(super) fn find_all(&self, names: &[String]) -> Option<Vec<&Declared>> {
-        names.iter().map(|name| self.find(name)).collect()
-    }
 }
 
 impl Declared {

@@ -1,10 +1,12 @@
-//! /parameter_events: the difference of successive images, whoever made it.
+//! /parameter_events: the difference of successive images, whoever made it, and what changes of the node's own parameters.
 
 use super::catalogue::{Catalogue, Declared};
-use crate::layer::{CreateError, Node, Publisher, Qos, now};
-use crate::surface::host::Host;
+use super::own::Own;
+use crate::layer::{NodeHandle, Publisher};
+use crate::surface::hub::Hub;
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterEvent, ParameterType};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::task::JoinSet;
@@ -14,21 +16,21 @@ use tokio::time::MissedTickBehavior;
 const PERIOD: Duration = Duration::from_millis(10);
 
 pub(super) fn start(
-    node: &Node,
-    host: &Arc<dyn Host>,
+    node: &NodeHandle,
+    publisher: Publisher<ParameterEvent>,
+    hub: &Arc<Hub>,
     catalogue: &Arc<Catalogue>,
     tasks: &mut JoinSet<()>,
-) -> Result<(), CreateError> {
-    let publisher = node.publisher::<ParameterEvent>("/parameter_events", Qos::PARAMETERS)?;
+) {
     let name = node.name().to_string();
-    tasks.spawn(publish(publisher, name, Arc::clone(host), Arc::clone(catalogue)));
-    Ok(())
+    tasks.spawn(publish(publisher, name, Arc::clone(hub), Arc::clone(catalogue)));
 }
 
-async fn publish(publisher: Publisher<ParameterEvent>, node: String, host: Arc<dyn Host>, catalogue: Arc<Catalogue>) {
+async fn publish(publisher: Publisher<ParameterEvent>, node: String, hub: Arc<Hub>, catalogue: Arc<Catalogue>) {
+    let (host, clock) = (Arc::clone(&hub.host), hub.clock.clone());
     let mut failed = 0_u64;
     let mut say = |event: ParameterEvent| {
-        if let Err(error) = publisher.publish(&ParameterEvent { stamp: now(), node: node.clone(), ..event }) {
+        if let Err(error) = publisher.publish(&ParameterEvent { stamp: clock.now(), node: node.clone(), ..event }) {
             failed += 1;
             if failed.is_power_of_two() {
                 tracing::warn!("{error} ({failed} so far)");
@@ -36,21 +38,44 @@ async fn publish(publisher: Publisher<ParameterEvent>, node: String, host: Arc<d
         }
     };
     let mut last = host.parameters();
+    let (mut own_changes, mut last_own) = (hub.own.changes(), hub.own.all());
     declarations(&catalogue, &last).into_iter().for_each(&mut say);
+    say(ParameterEvent { new_parameters: own_parameters(last_own.iter()), ..ParameterEvent::default() });
     let mut ticks = tokio::time::interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     loop {
         ticks.tick().await;
         let newest = host.parameters();
-        if newest.version == last.version {
-            continue;
+        let mut event = ParameterEvent::default();
+        if newest.version != last.version {
+            event.changed_parameters = changes(&catalogue, &last, &newest);
+            last = newest;
         }
-        let changed_parameters = changes(&catalogue, &last, &newest);
-        if !changed_parameters.is_empty() {
-            say(ParameterEvent { changed_parameters, ..ParameterEvent::default() });
+        // A sender that is gone has changed nothing.
+        if own_changes.has_changed().unwrap_or(false) {
+            own_changes.mark_unchanged();
+            let newest = hub.own.all();
+            let (changed, new) = own_difference(&last_own, &newest);
+            event.changed_parameters.extend(changed);
+            event.new_parameters = new;
+            last_own = newest;
         }
-        last = newest;
+        if !(event.changed_parameters.is_empty() && event.new_parameters.is_empty()) {
+            say(event);
+        }
     }
+}
+
+fn own_parameters<'a>(own: impl Iterator<Item = (&'a String, &'a Own)>) -> Vec<Parameter> {
+    own.map(|(name, own)| Parameter { name: name.clone(), value: own.value.clone() }).collect()
+}
+
+/// The node's own parameters that have another value, and those that were not there.
+fn own_difference(last: &BTreeMap<String, Own>, newest: &BTreeMap<String, Own>) -> (Vec<Parameter>, Vec<Parameter>) {
+    let is_new = |name: &str| !last.contains_key(name);
+    let differs = |name: &str, own: &Own| last.get(name).is_some_and(|before| before.value != own.value);
+    let changed = own_parameters(newest.iter().filter(|(name, own)| differs(name, own)));
+    (changed, own_parameters(newest.iter().filter(|(name, _)| is_new(name))))
 }
 
 /// The parameters that have a value at the start, one event for each object.
@@ -73,8 +98,10 @@ fn changes(catalogue: &Catalogue, last: &ParameterImage, newest: &ParameterImage
 #[cfg(test)]
 mod tests {
     use super::super::fake;
+    use super::super::own::OwnParameters;
     use super::*;
     use lineshaft_core::parameter::{Row, Value};
+    use lineshaft_msgs::foreign::rcl_interfaces::msg::ParameterValue;
 
     #[test]
     fn a_change_shows_in_every_view_of_it() {
@@ -98,6 +125,19 @@ mod tests {
         let off = changes(&catalogue, &second, &third);
         let low = off.iter().find(|parameter| parameter.name == "x.min_position").unwrap();
         assert_eq!(low.value.r#type, ParameterType::PARAMETER_NOT_SET, "left out, not deleted");
+    }
+
+    #[test]
+    fn own_parameters_are_new_once_and_then_change() {
+        let own = OwnParameters::default();
+        own.declare_switch("a", "");
+        let first = own.all();
+        assert_eq!(own_difference(&first, &first), (vec![], vec![]));
+        own.declare_switch("b", "");
+        own.set([("a".to_owned(), ParameterValue { r#type: 1, bool_value: true, ..Default::default() })]);
+        let (changed, new) = own_difference(&first, &own.all());
+        assert_eq!((changed[0].name.as_str(), changed[0].value.bool_value, changed.len()), ("a", true, 1));
+        assert_eq!((new[0].name.as_str(), new.len()), ("b", 1));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::parameter::{AxisParameters, ParameterImage};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 
-pub(super) fn config() -> MachineConfig {
+pub(in crate::surface) fn config() -> MachineConfig {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
     let scale = Scale::new(Fraction::from_integer(1000), per).and_then(|scale| scale.with_unit(Unit::MILLIMETRE));
     let scale = scale.expect("a sound scale");
@@ -18,7 +18,7 @@ pub(super) fn config() -> MachineConfig {
 }
 
 /// As the machine begins.
-pub(super) fn image(config: &MachineConfig) -> ParameterImage {
+pub(in crate::surface) fn image(config: &MachineConfig) -> ParameterImage {
     let parameters: Vec<AxisParameters> = config.axes.iter().map(|axis| axis.parameters).collect();
     ParameterImage { version: 0, effective: parameters.clone(), user: parameters }
 }

@@ -1,8 +1,9 @@
 //! ~/save_parameters, ~/reset_parameters, ~/delete_parameters: the layers of the parameters.
 
 use super::{accepted, give};
-use crate::layer::{CreateError, Node, Qos, Reply, Request, ServiceServer};
+use crate::layer::{CreateError, Node, Reply, Request, ServiceServer};
 use crate::surface::hub::Hub;
+use crate::surface::table;
 use lineshaft_core::command::Action;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::Layer;
@@ -39,11 +40,11 @@ const DELETE: Stored = Stored {
 };
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
-    for (name, command) in [("~/save_parameters", SAVE), ("~/delete_parameters", DELETE)] {
-        let server = node.service::<AxesCommand>(name, Qos::SERVICE)?;
+    for (served, command) in [(table::SAVE_PARAMETERS, SAVE), (table::DELETE_PARAMETERS, DELETE)] {
+        let server = served.server(node)?;
         tasks.spawn(serve_stored(server, Arc::clone(hub), command));
     }
-    let server = node.service::<ResetParameters>("~/reset_parameters", Qos::SERVICE)?;
+    let server = table::RESET_PARAMETERS.server(node)?;
     tasks.spawn(serve_reset(server, Arc::clone(hub)));
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! list_parameters, as rclcpp has it.
 
-use super::catalogue::Catalogue;
+use super::view::View;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::ListParametersResult;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::ListParametersRequest;
 
-impl Catalogue {
+impl View<'_> {
     /// The names under any of some prefixes (all, without one) whose rest has at most `depth` words; 0: any number. Beside
     /// them each prefix of a name, up to its last dot, in the order of first mention.
     pub(super) fn list(&self, request: &ListParametersRequest) -> ListParametersResult {
@@ -21,13 +21,13 @@ impl Catalogue {
             prefixes => prefixes.iter().any(|prefix| is_under(name, prefix)),
         };
         let mut result = ListParametersResult::default();
-        for name in self.all().iter().map(|declared| &declared.name).filter(|name| is_asked(name)) {
+        for name in self.names().into_iter().filter(|name| is_asked(name)) {
             if let Some((prefix, _)) = name.rsplit_once('.')
                 && !result.prefixes.iter().any(|known| known == prefix)
             {
                 result.prefixes.push(prefix.to_owned());
             }
-            result.names.push(name.clone());
+            result.names.push(name.to_owned());
         }
         result
     }
@@ -35,12 +35,16 @@ impl Catalogue {
 
 #[cfg(test)]
 mod tests {
+    use super::super::catalogue::Catalogue;
     use super::super::fake;
     use super::*;
+    use std::collections::BTreeMap;
 
     fn list(prefixes: &[&str], depth: u64) -> ListParametersResult {
         let prefixes = prefixes.iter().map(|prefix| (*prefix).to_owned()).collect();
-        Catalogue::new(&fake::config()).list(&ListParametersRequest { prefixes, depth })
+        let (config, own) = (fake::config(), BTreeMap::new());
+        let (catalogue, image) = (Catalogue::new(&config), fake::image(&config));
+        View { catalogue: &catalogue, image: &image, own: &own }.list(&ListParametersRequest { prefixes, depth })
     }
 
     #[test]

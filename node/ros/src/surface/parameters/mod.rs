@@ -1,5 +1,5 @@
 //! Parameters as ROS 2 sees them: `x.<key>` for each row of the catalogue that applies to axis x, `machine.<key>` for the
-//! machine.
+//! machine, and without an object those of the node itself.
 //!
 //! The machine owns them: what is asked for becomes a command, what is shown comes from the newest image. A number is in
 //! the unit of the row's bare numbers (contract section 2).
@@ -9,15 +9,21 @@ mod describe;
 mod events;
 mod layers;
 mod list;
+pub(super) mod own;
 mod read;
 mod set;
+mod start;
 mod text;
+mod view;
 
 #[cfg(test)]
-mod fake;
+pub(super) mod fake;
+
+pub use self::start::start_command;
 
 use self::catalogue::Catalogue;
 use super::hub::{Answers, Hub};
+use super::table;
 use crate::layer::{CreateError, Node};
 use lineshaft_core::command::Action;
 use lineshaft_core::event::Kind;
@@ -31,9 +37,13 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let catalogue = Arc::new(Catalogue::new(hub.host.config()));
+    let changes = table::PARAMETER_EVENTS.publisher(node)?;
+    // The last topic is open.
+    own::declare_qos(&hub.own, node)?;
+    hub.own.check()?;
     read::start(node, hub, &catalogue, tasks)?;
     set::start(node, hub, &catalogue, tasks)?;
-    events::start(node, &hub.host, &catalogue, tasks)?;
+    events::start(node, changes, hub, &catalogue, tasks);
     layers::start(node, hub, tasks)?;
     text::start(node, hub, tasks)
 }

@@ -2,14 +2,15 @@
 
 use super::catalogue::Catalogue;
 use super::{accepted, give};
-use crate::layer::{CreateError, Node, Qos, Request, ServiceServer};
+use crate::layer::{CreateError, Node, Request, ServiceServer};
 use crate::surface::hub::{Answers, Hub};
+use crate::surface::table;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::parameter::{Change, ParameterInput};
 use lineshaft_core::request::RequestError;
 use lineshaft_core::unit::excerpt;
-use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, SetParametersResult};
+use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterValue, SetParametersResult};
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{
     SetParameters, SetParametersAtomically, SetParametersAtomicallyResponse, SetParametersResponse,
 };
@@ -26,9 +27,9 @@ pub(super) fn start(
     catalogue: &Arc<Catalogue>,
     tasks: &mut JoinSet<()>,
 ) -> Result<(), CreateError> {
-    let server = node.service::<SetParameters>("~/set_parameters", Qos::PARAMETERS)?;
+    let server = table::SET_PARAMETERS.server(node)?;
     tasks.spawn(serve_each(server, Arc::clone(hub), Arc::clone(catalogue)));
-    let server = node.service::<SetParametersAtomically>("~/set_parameters_atomically", Qos::PARAMETERS)?;
+    let server = table::SET_PARAMETERS_ATOMICALLY.server(node)?;
     tasks.spawn(serve_together(server, Arc::clone(hub), Arc::clone(catalogue)));
     Ok(())
 }
@@ -57,15 +58,23 @@ async fn set_each(
     service: &str,
     parameters: &[Parameter],
 ) -> Vec<SetParametersResult> {
+    if let Err(sentence) = few_enough(hub, catalogue, parameters) {
+        hub.refuse(format!("{service}: {sentence}"));
+        return vec![SetParametersResult { successful: false, reason: sentence }];
+    }
     let mut results: Vec<SetParametersResult> = Vec::with_capacity(parameters.len());
     let mut under_way = VecDeque::new();
     let mut wrong = Wrong::default();
     for parameter in parameters {
-        let given = match change(catalogue, hub.host.config(), parameter) {
-            Ok(change) => give(hub, Action::SetParameters([change].into())),
+        let given = match asked(hub, catalogue, parameter) {
+            Ok(Asked::Own(value)) => {
+                hub.own.set([(parameter.name.clone(), value)]);
+                Given::Done
+            }
+            Ok(Asked::Machine(change)) => Given::Waits(give(hub, Action::SetParameters([change].into()))),
             Err(sentence) => {
                 wrong.note(&sentence);
-                Err(sentence)
+                Given::Waits(Err(sentence))
             }
         };
         under_way.push_back(given);
@@ -93,26 +102,74 @@ async fn set_together(
     if parameters.is_empty() {
         return refused("the list of parameters is empty; at least one is needed");
     }
-    let changes = parameters.iter().map(|parameter| change(catalogue, hub.host.config(), parameter));
-    match changes.collect::<Result<Box<[Change]>, String>>() {
-        Ok(changes) => result(hub, give(hub, Action::SetParameters(changes))).await,
-        Err(sentence) => {
-            hub.refuse(format!("{service}: {sentence}"));
-            refused(&sentence)
+    if let Err(sentence) = few_enough(hub, catalogue, parameters) {
+        hub.refuse(format!("{service}: {sentence}"));
+        return refused(&sentence);
+    }
+    let (mut changes, mut own) = (Vec::new(), Vec::new());
+    for parameter in parameters {
+        match asked(hub, catalogue, parameter) {
+            Ok(Asked::Machine(change)) => changes.push(change),
+            Ok(Asked::Own(value)) => own.push((parameter.name.clone(), value)),
+            Err(sentence) => {
+                hub.refuse(format!("{service}: {sentence}"));
+                return refused(&sentence);
+            }
         }
+    }
+    // The machine may refuse its own; those of the node were found fitting, and are set once it has not.
+    let given = match changes.is_empty() {
+        true => Given::Done,
+        false => Given::Waits(give(hub, Action::SetParameters(changes.into()))),
+    };
+    let result = result(hub, given).await;
+    if result.successful && !own.is_empty() {
+        hub.own.set(own);
+    }
+    result
+}
+
+/// Where a set stands.
+enum Given {
+    Done,
+    /// The machine's answer is awaited, or it was refused before.
+    Waits(Result<Answers, String>),
+}
+
+/// What a set is for.
+enum Asked {
+    Machine(Change),
+    /// A value that the node's own parameter takes.
+    Own(ParameterValue),
+}
+
+fn asked(hub: &Hub, catalogue: &Catalogue, parameter: &Parameter) -> Result<Asked, String> {
+    match hub.own.fitting(&parameter.name, &parameter.value) {
+        Some(fitting) => fitting.map(Asked::Own),
+        None => change(catalogue, hub.host.config(), parameter).map(Asked::Machine),
     }
 }
 
-async fn result(hub: &Hub, given: Result<Answers, String>) -> SetParametersResult {
+/// A request may name each parameter once: a million sets of one would keep all other clients waiting.
+fn few_enough(hub: &Hub, catalogue: &Catalogue, parameters: &[Parameter]) -> Result<(), String> {
+    let (given, most) = (parameters.len(), catalogue.all().len() + hub.own.all().len());
+    if given > most {
+        return Err(format!("{given} parameters in one request; there are {most}, each of which may be named once"));
+    }
+    Ok(())
+}
+
+async fn result(hub: &Hub, given: Given) -> SetParametersResult {
     let outcome = match given {
-        Ok(answers) => accepted(hub, answers).await,
-        Err(sentence) => Err(sentence),
+        Given::Done => Ok(()),
+        Given::Waits(Ok(answers)) => accepted(hub, answers).await,
+        Given::Waits(Err(sentence)) => Err(sentence),
     };
     SetParametersResult { successful: outcome.is_ok(), reason: outcome.err().unwrap_or_default() }
 }
 
 /// The change that a client asks for.
-fn change(catalogue: &Catalogue, config: &MachineConfig, parameter: &Parameter) -> Result<Change, String> {
+pub(super) fn change(catalogue: &Catalogue, config: &MachineConfig, parameter: &Parameter) -> Result<Change, String> {
     let Some(declared) = catalogue.find(&parameter.name) else {
         let sentence = format!("parameter `{}` has not been declared", excerpt(&parameter.name));
         // Why not, where the name is known elsewhere.
@@ -156,7 +213,7 @@ mod tests {
     use super::super::fake;
     use super::*;
     use lineshaft_core::parameter::Value;
-    use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterType, ParameterValue};
+    use lineshaft_msgs::foreign::rcl_interfaces::msg::ParameterType;
 
     fn ask(name: &str, value: ParameterValue) -> Result<Change, String> {
         let config = fake::config();

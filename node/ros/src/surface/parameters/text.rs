@@ -1,9 +1,10 @@
 //! ~/export_parameters and ~/import_parameters: sets of parameters as text.
 
 use super::{accepted, give};
-use crate::layer::{CreateError, Node, Qos, Request, ServiceServer};
+use crate::layer::{CreateError, Node, Request, ServiceServer};
 use crate::surface::host::Listing;
 use crate::surface::hub::Hub;
+use crate::surface::table;
 use lineshaft_core::command::Action;
 use lineshaft_msgs::srv::{
     ExportParameters, ExportParametersRequest, ExportParametersResponse, ImportParameters, ImportParametersResponse,
@@ -15,9 +16,9 @@ use tokio::task::{JoinSet, spawn_blocking};
 const LONGEST: usize = 1 << 20;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
-    let server = node.service::<ExportParameters>("~/export_parameters", Qos::SERVICE)?;
+    let server = table::EXPORT_PARAMETERS.server(node)?;
     tasks.spawn(serve_export(server, Arc::clone(hub)));
-    let server = node.service::<ImportParameters>("~/import_parameters", Qos::SERVICE)?;
+    let server = table::IMPORT_PARAMETERS.server(node)?;
     tasks.spawn(serve_import(server, Arc::clone(hub)));
     Ok(())
 }

@@ -1,0 +1,316 @@
+//! What is the matter with the cycle, the drives and the recorder, and its words.
+
+use super::Recorder;
+use crate::surface::host::Snapshot;
+use crate::surface::messages::AxisView;
+use lineshaft_core::axis::{AXIS_STATES, AxisState, DRIVE_STATES};
+use lineshaft_core::code::Code;
+use lineshaft_core::drive::DriveState;
+use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_core::signal::{Directory, Signal};
+use lineshaft_msgs::foreign::diagnostic_msgs::msg::{DiagnosticStatus, KeyValue};
+use std::time::{Duration, Instant};
+
+/// A cycle stands after so many of its lengths without a new one, and not before [`LEAST_STALE`].
+const STALE_CYCLES: u64 = 10;
+/// See [`STALE_CYCLES`].
+const LEAST_STALE: Duration = Duration::from_millis(100);
+/// How long a missed cycle is warned of.
+const WARNED: Duration = Duration::from_secs(1);
+/// What belongs to no drive.
+const NO_HARDWARE: &str = "none";
+/// `machine.state` of a machine with an axis in error.
+const MACHINE_ERROR: i64 = 2;
+
+/// What is the matter with something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Finding {
+    Good,
+    /// No cycle runs.
+    Standing,
+    /// So many cycles were missed within the last second.
+    Missed(u64),
+    /// An axis is in error.
+    AxisError,
+    Error(Code),
+    DriveFault,
+    DriveAway,
+    Locked,
+    DriveWarns,
+    /// So many cycles are missing in the recording.
+    Lost(u64),
+    RecorderGone,
+}
+
+impl Finding {
+    fn level(self) -> u8 {
+        use Finding::{AxisError, DriveAway, DriveFault, DriveWarns, Error, Good, Locked, Lost, Missed, RecorderGone};
+        match self {
+            Good => DiagnosticStatus::OK,
+            Missed(_) | Locked | DriveWarns | Lost(_) => DiagnosticStatus::WARN,
+            AxisError | Error(_) | DriveFault | DriveAway | RecorderGone => DiagnosticStatus::ERROR,
+            Finding::Standing => DiagnosticStatus::STALE,
+        }
+    }
+}
+
+/// One look at all of them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Findings {
+    pub machine: Finding,
+    /// By place among the drives.
+    pub drives: Vec<Finding>,
+    pub recorder: Finding,
+}
+
+impl Findings {
+    /// Their levels, in the order in which they are told.
+    pub(super) fn levels(&self) -> Vec<u8> {
+        let drives = self.drives.iter().copied();
+        [self.machine].into_iter().chain(drives).chain([self.recorder]).map(Finding::level).collect()
+    }
+}
+
+/// What the words need beside signals.
+pub(super) struct Words<'a> {
+    /// Name of the node.
+    pub node: &'a str,
+    /// Of its life cycle.
+    pub state: &'a str,
+    /// The sentence of an axis' error.
+    pub error: &'a dyn Fn(u16, Code) -> Option<String>,
+}
+
+/// An axis with a drive.
+struct Drive {
+    /// Place among the axes.
+    axis: u16,
+    view: AxisView,
+    hardware: String,
+}
+
+/// Judges snapshots, one after the other.
+pub(super) struct Judge {
+    drives: Vec<Drive>,
+    /// state, error, overruns of the machine.
+    machine: Option<[Signal; 3]>,
+    /// Without a new cycle for so long, it stands.
+    patience: Duration,
+    /// The newest cycle, and when it was seen first.
+    newest: (Option<u64>, Instant),
+    /// Missed cycles as they were seen last.
+    missed: u64,
+    /// What was missed, and until when it is told.
+    warned: Option<(u64, Instant)>,
+}
+
+impl Judge {
+    pub(super) fn new(
+        views: Vec<AxisView>,
+        hardware: Vec<Option<String>>,
+        directory: &Directory,
+        cycle_ns: u64,
+        now: Instant,
+    ) -> Self {
+        let drives = views.into_iter().zip(0_u16..).filter(|(view, _)| !view.is_virtual);
+        let drives = drives.map(|(view, axis)| {
+            let hardware = hardware.get(usize::from(axis)).cloned().flatten();
+            Drive { axis, view, hardware: hardware.unwrap_or_else(|| NO_HARDWARE.to_owned()) }
+        });
+        Self {
+            drives: drives.collect(),
+            machine: machine_signals(directory),
+            patience: Duration::from_nanos(cycle_ns.saturating_mul(STALE_CYCLES)).max(LEAST_STALE),
+            newest: (None, now),
+            missed: 0,
+            warned: None,
+        }
+    }
+
+    /// What is the matter at the moment.
+    pub(super) fn look(&mut self, snapshot: &Snapshot, now: Instant, recorder: &Recorder) -> Findings {
+        let recorder = match recorder {
+            Recorder::Gone => Finding::RecorderGone,
+            Recorder::Status(status) if status.recording && status.lost > 0 => Finding::Lost(status.lost),
+            _ => Finding::Good,
+        };
+        if self.stands(snapshot, now) {
+            return Findings {
+                machine: Finding::Standing,
+                drives: vec![Finding::Standing; self.drives.len()],
+                recorder,
+            };
+        }
+        let drives = self.drives.iter().map(|drive| judge_drive(&drive.view, snapshot)).collect();
+        Findings { machine: self.judge_machine(snapshot, now), drives, recorder }
+    }
+
+    fn stands(&mut self, snapshot: &Snapshot, now: Instant) -> bool {
+        // Before its first cycle a snapshot has no time.
+        if snapshot.stamp_ns == 0 {
+            return true;
+        }
+        if self.newest.0 != Some(snapshot.cycle) {
+            self.newest = (Some(snapshot.cycle), now);
+        }
+        now.saturating_duration_since(self.newest.1) > self.patience
+    }
+
+    fn judge_machine(&mut self, snapshot: &Snapshot, now: Instant) -> Finding {
+        let Some([state, _, overruns]) = self.machine else { return Finding::Good };
+        let missed = snapshot.board.int(overruns).cast_unsigned();
+        let more = missed.saturating_sub(std::mem::replace(&mut self.missed, missed));
+        let before = self.warned.filter(|(_, until)| now < *until);
+        self.warned = match more {
+            0 => before,
+            _ => Some((more.saturating_add(before.map_or(0, |(count, _)| count)), now + WARNED)),
+        };
+        if snapshot.board.int(state) == MACHINE_ERROR {
+            return Finding::AxisError;
+        }
+        self.warned.map_or(Finding::Good, |(count, _)| Finding::Missed(count))
+    }
+
+    /// The messages of a look.
+    pub(super) fn describe(
+        &self,
+        findings: &Findings,
+        snapshot: &Snapshot,
+        recorder: &Recorder,
+        words: &Words<'_>,
+    ) -> Vec<DiagnosticStatus> {
+        let mut all = vec![self.describe_machine(findings.machine, snapshot, words)];
+        let drives = self.drives.iter().zip(&findings.drives);
+        all.extend(drives.map(|(drive, finding)| drive.describe(*finding, snapshot, words)));
+        all.push(describe_recorder(findings.recorder, recorder, words));
+        all
+    }
+
+    fn describe_machine(&self, finding: Finding, snapshot: &Snapshot, words: &Words<'_>) -> DiagnosticStatus {
+        let message = match finding {
+            Finding::Standing => format!("no cycle runs; the node is {}", words.state),
+            Finding::Missed(count) => format!("{count} cycles missed"),
+            Finding::AxisError => "an axis is in error".to_owned(),
+            _ => words.state.to_owned(),
+        };
+        let mut values = vec![pair("lifecycle", words.state), pair("cycle", snapshot.cycle)];
+        if let Some([_, error, overruns]) = self.machine {
+            values.push(pair("missed cycles", snapshot.board.int(overruns)));
+            values.push(pair("error code", snapshot.board.int(error)));
+        }
+        status(finding, words.node, "machine", message, NO_HARDWARE, values)
+    }
+}
+
+fn machine_signals(directory: &Directory) -> Option<[Signal; 3]> {
+    let of = |name| directory.find(name);
+    Some([of("machine.state")?, of("machine.error")?, of("machine.overruns")?])
+}
+
+impl Drive {
+    fn describe(&self, finding: Finding, snapshot: &Snapshot, words: &Words<'_>) -> DiagnosticStatus {
+        let (view, board) = (&self.view, &snapshot.board);
+        let name = |names: &[&'static str], signal| {
+            usize::try_from(view.int(board, signal)).ok().and_then(|place| names.get(place).copied()).unwrap_or("?")
+        };
+        let state = name(AXIS_STATES, AxisSignal::State);
+        let code = Code(u32::try_from(view.int(board, AxisSignal::Error)).unwrap_or(u32::MAX));
+        let error = || (words.error)(self.axis, code).unwrap_or_else(|| format!("{}: {}", view.name, of_code(code)));
+        let message = match finding {
+            Finding::Standing => format!("no cycle runs; the node is {}", words.state),
+            Finding::Error(_) => error(),
+            Finding::DriveFault => "the drive is in fault".to_owned(),
+            Finding::DriveAway => "the drive does not answer, or is not ready".to_owned(),
+            Finding::Locked => "stopped, and locked until ~/reset_errors".to_owned(),
+            Finding::DriveWarns => "the drive warns".to_owned(),
+            _ => state.to_owned(),
+        };
+        let bit = |signal| if view.bit(board, signal) { "yes" } else { "no" };
+        let values = vec![
+            pair("state", state),
+            pair("drive state", name(DRIVE_STATES, AxisSignal::DriveState)),
+            pair("enabled", bit(AxisSignal::Enabled)),
+            pair("error code", code.0),
+            pair("error", if code.is_none() { "none".to_owned() } else { error() }),
+            pair("command position", view.length_text(board, AxisSignal::CommandPosition)),
+            pair("position", view.length_text(board, AxisSignal::ActualPosition)),
+            pair("following error", view.length_text(board, AxisSignal::FollowingError)),
+            pair("velocity", view.velocity_text(board, AxisSignal::ActualVelocity)),
+            pair("effort", format!("{} (drive unit)", view.effort(board))),
+            pair("drive warns", bit(AxisSignal::Warning)),
+        ];
+        status(finding, words.node, &view.name, message, &self.hardware, values)
+    }
+}
+
+/// The name of a code, where its sentence is not known: `following error`, `drive fault 0x2310`.
+fn of_code(code: Code) -> String {
+    if let Some(fault) = code.0.checked_sub(Code::DRIVE_FAULT).filter(|fault| *fault <= u32::from(u16::MAX)) {
+        return format!("drive fault {fault:#06x}");
+    }
+    let known = Code::ALL.iter().find(|(_, known)| *known == code);
+    known.map_or_else(|| format!("error {}", code.0), |(name, _)| name.to_ascii_lowercase().replace('_', " "))
+}
+
+fn judge_drive(view: &AxisView, snapshot: &Snapshot) -> Finding {
+    let board = &snapshot.board;
+    let code = Code(u32::try_from(view.int(board, AxisSignal::Error)).unwrap_or(u32::MAX));
+    let drive = view.int(board, AxisSignal::DriveState);
+    let is = |state: DriveState| drive == state as i64;
+    if !code.is_none() {
+        Finding::Error(code)
+    } else if is(DriveState::Fault) || is(DriveState::FaultReaction) {
+        Finding::DriveFault
+    } else if is(DriveState::NotReady) {
+        Finding::DriveAway
+    } else if view.int(board, AxisSignal::State) == AxisState::Stopping as i64 {
+        Finding::Locked
+    } else if view.bit(board, AxisSignal::Warning) {
+        Finding::DriveWarns
+    } else {
+        Finding::Good
+    }
+}
+
+fn describe_recorder(finding: Finding, recorder: &Recorder, words: &Words<'_>) -> DiagnosticStatus {
+    let (message, values) = match (finding, recorder) {
+        (Finding::RecorderGone, _) => ("the recorder has failed: nothing is recorded any more".to_owned(), vec![]),
+        (_, Recorder::Status(status)) => {
+            let message = match finding {
+                Finding::Lost(lost) => format!("{lost} cycles are missing in the recording"),
+                _ => status.message.clone(),
+            };
+            let values = vec![
+                pair("recording", if status.recording { "yes" } else { "no" }),
+                pair("bag", &status.path),
+                pair("cycles", status.cycles),
+                pair("size", format!("{} bytes", status.size)),
+                pair("missing cycles", status.lost),
+                pair("replayable", if status.replayable { "yes" } else { "no" }),
+            ];
+            (message, values)
+        }
+        _ => ("not asked yet".to_owned(), vec![]),
+    };
+    status(finding, words.node, "recorder", message, NO_HARDWARE, values)
+}
+
+fn pair(key: &str, value: impl ToString) -> KeyValue {
+    KeyValue { key: key.to_owned(), value: value.to_string() }
+}
+
+/// A status with a name as the diagnostic tools of ROS write it.
+fn status(
+    finding: Finding,
+    node: &str,
+    part: &str,
+    message: String,
+    hardware: &str,
+    values: Vec<KeyValue>,
+) -> DiagnosticStatus {
+    let name = format!("{node}: {part}");
+    DiagnosticStatus { level: finding.level(), name, message, hardware_id: hardware.to_owned(), values }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,168 @@
+use super::*;
+use crate::surface::parameters::fake;
+use lineshaft_core::machine::Machine;
+use lineshaft_msgs::srv::RecordResponse;
+
+const OK: u8 = 0;
+const WARN: u8 = 1;
+const ERROR: u8 = 2;
+const STALE: u8 = 3;
+
+/// A machine with line (virtual) and x, as after its first cycle.
+struct Bench {
+    machine: Machine,
+    judge: Judge,
+    snapshot: Snapshot,
+    begin: Instant,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let machine = Machine::new(fake::config()).expect("a sound config");
+        let begin = Instant::now();
+        let views = AxisView::all(machine.config(), machine.directory());
+        let hardware = vec![None, Some("plant:0".to_owned())];
+        let judge = Judge::new(views, hardware, machine.directory(), 1_000_000, begin);
+        let snapshot = Snapshot { cycle: 1, stamp_ns: 5, board: machine.board().clone() };
+        let mut bench = Self { machine, judge, snapshot, begin };
+        bench.set("x.drive_state", 1);
+        bench.set("machine.state", 1);
+        bench
+    }
+
+    fn set(&mut self, signal: &str, value: i64) {
+        let signal = self.machine.directory().find(signal).expect("a signal");
+        self.snapshot.board.set_int(signal, value);
+    }
+
+    /// Levels of machine, x and recorder at so many milliseconds.
+    fn levels(&mut self, ms: u64) -> Vec<u8> {
+        let now = self.begin + Duration::from_millis(ms);
+        self.judge.look(&self.snapshot, now, &Recorder::Unknown).levels()
+    }
+
+    fn describe(&mut self, ms: u64, recorder: &Recorder) -> Vec<DiagnosticStatus> {
+        let now = self.begin + Duration::from_millis(ms);
+        let findings = self.judge.look(&self.snapshot, now, recorder);
+        let error = |axis, code: Code| (axis == 1 && code.0 == 88).then(|| "x: a sentence".to_owned());
+        self.judge.describe(
+            &findings,
+            &self.snapshot,
+            recorder,
+            &Words { node: "cell", state: "active", error: &error },
+        )
+    }
+}
+
+fn value<'a>(status: &'a DiagnosticStatus, key: &str) -> &'a str {
+    &status.values.iter().find(|pair| pair.key == key).expect("a key").value
+}
+
+#[test]
+fn a_cycle_stands_after_100_ms_and_10_cycles_without_a_new_one() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.levels(0), [OK, OK, OK]);
+    assert_eq!(bench.levels(100), [OK, OK, OK]);
+    assert_eq!(bench.levels(101), [STALE, STALE, OK]);
+    bench.snapshot.cycle += 1;
+    assert_eq!(bench.levels(102), [OK, OK, OK]);
+
+    let views = AxisView::all(bench.machine.config(), bench.machine.directory());
+    let mut slow = Judge::new(views, Vec::new(), bench.machine.directory(), 20_000_000, bench.begin);
+    let mut look = |ms| slow.look(&bench.snapshot, bench.begin + Duration::from_millis(ms), &Recorder::Unknown).machine;
+    assert_eq!((look(0), look(200), look(201)), (Finding::Good, Finding::Good, Finding::Standing));
+    // Before the first cycle it stands.
+    bench.snapshot.stamp_ns = 0;
+    assert_eq!(bench.levels(102), [STALE, STALE, OK]);
+}
+
+#[test]
+fn missed_cycles_are_warned_of_for_a_second() {
+    let mut bench = Bench::new();
+    let mut at = |ms: u64, overruns: i64| {
+        bench.set("machine.overruns", overruns);
+        bench.snapshot.cycle = ms + 1;
+        let now = bench.begin + Duration::from_millis(ms);
+        bench.judge.look(&bench.snapshot, now, &Recorder::Unknown).machine
+    };
+    assert_eq!(at(0, 0), Finding::Good);
+    assert_eq!(at(20, 3), Finding::Missed(3));
+    assert_eq!(at(900, 5), Finding::Missed(5));
+    assert_eq!(at(1_899, 5), Finding::Missed(5));
+    assert_eq!(at(1_900, 5), Finding::Good);
+    assert_eq!(at(2_000, 6), Finding::Missed(1));
+}
+
+#[test]
+fn each_trouble_of_a_drive_has_its_level_and_its_words() {
+    for (signals, level, message) in [
+        (&[("x.state", 1), ("x.drive_state", 4)][..], OK, "STANDSTILL"),
+        (&[("x.drive_state", 7)], ERROR, "the drive is in fault"),
+        (&[("x.drive_state", 6)], ERROR, "the drive is in fault"),
+        (&[("x.drive_state", 0)], ERROR, "the drive does not answer, or is not ready"),
+        (&[("x.error", 88)], ERROR, "x: a sentence"),
+        (&[("x.error", 10201)], ERROR, "x: following error"),
+        (&[("x.error", 0x1_2310)], ERROR, "x: drive fault 0x2310"),
+        (&[("x.error", 4_000_000_000)], ERROR, "x: error 4000000000"),
+        (&[("x.state", 6)], WARN, "stopped, and locked until ~/reset_errors"),
+        (&[("x.warning", 1)], WARN, "the drive warns"),
+    ] {
+        let mut bench = Bench::new();
+        for (signal, value) in signals {
+            bench.set(signal, *value);
+        }
+        let all = bench.describe(0, &Recorder::Unknown);
+        assert_eq!(
+            all.iter().map(|status| status.name.as_str()).collect::<Vec<_>>(),
+            ["cell: machine", "cell: x", "cell: recorder"]
+        );
+        let x = &all[1];
+        assert_eq!((x.level, x.message.as_str(), x.hardware_id.as_str()), (level, message, "plant:0"), "{signals:?}");
+    }
+}
+
+#[test]
+fn values_have_their_units() {
+    let mut bench = Bench::new();
+    for (signal, value) in [("x.actual.position", 12_345), ("x.command.position", -500), ("x.following_error", 7)] {
+        bench.set(signal, value);
+    }
+    let velocity = bench.machine.directory().find("x.actual.velocity").unwrap();
+    bench.snapshot.board.set_real(velocity, 2_500.0);
+    let all = bench.describe(0, &Recorder::Unknown);
+    // 1000 increments are a millimetre.
+    let texts = ["position", "command position", "following error", "velocity", "error code", "drive state"];
+    let texts = texts.map(|key| value(&all[1], key));
+    assert_eq!(texts, ["12.345 mm", "-0.5 mm", "0.007 mm", "2.5 mm/s", "0", "SWITCH_ON_DISABLED"]);
+    assert_eq!((value(&all[0], "cycle"), value(&all[0], "lifecycle")), ("1", "active"));
+}
+
+#[test]
+fn the_recorder_is_judged_by_what_it_says() {
+    let mut bench = Bench::new();
+    let status = |recording, lost| {
+        Recorder::Status(RecordResponse {
+            recording,
+            lost,
+            message: "recording".to_owned(),
+            ..RecordResponse::default()
+        })
+    };
+    for (recorder, level, message) in [
+        (status(true, 0), OK, "recording"),
+        (status(true, 4), WARN, "4 cycles are missing in the recording"),
+        (status(false, 4), OK, "recording"),
+        (Recorder::Gone, ERROR, "the recorder has failed: nothing is recorded any more"),
+    ] {
+        let all = bench.describe(0, &recorder);
+        assert_eq!((all[2].level, all[2].message.as_str()), (level, message));
+    }
+}
+
+#[test]
+fn a_machine_in_error_says_so_whatever_was_missed() {
+    let mut bench = Bench::new();
+    bench.set("machine.state", 2);
+    bench.set("machine.overruns", 9);
+    assert_eq!(bench.levels(0)[0], ERROR);
+}

@@ -1,0 +1,94 @@
+//! `/diagnostics`: one status for the cycle, one for each axis with a drive, one for the recorder; once a second, and at once
+//! when a level changes.
+
+mod judge;
+
+use super::hub::Hub;
+use super::lifecycle::Life;
+use super::messages::AxisView;
+use super::table;
+use crate::layer::{CreateError, Node, Publisher};
+use judge::{Judge, Words};
+use lineshaft_msgs::foreign::diagnostic_msgs::msg::DiagnosticArray;
+use lineshaft_msgs::foreign::std_msgs::msg::Header;
+use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tokio::sync::oneshot;
+use tokio::task::JoinSet;
+use tokio::time::{MissedTickBehavior, timeout};
+
+/// Between two messages, where nothing changes.
+const PERIOD: Duration = Duration::from_secs(1);
+/// Between two looks at the levels.
+const LOOK: Duration = Duration::from_millis(20);
+/// Longer than the recorder takes to answer.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// What is known of the recorder.
+#[derive(Clone, Debug, Default)]
+enum Recorder {
+    /// It has not answered yet.
+    #[default]
+    Unknown,
+    /// It has failed.
+    Gone,
+    Status(RecordResponse),
+}
+
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, life: Arc<Life>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    let publisher = table::DIAGNOSTICS.publisher(node)?;
+    let (config, directory) = (hub.host.config(), hub.host.directory());
+    let hardware = |axis: u16| hub.host.hardware(axis).map(str::to_owned);
+    let hardware = (0..config.axes.len()).map(|axis| u16::try_from(axis).ok().and_then(hardware)).collect();
+    let judge = Judge::new(AxisView::all(config, directory), hardware, directory, config.cycle_ns, Instant::now());
+    tasks.spawn(publish(publisher, node.name().name().to_owned(), Arc::clone(hub), life, judge));
+    Ok(())
+}
+
+async fn publish(
+    publisher: Publisher<DiagnosticArray>,
+    node: String,
+    hub: Arc<Hub>,
+    life: Arc<Life>,
+    mut judge: Judge,
+) {
+    let mut looks = tokio::time::interval(LOOK);
+    looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let (mut told, mut failed) = (None::<(Instant, Vec<u8>)>, 0_u64);
+    let (mut recorder, mut asked) = (Recorder::Unknown, None::<Instant>);
+    loop {
+        looks.tick().await;
+        if asked.is_none_or(|asked| asked.elapsed() >= PERIOD) {
+            asked = Some(Instant::now());
+            recorder = ask(&hub, recorder).await;
+        }
+        let (snapshot, time) = (hub.host.snapshot(), Instant::now());
+        let findings = judge.look(&snapshot, time, &recorder);
+        let levels = findings.levels();
+        if told.as_ref().is_some_and(|(last, before)| *before == levels && time - *last < PERIOD) {
+            continue;
+        }
+        let words = Words { node: &node, state: life.label(), error: &|axis, code| hub.error_of(axis, code) };
+        let status = judge.describe(&findings, &snapshot, &recorder, &words);
+        let header = Header { stamp: hub.clock.now(), ..Header::default() };
+        if let Err(error) = publisher.publish(&DiagnosticArray { header, status }) {
+            failed += 1;
+            if failed.is_power_of_two() {
+                tracing::warn!("{error} ({failed} so far)");
+            }
+        }
+        told = Some((time, levels));
+    }
+}
+
+/// Asks the recorder how it stands; what was known, where it has no time to answer.
+async fn ask(hub: &Hub, known: Recorder) -> Recorder {
+    let (answer, answered) = oneshot::channel();
+    hub.host.record(RecordRequest { command: RecordRequest::STATUS, ..RecordRequest::default() }, answer);
+    match timeout(PATIENCE, answered).await {
+        Ok(Ok(status)) => Recorder::Status(status),
+        Ok(Err(_)) => Recorder::Gone,
+        Err(_) => known,
+    }
+}

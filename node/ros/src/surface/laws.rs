@@ -1,0 +1,156 @@
+//! What must hold for every goal, whatever stands in it: refused shortly, or a motion within the limits.
+
+use lineshaft_core::command::{Command, Commands, Source};
+use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig};
+use lineshaft_core::event::Kind;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+use lineshaft_msgs::action::{MoveAxis, ProbeAxis, Synchronize};
+use lineshaft_msgs::cdr::{Endian, decode};
+
+use super::goal::AxisAction;
+use crate::fuzz::LONGEST_SENTENCE;
+
+/// Of both axes (inc/s, inc/s^2).
+const VELOCITY: f64 = 1_000_000.0;
+const ACCELERATION: f64 = 5_000_000.0;
+
+/// Two axes without a motor, which are always enabled: what they are asked, they do.
+fn config() -> MachineConfig {
+    let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
+    let scale = Scale::new(Fraction::from_integer(1000), per).and_then(|scale| scale.with_unit(Unit::MILLIMETRE));
+    let scale = scale.expect("a sound scale");
+    let parameters = AxisParameters::new(VELOCITY, ACCELERATION);
+    let axis = |name: &str| AxisConfig::new(name.to_owned(), scale, None, parameters);
+    MachineConfig {
+        cycle_ns: 1_000_000,
+        io: vec![IoConfig { name: "mark".to_owned(), kind: IoKind::DigitalInput, latch: true }],
+        axes: vec![axis("line"), axis("x")],
+        ..MachineConfig::default()
+    }
+}
+
+/// The first byte chooses the action; the others are the goal as it stands on the wire.
+///
+/// # Panics
+/// When a law does not hold.
+pub fn any_goal(bytes: &[u8]) {
+    let [kind, bytes @ ..] = bytes else { return };
+    match kind % 3 {
+        0 => law::<MoveAxis>(bytes),
+        1 => law::<ProbeAxis>(bytes),
+        _ => law::<Synchronize>(bytes),
+    }
+}
+
+fn law<A: AxisAction>(bytes: &[u8]) {
+    let goal = match decode::<A::Goal>(bytes, Endian::Little) {
+        Ok(goal) => goal,
+        Err(error) => return assert!(error.to_string().len() < LONGEST_SENTENCE, "{error}"),
+    };
+    match A::resolve(&config(), &goal) {
+        Err(error) => assert!(error.to_string().len() < LONGEST_SENTENCE, "{error}"),
+        Ok((_, action)) => moved(action),
+    }
+}
+
+/// The machine refuses it and stands, or moves within its limits.
+fn moved(action: lineshaft_core::command::Action) {
+    let mut machine = Machine::new(config()).expect("a sound machine");
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let queue = [Command { sequence: 1, source: Source::Ros, action }];
+    let (mut refused, mut commands) = (false, Commands::queue(&queue));
+    for cycle in 0..60 {
+        inputs.cycle = cycle;
+        machine.cycle(&inputs, commands, &mut outputs);
+        commands = Commands::default();
+        refused |= machine.events().iter().any(|event| event.kind == Kind::Refused);
+        for axis in ["line", "x"] {
+            let find =
+                |name| machine.directory().find(&format!("{axis}.command.{name}")).expect("a signal of every axis");
+            let position = machine.board().int(find("position"));
+            let velocity = machine.board().real(find("velocity"));
+            assert!(position.unsigned_abs() < 1 << 62, "{position}");
+            assert!(velocity.abs() <= VELOCITY * (1.0 + 1e-9), "{velocity}");
+            assert!(!refused || (position == 0 && velocity == 0.0), "refused, and yet it moves");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_msgs::action::{MoveAxisGoal, ProbeAxisGoal, SynchronizeGoal};
+    use lineshaft_msgs::cdr::encode;
+    use proptest::prelude::*;
+
+    /// Numbers that clients send by mistake, and good ones.
+    fn number() -> impl Strategy<Value = f64> {
+        let special = vec![
+            0.0,
+            -0.0,
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::MAX,
+            f64::MIN,
+            f64::MIN_POSITIVE,
+            1e-300,
+            1e15,
+            4.7e15,
+            -4.7e15,
+            9.3e15,
+        ];
+        prop_oneof![2 => prop::sample::select(special), 3 => -2.0..2.0_f64, 1 => any::<f64>()]
+    }
+
+    fn axis() -> impl Strategy<Value = String> {
+        prop_oneof![6 => Just("x".to_owned()), 2 => Just("line".to_owned()), 1 => "[a-z.]{0,40}", 1 => Just("x".repeat(10_000))]
+    }
+
+    fn choice() -> impl Strategy<Value = u8> {
+        prop_oneof![8 => 0..6_u8, 1 => any::<u8>()]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1500))]
+
+        #[test]
+        fn any_bytes_are_no_harm(bytes in prop::collection::vec(any::<u8>(), 0..150)) {
+            any_goal(&bytes);
+        }
+
+        #[test]
+        fn any_positioning_is_refused_or_within_the_limits(
+            axis in axis(), mode in choice(), units in 0..4_u8, buffer_mode in choice(), direction in choice(),
+            numbers in prop::array::uniform5(number()),
+        ) {
+            let [position, velocity, acceleration, deceleration, jerk] = numbers;
+            let goal = MoveAxisGoal {
+                axis, mode, units, position, velocity, acceleration, deceleration, jerk, buffer_mode, direction,
+            };
+            any_goal(&[&[0], encode(&goal).as_slice()].concat());
+            let MoveAxisGoal { axis, .. } = goal;
+            let probe = ProbeAxisGoal {
+                axis, mode, units, position, velocity, acceleration, deceleration, jerk, event: "mark".to_owned(), edge: direction,
+                distance: position,
+            };
+            any_goal(&[&[1], encode(&probe).as_slice()].concat());
+        }
+
+        #[test]
+        fn any_coupling_is_refused_or_within_the_limits(
+            axis in axis(), master in axis(), mode in 0..4_u8, disengage in 0..3_u8, numerator: i64, denominator: i64,
+            small in prop::option::of((-9..9_i64, -9..9_i64)), numbers in prop::array::uniform3(number()),
+        ) {
+            let (numerator, denominator) = small.unwrap_or((numerator, denominator));
+            let [offset, velocity, acceleration] = numbers;
+            let goal = SynchronizeGoal {
+                axis, master, mode, disengage, numerator, denominator, offset, velocity, acceleration,
+                ..SynchronizeGoal::default()
+            };
+            any_goal(&[&[2], encode(&goal).as_slice()].concat());
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Names of the surface after remapping: no two services, actions or topics may fall together.
+
+use super::table::{Kind, ROWS};
+use crate::layer::Names;
+use std::collections::HashMap;
+
+/// The services of an action.
+const PARTS: [&str; 3] = ["send_goal", "get_result", "cancel_goal"];
+
+/// Would every endpoint have a name of its own? With one name for two services a request would be done by both.
+///
+/// # Errors
+/// Which two are called the same, or a name that ROS does not allow.
+pub fn check_names(names: &Names) -> Result<(), String> {
+    let (mut topics, mut services) = (HashMap::new(), HashMap::new());
+    for row in ROWS {
+        let error = |error: crate::layer::NameError| error.to_string();
+        let of_part = |part: &str| names.service(&format!("{}/_action/{part}", names.action(row.name)?));
+        let (known, full) = match row.kind {
+            Kind::Publisher | Kind::Subscription => (&mut topics, vec![names.topic(row.name).map_err(error)?]),
+            Kind::Service => (&mut services, vec![names.service(row.name).map_err(error)?]),
+            Kind::Action => (&mut services, PARTS.into_iter().map(of_part).collect::<Result<_, _>>().map_err(error)?),
+        };
+        for full in full {
+            if let Some(other) = known.insert(full.to_string(), row.name) {
+                return Err(format!(
+                    "-r: {other} and {} are both called {full}; each needs a name of its own",
+                    row.name
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layer::{NodeName, RosArguments};
+
+    fn check(rules: &[&str]) -> Result<(), String> {
+        let words = rules.iter().flat_map(|rule| ["-r".to_owned(), (*rule).to_owned()]);
+        let (arguments, _) = RosArguments::take(std::iter::once("--ros-args".to_owned()).chain(words)).unwrap();
+        check_names(&arguments.names(&NodeName::new("/", "shaft").unwrap()).unwrap())
+    }
+
+    #[test]
+    fn two_of_a_kind_do_not_get_one_name() {
+        check(&[]).unwrap();
+        check(&["~/enable:=on", "~/events:=on", "~/move_axis:=on"]).unwrap();
+        // Places change.
+        check(&["~/enable:=~/disable", "~/disable:=~/enable"]).unwrap();
+        let sentence = "-r: ~/enable and ~/disable are both called /shaft/disable; each needs a name of its own";
+        assert_eq!(check(&["~/enable:=~/disable"]), Err(sentence.to_owned()));
+        for rule in
+            ["~/move_axis:=~/probe_axis", "~/enable:=~/move_axis/_action/send_goal", "joint_states:=~/axis_states"]
+        {
+            assert!(check(&[rule]).is_err(), "{rule}");
+        }
+    }
+}

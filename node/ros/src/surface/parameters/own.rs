@@ -1,0 +1,251 @@
+//! Parameters of the node itself, beside those of the machine: they have no object, and nothing of the motion.
+
+use crate::layer::{CreateError, Given, NodeHandle, Overrides};
+use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterType, ParameterValue};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use tokio::sync::watch;
+
+/// Parameters of the node, by name.
+#[derive(Debug)]
+pub(in crate::surface) struct OwnParameters {
+    state: Mutex<State>,
+    /// Grows with every change.
+    version: watch::Sender<u64>,
+}
+
+#[derive(Debug)]
+struct State {
+    declared: BTreeMap<String, Own>,
+    /// Values that were given at the start for what is not declared yet.
+    overrides: Overrides,
+    /// What was given at the start and is refused, a sentence each.
+    refused: Vec<String>,
+}
+
+/// One of them.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::surface) struct Own {
+    /// Name, type, range, text.
+    pub descriptor: ParameterDescriptor,
+    /// What it is worth.
+    pub value: ParameterValue,
+}
+
+impl Default for OwnParameters {
+    fn default() -> Self {
+        Self::new(Overrides::default())
+    }
+}
+
+impl OwnParameters {
+    /// None yet; each that is declared gets the value that was given for it.
+    pub(crate) fn new(overrides: Overrides) -> Self {
+        let state = State { declared: BTreeMap::new(), overrides, refused: Vec::new() };
+        Self { state: Mutex::new(state), version: watch::Sender::new(0) }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Declares a parameter; one of that name is replaced. A value that was given at the start takes the place of its own, also
+    /// where it is read-only later; one that is none for it is told by [`OwnParameters::check`].
+    pub(crate) fn declare(&self, own: Own) {
+        let mut state = self.state();
+        let Own { descriptor, mut value } = own;
+        if let Some(Given { value: given, place, .. }) = state.overrides.take(&descriptor.name) {
+            match fitting(&descriptor, given) {
+                Ok(given) => value = given,
+                Err(sentence) => state.refused.push(format!("{place}: {sentence}")),
+            }
+        }
+        state.declared.insert(descriptor.name.clone(), Own { descriptor, value });
+        drop(state);
+        self.version.send_modify(|version| *version += 1);
+    }
+
+    /// Declares a switch that is off by itself.
+    pub(crate) fn declare_switch(&self, name: &str, description: &str) {
+        let (name, description) = (name.to_owned(), description.to_owned());
+        let r#type = ParameterType::PARAMETER_BOOL;
+        let descriptor = ParameterDescriptor { name, r#type, description, ..ParameterDescriptor::default() };
+        self.declare(Own { descriptor, value: ParameterValue { r#type, ..ParameterValue::default() } });
+    }
+
+    /// Once all are declared: what was given at the start and cannot be.
+    ///
+    /// # Errors
+    /// All that is refused, or is called as no parameter is, in one sentence.
+    pub(crate) fn check(&self) -> Result<(), CreateError> {
+        let state = self.state();
+        if !state.refused.is_empty() {
+            return Err(CreateError::Given(state.refused.join("; ")));
+        }
+        for warning in state.overrides.unknown().map_err(CreateError::Given)? {
+            tracing::warn!("{warning}; it was given to all nodes");
+        }
+        Ok(())
+    }
+
+    /// The parameter of that name.
+    pub(crate) fn get(&self, name: &str) -> Option<Own> {
+        self.state().declared.get(name).cloned()
+    }
+
+    /// All of them, ascending by name.
+    pub(crate) fn all(&self) -> BTreeMap<String, Own> {
+        self.state().declared.clone()
+    }
+
+    /// Tells when one has changed or was declared.
+    pub(crate) fn changes(&self) -> watch::Receiver<u64> {
+        self.version.subscribe()
+    }
+
+    /// Names of all.
+    #[cfg(test)]
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.all().keys().cloned().collect()
+    }
+
+    /// A number; 0 where there is none.
+    #[allow(dead_code, reason = "trajectories will read numbers")]
+    pub(crate) fn real(&self, name: &str) -> f64 {
+        match self.get(name) {
+            Some(own) if own.value.r#type == ParameterType::PARAMETER_DOUBLE => own.value.double_value,
+            _ => 0.0,
+        }
+    }
+
+    /// A switch; off where there is none.
+    pub(crate) fn switch(&self, name: &str) -> bool {
+        self.get(name).is_some_and(|own| own.value.bool_value)
+    }
+
+    /// Would a client's value be taken? Then, as it will be shown; nothing where no parameter has that name.
+    ///
+    /// # Errors
+    /// Why not.
+    pub(crate) fn fitting(&self, name: &str, value: &ParameterValue) -> Option<Result<ParameterValue, String>> {
+        let own = self.get(name)?;
+        Some(match own.descriptor.read_only {
+            true => Err(format!("{name} is read-only: it is given at the start, with -p or --params-file")),
+            false => fitting(&own.descriptor, value.clone()),
+        })
+    }
+
+    /// Sets values that were found fitting.
+    pub(crate) fn set(&self, values: impl IntoIterator<Item = (String, ParameterValue)>) {
+        let mut state = self.state();
+        for (name, value) in values {
+            if let Some(own) = state.declared.get_mut(&name) {
+                own.value = value;
+            }
+        }
+        drop(state);
+        self.version.send_modify(|version| *version += 1);
+    }
+}
+
+/// Declares the QoS of the topics that were opened, which were given at the start if at all.
+///
+/// # Errors
+/// QoS that was given for no topic of the node.
+pub(super) fn declare_qos(own: &OwnParameters, node: &NodeHandle) -> Result<(), CreateError> {
+    for warning in node.unused_qos().unknown().map_err(CreateError::Given)? {
+        tracing::warn!("{warning}; it was given to all nodes");
+    }
+    for (name, value) in node.qos_parameters() {
+        let (policy, topic) = match name.rsplit('.').collect::<Vec<_>>()[..] {
+            [policy, end, topic, ..] => (policy, format!("{end} {topic}")),
+            _ => continue,
+        };
+        let description = format!("QoS policy {policy} of {topic}.");
+        let r#type = value.r#type;
+        let descriptor = ParameterDescriptor { name, r#type, description, read_only: true, ..Default::default() };
+        own.declare(Own { descriptor, value });
+    }
+    Ok(())
+}
+
+/// The value as the parameter takes it.
+///
+/// # Errors
+/// Another type than the parameter has, or a number outside of its range.
+fn fitting(descriptor: &ParameterDescriptor, mut value: ParameterValue) -> Result<ParameterValue, String> {
+    let name = &descriptor.name;
+    match (value.r#type, descriptor.r#type) {
+        (given, declared) if given == declared => {}
+        (_, _) if descriptor.dynamic_typing => {}
+        // As for the parameters of the machine: a double also takes an integer.
+        (ParameterType::PARAMETER_INTEGER, ParameterType::PARAMETER_DOUBLE) => {
+            let double_value = value.integer_value as f64;
+            value = ParameterValue { r#type: descriptor.r#type, double_value, ..ParameterValue::default() };
+        }
+        (ParameterType::PARAMETER_INTEGER_ARRAY, ParameterType::PARAMETER_DOUBLE_ARRAY) => {
+            let double_array_value = value.integer_array_value.iter().map(|&number| number as f64).collect();
+            value = ParameterValue { r#type: descriptor.r#type, double_array_value, ..ParameterValue::default() };
+        }
+        // An empty list is one of any type.
+        (
+            ParameterType::PARAMETER_BYTE_ARRAY,
+            ParameterType::PARAMETER_BOOL_ARRAY..=ParameterType::PARAMETER_STRING_ARRAY,
+        ) if value.byte_array_value.is_empty() => {
+            value.r#type = descriptor.r#type;
+        }
+        (given, declared) => {
+            return Err(format!("{name} cannot be {}; {} is needed", type_name(given), type_name(declared)));
+        }
+    }
+    let integers = match value.r#type {
+        ParameterType::PARAMETER_INTEGER => std::slice::from_ref(&value.integer_value),
+        _ => &value.integer_array_value[..],
+    };
+    if let Some(range) = descriptor.integer_range.first()
+        && let Some(bad) =
+            integers.iter().find(|&&number| !is_whole_step(number, range.from_value, range.to_value, range.step))
+    {
+        let step = if range.step > 1 { format!(" in steps of {}", range.step) } else { String::new() };
+        return Err(format!("{name} is {bad}; {} to {}{step} is allowed", range.from_value, range.to_value));
+    }
+    let reals = match value.r#type {
+        ParameterType::PARAMETER_DOUBLE => std::slice::from_ref(&value.double_value),
+        _ => &value.double_array_value[..],
+    };
+    if let Some(bad) = reals.iter().find(|number| !number.is_finite()) {
+        return Err(format!("{name} is {bad}; a finite number is needed"));
+    }
+    if let Some(range) = descriptor.floating_point_range.first()
+        && let Some(bad) = reals.iter().find(|&&number| !(range.from_value..=range.to_value).contains(&number))
+    {
+        return Err(format!("{name} is {bad}; {} to {} is allowed", range.from_value, range.to_value));
+    }
+    Ok(value)
+}
+
+/// In a range, and on one of its steps or at its end.
+fn is_whole_step(number: i64, from: i64, to: i64, step: u64) -> bool {
+    let steps = i128::from(number) - i128::from(from);
+    (from..=to).contains(&number) && (step == 0 || number == to || steps % i128::from(step) == 0)
+}
+
+/// What a type is called.
+fn type_name(number: u8) -> &'static str {
+    match number {
+        ParameterType::PARAMETER_NOT_SET => "without a value",
+        ParameterType::PARAMETER_BOOL => "a bool",
+        ParameterType::PARAMETER_INTEGER => "an integer",
+        ParameterType::PARAMETER_DOUBLE => "a double",
+        ParameterType::PARAMETER_STRING => "a string",
+        ParameterType::PARAMETER_BYTE_ARRAY => "a list of bytes",
+        ParameterType::PARAMETER_BOOL_ARRAY => "a list of bools",
+        ParameterType::PARAMETER_INTEGER_ARRAY => "a list of integers",
+        ParameterType::PARAMETER_DOUBLE_ARRAY => "a list of doubles",
+        ParameterType::PARAMETER_STRING_ARRAY => "a list of strings",
+        _ => "of an unknown type",
+    }
+}
+
+#[cfg(test)]
+mod tests;

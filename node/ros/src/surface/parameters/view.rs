@@ -1,0 +1,59 @@
+//! All parameters at one moment: those of the machine, and those of the node itself.
+
+use super::catalogue::{Catalogue, Declared};
+use super::own::Own;
+use lineshaft_core::parameter::ParameterImage;
+use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterValue};
+use std::collections::BTreeMap;
+
+/// What there is, and what each is worth.
+pub(super) struct View<'a> {
+    pub catalogue: &'a Catalogue,
+    pub image: &'a ParameterImage,
+    pub own: &'a BTreeMap<String, Own>,
+}
+
+/// One parameter.
+pub(super) enum Known<'a> {
+    Machine(&'a Declared),
+    Own(&'a Own),
+}
+
+impl Known<'_> {
+    pub(super) fn value(&self, image: &ParameterImage) -> ParameterValue {
+        match self {
+            Self::Machine(declared) => declared.message(image),
+            Self::Own(own) => own.value.clone(),
+        }
+    }
+
+    pub(super) fn descriptor(&self) -> ParameterDescriptor {
+        match self {
+            Self::Machine(declared) => declared.descriptor(),
+            Self::Own(own) => own.descriptor.clone(),
+        }
+    }
+}
+
+impl<'a> View<'a> {
+    /// All names, ascending.
+    pub(super) fn names(&self) -> Vec<&'a str> {
+        let of_machine = self.catalogue.all().iter().map(|declared| declared.name.as_str());
+        let mut names: Vec<&str> = of_machine.chain(self.own.keys().map(String::as_str)).collect();
+        names.sort_unstable();
+        names
+    }
+
+    /// The parameters of these names; none when one of them is not declared, as rclcpp answers, and none for more names
+    /// than there are: an answer to a name that stands there a million times would be far longer than the request.
+    pub(super) fn find_all(&self, names: &[String]) -> Option<Vec<Known<'a>>> {
+        if names.len() > self.catalogue.all().len() + self.own.len() {
+            return None;
+        }
+        let find = |name: &String| match self.own.get(name) {
+            Some(own) => Some(Known::Own(own)),
+            None => self.catalogue.find(name).map(Known::Machine),
+        };
+        names.iter().map(find).collect()
+    }
+}

@@ -1,0 +1,46 @@
+//! `robot_description`: the URDF of the cell, for RViz and whoever else draws the robot.
+
+use super::hub::Hub;
+use super::parameters::own::Own;
+use super::table::{ROBOT_DESCRIPTION, ROBOT_DESCRIPTION_PARAMETER};
+use crate::layer::{CreateError, Node};
+use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterType, ParameterValue};
+use lineshaft_msgs::foreign::std_msgs::msg::String as Text;
+use std::future::pending;
+use std::sync::Arc;
+use tokio::task::JoinSet;
+
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    let Some(urdf) = hub.host.robot_description() else { return Ok(()) };
+    hub.own.declare(parameter(urdf));
+    let publisher = ROBOT_DESCRIPTION.publisher(node)?;
+    // The only sample that the publisher ever writes: who comes later gets it from the publisher.
+    // That of the parameter: a launch file may have given another one.
+    let given = hub.own.get(ROBOT_DESCRIPTION_PARAMETER.name).map(|own| own.value.string_value);
+    if let Err(error) = publisher.publish(&Text { data: given.unwrap_or_else(|| urdf.to_owned()) }) {
+        tracing::error!("{error}");
+    }
+    tasks.spawn(async move {
+        let _kept = publisher;
+        pending::<()>().await;
+    });
+    Ok(())
+}
+
+fn parameter(urdf: &str) -> Own {
+    let row = ROBOT_DESCRIPTION_PARAMETER;
+    Own {
+        descriptor: ParameterDescriptor {
+            name: row.name.to_owned(),
+            r#type: ParameterType::PARAMETER_STRING,
+            description: row.text.to_owned(),
+            read_only: row.read_only,
+            ..ParameterDescriptor::default()
+        },
+        value: ParameterValue {
+            r#type: ParameterType::PARAMETER_STRING,
+            string_value: urdf.to_owned(),
+            ..ParameterValue::default()
+        },
+    }
+}

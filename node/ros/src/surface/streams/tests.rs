@@ -1,0 +1,123 @@
+use super::*;
+use lineshaft_core::command::Setpoint;
+use lineshaft_core::config::AxisConfig;
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+use lineshaft_msgs::foreign::std_msgs::msg::Header;
+use proptest::prelude::*;
+
+/// x and y with 1000 inc/mm, 100 mm/s, 100 ms; y with 20 ms.
+fn machine() -> (MachineConfig, ParameterImage) {
+    let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
+    let scale = Scale::new(Fraction::from_integer(1000), per).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
+    let parameters = AxisParameters::new(100_000.0, 1e6);
+    let quick = AxisParameters { setpoint_timeout: 20_000_000, ..parameters };
+    let axis = |name: &str, parameters| AxisConfig::new(name.into(), scale, None, parameters);
+    let axes = vec![axis("x", parameters), axis("y", quick)];
+    let config = MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() };
+    (config, ParameterImage { version: 1, effective: vec![parameters, quick], user: Vec::new() })
+}
+
+fn joint_jog(names: &[&str], velocities: &[f64]) -> JointJog {
+    let joint_names = names.iter().map(|&name| name.to_owned()).collect();
+    JointJog { joint_names, velocities: velocities.to_vec(), ..JointJog::default() }
+}
+
+fn judged(asked: Result<Asked, String>, age: i128) -> Result<Setpoints, String> {
+    let (config, image) = machine();
+    let (_, requests) = asked?;
+    let set = config.resolve_setpoints(Source::Ros, Units::Si, &requests).map_err(|error| error.to_string())?;
+    check(&set, &config, &image, age).map(|()| set)
+}
+
+#[test]
+fn a_jog_in_metres_per_second_for_a_while() {
+    let set = judged(jog(JointJog { duration: 0.25, ..joint_jog(&["y", "x"], &[-0.1, 0.02]) }), 0).unwrap();
+    let setpoint = |velocity, duration| Some(Setpoint { velocity, duration });
+    assert_eq!(set.axes, [setpoint(20_000.0, Some(250_000_000)), setpoint(-100_000.0, Some(250_000_000))]);
+    let set = judged(jog(joint_jog(&["x"], &[0.0])), 0).unwrap();
+    assert_eq!(set.axes, [setpoint(0.0, None), None]);
+    // As good as nothing, but not for ever; and as good as for ever.
+    for (duration, ns) in [(1e-12, 1), (1e300, i64::MAX as u64)] {
+        let set = judged(jog(JointJog { duration, ..joint_jog(&["x"], &[0.01]) }), 0).unwrap();
+        assert_eq!(set.axes[0].unwrap().duration, Some(ns));
+    }
+}
+
+#[test]
+fn setpoints_are_the_same_by_another_name() {
+    let message = msg::Setpoints { axes: vec!["y".to_owned()], velocities: vec![0.05], ..msg::Setpoints::default() };
+    let set = judged(setpoints(message), 0).unwrap();
+    assert_eq!(set.axes, [None, Some(Setpoint { velocity: 50_000.0, duration: None })]);
+    let message = msg::Setpoints { axes: vec!["y".to_owned()], ..msg::Setpoints::default() };
+    let sentence = "velocities has 0 entries; 1 are expected, one for each of axes";
+    assert_eq!(judged(setpoints(message), 0).unwrap_err(), sentence);
+}
+
+#[test]
+fn what_is_wrong_is_refused_as_a_whole_with_a_sentence() {
+    let with = |change: fn(&mut JointJog)| {
+        let mut message = joint_jog(&["x", "y"], &[0.01, 0.01]);
+        change(&mut message);
+        judged(jog(message), 0).unwrap_err()
+    };
+    for (sentence, part) in [
+        (with(|m| m.displacements = vec![1.0]), "displacements has 1 entries; none is allowed, give velocities"),
+        (with(|m| m.velocities = vec![1.0]), "velocities has 1 entries; 2 are expected, one for each of joint_names"),
+        (with(|m| *m = JointJog::default()), "no axis is named"),
+        (with(|m| m.joint_names[1] = "x".into()), "axis `x` stands twice"),
+        (with(|m| m.joint_names[1] = "w".into()), "no axis is called `w`; there are x, y"),
+        (with(|m| m.velocities[1] = f64::NAN), "velocity of y: "),
+        (with(|m| m.velocities[0] = f64::INFINITY), "velocity of x: "),
+        (with(|m| m.velocities[1] = -0.100001), "velocity -100.001 mm/s of y lies above max_velocity 100 mm/s"),
+        (with(|m| m.duration = -1.0), "duration is -1 s; 0 (until the next message) or more is allowed"),
+        (with(|m| m.duration = f64::NAN), "duration is NaN s"),
+        (with(|m| m.duration = f64::INFINITY), "duration is inf s"),
+    ] {
+        assert!(sentence.contains(part), "{sentence}: {part}");
+    }
+}
+
+#[test]
+fn a_message_is_no_older_than_its_axes_allow() {
+    let both = || jog(joint_jog(&["x", "y"], &[0.01, 0.01]));
+    let only_x = || jog(joint_jog(&["x"], &[0.01]));
+    assert!(judged(both(), 20_000_000).is_ok() && judged(only_x(), 100_000_000).is_ok());
+    let sentence = "the message is 21 ms old by its stamp; setpoint_timeout 20 ms of y is allowed, or a stamp of 0";
+    assert_eq!(judged(both(), 21_000_000).unwrap_err(), sentence);
+    assert!(judged(only_x(), 100_000_001).is_err());
+    let (now, time) = (Time { sec: 10, nanosec: 5 }, |sec, nanosec| Time { sec, nanosec });
+    assert_eq!(age_ns(&time(0, 0), &now), 0, "a stamp of 0 is none");
+    assert_eq!(age_ns(&time(9, 999_999_999), &now), 6);
+    assert!(age_ns(&time(11, 0), &now) < 0, "from the future");
+    assert_eq!(age_ns(&time(i32::MIN, u32::MAX), &time(i32::MAX, u32::MAX)), (1 << 32) * 1_000_000_000 - 1_000_000_000);
+}
+
+#[test]
+fn of_many_refusals_one_in_a_second_is_told_with_the_number_of_the_others() {
+    let (mut refusals, start) = (Refusals::default(), Instant::now());
+    assert_eq!(refusals.say(start).as_deref(), Some(""));
+    assert!((1..100).all(|ms| refusals.say(start + Duration::from_millis(ms)).is_none()));
+    assert_eq!(refusals.say(start + PAUSE).as_deref(), Some(" (99 messages before it were refused too)"));
+    assert_eq!(refusals.say(start + PAUSE * 2).as_deref(), Some(""));
+}
+
+proptest! {
+    /// Whatever comes, only numbers within the limits reach the machine.
+    #[test]
+    fn nothing_but_allowed_velocities_of_known_axes_passes(
+        names in prop::collection::vec(prop::sample::select(vec!["x", "y", "w", ""]), 0..4),
+        velocities in prop::collection::vec(prop_oneof![any::<f64>(), -0.11..0.11_f64], 0..4),
+        displacements in prop::collection::vec(any::<f64>(), 0..2),
+        duration in prop_oneof![any::<f64>(), 0.0..1.0_f64],
+        stamp in any::<(i32, u32)>(),
+    ) {
+        let header = Header { stamp: Time { sec: stamp.0, nanosec: stamp.1 }, ..Header::default() };
+        let message = JointJog { header, displacements, duration, ..joint_jog(&names, &velocities) };
+        if let Ok(set) = judged(jog(message), 0) {
+            prop_assert!(!set.is_empty());
+            prop_assert!(set.axes.iter().flatten().all(|setpoint| setpoint.velocity.abs() <= 100_000.0));
+            prop_assert_eq!(set.axes.iter().flatten().count(), names.len());
+        }
+    }
+}

@@ -1,0 +1,371 @@
+//! Everything that the node offers in ROS 2, once: the surface opens its endpoints by this table, and docs/interfaces.md is
+//! made of it.
+
+use crate::layer::{
+    ActionOptions, ActionServer, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
+};
+use lineshaft_msgs::action::{MoveAxis, ProbeAxis, Synchronize};
+use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectory;
+use lineshaft_msgs::foreign::control_msgs::msg::JointJog;
+use lineshaft_msgs::foreign::diagnostic_msgs::msg::DiagnosticArray;
+use lineshaft_msgs::foreign::lifecycle_msgs::msg::TransitionEvent;
+use lineshaft_msgs::foreign::lifecycle_msgs::srv::{
+    ChangeState, GetAvailableStates, GetAvailableTransitions, GetState,
+};
+use lineshaft_msgs::foreign::rcl_interfaces::msg::{Log, ParameterEvent};
+use lineshaft_msgs::foreign::rcl_interfaces::srv::{
+    DescribeParameters, GetLoggerLevels, GetParameterTypes, GetParameters, ListParameters, SetLoggerLevels,
+    SetParameters, SetParametersAtomically,
+};
+use lineshaft_msgs::foreign::rosgraph_msgs::msg::Clock;
+use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
+use lineshaft_msgs::foreign::std_msgs::msg::String as Text;
+use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
+use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, Setpoints};
+use lineshaft_msgs::srv::{AxesCommand, ExportParameters, ImportParameters, Record, ResetParameters, Vocabulary};
+use lineshaft_msgs::{Action, Message, Service};
+use std::marker::PhantomData;
+
+/// What an endpoint is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A topic that the node publishes.
+    Publisher,
+    /// A topic that the node reads.
+    Subscription,
+    /// A service.
+    Service,
+    /// An action.
+    Action,
+}
+
+/// A line of the table.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// What it is.
+    pub kind: Kind,
+    /// Its name before it is expanded and remapped.
+    pub name: &'static str,
+    /// Its type.
+    pub interface: &'static str,
+    /// How it is delivered; of an action, how its services are.
+    pub qos: Qos,
+    /// What it is for, in Markdown.
+    pub text: &'static str,
+}
+
+/// A parameter of the node itself, as the page tells it.
+#[derive(Clone, Copy, Debug)]
+pub struct ParameterRow {
+    /// Its name; `<axis>` and `<group>` stand for names of the cell.
+    pub name: &'static str,
+    /// Its type in the words of ROS 2.
+    pub kind: &'static str,
+    /// What it is at the start, in Markdown.
+    pub default: &'static str,
+    /// Nobody can set it while the node runs.
+    pub read_only: bool,
+    /// What it is for, with unit and range.
+    pub text: &'static str,
+}
+
+/// A topic of type `M`.
+pub struct Topic<M>(pub Row, PhantomData<fn(M)>);
+/// A service of type `S`.
+pub struct Served<S>(pub Row, PhantomData<fn(S)>);
+/// An action of type `A`.
+pub struct Acted<A>(pub Row, PhantomData<fn(A)>);
+
+impl<M: Message> Topic<M> {
+    const fn new(kind: Kind, name: &'static str, qos: Qos, text: &'static str) -> Self {
+        Self(Row { kind, name, interface: M::NAME, qos, text }, PhantomData)
+    }
+
+    const fn published(name: &'static str, qos: Qos, text: &'static str) -> Self {
+        Self::new(Kind::Publisher, name, qos, text)
+    }
+
+    const fn subscribed(name: &'static str, qos: Qos, text: &'static str) -> Self {
+        Self::new(Kind::Subscription, name, qos, text)
+    }
+
+    pub(super) fn publisher(&self, node: &NodeHandle) -> Result<Publisher<M>, CreateError> {
+        node.publisher(self.0.name, self.0.qos)
+    }
+
+    pub(super) fn subscription(&self, node: &NodeHandle) -> Result<Subscription<M>, CreateError> {
+        self.subscription_as(node, self.0.name)
+    }
+
+    /// The topic of a group of axes.
+    pub(super) fn subscription_as(&self, node: &NodeHandle, name: &str) -> Result<Subscription<M>, CreateError> {
+        node.subscription(name, self.0.qos)
+    }
+}
+
+impl Topic<Clock> {
+    pub(super) fn time_source(&self, node: &NodeHandle) -> Result<TimeSource, CreateError> {
+        node.time_source(self.0.name, self.0.qos)
+    }
+}
+
+impl<S: Service> Served<S> {
+    const fn new(name: &'static str, qos: Qos, text: &'static str) -> Self {
+        Self(Row { kind: Kind::Service, name, interface: S::NAME, qos, text }, PhantomData)
+    }
+
+    pub(super) fn server(&self, node: &NodeHandle) -> Result<ServiceServer<S>, CreateError> {
+        node.service(self.0.name, self.0.qos)
+    }
+}
+
+impl<A: Action> Acted<A> {
+    const fn new(name: &'static str, text: &'static str) -> Self {
+        Self(Row { kind: Kind::Action, name, interface: A::NAME, qos: Qos::SERVICE, text }, PhantomData)
+    }
+
+    pub(super) fn server(&self, node: &NodeHandle) -> Result<ActionServer<A>, CreateError> {
+        self.server_as(node, self.0.name)
+    }
+
+    /// The action of a group of axes.
+    pub(super) fn server_as(&self, node: &NodeHandle, name: &str) -> Result<ActionServer<A>, CreateError> {
+        node.action(name, ActionOptions::default())
+    }
+}
+
+pub(super) const JOINT_STATES: Topic<JointState> = Topic::published(
+    "joint_states",
+    Qos::STREAM,
+    "actual position, velocity, effort of all axes but virtual ones; position unwrapped; rate `joint_states_rate`",
+);
+pub(super) const AXIS_STATES: Topic<AxisStates> =
+    Topic::published("~/axis_states", Qos::STREAM, "all axes in file order; rate `axis_states_rate`");
+pub(super) const EVENTS: Topic<Event> =
+    Topic::published("~/events", Qos::EVENTS, "every event, with a sequence number without gaps");
+pub(super) const PARAMETER_EVENTS: Topic<ParameterEvent> =
+    Topic::published("/parameter_events", Qos::PARAMETERS, "every change of a parameter, whoever made it; see below");
+pub(super) const ROSOUT: Topic<Log> = Topic::published("/rosout", Qos::ROSOUT, "errors, refusals, limits");
+pub(super) const ROBOT_DESCRIPTION: Topic<Text> = Topic::published(
+    "robot_description",
+    Qos::STATUS,
+    "the URDF that the cell names with `ros: {robot_description: FILE}`; only then; see below",
+);
+pub(super) const CLOCK: Topic<Clock> =
+    Topic::subscribed("/clock", Qos::CLOCK, "the time of a simulation, only while `use_sim_time` is true; see below");
+pub(super) const TRANSITION_EVENT: Topic<TransitionEvent> =
+    Topic::published("~/transition_event", Qos::STREAM, "every step of the life cycle; see [Lifecycle](#lifecycle)");
+pub(super) const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::published(
+    "/diagnostics",
+    Qos::STREAM,
+    "how cycle, drives and recorder do: once a second, and at once when a level changes; see [Diagnostics](#diagnostics)",
+);
+pub(super) const CYCLE_STATISTICS: Topic<CycleStatistics> =
+    Topic::published("~/cycle_statistics", Qos::STREAM, "how well the cycle keeps its time, once a second");
+pub(super) const CHANGE_STATE: Served<ChangeState> =
+    Served::new("~/change_state", Qos::SERVICE, "makes a transition of the life cycle; answers when it is made");
+pub(super) const GET_STATE: Served<GetState> =
+    Served::new("~/get_state", Qos::SERVICE, "the present state of the life cycle");
+pub(super) const GET_AVAILABLE_STATES: Served<GetAvailableStates> =
+    Served::new("~/get_available_states", Qos::SERVICE, "all states of the life cycle");
+pub(super) const GET_AVAILABLE_TRANSITIONS: Served<GetAvailableTransitions> =
+    Served::new("~/get_available_transitions", Qos::SERVICE, "the transitions from the present state");
+pub(super) const GET_TRANSITION_GRAPH: Served<GetAvailableTransitions> =
+    Served::new("~/get_transition_graph", Qos::SERVICE, "all transitions of the life cycle");
+pub(super) const JOG: Topic<JointJog> =
+    Topic::subscribed("~/jog", Qos::STREAM, "moves axes at velocities, by hand, until it stops coming; see below");
+pub(super) const SETPOINTS: Topic<Setpoints> = Topic::subscribed(
+    "~/setpoints",
+    Qos::STREAM,
+    "velocities for axes, from a machine, until they stop coming; see below",
+);
+pub(super) const ENABLE: Served<AxesCommand> = axes("~/enable", "switches axes on");
+pub(super) const DISABLE: Served<AxesCommand> = axes("~/disable", "stops axes, then switches them off");
+pub(super) const HALT: Served<AxesCommand> = axes("~/halt", "stops axes; a new goal may follow at once");
+pub(super) const QUICK_STOP: Served<AxesCommand> =
+    axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`");
+pub(super) const RESET_ERRORS: Served<AxesCommand> = axes("~/reset_errors", "clears errors and locks");
+pub(super) const RECORD: Served<Record> = Served::new(
+    "~/record",
+    Qos::SERVICE,
+    "STATUS, START a bag, STOP it, SAVE what the flight recorder holds; see [recording.md](recording.md)",
+);
+pub(super) const VOCABULARY: Served<Vocabulary> = Served::new(
+    "~/vocabulary",
+    Qos::SERVICE,
+    "a verb of an old controller for one axis; answers when the machine has accepted or refused it; see below",
+);
+pub(super) const GET_PARAMETERS: Served<GetParameters> = parameters("~/get_parameters", "values of parameters");
+pub(super) const GET_PARAMETER_TYPES: Served<GetParameterTypes> = parameters("~/get_parameter_types", "their types");
+pub(super) const SET_PARAMETERS: Served<SetParameters> = parameters("~/set_parameters", "sets each by itself");
+pub(super) const SET_PARAMETERS_ATOMICALLY: Served<SetParametersAtomically> =
+    parameters("~/set_parameters_atomically", "sets all of them, or none");
+pub(super) const LIST_PARAMETERS: Served<ListParameters> = parameters("~/list_parameters", "their names");
+pub(super) const DESCRIBE_PARAMETERS: Served<DescribeParameters> =
+    parameters("~/describe_parameters", "their descriptions, units and ranges");
+pub(super) const GET_LOGGER_LEVELS: Served<GetLoggerLevels> =
+    Served::new("~/get_logger_levels", Qos::SERVICE, "levels of loggers; see below");
+pub(super) const SET_LOGGER_LEVELS: Served<SetLoggerLevels> =
+    Served::new("~/set_logger_levels", Qos::SERVICE, "sets them, in force at once");
+pub(super) const SAVE_PARAMETERS: Served<AxesCommand> =
+    axes("~/save_parameters", "keeps what is in force beyond the power; answers when it is stored");
+pub(super) const DELETE_PARAMETERS: Served<AxesCommand> =
+    axes("~/delete_parameters", "forgets what was kept; answers when that is stored");
+pub(super) const RESET_PARAMETERS: Served<ResetParameters> = Served::new(
+    "~/reset_parameters",
+    Qos::SERVICE,
+    "brings layer USER (what was saved) or INIT (the cell) back into force",
+);
+pub(super) const EXPORT_PARAMETERS: Served<ExportParameters> =
+    Served::new("~/export_parameters", Qos::SERVICE, "parameters in force as text");
+pub(super) const IMPORT_PARAMETERS: Served<ImportParameters> =
+    Served::new("~/import_parameters", Qos::SERVICE, "parameters from text, all or none; at most 1 MiB");
+pub(super) const MOVE_AXIS: Acted<MoveAxis> =
+    Acted::new("~/move_axis", "positioning; mode VELOCITY stays open until it is cancelled, halted or replaced");
+pub(super) const PROBE_AXIS: Acted<ProbeAxis> = Acted::new("~/probe_axis", "touch probe to position; see below");
+pub(super) const SYNCHRONIZE: Acted<Synchronize> =
+    Acted::new("~/synchronize", "open while coupled; cancel uncouples, a dead client does not");
+pub(super) const FOLLOW_JOINT_TRAJECTORY: Acted<FollowJointTrajectory> = Acted::new(
+    "~/follow_joint_trajectory",
+    "a trajectory of all axes with a drive; with `groups:` one for each, `~/<group>/follow_joint_trajectory`; see below",
+);
+pub(super) const JOINT_TRAJECTORY: Topic<JointTrajectory> = Topic::subscribed(
+    "~/joint_trajectory",
+    Qos::STREAM,
+    "the same without an answer; with `groups:` one for each, `~/<group>/joint_trajectory`; without points: stop",
+);
+
+/// The URDF as a parameter, for tools that look there.
+pub(super) const ROBOT_DESCRIPTION_PARAMETER: ParameterRow = ParameterRow {
+    name: "robot_description",
+    kind: "string",
+    default: "the file of the cell's `ros: {robot_description: FILE}`; without it there is no such parameter",
+    read_only: true,
+    text: "the URDF that the topic `robot_description` brings",
+};
+
+/// Parameters of the node itself, in the order of the page.
+pub const PARAMETERS: &[ParameterRow] = &[
+    own("use_sim_time", "bool", "false", "stamps and starts of trajectories follow `/clock`; see [Time](#time)"),
+    ROBOT_DESCRIPTION_PARAMETER,
+    own(
+        "qos_overrides.<topic>.<publisher or subscription>.<policy>",
+        "string or integer",
+        "what the topic has",
+        "given at the start, then read-only; see [ROS arguments](#ros-arguments)",
+    ),
+    own("allow_partial_joints_goal", "bool", "false", "trajectories may name some of the joints only"),
+    ParameterRow {
+        read_only: true,
+        ..own(
+            "allow_nonzero_velocity_at_trajectory_end",
+            "bool",
+            "false",
+            "does not exist yet: a trajectory ends at rest",
+        )
+    },
+    ParameterRow {
+        read_only: true,
+        ..own(
+            "action_monitor_rate",
+            "double",
+            "20.0",
+            "feedback of trajectories per second, 0.1 to 1000; given at the start",
+        )
+    },
+    own(
+        "constraints.goal_time",
+        "double",
+        "0.0",
+        "s after the last point within which the goal tolerances must be met; 0: for ever",
+    ),
+    own(
+        "constraints.stopped_velocity_tolerance",
+        "double",
+        "0.01",
+        "velocity error at the end of a trajectory, m/s or rad/s; 0: without limit",
+    ),
+    own(
+        "constraints.<joint>.trajectory",
+        "double",
+        "0.0",
+        "m or rad that a joint may be off on its way; 0: without limit",
+    ),
+    own("constraints.<joint>.goal", "double", "0.0", "m or rad that a joint may be off at the end; 0: without limit"),
+];
+
+const fn own(name: &'static str, kind: &'static str, default: &'static str, text: &'static str) -> ParameterRow {
+    ParameterRow { name, kind, default, read_only: false, text }
+}
+
+/// A service for a list of axes, of which an empty one means all.
+const fn axes(name: &'static str, text: &'static str) -> Served<AxesCommand> {
+    Served::new(name, Qos::SERVICE, text)
+}
+
+const fn parameters<S: Service>(name: &'static str, text: &'static str) -> Served<S> {
+    Served::new(name, Qos::PARAMETERS, text)
+}
+
+/// The table, in the order of its page.
+pub const ROWS: &[Row] = &[
+    JOINT_STATES.0,
+    AXIS_STATES.0,
+    EVENTS.0,
+    PARAMETER_EVENTS.0,
+    ROSOUT.0,
+    ROBOT_DESCRIPTION.0,
+    CLOCK.0,
+    TRANSITION_EVENT.0,
+    DIAGNOSTICS.0,
+    CYCLE_STATISTICS.0,
+    CHANGE_STATE.0,
+    GET_STATE.0,
+    GET_AVAILABLE_STATES.0,
+    GET_AVAILABLE_TRANSITIONS.0,
+    GET_TRANSITION_GRAPH.0,
+    JOG.0,
+    SETPOINTS.0,
+    ENABLE.0,
+    DISABLE.0,
+    HALT.0,
+    QUICK_STOP.0,
+    RESET_ERRORS.0,
+    RECORD.0,
+    VOCABULARY.0,
+    GET_PARAMETERS.0,
+    GET_PARAMETER_TYPES.0,
+    SET_PARAMETERS.0,
+    SET_PARAMETERS_ATOMICALLY.0,
+    LIST_PARAMETERS.0,
+    DESCRIBE_PARAMETERS.0,
+    GET_LOGGER_LEVELS.0,
+    SET_LOGGER_LEVELS.0,
+    SAVE_PARAMETERS.0,
+    DELETE_PARAMETERS.0,
+    RESET_PARAMETERS.0,
+    EXPORT_PARAMETERS.0,
+    IMPORT_PARAMETERS.0,
+    MOVE_AXIS.0,
+    PROBE_AXIS.0,
+    SYNCHRONIZE.0,
+    FOLLOW_JOINT_TRAJECTORY.0,
+    JOINT_TRAJECTORY.0,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn no_name_stands_twice_and_each_row_says_what_it_is_for() {
+        let names: BTreeSet<_> = ROWS.iter().map(|row| row.name).collect();
+        assert_eq!(names.len(), ROWS.len());
+        let names: BTreeSet<_> = PARAMETERS.iter().map(|row| row.name).collect();
+        assert_eq!(names.len(), PARAMETERS.len());
+        for row in ROWS {
+            assert!(!row.text.is_empty() && row.interface.contains('/'), "{row:?}");
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! What the table says against what a surface opens on the wire.
+
+use super::host::{Busy, GateState, Host, Listing, Snapshot, Statistics};
+use super::parameters::fake;
+use super::table::{Kind, PARAMETERS, ROWS, Row};
+use super::{Rates, Surface};
+use crate::layer::{Environment, Networks, Node, NodeName, NodeOptions, Qos, RosArguments};
+use lineshaft_core::command::{Action, Setpoints};
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::ParameterImage;
+use lineshaft_core::signal::Directory;
+use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use tokio::sync::mpsc::unbounded_channel;
+use tokio::sync::oneshot;
+
+const URDF: &str = "<robot name='r'><link name='base'/></robot>";
+
+/// A machine that stands still and has everything that opens an endpoint.
+struct Still {
+    config: MachineConfig,
+    directory: Directory,
+}
+
+impl Still {
+    fn new() -> Self {
+        let config = fake::config();
+        let directory = Machine::new(config.clone()).expect("a sound machine").directory().clone();
+        Self { config, directory }
+    }
+}
+
+impl Host for Still {
+    fn config(&self) -> &MachineConfig {
+        &self.config
+    }
+
+    fn directory(&self) -> &Directory {
+        &self.directory
+    }
+
+    fn submit(&self, _: Action) -> Result<u64, Busy> {
+        Err(Busy::Full)
+    }
+
+    fn read_vocabulary(&self, _: &str, _: &str, _: &str) -> Result<Action, String> {
+        Err("it stands still".to_owned())
+    }
+
+    fn read_parameters(&self, _: &str) -> Result<Action, String> {
+        Err("it stands still".to_owned())
+    }
+
+    fn write_parameters(&self, _: AxisSet, _: Listing) -> String {
+        String::new()
+    }
+
+    fn store_parameters(&self, _: oneshot::Sender<Result<(), String>>) {}
+
+    fn record(&self, _: RecordRequest, _: oneshot::Sender<RecordResponse>) {}
+
+    fn robot_description(&self) -> Option<&str> {
+        Some(URDF)
+    }
+
+    fn stream(&self, _: &Setpoints) -> Result<(), Busy> {
+        Err(Busy::Full)
+    }
+
+    fn begins_active(&self) -> bool {
+        true
+    }
+
+    fn open(&self) {}
+
+    fn take_commands(&self) {}
+
+    fn close(&self) {}
+
+    fn gate(&self) -> GateState {
+        GateState::Open
+    }
+
+    fn statistics(&self) -> Statistics {
+        Statistics::default()
+    }
+
+    fn hardware(&self, _: u16) -> Option<&str> {
+        None
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        Arc::default()
+    }
+
+    fn parameters(&self) -> Arc<ParameterImage> {
+        Arc::new(fake::image(&self.config))
+    }
+}
+
+/// Whether it is written, the topic and its type in DDS; and its QoS, where the table says it.
+type Endpoint = (bool, String, String, Option<Qos>);
+
+/// The endpoints in DDS that a row stands for, for node /cell/shaft (wire of ROS 2 Jazzy).
+fn endpoints(row: &Row) -> Vec<Endpoint> {
+    let [package, kind, interface] =
+        row.interface.split('/').collect::<Vec<_>>().try_into().expect("PACKAGE/KIND/NAME");
+    let dds = |suffix: &str| format!("{package}::{kind}::dds_::{interface}{suffix}_");
+    let name = match row.name.strip_prefix("~/") {
+        Some(rest) => format!("/cell/shaft/{rest}"),
+        None if row.name.starts_with('/') => row.name.to_owned(),
+        None => format!("/cell/{}", row.name),
+    };
+    let service = |name: &str, dds: &str, qos: Option<Qos>| {
+        let dds = dds.strip_suffix('_').expect("as every name in DDS");
+        [
+            (false, format!("rq{name}Request"), format!("{dds}_Request_"), None),
+            (true, format!("rr{name}Reply"), format!("{dds}_Response_"), qos),
+        ]
+    };
+    match row.kind {
+        Kind::Publisher => vec![(true, format!("rt{name}"), dds(""), Some(row.qos))],
+        Kind::Subscription => vec![(false, format!("rt{name}"), dds(""), Some(row.qos))],
+        Kind::Service => service(&name, &dds(""), Some(row.qos)).to_vec(),
+        Kind::Action => {
+            let part = |part: &str| format!("{name}/_action/{part}");
+            let mut all = Vec::new();
+            all.extend(service(&part("send_goal"), &dds("_SendGoal"), Some(row.qos)));
+            all.extend(service(&part("get_result"), &dds("_GetResult"), Some(row.qos)));
+            all.extend(service(&part("cancel_goal"), "action_msgs::srv::dds_::CancelGoal_", Some(row.qos)));
+            all.push((true, format!("rt{}", part("feedback")), dds("_FeedbackMessage"), Some(Qos::STREAM)));
+            let status = "action_msgs::msg::dds_::GoalStatusArray_".to_owned();
+            all.push((true, format!("rt{}", part("status")), status, Some(Qos::STATUS)));
+            all
+        }
+    }
+}
+
+/// docs/interfaces.md is made of the table: a row that nobody opens, or an endpoint without a row, would be a lie.
+#[tokio::test]
+async fn a_surface_opens_what_the_table_says_and_nothing_else() {
+    // As the tests of the layer: domains that tests with other peers do not take.
+    let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
+    let environment = Environment { domain, networks: Networks::Loopback };
+    let name = NodeName::new("/cell", "shaft").unwrap();
+    // Only then it reads /clock.
+    let (given, _) = RosArguments::take(["--ros-args", "-p", "use_sim_time:=true"].map(str::to_owned)).unwrap();
+    let options = NodeOptions { overrides: given.overrides(&name), ..NodeOptions::plain(name) };
+    let node = Node::with(options, &environment).unwrap();
+    let opened = node.opened();
+    let (_events, events) = unbounded_channel();
+    let rates = Rates { joint_states: 10.0, axis_states: 10.0 };
+    let surface = Surface::start(node, Arc::new(Still::new()), events, rates, &[]).unwrap();
+
+    let opened = opened.lock().unwrap().clone();
+    let wanted: Vec<Endpoint> = ROWS.iter().flat_map(endpoints).collect();
+    for (writes, topic, dds, qos) in &wanted {
+        let found: Vec<_> = opened.iter().filter(|known| known.0 == *writes && known.1 == *topic).collect();
+        assert!(!found.is_empty(), "the table promises {topic}, which is not opened");
+        for (_, _, known, known_qos) in found {
+            assert_eq!(known, dds, "the type of {topic}");
+            assert_eq!(*known_qos, qos.unwrap_or(*known_qos), "the QoS of {topic}");
+        }
+    }
+    // The graph of the node itself is no interface for users.
+    let known: BTreeSet<_> = wanted.iter().map(|(writes, topic, ..)| (*writes, topic.as_str())).collect();
+    let others = opened.iter().map(|(writes, topic, ..)| (*writes, topic.as_str())).filter(|one| !known.contains(one));
+    let others: Vec<_> = others.filter(|(_, topic)| *topic != "ros_discovery_info").collect();
+    assert_eq!(others, [], "opened, but not in the table");
+
+    let mut declared = surface.hub.own.names();
+    declared.retain(|name| !name.starts_with("qos_overrides."));
+    let joints = fake::config().axes.into_iter().filter(|axis| axis.drive.is_some()).map(|axis| axis.name);
+    let joints: Vec<_> = joints.collect();
+    // Those of QoS are made of the topics.
+    let rows = PARAMETERS.iter().map(|row| row.name).filter(|name| !name.starts_with("qos_overrides."));
+    let names = rows.flat_map(|name| match name.contains("<joint>") {
+        true => joints.iter().map(|joint| name.replace("<joint>", joint)).collect(),
+        false => vec![name.to_owned()],
+    });
+    assert_eq!(declared, names.collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>());
+}

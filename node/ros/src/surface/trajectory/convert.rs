@@ -1,0 +1,272 @@
+//! From the message to the request: what is wrong with a goal in itself is told here.
+//!
+//! Law      the request has the joints in the order of the message; what a point does not carry stays empty
+//! Reads    the goal, the parameters of trajectories, the time
+//! Refuses  [`Wrong`]
+//! Source   validate_trajectory_msg and get_segment_tolerances of joint_trajectory_controller (Jazzy), which take a goal with
+//!          an unknown joint or an illegal number in its tolerances and use none of them: here it is refused
+
+use super::joints::Joints;
+use super::settings::Settings;
+use lineshaft_core::request::{PointRequest, ToleranceRequest, TrajectoryRequest, Units};
+use lineshaft_core::unit::excerpt;
+use lineshaft_msgs::foreign::builtin_interfaces::msg::{Duration, Time};
+use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal as Goal;
+use lineshaft_msgs::foreign::control_msgs::msg::JointTolerance;
+use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint as Point;
+
+/// A velocity that counts as none at the end of a trajectory, as in the controller.
+const NO_VELOCITY: f64 = f32::EPSILON as f64;
+/// Erases a tolerance that the parameters give.
+const WITHOUT_LIMIT: f64 = -1.0;
+/// The same for the goal time (ns).
+const FOR_EVER: i64 = -1_000_000_000;
+
+/// Why a goal is rejected.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(super) enum Wrong {
+    #[error("multi_dof_trajectory is not empty; only trajectory is followed")]
+    MultiDof,
+    #[error("{0} is not empty; only tolerances of joints are kept")]
+    Component(&'static str),
+    #[error("joint_names has {given} of {known}; all are expected, or some with allow_partial_joints_goal")]
+    Count { given: usize, known: String },
+    #[error("joint_names is empty; one or more of {known} are expected")]
+    NoJoints { known: String },
+    #[error("{field} has the joint `{name}`; there are {known}")]
+    UnknownJoint { field: &'static str, name: String, known: String },
+    #[error("{field} has the joint `{name}` twice; once is expected")]
+    Twice { field: &'static str, name: String },
+    #[error("{field} has the joint `{name}`; joints of joint_names are expected")]
+    NotMoved { field: &'static str, name: String },
+    #[error("points is empty; one point or more is expected")]
+    NoPoints,
+    #[error("points[{point}].{field} has {given} numbers; {expected}")]
+    Length { point: usize, field: &'static str, given: usize, expected: String },
+    #[error("points[{point}].{field} of `{name}` is {value:?}; a finite number is expected")]
+    NoNumber { point: usize, field: &'static str, name: String, value: f64 },
+    #[error("points[{point}].effort is not empty; positions, velocities and accelerations are followed")]
+    Effort { point: usize },
+    #[error("points[{point}].time_from_start is {} s; {expected}", seconds(*.time_ns))]
+    Time { point: usize, time_ns: i64, expected: String },
+    #[error("the velocity of `{name}` in the last point is {value:?}; 0 is expected, where a trajectory ends")]
+    EndsMoving { name: String, value: f64 },
+    #[error("the trajectory ends {} s before now; it may have begun before, but must end later", seconds(*.ago_ns))]
+    Past { ago_ns: i64 },
+    #[error("the stamp is {} s, and /clock has not said any time yet; a stamp of 0 starts at once", seconds(*.stamp_ns))]
+    NoTime { stamp_ns: i64 },
+    #[error(
+        "{field} of `{name}` is {value:?}; a positive number, 0 for the parameter's or -1 for no limit is expected"
+    )]
+    Tolerance { field: String, name: String, value: f64 },
+    #[error("goal_time_tolerance is {} s; 0 or more, or -1 s for no limit, is expected", seconds(*.time_ns))]
+    GoalTime { time_ns: i64 },
+}
+
+fn seconds(time_ns: i64) -> f64 {
+    time_ns as f64 / 1e9
+}
+
+/// Nanoseconds since the Unix epoch; none for a stamp of zero, which means now.
+pub(super) fn stamp_ns(stamp: &Time) -> Option<i64> {
+    // |sec| < 2^31 and nanosec < 2^32: below 2.2e18 + 4.3e9, which fits.
+    let stamp = i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec);
+    (stamp != 0).then_some(stamp)
+}
+
+fn duration_ns(duration: &Duration) -> i64 {
+    i64::from(duration.sec) * 1_000_000_000 + i64::from(duration.nanosec)
+}
+
+/// The places of named joints.
+pub(super) fn places(joints: &Joints, names: &[String]) -> Result<Vec<usize>, Wrong> {
+    let mut places = Vec::with_capacity(names.len().min(joints.names.len()));
+    for name in names {
+        places.push(place(joints, "joint_names", name, &places)?);
+    }
+    Ok(places)
+}
+
+fn place(joints: &Joints, field: &'static str, name: &str, taken: &[usize]) -> Result<usize, Wrong> {
+    let unknown = || Wrong::UnknownJoint { field, name: excerpt(name), known: joints.names.join(", ") };
+    let place = joints.place(name).ok_or_else(unknown)?;
+    if taken.contains(&place) { Err(Wrong::Twice { field, name: name.to_owned() }) } else { Ok(place) }
+}
+
+/// The request of a goal that comes at `now_ns` (since the Unix epoch).
+pub(super) fn request(
+    joints: &Joints,
+    settings: &Settings,
+    goal: &Goal,
+    now_ns: i64,
+) -> Result<TrajectoryRequest, Wrong> {
+    let trajectory = &goal.trajectory;
+    let multi_dof = &goal.multi_dof_trajectory;
+    if !multi_dof.joint_names.is_empty() || !multi_dof.points.is_empty() {
+        return Err(Wrong::MultiDof);
+    }
+    let known = || joints.names.join(", ");
+    let given = trajectory.joint_names.len();
+    if given == 0 {
+        return Err(Wrong::NoJoints { known: known() });
+    }
+    let places = places(joints, &trajectory.joint_names)?;
+    if !settings.partial && given != joints.names.len() {
+        return Err(Wrong::Count { given, known: known() });
+    }
+    let names = &trajectory.joint_names;
+    let mut points = points(names, &trajectory.points)?;
+    if let Some(last) = points.last_mut() {
+        ends(names, &mut last.velocities)?;
+    }
+    let stamp = stamp_ns(&trajectory.header.stamp);
+    if let Some(stamp_ns) = stamp.filter(|_| now_ns == 0) {
+        return Err(Wrong::NoTime { stamp_ns });
+    }
+    if let (Some(stamp), Some(last)) = (stamp, trajectory.points.last()) {
+        let ago_ns = now_ns.saturating_sub(stamp.saturating_add(duration_ns(&last.time_from_start)));
+        if ago_ns > 0 {
+            return Err(Wrong::Past { ago_ns });
+        }
+    }
+    for (field, tolerances) in [
+        ("component_path_tolerance", &goal.component_path_tolerance),
+        ("component_goal_tolerance", &goal.component_goal_tolerance),
+    ] {
+        if !tolerances.is_empty() {
+            return Err(Wrong::Component(field));
+        }
+    }
+    let usual = |place: usize| settings.joints.get(place).copied().unwrap_or_default();
+    let path = |place: usize| ToleranceRequest { position: positive(usual(place).0), ..ToleranceRequest::default() };
+    let end = |place: usize| ToleranceRequest {
+        position: positive(usual(place).1),
+        velocity: positive(settings.stopped),
+        acceleration: None,
+    };
+    Ok(TrajectoryRequest {
+        axes: names.clone(),
+        units: Units::Si,
+        start_ns: stamp.map_or(0, |stamp| stamp.saturating_sub(now_ns)),
+        points,
+        path: tolerances(joints, &places, "path_tolerance", &goal.path_tolerance, path)?,
+        goal: tolerances(joints, &places, "goal_tolerance", &goal.goal_tolerance, end)?,
+        goal_time_ns: goal_time(settings, duration_ns(&goal.goal_time_tolerance))?,
+    })
+}
+
+fn points(names: &[String], points: &[Point]) -> Result<Vec<PointRequest>, Wrong> {
+    if points.is_empty() {
+        return Err(Wrong::NoPoints);
+    }
+    let mut before = None;
+    let mut all = Vec::with_capacity(points.len());
+    for (point, given) in points.iter().enumerate() {
+        let time_ns = duration_ns(&given.time_from_start);
+        all.push(PointRequest {
+            time_ns: time(point, time_ns, before)?,
+            positions: numbers(names, point, "positions", &given.positions, false)?,
+            velocities: numbers(names, point, "velocities", &given.velocities, true)?,
+            accelerations: numbers(names, point, "accelerations", &given.accelerations, true)?,
+        });
+        if !given.effort.is_empty() {
+            return Err(Wrong::Effort { point });
+        }
+        before = Some(time_ns);
+    }
+    Ok(all)
+}
+
+fn time(point: usize, time_ns: i64, before: Option<i64>) -> Result<u64, Wrong> {
+    let wrong = |expected: String| Wrong::Time { point, time_ns, expected };
+    if let Some(before) = before.filter(|before| time_ns <= *before) {
+        return Err(wrong(format!("more than {} s, the time of the point before it, is expected", seconds(before))));
+    }
+    u64::try_from(time_ns).map_err(|_| wrong("0 s or more is expected".to_owned()))
+}
+
+fn numbers(
+    names: &[String],
+    point: usize,
+    field: &'static str,
+    values: &[f64],
+    may_be_empty: bool,
+) -> Result<Vec<f64>, Wrong> {
+    if values.len() != names.len() && !(may_be_empty && values.is_empty()) {
+        let none = if may_be_empty { " or none" } else { "" };
+        let expected = format!("{} as in joint_names{none} are expected", names.len());
+        return Err(Wrong::Length { point, field, given: values.len(), expected });
+    }
+    match names.iter().zip(values).find(|(_, value)| !value.is_finite()) {
+        Some((name, &value)) => Err(Wrong::NoNumber { point, field, name: name.clone(), value }),
+        None => Ok(values.to_vec()),
+    }
+}
+
+/// A trajectory ends at rest; what is left of a velocity by rounding becomes none.
+fn ends(names: &[String], velocities: &mut [f64]) -> Result<(), Wrong> {
+    for (name, velocity) in names.iter().zip(velocities) {
+        if velocity.abs() > NO_VELOCITY {
+            return Err(Wrong::EndsMoving { name: name.clone(), value: *velocity });
+        }
+        *velocity = 0.0;
+    }
+    Ok(())
+}
+
+/// A tolerance of a parameter; 0 is none, and so is infinity.
+fn positive(value: f64) -> Option<f64> {
+    Some(value).filter(|value| *value > 0.0 && value.is_finite())
+}
+
+/// The tolerances of the joints at `places`: the usual ones, and what the goal says instead.
+fn tolerances(
+    joints: &Joints,
+    places: &[usize],
+    field: &'static str,
+    given: &[JointTolerance],
+    usual: impl Fn(usize) -> ToleranceRequest,
+) -> Result<Vec<ToleranceRequest>, Wrong> {
+    let mut all: Vec<ToleranceRequest> = places.iter().map(|&place| usual(place)).collect();
+    let mut taken = Vec::new();
+    for tolerance in given {
+        let place = place(joints, field, &tolerance.name, &taken)?;
+        taken.push(place);
+        let moved = places.iter().position(|moved| *moved == place).and_then(|index| all.get_mut(index));
+        let merged = moved.ok_or_else(|| Wrong::NotMoved { field, name: tolerance.name.clone() })?;
+        let merge = |what: &str, usual: Option<f64>, value: f64| {
+            let wrong = || Wrong::Tolerance { field: format!("{field} ({what})"), name: tolerance.name.clone(), value };
+            merged_value(usual, value).ok_or_else(wrong)
+        };
+        merged.position = merge("position", merged.position, tolerance.position)?;
+        merged.velocity = merge("velocity", merged.velocity, tolerance.velocity)?;
+        merged.acceleration = merge("acceleration", merged.acceleration, tolerance.acceleration)?;
+    }
+    Ok(all)
+}
+
+/// What a goal's number makes of the usual tolerance; nothing for a number that means nothing.
+fn merged_value(usual: Option<f64>, value: f64) -> Option<Option<f64>> {
+    if value == 0.0 {
+        Some(usual)
+    } else if (value - WITHOUT_LIMIT).abs() < f64::EPSILON {
+        Some(None)
+    } else if value > 0.0 {
+        Some(positive(value))
+    } else {
+        None
+    }
+}
+
+/// How long the goal tolerances may be waited for; none: for ever.
+fn goal_time(settings: &Settings, time_ns: i64) -> Result<Option<u64>, Wrong> {
+    match time_ns {
+        // Rounded to a nanosecond; what is longer than 584 years ends there.
+        0 => Ok(positive(settings.goal_time).map(|seconds| (seconds * 1e9).round() as u64)),
+        FOR_EVER => Ok(None),
+        time_ns => u64::try_from(time_ns).map(Some).map_err(|_| Wrong::GoalTime { time_ns }),
+    }
+}
+
+#[cfg(test)]
+mod tests;

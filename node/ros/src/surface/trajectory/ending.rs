@@ -1,0 +1,74 @@
+//! How a goal of `~/follow_joint_trajectory` ends.
+
+use lineshaft_core::code::Code;
+use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryResult as Result;
+
+/// The last state of a goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Last {
+    Succeeded,
+    Canceled,
+    Aborted,
+}
+
+/// The last state and the result of a goal that ended with `code`, of which the machine says `sentence`; `is_cancelled` when a
+/// client asked for it.
+///
+/// Each text begins as joint_trajectory_controller has it; where the machine knows more, that follows.
+pub(super) fn end(code: Code, sentence: &str, is_cancelled: bool) -> (Last, Result) {
+    let (last, error_code, error_string) = match code {
+        Code::NONE => (Last::Succeeded, Result::SUCCESSFUL, "Goal successfully reached!".to_owned()),
+        // The controller leaves the result of a cancelled goal as it is made: nothing went wrong.
+        Code::CANCELLED if is_cancelled => (Last::Canceled, Result::SUCCESSFUL, String::new()),
+        Code::TRAJECTORY_PATH_TOLERANCE => {
+            let text = format!("Aborted due to path tolerance violation: {sentence}");
+            (Last::Aborted, Result::PATH_TOLERANCE_VIOLATED, text)
+        }
+        Code::TRAJECTORY_GOAL_TOLERANCE => {
+            let text = format!("Aborted due to goal_time_tolerance exceeding: {sentence}");
+            (Last::Aborted, Result::GOAL_TOLERANCE_VIOLATED, text)
+        }
+        Code::REPLACED => {
+            let text = format!("Current goal cancelled due to new incoming action. {sentence}");
+            (Last::Aborted, Result::INVALID_GOAL, text)
+        }
+        _ => (Last::Aborted, Result::INVALID_GOAL, sentence.to_owned()),
+    };
+    (last, Result { error_code, error_string })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_end_has_the_code_and_text_of_the_controller() {
+        // control_msgs/action/FollowJointTrajectory: 0, -1 invalid goal, -4 path, -5 goal tolerance
+        let cases = [
+            (Code::NONE, false, Last::Succeeded, 0, "Goal successfully reached!"),
+            // A cancel that came too late does not change what was reached.
+            (Code::NONE, true, Last::Succeeded, 0, "Goal successfully reached!"),
+            (Code::CANCELLED, true, Last::Canceled, 0, ""),
+            (Code::TRAJECTORY_PATH_TOLERANCE, false, Last::Aborted, -4, "Aborted due to path tolerance violation: why"),
+            (Code::TRAJECTORY_PATH_TOLERANCE, true, Last::Aborted, -4, "Aborted due to path tolerance violation: why"),
+            (
+                Code::TRAJECTORY_GOAL_TOLERANCE,
+                false,
+                Last::Aborted,
+                -5,
+                "Aborted due to goal_time_tolerance exceeding: why",
+            ),
+            (Code::REPLACED, false, Last::Aborted, -1, "Current goal cancelled due to new incoming action. why"),
+            (Code::HALTED, false, Last::Aborted, -1, "why"),
+            (Code::NOT_ENABLED, false, Last::Aborted, -1, "why"),
+            (Code::VELOCITY_TOO_HIGH, true, Last::Aborted, -1, "why"),
+            (Code::FOLLOWING_ERROR, false, Last::Aborted, -1, "why"),
+            // Nobody who sees this goal has cancelled it.
+            (Code::CANCELLED, false, Last::Aborted, -1, "why"),
+        ];
+        for (code, is_cancelled, last, error_code, text) in cases {
+            let result = Result { error_code, error_string: text.to_owned() };
+            assert_eq!(end(code, "why", is_cancelled), (last, result), "{code:?}");
+        }
+    }
+}

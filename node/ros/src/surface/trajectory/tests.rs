@@ -1,0 +1,56 @@
+//! A small machine for the tests: line is virtual, x and y have a drive; 1000 inc/mm, 1 m/s, 5 m/s^2.
+
+use super::action::feedback;
+use super::joints::Joints;
+use super::*;
+use crate::surface::host::Snapshot;
+use lineshaft_core::config::{AxisConfig, MachineConfig};
+use lineshaft_core::machine::Machine;
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::request::{PointRequest, TrajectoryRequest};
+use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+
+pub(super) fn config() -> MachineConfig {
+    let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
+    let scale = Scale::new(Fraction::from_integer(1000), per).and_then(|scale| scale.with_unit(Unit::MILLIMETRE));
+    let scale = scale.expect("a sound scale");
+    let parameters = AxisParameters::new(1_000_000.0, 5_000_000.0);
+    let axis = |name: &str, drive| AxisConfig::new(name.to_owned(), scale, drive, parameters);
+    MachineConfig {
+        cycle_ns: 1_000_000,
+        axes: vec![axis("line", None), axis("x", Some(0)), axis("y", Some(1))],
+        ..MachineConfig::default()
+    }
+}
+
+/// Its axes with a drive.
+pub(super) fn joints() -> Joints {
+    let config = config();
+    let machine = Machine::new(config.clone()).expect("a sound machine");
+    Joints::all(&config, machine.directory(), &[]).remove(0)
+}
+
+#[test]
+fn a_trajectory_begins_at_its_stamp_whatever_reading_took() {
+    let rest = PointRequest { positions: vec![0.0], ..PointRequest::default() };
+    let request = TrajectoryRequest { axes: vec!["x".to_owned()], points: vec![rest], ..TrajectoryRequest::default() };
+    let trajectory = config().resolve_trajectory(&request).expect("a sound request");
+    let started = |stamp_ns| Started { trajectory: trajectory.clone(), stamp_ns };
+    assert_eq!(started(Some(7_000)).begin(4_000).start_ns(), 3_000);
+    assert_eq!(started(Some(7_000)).begin(9_000).start_ns(), -2_000, "it has begun before");
+    assert_eq!(started(None).begin(9_000).start_ns(), 0, "without a stamp it begins now");
+    assert_eq!(started(Some(i64::MIN)).begin(i64::MAX).start_ns(), i64::MIN, "nothing wraps");
+}
+
+#[test]
+fn feedback_has_the_joints_of_the_group_and_the_time_of_the_cycle() {
+    let machine = Machine::new(config()).expect("a sound machine");
+    let snapshot = Snapshot { cycle: 1, stamp_ns: 0, board: machine.board().clone() };
+    let shown = feedback(&joints(), &snapshot, 12_000_000_034);
+    assert_eq!((shown.header.stamp.sec, shown.header.stamp.nanosec), (12, 34));
+    assert_eq!(shown.joint_names, ["x", "y"]);
+    for point in [&shown.desired, &shown.actual, &shown.error] {
+        assert_eq!((point.positions.len(), point.velocities.len()), (2, 2));
+    }
+    assert_eq!(shown.desired.accelerations.len(), 2);
+}
