@@ -91,7 +91,7 @@ impl Rig {
         if let Some(frames) = frames {
             frames.before(&self.machine);
             self.machine.cycle(&self.inputs, Commands::queue(commands), &mut self.outputs);
-            frames.send(self.inputs.cycle * 1_000_000, &self.inputs, &self.machine, std::iter::empty());
+            frames.send(self.inputs.cycle * 1_000_000, &self.inputs, &self.machine, None, std::iter::empty());
         } else {
             self.machine.cycle(&self.inputs, Commands::queue(commands), &mut self.outputs);
         }
@@ -121,7 +121,7 @@ fn recorded(c: &mut Criterion, name: &str, with_bag: bool) {
     let (mut sender, receiver, _spent) = frames(machine);
     let (config, directory) = (machine.config().clone(), machine.directory().clone());
     let encoder = Encoder::new(&cell, &config, &directory);
-    let ((commander, _lanes), (ask, asked)) = (lanes(), channel());
+    let ((commander, _lanes), (ask, asked)) = (lanes(machine.config().axes.len()), channel());
     let handle =
         Arc::new(Handle::new(config, directory, commander, ask, Snapshot::default(), ParameterImage::default()));
     let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));

@@ -1,10 +1,11 @@
-//! Handing whole cycles to the recorder takes no memory in the cycle thread and gives none back there, whether the recorder
+//! Taking commands and setpoints and handing whole cycles to the recorder takes no memory in the cycle thread and gives none back there, whether the recorder
 //! keeps up or not: an armed allocator watches.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft::cell::Cell;
 use lineshaft::run::frames::frames;
-use lineshaft_core::command::{Action, Command, Commands, Source};
+use lineshaft::run::lanes::lanes;
+use lineshaft_core::command::{Action, Command, Setpoint, Setpoints, Source};
 use lineshaft_core::drive::Backend;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
@@ -34,15 +35,24 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
     let mut machine = Machine::new(cell.machine).unwrap();
     let (mut sender, mut receiver, mut spent) = frames(&machine);
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
-    let mut lane = Vec::with_capacity(64);
+    let (commander, mut lanes) = lanes(4);
     for cycle in 0..10_000 {
-        lane.extend(commands(cycle));
+        for Command { source, action, .. } in commands(cycle) {
+            commander.submit(source, action).unwrap();
+        }
+        if cycle % 3 == 0 {
+            let mut set = Setpoints { source: Source::Ros, ..Setpoints::none(4) };
+            set.axes[1 + cycle as usize % 2] = Some(Setpoint { velocity: 1e4, duration: None });
+            commander.stream(&set).unwrap();
+        }
         inputs.cycle = cycle;
         plant.read(&mut inputs);
         assert_no_alloc(|| {
+            lanes.take();
             sender.before(&machine);
-            machine.cycle(&inputs, Commands::queue(&lane), &mut outputs);
-            sender.send(cycle, &inputs, &machine, lane.drain(..));
+            machine.cycle(&inputs, lanes.commands(), &mut outputs);
+            let (stream, commands) = lanes.drain();
+            sender.send(cycle, &inputs, &machine, stream, commands);
         });
         assert_eq!(violation_count(), 0, "in cycle {cycle}");
         plant.write(&outputs);

@@ -19,8 +19,8 @@ use lineshaft_core::vocabulary::wf::Wiring;
 /// For the ranges of a model while the cycle has a problem.
 const SOME_CYCLE_NS: u64 = 1_000_000;
 
-/// An axis and how its drive is simulated; none for a virtual one.
-pub(super) type Axis = (AxisConfig, Option<Model>);
+/// An axis, how its drive is simulated and what it is called; none for a virtual one.
+pub(super) type Axis = (AxisConfig, Option<Model>, Option<String>);
 
 /// Address of a drive and what it is called, by backend.
 type Taken = Once<(usize, &'static str, u16)>;
@@ -30,6 +30,10 @@ type Taken = Once<(usize, &'static str, u16)>;
 enum Drive {
     Virtual,
     Real {
+        /// Place of the backend.
+        backend: usize,
+        /// Its number there: address, or node.
+        number: u16,
         /// In cycles.
         delay: u32,
         interface: Interface,
@@ -100,16 +104,19 @@ fn axis<'d>(
         }
     };
     let interface = interface_of(drive).unwrap_or_default();
-    let drive = match drive? {
-        Drive::Virtual => None,
-        Drive::Real { delay, .. } => Some(delay),
+    let (drive, hardware) = match drive? {
+        Drive::Virtual => (None, None),
+        Drive::Real { backend, number, delay, .. } => {
+            let backend = cx.names.section(Section::Backends).get(backend).map_or("", Entry::name);
+            (Some(delay), Some(format!("{backend}:{number}")))
+        }
     };
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;
     let open_loop = open_loop?;
     let config = AxisConfig::new(name.to_owned(), travel.scale?, drive, parameters);
     let config = AxisConfig { modulo, interface, open_loop, amc: wiring?, ..config };
     amc::check(&config, &given, cx.cycle_ns);
-    Some((config, model))
+    Some((config, model, hardware))
 }
 
 fn interface_of(drive: Option<Drive>) -> Option<Interface> {
@@ -140,11 +147,11 @@ fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken)
     let mut map = value.map(format!("drive of axis `{axis}`"))?;
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
-    let free = match (place, backend) {
+    let number = match (place, backend) {
         (Some(place), Some(Backend::Sim { .. })) => take(&mut map, place, "address", 0..=u16::MAX, cx, taken),
         (Some(place), Some(Backend::Can)) => {
             let eds = map.optional("eds").map(|value| value.text());
-            take(&mut map, place, "node", 1..=127, cx, taken).filter(|()| eds != Some(None))
+            take(&mut map, place, "node", 1..=127, cx, taken).filter(|_| eds != Some(None))
         }
         // The keys depend on a backend that is not known.
         _ => {
@@ -154,8 +161,8 @@ fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken)
     };
     let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
     map.finish();
-    free?;
-    Some(Drive::Real { delay: backend?.delay(), interface: interface? })
+    let number = number?;
+    Some(Drive::Real { backend: place?, number, delay: backend?.delay(), interface: interface? })
 }
 
 /// Key `key`, which numbers the drives of a backend.
@@ -166,11 +173,11 @@ fn take(
     range: std::ops::RangeInclusive<u16>,
     cx: &Context<'_>,
     taken: &mut Taken,
-) -> Option<()> {
+) -> Option<u16> {
     let value = map.required(key)?;
     let number = value.integer(range)?;
     let what = || format!("drive {key} {number} of backend {}", name_of(backend, &cx.names));
-    taken.take((backend, key, number), &value, what).then_some(())
+    taken.take((backend, key, number), &value, what).then_some(number)
 }
 
 fn interface(value: &Value<'_>) -> Option<Interface> {

@@ -25,6 +25,7 @@ mod groups;
 mod models;
 mod names;
 mod parameters;
+mod robot;
 mod ros;
 mod scale;
 mod wiring;
@@ -37,12 +38,15 @@ use lineshaft_core::unit::Dimension;
 use lineshaft_ros::layer::NodeName;
 use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, turned_views};
+pub use robot::Robot;
 use std::path::Path;
 
 /// The format that this program reads.
 const FORMAT: &str = "1";
 /// The cell that runs without a file.
 const DEMO: &str = include_str!("../../../launch-configs/demo.yaml");
+/// Its description.
+const DEMO_ROBOT: &str = include_str!("../../../launch-configs/demo.urdf");
 
 /// A cell that has no errors.
 #[derive(Clone, Debug)]
@@ -51,6 +55,8 @@ pub struct Cell {
     pub machine: MachineConfig,
     /// One for each axis that has a drive, in file order: how it is simulated.
     pub models: Vec<Model>,
+    /// One for each axis, in file order: what its drive is called, `backend:address`; none for a virtual one.
+    pub hardware: Vec<Option<String>>,
     /// How it appears in ROS 2.
     pub ros: RosOptions,
     /// Groups of axes, in file order: name, places of the axes.
@@ -59,6 +65,8 @@ pub struct Cell {
     pub real_backends: Vec<String>,
     /// The file as it was read.
     pub text: String,
+    /// The description that `ros` names; none from a text, which has no files beside it.
+    pub robot: Option<Robot>,
 }
 
 /// Section `ros`.
@@ -74,6 +82,8 @@ pub struct RosOptions {
     pub axis_states_rate: f64,
     /// Go to active by itself.
     pub autostart: bool,
+    /// The URDF file, from the folder of the cell; none: nothing is described.
+    pub robot_description: Option<String>,
     /// Network interfaces by name or address; empty: as the environment says.
     pub interfaces: Vec<String>,
 }
@@ -86,6 +96,7 @@ impl Default for RosOptions {
             joint_states_rate: 100.0,
             axis_states_rate: 100.0,
             autostart: true,
+            robot_description: None,
             interfaces: Vec::new(),
         }
     }
@@ -99,12 +110,16 @@ impl RosOptions {
 }
 
 impl Cell {
-    /// Reads a file.
+    /// Reads a file, and the description that it names.
     ///
     /// # Errors
     /// Everything that is wrong with it, at least one problem.
     pub fn load(path: &Path) -> Result<Self, Problems> {
-        Self::of(Document::read(path))
+        let mut cell = Self::of(Document::read(path))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let robot = cell.ros.robot_description.as_ref().map(|file| Robot::load(&folder.join(file)));
+        cell.robot = robot.transpose()?;
+        Ok(cell)
     }
 
     /// Reads a text; `name` stands for the file in problems.
@@ -115,9 +130,11 @@ impl Cell {
         Self::of(Document::parse(name, text))
     }
 
-    /// The built-in cell: launch-configs/demo.yaml.
+    /// The built-in cell: launch-configs/demo.yaml, described by demo.urdf beside it.
     pub fn demo() -> Self {
-        Self::parse("demo.yaml", DEMO).expect("the text is fixed, and a test reads it")
+        let cell = Self::parse("demo.yaml", DEMO).expect("the text is fixed, and a test reads it");
+        let robot = Robot::parse("demo.urdf", DEMO_ROBOT.to_owned()).expect("the text is fixed, and a test reads it");
+        Self { robot: Some(robot), ..cell }
     }
 
     fn of(document: Document) -> Result<Self, Problems> {
@@ -147,7 +164,12 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let groups = groups::read(&cx);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
-    let (axes, models): (_, Vec<_>) = axes.into_iter().unzip();
+    let mut hardware = Vec::new();
+    let parts = axes.into_iter().map(|(axis, model, name)| {
+        hardware.push(name);
+        (axis, model)
+    });
+    let (axes, models): (_, Vec<_>) = parts.unzip();
     let machine = MachineConfig {
         cycle_ns: cycle_ns?,
         io: io.into_iter().collect::<Option<_>>()?,
@@ -159,7 +181,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let real = backends.filter(|(_, backend)| **backend == Some(Backend::Can));
     let real_backends = real.map(|(entry, _)| entry.name().to_owned()).collect();
     let models = models.into_iter().flatten().collect();
-    Some(Cell { machine, models, ros: ros?, groups, real_backends, text: text.to_owned() })
+    Some(Cell { machine, models, hardware, ros: ros?, groups, real_backends, text: text.to_owned(), robot: None })
 }
 
 fn check_format(value: &Value<'_>) {

@@ -16,6 +16,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
     let joint_states_rate = map.optional("joint_states_rate").map(|value| rate(&value));
     let axis_states_rate = map.optional("axis_states_rate").map(|value| rate(&value));
     let autostart = map.optional("autostart").map(|value| value.boolean());
+    let robot_description = map.optional("robot_description").map(|value| file_name(&value));
     let interfaces = map.optional("interfaces").map(|value| interfaces(&value));
     map.finish();
     Some(RosOptions {
@@ -24,6 +25,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
         joint_states_rate: joint_states_rate.unwrap_or(Some(usual.joint_states_rate))?,
         axis_states_rate: axis_states_rate.unwrap_or(Some(usual.axis_states_rate))?,
         autostart: autostart.unwrap_or(Some(usual.autostart))?,
+        robot_description: robot_description.map_or(Some(None), |file| file.map(Some))?,
         interfaces: interfaces.unwrap_or(Some(usual.interfaces))?,
     })
 }
@@ -48,6 +50,16 @@ fn namespace(value: &Value<'_>) -> Option<String> {
     let hint = with_slash[1..].split('/').all(is_token).then(|| format!("write {}", quote(&with_slash)));
     let allowed = "/ or names that each follow a /, such as /cell_1/press, is allowed";
     value.refuse(format!("namespace is {}; {allowed}", quote(text)), hint);
+    None
+}
+
+/// A file from the folder of the cell.
+fn file_name(value: &Value<'_>) -> Option<String> {
+    let text = value.text()?;
+    if !text.is_empty() && !text.contains(|c: char| c.is_control()) {
+        return Some(text.to_owned());
+    }
+    value.refuse(format!("{} is {}; the name of a URDF file is expected", value.label(), quote(text)), None);
     None
 }
 

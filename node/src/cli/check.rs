@@ -13,6 +13,9 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
         }
     };
     say(&format_args!("{}: good: {}", args.cell.display(), summary(&cell)));
+    for warning in warnings(&cell) {
+        eprintln!("warning: {warning}");
+    }
     let Some(path) = &args.scenario else { return Exit::Good };
     match Scenario::load(path, &cell) {
         Ok(scenario) => {
@@ -24,6 +27,11 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
             Exit::Usage
         }
     }
+}
+
+/// What is no error and yet may not be what was meant.
+pub(super) fn warnings(cell: &Cell) -> Vec<String> {
+    cell.robot.as_ref().map_or(Vec::new(), |robot| robot.warnings(&cell.machine))
 }
 
 /// What a cell is made of, in a few words.

@@ -2,6 +2,8 @@
 
 mod bag;
 mod check;
+mod interfaces;
+mod logging;
 mod params;
 mod plot;
 mod replay;
@@ -11,6 +13,7 @@ mod sim;
 mod store;
 mod validate;
 
+use self::logging::Logging;
 use crate::recording::bag::BagOptions;
 use crate::recording::clean::clean_lines;
 use crate::recording::plot::{HEIGHTS, WIDTHS};
@@ -20,11 +23,10 @@ use crate::run::recorder::MOST_SECONDS;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use lineshaft_core::parameter::System;
-use lineshaft_ros::layer::{RosArguments, log_filter};
-use std::io::{IsTerminal, Write};
+use lineshaft_ros::layer::RosArguments;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use tracing_subscriber::EnvFilter;
 
 /// How a command ends (contract section 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,10 +70,15 @@ struct Line {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Run a cell as a ROS 2 node
-    #[command(after_help = "After --ros-args: -r __node:=NAME, -r __ns:=NAMESPACE.\n\
+    #[command(
+        after_help = "After --ros-args, as every ROS 2 node takes them: -r FROM:=TO, -r __node:=NAME, -r __ns:=NAMESPACE, \
+                            -p NAME:=VALUE, --params-file FILE, --log-level [LOGGER:=]LEVEL, --disable-rosout-logs, \
+                            --disable-stdout-logs. NAME is any of `lineshaft params CELL`, use_sim_time, or \
+                            qos_overrides.TOPIC.publisher.depth and the like.\n\
                             The environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (SUBNET, LOCALHOST), \
                             ROS_LOCALHOST_ONLY, RUST_LOG.\n\
-                            Ctrl-C halts and disables all axes and ends the node; a second one ends it at once.")]
+                            Ctrl-C halts and disables all axes and ends the node; a second one ends it at once."
+    )]
     Run(RunArgs),
     /// Play a scenario on a simulated cell, as fast as it goes, without ROS
     Sim(SimArgs),
@@ -82,6 +89,9 @@ enum Command {
     /// List the parameters there are, or those of a cell
     #[command(after_help = PARAMS_HELP)]
     Params(ParamsArgs),
+    /// List the topics, services, actions and types that there are in ROS 2
+    #[command(after_help = "Exit codes: 0 good, 2 bad usage, or nothing of that name.")]
+    Interfaces(InterfacesArgs),
     /// Play a recorded run through the core again and report the first difference
     #[command(
         after_help = "Plays the recorded inputs and commands with the attached cell and compares all signals, events and \
@@ -340,6 +350,15 @@ struct ParamsArgs {
     markdown: bool,
 }
 
+#[derive(Debug, Args)]
+struct InterfacesArgs {
+    /// A topic, a service, an action, or a type as `MoveAxis`: all that is said about it; left out: the list
+    name: Option<String>,
+    /// Print everything as Markdown, as it stands in docs/interfaces.md
+    #[arg(long, conflicts_with = "name")]
+    markdown: bool,
+}
+
 /// A source of parameters.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum SystemArg {
@@ -392,14 +411,14 @@ fn bag_duration(text: &str) -> Result<u64, String> {
 
 /// Runs the program with these arguments, the first one being its own name.
 pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
-    start_logging();
     let (ros, rest) = match RosArguments::take(arguments) {
         Ok(taken) => taken,
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(&error);
             return Exit::Usage.into();
         }
     };
+    let logging = Logging::start(ros.stdout_logs);
     let line = match Line::try_parse_from(rest) {
         Ok(line) => line,
         Err(error) => {
@@ -410,8 +429,8 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         }
     };
     let exit = match line.command {
-        None => run::run(&RunArgs::default(), ros),
-        Some(Command::Run(args)) => run::run(&args, ros),
+        None => run::run(&RunArgs::default(), &ros, &logging),
+        Some(Command::Run(args)) => run::run(&args, &ros, &logging),
         Some(_) if ros != RosArguments::default() => {
             eprintln!("error: --ros-args belong to `lineshaft run`");
             Exit::Usage
@@ -420,6 +439,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
         Some(Command::Params(args)) => params::params(&args),
+        Some(Command::Interfaces(args)) => interfaces::interfaces(&args),
         Some(Command::Plot(args)) => plot::plot(&args),
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Validate(args)) => validate::validate(&args),
@@ -441,13 +461,4 @@ fn say(text: &dyn std::fmt::Display) {
 /// Prints a text that ends its lines itself; likewise.
 fn say_all(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
-}
-
-/// Logs to standard error; `RUST_LOG` decides what, else all that a person would want to know.
-fn start_logging() {
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(log_filter("info")));
-    let lines = tracing_subscriber::fmt().with_env_filter(filter).with_target(false).with_writer(std::io::stderr);
-    // A second start within one process keeps the first.
-    // With nobody left to read it, a line is lost; the machine goes on.
-    let _ = lines.with_ansi(std::io::stderr().is_terminal()).log_internal_errors(false).try_init();
 }

@@ -98,7 +98,7 @@ fn fail(sentence: &str) -> Exit {
 }
 
 /// How wide a line may be.
-fn width() -> usize {
+pub(super) fn width() -> usize {
     let out = stdout();
     let columns = out.is_terminal().then(|| tcgetwinsize(&out).ok()).flatten().map(|size| usize::from(size.ws_col));
     columns.filter(|columns| *columns > 0).map_or(WIDTH, |columns| columns.max(NARROWEST))

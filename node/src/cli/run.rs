@@ -1,7 +1,8 @@
 //! `lineshaft run`.
 
-use super::check::summary;
-use super::{Exit, FlightArgs, RunArgs, say, store};
+use super::check::{summary, warnings};
+use super::logging::Logging;
+use super::{Exit, FlightArgs, RunArgs, complain, say, store};
 use crate::cell::Cell;
 use crate::recording::bag::{Bag, Subject};
 use crate::recording::encoder::Encoder;
@@ -9,21 +10,25 @@ use crate::run::bridge::{Bridge, Handle};
 use crate::run::flight::Flight;
 use crate::run::flight::folder::FlightFolder;
 use crate::run::frames::frames;
+use crate::run::gate::Gate;
 use crate::run::keeper::Keeper;
 use crate::run::lanes;
 use crate::run::recorder::{FlightRecorder, Recorder};
 use crate::run::thread::{CycleThread, Play, Statistics};
 use crate::scenario::{Player, Report, Scenario};
 use crate::store::Store;
-use lineshaft_core::command::{Action, Source};
+use lineshaft_core::command::{Action, Command, Commands, Source};
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::signal::Signal;
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_core::sim::Plant;
-use lineshaft_ros::layer::{Environment, Interface, Networks, Node, NodeName, RosArguments};
+use lineshaft_core::text;
+use lineshaft_ros::layer::{CreateError, Environment, Interface, Networks, Node, NodeName, NodeOptions, RosArguments};
 use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
-use lineshaft_ros::surface::{Rates, Surface};
+use lineshaft_ros::surface::{Rates, Surface, check_names, start_command};
 use rtrb::RingBuffer;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -36,10 +41,12 @@ use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
 /// Events between the cycle thread and the bridge: many cycles of the most that a machine can tell.
 const EVENT_ROOM: usize = 1 << 16;
+/// Within this time another signal is the first one, passed on twice.
+const SAME_SIGNAL: Duration = Duration::from_millis(500);
 /// How long axes may take to stop, and then to switch off, before the program ends all the same.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-pub(super) fn run(args: &RunArgs, ros: RosArguments) -> Exit {
+pub(super) fn run(args: &RunArgs, ros: &RosArguments, logging: &Logging) -> Exit {
     let (cell, title) = match &args.cell {
         None => (Cell::demo(), "built-in demo".to_owned()),
         Some(path) => match Cell::load(path) {
@@ -57,10 +64,10 @@ pub(super) fn run(args: &RunArgs, ros: RosArguments) -> Exit {
             return Exit::Usage;
         }
     };
-    match start(args, cell, &title, scenario, ros) {
+    match start(args, cell, &title, scenario, ros, logging) {
         Ok(exit) => exit,
         Err(sentence) => {
-            eprintln!("error: {sentence}");
+            complain(&sentence);
             Exit::Usage
         }
     }
@@ -72,17 +79,18 @@ fn start(
     mut cell: Cell,
     title: &str,
     scenario: Option<Scenario>,
-    ros: RosArguments,
+    ros: &RosArguments,
+    logging: &Logging,
 ) -> Result<Exit, String> {
     if let (Some(backend), false) = (cell.real_backends.first(), args.sim) {
         return Err(format!("backend {backend}: CAN does not exist yet; `lineshaft run --sim` simulates its drives"));
     }
-    if !cell.ros.autostart {
-        return Err("ros: autostart: false needs the lifecycle services, which do not exist yet".to_owned());
+    if scenario.as_ref().is_some_and(Scenario::switches_activity) {
+        let why = "the lifecycle services of the node do that (~/change_state); `lineshaft sim` plays such a scenario";
+        return Err(format!("--scenario: activate and deactivate are not for `run`: {why}"));
     }
-    let name = ros.name.as_deref().unwrap_or(&cell.ros.name);
-    let namespace = ros.namespace.as_deref().unwrap_or(&cell.ros.namespace);
-    let name = NodeName::new(namespace, name).map_err(|error| error.to_string())?;
+    let mut options = options(ros, &cell, logging)?;
+    let name = options.names.node().clone();
     let environment = environment(&cell)?;
     let Ok(store) = store::open_for_node(&args.store, &mut cell, &name, args.cell.as_deref()) else {
         return Ok(Exit::Usage);
@@ -91,8 +99,11 @@ fn start(
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
     let plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
     cell.machine.check_backend(&plant).map_err(|error| error.to_string())?;
+    let first = start_command(&cell.machine, &mut options.overrides)?;
+    first.as_ref().map_or(Ok(()), |action| try_first(&cell.machine, action))?;
     let recording = Recording::open(args, cell, &name)?;
     tracing::info!("lineshaft {}: {title}: {}, simulated", env!("CARGO_PKG_VERSION"), summary(cell));
+    warnings(cell).iter().for_each(|warning| tracing::warn!("{warning}"));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_all()
@@ -101,11 +112,38 @@ fn start(
     let exit = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        let (running, events) = Running::start(args, cell, machine, plant, scenario, recording, store);
-        Ok::<_, String>(serve(cell, name, &environment, running, events, signals).await)
+        let (running, events) = Running::start(args, cell, machine, plant, scenario, recording, Given { store, first });
+        Ok::<_, String>(serve(cell, options, &environment, running, events, signals, logging).await)
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
     Ok(exit)
+}
+
+/// What the ROS arguments give to the node.
+fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOptions, String> {
+    let name = ros.node_name(&cell.ros.name, &cell.ros.namespace).map_err(|error| error.to_string())?;
+    let names = ros.names(&name).map_err(|error| error.to_string())?;
+    check_names(&names)?;
+    let loggers = logging.loggers(name.logger());
+    for (logger, level) in &ros.levels {
+        loggers.set(logger, Some(*level)).map_err(|reason| format!("--log-level {logger}: {reason}"))?;
+    }
+    if let Some(enclave) = &ros.enclave {
+        tracing::debug!("enclave {enclave} is not used: DDS security does not exist here");
+    }
+    Ok(NodeOptions { names, overrides: ros.overrides(&name), rosout: ros.rosout_logs, loggers })
+}
+
+/// Would the machine take this as its first command? A cycle of another one that is the same tells.
+fn try_first(config: &MachineConfig, action: &Action) -> Result<(), String> {
+    let mut machine = Machine::new(config.clone()).map_err(|error| error.to_string())?;
+    let (inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let command = Command { sequence: 1, source: Source::Cli, action: action.clone() };
+    machine.cycle(&inputs, Commands::queue(&[command]), &mut outputs);
+    match machine.events().iter().find(|event| event.kind == Kind::Refused) {
+        Some(refused) => Err(format!("parameters that were given to the node: {}", text::sentence(refused, config))),
+        None => Ok(()),
+    }
 }
 
 fn environment(cell: &Cell) -> Result<Environment, String> {
@@ -161,6 +199,13 @@ fn flight_folder(name: &NodeName) -> Result<PathBuf, String> {
     folder.ok_or_else(|| "no folder for the flight recorder: HOME is not set; give --flight-folder".to_owned())
 }
 
+/// What a machine begins with beside its cell.
+struct Given {
+    store: Option<Store>,
+    /// Its first command.
+    first: Option<Action>,
+}
+
 /// The threads of a running machine.
 struct Running {
     handle: Arc<Handle>,
@@ -186,9 +231,9 @@ impl Running {
         plant: Plant,
         scenario: Option<Scenario>,
         recording: Recording,
-        store: Option<Store>,
+        given: Given,
     ) -> (Self, UnboundedReceiver<StampedEvent>) {
-        let (commander, lanes) = lanes::lanes();
+        let (commander, lanes) = lanes::lanes(machine.config().axes.len());
         let (frames, frames_out, spent) = frames(&machine);
         let (ask, asked) = channel();
         let (events, events_out) = RingBuffer::new(EVENT_ROOM);
@@ -197,8 +242,18 @@ impl Running {
         let image = machine.parameter_image();
         let (parameters, parameters_out) = triple_buffer::triple_buffer(&image);
         let (config, directory) = (machine.config().clone(), machine.directory().clone());
-        let handle = Handle::new(config.clone(), directory, commander, ask, first, image);
-        let (handle, keeper) = match store {
+        let statistics = Arc::new(Statistics::default());
+        let gate = Arc::new(if cell.ros.autostart { Gate::opening() } else { Gate::default() });
+        let handle = Handle::new(config.clone(), directory, commander, ask, first, image)
+            .with_cycles(Arc::clone(&gate), Arc::clone(&statistics))
+            .with_hardware(cell.hardware.clone())
+            .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
+        // Before the first cycle, and so before anything else that is asked.
+        if let Some(Err(busy)) = given.first.map(|action| handle.submit_as(Source::Cli, action)) {
+            tracing::error!("parameters that were given to the node are not set: {busy}");
+        }
+        let handle = if cell.ros.autostart { handle } else { handle.unconfigured() };
+        let (handle, keeper) = match given.store {
             None => (handle, None),
             Some(store) => {
                 let (orders, keeper) = Keeper::new(store, config);
@@ -206,7 +261,6 @@ impl Running {
             }
         };
         let handle = Arc::new(handle);
-        let statistics = Arc::new(Statistics::default());
         let (stop_cycle, stop_others) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         let encoder = Encoder::new(cell, machine.config(), machine.directory());
         let Recording { subject, bag, flight } = recording;
@@ -230,6 +284,7 @@ impl Running {
             snapshot,
             parameters,
             published: 0,
+            gate,
             stop: Arc::clone(&stop_cycle),
             statistics: Arc::clone(&statistics),
             processor: args.cpu.unwrap_or_default(),
@@ -283,21 +338,35 @@ fn warn(refused: &[String]) {
 /// Serves ROS until a signal comes or the machine fails.
 async fn serve(
     cell: &Cell,
-    name: NodeName,
+    options: NodeOptions,
     environment: &Environment,
     running: Running,
     events: UnboundedReceiver<StampedEvent>,
     signals: Signals,
+    logging: &Logging,
 ) -> Exit {
     let host: Arc<dyn Host> = running.handle.clone();
     let rates = Rates { joint_states: cell.ros.joint_states_rate, axis_states: cell.ros.axis_states_rate };
-    let surface = Node::new(name.clone(), environment)
-        .map_err(|error| error.to_string())
-        .and_then(|node| Surface::start(node, host, events, rates).map_err(|error| error.to_string()));
+    let name = options.names.node().clone();
+    let surface = Node::with(options, environment).map_err(CreateError::from).and_then(|node| {
+        let rosout = node.rosout()?;
+        let surface = Surface::start(node, host, events, rates, &cell.groups)?;
+        logging.show_on(Some(rosout));
+        Ok(surface)
+    });
     let surface = match surface {
         Ok(surface) => surface,
+        Err(CreateError::Given(sentence)) => {
+            complain(&sentence);
+            // It was there for a moment: a client may have been quick.
+            stop_machine(&running).await;
+            running.end();
+            return Exit::Usage;
+        }
         Err(error) => {
             tracing::error!("no ROS 2 node: {error}");
+            // A scenario may move axes already.
+            stop_machine(&running).await;
             running.end();
             return Exit::Failed;
         }
@@ -310,6 +379,7 @@ async fn serve(
     tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
     let why = wait_for_end(&running, signals).await;
     stop_machine(&running).await;
+    logging.show_on(None);
     drop(surface);
     match (running.end(), why) {
         (exit, Ended::BySignal) => exit,
@@ -377,7 +447,11 @@ async fn wait_for_end(running: &Running, mut signals: Signals) -> Ended {
     }
     tracing::info!("halting all axes; Ctrl-C again ends at once");
     tokio::spawn(async move {
-        signals.recv().await;
+        let first = Instant::now();
+        // A terminal and a wrapper may both pass the same Ctrl-C on.
+        while first.elapsed() < SAME_SIGNAL {
+            signals.recv().await;
+        }
         std::process::exit(1);
     });
     Ended::BySignal
@@ -387,6 +461,10 @@ async fn wait_for_end(running: &Running, mut signals: Signals) -> Ended {
 async fn stop_machine(running: &Running) {
     let all = AxisSet::first(running.handle.config().axes.len());
     let handle = &running.handle;
+    if !handle.takes_commands() {
+        // Unconfigured: every drive is off and no cycle runs.
+        return;
+    }
     let asked = Instant::now();
     // A full lane empties within a few cycles.
     while handle.submit_as(Source::Cli, Action::Halt(all)).is_err() && asked.elapsed() < PATIENCE {

@@ -45,6 +45,15 @@ pub const MAX_BYTES: usize = 4 << 20;
 pub const MAX_DEPTH: usize = 64;
 /// Most values in a document.
 pub const MAX_VALUES: usize = 250_000;
+/// The same of a command in a recording: the longest trajectory has a place in it.
+const RECORDED: Most = Most { bytes: 32 << 20, values: 2_000_000 };
+
+/// How much a document may hold.
+#[derive(Clone, Copy, Debug)]
+struct Most {
+    bytes: usize,
+    values: usize,
+}
 
 /// A YAML file: its text, its tree if it has one, and the problems found so far.
 #[derive(Debug)]
@@ -70,7 +79,7 @@ impl Document {
         }
         match String::from_utf8(bytes) {
             Ok(text) => Self::parse(&name, text),
-            Err(error) if error.as_bytes().len() > MAX_BYTES => failed(Place::START, too_long()),
+            Err(error) if error.as_bytes().len() > MAX_BYTES => failed(Place::START, too_long(MAX_BYTES)),
             Err(error) => {
                 let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
                 failed(Place::after(&String::from_utf8_lossy(valid)), "the file is not UTF-8 text".to_owned())
@@ -80,12 +89,21 @@ impl Document {
 
     /// Parses a text; `name` stands for the file in problems.
     pub fn parse(name: &str, text: impl Into<String>) -> Self {
-        let (text, problems) = (text.into(), Problems::new(name));
-        let root = if text.len() > MAX_BYTES {
-            problems.push(Place::START, too_long(), None);
+        Self::parse_within(name, text.into(), Most { bytes: MAX_BYTES, values: MAX_VALUES })
+    }
+
+    /// As [`Document::parse`], for a command in a recording, which may be longer.
+    pub fn parse_recorded(name: &str, text: impl Into<String>) -> Self {
+        Self::parse_within(name, text.into(), RECORDED)
+    }
+
+    fn parse_within(name: &str, text: String, most: Most) -> Self {
+        let problems = Problems::new(name);
+        let root = if text.len() > most.bytes {
+            problems.push(Place::START, too_long(most.bytes), None);
             None
         } else {
-            parse::tree(&text, &problems)
+            parse::tree(&text, &problems, most.values)
         };
         Self { text, root, problems }
     }
@@ -146,8 +164,8 @@ impl Document {
     }
 }
 
-fn too_long() -> String {
-    format!("the file is longer than {MAX_BYTES} bytes")
+fn too_long(most: usize) -> String {
+    format!("the file is longer than {most} bytes")
 }
 
 /// A value of the tree and where it starts.

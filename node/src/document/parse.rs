@@ -4,7 +4,7 @@
 //! first duplicate key and interprets scalars before anyone knows what they stand for.
 
 use super::problem::quote;
-use super::{Kind, MAX_DEPTH, MAX_VALUES, Node, Place, Problems};
+use super::{Kind, MAX_DEPTH, Node, Place, Problems};
 use saphyr_parser::{Event, Marker, Parser, ScalarStyle};
 use std::collections::HashMap;
 
@@ -12,10 +12,17 @@ use std::collections::HashMap;
 const MAX_REPEATED: usize = 16 << 20;
 
 /// The tree of the first document in `text`, `None` after a problem that leaves none. An empty text is a null.
-pub(super) fn tree(text: &str, problems: &Problems) -> Option<Node> {
+pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Option<Node> {
     let mut parser = Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
-    let mut builder =
-        Builder { problems, open: Vec::new(), anchors: HashMap::new(), root: None, values: 0, repeated: 0 };
+    let mut builder = Builder {
+        problems,
+        open: Vec::new(),
+        anchors: HashMap::new(),
+        root: None,
+        values: 0,
+        most_values,
+        repeated: 0,
+    };
     let mut documents = 0;
     while let Some(event) = parser.next_event() {
         let (event, place) = match event {
@@ -61,6 +68,7 @@ struct Builder<'p> {
     anchors: HashMap<usize, Finished>,
     root: Option<Node>,
     values: usize,
+    most_values: usize,
     repeated: usize,
 }
 
@@ -131,8 +139,8 @@ impl Builder<'_> {
     /// Puts a complete node where it belongs.
     fn finish(&mut self, finished: Finished, anchor: usize) -> Result<(), String> {
         self.values += 1;
-        if self.values > MAX_VALUES {
-            return Err(format!("the file has more than {MAX_VALUES} values"));
+        if self.values > self.most_values {
+            return Err(format!("the file has more than {} values", self.most_values));
         }
         if anchor > 0 {
             self.repeat(finished.bytes)?;

@@ -113,7 +113,7 @@ fn lay(text: &mut String, columns: &[(Vec<String>, usize)]) {
 }
 
 /// A text in lines of at most `width`, broken at blanks; a longer word stands alone.
-pub(super) fn wrap(text: &str, width: usize) -> Vec<String> {
+pub(crate) fn wrap(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {

@@ -8,6 +8,7 @@ mod text;
 mod values;
 mod words;
 
+pub(crate) use catalogue::wrap;
 pub use catalogue::{Filter, details, listing, meant};
 pub use markdown::markdown;
 pub(crate) use read::changes;

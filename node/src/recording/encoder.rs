@@ -2,7 +2,7 @@
 //!
 //! Law      the same cycles give the same bytes: nothing here looks at a clock or a thread
 //! Reads    a [`Cycle`]; of the cell the rates of the state topics
-//! Writes   in the order of [`Topic`]: a message per command, the inputs, a message per event, the signals, and in the
+//! Writes   in the order of [`Topic`]: a message per command and one for setpoints, the inputs, a message per event, the signals, and in the
 //!          cycles of their rate axis_states and joint_states
 //!
 //! ~/signals holds all words in a key cycle, else those that differ from the cycle that was encoded before.
@@ -67,6 +67,11 @@ impl Encoder {
                 command: verb::to_json(command, &self.config),
             };
             encoded.push(Topic::Commands, &message);
+        }
+        if let Some(set) = cycle.stream {
+            let (source, command) = (set.source.name().to_owned(), verb::setpoints_to_json(set, &self.config));
+            // A set is no command: it has no number and is not answered.
+            encoded.push(Topic::Commands, &AppliedCommand { cycle: number, sequence: 0, source, command });
         }
         inputs::fill(&mut self.inputs, cycle.inputs, &self.config);
         encoded.push(Topic::Inputs, &self.inputs);

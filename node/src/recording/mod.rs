@@ -24,7 +24,7 @@ pub mod validate;
 pub mod verb;
 
 use jiff::Timestamp;
-use lineshaft_core::command::Command;
+use lineshaft_core::command::{Command, Setpoints};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::event::Event;
@@ -44,6 +44,8 @@ pub struct Cycle<'a> {
     pub inputs: &'a Inputs,
     /// In the order in which they applied.
     pub commands: &'a [Command],
+    /// Streamed setpoints that were new, if any.
+    pub stream: Option<&'a Setpoints>,
     /// In their order.
     pub events: &'a [Event],
     /// At the end of the cycle.

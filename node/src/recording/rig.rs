@@ -60,7 +60,8 @@ pub(crate) fn record(cell: &Cell, scenario: &str, cycles: u64, start_ns: u64) ->
         let commands: Vec<_> = player.commands().iter().cloned().collect();
         let stamp_ns = start_ns + cycle * cell.machine.cycle_ns;
         let (events, board) = (machine.events(), machine.board());
-        let what = Cycle { stamp_ns, inputs: &inputs, commands: &commands, events, board };
+        let what =
+            Cycle { stamp_ns, inputs: &inputs, commands: &commands, stream: player.commands().stream, events, board };
         let parameters = (is_key && cycle > 0).then(|| format!("parameters before {cycle}"));
         recorded.encoded.push(Encoded { state, parameters, ..encoder.encode(&what) });
         recorded.inputs.push(inputs.clone());

@@ -52,6 +52,7 @@ impl SimulationRecorder {
             stamp_ns: inputs.cycle.saturating_mul(self.cycle_ns),
             inputs,
             commands: &self.commands,
+            stream: commands.stream,
             events: machine.events(),
             board: machine.board(),
         };

@@ -13,12 +13,13 @@
 //! A position is given by ten decimals: multiples of 2^-32 lie 2.3e-10 apart, and none but the meant one is as near.
 
 mod saia;
+mod trajectory;
 mod wf;
 mod write;
 
 use crate::document::{Document, Value};
 use lineshaft_core::code::Code;
-use lineshaft_core::command::{Action, Command};
+use lineshaft_core::command::{Action, Command, Setpoints, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::signal::Directory;
 
@@ -27,14 +28,44 @@ pub fn to_json(command: &Command, config: &MachineConfig) -> String {
     write::verb(command, config)
 }
 
+/// Setpoints as one verb.
+pub fn setpoints_to_json(set: &Setpoints, config: &MachineConfig) -> String {
+    write::setpoints(set, config)
+}
+
+/// What a verb stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Applied {
+    /// A command.
+    Command(Action),
+    /// Streamed setpoints.
+    Stream(Setpoints),
+}
+
 /// The action of a verb that [`to_json`] wrote, or that a scenario could give as one command. `directory` is that of a machine
 /// of `config`.
 ///
 /// # Errors
 /// What is wrong with it, in one sentence.
 pub fn from_json(json: &str, config: &MachineConfig, directory: &Directory) -> Result<Action, String> {
-    let document = Document::parse("command", json);
-    let action = document.root("the command").and_then(|root| read(&root, config, directory));
+    match applied_from_json(json, Source::Scenario, config, directory)? {
+        Applied::Command(action) => Ok(action),
+        Applied::Stream(_) => Err("setpoints are no command".to_owned()),
+    }
+}
+
+/// As [`from_json`], of what `source` gave, setpoints among it.
+///
+/// # Errors
+/// What is wrong with it, in one sentence.
+pub fn applied_from_json(
+    json: &str,
+    source: Source,
+    config: &MachineConfig,
+    directory: &Directory,
+) -> Result<Applied, String> {
+    let document = Document::parse_recorded("command", json);
+    let action = document.root("the command").and_then(|root| read(&root, source, config, directory));
     match (document.problems().sorted().first(), action) {
         (None, Some(action)) => Ok(action),
         (Some(problem), _) => {
@@ -45,16 +76,19 @@ pub fn from_json(json: &str, config: &MachineConfig, directory: &Directory) -> R
     }
 }
 
-fn read(root: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Action> {
+fn read(root: &Value<'_>, source: Source, config: &MachineConfig, directory: &Directory) -> Option<Applied> {
     let entries = root.entries()?;
     let [(verb, arguments)] = entries.as_slice() else {
         root.refuse(format!("the command has {} verbs; one is expected", entries.len()), None);
         return None;
     };
     match verb.peek() {
-        Some("refuse") => refuse(arguments),
-        Some("note") => note(arguments),
-        _ => crate::scenario::recorded_command(root, config, directory),
+        Some("refuse") => refuse(arguments).map(Applied::Command),
+        Some("note") => note(arguments).map(Applied::Command),
+        Some("setpoints") => {
+            crate::scenario::recorded_setpoints(arguments, source, config, directory).map(Applied::Stream)
+        }
+        _ => crate::scenario::recorded_command(root, config, directory).map(Applied::Command),
     }
 }
 

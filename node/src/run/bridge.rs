@@ -1,13 +1,14 @@
 //! Between the cycle thread and everybody else: passes events and signals on, frees what the recorder has no room for.
 
 use super::frames::Spent;
+use super::gate::Gate;
 use super::keeper::Orders;
 use super::lanes::{Commander, Numbers};
 use super::recorder::Asked;
 use super::thread::Statistics;
 use crate::parameters::{export_text, read_changes};
 use lineshaft_core::code::Code;
-use lineshaft_core::command::{Action, Source};
+use lineshaft_core::command::{Action, Setpoints, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Kind, Severity};
 use lineshaft_core::object::AxisSet;
@@ -15,7 +16,11 @@ use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text;
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
-use lineshaft_ros::surface::host::{Busy, Host, Listing, Snapshot, StampedEvent};
+use lineshaft_ros::layer::TOLD;
+use lineshaft_ros::surface::host::{
+    Busy, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
+};
+use lineshaft_ros::surface::is_told;
 use lineshaft_ros::surface::lines::LineLimit;
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,6 +43,12 @@ pub struct Handle {
     newest: RwLock<Arc<Snapshot>>,
     parameters: RwLock<Arc<ParameterImage>>,
     keeper: Option<Orders>,
+    robot_description: Option<String>,
+    gate: Arc<Gate>,
+    statistics: Arc<Statistics>,
+    /// What each axis' drive is called, in file order; none for a virtual axis.
+    hardware: Vec<Option<String>>,
+    begins_active: bool,
 }
 
 impl Handle {
@@ -51,7 +62,36 @@ impl Handle {
         parameters: ParameterImage,
     ) -> Self {
         let (newest, parameters) = (RwLock::new(Arc::new(first)), RwLock::new(Arc::new(parameters)));
-        Self { config, directory, commander, recorder, newest, parameters, keeper: None }
+        Self {
+            config,
+            directory,
+            commander,
+            recorder,
+            newest,
+            parameters,
+            keeper: None,
+            gate: Arc::new(Gate::opening()),
+            statistics: Arc::default(),
+            hardware: Vec::new(),
+            begins_active: true,
+            robot_description: None,
+        }
+    }
+
+    /// The same, whose cycles run as `gate` lets them and are counted in `statistics`.
+    pub fn with_cycles(self, gate: Arc<Gate>, statistics: Arc<Statistics>) -> Self {
+        Self { gate, statistics, ..self }
+    }
+
+    /// The same with what each axis' drive is called, in file order.
+    pub fn with_hardware(self, hardware: Vec<Option<String>>) -> Self {
+        Self { hardware, ..self }
+    }
+
+    /// The same on a machine that waits to be configured; without it cycles run and axes may be switched on at once.
+    pub fn unconfigured(self) -> Self {
+        self.commander.close();
+        Self { begins_active: false, ..self }
     }
 
     /// The same, whose saved parameters are kept in a store.
@@ -59,11 +99,21 @@ impl Handle {
         Self { keeper: Some(keeper), ..self }
     }
 
+    /// The same, whose robot is described by this URDF.
+    pub fn with_robot_description(self, robot_description: Option<String>) -> Self {
+        Self { robot_description, ..self }
+    }
+
     /// Ends the thread of the store, once it has written what it has.
     pub fn end_keeping(&self) {
         if let Some(keeper) = &self.keeper {
             keeper.end();
         }
+    }
+
+    /// Are commands taken? Not while the node is unconfigured.
+    pub fn takes_commands(&self) -> bool {
+        self.commander.is_open()
     }
 
     /// Where the numbers of commands come from.
@@ -74,13 +124,17 @@ impl Handle {
     /// Hands a command over, in the name of `source`.
     ///
     /// # Errors
-    /// Its lane is full.
+    /// Its lane is full, or no cycle runs.
     pub fn submit_as(&self, source: Source, action: Action) -> Result<u64, Busy> {
         self.commander.submit(source, action)
     }
 }
 
 impl Host for Handle {
+    fn robot_description(&self) -> Option<&str> {
+        self.robot_description.as_deref()
+    }
+
     fn config(&self) -> &MachineConfig {
         &self.config
     }
@@ -91,6 +145,10 @@ impl Host for Handle {
 
     fn submit(&self, action: Action) -> Result<u64, Busy> {
         self.submit_as(Source::Ros, action)
+    }
+
+    fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy> {
+        self.commander.stream(setpoints)
     }
 
     fn read_vocabulary(&self, axis: &str, verb: &str, arguments: &str) -> Result<Action, String> {
@@ -122,6 +180,38 @@ impl Host for Handle {
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>) {
         // A recorder that has ended drops the answer, which tells the asker.
         let _ = self.recorder.send((request, answer));
+    }
+
+    fn begins_active(&self) -> bool {
+        self.begins_active
+    }
+
+    fn open(&self) {
+        if self.commander.deactivate_first() {
+            self.gate.open();
+        }
+    }
+
+    fn take_commands(&self) {
+        self.commander.open();
+    }
+
+    fn close(&self) {
+        // In this order: what was taken until then has its cycle.
+        self.commander.close();
+        self.gate.close();
+    }
+
+    fn gate(&self) -> GateState {
+        self.gate.state()
+    }
+
+    fn statistics(&self) -> HostStatistics {
+        self.statistics.take()
+    }
+
+    fn hardware(&self, axis: u16) -> Option<&str> {
+        self.hardware.get(usize::from(axis))?.as_deref()
     }
 
     fn snapshot(&self) -> Arc<Snapshot> {
@@ -188,6 +278,7 @@ impl Bridge {
 
     fn pass_on(&mut self, handle: &Handle) {
         self.spent.free();
+        handle.commander.free_trajectories();
         // Events are taken before the signals, and passed on after them: the cycle thread publishes its signals first, so
         // these are at least as new as the events.
         self.taken.extend(std::iter::from_fn(|| self.events.pop().ok()));
@@ -219,11 +310,15 @@ fn log(event: &StampedEvent, handle: &Handle, warnings: &LineLimit) {
     let event = &event.event;
     let sentence = || text::sentence(event, &handle.config);
     match (event.severity, event.kind) {
+        (Severity::Error, _) if is_told(event) => tracing::error!(target: TOLD, "{}", sentence()),
         (Severity::Error, _) => tracing::error!("{}", sentence()),
         // The surface has told what never became a command.
         (_, Kind::Refused) if event.code == Code::BAD_REQUEST => {}
         // What ends a goal is told to the one who gave it.
         (_, Kind::Done | Kind::Accepted | Kind::Overrun) => tracing::debug!("{}", sentence()),
+        (Severity::Warn, _) if is_told(event) => {
+            warnings.say(|more| tracing::warn!(target: TOLD, "{}{more}", sentence()));
+        }
         (Severity::Warn, _) => warnings.say(|more| tracing::warn!("{}{more}", sentence())),
         (Severity::Info, Kind::Reset) => tracing::info!("{}", sentence()),
         (Severity::Info, _) => tracing::debug!("{}", sentence()),

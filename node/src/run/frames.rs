@@ -6,7 +6,7 @@
 //! the cycle thread never waits.
 
 use crate::recording::key_cycles;
-use lineshaft_core::command::Command;
+use lineshaft_core::command::{Command, Setpoints};
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::event::Event;
 use lineshaft_core::machine::{Machine, State};
@@ -35,6 +35,8 @@ pub struct Frame {
     pub stamp_ns: u64,
     /// As the machine took them.
     pub inputs: Inputs,
+    /// Streamed setpoints that were new, if any.
+    pub stream: Setpoints,
     /// At the end of the cycle.
     pub board: Board,
     /// Before the cycle; key cycles have it, if one was free.
@@ -94,10 +96,14 @@ pub struct Taken {
 
 /// Makes the way for one machine.
 pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
-    let frame =
-        || Box::new(Frame { stamp_ns: 0, inputs: machine.inputs(), board: machine.board().clone(), state: None });
+    let axes = machine.config().axes.len();
+    let frame = || {
+        let (inputs, stream, board) = (machine.inputs(), Setpoints::none(axes), machine.board().clone());
+        Box::new(Frame { stamp_ns: 0, inputs, stream, board, state: None })
+    };
     let cycle_ns = machine.config().cycle_ns;
     let bytes = size_of::<Frame>() + size_of_val(machine.inputs().drive.as_slice()) + 8 * machine.board().len();
+    let bytes = bytes + size_of_val(Setpoints::none(axes).axes.as_slice());
     let wanted = usize::try_from(ROOM_NS / cycle_ns.max(1)).unwrap_or(usize::MAX);
     let room = wanted.min(ROOM_BYTES / bytes).max(LEAST_FRAMES);
     let (mut free_in, free) = RingBuffer::new(room);
@@ -139,7 +145,14 @@ impl FrameSender {
     }
 
     /// Sends the cycle that has just run. `commands` are those that applied; they are freed by the receiver.
-    pub fn send(&mut self, stamp_ns: u64, inputs: &Inputs, machine: &Machine, commands: impl Iterator<Item = Command>) {
+    pub fn send(
+        &mut self,
+        stamp_ns: u64,
+        inputs: &Inputs,
+        machine: &Machine,
+        stream: Option<&Setpoints>,
+        commands: impl Iterator<Item = Command>,
+    ) {
         let cycle = inputs.cycle;
         let mut is_whole = true;
         for command in commands {
@@ -159,6 +172,10 @@ impl FrameSender {
         };
         frame.stamp_ns = stamp_ns;
         copy(&mut frame.inputs, inputs);
+        frame.stream.clear();
+        if let Some(stream) = stream {
+            frame.stream.take(stream);
+        }
         frame.board.copy_from(machine.board());
         frame.state = if cycle.is_multiple_of(self.key_cycles) { self.state.take() } else { None };
         // There are no more frames than places, so this one finds its place.
@@ -219,7 +236,7 @@ impl FrameReceiver {
 mod tests {
     use super::*;
     use crate::cell::Cell;
-    use lineshaft_core::command::{Action, Commands, Source};
+    use lineshaft_core::command::{Action, Commands, Setpoint, Source};
     use lineshaft_core::object::AxisSet;
 
     fn machine() -> Machine {
@@ -233,8 +250,12 @@ mod tests {
         let action = Action::Enable(AxisSet::one(0));
         let commands = [Command { sequence: inputs.cycle + 1, source: Source::Cli, action }];
         sender.before(machine);
-        machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
-        sender.send(7 * inputs.cycle, &inputs, machine, commands.into_iter());
+        let mut stream = Setpoints { source: Source::Ros, ..Setpoints::none(4) };
+        stream.axes[1] = Some(Setpoint { velocity: inputs.cycle as f64, duration: Some(inputs.cycle) });
+        // Every second cycle has something new.
+        let stream = Some(&stream).filter(|_| inputs.cycle.is_multiple_of(2));
+        machine.cycle(&inputs, Commands { stream, ..Commands::queue(&commands) }, &mut outputs);
+        sender.send(7 * inputs.cycle, &inputs, machine, stream, commands.into_iter());
     }
 
     #[test]
@@ -247,6 +268,9 @@ mod tests {
             let (frame, taken) = receiver.take().unwrap();
             assert_eq!((frame.inputs.cycle, frame.stamp_ns), (cycle, 7 * cycle));
             assert_eq!(&frame.board, machine.board());
+            let setpoint = Setpoint { velocity: cycle as f64, duration: Some(cycle) };
+            let streamed = Some(setpoint).filter(|_| cycle.is_multiple_of(2));
+            assert_eq!(frame.stream.axes, [None, streamed, None, None], "cycle {cycle}");
             assert_eq!(taken.events, machine.events());
             assert_eq!(taken.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [cycle + 1]);
             let state = frame.state.as_ref().map(|state| postcard::to_allocvec(state).unwrap());

@@ -1,13 +1,14 @@
 //! The three ways of commands into the cycle thread.
 
-use lineshaft_core::command::{Action, Command, Commands, Setpoints, Source};
+use lineshaft_core::command::{Action, Command, Commands, Setpoint, Setpoints, Source};
 use lineshaft_core::machine::MAX_COMMANDS;
+use lineshaft_core::trajectory::Trajectory;
 use lineshaft_ros::surface::host::Busy;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Room of the stop lane: halt, quick_stop and disable.
+/// Room of the stop lane: halt, quick_stop, disable and deactivate.
 const STOP_ROOM: usize = 64;
 /// Room of the queue.
 const QUEUE_ROOM: usize = 256;
@@ -17,13 +18,29 @@ const QUEUE_ROOM: usize = 256;
 pub struct Commander {
     doors: Mutex<Doors>,
     numbers: Numbers,
+    /// A reference to each trajectory that the cycle thread may have: it never frees one.
+    trajectories: Mutex<Vec<Arc<Trajectory>>>,
 }
 
 #[derive(Debug)]
 struct Doors {
+    /// Commands are taken: cycles run, or will.
+    is_open: bool,
     stop: Producer<Command>,
     queue: Producer<Command>,
-    stream: triple_buffer::Input<Setpoints>,
+    stream: triple_buffer::Input<Mail>,
+    /// What lies in the mailbox.
+    mail: Mail,
+}
+
+/// The mailbox of streamed setpoints: for each axis the newest one and its number, which grows with each of that axis. So whoever
+/// streams to one axis neither takes the setpoint of another away nor makes it look new.
+#[derive(Clone, Debug)]
+struct Mail {
+    /// Who gave the newest of all.
+    source: Source,
+    /// Number 0: none has come yet.
+    axes: Vec<(u64, Setpoint)>,
 }
 
 /// The sequence numbers of commands, whoever gives them.
@@ -42,38 +59,94 @@ impl Numbers {
 pub struct Lanes {
     stop: Consumer<Command>,
     queue: Consumer<Command>,
-    stream: triple_buffer::Output<Setpoints>,
+    stream: triple_buffer::Output<Mail>,
+    /// For each axis, the number of the setpoint that was taken last.
+    seen: Vec<u64>,
+    /// What is new in this cycle.
+    taken_stream: Setpoints,
     taken_stop: Vec<Command>,
     taken_queue: Vec<Command>,
 }
 
-/// Makes the lanes of one machine.
-pub fn lanes() -> (Commander, Lanes) {
+/// Makes the lanes of a machine of so many axes.
+pub fn lanes(axes: usize) -> (Commander, Lanes) {
     let (stop_in, stop) = RingBuffer::new(STOP_ROOM);
     let (queue_in, queue) = RingBuffer::new(QUEUE_ROOM);
-    let (stream_in, stream) = triple_buffer::triple_buffer(&Setpoints::default());
-    let doors = Mutex::new(Doors { stop: stop_in, queue: queue_in, stream: stream_in });
+    let none = (0, Setpoint { velocity: 0.0, duration: None });
+    let mail = Mail { source: Source::Machine, axes: vec![none; axes] };
+    let (stream_in, stream) = triple_buffer::triple_buffer(&mail);
+    let doors = Mutex::new(Doors { is_open: true, stop: stop_in, queue: queue_in, stream: stream_in, mail });
     let room = || Vec::with_capacity(MAX_COMMANDS);
-    let lanes = Lanes { stop, queue, stream, taken_stop: room(), taken_queue: room() };
-    (Commander { doors, numbers: Numbers::default() }, lanes)
+    let (seen, taken_stream) = (vec![0; axes], Setpoints::none(axes));
+    let lanes = Lanes { stop, queue, stream, seen, taken_stream, taken_stop: room(), taken_queue: room() };
+    (Commander { doors, numbers: Numbers::default(), trajectories: Mutex::default() }, lanes)
 }
 
 impl Commander {
     /// Hands a command over and returns its sequence number.
     ///
     /// # Errors
-    /// Its lane is full.
+    /// Its lane is full, or no cycle would take it.
     pub fn submit(&self, source: Source, action: Action) -> Result<u64, Busy> {
+        let mut doors = self.doors();
+        if !doors.is_open {
+            return Err(Busy::Unconfigured);
+        }
+        self.push(&mut doors, source, action)
+    }
+
+    /// Before cycles run again: has the first of them begin with a deactivation, whatever was before. False where commands are
+    /// taken already.
+    pub fn deactivate_first(&self) -> bool {
+        let mut doors = self.doors();
+        if doors.is_open {
+            return false;
+        }
+        // Behind a closed door nothing waits, but the deactivation of an attempt that failed.
+        doors.stop.slots() < STOP_ROOM || self.push(&mut doors, Source::Machine, Action::Deactivate).is_ok()
+    }
+
+    /// Takes commands: cycles run.
+    pub fn open(&self) {
+        self.doors().is_open = true;
+    }
+
+    /// Takes no more commands. What was taken has its cycle.
+    pub fn close(&self) {
+        self.doors().is_open = false;
+    }
+
+    /// Are commands taken?
+    pub fn is_open(&self) -> bool {
+        self.doors().is_open
+    }
+
+    fn doors(&self) -> MutexGuard<'_, Doors> {
         // A poisoned lock means that another thread panicked between two whole pushes: the rings are sound.
-        let mut doors = self.doors.lock().unwrap_or_else(PoisonError::into_inner);
-        let stops = matches!(action, Action::Halt(_) | Action::QuickStop(_) | Action::Disable(_));
-        let lane = if stops { &mut doors.stop } else { &mut doors.queue };
+        self.doors.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn push(&self, doors: &mut Doors, source: Source, action: Action) -> Result<u64, Busy> {
+        let lane = if action.stops() { &mut doors.stop } else { &mut doors.queue };
         if lane.is_full() {
-            return Err(Busy);
+            return Err(Busy::Full);
+        }
+        if let Action::Trajectory(trajectory) = &action {
+            self.trajectories().push(Arc::clone(trajectory));
         }
         let sequence = self.numbers.reserve(1) + 1;
-        lane.push(Command { sequence, source, action }).map_err(|_| Busy)?;
+        lane.push(Command { sequence, source, action }).map_err(|_| Busy::Full)?;
         Ok(sequence)
+    }
+
+    /// Frees the trajectories that nobody else has any more.
+    pub fn free_trajectories(&self) {
+        // Nobody can clone one that stands only here.
+        self.trajectories().retain(|trajectory| Arc::strong_count(trajectory) > 1);
+    }
+
+    fn trajectories(&self) -> MutexGuard<'_, Vec<Arc<Trajectory>>> {
+        self.trajectories.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Where the numbers come from, for whoever gives commands past the lanes.
@@ -81,10 +154,26 @@ impl Commander {
         self.numbers.clone()
     }
 
-    /// Puts newer streamed setpoints in the place of the last ones.
-    pub fn stream(&self, setpoints: Setpoints) {
-        let mut doors = self.doors.lock().unwrap_or_else(PoisonError::into_inner);
-        doors.stream.write(setpoints);
+    /// Puts setpoints in the place of the last ones of their axes; all of them enter the same cycle.
+    ///
+    /// # Errors
+    /// No cycle runs.
+    pub fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy> {
+        let mut doors = self.doors();
+        // One that waits for the next configuration would be taken for new.
+        if !doors.is_open {
+            return Err(Busy::Unconfigured);
+        }
+        let Doors { stream, mail, .. } = &mut *doors;
+        mail.source = setpoints.source;
+        for ((number, newest), new) in mail.axes.iter_mut().zip(&setpoints.axes) {
+            if let Some(new) = new {
+                (*number, *newest) = (*number + 1, *new);
+            }
+        }
+        stream.input_buffer_mut().clone_from(mail);
+        stream.publish();
+        Ok(())
     }
 }
 
@@ -94,23 +183,51 @@ impl Lanes {
         fill(&mut self.taken_stop, &mut self.stop, MAX_COMMANDS);
         let left = MAX_COMMANDS - self.taken_stop.len();
         fill(&mut self.taken_queue, &mut self.queue, left);
-        self.stream.update();
+        self.take_stream();
+    }
+
+    fn take_stream(&mut self) {
+        self.taken_stream.clear();
+        if !self.stream.update() {
+            return;
+        }
+        let Mail { source, axes } = self.stream.output_buffer();
+        self.taken_stream.source = *source;
+        for (((number, newest), seen), taken) in axes.iter().zip(&mut self.seen).zip(&mut self.taken_stream.axes) {
+            if std::mem::replace(seen, *number) != *number {
+                *taken = Some(*newest);
+            }
+        }
+    }
+
+    /// Does no command wait?
+    pub fn are_empty(&self) -> bool {
+        self.stop.is_empty() && self.queue.is_empty()
     }
 
     /// Adds commands that did not come through the lanes; they come after those that did.
     pub fn add(&mut self, commands: Commands<'_>) {
         self.taken_stop.extend_from_slice(commands.stop);
         self.taken_queue.extend_from_slice(commands.queue);
+        if let Some(stream) = commands.stream {
+            self.taken_stream.take(stream);
+        }
     }
 
     /// What was taken.
     pub fn commands(&self) -> Commands<'_> {
-        Commands { stop: &self.taken_stop, queue: &self.taken_queue, stream: Some(self.stream.output_buffer()) }
+        Commands { stop: &self.taken_stop, queue: &self.taken_queue, stream: self.stream() }
     }
 
-    /// Gives away what was taken and has applied, in the order in which it did.
-    pub fn drain(&mut self) -> impl Iterator<Item = Command> {
-        self.taken_stop.drain(..).chain(self.taken_queue.drain(..))
+    /// The setpoints that were taken, if any.
+    pub fn stream(&self) -> Option<&Setpoints> {
+        Some(&self.taken_stream).filter(|stream| !stream.is_empty())
+    }
+
+    /// Gives away what was taken and has applied: the setpoints, if any, and the commands in the order in which they did.
+    pub fn drain(&mut self) -> (Option<&Setpoints>, impl Iterator<Item = Command>) {
+        let stream = Some(&self.taken_stream).filter(|stream| !stream.is_empty());
+        (stream, self.taken_stop.drain(..).chain(self.taken_queue.drain(..)))
     }
 }
 
@@ -131,39 +248,114 @@ mod tests {
 
     #[test]
     fn stops_come_first_and_numbers_grow_over_both_lanes() {
-        let (commander, mut lanes) = lanes();
+        let (commander, mut lanes) = lanes(3);
         let numbers: Vec<u64> =
             [ENABLE, HALT, ENABLE].into_iter().map(|action| commander.submit(Source::Ros, action).unwrap()).collect();
         assert_eq!(numbers, [1, 2, 3]);
         lanes.take();
         let order: Vec<u64> = lanes.commands().iter().map(|command| command.sequence).collect();
         assert_eq!(order, [2, 1, 3]);
-        lanes.drain().for_each(drop);
+        lanes.drain().1.for_each(drop);
         lanes.take();
         assert_eq!(lanes.commands().iter().count(), 0);
     }
 
     #[test]
     fn a_full_lane_refuses_and_the_other_one_still_takes() {
-        let (commander, mut lanes) = lanes();
+        let (commander, mut lanes) = lanes(3);
         let taken = (0..1000).take_while(|_| commander.submit(Source::Ros, ENABLE).is_ok()).count();
         assert_eq!(taken, QUEUE_ROOM);
         assert_eq!(commander.submit(Source::Ros, HALT), Ok(QUEUE_ROOM as u64 + 1));
         lanes.take();
         assert_eq!(lanes.commands().iter().count(), MAX_COMMANDS, "the rest waits");
-        lanes.drain().for_each(drop);
+        lanes.drain().1.for_each(drop);
         assert!(commander.submit(Source::Ros, ENABLE).is_ok());
     }
 
+    /// Whoever else drops one never drops the last one.
     #[test]
-    fn the_newest_setpoints_win() {
-        let (commander, mut lanes) = lanes();
-        for generation in 1..=3 {
-            commander.stream(Setpoints { generation, velocity: vec![Some(1.0)] });
+    fn a_trajectory_is_freed_here_once_nobody_has_it() {
+        use lineshaft_core::position::Position;
+        use lineshaft_core::trajectory::{Knot, Tolerance, Track};
+        let knot = Knot { position: Position::ZERO, velocity: None, acceleration: None };
+        let (path, goal) = (Tolerance::default(), Tolerance::default());
+        let track = Track { axis: 0, knots: Box::new([knot]), path, goal };
+        let trajectory = Arc::new(Trajectory::new(0, Box::new([1]), Box::new([track]), None).expect("a sound one"));
+        let watch = Arc::downgrade(&trajectory);
+        let (commander, mut lanes) = lanes(3);
+        commander.submit(Source::Ros, Action::Trajectory(trajectory)).unwrap();
+        commander.free_trajectories();
+        assert_eq!(watch.strong_count(), 2, "in the lane and here");
+        lanes.take();
+        lanes.drain().1.for_each(drop);
+        assert_eq!(watch.strong_count(), 1);
+        commander.free_trajectories();
+        assert_eq!(watch.strong_count(), 0);
+    }
+
+    #[test]
+    fn a_closed_door_takes_nothing_and_opens_with_a_deactivation() {
+        let (commander, mut lanes) = lanes(3);
+        assert_eq!(commander.submit(Source::Ros, ENABLE), Ok(1));
+        commander.close();
+        for action in [ENABLE, HALT, Action::Activate] {
+            assert_eq!(commander.submit(Source::Ros, action), Err(Busy::Unconfigured));
         }
+        assert_eq!(commander.stream(&set(&[(0, 1.0)])), Err(Busy::Unconfigured));
+        assert!(!lanes.are_empty());
+        assert_eq!(taken(&mut lanes), []);
+        assert_eq!(lanes.commands().iter().count(), 1, "what was taken before comes out");
+        lanes.drain().1.for_each(drop);
+        assert!(lanes.are_empty());
+
+        assert!(commander.deactivate_first() && commander.deactivate_first());
+        assert_eq!(commander.submit(Source::Ros, ENABLE), Err(Busy::Unconfigured), "not before cycles run");
+        commander.open();
+        assert!(!commander.deactivate_first(), "they run");
+        assert_eq!(commander.submit(Source::Ros, ENABLE), Ok(3));
         lanes.take();
-        assert_eq!(lanes.commands().stream.unwrap().generation, 3);
+        let order: Vec<_> = lanes.commands().iter().map(|command| (command.sequence, command.action.clone())).collect();
+        assert_eq!(order, [(2, Action::Deactivate), (3, ENABLE)]);
+    }
+
+    /// Setpoints of these axes.
+    fn set(velocities: &[(usize, f64)]) -> Setpoints {
+        let mut set = Setpoints { source: Source::Ros, ..Setpoints::none(3) };
+        velocities.iter().for_each(|&(axis, velocity)| set.axes[axis] = Some(Setpoint { velocity, duration: None }));
+        set
+    }
+
+    fn taken(lanes: &mut Lanes) -> Vec<Option<f64>> {
         lanes.take();
-        assert_eq!(lanes.commands().stream.unwrap().generation, 3, "nothing newer: the same again");
+        let axes = lanes.commands().stream.map(|stream| stream.axes.clone()).unwrap_or_default();
+        axes.into_iter().map(|axis| axis.map(|setpoint| setpoint.velocity)).collect()
+    }
+
+    #[test]
+    fn the_newest_setpoint_of_each_axis_wins_and_is_taken_once() {
+        let (commander, mut lanes) = lanes(3);
+        assert_eq!(taken(&mut lanes), []);
+        commander.stream(&set(&[(0, 1.0), (2, 1.0)])).unwrap();
+        commander.stream(&set(&[(2, 2.0)])).unwrap();
+        assert_eq!(taken(&mut lanes), [Some(1.0), None, Some(2.0)], "who streams to one takes none from another");
+        assert_eq!(lanes.commands().stream.unwrap().source, Source::Ros);
+        assert_eq!(taken(&mut lanes), [], "nothing new");
+        commander.stream(&set(&[(1, 3.0)])).unwrap();
+        assert_eq!(taken(&mut lanes), [None, Some(3.0), None], "the others are not new again");
+        commander.stream(&set(&[(1, 3.0)])).unwrap();
+        assert_eq!(taken(&mut lanes), [None, Some(3.0), None], "the same again is new");
+    }
+
+    #[test]
+    fn what_a_scenario_streams_comes_on_top() {
+        let (commander, mut lanes) = lanes(3);
+        commander.stream(&set(&[(0, 1.0), (1, 1.0)])).unwrap();
+        lanes.take();
+        let played = Setpoints { source: Source::Scenario, ..set(&[(1, 5.0), (2, 6.0)]) };
+        lanes.add(Commands { stream: Some(&played), ..Commands::default() });
+        let stream = lanes.commands().stream.unwrap();
+        assert_eq!(stream.axes, set(&[(0, 1.0), (1, 5.0), (2, 6.0)]).axes);
+        assert_eq!(stream.source, Source::Scenario);
+        assert_eq!(taken(&mut lanes), []);
     }
 }

@@ -7,6 +7,7 @@
 pub mod bridge;
 pub mod flight;
 pub mod frames;
+pub mod gate;
 pub mod keeper;
 pub mod lanes;
 pub mod realtime;

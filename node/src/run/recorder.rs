@@ -18,7 +18,7 @@ use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::event::{Event, Kind, Severity};
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
-use lineshaft_ros::surface::host::Host;
+use lineshaft_ros::surface::host::{Busy, Host};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
@@ -130,6 +130,7 @@ impl Recorder {
         self.tell_missing();
         self.notice_failure();
         self.collect();
+        self.give_up_waiting();
         while let Ok((request, answer)) = self.asked.try_recv() {
             self.answer(request, answer);
         }
@@ -146,6 +147,7 @@ impl Recorder {
             stamp_ns: frame.stamp_ns,
             inputs: &frame.inputs,
             commands: &taken.commands,
+            stream: Some(&frame.stream).filter(|stream| !stream.is_empty()),
             events: &taken.events,
             board: &frame.board,
         };
@@ -203,7 +205,16 @@ impl Recorder {
     fn note(&self, code: Code, number: i64) {
         // With a full lane the log has it.
         if self.handle.submit_as(Source::Machine, Action::Note { code, number }).is_err() {
-            tracing::error!("recorder: code {} ({number}) found no room among the commands", code.0);
+            tracing::error!("recorder: code {} ({number}) cannot be told as an event: no cycle takes it", code.0);
+        }
+    }
+
+    /// A bag that waits for a cycle which does not come.
+    fn give_up_waiting(&mut self) {
+        if !self.handle.takes_commands()
+            && let Some((_, answer)) = self.waiting.take()
+        {
+            let _ = answer.send(self.refused(Busy::Unconfigured.to_string()));
         }
     }
 

@@ -1,6 +1,7 @@
 //! The cycle thread: absolute deadlines, one cycle after the other, and nothing that could make it wait.
 
 use super::frames::FrameSender;
+use super::gate::Gate;
 use super::lanes::{Lanes, Numbers};
 use super::realtime::{self, Processor};
 use crate::scenario::{Player, Report};
@@ -8,7 +9,7 @@ use lineshaft_core::drive::{Backend, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::sim::Plant;
-use lineshaft_ros::surface::host::{Snapshot, StampedEvent};
+use lineshaft_ros::surface::host::{self, Snapshot, StampedEvent};
 use rtrb::Producer;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec, clock_gettime};
@@ -23,6 +24,14 @@ pub struct Statistics {
     pub cycles: AtomicU64,
     /// Cycles missed.
     pub missed: AtomicU64,
+    /// Sum of all wake-ups after their deadlines (ns).
+    pub lateness_ns: AtomicU64,
+    /// Sum of the lengths of all cycles (ns).
+    pub duration_ns: AtomicU64,
+    /// Latest wake-up since somebody took it (ns).
+    pub newest_lateness_ns: AtomicU64,
+    /// Longest cycle since somebody took it (ns).
+    pub newest_duration_ns: AtomicU64,
     /// Latest wake-up after its deadline (ns).
     pub worst_lateness_ns: AtomicU64,
     /// Longest cycle, from its wake-up to its end (ns).
@@ -39,6 +48,39 @@ pub struct Play {
     pub numbers: Numbers,
     /// Where its report goes when it is over.
     pub report: Sender<Report>,
+}
+
+impl Statistics {
+    /// What the surface tells of it. The newest maxima begin anew: for one asker.
+    pub fn take(&self) -> host::Statistics {
+        let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        host::Statistics {
+            cycles: of(&self.cycles),
+            missed: of(&self.missed),
+            lateness_ns: of(&self.lateness_ns),
+            duration_ns: of(&self.duration_ns),
+            newest_lateness_ns: self.newest_lateness_ns.swap(0, Ordering::Relaxed),
+            newest_duration_ns: self.newest_duration_ns.swap(0, Ordering::Relaxed),
+            worst_lateness_ns: of(&self.worst_lateness_ns),
+            worst_duration_ns: of(&self.worst_duration_ns),
+            events_lost: of(&self.events_lost),
+        }
+    }
+
+    /// Notes a cycle (ns).
+    fn count(&self, lateness: u64, duration: u64) {
+        let add = |counter: &AtomicU64, by| counter.fetch_add(by, Ordering::Relaxed);
+        add(&self.cycles, 1);
+        add(&self.lateness_ns, lateness);
+        add(&self.duration_ns, duration);
+        for (newest, worst, value) in [
+            (&self.newest_lateness_ns, &self.worst_lateness_ns, lateness),
+            (&self.newest_duration_ns, &self.worst_duration_ns, duration),
+        ] {
+            newest.fetch_max(value, Ordering::Relaxed);
+            worst.fetch_max(value, Ordering::Relaxed);
+        }
+    }
 }
 
 /// Numbers that are set aside for the scenario's commands of one cycle.
@@ -64,6 +106,8 @@ pub struct CycleThread {
     pub parameters: triple_buffer::Input<ParameterImage>,
     /// The version that went out last.
     pub published: u64,
+    /// Closed, no cycle runs.
+    pub gate: Arc<Gate>,
     /// Set from outside to end it.
     pub stop: Arc<AtomicBool>,
     /// How it does.
@@ -91,24 +135,42 @@ impl CycleThread {
     pub fn run(mut self, ready: Sender<Vec<String>>) {
         // Nobody may wait for it any more.
         let _ = ready.send(realtime::claim(self.processor));
-        let cycle_ns = self.machine.config().cycle_ns;
+        let (gate, stop) = (Arc::clone(&self.gate), Arc::clone(&self.stop));
         let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
+        let mut earliest = 0;
+        while gate.wait(&stop) {
+            if let Err(reason) = self.plant.start() {
+                gate.fail(reason);
+                continue;
+            }
+            gate.set_open(true);
+            earliest = self.cycles(&mut inputs, &mut outputs, earliest);
+            self.plant.stop();
+            gate.set_open(false);
+        }
+    }
+
+    /// Runs cycles until the gate closes or the program ends. Their time begins anew, none of them before `earliest`; returns
+    /// when the next one may be (ns since the Unix epoch).
+    fn cycles(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, earliest: u64) -> u64 {
+        let cycle_ns = self.machine.config().cycle_ns;
         let start = nanoseconds(ClockId::Monotonic);
-        let wall_start = nanoseconds(ClockId::Realtime);
+        let wall_start = nanoseconds(ClockId::Realtime).max(earliest);
         let mut deadline = start;
         let mut missed = 0;
-        while !self.stop.load(Ordering::Relaxed) {
+        // What was given before the gate closed still has its cycle, so that everybody gets an answer.
+        while !self.stop.load(Ordering::Relaxed) && (self.gate.is_wanted() || !self.lanes.are_empty()) {
             sleep_until(deadline);
             let woken = nanoseconds(ClockId::Monotonic);
             inputs.cycle = self.machine.next_cycle();
             inputs.missed = missed;
-            self.one(&mut inputs, &mut outputs, wall_start.saturating_add(deadline - start));
+            self.one(inputs, outputs, wall_start.saturating_add(deadline - start));
             let done = nanoseconds(ClockId::Monotonic);
-            self.count(woken.saturating_sub(deadline), done.saturating_sub(woken));
+            self.statistics.count(woken.saturating_sub(deadline), done.saturating_sub(woken));
             deadline += cycle_ns;
             missed = self.skip_missed(&mut deadline, done, cycle_ns);
         }
-        self.plant.stop();
+        wall_start.saturating_add(deadline - start)
     }
 
     fn one(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, stamp_ns: u64) {
@@ -138,7 +200,8 @@ impl CycleThread {
                 self.statistics.events_lost.fetch_add(1, Ordering::Relaxed);
             }
         }
-        self.frames.send(stamp_ns, inputs, &self.machine, self.lanes.drain());
+        let (stream, commands) = self.lanes.drain();
+        self.frames.send(stamp_ns, inputs, &self.machine, stream, commands);
     }
 
     fn publish_parameters(&mut self) {
@@ -161,17 +224,32 @@ impl CycleThread {
         }
     }
 
-    fn count(&self, lateness: u64, duration: u64) {
-        self.statistics.cycles.fetch_add(1, Ordering::Relaxed);
-        self.statistics.worst_lateness_ns.fetch_max(lateness, Ordering::Relaxed);
-        self.statistics.worst_duration_ns.fetch_max(duration, Ordering::Relaxed);
-    }
-
     /// Moves the deadline past whole cycles that can no longer be kept, and says how many they are.
     fn skip_missed(&self, deadline: &mut u64, now: u64, cycle_ns: u64) -> u32 {
         let late = now.saturating_sub(*deadline) / cycle_ns;
         *deadline += late * cycle_ns;
         self.statistics.missed.fetch_add(late, Ordering::Relaxed);
         u32::try_from(late).unwrap_or(u32::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_newest_begins_anew_and_sums_and_worsts_do_not() {
+        let statistics = Statistics::default();
+        for (lateness, duration) in [(10, 300), (40, 100)] {
+            statistics.count(lateness, duration);
+        }
+        let first = statistics.take();
+        statistics.count(20, 50);
+        let second = statistics.take();
+        assert_eq!((first.cycles, first.lateness_ns, first.duration_ns), (2, 50, 400));
+        assert_eq!((first.newest_lateness_ns, first.newest_duration_ns), (40, 300));
+        assert_eq!((second.cycles, second.lateness_ns, second.duration_ns), (3, 70, 450));
+        assert_eq!((second.newest_lateness_ns, second.newest_duration_ns), (20, 50));
+        assert_eq!((second.worst_lateness_ns, second.worst_duration_ns), (40, 300));
     }
 }

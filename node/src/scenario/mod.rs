@@ -42,13 +42,14 @@ pub use player::Player;
 pub use report::{Failure, Report};
 pub use simulate::{Options, SimulateError, simulate, simulate_with};
 pub use trace::Trace;
-pub(crate) use verb::{parameter_change, recorded_command, vocabulary_command};
+pub(crate) use verb::{parameter_change, recorded_command, recorded_setpoints, vocabulary_command};
 
 use crate::cell::Cell;
 use crate::document::{Document, Map, Place, Problems, Value};
 use drive::Drive;
 use expect::Expectation;
 use globset::GlobBuilder;
+use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::Signal;
@@ -86,6 +87,12 @@ struct Plan {
 }
 
 impl Scenario {
+    /// Does a step activate or deactivate the machine?
+    pub fn switches_activity(&self) -> bool {
+        let switches = |act: &Act| matches!(act.deed, Deed::Command(Action::Activate | Action::Deactivate));
+        self.0.acts.iter().any(switches)
+    }
+
     /// Reads a file. Files that it names are looked for beside it.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use super::step::{Step, Trigger};
 use super::verb::Deed;
 use super::{Plan, Report, Scenario, moment};
 use crate::scenario::report::Failure;
-use lineshaft_core::command::{Action, Command, Commands, Source};
+use lineshaft_core::command::{Action, Command, Commands, Setpoints, Source};
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
@@ -40,6 +40,8 @@ pub struct Player {
     goals: Vec<u64>,
     stop: Vec<Command>,
     queue: Vec<Command>,
+    /// Setpoints of this cycle.
+    stream: Setpoints,
     pending: Vec<Pending>,
     /// For each act, then for each entry of `drive`.
     outcomes: Vec<Outcome>,
@@ -80,6 +82,7 @@ impl Player {
             goals: vec![0; plan.ids],
             stop: Vec::new(),
             queue: Vec::new(),
+            stream: Setpoints::none(plan.config.axes.len()),
             pending: Vec::new(),
             outcomes: vec![Outcome::default(); plan.acts.len() + plan.drives.len()],
             memory: vec![None; plan.drives.len()],
@@ -99,6 +102,7 @@ impl Player {
         self.cycle = cycle;
         self.stop.clear();
         self.queue.clear();
+        self.stream.clear();
         self.pending.clear();
         if self.next_due <= cycle {
             let scenario = self.scenario.clone();
@@ -134,6 +138,10 @@ impl Player {
                     }
                     continue;
                 }
+                Deed::Stream(setpoints) => {
+                    self.stream.take(setpoints);
+                    continue;
+                }
             };
             let number = self.give(action, sequence, outcome, Some(index));
             if let Some(goal) = act.id.and_then(|id| self.goals.get_mut(id)) {
@@ -144,7 +152,7 @@ impl Player {
 
     fn give(&mut self, action: Action, sequence: &mut u64, outcome: usize, step: Option<usize>) -> u64 {
         *sequence += 1;
-        let is_stop = matches!(action, Action::Halt(_) | Action::QuickStop(_) | Action::Disable(_));
+        let is_stop = action.stops();
         let lane = if is_stop { &mut self.stop } else { &mut self.queue };
         lane.push(Command { sequence: *sequence, source: Source::Scenario, action });
         self.pending.push(Pending { sequence: *sequence, outcome, step, is_answered: false });
@@ -174,7 +182,8 @@ impl Player {
 
     /// The commands of this cycle.
     pub fn commands(&self) -> Commands<'_> {
-        Commands { stop: &self.stop, queue: &self.queue, stream: None }
+        let stream = Some(&self.stream).filter(|stream| !stream.is_empty());
+        Commands { stop: &self.stop, queue: &self.queue, stream }
     }
 
     /// Puts the driven values of this cycle in the place of what was read.

@@ -11,6 +11,7 @@ mod problems;
 mod recorded;
 mod steps;
 mod traces;
+mod trajectory;
 mod verbs;
 mod vocabulary;
 

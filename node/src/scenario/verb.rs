@@ -4,7 +4,7 @@ use super::inject::{self, Injection};
 use super::names::{Names, did_you_mean, nearest};
 use super::verb::amount::{amount, parameter_input};
 use crate::document::{Map, Place, Value};
-use lineshaft_core::command::Action;
+use lineshaft_core::command::{Action, Setpoints, Source};
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{Change, Layer, ROWS, Row};
@@ -15,28 +15,35 @@ mod amount;
 mod probe;
 mod recorded;
 mod saia;
+mod setpoints;
+mod trajectory;
 mod vocabulary;
 mod wf;
 
 pub(crate) use recorded::{parameter_change, recorded_command};
+pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 17] = [
+const VERBS: [&str; 21] = [
     "enable",
     "disable",
     "halt",
     "quick_stop",
     "reset_errors",
+    "activate",
+    "deactivate",
     "move_axis",
     "probe_axis",
     "synchronize",
+    "follow_joint_trajectory",
     "cancel",
     "set_parameters",
     "save_parameters",
     "reset_parameters",
     "delete_parameters",
     "set_memory",
+    "setpoints",
     "saia",
     "wf",
     "inject",
@@ -80,6 +87,8 @@ pub(super) enum Deed {
     /// Ends the goal of the command that carried that id last.
     Cancel(usize),
     Inject(Injection),
+    /// Streamed setpoints: they go beside the commands and are not answered.
+    Stream(Setpoints),
 }
 
 /// Ids of commands: who carries one and who names one.
@@ -169,6 +178,8 @@ impl Reader<'_> {
             "halt" => add(self.axes(arguments, Action::Halt), None),
             "quick_stop" => add(self.axes(arguments, Action::QuickStop), None),
             "reset_errors" => add(self.axes(arguments, Action::ResetErrors), None),
+            "activate" => add(nothing(arguments, Action::Activate), None),
+            "deactivate" => add(nothing(arguments, Action::Deactivate), None),
             "move_axis" => {
                 let (deed, id) = self.move_axis(arguments);
                 add(deed, id);
@@ -181,12 +192,17 @@ impl Reader<'_> {
                 let (deed, id) = self.synchronize(arguments);
                 add(deed, id);
             }
+            "follow_joint_trajectory" => {
+                let (deed, id) = self.follow_joint_trajectory(arguments);
+                add(deed, id);
+            }
             "cancel" => add(self.cancel(arguments), None),
             "set_parameters" => add(self.set_parameters(arguments), None),
             "save_parameters" => add(self.axes(arguments, Action::SaveParameters), None),
             "reset_parameters" => add(self.reset_parameters(arguments), None),
             "delete_parameters" => add(self.axes(arguments, Action::DeleteParameters), None),
             "set_memory" => self.set_memory(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
+            "setpoints" => add(self.setpoints(arguments, Source::Scenario), None),
             "saia" => add(self.saia(arguments), None),
             "wf" => add(self.wf(arguments), None),
             "inject" => add(self.inject(arguments), None),
@@ -201,8 +217,12 @@ impl Reader<'_> {
 
     /// What became of a request: a command, or a refusal that the step expects.
     fn settle(&self, value: &Value<'_>, result: Result<Action, RequestError>) -> Option<Deed> {
+        self.settle_as(value, result.map(Deed::Command))
+    }
+
+    fn settle_as(&self, value: &Value<'_>, result: Result<Deed, RequestError>) -> Option<Deed> {
         let sentence = match result {
-            Ok(action) => return Some(Deed::Command(action)),
+            Ok(deed) => return Some(deed),
             Err(error) => error.to_string(),
         };
         match self.refused {
@@ -411,6 +431,12 @@ impl Reader<'_> {
         }
         inject::read(value, self.names).map(Deed::Inject)
     }
+}
+
+/// A verb without arguments.
+fn nothing(value: &Value<'_>, action: Action) -> Option<Deed> {
+    value.map(value.label())?.finish();
+    Some(Deed::Command(action))
 }
 
 /// The parameter that a name without a parameter may mean.

@@ -30,7 +30,7 @@ fn format_and_cycle() {
 #[test]
 fn ros_options() {
     let text = "ros: {name: Press_2, namespace: /cell_1/left, joint_states_rate: 1, axis_states_rate: 1 kHz,\n  \
-                autostart: false, interfaces: [lo, 192.168.0.1]}\n";
+                autostart: false, robot_description: a/r.urdf, interfaces: [lo, 192.168.0.1]}\n";
     assert_eq!(
         good(&format!("{HEAD}{text}")).ros,
         RosOptions {
@@ -39,6 +39,7 @@ fn ros_options() {
             joint_states_rate: 1.0,
             axis_states_rate: 1000.0,
             autostart: false,
+            robot_description: Some("a/r.urdf".into()),
             interfaces: vec!["lo".into(), "192.168.0.1".into()],
         }
     );
@@ -52,10 +53,12 @@ fn ros_options() {
         ("axis_states_rate: ^1001 Hz", "axis_states_rate is `1001 Hz`; 1 Hz..1000 Hz is allowed"),
         ("axis_states_rate: ^10 ms", "axis_states_rate: `10 ms` is a time; a frequency such as `10 Hz` is expected"),
         ("autostart: ^yes", "autostart is `yes`; true or false is allowed, write `true`"),
+        ("robot_description: ^''", "robot_description is ``; the name of a URDF file is expected"),
         ("interfaces: [^'', lo]", "interfaces[0] is ``; a network interface such as eth0 or its address is allowed"),
         (
             "^domain: 3",
-            "unknown key `domain` in ros, known are name, namespace, joint_states_rate, axis_states_rate, autostart, interfaces",
+            "unknown key `domain` in ros, known are name, namespace, joint_states_rate, axis_states_rate, autostart, \
+             robot_description, interfaces",
         ),
     ] {
         assert_said(&format!("{HEAD}ros: {{{text}}}"), sentence);

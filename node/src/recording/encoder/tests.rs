@@ -97,7 +97,8 @@ fn a_first_cycle_that_is_no_key_tells_all_signals() {
     let mut encoder = Encoder::new(&cell, machine.config(), machine.directory());
     let mut inputs = machine.inputs();
     inputs.cycle = 1;
-    let cycle = Cycle { stamp_ns: 0, inputs: &inputs, commands: &[], events: &[], board: machine.board() };
+    let cycle =
+        Cycle { stamp_ns: 0, inputs: &inputs, commands: &[], stream: None, events: &[], board: machine.board() };
     let signals: Signals = only(&encoder.encode(&cycle), Topic::Signals);
     assert_eq!(signals.index.len(), machine.directory().len());
     let signals: Signals = only(&encoder.encode(&cycle), Topic::Signals);
@@ -114,7 +115,14 @@ fn the_sentence_of_a_request_that_never_was_one_comes_from_its_command() {
         |sequence| Event::new(Severity::Warn, Kind::Refused, Object::Machine, Code::BAD_REQUEST).of_command(sequence);
     let commands = [Command { sequence: 8, source: Source::Ros, action: Action::Refuse("not like this".into()) }];
     let events = [event(8), event(9)];
-    let cycle = Cycle { stamp_ns: 0, inputs: &inputs, commands: &commands, events: &events, board: machine.board() };
+    let cycle = Cycle {
+        stamp_ns: 0,
+        inputs: &inputs,
+        commands: &commands,
+        stream: None,
+        events: &events,
+        board: machine.board(),
+    };
     let encoded = encoder.encode(&cycle);
     let texts: Vec<String> = of::<EventMessage>(&encoded, Topic::Events).into_iter().map(|event| event.text).collect();
     assert_eq!(texts, ["not like this", "machine: the request is not understood"]);

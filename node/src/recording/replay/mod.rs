@@ -24,10 +24,11 @@ use crate::document::Problems;
 use crate::store::read_store;
 use compare::Comparison;
 use group::Group;
-use lineshaft_core::command::{Command, Commands, Source};
+use lineshaft_core::command::{Command, Commands, Setpoints, Source};
 use lineshaft_core::drive::{Inputs, Outputs};
 use lineshaft_core::machine::{Machine, StateError};
-use lineshaft_msgs::msg::{AppliedCommand, CycleInputs};
+use lineshaft_msgs::msg::CycleInputs;
+use verb::Applied;
 
 /// Why a run cannot be replayed.
 #[derive(Debug, thiserror::Error)]
@@ -245,12 +246,14 @@ impl Stage {
     ) -> Result<Option<Difference>, ReplayError> {
         let config = self.machine.config();
         inputs::read_inputs(recorded, config, &mut self.inputs).map_err(|reason| group.bad("CycleInputs", reason))?;
-        let commands = self.commands(group)?;
-        self.machine.cycle(&self.inputs, Commands::queue(&commands), &mut self.outputs);
+        let (commands, stream) = self.commands(group)?;
+        let stream = stream.as_ref();
+        self.machine.cycle(&self.inputs, Commands { stream, ..Commands::queue(&commands) }, &mut self.outputs);
         let cycle = Cycle {
             stamp_ns: group.log_time,
             inputs: &self.inputs,
             commands: &commands,
+            stream,
             events: self.machine.events(),
             board: self.machine.board(),
         };
@@ -258,21 +261,28 @@ impl Stage {
         self.comparison.compare(group, crc, &encoded, self.machine.board(), is_whole)
     }
 
-    /// The commands in the order in which they applied.
-    fn commands(&self, group: &Group) -> Result<Vec<Command>, ReplayError> {
-        let command = |applied: &AppliedCommand| {
+    /// The commands in the order in which they applied, and the setpoints.
+    fn commands(&self, group: &Group) -> Result<(Vec<Command>, Option<Setpoints>), ReplayError> {
+        let (mut commands, mut stream) = (Vec::new(), None::<Setpoints>);
+        for applied in &group.commands {
             let bad = |reason: String| group.bad("AppliedCommand", reason);
             if applied.cycle != self.machine.next_cycle() {
                 let (of, cycle) = (applied.cycle, self.machine.next_cycle());
                 return Err(bad(format!("it is of cycle {of} and stands among those of cycle {cycle}")));
             }
-            let action = verb::from_json(&applied.command, self.machine.config(), self.machine.directory());
             let source = source(&applied.source).ok_or_else(|| {
                 bad(format!("source is `{}`; ros, scenario, cli, machine are allowed", applied.source))
             })?;
-            Ok(Command { sequence: applied.sequence, source, action: action.map_err(bad)? })
-        };
-        group.commands.iter().map(command).collect()
+            let (config, directory) = (self.machine.config(), self.machine.directory());
+            match verb::applied_from_json(&applied.command, source, config, directory).map_err(bad)? {
+                Applied::Command(action) => commands.push(Command { sequence: applied.sequence, source, action }),
+                Applied::Stream(newer) => match &mut stream {
+                    Some(stream) => stream.take(&newer),
+                    None => stream = Some(newer),
+                },
+            }
+        }
+        Ok((commands, stream))
     }
 }
 

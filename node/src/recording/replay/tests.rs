@@ -6,7 +6,7 @@ use crate::recording::bag::BagOptions;
 use crate::recording::test_bags::TestBag;
 use crate::scenario::{Options, Scenario, simulate};
 use lineshaft_msgs::cdr;
-use lineshaft_msgs::msg::Signals;
+use lineshaft_msgs::msg::{AppliedCommand, Signals};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +41,9 @@ fn random_scenario(seconds: u64, seed: u64) -> String {
             11 => format!("quick_stop: {{axes: [{axis}]}}"),
             12 => "reset_errors: {}".to_owned(),
             13 => format!("set_parameters: {{{axis}.max_velocity: {}}}", 1 + numbers.below(3)),
+            14 if numbers.below(2) == 0 => {
+                format!("setpoints: {{axes: {{{axis}: 0.0{millimetres}}}, duration: 70 ms}}")
+            }
             14 => "inject: {fault: {axis: x, code: 4660}}".to_owned(),
             _ => "inject: {encoder_jump: {axis: y, by: 77 inc}}".to_owned(),
         };
@@ -206,4 +209,43 @@ fn messages_that_are_not_cdr_are_left_out_or_refused() {
         let sentence = "/other: the message recorded at 5 ns cannot be read: it is encoded as `json`; only cdr is read";
         assert_eq!(said, sentence, "{kind}");
     }
+}
+
+/// Setpoints are no commands with an answer, but they enter a cycle as well: without one of them the replay differs.
+#[test]
+fn setpoints_replay_and_a_missing_one_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let steps = "- {at: 0, do: {enable: {}}}\n- {at: 1000, every: 50 ms, count: 60, do: {setpoints: {axes: {x: 20 mm/s}}}}\n\
+        - {at: 1010, every: 30 ms, count: 20, do: {setpoints: {axes: {y: -10 mm/s, turret: 0.1}, duration: 20 ms}}}\n\
+        expect:\n- {signal: x.command.velocity, at: 1500, is: 20 mm/s}\n- {event: {kind: warning, source: x}, from: 3950, to: 4060, count: 1}\n";
+    // Files of 2 s: one begins while x streams.
+    record(&format!("scenario: streams\nfor: 5 s\nsteps:\n{steps}"), &path, Some(2_000_000_000));
+    let report = replayed(&path);
+    assert_eq!((report.verdict, report.cycles), (Verdict::Same, 5000));
+    let mut run = Run::open(&path).unwrap();
+    let mut streamed = Vec::new();
+    while let Some(message) = run.next_message().unwrap() {
+        if message.topic.ends_with("/commands") {
+            let applied: AppliedCommand = cdr::decode_with_header(message.data).unwrap();
+            if applied.command.starts_with("{\"setpoints\"") {
+                assert_eq!((applied.sequence, applied.source.as_str()), (0, "scenario"));
+                streamed.push((applied.cycle, applied.command));
+            }
+        }
+    }
+    // Where both steps act, in four cycles from 1100 on, all axes stand in one message.
+    assert_eq!(streamed.len(), 60 + 20 - 4, "{streamed:?}");
+    let both = &streamed.iter().find(|(cycle, _)| *cycle == 1100).unwrap().1;
+    assert!(
+        both.contains("\"x\":\"") && both.contains("\"y\":{\"velocity\":\"-") && both.contains("duration"),
+        "{both}"
+    );
+    let without = edited(&path, |group, cycle| {
+        if cycle == 1000 {
+            group.commands.clear();
+        }
+    });
+    let Some(Verdict::Differs(difference)) = without.unwrap() else { panic!("it is not missed") };
+    assert_eq!(difference.cycle, 1000);
 }

@@ -6,7 +6,7 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Source, SyncMode,
+    BufferMode, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoint, SyncMode,
     Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
@@ -321,8 +321,8 @@ fn what_is_wrong_is_one_sentence() {
     }
     let deep = "[".repeat(100_000);
     assert_eq!(desk.read(&deep).unwrap_err(), "lists and mappings are nested deeper than 64 levels");
-    let wide = format!("{{\"halt\":{{\"axes\":[{}\"x\"]}}}}", "\"x\",".repeat(300_000));
-    assert_eq!(desk.read(&wide).unwrap_err(), "the file has more than 250000 values");
+    let wide = format!("{{\"halt\":{{\"axes\":[{}\"x\"]}}}}", "\"x\",".repeat(2_100_000));
+    assert_eq!(desk.read(&wide).unwrap_err(), "the file has more than 2000000 values");
 }
 
 #[test]
@@ -376,4 +376,97 @@ fn a_saia_verb_is_written_with_its_registers_and_flags_in_one_order() {
         r#"{"saia":{"axis":"turret","set":{"kprop":-7,"mcfac":1.33333,"mcw":1051},"commands":["fldda","fstart"]}}"#,
     );
     desk.is(&Action::Saia(Box::default()), r#"{"saia":{"axis":"x"}}"#);
+}
+
+#[test]
+fn a_trajectory_tells_its_points_by_axis_and_what_is_left_out_is_none() {
+    use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
+    let knot = |position, velocity| Knot { position, velocity, acceleration: None };
+    let none = Tolerance::default();
+    let path = Tolerance { position: Some(1000.0), ..none };
+    let goal = Tolerance { position: Some(0.1), velocity: Some(2.5), acceleration: Some(3e20) };
+    let quarter = Position::whole(-1) + Position::from_f64(0.25);
+    let x = Track {
+        axis: 0,
+        knots: Box::new([knot(quarter, Some(7.5)), knot(Position::whole(9), None)]),
+        path,
+        goal: none,
+    };
+    let odd = Track {
+        axis: 2,
+        knots: Box::new([knot(Position::ZERO, Some(0.0)), knot(Position::whole(1), None)]),
+        path: none,
+        goal,
+    };
+    let run = Trajectory::new(-5, Box::new([10, 20]), Box::new([odd, x]), Some(30)).expect("a sound one");
+    Desk::new().is(
+        &Action::Trajectory(run.into()),
+        r#"{"follow_joint_trajectory":{"id":"17","joints":["odd","x"],"start":"-5 ns","points":[{"time":"10 ns","positions":["0 inc","-0.75 inc"],"velocities":["0 inc/s","7.5 inc/s"]},{"time":"20 ns","positions":["1 inc","9 inc"]}],"path_tolerance":{"x":{"position":"1000 inc"}},"goal_tolerance":{"odd":{"position":"0.1 inc","velocity":"2.5 inc/s","acceleration":"3e20 inc/s^2"}},"goal_time":"30 ns"}}"#,
+    );
+}
+
+/// What no door makes does not read back: one axis with a velocity where the other has none.
+#[test]
+fn a_trajectory_with_gaps_is_refused() {
+    use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
+    let track = |axis, velocity| Track {
+        axis,
+        knots: Box::new([Knot { position: Position::ZERO, velocity, acceleration: None }]),
+        path: Tolerance::default(),
+        goal: Tolerance::default(),
+    };
+    let run = Trajectory::new(0, Box::new([10]), Box::new([track(0, None), track(1, Some(0.0))]), None).expect("sound");
+    let desk = Desk::new();
+    assert!(desk.read(&desk.write(&Action::Trajectory(run.into()))).is_err());
+}
+
+/// The longest trajectory is longer than a file may be, and reads back.
+#[test]
+fn the_longest_trajectory_reads_back() {
+    use lineshaft_core::trajectory::{Knot, MAX_KNOTS, Tolerance, Track, Trajectory};
+    let position = Position::whole((1 << 61) + 1) + Position::from_f64(1.0 / 3.0);
+    let rate = Some(-1.2345678901234567e-10);
+    let mut knots = vec![Knot { position, velocity: rate, acceleration: rate }; MAX_KNOTS];
+    knots[MAX_KNOTS - 1] = Knot { position: Position::whole(1 << 61), velocity: Some(0.0), acceleration: rate };
+    let times = (0..MAX_KNOTS as u64).map(|place| (1 << 60) + place).collect();
+    let track = Track { axis: 4, knots: knots.into(), path: Tolerance::default(), goal: Tolerance::default() };
+    let run = Action::Trajectory(Trajectory::new(0, times, Box::new([track]), None).expect("a sound one").into());
+    let desk = Desk::new();
+    let json = desk.write(&run);
+    assert!(json.len() > crate::document::MAX_BYTES, "{} bytes", json.len());
+    assert!(desk.read(&json).as_ref() == Ok(&run));
+}
+
+fn stream(axes: [Option<(f64, Option<u64>)>; 5]) -> Setpoints {
+    let axes = axes.map(|axis| axis.map(|(velocity, duration)| Setpoint { velocity, duration })).to_vec();
+    Setpoints { source: Source::Ros, axes }
+}
+
+#[test]
+fn setpoints_are_one_verb_by_axis_in_increments() {
+    let desk = Desk::new();
+    let read = |json: &str| applied_from_json(json, Source::Ros, &desk.config, &desk.directory);
+    for (set, json) in [
+        (stream([Some((-12.5, None)), None, None, None, None]), r#"{"setpoints":{"axes":{"x":"-12.5 inc/s"}}}"#),
+        (
+            stream([Some((0.0, None)), None, Some((1e20, Some(250_000_000))), None, None]),
+            r#"{"setpoints":{"axes":{"x":"0 inc/s","odd":{"velocity":"1e20 inc/s","duration":"250000000 ns"}}}}"#,
+        ),
+    ] {
+        assert_eq!(setpoints_to_json(&set, &desk.config), json);
+        assert_eq!(read(json), Ok(Applied::Stream(set)));
+        assert_eq!(desk.read(json), Err("setpoints are no command".to_owned()));
+    }
+    for (json, sentence) in [
+        (r#"{"setpoints":{"axes":{"w":"1 inc/s"}}}"#, "no axis is called `w`"),
+        (r#"{"setpoints":{"axes":{}}}"#, "no axis is named"),
+        (r#"{"setpoints":{}}"#, "axes"),
+        (r#"{"setpoints":{"axes":{"x":"1 inc"}}}"#, "velocity of x"),
+        (r#"{"setpoints":{"axes":{"x":{"velocity":"1 inc/s","duration":"-1 ns"}}}}"#, "duration"),
+        (r#"{"setpoints":{"axes":{"x":{"duration":"1 ns"}}}}"#, "velocity"),
+        (r#"{"setpoints":{"axes":{"x":"1 inc/s"},"speed":1}}"#, "speed"),
+    ] {
+        let refused = read(json).unwrap_err();
+        assert!(refused.contains(sentence), "{json}: {refused}");
+    }
 }

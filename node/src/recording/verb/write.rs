@@ -1,9 +1,9 @@
 //! From a command to its text.
 
-use super::{saia, wf};
+use super::{saia, trajectory, wf};
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, SyncMode,
-    Synchronize as Coupling,
+    Action, BufferMode, Command, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoint, Setpoints,
+    SyncMode, Synchronize as Coupling,
 };
 use lineshaft_core::config::{MachineConfig, MemoryKind};
 use lineshaft_core::object::{AxisSet, Leader, Object};
@@ -18,11 +18,27 @@ const NAMELESS: &str = "?";
 
 /// The verb of a command, as JSON.
 pub(super) fn verb(command: &Command, config: &MachineConfig) -> String {
+    text(&verb_of(command, config))
+}
+
+/// Setpoints, as JSON.
+pub(super) fn setpoints(set: &Setpoints, config: &MachineConfig) -> String {
+    let axes = (0..).zip(&set.axes).filter_map(|(index, setpoint)| {
+        let Setpoint { velocity, duration } = (*setpoint)?;
+        let velocity = rate(velocity, 1);
+        let value = match duration {
+            None => Streamed::Velocity(velocity),
+            Some(ns) => Streamed::For { velocity, duration: format!("{ns} ns") },
+        };
+        Some((axis(index, config).to_owned(), value))
+    });
+    text(&Verb::Setpoints { axes: StreamedAxes(axes.collect()) })
+}
+
+fn text(verb: &Verb<'_>) -> String {
     let mut bytes = Vec::new();
     let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Printable);
-    verb_of(command, config)
-        .serialize(&mut serializer)
-        .expect("names, texts and numbers have a JSON form, and a Vec takes all bytes");
+    verb.serialize(&mut serializer).expect("names, texts and numbers have a JSON form, and a Vec takes all bytes");
     String::from_utf8(bytes).expect("the serializer writes UTF-8")
 }
 
@@ -35,9 +51,12 @@ enum Verb<'a> {
     Halt(Axes<'a>),
     QuickStop(Axes<'a>),
     ResetErrors(Axes<'a>),
+    Activate(Nothing),
+    Deactivate(Nothing),
     MoveAxis(MoveAxis<'a>),
     ProbeAxis(ProbeAxis<'a>),
     Synchronize(Synchronize<'a>),
+    FollowJointTrajectory(trajectory::FollowJointTrajectory<'a>),
     Cancel {
         id: String,
     },
@@ -53,6 +72,9 @@ enum Verb<'a> {
         power_cycle: Nothing,
     },
     SetMemory(Entries),
+    Setpoints {
+        axes: StreamedAxes,
+    },
     Saia(saia::Saia<'a>),
     Wf(wf::Wf<'a>),
     Refuse {
@@ -62,6 +84,22 @@ enum Verb<'a> {
         code: u32,
         number: i64,
     },
+}
+
+/// By their names, in file order.
+struct StreamedAxes(Vec<(String, Streamed)>);
+
+impl Serialize for StreamedAxes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Streamed {
+    Velocity(String),
+    For { velocity: String, duration: String },
 }
 
 /// `{}`
@@ -152,11 +190,14 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
     let axes = |set: &AxisSet| Axes { axes: axes(*set, config) };
     let id = command.sequence.to_string();
     match &command.action {
+        Action::Trajectory(run) => Verb::FollowJointTrajectory(trajectory::follow(id, run, config)),
         Action::Enable(set) => Verb::Enable(axes(set)),
         Action::Disable(set) => Verb::Disable(axes(set)),
         Action::Halt(set) => Verb::Halt(axes(set)),
         Action::QuickStop(set) => Verb::QuickStop(axes(set)),
         Action::ResetErrors(set) => Verb::ResetErrors(axes(set)),
+        Action::Activate => Verb::Activate(Nothing {}),
+        Action::Deactivate => Verb::Deactivate(Nothing {}),
         Action::Move(request) => Verb::MoveAxis(move_axis(id, request, config)),
         Action::Probe(request) => Verb::ProbeAxis(probe_axis(id, request, config)),
         Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
@@ -179,7 +220,7 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
     }
 }
 
-fn axis(index: u16, config: &MachineConfig) -> &str {
+pub(super) fn axis(index: u16, config: &MachineConfig) -> &str {
     config.axes.get(usize::from(index)).map_or(NAMELESS, |axis| &axis.name)
 }
 

@@ -88,7 +88,7 @@ impl Recorder {
         RecordResponse { success: true, message, ..self.status() }
     }
 
-    fn refused(&self, message: String) -> RecordResponse {
+    pub(super) fn refused(&self, message: String) -> RecordResponse {
         RecordResponse { success: false, message, ..self.status() }
     }
 

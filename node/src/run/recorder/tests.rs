@@ -29,7 +29,7 @@ impl Rig {
         let (sender, receiver, _) = frames(&machine);
         let (config, directory) = (machine.config().clone(), machine.directory().clone());
         let encoder = Encoder::new(&cell, &config, &directory);
-        let ((commander, lanes), (ask, asked)) = (lanes(), channel());
+        let ((commander, lanes), (ask, asked)) = (lanes(config.axes.len()), channel());
         let handle =
             Arc::new(Handle::new(config, directory, commander, ask.clone(), Default::default(), Default::default()));
         let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));
@@ -52,7 +52,7 @@ impl Rig {
             inputs.cycle = self.machine.next_cycle();
             self.sender.before(&self.machine);
             self.machine.cycle(&inputs, Commands::default(), &mut outputs);
-            self.sender.send(inputs.cycle * 1_000_000, &inputs, &self.machine, std::iter::empty());
+            self.sender.send(inputs.cycle * 1_000_000, &inputs, &self.machine, None, std::iter::empty());
         }
     }
 
@@ -68,7 +68,7 @@ impl Rig {
             Action::Note { code, number } => (code, number),
             other => panic!("no note: {other:?}"),
         };
-        self.lanes.drain().map(note).collect()
+        self.lanes.drain().1.map(note).collect()
     }
 
     fn asks(&mut self, request: RecordRequest) -> oneshot::Receiver<RecordResponse> {

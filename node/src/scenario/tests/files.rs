@@ -33,6 +33,11 @@ fn sync_passes() {
 }
 
 #[test]
+fn trajectory_passes() {
+    passes_on_the_demo_cell("trajectory.yaml");
+}
+
+#[test]
 fn wf_closed_loop_passes() {
     passes_on("wf_closed.yaml", "wf/closed_loop.yaml");
 }
@@ -45,5 +50,5 @@ fn no_scenario_is_forgotten_here() {
     // The folders are those of the vocabularies, which tests/vocabularies.rs plays.
     names.retain(|name| name.ends_with(".yaml"));
     names.sort();
-    assert_eq!(names, ["first_move.yaml", "motion.yaml", "stop.yaml", "sync.yaml"]);
+    assert_eq!(names, ["first_move.yaml", "motion.yaml", "stop.yaml", "sync.yaml", "trajectory.yaml"]);
 }

@@ -1,10 +1,10 @@
 //! Commands as a recording keeps them do the same as the steps that gave them.
 
 use super::*;
-use crate::recording::verb::to_json;
+use crate::recording::verb::{setpoints_to_json, to_json};
 use crate::scenario::Trace;
 use lineshaft_core::code::Code;
-use lineshaft_core::command::{Action, Command};
+use lineshaft_core::command::{Action, Command, Setpoints};
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::event::{Event, Kind};
 use std::collections::BTreeSet;
@@ -14,6 +14,7 @@ use std::fmt::Write;
 struct Played {
     inputs: Vec<Inputs>,
     commands: Vec<Vec<Command>>,
+    streams: Vec<Option<Setpoints>>,
     events: Vec<Event>,
     csv: String,
     report: Report,
@@ -29,7 +30,7 @@ fn play(cell: &Cell, scenario: &Scenario, recorded: Option<&[Inputs]>) -> Played
     let mut trace = Trace::new(Vec::new(), &everything, machine.directory()).unwrap();
     let mut player = Player::new(scenario);
     let (mut inputs, mut outputs, mut sequence) = (machine.inputs(), machine.outputs(), 0);
-    let (mut all_inputs, mut commands, mut events) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut all_inputs, mut commands, mut streams, mut events) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for cycle in 0..scenario.cycles() {
         player.before(cycle, &mut sequence, Some(&mut plant).filter(|_| recorded.is_none()));
         match recorded {
@@ -49,9 +50,10 @@ fn play(cell: &Cell, scenario: &Scenario, recorded: Option<&[Inputs]>) -> Played
         let mut given: Vec<Command> = player.commands().iter().cloned().collect();
         given.sort_by_key(|command| command.sequence);
         commands.push(given);
+        streams.push(player.commands().stream.cloned());
     }
     let csv = String::from_utf8(trace.finish().unwrap()).unwrap();
-    Played { inputs: all_inputs, commands, events, csv, report: player.finish() }
+    Played { inputs: all_inputs, commands, streams, events, csv, report: player.finish() }
 }
 
 /// A scenario of nothing but the recorded commands, each in its cycle.
@@ -73,10 +75,17 @@ fn generated(played: &Played, cell: &Cell) -> String {
         };
         writeln!(text, "- {{at: {cycle}, do: {verb}{refused}}}").unwrap();
         match command.action {
-            Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) => carried.insert(command.sequence),
+            Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Trajectory(_) => {
+                carried.insert(command.sequence)
+            }
             Action::Cancel { goal } => named.insert(goal),
             _ => false,
         };
+    }
+    for (cycle, set) in played.streams.iter().enumerate() {
+        if let Some(set) = set {
+            writeln!(text, "- {{at: {cycle}, do: {}}}", setpoints_to_json(set, &cell.machine)).unwrap();
+        }
     }
     // An id that no command had carried when it was cancelled: a step that never fires carries it.
     for goal in named.difference(&carried) {

@@ -379,3 +379,27 @@ fn a_saia_verb_tells_what_it_does_not_know_and_what_is_known() {
     assert_eq!(bad("{saia: {axis: x, commands: ^fldda}}"), "commands is `fldda`; a list is expected");
     assert_eq!(bad("{saia: {axis: x, ^command: [fldda]}}"), "unknown key `command` in saia, did you mean `commands`?");
 }
+
+#[test]
+fn setpoints_move_an_axis_for_as_long_as_they_come_or_were_asked_for() {
+    // 20 mm/s after 40 ms at 500 mm/s^2. 100 ms after the last one of cycle 250 the axis stops.
+    passes(&enabled(
+        "every: 50, count: 5, do: {setpoints: {axes: {x: 20 mm/s, turret: {velocity: 10 deg/s, duration: 60 ms}}}}}\nexpect:\n\
+         - {signal: x.reference, since: go, at: 0, is: STREAM}\n\
+         - {signal: x.command.velocity, since: go, from: 40, to: 300, is: 20 mm/s}\n\
+         - {signal: x.command.velocity, since: go, at: 302, not: 20 mm/s}\n\
+         - {signal: x.state, since: go, at: 400, is: STANDSTILL}\n\
+         - {signal: turret.command.velocity, since: go, from: 60, to: 260, is: 10 deg/s}\n\
+         - {signal: turret.state, since: go, at: 330, is: STANDSTILL}\n",
+    ));
+    let bad = |arguments: &str| problems(&enabled(&format!("do: {{setpoints: {arguments}}}}}")));
+    for (arguments, sentence) in [
+        ("{axes: {w: 1 mm/s}}", "no axis is called `w`; there are line, x, turret"),
+        ("{axes: {}}", "no axis is named; one or more, each with a velocity, are expected"),
+        ("{axes: {x: 1 mm}}", "velocity of x"),
+        ("{axes: {x: 1 mm/s}, duration: 1}", "duration"),
+        ("{}", "axes"),
+    ] {
+        assert!(bad(arguments).contains(sentence), "{}", bad(arguments));
+    }
+}

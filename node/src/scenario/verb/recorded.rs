@@ -58,6 +58,10 @@ pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, direct
             value.refuse("inject is no command of the machine", None);
             None
         }
+        Deed::Stream(_) => {
+            value.refuse("setpoints are no command of the machine", None);
+            None
+        }
         // Without an expectation a refused request is a problem, which stands already.
         Deed::Refused(_) => None,
     }

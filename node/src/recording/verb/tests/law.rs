@@ -2,7 +2,10 @@
 
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
-use lineshaft_core::request::{Amount, MoveRequest, ProbeRequest, SynchronizeRequest, Units};
+use lineshaft_core::request::{
+    Amount, MoveRequest, PointRequest, ProbeRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest,
+    TrajectoryRequest, Units,
+};
 use lineshaft_core::unit::Quantity;
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
 use proptest::prelude::*;
@@ -117,6 +120,57 @@ fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
     )
 }
 
+/// A trajectory of some axes; its points carry velocities and accelerations, or not.
+fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
+    let handy = || {
+        prop_oneof![
+            8 => (-1e3..1e3_f64).prop_map(Amount::Number),
+            8 => "-?[0-9]{1,3}\\.[0-9]{1,12} inc".prop_map(|text| {
+                Amount::Quantity(Quantity::parse(&text, &DESK.config.axes[0].scale.dimensions(0)).expect("a quantity"))
+            }),
+            1 => number().prop_map(Amount::Number),
+        ]
+    };
+    let rates =
+        || prop::collection::vec(prop_oneof![Just(Amount::default()), (-1e3..1e3_f64).prop_map(Amount::Number)], 5);
+    let point = move || (prop::collection::vec(handy(), 5), prop::option::of(rates()), prop::option::of(rates()));
+    let some = || prop::option::of((0.0..1e3_f64).prop_map(Amount::Number));
+    let tolerance = move || {
+        (some(), some(), some()).prop_map(|(position, velocity, acceleration)| ToleranceRequest {
+            position,
+            velocity,
+            acceleration,
+        })
+    };
+    let tolerances = move || prop::option::of(prop::collection::vec(tolerance(), 5));
+    let axes = prop::sample::subsequence(AXES.to_vec(), 1..=5).prop_shuffle();
+    let times = (0..1_u64 << 40, 1..1_u64 << 40, any::<i64>(), prop::option::of(0..1_u64 << 62));
+    let points = prop::collection::vec(point(), 1..5);
+    (axes, units(), times, points, tolerances(), tolerances()).prop_map(
+        |(axes, units, (first, step, start_ns, goal_time_ns), points, path, goal)| {
+            let (count, last) = (axes.len(), points.len() - 1);
+            let of = |list: Option<Vec<Amount>>| list.map_or(Vec::new(), |list| list[..count].to_vec());
+            let points =
+                points.into_iter().enumerate().map(|(place, (positions, velocities, accelerations))| PointRequest {
+                    time_ns: first + place as u64 * step,
+                    positions: positions[..count].to_vec(),
+                    velocities: of(velocities.filter(|_| place < last)),
+                    accelerations: of(accelerations),
+                });
+            let tolerances = |list: Option<Vec<_>>| list.map_or(Vec::new(), |list| list[..count].to_vec());
+            TrajectoryRequest {
+                axes: axes.iter().map(|axis| (*axis).to_owned()).collect(),
+                units,
+                start_ns,
+                points: points.collect(),
+                path: tolerances(path),
+                goal: tolerances(goal),
+                goal_time_ns,
+            }
+        },
+    )
+}
+
 fn input() -> impl Strategy<Value = ParameterInput> {
     let time = (-99_999_i64..i64::MAX, prop::sample::select(vec!["ns", "us", "ms", "s", "min"]))
         .prop_map(|(number, unit)| Quantity::parse(&format!("{number} {unit}"), &[]));
@@ -175,6 +229,8 @@ fn plain() -> impl Strategy<Value = Action> {
         axes().prop_map(Action::Halt),
         axes().prop_map(Action::QuickStop),
         axes().prop_map(Action::ResetErrors),
+        Just(Action::Activate),
+        Just(Action::Deactivate),
         axes().prop_map(Action::SaveParameters),
         (axes(), prop::sample::select(&[Layer::User, Layer::Init][..]))
             .prop_map(|(axes, layer)| Action::ResetParameters { axes, layer }),
@@ -223,6 +279,8 @@ fn enough_requests_become_commands_for_the_laws_to_mean_something() {
     let config = &DESK.config;
     let moves = share(move_request(), |request| config.resolve_move(&request).is_ok());
     let couplings = share(synchronize_request(), |request| config.resolve_synchronize(&request).is_ok());
+    let trajectories = share(trajectory_request(), |request| config.resolve_trajectory(&request).is_ok());
+    assert!(trajectories > 0.2, "{trajectories}");
     let rows = (axis(), prop::sample::select(ROWS), input());
     let changes =
         share(rows, |(axis, row, input)| config.resolve_parameter(&format!("{axis}.{}", row.key), &input).is_ok());
@@ -280,6 +338,13 @@ proptest! {
     fn every_coupling_that_a_request_makes(request in synchronize_request()) {
         if let Ok(action) = DESK.config.resolve_synchronize(&request) {
             comes_back(&Action::Synchronize(action))?;
+        }
+    }
+
+    #[test]
+    fn every_trajectory_that_a_request_makes(request in trajectory_request()) {
+        if let Ok(trajectory) = DESK.config.resolve_trajectory(&request) {
+            comes_back(&Action::Trajectory(trajectory.into()))?;
         }
     }
 
@@ -348,6 +413,25 @@ proptest! {
     fn no_text_is_more_than_one_sentence(text in prop_oneof![any::<String>(), "[{}\\[\\]\":, a-z0-9_]{0,40}", verb()]) {
         if let Err(sentence) = DESK.read(&text) {
             prop_assert!(!sentence.contains('\n') && sentence.len() < 2000, "{}", sentence);
+        }
+    }
+}
+
+proptest! {
+    /// Of setpoints as of commands: what a door makes reads back bit for bit.
+    #[test]
+    fn setpoints_come_back(
+        given in prop::collection::vec((0..5_usize, number(), prop::option::of(any::<u64>())), 1..5),
+        units in prop::sample::select(vec![Units::Si, Units::AxisUnit, Units::Increments]),
+    ) {
+        let of = |&(axis, velocity, duration): &(usize, f64, Option<u64>)| {
+            SetpointRequest { axis: AXES[axis].to_owned(), velocity: Amount::Number(velocity), duration }
+        };
+        let requests: Vec<_> = given.iter().map(of).collect();
+        if let Ok(set) = DESK.config.resolve_setpoints(Source::Ros, units, &requests) {
+            let json = setpoints_to_json(&set, &DESK.config);
+            let read = applied_from_json(&json, Source::Ros, &DESK.config, &DESK.directory);
+            prop_assert_eq!(format!("{:?}", read), format!("{:?}", Ok::<_, String>(Applied::Stream(set))), "{}", json);
         }
     }
 }

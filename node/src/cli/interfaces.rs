@@ -1,0 +1,22 @@
+//! `lineshaft interfaces`.
+
+use super::params::width;
+use super::{Exit, InterfacesArgs, say_all};
+use crate::interfaces::{details, listing, markdown};
+
+pub(super) fn interfaces(args: &InterfacesArgs) -> Exit {
+    let text = match &args.name {
+        _ if args.markdown => markdown(),
+        None => listing(width()),
+        Some(name) => match details(name, width()) {
+            Some(text) => text,
+            None => {
+                let sentence = format!("no topic, service, action or type `{name}`; `lineshaft interfaces` lists all");
+                super::complain(&sentence);
+                return Exit::Usage;
+            }
+        },
+    };
+    say_all(&text);
+    Exit::Good
+}

@@ -1,0 +1,104 @@
+//! The log: to standard error, and to `/rosout` while there is a node.
+
+use lineshaft_ros::layer::{Loggers, Rosout, Severity, Source, TOLD, log_filter};
+use lineshaft_ros::surface::lines::LineLimit;
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::sync::{Arc, PoisonError, RwLock};
+use tracing::field::{Field, Visit};
+use tracing::{Event, Level, Subscriber};
+use tracing_subscriber::layer::{Context, SubscriberExt};
+use tracing_subscriber::util::SubscriberInitExt;
+use tracing_subscriber::{EnvFilter, Layer, Registry, reload};
+
+/// The log of the process.
+pub(super) struct Logging {
+    filter: reload::Handle<EnvFilter, Registry>,
+    /// What `RUST_LOG` says.
+    base: Option<String>,
+    rosout: Arc<Lines>,
+}
+
+impl Logging {
+    /// Logs to standard error, unless it should not; `RUST_LOG` decides what, else all that a person would want to know.
+    pub(super) fn start(to_stderr: bool) -> Self {
+        let base = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty() && EnvFilter::try_new(text).is_ok());
+        let filter = base.clone().unwrap_or_else(|| log_filter("info"));
+        let (filter, handle) = reload::Layer::new(EnvFilter::new(filter));
+        let lines = tracing_subscriber::fmt::layer().with_target(false).with_writer(std::io::stderr);
+        // With nobody left to read it, a line is lost; the machine goes on.
+        let lines = lines.with_ansi(std::io::stderr().is_terminal()).log_internal_errors(false);
+        let rosout = Arc::new(Lines::default());
+        let layers = tracing_subscriber::registry().with(filter).with(to_stderr.then_some(lines));
+        // A second start within one process keeps the first.
+        let _ = layers.with(ToRosout(Arc::clone(&rosout))).try_init();
+        Self { filter: handle, base, rosout }
+    }
+
+    /// The loggers beside the node's, whose levels choose the lines.
+    pub(super) fn loggers(&self, node: String) -> Loggers {
+        let handle = self.filter.clone();
+        let apply = move |filter: &str| {
+            let filter = EnvFilter::try_new(filter).map_err(|error| error.to_string())?;
+            // Where another log was there first, that one keeps its own levels.
+            let _ = handle.reload(filter);
+            Ok(())
+        };
+        Loggers::new(node, self.base.clone(), apply)
+    }
+
+    /// From here on lines go to a node's `/rosout`, too; nothing: no longer.
+    pub(super) fn show_on(&self, rosout: Option<Rosout>) {
+        *self.rosout.rosout.write().unwrap_or_else(PoisonError::into_inner) = rosout;
+    }
+}
+
+#[derive(Default)]
+struct Lines {
+    rosout: RwLock<Option<Rosout>>,
+    /// Errors find room beside any number of other lines.
+    errors: LineLimit,
+    others: LineLimit,
+}
+
+/// Passes lines of the program itself on: not those of the DDS library, which would tell of their own sending, and not what the
+/// surface sends itself.
+struct ToRosout(Arc<Lines>);
+
+impl<S: Subscriber> Layer<S> for ToRosout {
+    fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
+        let about = event.metadata();
+        let (severity, limit) = match *about.level() {
+            Level::ERROR => (Severity::Error, &self.0.errors),
+            Level::WARN => (Severity::Warn, &self.0.others),
+            Level::INFO => (Severity::Info, &self.0.others),
+            _ => return,
+        };
+        if !about.target().starts_with("lineshaft") || about.target() == TOLD {
+            return;
+        }
+        let rosout = self.0.rosout.read().unwrap_or_else(PoisonError::into_inner);
+        let Some(rosout) = rosout.as_ref() else { return };
+        let mut text = Text::default();
+        event.record(&mut text);
+        limit.say(|more| {
+            let file = about.file().unwrap_or_default().to_owned();
+            let function = about.module_path().unwrap_or_default().to_owned();
+            rosout.log(severity, text.0 + more, Source { file, function, line: about.line().unwrap_or_default() });
+        });
+    }
+}
+
+/// The message of a line, and its fields behind it.
+#[derive(Default)]
+struct Text(String);
+
+impl Visit for Text {
+    fn record_debug(&mut self, field: &Field, value: &dyn std::fmt::Debug) {
+        // Writing to a string does not fail.
+        let _ = match field.name() {
+            "message" => write!(self.0, "{value:?}"),
+            name => write!(self.0, " {name}={value:?}"),
+        };
+    }
+}

@@ -1,0 +1,88 @@
+//! What `lineshaft interfaces` prints.
+
+use super::{kind_text, qos_text, short};
+use crate::parameters::wrap;
+use lineshaft_msgs::INTERFACES;
+use lineshaft_msgs::about::{Interface, Section};
+use lineshaft_ros::surface::table::{Kind, ROWS, Row};
+use std::fmt::Write;
+
+/// Before what is said about something.
+const INDENT: usize = 8;
+/// However narrow the terminal is.
+const NARROWEST: usize = 30;
+
+/// Every topic, service and action, `width` columns wide.
+pub fn listing(width: usize) -> String {
+    let name = ROWS.iter().map(|row| row.name.len()).max().unwrap_or(0);
+    ROWS.iter().map(|row| endpoint(row, name, width)).collect()
+}
+
+fn endpoint(row: &Row, name: usize, width: usize) -> String {
+    let mut text = format!("{:INDENT$}{:name$}  {}\n", kind_text(row.kind), row.name, short(row.interface));
+    if row.kind == Kind::Publisher || row.kind == Kind::Subscription {
+        lines(&mut text, &qos_text(row.qos), INDENT, width);
+    }
+    lines(&mut text, &row.text.replace('`', ""), INDENT, width);
+    text
+}
+
+/// A type of lineshaft_msgs with all that its file says, or the type of a topic, a service or an action; `None`: there is none
+/// of that name.
+pub fn details(name: &str, width: usize) -> Option<String> {
+    let row = ROWS.iter().find(|row| is_called(row, name));
+    let wanted = row.map_or(name, |row| row.interface);
+    let last = wanted.rsplit('/').next().unwrap_or(wanted);
+    let named = |interface: &&Interface| {
+        let own = interface.name.rsplit('/').next().unwrap_or(interface.name);
+        interface.name == wanted
+            || short(interface.name) == wanted
+            || !wanted.contains('/') && own.eq_ignore_ascii_case(last)
+    };
+    let found = INTERFACES.iter().find(named);
+    if row.is_none() && found.is_none() {
+        return None;
+    }
+    let mut text = row.map_or(String::new(), |row| endpoint(row, row.name.len(), width) + "\n");
+    match found {
+        Some(found) => {
+            let _ = writeln!(text, "{}", found.name);
+            found.sections.iter().for_each(|part| section(&mut text, part, width));
+        }
+        // Of another package: its own documentation tells.
+        None => {
+            let _ = writeln!(text, "{wanted} belongs to another package: `ros2 interface show {wanted}`");
+        }
+    }
+    Some(text)
+}
+
+/// Is it the row's name: with `~/`, without, or as it is in the graph?
+fn is_called(row: &Row, name: &str) -> bool {
+    let own = row.name.trim_start_matches("~/").trim_start_matches('/');
+    let before = name.strip_suffix(own);
+    before.is_some_and(|before| before.is_empty() || before == "~/" || before.starts_with('/') && before.ends_with('/'))
+}
+
+fn section(text: &mut String, section: &Section, width: usize) {
+    if !section.name.is_empty() {
+        let _ = writeln!(text, "\n{}", section.name);
+    }
+    for paragraph in section.doc.split("\n\n").filter(|paragraph| !paragraph.is_empty()) {
+        lines(text, paragraph, 2, width);
+    }
+    for constant in section.constants {
+        let _ = writeln!(text, "  {} {}={}", constant.kind, constant.name, constant.value);
+        lines(text, constant.doc, INDENT, width);
+    }
+    for field in section.fields {
+        let _ = writeln!(text, "  {} {}", field.kind, field.name);
+        lines(text, field.doc, INDENT, width);
+    }
+}
+
+fn lines(text: &mut String, what: &str, indent: usize, width: usize) {
+    for line in wrap(what, width.saturating_sub(indent).max(NARROWEST)) {
+        let _ = writeln!(text, "{:indent$}{line}", "");
+    }
+}

@@ -1,0 +1,113 @@
+//! The interfaces as they are shown.
+
+use super::{details, listing, markdown, qos_text, renewed};
+use lineshaft_msgs::INTERFACES;
+use lineshaft_ros::layer::Qos;
+use lineshaft_ros::surface::table::{PARAMETERS, ROWS};
+use std::path::Path;
+
+/// The blocks of docs/interfaces.md are what the program makes. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib interfaces`
+/// writes them anew.
+#[test]
+fn the_page_in_docs_holds_what_the_program_makes() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/interfaces.md");
+    let page = std::fs::read_to_string(&path).unwrap();
+    let made = renewed(&page).unwrap();
+    if std::env::var_os("LINESHAFT_RENEW").is_some() {
+        std::fs::write(&path, &made).unwrap();
+        return;
+    }
+    let different = page.lines().zip(made.lines()).find(|(there, made)| there != made);
+    let hint = "write it anew: LINESHAFT_RENEW=1 cargo test -p lineshaft --lib interfaces";
+    assert_eq!(different, None, "{hint}");
+    assert!(page == made, "{hint}");
+}
+
+#[test]
+fn what_stands_around_the_blocks_stays() {
+    let page = "# Title\n\n<!-- begin endpoints: by the program -->\nold\n<!-- end endpoints -->\n\nprose\n\
+                <!-- begin parameters -->\n<!-- end parameters -->\n<!-- begin types -->\n\n<!-- end types -->\nlast\n";
+    let made = renewed(page).unwrap();
+    assert!(made.starts_with("# Title\n\n<!-- begin endpoints: by the program -->\n\n| kind | name |"), "{made}");
+    assert!(made.contains("\n<!-- end endpoints -->\n\nprose\n<!-- begin parameters -->\n\n| names |"), "{made}");
+    assert!(made.ends_with("\n<!-- end types -->\nlast\n") && !made.contains("\nold\n"), "{made}");
+    assert_eq!(renewed(&made).as_ref(), Ok(&made));
+    for (mark, name) in [("<!-- begin types -->", "begin types"), ("<!-- end parameters -->", "begin parameters")] {
+        let error = renewed(&page.replace(mark, "")).unwrap_err();
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+#[test]
+fn everything_stands_on_the_page_and_no_cell_breaks_its_table() {
+    let page = markdown();
+    let lines = |start: &str| page.lines().filter(|line| line.starts_with(start)).count();
+    for row in ROWS {
+        assert_eq!(page.lines().filter(|line| line.contains(&format!(" | `{}` | ", row.name))).count(), 1, "{row:?}");
+    }
+    for row in PARAMETERS {
+        assert_eq!(lines(&format!("| `{}` | {}", row.name, row.kind)), 1, "{row:?}");
+    }
+    for interface in INTERFACES {
+        let heading = format!("### {}", interface.name);
+        assert_eq!(page.lines().filter(|line| *line == heading).count(), 1, "{heading}");
+        for section in interface.sections {
+            for field in section.fields {
+                assert!(lines(&format!("| `{}` | `{}` |", field.name, field.kind)) > 0, "{field:?}");
+            }
+            for constant in section.constants {
+                assert!(lines(&format!("| `{}` | {} |", constant.name, constant.value)) > 0, "{constant:?}");
+            }
+        }
+    }
+    let mut columns = 0;
+    for line in page.lines() {
+        let bars = line.replace("\\|", "").matches('|').count();
+        columns = if columns == 0 { bars } else { columns };
+        assert!(bars == if line.starts_with('|') { columns } else { 0 }, "{line}");
+        columns = if line.starts_with('|') { columns } else { 0 };
+    }
+}
+
+#[test]
+fn qos_is_told_in_the_words_of_ros_2() {
+    assert_eq!(qos_text(Qos::STREAM), "reliable, volatile, 10");
+    assert_eq!(qos_text(Qos::CLOCK), "best effort, volatile, 1");
+    assert_eq!(qos_text(Qos::ROSOUT), "reliable, transient local, 1000, lifespan 10 s");
+}
+
+#[test]
+fn the_list_has_every_name_and_keeps_to_its_width() {
+    for width in [80, 120] {
+        let text = listing(width);
+        for row in ROWS {
+            assert!(text.lines().any(|line| line.split_whitespace().nth(1) == Some(row.name)), "{row:?}");
+        }
+        assert!(text.lines().all(|line| line.chars().count() <= width), "{text}");
+    }
+}
+
+#[test]
+fn details_are_found_by_type_and_by_name() {
+    let text = details("moveaxis", 80).unwrap();
+    assert!(text.starts_with("lineshaft_msgs/action/MoveAxis\n\nGoal\n"), "{text}");
+    assert!(
+        text.contains("  float64 jerk\n        Jerk [units/s^3], > 0, 0 = default_jerk; for profile jerk.\n"),
+        "{text}"
+    );
+    assert!(text.contains("  uint8 SUPERIMPOSED=4\n"), "{text}");
+    for name in ["lineshaft_msgs/MoveAxis", "lineshaft_msgs/action/MoveAxis"] {
+        assert_eq!(details(name, 80).as_ref(), Some(&text));
+    }
+    let text = details("~/move_axis", 80).unwrap();
+    assert!(text.starts_with("action  ~/move_axis  lineshaft_msgs/MoveAxis\n") && text.contains("\n\nlineshaft_msgs/"));
+    for name in ["move_axis", "/lineshaft/move_axis", "/cell/shaft/move_axis"] {
+        assert_eq!(details(name, 80).as_ref(), Some(&text));
+    }
+    assert_eq!(details("a/move_axis", 80), None);
+    assert_eq!(details("remove_axis", 80), None);
+    let text = details("joint_states", 80).unwrap();
+    assert!(text.ends_with("`ros2 interface show sensor_msgs/msg/JointState`\n"), "{text}");
+    assert_eq!(details("nothing", 80), None);
+    assert_eq!(details("other_msgs/MoveAxis", 80), None);
+}

@@ -1,0 +1,144 @@
+//! Verb `follow_joint_trajectory` (contract section 7, by the fields of control_msgs).
+
+use super::{Deed, Reader, UNITS, amount, number};
+use crate::document::{Allowed, Map, Value};
+use lineshaft_core::command::Action;
+use lineshaft_core::request::{Amount, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
+use lineshaft_core::unit::{Dimension, Scale, excerpt};
+use std::sync::Arc;
+
+/// A joint of the verb: its name, and its scale where it is an axis.
+struct Joint<'d> {
+    name: &'d str,
+    scale: Option<Scale>,
+}
+
+/// What its numbers are read with.
+struct Numbers<'j, 'd> {
+    joints: &'j [Joint<'d>],
+    in_increments: bool,
+}
+
+impl Reader<'_> {
+    pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+        let Some(mut map) = value.map("follow_joint_trajectory") else { return (None, None) };
+        let id = map.optional("id").map(|id| self.ids.carry(&id));
+        let joints = map.required("joints").and_then(|joints| self.joints(&joints));
+        let units = number(&mut map, "units", &UNITS);
+        let start = map.optional("start").map_or(Some(0), |start| nanoseconds(&start, &Allowed::Any));
+        let (points, goal_time) = (map.required("points"), optional_time(&mut map, "goal_time"));
+        let [path, goal] = ["path_tolerance", "goal_tolerance"].map(|key| map.optional(key));
+        map.finish();
+        let deed = (|| {
+            let (joints, units) = (joints?, units?);
+            let numbers = Numbers { joints: &joints, in_increments: units == 2 };
+            let units = match Units::from_number(units) {
+                Ok(units) => units,
+                Err(error) => return self.settle(value, Err(error)),
+            };
+            let points = points?.list()?.iter().map(|point| numbers.point(point)).collect::<Vec<_>>();
+            let [path, goal] = [path, goal].map(|value| numbers.tolerances(value.as_ref()));
+            let request = TrajectoryRequest {
+                axes: joints.iter().map(|joint| joint.name.to_owned()).collect(),
+                units,
+                start_ns: start?,
+                points: points.into_iter().collect::<Option<_>>()?,
+                path: path?,
+                goal: goal?,
+                goal_time_ns: goal_time?,
+            };
+            let trajectory = self.names.config.resolve_trajectory(&request);
+            self.settle(value, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))
+        })();
+        (deed, id.flatten())
+    }
+
+    fn joints<'d>(&self, value: &Value<'d>) -> Option<Vec<Joint<'d>>> {
+        let items = value.list()?;
+        let names: Vec<_> = items.iter().map(Value::text).collect();
+        let names = names.into_iter().collect::<Option<Vec<&'d str>>>()?;
+        let scale = |name: &str| self.names.config.find_axis(name).ok().map(|(_, axis)| axis.scale);
+        Some(names.into_iter().map(|name| Joint { name, scale: scale(name) }).collect())
+    }
+}
+
+impl Numbers<'_, '_> {
+    fn amount(&self, value: &Value<'_>, order: u8, joint: Option<&Joint<'_>>) -> Option<Amount> {
+        amount(value, order, joint.and_then(|joint| joint.scale.as_ref()), self.in_increments)
+    }
+
+    fn point(&self, value: &Value<'_>) -> Option<PointRequest<Amount>> {
+        let mut map = value.map("a point")?;
+        let time = map.required("time").map(|time| nanoseconds(&time, &Allowed::NotNegative));
+        let [positions, velocities, accelerations] =
+            [("positions", 0), ("velocities", 1), ("accelerations", 2)].map(|(key, order)| {
+                let list = if order == 0 { map.required(key) } else { map.optional(key) };
+                list.map_or(Some(Vec::new()), |list| self.amounts(&list, order))
+            });
+        map.finish();
+        let time_ns = u64::try_from(time??).ok()?;
+        Some(PointRequest { time_ns, positions: positions?, velocities: velocities?, accelerations: accelerations? })
+    }
+
+    fn amounts(&self, value: &Value<'_>, order: u8) -> Option<Vec<Amount>> {
+        let items = value.list()?;
+        let amounts: Vec<_> =
+            items.iter().enumerate().map(|(place, item)| self.amount(item, order, self.joints.get(place))).collect();
+        amounts.into_iter().collect()
+    }
+
+    /// By joint: a position, or `position`, `velocity` and `acceleration`.
+    fn tolerances(&self, value: Option<&Value<'_>>) -> Option<Vec<ToleranceRequest<Amount>>> {
+        let Some(value) = value else { return Some(Vec::new()) };
+        let mut tolerances = vec![ToleranceRequest::default(); self.joints.len()];
+        let mut is_good = true;
+        for (key, value) in value.entries()? {
+            let name = key.text()?;
+            let Some(place) = self.joints.iter().position(|joint| joint.name == name) else {
+                let joints: Vec<&str> = self.joints.iter().map(|joint| joint.name).collect();
+                let known = format!("joints are {}", joints.join(", "));
+                key.refuse(format!("`{}` is no joint of this trajectory", excerpt(name)), Some(known));
+                is_good = false;
+                continue;
+            };
+            match self.tolerance(&value, self.joints.get(place)) {
+                Some(tolerance) => tolerances[place] = tolerance,
+                None => is_good = false,
+            }
+        }
+        is_good.then_some(tolerances)
+    }
+
+    fn tolerance(&self, value: &Value<'_>, joint: Option<&Joint<'_>>) -> Option<ToleranceRequest<Amount>> {
+        if !value.is_map() {
+            let position = Some(self.amount(value, 0, joint)?);
+            return Some(ToleranceRequest { position, ..ToleranceRequest::default() });
+        }
+        let mut map = value.map("a tolerance")?;
+        let [position, velocity, acceleration] =
+            [("position", 0), ("velocity", 1), ("acceleration", 2)].map(|(key, order)| match map.optional(key) {
+                Some(value) => self.amount(&value, order, joint).map(Some),
+                None => Some(None),
+            });
+        map.finish();
+        Some(ToleranceRequest { position: position?, velocity: velocity?, acceleration: acceleration? })
+    }
+}
+
+/// A time that may be left out.
+fn optional_time(map: &mut Map<'_>, key: &str) -> Option<Option<u64>> {
+    let Some(value) = map.optional(key) else { return Some(None) };
+    let time = nanoseconds(&value, &Allowed::NotNegative)?;
+    u64::try_from(time).ok().map(Some)
+}
+
+/// A time in whole nanoseconds; a bare number is in seconds.
+fn nanoseconds(value: &Value<'_>, allowed: &Allowed) -> Option<i64> {
+    match value.quantity(&[Dimension::Time], allowed)?.nanoseconds() {
+        Ok(ns) => Some(ns),
+        Err(error) => {
+            value.refuse(format!("{}: {error}", value.label()), error.hint());
+            None
+        }
+    }
+}
