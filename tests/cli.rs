@@ -164,6 +164,52 @@ fn bad_files_and_bad_usage_end_with_2() {
     assert!(text(&output.stderr).contains("--params-file"));
 }
 
+/// The description of the robot is read from beside the cell; what does not fit is told, what cannot be read is refused.
+#[test]
+fn a_robot_description_is_checked_with_its_cell() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let demo = std::fs::read_to_string(root("launch-configs/demo.yaml")).unwrap();
+    let described = demo.replacen("# robot_description: demo.urdf", "robot_description: robots/r.urdf", 1);
+    assert_ne!(demo, described);
+    std::fs::create_dir_all(folder.path().join("in/robots")).unwrap();
+    write("in/cell.yaml", &described);
+
+    let check = || lineshaft(folder.path(), &["check", "in/cell.yaml"]);
+    let missing = check();
+    assert_eq!(code(&missing), 2);
+    let problem = text(&missing.stderr);
+    assert!(problem.starts_with("in/robots/r.urdf:1:1: robot_description: cannot read the file: "), "{problem}");
+
+    write("in/robots/r.urdf", "<robot name='r'>\n<joint>\n</robot>");
+    let malformed = check();
+    assert_eq!(code(&malformed), 2);
+    assert!(text(&malformed.stderr).starts_with("in/robots/r.urdf:3:"), "{}", text(&malformed.stderr));
+
+    write("in/robots/r.urdf", "<robot name='r'><joint name='hoist' type='continuous'/></robot>");
+    let told = check();
+    assert_eq!((code(&told), text(&told.stdout).contains("cell.yaml: good:")), (0, true));
+    let warning = "warning: robot_description: joint hoist: no axis has that name, so nothing moves it\n";
+    assert_eq!(text(&told.stderr), warning);
+}
+
+#[test]
+fn interfaces_are_listed_and_explained() {
+    let here = root("");
+    let listed = lineshaft(&here, &["interfaces"]);
+    assert_eq!(code(&listed), 0);
+    assert!(text(&listed.stdout).contains("action  ~/move_axis"), "{}", text(&listed.stdout));
+    let explained = lineshaft(&here, &["interfaces", "MoveAxis"]);
+    assert!(text(&explained.stdout).starts_with("lineshaft_msgs/action/MoveAxis\n"), "{}", text(&explained.stdout));
+    let page = std::fs::read_to_string(root("docs/interfaces.md")).unwrap();
+    let markdown = text(&lineshaft(&here, &["interfaces", "--markdown"]).stdout);
+    assert!(markdown.lines().count() > 300 && markdown.lines().all(|line| page.lines().any(|known| known == line)));
+    let unknown = lineshaft(&here, &["interfaces", "MoveAxes"]);
+    assert_eq!((code(&unknown), unknown.stdout.is_empty()), (2, true));
+    let sentence = "error: no topic, service, action or type `MoveAxes`; `lineshaft interfaces` lists all\n";
+    assert_eq!(text(&unknown.stderr), sentence);
+}
+
 #[test]
 fn help_and_version_are_no_errors() {
     let here = root("");

@@ -187,6 +187,12 @@ fn move_axis_behaves_as_ros_actions_do() {
 }
 
 #[test]
+fn move_axis_behaves_so_for_rmw_fastrtps_too() {
+    let demo = Demo::enabled();
+    Peer::fastdds(&demo.domain).run("action-conformance /lineshaft --axis x");
+}
+
+#[test]
 fn bad_requests_move_nothing() {
     let mut demo = Demo::start();
     let mut fastdds = Peer::fastdds(&demo.domain);

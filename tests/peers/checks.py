@@ -1,4 +1,4 @@
-"""Checks of a running node that need more than one request: actions, malformed requests, new clients, the graph."""
+"""Checks of a running node that need more than one request: malformed requests, new clients, the graph."""
 import math
 import struct
 import time
@@ -11,119 +11,46 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 import ros2wire as rw
-from lineshaft_msgs import ACTIONS, AxesRequest, AxesResponse, MoveGoal
-from report import Checklist, Failure, show
+from lineshaft_msgs import AxesRequest, AxesResponse, MoveGoal
+from report import Failure, show
 
 RELATIVE, SI = 1, 0
-CANCEL_ACCEPTED, UNKNOWN_GOAL, TERMINATED = 0, 2, 3
 
 
-def move_client(dp, node):
-    return rw.ActionClient(dp, f"{node}/move_axis", *ACTIONS["move_axis"]).wait()
+class RawWriter:
+    """Writes given bytes, encapsulation header included, to a topic, on a participant of its own."""
 
-
-def action_conformance(peer, a):
-    """What rcl_action's server does, on MoveAxis; the axis must be enabled, and free for 200 distances upward."""
-    c, checks = move_client(peer.dp, a.node), Checklist()
-
-    def goal(times=1.0, **fields):
-        return MoveGoal(**{"axis": a.axis, "mode": RELATIVE, "units": SI, "position": a.distance * times,
-                           "velocity": a.velocity, **fields})
-
-    def start(client, times=1.0):
-        gid, r = client.send_goal(goal(times))
-        checks.check("the goal is accepted", lambda: r.accepted, True)
-        return gid
-
-    rejections(c, checks, goal)
-    gid = start(c)
-    checks.check("it ends SUCCEEDED", lambda: rw.STATUS[c.get_result(gid).status], "SUCCEEDED")
-    checks.check("a second get_result is served from the cache", lambda: c.get_result(gid, rw.REPLY_S).status, 4)
-    time.sleep(0.1)
-    checks.check("feedback was seen", lambda: len(c.feedback(gid)), lambda n: n > 0)
-    checks.check("the status topic ends with SUCCEEDED", lambda: c.statuses()[-1].get(gid.hex()), "SUCCEEDED")
-    checks.check("a goal id cannot be used twice", lambda: c.send_goal(goal(), gid)[1].accepted, False)
-
-    gid = start(c, 100.0)
-    time.sleep(0.1)
-    checks.check("a running goal is canceled", lambda: cancel_codes(c, gid), (CANCEL_ACCEPTED, [gid.hex()]))
-    checks.check("it ends CANCELED", lambda: rw.STATUS[c.get_result(gid).status], "CANCELED")
-    checks.check("cancel of a finished goal says so", lambda: cancel_codes(c, gid)[0], TERMINATED)
-    checks.check("cancel of an unknown goal says so", lambda: cancel_codes(c, rw.UUID.random())[0], UNKNOWN_GOAL)
-    gid = start(c, 100.0)
-    checks.check("cancel without id or stamp means all goals", lambda: cancel_codes(c, None),
-                 (CANCEL_ACCEPTED, [gid.hex()]))
-    checks.check("and that one ends CANCELED too", lambda: rw.STATUS[c.get_result(gid).status], "CANCELED")
-    checks.check("get_result of an unknown goal is STATUS_UNKNOWN",
-                 lambda: c.get_result(rw.UUID.random(), rw.REPLY_S).status, 0)
-    askers(c, checks, start, a.node)
-    checks.close()
-
-
-def cancel_codes(client, gid):
-    r = client.cancel(gid)
-    return r.return_code, [g.goal_id.hex() for g in r.goals_canceling]
-
-
-def rejections(c, checks, goal):
-    wrong = {
-        "NaN as position": goal(position=math.nan),
-        "an infinite position": goal(position=math.inf),
-        "NaN as velocity": goal(velocity=math.nan),
-        "an unknown axis": goal(axis="no_such_axis"),
-        "an empty axis name": goal(axis=""),
-        "an unknown mode": goal(mode=200),
-        "an unknown unit": goal(units=200),
-        "an unknown buffer mode": goal(buffer_mode=200),
-    }
-    for name, g in wrong.items():
-        gid, r = c.send_goal(g)
-        checks.check(f"{name} is rejected", lambda r=r: r.accepted, False)
-    checks.check("get_result of a rejected goal is STATUS_UNKNOWN",
-                 lambda: c.get_result(gid, rw.REPLY_S).status, 0)
-
-
-def askers(c, checks, start, node):
-    """Several askers, several goals, and one who comes late."""
-    gid, b = start(c), move_client(rw.participant(), node)
-    sent = [(x, x.c_result.send(rw.GetResultRequest(gid))) for x in (c, b)]
-    for i, (x, seq) in enumerate(sent):
-        checks.check(f"asker {i + 1} of 2 gets the result", lambda: x.c_result.receive(seq).status, 4)
-    goals = [start(c, s) for s in (1.0, -1.0, 1.0)]
-    checks.check("the last of three goals succeeds", lambda: c.get_result(goals[-1]).status, 4)
-    for i in (1, 0):
-        checks.check(f"goal {i + 1} of three, replaced, still has its result",
-                     lambda: c.get_result(goals[i], rw.REPLY_S).status, lambda s: s in (4, 6))
-    late = move_client(rw.participant(), node)
-    time.sleep(0.5)
-    checks.check("a late joiner gets one status array", lambda: len(late.statuses()), 1)
-
-
-class RawClient:
-    """A client of `service` on a participant of its own that writes given bytes, encapsulation header included."""
-
-    def __init__(self, service, request_type):
+    def __init__(self, topic, type_name, dp=None):
         @dataclass
-        class Raw(IdlStruct, typename=request_type):
+        class Raw(IdlStruct, typename=type_name):
             unused: t.uint8 = 0
 
             def serialize(self, **_):
                 return self.payload
-        self.Raw, self.name = Raw, service.name
-        dp, q = rw.participant(), rw.SERVICE_QOS
-        self.w = DataWriter(dp, Topic(dp, f"rq{service.name}Request", Raw, qos=q), qos=q)
-        self.r = DataReader(dp, Topic(dp, f"rr{service.name}Reply", service.Resp, qos=q), qos=q)
+        self.Raw = Raw
+        self.dp, q = dp or rw.participant(), rw.SERVICE_QOS
+        self.w = DataWriter(self.dp, Topic(self.dp, topic, Raw, qos=q), qos=q)
+        rw.wait_until(self.w.get_matched_subscriptions, rw.MATCH_S, f"nobody reads {topic}")
+
+    def write(self, payload):
+        sample = self.Raw()
+        sample.payload = payload
+        self.w.write(sample)
+
+
+class RawClient(RawWriter):
+    """A client of `service` that writes given bytes."""
+
+    def __init__(self, service, request_type):
+        super().__init__(f"rq{service.name}Request", request_type)
+        self.name, q = service.name, rw.SERVICE_QOS
+        self.r = DataReader(self.dp, Topic(self.dp, f"rr{service.name}Reply", service.Resp, qos=q), qos=q)
         self.client = int.from_bytes(self.w.guid.bytes[8:16], "little")
 
     def wait(self):
         rw.wait_until(lambda: self.w.get_matched_subscriptions() and self.r.get_matched_publications(), rw.MATCH_S,
                       f"nobody serves {self.name}")
         return self
-
-    def write(self, payload):
-        sample = self.Raw()
-        sample.payload = payload
-        self.w.write(sample)
 
     def deliver(self, shapes, accepted, must_answer):
         """Sends each of the named shapes under a number of its own; returns the names that were answered with yes, and
@@ -249,29 +176,34 @@ def first_replies(peer, a):
         raise Failure(f"{lost} of {a.clients} new clients lost their first reply")
 
 
-def graph(peer, a):
-    """The node's endpoints as ros_discovery_info announces them, with the topics that DDS discovery knows for them."""
+def node_info(peer, node):
+    """What ros_discovery_info says of a node now."""
     s = peer.once("graph", lambda: rw.Subscription(peer.dp, "ros_discovery_info", rw.ParticipantEntitiesInfo,
                                                    rw.DISCOVERY_QOS, prefix=""))
-    peer.made.setdefault("graph nodes", {})
-    readers = {kind: BuiltinDataReader(peer.dp, kind) for kind in
-               (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)}
-    nodes = peer.made["graph nodes"]
+    nodes = peer.made.setdefault("graph nodes", {})
 
     def announced():
         for m in s.take():
             for n in m.node_entities_info_seq:
                 nodes[n.node_namespace.rstrip("/") + "/" + n.node_name] = n
-        return a.node in nodes
-    rw.wait_until(announced, rw.MATCH_S, f"{a.node} is not in ros_discovery_info")
+        return node in nodes
+    rw.wait_until(announced, rw.MATCH_S, f"{node} is not in ros_discovery_info")
     time.sleep(0.5)
     announced()
+    return nodes[node]
+
+
+def graph(peer, a):
+    """The node's endpoints as ros_discovery_info announces them, with the topics that DDS discovery knows for them."""
+    node = node_info(peer, a.node)
+    readers = {kind: BuiltinDataReader(peer.dp, kind) for kind in
+               (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)}
+    time.sleep(0.5)
 
     def topics(kind, gids):
         known = {e.key.bytes: e.topic_name for e in readers[kind].read(10_000) if e.sample_info.valid_data}
         found = [known.get(bytes(g.data)) for g in gids]
         return sorted(x for x in found if x), found.count(None)
-    node = nodes[a.node]
     writes, strange_w = topics(BuiltinTopicDcpsPublication, node.writer_gid_seq)
     reads, strange_r = topics(BuiltinTopicDcpsSubscription, node.reader_gid_seq)
     show(node=a.node, writes=writes, reads=reads, unknown=strange_w + strange_r)

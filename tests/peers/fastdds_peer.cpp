@@ -1,13 +1,10 @@
 // A ROS 2 peer on Fast DDS 2 for the end-to-end tests: one JSON line per observation, exit 1 on failure.
 //
 // The messages are written and read here byte by byte, from docs/contract.md, section 7.
-#include <array>
-#include <cmath>
-#include <random>
+#include "fastdds_load.hpp"
+#include "fastdds_move.hpp"
 
-#include "fastdds_wire.hpp"
-
-using namespace wire;
+using namespace motion;
 
 namespace {
 
@@ -23,142 +20,9 @@ const char* const USAGE =
     "  result NODE move_axis GOAL [--expect SUCCEEDED]\n"
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
+    "  action-conformance NODE [--axis x]\n"
+    "  hammer NODE [--axis x] [--seconds 10] [--seed 1]\n"
     "  serve    such lines from standard input; after each {\"done\": command, \"ok\": bool, \"error\": sentence}\n";
-
-// ---- MoveAxis
-
-using GoalId = std::array<uint8_t, 16>;
-
-GoalId random_goal() {
-  static std::random_device source;
-  GoalId id;
-  for (auto& byte : id) byte = source();
-  return id;
-}
-
-std::string hex(const uint8_t* p) {
-  static const char* digits = "0123456789abcdef";
-  std::string out;
-  for (int i = 0; i < 16; i++) (out += digits[p[i] >> 4]) += digits[p[i] & 15];
-  return out;
-}
-
-GoalId from_hex(const std::string& text) {
-  GoalId id;
-  if (text.size() != 2 * id.size()) throw Failure("a goal id has 32 hexadecimal digits, not " + text);
-  for (size_t i = 0; i < id.size(); i++) id[i] = std::stoul(text.substr(2 * i, 2), nullptr, 16);
-  return id;
-}
-
-const std::vector<std::string> MODES{"absolute", "relative", "additive", "velocity", "superimposed"};
-const std::vector<std::string> UNITS{"si", "axis_unit", "increments"};
-const std::vector<std::string> STATUS{"UNKNOWN",   "ACCEPTED", "EXECUTING", "CANCELING",
-                                      "SUCCEEDED", "CANCELED", "ABORTED"};
-
-struct MoveGoal {
-  std::string axis;
-  uint8_t mode = 0, units = 0;
-  double position = 0, velocity = 0, acceleration = 0, deceleration = 0, jerk = 0;
-  uint8_t buffer_mode = 0, direction = 0;
-
-  Bytes request(const GoalId& id) const {
-    Writer w;
-    w.raw(id.data(), id.size()).text(axis).put(mode).put(units);
-    for (double v : {position, velocity, acceleration, deceleration, jerk}) w.put(v);
-    return w.put(buffer_mode).put(direction).bytes();
-  }
-};
-
-struct Feedback {
-  size_t count = 0;
-  double position = 0, velocity = 0, distance_to_go = 0;
-  int64_t increments = 0;
-};
-
-class MoveClient {
- public:
-  MoveClient(Dds& dds, const std::string& node)
-      : goals(dds, node + "/move_axis/_action/send_goal", TYPE + "SendGoal"),
-        results_(dds, node + "/move_axis/_action/get_result", TYPE + "GetResult"),
-        cancels_(dds, node + "/move_axis/_action/cancel_goal", "action_msgs::srv::dds_::CancelGoal"),
-        feedback_(dds, node + "/move_axis/_action/feedback", TYPE + "FeedbackMessage_"),
-        status_(dds, node + "/move_axis/_action/status", "action_msgs::msg::dds_::GoalStatusArray_", true) {}
-
-  GoalId send(const MoveGoal& goal) {
-    GoalId id = random_goal();
-    Bytes reply = goals.call(goal.request(id));
-    bool accepted = Reader(reply).get<uint8_t>() != 0;
-    Object().add("goal", hex(id.data())).add("accepted", accepted).show();
-    if (!accepted) throw Failure("the goal was rejected");
-    return id;
-  }
-
-  void cancel(const GoalId& id) {
-    Bytes reply = cancels_.call(Writer().raw(id.data(), id.size()).put<int32_t>(0).put<uint32_t>(0).bytes());
-    Reader r(reply);
-    int code = r.get<int8_t>();
-    auto canceling = r.sequence<std::string>([](Reader& r) {
-      auto goal = hex(r.take(16));
-      r.get<int32_t>();
-      r.get<uint32_t>();
-      return goal;
-    });
-    Object().add("cancel", code).add("canceling", canceling).show();
-    if (code) throw Failure("cancel was answered with code " + std::to_string(code));
-  }
-
-  void finish(const GoalId& id, const std::string& expected) {
-    Bytes reply = results_.call(Writer().raw(id.data(), id.size()).bytes(), RESULT_S);
-    Reader r(reply);
-    std::string status = STATUS.at(r.get<int8_t>());
-    auto code = r.get<uint32_t>();
-    auto message = r.text();
-    auto position = r.get<double>();
-    auto increments = r.get<int64_t>();
-    sleep_ms(50);  // feedback and status are other topics: let what was sent before the result arrive
-    collect();
-    const Feedback& f = seen_[hex(id.data())];
-    Object last, result, feedback;
-    last.add("position", f.position).add("velocity", f.velocity).add("distance_to_go", f.distance_to_go);
-    last.add("position_increments", f.increments);
-    feedback.add("count", f.count).add("last", f.count ? last.done() : Json{"null"});
-    result.add("code", code).add("message", message).add("position", position).add("position_increments", increments);
-    Object().add("status", status).add("result", result.done()).add("feedback", feedback.done())
-        .add("statuses", statuses_[hex(id.data())]).show();
-    if (status != expected) throw Failure("the goal ended " + status + ", not " + expected + ": " + message);
-  }
-
-  Service goals;
-
- private:
-  static const std::string TYPE;
-
-  void collect() {
-    feedback_.drain([&](Reader& r) {
-      Feedback& f = seen_[hex(r.take(16))];
-      f.count++;
-      f.position = r.get<double>();
-      f.velocity = r.get<double>();
-      f.distance_to_go = r.get<double>();
-      f.increments = r.get<int64_t>();
-    });
-    status_.drain([&](Reader& r) {
-      for (auto n = r.get<uint32_t>(); n > 0; n--) {
-        auto goal = hex(r.take(16));
-        r.get<int32_t>();
-        r.get<uint32_t>();
-        statuses_[goal].push_back(STATUS.at(r.get<int8_t>()));
-      }
-    });
-  }
-
-  Service results_, cancels_;
-  Subscription feedback_, status_;
-  std::map<std::string, Feedback> seen_;
-  std::map<std::string, std::vector<std::string>> statuses_;
-};
-
-const std::string MoveClient::TYPE = "lineshaft_msgs::action::dds_::MoveAxis_";
 
 // ---- Commands
 
@@ -400,6 +264,13 @@ class Peer {
     if (!accepted.empty()) throw Failure("a bad request was accepted");
   }
 
+  void action_conformance(const Arguments& a) { Conformance(dds_, a[1], a.text("--axis", "x")).run(); }
+
+  void hammer(const Arguments& a) {
+    Hammer(dds_, move_client(a[1]), a[1], a.text("--axis", "x"), static_cast<unsigned>(a.number("--seed", 1)))
+        .run(a.number("--seconds", 10));
+  }
+
   Service& axes_service(const std::string& name) {
     return once(services_, name, [&] { return new Service(dds_, name, "lineshaft_msgs::srv::dds_::AxesCommand"); });
   }
@@ -431,6 +302,7 @@ const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"joint-states", &Peer::joint_states}, {"axes", &Peer::axes},     {"move", &Peer::move},
     {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
     {"vocabulary", &Peer::vocabulary}, {"params", &Peer::params},
+    {"action-conformance", &Peer::action_conformance}, {"hammer", &Peer::hammer},
 };
 
 void serve(Peer& peer) {

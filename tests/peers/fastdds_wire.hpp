@@ -23,6 +23,7 @@
 #include <functional>
 #include <iostream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -322,17 +323,22 @@ class Service {
     while (reader_->take_next_sample(&bytes, &info) == ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
       const auto& id = info.related_sample_identity;
-      if (id.writer_guid() == reader_->guid() || id.writer_guid() == writer_->guid())
-        replies_[id.sequence_number()] = bytes;
+      if (id.writer_guid() != reader_->guid() && id.writer_guid() != writer_->guid()) continue;
+      if (!answered_.insert(id.sequence_number()).second) twice_++;
+      replies_[id.sequence_number()] = bytes;
     }
     return replies_;
   }
   const std::string& name() const { return name_; }
+  /// Replies to requests that had been answered.
+  size_t twice() const { return twice_; }
 
  private:
   std::string name_;
   DataWriter* writer_;
   DataReader* reader_;
+  std::set<SequenceNumber_t> answered_;
+  size_t twice_ = 0;
   std::map<SequenceNumber_t, Bytes> replies_;
 };
 

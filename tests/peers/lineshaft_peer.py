@@ -13,12 +13,21 @@ import sys
 import time
 
 import checks
+import conformance
 import goals
+import hammer
+import hostile
+import lifecycle
+import node_services
 import parameters
 import ros2wire as rw
+import streams
+import trajectories
+import watch
 from lineshaft_msgs import (ACTIONS, AXIS_STATES, EDGES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, AxesRequest,
-                            AxesResponse, AxisStates, Event, MoveGoal, ProbeGoal, RecordRequest, RecordResponse,
-                            SyncGoal, VocabularyRequest, VocabularyResponse)
+                            AxesResponse, AxisStates, Event, ImportRequest, ImportResponse, MoveGoal, ProbeGoal,
+                            RecordRequest, RecordResponse, ResetRequest, ResetResponse, SyncGoal, VocabularyRequest,
+                            VocabularyResponse)
 from report import Failure, plain, show
 
 STREAM = rw.qos(depth=10_000)  # nothing is lost while a command waits for something else
@@ -47,9 +56,27 @@ class Peer:
         return self.stream(f"{node}/axis_states", AxisStates)
 
     def axes(self, node, verb):
-        name = f"{node}/{verb}"
-        return self.once(name, lambda: rw.ServiceClient(self.dp, name, "lineshaft_msgs/AxesCommand", AxesRequest,
-                                                        AxesResponse))
+        return self.once(f"{node}/{verb}", lambda: self.axes_on(self.dp, node, verb))
+
+    @staticmethod
+    def axes_on(dp, node, verb):
+        return rw.ServiceClient(dp, f"{node}/{verb}", "lineshaft_msgs/AxesCommand", AxesRequest, AxesResponse)
+
+    def service(self, node, name, srv, request, response):
+        full = f"{node}/{name}"
+        return self.once(full, lambda: rw.ServiceClient(self.dp, full, f"lineshaft_msgs/{srv}", request, response))
+
+    def record(self, node):
+        return self.service(node, "record", "Record", RecordRequest, RecordResponse)
+
+    def vocabulary(self, node):
+        return self.service(node, "vocabulary", "Vocabulary", VocabularyRequest, VocabularyResponse)
+
+    def import_parameters(self, node):
+        return self.service(node, "import_parameters", "ImportParameters", ImportRequest, ImportResponse)
+
+    def reset_parameters(self, node):
+        return self.service(node, "reset_parameters", "ResetParameters", ResetRequest, ResetResponse)
 
     def action(self, node, action):
         return self.once(f"{node}/{action}", lambda: rw.ActionClient(self.dp, f"{node}/{action}", *ACTIONS[action]))
@@ -121,6 +148,11 @@ def log(peer, a):
     echo(peer.once("/rosout", lambda: rw.Subscription(peer.dp, "/rosout", rw.Log, rw.ROSOUT_QOS)), a.seconds)
 
 
+def latched_text(peer, a):
+    s = rw.Subscription(peer.dp, a.node, rw.Text, rw.STATUS_QOS).wait()
+    show(text=first(s, f"no text on {a.node}").data)
+
+
 def axes(peer, a):
     r = peer.axes(a.node, a.verb).call(AxesRequest(a.axes), a.timeout)
     show(verb=a.verb, success=r.success, message=r.message)
@@ -129,21 +161,15 @@ def axes(peer, a):
 
 
 def record(peer, a):
-    name = f"{a.node}/record"
-    client = peer.once(name, lambda: rw.ServiceClient(peer.dp, name, "lineshaft_msgs/Record", RecordRequest,
-                                                      RecordResponse))
-    r = client.call(RecordRequest(RECORD_COMMANDS.index(a.what), a.path, a.max_bag_size, a.max_bag_duration))
+    r = peer.record(a.node).call(RecordRequest(RECORD_COMMANDS.index(a.what), a.path, a.max_bag_size, a.max_bag_duration))
     show(**plain(r))
     if not r.success:
         raise Failure(r.message)
 
 
 def vocabulary(peer, a):
-    name = f"{a.node}/vocabulary"
-    client = peer.once(name, lambda: rw.ServiceClient(peer.dp, name, "lineshaft_msgs/Vocabulary", VocabularyRequest,
-                                                      VocabularyResponse))
     arguments = " ".join(a.arguments).replace("\\n", "\n") + "#" * a.pad
-    r = client.call(VocabularyRequest(a.axis, a.verb, arguments))
+    r = peer.vocabulary(a.node).call(VocabularyRequest(a.axis, a.verb, arguments))
     show(success=r.success, message=r.message)
     if not r.success:
         raise Failure(r.message)
@@ -254,6 +280,7 @@ def parser():
     p = command("events", events, seconds=0.0)
     p.add_argument("--until", help="stop after the first event of this kind; none is a failure")
     command("log", log, node=False, seconds=1.0)
+    p = command("latched-text", latched_text)
     p = command("axes", axes, timeout=rw.REPLY_S)
     p.add_argument("verb", choices=AXES_VERBS)
     p.add_argument("axes", nargs="*")
@@ -289,8 +316,19 @@ def parser():
     p = command("cancel", cancel)
     p.add_argument("action", choices=ACTIONS)
     p.add_argument("goal")
+    lifecycle.add_commands(command)
     parameters.add_commands(command)
-    command("action-conformance", checks.action_conformance, axis="x", distance=0.005, velocity=0.02)
+    node_services.add_commands(command)
+    streams.add_commands(command)
+    trajectories.add_commands(command)
+    command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)
+    command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1)
+    command("watch", watch.watch, seconds=5.0)
+    command("listen", watch.listen)
+    command("join", watch.join, count=10, axis="x", depth=10)
+    command("everything-read", hostile.everything_read, axis="x", megabytes=10, least=20)
+    command("many-requests", hostile.many_requests, count=2000)
+    command("long-strings", hostile.long_strings, axis="x", megabytes=10)
     command("bad-requests", checks.bad_requests, axis="x", other="turret")
     p = command("random-goals", goals.random_goals, seconds=5.0, seed=1)
     p.add_argument("--axis", action="append", required=True, metavar="NAME=LOW:HIGH", help="range of targets in SI")

@@ -47,7 +47,7 @@ def events(peer, a):
         seen.extend(m for m in s.take() if m.node == a.node)
         return not a.until or any(p.name == a.until for m in seen for p in m.changed_parameters)
     rw.wait_until(arrived, rw.REPLY_S, f"no event of {a.until}")
-    show(events=[{"new": len(m.new_parameters), "deleted": len(m.deleted_parameters),
+    show(events=[{"stamp": m.stamp, "new": len(m.new_parameters), "deleted": len(m.deleted_parameters),
                   "changed": {p.name: p.value.get() for p in m.changed_parameters}} for m in seen])
 
 
@@ -143,8 +143,10 @@ def described(peer, a):
 
 
 def is_sound(name, d, value, kind):
+    if "Source: " not in d.description:  # of the node itself, without a row of the catalogue
+        return d.name == name and d.description and value.type == kind == d.type
     ranges = {BOOL: (0, 0), INTEGER: (1, 0), DOUBLE: (0, 1), STRING: (0, 0)}
-    return (d.name == name and d.type in ranges and len(d.description) > 10 and "Source: " in d.description
+    return (d.name == name and d.type in ranges and len(d.description) > 10
             and (len(d.integer_range), len(d.floating_point_range)) == ranges[d.type]
             and all(r.from_value < r.to_value for r in [*d.integer_range, *d.floating_point_range])
             and (d.type != STRING or d.additional_constraints.startswith("one of "))

@@ -1,6 +1,7 @@
 //! A child process whose output is captured and which does not outlive its owner.
 
 use std::{
+    fs,
     io::{BufRead, BufReader, Read},
     process::{Child, ChildStdin, Command, ExitStatus, Stdio},
     sync::mpsc::{self, Receiver, RecvTimeoutError},
@@ -93,6 +94,11 @@ impl Captured {
         }
     }
 
+    /// What the system says of it; `None` once it has ended.
+    pub(super) fn figures(&self) -> Option<Figures> {
+        Figures::of(self.child.id())
+    }
+
     /// Waits for the process to end by itself; its status and all that it wrote.
     #[track_caller]
     pub(super) fn wait(&mut self, timeout: Duration) -> ExitStatus {
@@ -110,6 +116,33 @@ impl Captured {
     /// All that it has written so far.
     pub(super) fn log(&self) -> String {
         self.log.lock().expect("a reader of lines does not panic").clone()
+    }
+}
+
+/// In which /proc counts time (1/s), on every Linux.
+const TICKS: f64 = 100.0;
+
+/// What a process takes of the machine.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Figures {
+    /// Memory that it occupies (MiB).
+    pub(crate) memory: f64,
+    /// Time that it has worked, in all threads (s).
+    pub(crate) worked: f64,
+}
+
+impl Figures {
+    fn of(id: u32) -> Option<Self> {
+        let read = |name: &str| fs::read_to_string(format!("/proc/{id}/{name}")).ok();
+        let status = read("status")?;
+        let memory = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+        let memory: f64 = memory.trim().strip_suffix(" kB")?.parse().ok()?;
+        // proc(5): the fields behind the name in parentheses; utime and stime are the 14th and 15th of all.
+        let stat = read("stat")?;
+        let ticks: Vec<f64> =
+            stat.rsplit_once(')')?.1.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let worked = ticks.get(10)? + ticks.get(11)?;
+        Some(Self { memory: memory / 1024.0, worked: worked / TICKS })
     }
 }
 

@@ -7,6 +7,7 @@ use std::{
     time::Duration,
 };
 
+use rustix::process::Signal;
 use serde_json::Value;
 
 use super::{child::Captured, domain::Domain, setup};
@@ -62,6 +63,18 @@ impl Peer {
         let mut process = Captured::start(name, command, domain, Stdio::piped());
         let stdin = process.stdin();
         Self { process, stdin }
+    }
+
+    /// Stops the process where it is, as a debugger or a machine without memory would.
+    #[track_caller]
+    pub(crate) fn freeze(&self) {
+        self.process.signal(Signal::STOP);
+    }
+
+    /// Lets a frozen process go on.
+    #[track_caller]
+    pub(crate) fn thaw(&self) {
+        self.process.signal(Signal::CONT);
     }
 
     /// Does `command`, words between blanks; panics with the peer's sentence when it fails.

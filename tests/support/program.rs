@@ -7,7 +7,10 @@ use std::{
 
 use rustix::process::Signal;
 
-use super::{child::Captured, domain::Domain};
+use super::{
+    child::{Captured, Figures},
+    domain::Domain,
+};
 
 /// A running `lineshaft`.
 pub(crate) struct Program(Captured);
@@ -35,6 +38,15 @@ impl Program {
     #[track_caller]
     pub(crate) fn kill(&self) {
         self.0.signal(Signal::KILL);
+    }
+
+    /// What it takes of the machine now; panics when it has ended.
+    #[track_caller]
+    pub(crate) fn figures(&self) -> Figures {
+        match self.0.figures() {
+            Some(figures) => figures,
+            None => panic!("lineshaft has ended too early"),
+        }
     }
 
     /// Waits until it ends by itself; panics when it does not within `timeout`.

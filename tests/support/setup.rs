@@ -34,8 +34,10 @@ pub(crate) fn python() -> &'static Path {
 pub(crate) fn fastdds_peer() -> &'static Path {
     static PEER: OnceLock<PathBuf> = OnceLock::new();
     PEER.get_or_init(|| {
-        let (code, wire) = (sources().join("fastdds_peer.cpp"), sources().join("fastdds_wire.hpp"));
-        made("fastdds", &(read(&code) + &read(&wire)), |folder| build(folder, &code)).join("fastdds_peer")
+        let code = sources().join("fastdds_peer.cpp");
+        let parts =
+            ["fastdds_wire.hpp", "fastdds_move.hpp", "fastdds_load.hpp"].map(|name| read(&sources().join(name)));
+        made("fastdds", &(read(&code) + &parts.concat()), |folder| build(folder, &code)).join("fastdds_peer")
     })
 }
 

@@ -1,0 +1,156 @@
+//! What colcon, ROS 2 and its tools read: package.xml, CMakeLists.txt, the launch file. Without ROS 2: what can be seen without it.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").to_owned()
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Texts of all elements of that name in package.xml of `folder`.
+fn tags(folder: &str, tag: &str) -> Vec<String> {
+    let text = read(&format!("{folder}/package.xml"));
+    let document = roxmltree::Document::parse(&text).expect("XML");
+    let found = document.descendants().filter(|node| node.has_tag_name(tag));
+    found.map(|node| node.text().unwrap_or_default().to_owned()).collect()
+}
+
+#[test]
+fn the_package_is_called_and_versioned_like_the_program() {
+    for (folder, name) in [("node", env!("CARGO_PKG_NAME")), ("msg", "lineshaft_msgs")] {
+        assert_eq!(tags(folder, "name"), [name]);
+        assert_eq!(tags(folder, "version"), [env!("CARGO_PKG_VERSION")], "{folder}");
+        assert_eq!(tags(folder, "license"), [env!("CARGO_PKG_LICENSE")], "{folder}");
+        assert_eq!(tags(folder, "build_type"), ["ament_cmake"], "{folder}");
+        assert!(read(&format!("{folder}/CMakeLists.txt")).contains(&format!("project({name}")), "{folder}");
+    }
+    assert!(tags("node", "exec_depend").contains(&"lineshaft_msgs".to_owned()));
+}
+
+/// Packages of Python that the launch file imports, and those whose nodes it starts.
+#[test]
+fn what_the_launch_file_needs_is_a_dependency() {
+    let launch = read("launch-configs/demo.launch.py");
+    let imported = launch.lines().filter_map(|line| line.strip_prefix("from ")?.split([' ', '.']).next());
+    let started = launch.lines().filter_map(|line| line.trim().strip_prefix("package=\"")?.strip_suffix("\","));
+    let own = ["pathlib", "lineshaft"];
+    let needed: BTreeSet<_> = imported.chain(started).filter(|name| !own.contains(name)).map(str::to_owned).collect();
+    assert!(needed.len() > 3, "{needed:?}");
+    let given: BTreeSet<_> = tags("node", "exec_depend").into_iter().collect();
+    assert!(needed.is_subset(&given), "{needed:?} of {given:?}");
+}
+
+#[test]
+fn what_cmake_installs_is_there() {
+    let cmake = read("node/CMakeLists.txt");
+    let installs: Vec<_> = cmake.lines().filter(|line| line.starts_with("install(")).collect();
+    let files: Vec<_> =
+        installs.iter().filter_map(|line| line.split_once("\"${WORKSPACE}/")?.1.split('"').next()).collect();
+    assert_eq!(files, ["launch-configs/demo.launch.py", "launch-configs", "LICENSE"]);
+    for file in files {
+        assert!(root().join(file).exists(), "{file}");
+    }
+    // The program is the one that is built.
+    assert!(
+        installs.contains(&"install(PROGRAMS \"${CARGO_TARGET}/release/lineshaft\" DESTINATION lib/${PROJECT_NAME})")
+    );
+    for part in ["--release", "--locked", "--package lineshaft", "--bin lineshaft"] {
+        assert!(cmake.contains(part), "{part}");
+    }
+}
+
+/// colcon takes the two packages; crates, which an extension of it would take too, are none.
+#[test]
+fn colcon_finds_two_packages() {
+    let (mut packages, mut open) = (Vec::new(), vec![root()]);
+    while let Some(folder) = open.pop() {
+        if folder.join("COLCON_IGNORE").exists() {
+            continue;
+        }
+        let is_package = folder.join("package.xml").exists();
+        if is_package {
+            packages.push(folder.strip_prefix(root()).unwrap().to_owned());
+        }
+        assert!(
+            is_package || folder == root() || !folder.join("Cargo.toml").exists(),
+            "{}: a COLCON_IGNORE is missing",
+            folder.display()
+        );
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+            if path.is_dir()
+                && !name.starts_with('.')
+                && !["target", "build", "install", "log"].contains(&name.as_str())
+            {
+                open.push(path);
+            }
+        }
+    }
+    packages.sort();
+    assert_eq!(packages, [Path::new("msg"), Path::new("node")]);
+}
+
+/// Runs the launch file as if it were installed.
+fn launch(share: &Path, arguments: &[&str]) -> Output {
+    Command::new("python3")
+        .arg(root().join("tests/launch/stand_in.py"))
+        .arg(root().join("launch-configs/demo.launch.py"))
+        .arg(share)
+        .args(arguments)
+        .output()
+        .expect("the tests need python3")
+}
+
+/// The nodes that it starts.
+fn nodes(share: &Path, arguments: &[&str]) -> Vec<serde_json::Value> {
+    let output = launch(share, arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("what the stand-in prints")
+}
+
+fn command(node: &serde_json::Value) -> Vec<&str> {
+    node["command"].as_array().into_iter().flatten().filter_map(serde_json::Value::as_str).collect()
+}
+
+#[test]
+fn the_launch_file_starts_what_its_arguments_say() {
+    let share = Path::new("/nowhere");
+    let all = nodes(share, &[]);
+    assert_eq!(all.len(), 1);
+    assert_eq!(command(&all[0]), ["lineshaft/lineshaft", "run", "--ros-args"]);
+    let given =
+        ["cell:=/c.yaml", "sim:=true", "record:=/r", "name:=shaft", "namespace:=/press", "params_file:=/p.yaml"];
+    let all = nodes(share, &given);
+    assert_eq!(
+        command(&all[0]).join(" "),
+        "lineshaft/lineshaft run /c.yaml --sim --record /r --ros-args -r __node:=shaft -r __ns:=/press --params-file /p.yaml"
+    );
+    assert!(!launch(share, &["sim:=yes"]).status.success());
+    assert!(!launch(share, &["cel:=/c.yaml"]).status.success());
+}
+
+#[test]
+fn robot_state_publisher_gets_the_demo_or_the_given_urdf() {
+    let folder = tempfile::tempdir().unwrap();
+    let installed = folder.path().join("lineshaft/launch-configs");
+    fs::create_dir_all(&installed).unwrap();
+    let demo = read("launch-configs/demo.urdf");
+    fs::write(installed.join("demo.urdf"), &demo).unwrap();
+    let own = folder.path().join("own.urdf");
+    fs::write(&own, "<robot name='own'/>").unwrap();
+
+    let all = nodes(folder.path(), &["robot_state_publisher:=true", "namespace:=/press"]);
+    assert_eq!(all.len(), 2);
+    assert_eq!(command(&all[1]), ["robot_state_publisher/robot_state_publisher", "--ros-args", "-r", "__ns:=/press"]);
+    assert_eq!(all[1]["parameters"]["robot_description"], demo);
+    let urdf = format!("urdf:={}", own.display());
+    let all = nodes(folder.path(), &["robot_state_publisher:=true", &urdf]);
+    assert_eq!(all[1]["parameters"]["robot_description"], "<robot name='own'/>");
+}

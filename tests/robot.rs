@@ -1,0 +1,78 @@
+//! `robot_description`: RViz and robot_state_publisher find the URDF of the cell, whenever they come.
+
+mod support;
+
+use serde_json::Value;
+use std::path::Path;
+use std::thread;
+use std::time::Duration;
+use support::{domain::Domain, peer::Peer, program::Program};
+
+fn launch_configs(file: &str) -> String {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs");
+    std::fs::read_to_string(folder.join(file)).expect("a file of the project")
+}
+
+fn description(peer: &mut Peer) -> String {
+    let seen = peer.run("latched-text /robot_description");
+    seen["text"].as_str().expect("a text").to_owned()
+}
+
+/// The attribute `name` of each joint that is not fixed.
+fn joints(urdf: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(urdf).expect("XML");
+    let joints = document.root_element().children().filter(|node| node.has_tag_name("joint"));
+    joints
+        .filter(|node| node.attribute("type") != Some("fixed"))
+        .map(|node| node.attribute("name").expect("every joint has one").to_owned())
+        .collect()
+}
+
+#[test]
+fn the_demo_describes_its_robot_to_whoever_comes_later() {
+    let domain = Domain::take();
+    let _program = Program::start(&["run"], &domain);
+    let urdf = launch_configs("demo.urdf");
+    let mut first = Peer::cyclone(&domain);
+    assert_eq!(description(&mut first), urdf);
+    // Longer than the DDS library keeps what it may throw away.
+    thread::sleep(Duration::from_secs(5));
+    let mut late = Peer::cyclone(&domain);
+    assert_eq!(description(&mut late), urdf);
+    assert_eq!(description(&mut first), urdf, "for a second subscription of the same program, too");
+    // What joint_states move is what the URDF calls a joint.
+    let seen = late.run("joint-states --count 1 --seconds 5");
+    let moved: Vec<&str> = seen["last"]["name"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert_eq!(moved, joints(&urdf));
+}
+
+#[test]
+fn a_description_of_some_hundred_kilobytes_comes_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let cell = launch_configs("demo.yaml").replacen("# robot_description: demo.urdf", "robot_description: big.urdf", 1);
+    std::fs::write(folder.path().join("cell.yaml"), cell).unwrap();
+    let filler: String = (0..6000).map(|i| format!("<!-- line {i} of a long description: \u{e4} -->\n")).collect();
+    let urdf = launch_configs("demo.urdf").replacen("</robot>", &format!("{filler}</robot>"), 1);
+    assert!(urdf.len() > 250_000);
+    std::fs::write(folder.path().join("big.urdf"), &urdf).unwrap();
+
+    let domain = Domain::take();
+    let cell = folder.path().join("cell.yaml");
+    let _program = Program::start(&["run", cell.to_str().unwrap()], &domain);
+    let mut peer = Peer::cyclone(&domain);
+    assert!(description(&mut peer) == urdf);
+    let mut late = Peer::cyclone(&domain);
+    assert!(description(&mut late) == urdf);
+}
+
+#[test]
+fn without_a_description_there_is_no_such_topic() {
+    let folder = tempfile::tempdir().unwrap();
+    let cell = folder.path().join("cell.yaml");
+    std::fs::write(&cell, launch_configs("demo.yaml")).unwrap();
+    let domain = Domain::take();
+    let _program = Program::start(&["run", cell.to_str().unwrap()], &domain);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run("axis-states /lineshaft");
+    assert!(peer.fails("latched-text /robot_description").contains("nobody publishes /robot_description"));
+}

@@ -1,0 +1,236 @@
+//! What clients can do to the node without anybody else noticing: hammer it, freeze, come late, come and go, send nonsense.
+//!
+//! `LINESHAFT_LONG=1` hammers for a minute, freezes a subscriber for 30 s and lets 200 clients come and go. The figures that
+//! the tests print (`--nocapture`) stand in docs/interfaces.md.
+
+mod support;
+
+use std::{
+    env, fs,
+    path::Path,
+    thread,
+    time::{Duration, Instant},
+};
+
+use serde_json::Value;
+use support::{domain::Domain, peer::Peer, program::Program};
+
+const EXIT: Duration = Duration::from_secs(20);
+const NODE: &str = "/lineshaft";
+
+fn is_long() -> bool {
+    env::var("LINESHAFT_LONG").is_ok_and(|value| value == "1")
+}
+
+/// One of two numbers: for everybody, and where time does not matter.
+fn length(usual: u64, long: u64) -> u64 {
+    if is_long() { long } else { usual }
+}
+
+fn seconds(length: u64) -> Duration {
+    Duration::from_secs(length)
+}
+
+/// Ends the program as a user would; the line in which it tells how it kept its time, and all of its log.
+fn ended(mut program: Program) -> (String, String) {
+    program.interrupt();
+    let status = program.wait_exit(EXIT);
+    let log = program.log();
+    assert_eq!(status.code(), Some(0), "{log}");
+    let line = log.lines().find_map(|line| line.split_once("INFO").map(|(_, said)| said.trim().to_owned()));
+    let times = log.lines().find(|line| line.contains("latest start")).map(str::to_owned).or(line);
+    (times.expect("a line about the cycles"), log)
+}
+
+#[track_caller]
+fn finished(peer: &mut Peer, what: &str) -> Value {
+    let (seen, error) = peer.answer();
+    if let Some(error) = error {
+        panic!("{what}: {error}; observed: {seen:?}");
+    }
+    seen.all().last().expect("what was observed").clone()
+}
+
+/// Starts the program on a domain of its own; `watchers` peers are there before it.
+fn start(args: &[&str], watchers: usize) -> (Program, Vec<Peer>, Domain) {
+    let domain = Domain::take();
+    let mut peers: Vec<Peer> = (0..watchers).map(|_| Peer::cyclone(&domain)).collect();
+    let program = Program::start(args, &domain);
+    for peer in &mut peers {
+        peer.run(&format!("watch {NODE} --seconds 0.5"));
+    }
+    (program, peers, domain)
+}
+
+/// Two clients of each RMW ask for all services and for goals at the same time, each for an axis of its own.
+#[test]
+fn of_hammered_services_and_goals_none_is_lost_doubled_or_mixed_up() {
+    let time = length(10, 60);
+    let (program, _idle_watchers, _domain) = start(&["run"], 1);
+    thread::sleep(seconds(time));
+    let (idle, _) = ended(program);
+
+    let (program, mut watchers, domain) = start(&["run"], 1);
+    let mut clients = [
+        (Peer::cyclone(&domain), "x"),
+        (Peer::cyclone(&domain), "y"),
+        (Peer::fastdds(&domain), "turret"),
+        (Peer::fastdds(&domain), "line"),
+    ];
+    let before = program.figures();
+    watchers[0].tell(&format!("watch {NODE} --seconds {}", time + 3));
+    for (seed, (client, axis)) in clients.iter_mut().enumerate() {
+        client.tell(&format!("hammer {NODE} --axis {axis} --seconds {time} --seed {seed}"));
+    }
+    let seen: Vec<Value> = clients.iter_mut().map(|(client, axis)| finished(client, axis)).collect();
+    let watched = finished(&mut watchers[0], "a subscriber meanwhile");
+    let after = program.figures();
+    let (busy, log) = ended(program);
+    assert!(!log.contains("does not keep up"), "{log}");
+
+    for ((_, axis), seen) in clients.iter().zip(&seen) {
+        let answered = seen["answered"].as_u64().expect("a number");
+        println!("hammer on {axis}: {answered} requests answered in {time} s: {}", seen["each"]);
+        assert!(answered > 50 * time, "{axis}: {seen}");
+    }
+    println!("events meanwhile: {}", watched["events"]);
+    println!("memory: {:.1} MiB before, {:.1} MiB after", before.memory, after.memory);
+    println!("work: {:.2} s of {time} s", after.worked - before.worked);
+    println!("idle for {time} s: {idle}");
+    println!("hammered for {time} s: {busy}");
+    let answered: u64 = seen.iter().filter_map(|seen| seen["answered"].as_u64()).sum();
+    let grown = after.memory - before.memory;
+    assert!(grown < 200.0, "{grown} MiB for {answered} requests");
+}
+
+/// What was answered is not kept: a node that serves for months must not grow by what it is asked.
+#[test]
+fn requests_are_not_kept() {
+    let (program, _, domain) = start(&["run"], 0);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run(&format!("many-requests {NODE} --count 300"));
+    let before = program.figures().memory;
+    peer.run(&format!("many-requests {NODE} --count 2000"));
+    let after = program.figures().memory;
+    println!("2000 requests of 50 kB: {before:.1} MiB before, {after:.1} MiB after");
+    // They are 100 MB.
+    assert!(after - before < 40.0, "{before} MiB before, {after} MiB after");
+}
+
+/// The built-in cell with states at 1 kHz.
+fn fast_cell(folder: &Path) -> String {
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
+    let cell = fs::read_to_string(demo).expect("the built-in cell");
+    let fast = cell.replace("axis_states_rate: 100", "axis_states_rate: 1000");
+    assert_ne!(cell, fast);
+    let path = folder.join("fast.yaml");
+    fs::write(&path, fast).expect("a folder of this test");
+    path.to_str().expect("a name of this test").to_owned()
+}
+
+/// A subscriber is frozen for longer than DDS waits for it, one comes after more samples than a writer of the DDS library
+/// keeps by itself, others come and go.
+#[test]
+fn nobody_loses_a_sample_because_of_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (frozen, visits) = (length(12, 30), length(40, 200));
+    let (program, mut watchers, domain) = start(&["run", &fast_cell(folder.path())], 2);
+    let mut sleeper = Peer::cyclone(&domain);
+    sleeper.run(&format!("listen {NODE}"));
+    let mut asker = Peer::cyclone(&domain);
+    asker.run(&format!("axes {NODE} enable x"));
+
+    let begun = Instant::now();
+    let (before, time) = (program.figures(), frozen + 8 + visits / 4);
+    for watcher in &mut watchers {
+        watcher.tell(&format!("watch {NODE} --seconds {time}"));
+    }
+    sleeper.freeze();
+    let mut most = before.memory;
+    let mut asked = 0;
+    while begun.elapsed() < seconds(frozen) {
+        asker.run(&format!("axes {NODE} disable x"));
+        asker.run(&format!("axes {NODE} enable x"));
+        asked += 2;
+        most = most.max(program.figures().memory);
+    }
+    sleeper.thaw();
+    // It is back, whatever it has missed.
+    sleeper.run(&format!("axis-states {NODE}"));
+    let thawed = program.figures();
+
+    // By now the writer has written more than 10,000 samples.
+    let mut late = Peer::cyclone(&domain);
+    let joined = late.run(&format!("watch {NODE} --seconds 1"));
+    assert!(joined["states"].as_u64().expect("a number") > 300, "{joined:?}");
+    let visited = late.run(&format!("join {NODE} --count {visits} --axis y"));
+    let after = program.figures();
+
+    let seen: Vec<Value> = watchers.iter_mut().map(|watcher| finished(watcher, "a watcher")).collect();
+    let (times, log) = ended(program);
+    assert!(!log.contains("does not keep up"), "{log}");
+    assert!(!log.contains("so far)"), "{log}");
+    let last = joined["last"].as_u64().expect("a cycle");
+    assert!(last > 10_000, "the late subscriber came in cycle {last}");
+    same_stream(&seen[0], &seen[1]);
+    for seen in &seen {
+        assert!(seen["last"].as_u64() >= joined["last"].as_u64(), "it was there all the time: {seen}");
+        assert!(seen["events"].as_u64().expect("a number") >= 2 * asked, "accepted and done of each: {seen}");
+    }
+    println!("states watched: {}, longest pause {} s", seen[0]["states"], seen[0]["longest_pause_s"]);
+    println!("{asked} requests while a subscriber was frozen for {frozen} s, events {}", seen[0]["events"]);
+    let worst = |name: &str| visited[name].as_array().and_then(|all| all.last()).cloned().expect("some visits");
+    println!("{visits} visits: first sample after at most {} s", worst("first_sample_s"));
+    println!("{visits} visits: first answer after at most {} s", worst("first_answer_s"));
+    let (before, thawed, after) = (before.memory, thawed.memory, after.memory);
+    println!("memory: {before:.1} MiB before, at most {most:.1} while frozen, {thawed:.1} then, {after:.1} at the end");
+    println!("{times}");
+    // 1000 samples of 800 bytes a second, and as many of everything else, until the lease of the frozen one ends.
+    assert!(most - before < 100.0 && after - before < 100.0, "MiB: {before}, {most}, {thawed}, {after}");
+}
+
+/// The two have seen the same samples, as long as both were there.
+#[track_caller]
+fn same_stream(one: &Value, other: &Value) {
+    let cycles = |seen: &Value| -> Vec<u64> {
+        let runs = seen["cycles"].as_array().expect("runs of cycles");
+        let runs = runs.iter().map(|run| [0, 1, 2].map(|part| run[part].as_u64().expect("a number")));
+        runs.flat_map(|[first, step, count]| (0..count).map(move |n| first + n * step)).collect()
+    };
+    let (one, other) = (cycles(one), cycles(other));
+    let first = one[0].max(other[0]);
+    let last = one[one.len() - 1].min(other[other.len() - 1]);
+    let both = |seen: &[u64]| -> Vec<u64> { seen.iter().copied().filter(|c| (first..=last).contains(c)).collect() };
+    let (one, other) = (both(&one), both(&other));
+    assert!(one.len() > 5000, "{} samples were seen by both", one.len());
+    let missed: Vec<_> = one.iter().filter(|cycle| other.binary_search(cycle).is_err()).take(5).collect();
+    let missed_too: Vec<_> = other.iter().filter(|cycle| one.binary_search(cycle).is_err()).take(5).collect();
+    assert!(missed.is_empty() && missed_too.is_empty(), "only one of them has seen {missed:?} and {missed_too:?}");
+}
+
+/// Samples that are no messages, on everything that the node reads, and texts of 10 MB wherever a text may stand.
+#[test]
+fn nonsense_is_refused_and_does_nothing() {
+    let (program, _, domain) = start(&["run"], 0);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run(&format!("axes {NODE} enable x")); // so that something could move
+    let before = program.figures();
+    let read = peer.run(&format!("everything-read {NODE} --axis x --megabytes 10"));
+    let between = program.figures();
+    peer.run(&format!("long-strings {NODE} --axis x --megabytes 10"));
+    let after = program.figures();
+    for mut peer in [peer, Peer::fastdds(&domain)] {
+        peer.run(&format!("move {NODE} --axis x --mode relative --units increments --position 1000 --wait"));
+    }
+    let (times, log) = ended(program);
+    println!("{} topics, slowest answer to another client after {} s", read["topics"], read["slowest_answer_s"]);
+    let (before, between, after) = (before.memory, between.memory, after.memory);
+    println!("memory: {before:.1} MiB before, {between:.1} after nonsense, {after:.1} after long texts");
+    println!("log of {} bytes; {times}", log.len());
+    assert!(log.len() < 200_000, "the log is {} bytes long: {}", log.len(), &log[..10_000]);
+    assert!(!log.contains("panicked"), "{log}");
+    let longest = log.lines().map(str::len).max().unwrap_or(0);
+    assert!(longest < 3000, "a line of {longest} bytes");
+    // The DDS library keeps them although they were taken, see Qos::depth and docs/interfaces.md: some hundred MB.
+    assert!(after - before < 2500.0, "{before} MiB before, {after} MiB after");
+}

@@ -1,0 +1,169 @@
+//! `~/jog` and `~/setpoints` as publishers on Cyclone DDS give them: what moves, what ends it, what is refused, and what a
+//! recording of it is worth.
+
+mod support;
+
+use std::{process::Command, thread, time::Duration};
+
+use serde_json::Value;
+use support::{domain::Domain, peer::Peer, program::Program};
+
+const EXIT: Duration = Duration::from_secs(30);
+
+/// The built-in demo with x and y switched on, recorded, and who listens to it. Its axes have setpoint_timeout 100 ms.
+struct Demo {
+    listener: Peer,
+    program: Program,
+    domain: Domain,
+    folder: tempfile::TempDir,
+}
+
+impl Demo {
+    fn start() -> Self {
+        let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("room for a folder"));
+        let mut listener = Peer::cyclone(&domain);
+        let bag = folder.path().join("run").display().to_string();
+        // Parts of 2 s: a file may begin while something streams.
+        let arguments = ["run", "--flight-recorder", "0", "--record", &bag, "--max-bag-duration", "2"];
+        let program = Program::start(&arguments, &domain);
+        listener.run("axis-states /lineshaft");
+        listener.run("events /lineshaft");
+        listener.run("axes /lineshaft enable x y");
+        Self { listener, program, domain, folder }
+    }
+
+    fn axis(&mut self, axis: &str) -> Value {
+        self.listener.run("axis-states /lineshaft")["axes"][axis].clone()
+    }
+
+    fn position(&mut self, axis: &str) -> i64 {
+        self.axis(axis)["command_increments"].as_i64().expect("whole increments")
+    }
+
+    /// Waits until an axis stands.
+    #[track_caller]
+    fn stands(&mut self, axis: &str) -> i64 {
+        for _ in 0..100 {
+            let seen = self.axis(axis);
+            if seen["state"] == "STANDSTILL" {
+                assert_eq!(seen["command_velocity"], 0.0, "{seen}");
+                return seen["command_increments"].as_i64().expect("whole increments");
+            }
+            thread::sleep(Duration::from_millis(50));
+        }
+        panic!("{axis} does not come to rest");
+    }
+
+    /// The texts of all events of a kind since the last look.
+    fn events(&mut self, kind: &str) -> Vec<String> {
+        thread::sleep(Duration::from_millis(200));
+        let seen = self.listener.run("events /lineshaft");
+        let messages = seen.all().iter().filter_map(|one| one.get("message"));
+        let wanted = messages.filter(|message| message["kind"] == kind);
+        wanted.filter_map(|message| message["text"].as_str().map(str::to_owned)).collect()
+    }
+
+    /// Ends the run as Ctrl-C does; what was recorded must replay without a difference.
+    #[track_caller]
+    fn end(mut self) {
+        self.program.interrupt();
+        assert_eq!(self.program.wait_exit(EXIT).code(), Some(0), "{}", self.program.log());
+        let bag = self.folder.path().join("run");
+        let replay = Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(bag).output();
+        let output = replay.expect("the program starts");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{text}");
+    }
+}
+
+#[test]
+fn a_jog_moves_while_it_comes_and_its_silence_is_a_controlled_stop_with_a_warning() {
+    let mut demo = Demo::start();
+    let mut hand = Peer::cyclone(&demo.domain);
+    let start = demo.position("x");
+    hand.run("stream /lineshaft jog --axis x=0.05 --seconds 1");
+    let end = demo.stands("x");
+    // 50 mm in 1 s, and 5 mm more until the silence is noticed; between two computers under load much may be late.
+    assert!(end > start, "{start} to {end}");
+    assert_eq!(demo.events("warning"), ["x: streamed setpoints stopped coming"]);
+    // As long as it asks for, and no warning at its end.
+    hand.run("stream /lineshaft jog --axis x=-0.05 --duration 0.05");
+    assert!(demo.stands("x") < end);
+    assert_eq!(demo.events("warning"), [""; 0]);
+    demo.end();
+}
+
+#[test]
+fn a_publisher_that_is_killed_stops_its_axis_and_no_other() {
+    let mut demo = Demo::start();
+    let (mut hand, mut machine) = (Peer::cyclone(&demo.domain), Peer::cyclone(&demo.domain));
+    machine.tell("stream /lineshaft setpoints --axis y=0.01 --seconds 6 --rate 100");
+    hand.tell("stream /lineshaft jog --axis x=0.02 --seconds 60 --rate 100");
+    let moves = |demo: &mut Demo, axis| demo.axis(axis)["state"] == "CONTINUOUS_MOTION";
+    let both = (0..100).any(|_| moves(&mut demo, "x") && moves(&mut demo, "y"));
+    assert!(both, "both move at once");
+    drop(hand);
+    demo.stands("x");
+    let before = demo.position("y");
+    thread::sleep(Duration::from_millis(300));
+    let after = demo.position("y");
+    assert!(after > before || !moves(&mut demo, "y"), "y goes on: {before} to {after}");
+    assert_eq!(machine.answer().1, None);
+    demo.stands("y");
+    let warnings = demo.events("warning");
+    assert!(warnings.contains(&"x: streamed setpoints stopped coming".to_owned()), "{warnings:?}");
+    demo.end();
+}
+
+#[test]
+fn what_is_refused_moves_nothing_and_says_why() {
+    let mut demo = Demo::start();
+    let mut hand = Peer::cyclone(&demo.domain);
+    let start = demo.position("x");
+    for (message, part) in [
+        ("jog --axis x=0.01 --axis w=0.01", "no axis is called `w`"),
+        ("jog --axis x=0.01 --axis x=0.01", "axis `x` stands twice"),
+        ("jog --axis x=nan", "velocity of x"),
+        ("jog --axis x=-inf", "velocity of x"),
+        ("jog --axis x=100", "lies above max_velocity"),
+        ("jog --axis x=0.01 --displacements 1", "displacements has 1 entries"),
+        ("jog --axis x=0.01 --duration -1", "duration is -1 s"),
+        ("jog", "no axis is named"),
+        ("setpoints --axis x=0.01 --axis x=0.01", "axis `x` stands twice"),
+        ("setpoints --axis x=0.01 --age 5", "ms old by its stamp"),
+    ] {
+        // More often than a sentence is told.
+        thread::sleep(Duration::from_millis(1100));
+        hand.run(&format!("stream /lineshaft {message} --seconds 0.1 --rate 200"));
+        let refused = demo.events("refused");
+        let topic = message.split(' ').next().unwrap_or_default();
+        assert!(!refused.is_empty() && refused.len() <= 2, "{message}: {refused:?}");
+        for sentence in refused {
+            assert!(sentence.contains(part) && sentence.contains(topic), "{message}: {sentence}");
+        }
+        assert_eq!(demo.position("x"), start, "{message}");
+    }
+    // A stamp of now is taken.
+    hand.run("stream /lineshaft setpoints --axis x=0.02 --age 0 --seconds 0.2");
+    assert!(demo.stands("x") > start);
+    demo.end();
+}
+
+#[test]
+fn a_stream_that_finds_no_free_axis_is_told_once() {
+    let mut demo = Demo::start();
+    let mut hand = Peer::cyclone(&demo.domain);
+    hand.run("stream /lineshaft jog --axis turret=0.1 --seconds 0.4 --rate 100");
+    let off = "turret: streamed setpoints are not followed: the axis is not enabled; enable it first";
+    let warnings = demo.events("warning");
+    // Under load a pause may have come between.
+    assert!(!warnings.is_empty() && warnings.len() < 10 && warnings.iter().all(|text| text == off), "{warnings:?}");
+    demo.listener.run("move /lineshaft --axis x --position 0.5 --velocity 0.05");
+    hand.run("stream /lineshaft jog --axis x=-0.05 --seconds 0.4 --rate 100");
+    let busy = "x: streamed setpoints are not followed: something else moves the axis";
+    let warnings = demo.events("warning");
+    assert!(!warnings.is_empty() && warnings.iter().all(|text| text.starts_with(busy)), "{warnings:?}");
+    assert_eq!(demo.axis("x")["state"], "DISCRETE_MOTION", "the goal moves on");
+    demo.listener.run("axes /lineshaft halt x");
+    demo.end();
+}

@@ -1,0 +1,409 @@
+//! Trajectories on ROS 2: follow_joint_trajectory and joint_trajectory, seen and driven by a peer on Eclipse Cyclone DDS.
+//!
+//! The demo is the node /lineshaft with x (1048576 inc = 10 mm), y (131072 inc = 20 mm) and turret (36000 inc = 1 rev).
+
+mod support;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+use std::{fs, thread};
+
+use serde_json::{Value, json};
+use support::{
+    domain::Domain,
+    peer::{Observations, Peer},
+    program::Program,
+};
+
+/// Longer than any motion here takes, on a machine that is busy with other things.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A running machine and who talks to it.
+struct Bench {
+    cyclone: Peer,
+    _program: Program,
+    _domain: Domain,
+}
+
+impl Bench {
+    fn start(arguments: &[&str]) -> Self {
+        let domain = Domain::take();
+        let mut cyclone = Peer::cyclone(&domain);
+        let program = Program::start(arguments, &domain);
+        cyclone.run("axis-states /lineshaft");
+        Self { cyclone, _program: program, _domain: domain }
+    }
+
+    /// The demo with all its drives enabled.
+    fn enabled() -> Self {
+        let mut bench = Self::start(&["run"]);
+        bench.cyclone.run("axes /lineshaft enable x y turret");
+        bench
+    }
+
+    fn axis(&mut self, axis: &str) -> Value {
+        self.cyclone.run("axis-states /lineshaft")["axes"][axis].clone()
+    }
+
+    fn command(&mut self, axis: &str) -> i64 {
+        self.axis(axis)["command_increments"].as_i64().expect("a whole number of increments")
+    }
+
+    /// Waits until the axis is as `wanted` says.
+    #[track_caller]
+    fn wait(&mut self, axis: &str, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let state = self.axis(axis);
+            if wanted(&state) {
+                return state;
+            }
+            assert!(Instant::now() < end, "{axis} is not {what}: {state}");
+        }
+    }
+
+    /// Begins a goal and leaves it to itself; its id.
+    #[track_caller]
+    fn leave(&mut self, goal: &str) -> String {
+        let seen = self.cyclone.run(&format!("{goal} --leave"));
+        seen["goal"].as_str().expect("an id").to_owned()
+    }
+
+    /// What stands on /rosout so far.
+    fn log(&mut self) -> String {
+        let seen = self.cyclone.run("log --seconds 1");
+        let lines = seen.all().iter().filter_map(|line| line["message"]["msg"].as_str());
+        lines.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// A goal for all joints of the demo: x and y (m), turret (rad), at rest there after `seconds`.
+fn all(seconds: f64, x: f64, y: f64, turret: f64) -> String {
+    format!("follow /lineshaft --joint x --joint y --joint turret --point {seconds}:{x},{y},{turret}:0,0,0")
+}
+
+fn publish(seconds: f64, x: f64, y: f64, turret: f64) -> String {
+    all(seconds, x, y, turret).replacen("follow", "publish-trajectory", 1)
+}
+
+fn feedback(seen: &Observations) -> &Vec<Value> {
+    seen["feedback"].as_array().expect("a list")
+}
+
+fn nanoseconds(stamp: &Value) -> i64 {
+    stamp["sec"].as_i64().expect("seconds") * 1_000_000_000 + stamp["nanosec"].as_i64().expect("nanoseconds")
+}
+
+#[test]
+fn a_goal_is_reached_and_says_so_as_the_controller_does() {
+    let mut bench = Bench::enabled();
+    // Another order than that of the cell.
+    let seen = bench.cyclone.run(
+        "follow /lineshaft --joint turret --joint x --joint y --point 0.5:0.1,0.02,0.01 --point 1.5:0.3,0.05,0.04:0,0,0",
+    );
+    assert_eq!(seen["status"], "SUCCEEDED");
+    assert_eq!(seen["error"], "SUCCESSFUL");
+    assert_eq!(seen["text"], "Goal successfully reached!");
+    // 50 mm = 5 turns of the spindle; 40 mm = 2 turns of the belt; 36000 * 0.3 / (2 pi) = 1718.9.
+    for (axis, increments) in [("x", 5 * 1_048_576), ("y", 2 * 131_072), ("turret", 1719)] {
+        assert_eq!(bench.command(axis), increments, "{axis}");
+    }
+    let feedback = feedback(&seen);
+    assert!(feedback.len() >= 2, "{} feedback messages in 1.5 s", feedback.len());
+    for message in feedback {
+        assert_eq!(message["joint_names"], json!(["x", "y", "turret"]), "in the order of the cell");
+        for part in ["desired", "actual", "error"] {
+            for field in ["positions", "velocities"] {
+                assert_eq!(message[part][field].as_array().map(Vec::len), Some(3), "{part}.{field}");
+            }
+        }
+        for joint in 0..3 {
+            let [desired, actual, error] =
+                ["desired", "actual", "error"].map(|part| message[part]["positions"][joint].as_f64().unwrap());
+            assert!((desired - actual - error).abs() < 1e-9, "{message}");
+        }
+    }
+    let last = feedback.last().unwrap();
+    assert!(last["desired"]["positions"][0].as_f64().unwrap() <= 0.05 + 1e-9, "{last}");
+}
+
+#[test]
+fn a_joint_beyond_its_path_tolerance_aborts() {
+    let mut bench = Bench::enabled();
+    // x lags by some millimetres at 0.9 m/s.
+    let goal = all(0.5, 0.3, 0.0, 0.0);
+    let seen = bench.cyclone.run(&format!("{goal} --path x:0.0001 --expect ABORTED"));
+    assert_eq!(seen["error"], "PATH_TOLERANCE_VIOLATED");
+    let text = seen["text"].as_str().unwrap();
+    assert!(text.starts_with("Aborted due to path tolerance violation") && text.contains('x'), "{text}");
+    let stands = bench.wait("x", "at rest", |axis| axis["command_velocity"] == 0.0);
+    assert_eq!(stands["enabled"], true, "it stops, and takes the next goal: {stands}");
+    assert!(bench.command("x") < 30 * 1_048_576, "it has not gone on to its target");
+    bench.cyclone.run(&all(1.0, 0.0, 0.0, 0.0));
+}
+
+#[test]
+fn a_joint_that_settles_too_late_aborts() {
+    let mut bench = Bench::enabled();
+    let goal = all(0.5, 0.3, 0.0, 0.0);
+    let seen = bench.cyclone.run(&format!("{goal} --goal x:0.0000001 --goal-time 0.001 --expect ABORTED"));
+    assert_eq!(seen["error"], "GOAL_TOLERANCE_VIOLATED");
+    let text = seen["text"].as_str().unwrap();
+    assert!(text.starts_with("Aborted due to goal_time_tolerance exceeding"), "{text}");
+    // With time to settle the same is reached.
+    let goal = all(0.5, 0.0, 0.0, 0.0);
+    bench.cyclone.run(&format!("{goal} --goal x:0.0000001 --goal-time 10"));
+}
+
+#[test]
+fn a_cancelled_goal_stops_the_joints() {
+    let mut bench = Bench::enabled();
+    let goal = all(4.0, 0.4, 0.2, 1.0);
+    let seen = bench.cyclone.run(&format!("{goal} --cancel-after 1"));
+    assert_eq!(
+        (&seen["status"], &seen["error"], &seen["text"]),
+        (&json!("CANCELED"), &json!("SUCCESSFUL"), &json!(""))
+    );
+    for axis in ["x", "y", "turret"] {
+        let state = bench.axis(axis);
+        assert_eq!((&state["state"], &state["command_velocity"]), (&json!("STANDSTILL"), &json!(0.0)), "{axis}");
+    }
+    let rests = bench.command("x");
+    assert!(rests > 0 && rests < 40 * 1_048_576, "it was on its way: {rests}");
+    assert_eq!(bench.command("x"), rests);
+}
+
+#[test]
+fn a_new_goal_replaces_the_one_in_motion() {
+    let mut bench = Bench::enabled();
+    let first = bench.leave(&all(4.0, 0.4, 0.2, 1.0));
+    bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
+    bench.cyclone.run(&all(2.0, 0.05, 0.04, 0.0));
+    assert_eq!(bench.command("x"), 5 * 1_048_576);
+    let seen = bench.cyclone.run(&format!("followed /lineshaft {first} --expect ABORTED"));
+    assert_eq!(seen["error"], "INVALID_GOAL");
+    let text = seen["text"].as_str().unwrap();
+    assert!(text.starts_with("Current goal cancelled due to new incoming action."), "{text}");
+}
+
+#[test]
+fn a_goal_with_a_stamp_in_the_future_waits_for_it() {
+    let mut bench = Bench::enabled();
+    bench.cyclone.run("axis-states /lineshaft --all");
+    let goal = all(1.0, 0.05, 0.0, 0.0);
+    let seen = bench.cyclone.run(&format!("{goal} --start 2"));
+    let stamp = nanoseconds(&seen["stamp"]);
+    assert!(feedback(&seen).len() > 20, "it is followed while it waits: {} messages", feedback(&seen).len());
+    let states = bench.cyclone.run("axis-states /lineshaft --all");
+    let at = |state: &Value| nanoseconds(&state["stamp"]) - stamp;
+    let command = |state: &Value| state["axes"]["x"]["command_increments"].as_i64().unwrap();
+    let first = states.all().iter().find(|state| command(state) != 0).expect("it has moved");
+    assert!(at(first) > -1_000_000, "it moved {} ns after its stamp", at(first));
+    let there = states.all().iter().find(|state| command(state) == 5 * 1_048_576).expect("it has arrived");
+    // Within a cycle before, and some publications after.
+    assert!((998_000_000..1_500_000_000).contains(&at(there)), "it was there {} ns after its stamp", at(there));
+}
+
+#[test]
+fn a_goal_that_waits_for_its_stamp_can_be_cancelled() {
+    let mut bench = Bench::enabled();
+    let goal = all(1.0, 0.05, 0.0, 0.0);
+    let seen = bench.cyclone.run(&format!("{goal} --start 60 --cancel-after 0.5"));
+    assert_eq!((&seen["status"], &seen["error"]), (&json!("CANCELED"), &json!("SUCCESSFUL")));
+    assert_eq!(bench.command("x"), 0);
+}
+
+#[test]
+fn a_move_of_one_joint_ends_the_trajectory_of_all() {
+    let mut bench = Bench::enabled();
+    let goal = bench.leave(&all(6.0, 0.4, 0.2, 1.0));
+    bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
+    bench.cyclone.run("move /lineshaft --axis x --position 0.1 --wait");
+    assert_eq!(bench.command("x"), 10 * 1_048_576);
+    let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));
+    assert_eq!(seen["error"], "INVALID_GOAL");
+    for axis in ["y", "turret"] {
+        let state = bench.wait(axis, "at rest", |axis| axis["state"] == "STANDSTILL");
+        assert_eq!(state["command_velocity"], 0.0, "{axis}");
+    }
+    assert!(bench.command("y") < 10 * 131_072, "y has stopped on its way");
+}
+
+#[test]
+fn a_goal_that_has_begun_before_goes_on_from_now() {
+    let mut bench = Bench::enabled();
+    let goal = all(3.0, 0.05, 0.0, 0.0);
+    let seen = bench.cyclone.run(&format!("{goal} --start -1"));
+    assert_eq!(seen["status"], "SUCCEEDED");
+    assert_eq!(bench.command("x"), 5 * 1_048_576);
+}
+
+#[test]
+fn goals_that_are_wrong_in_themselves_are_rejected_with_a_sentence() {
+    let mut bench = Bench::enabled();
+    bench.cyclone.run("events /lineshaft --seconds 0");
+    let joints = "follow /lineshaft --joint x --joint y --joint turret";
+    let cases = [
+        ("follow /lineshaft --joint x --point 1:0.05".to_owned(), "joint_names has 1 of x, y, turret"),
+        (format!("{joints} --joint line --point 1:0,0,0,0"), "joint_names has the joint `line`"),
+        ("follow /lineshaft --joint x --joint x --joint y --point 1:0,0,0".to_owned(), "`x` twice"),
+        (joints.to_owned(), "points is empty"),
+        (format!("{joints} --point 1:0.05,0"), "points[0].positions has 2 numbers"),
+        (format!("{joints} --point 1:0.05,0,nan"), "points[0].positions of `turret` is NaN"),
+        (format!("{joints} --point 1:0.05,0,0 --point 1:0.06,0,0"), "points[1].time_from_start is 1 s"),
+        (format!("{joints} --point 1:0.05,0,0:0.1,0,0"), "the velocity of `x` in the last point is 0.1"),
+        (format!("{joints} --point 1:0.05,0,0 --start -5"), "before now"),
+        (format!("{joints} --point 1:0.05,0,0 --path elbow:1"), "path_tolerance has the joint `elbow`"),
+        (format!("{joints} --point 1:0.05,0,0 --goal x:-2"), "goal_tolerance (position) of `x` is -2"),
+        (format!("{joints} --point 1:0.05,0,0 --goal-time -3"), "goal_time_tolerance is -3 s"),
+        (format!("{joints} --point 1:0.05,0,0 --multi-dof"), "multi_dof_trajectory is not empty"),
+    ];
+    for (goal, _) in &cases {
+        assert_eq!(bench.cyclone.fails(goal), "the goal was rejected", "{goal}");
+    }
+    let log = bench.log();
+    let seen = bench.cyclone.run("events /lineshaft --seconds 1");
+    let refused = |event: &&Value| event["message"]["kind"] == "refused";
+    let texts: Vec<_> = seen.all().iter().filter(refused).map(|event| event["message"]["text"].to_string()).collect();
+    for (goal, sentence) in &cases {
+        assert!(log.contains(sentence), "`{sentence}` of `{goal}` is not on /rosout:\n{log}");
+        assert!(texts.iter().any(|text| text.contains(sentence)), "no event says `{sentence}`: {texts:?}");
+    }
+    assert_eq!(bench.command("x"), 0, "nothing has moved");
+}
+
+#[test]
+fn what_state_or_limits_forbid_is_accepted_and_aborted_with_the_sentence() {
+    let mut bench = Bench::start(&["run"]);
+    let aborted = |bench: &mut Bench, goal: &str| {
+        let seen = bench.cyclone.run(&format!("{goal} --expect ABORTED"));
+        assert_eq!(seen["error"], "INVALID_GOAL");
+        seen["text"].as_str().unwrap().to_owned()
+    };
+    let text = aborted(&mut bench, &all(1.0, 0.05, 0.04, 0.0));
+    assert!(text.contains("enable"), "{text}");
+    bench.cyclone.run("axes /lineshaft enable x y turret");
+    let text = aborted(&mut bench, &all(5.0, 0.9, 0.04, 0.0));
+    assert!(text.contains("max_position"), "{text}");
+    let text = aborted(&mut bench, &all(0.3, 0.5, 0.04, 0.0));
+    assert!(text.contains("max_velocity") || text.contains("max_acceleration"), "{text}");
+    assert_eq!(bench.command("x"), 0);
+}
+
+#[test]
+fn partial_goals_are_taken_once_the_parameter_allows_them() {
+    let mut bench = Bench::enabled();
+    let goal = "follow /lineshaft --joint y --point 1:0.04:0";
+    bench.cyclone.fails(goal);
+    bench.cyclone.run("params /lineshaft set allow_partial_joints_goal=true");
+    bench.cyclone.run(goal);
+    assert_eq!((bench.command("x"), bench.command("y")), (0, 2 * 131_072));
+}
+
+#[test]
+fn the_topic_has_the_tolerances_of_the_parameters() {
+    let mut bench = Bench::enabled();
+    bench.cyclone.run("params /lineshaft set constraints.x.trajectory=0.0001");
+    // x lags by some millimetres at 0.9 m/s.
+    bench.cyclone.run(&publish(0.5, 0.3, 0.0, 0.0));
+    bench.wait("x", "moving", |axis| axis["command_increments"].as_i64().unwrap() != 0);
+    bench.wait("x", "at rest", |axis| axis["state"] == "STANDSTILL");
+    assert!(bench.command("x") < 30 * 1_048_576, "it has not gone on to its target");
+    let log = bench.log();
+    assert!(log.contains("x: ") && log.contains("tolerance"), "nobody else is told:\n{log}");
+    // Of a goal it is the same, until the goal says otherwise.
+    let goal = all(0.5, 0.0, 0.0, 0.0).replace("follow /lineshaft", "follow /lineshaft --path x:-1");
+    bench.cyclone.run(&goal);
+}
+
+#[test]
+fn the_topic_moves_and_stops_the_joints() {
+    let mut bench = Bench::enabled();
+    bench.cyclone.run(&publish(1.0, 0.05, 0.04, 0.0));
+    bench.wait("x", "at 50 mm", |axis| axis["command_increments"] == 5 * 1_048_576);
+    bench.wait("y", "at 40 mm", |axis| axis["command_increments"] == 2 * 131_072);
+
+    bench.cyclone.run(&publish(6.0, 0.5, 0.2, 1.0));
+    bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
+    bench.cyclone.run("publish-trajectory /lineshaft");
+    for axis in ["x", "y", "turret"] {
+        bench.wait(axis, "at rest", |axis| axis["state"] == "STANDSTILL");
+    }
+    let rests = bench.command("x");
+    assert!(rests < 50 * 1_048_576, "it has stopped on its way: {rests}");
+
+    bench.cyclone.run("publish-trajectory /lineshaft --joint x --joint elbow --joint y --point 1:0,0,0");
+    let log = bench.log();
+    assert!(log.contains("joint_names has the joint `elbow`; there are x, y, turret"), "{log}");
+    assert_eq!(bench.command("x"), rests);
+}
+
+#[test]
+fn action_and_topic_replace_each_other() {
+    let mut bench = Bench::enabled();
+    let goal = bench.leave(&all(6.0, 0.4, 0.2, 1.0));
+    bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
+    bench.cyclone.run(&publish(6.0, 0.05, 0.04, 0.0));
+    let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));
+    assert_eq!(seen["error"], "INVALID_GOAL");
+    // The topic's is on its way by now; the action takes over.
+    bench.cyclone.run(&all(2.0, 0.1, 0.1, 0.0));
+    assert_eq!(bench.command("x"), 10 * 1_048_576);
+    thread::sleep(Duration::from_millis(300));
+    assert_eq!(bench.command("x"), 10 * 1_048_576, "the topic's has no say any more");
+
+    // A message without points stops what the action has begun, of the joints that it names: and with one of them all.
+    let goal = bench.leave(&all(6.0, 0.4, 0.2, 1.0));
+    bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
+    bench.cyclone.run("publish-trajectory /lineshaft --joint x");
+    let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));
+    assert_eq!(seen["error"], "INVALID_GOAL");
+    for axis in ["x", "y", "turret"] {
+        bench.wait(axis, "at rest", |axis| axis["state"] == "STANDSTILL");
+    }
+}
+
+#[test]
+fn each_group_has_its_own_action_and_topic() {
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
+    let text = fs::read_to_string(demo).unwrap() + "\ngroups:\n  arm: [turret, x]\n  hand: [y]\n";
+    let cell = Path::new(env!("CARGO_TARGET_TMPDIR")).join("groups.yaml");
+    fs::write(&cell, text).unwrap();
+    let mut bench = Bench::start(&["run", cell.to_str().unwrap()]);
+    bench.cyclone.run("axes /lineshaft enable x y turret");
+
+    let seen = bench.cyclone.run("graph /lineshaft");
+    let reads: Vec<_> = seen["reads"].as_array().unwrap().iter().map(|topic| topic.as_str().unwrap()).collect();
+    for name in ["arm", "hand"] {
+        let action = format!("rq/lineshaft/{name}/follow_joint_trajectory/_action/send_goalRequest");
+        assert!(
+            reads.contains(&action.as_str())
+                && reads.contains(&format!("rt/lineshaft/{name}/joint_trajectory").as_str())
+        );
+    }
+    assert!(!reads.iter().any(|topic| topic.contains("lineshaft/follow_joint_trajectory")), "{reads:?}");
+
+    let hand = "follow /lineshaft --group hand --joint y --point 3:0.04:0 --leave";
+    let hand = bench.cyclone.run(hand)["goal"].as_str().unwrap().to_owned();
+    let seen = bench.cyclone.run("follow /lineshaft --group arm --joint x --joint turret --point 1:0.05,0.3:0,0");
+    assert_eq!(feedback(&seen)[0]["joint_names"], json!(["turret", "x"]), "in the order of the group");
+    bench.cyclone.run(&format!("followed /lineshaft {hand} --group hand"));
+    assert_eq!((bench.command("x"), bench.command("y")), (5 * 1_048_576, 2 * 131_072));
+    bench.cyclone.fails("follow /lineshaft --group arm --joint x --joint y --point 1:0,0:0,0");
+}
+
+#[test]
+fn a_goal_of_100_000_knots_is_taken_and_a_longer_one_is_refused() {
+    let mut bench = Bench::enabled();
+    // All points but the first are on the spot; 3 joints in 33,333 points. 3 * 2 numbers of 8 bytes a point: 2 MB.
+    let goal = bench.leave(&format!("{} --fill 33332 --fill-from 1", all(1.0, 0.05, 0.04, 0.0)));
+    bench.wait("x", "at 50 mm", |axis| axis["command_increments"] == 5 * 1_048_576);
+    bench.cyclone.run("axes /lineshaft halt x");
+    let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));
+    assert_eq!(seen["error"], "INVALID_GOAL");
+    // More are refused, and told.
+    let goal = format!("{} --fill 33333 --fill-from 1", all(1.0, 0.05, 0.04, 0.0));
+    assert_eq!(bench.cyclone.fails(&goal), "the goal was rejected");
+    let log = bench.log();
+    assert!(log.contains("100000") && log.contains("100002"), "{log}");
+}
