@@ -160,7 +160,7 @@ impl<P: Serialize> Reply<P> {
         Self { replies, caller: Some(caller), response: PhantomData }
     }
 
-    /// Answers. Waits until the client's reader is matched, at most 200 ms; replies to other clients do not wait for
+    /// Answers. Waits until the client's reader is matched, at most 1 s; replies to other clients do not wait for
     /// it.
     pub async fn send(mut self, response: P) -> Result<(), ReplyError> {
         match self.caller.take() {

@@ -17,7 +17,7 @@ use crate::layer::limiter::{Limiter, more};
 use crate::layer::name::FullName;
 
 /// Longest time for which a reply waits for its reader to be matched, and then for room.
-const PATIENCE: Duration = Duration::from_millis(200);
+const PATIENCE: Duration = Duration::from_secs(1);
 /// Between two tries to write.
 const AGAIN: Duration = Duration::from_millis(5);
 /// Clients whose readers are remembered; more are looked up again.
