@@ -1,5 +1,6 @@
 //! Which parameters the node declares, and what each is worth.
 
+use super::own::type_name;
 use lineshaft_core::config::{MachineConfig, highest_velocity};
 use lineshaft_core::parameter::{
     Applies, BorderType, BorderValue, MACHINE, ParameterImage, ParameterInput, ROWS, Row, Storage, Value,
@@ -135,19 +136,6 @@ impl Declared {
                 Err(format!("{} cannot be {given}; {expected}{kind} is needed", self.name))
             }
         }
-    }
-}
-
-/// What a type is called.
-fn type_name(number: u8) -> &'static str {
-    match number {
-        ParameterType::PARAMETER_NOT_SET => "without a value",
-        ParameterType::PARAMETER_BOOL => "a bool",
-        ParameterType::PARAMETER_INTEGER => "an integer",
-        ParameterType::PARAMETER_DOUBLE => "a double",
-        ParameterType::PARAMETER_STRING => "a string",
-        ParameterType::PARAMETER_BYTE_ARRAY..=ParameterType::PARAMETER_STRING_ARRAY => "an array",
-        _ => "of an unknown type",
     }
 }
 

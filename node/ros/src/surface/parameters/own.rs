@@ -110,7 +110,6 @@ impl OwnParameters {
     }
 
     /// A number; 0 where there is none.
-    #[allow(dead_code, reason = "trajectories will read numbers")]
     pub(crate) fn real(&self, name: &str) -> f64 {
         match self.get(name) {
             Some(own) if own.value.r#type == ParameterType::PARAMETER_DOUBLE => own.value.double_value,
@@ -231,14 +230,15 @@ fn is_whole_step(number: i64, from: i64, to: i64, step: u64) -> bool {
 }
 
 /// What a type is called.
-fn type_name(number: u8) -> &'static str {
+pub(super) fn type_name(number: u8) -> &'static str {
     match number {
         ParameterType::PARAMETER_NOT_SET => "without a value",
         ParameterType::PARAMETER_BOOL => "a bool",
         ParameterType::PARAMETER_INTEGER => "an integer",
         ParameterType::PARAMETER_DOUBLE => "a double",
         ParameterType::PARAMETER_STRING => "a string",
-        ParameterType::PARAMETER_BYTE_ARRAY => "a list of bytes",
+        // An empty list says nothing of what it is a list of, and comes as one of bytes.
+        ParameterType::PARAMETER_BYTE_ARRAY => "a list",
         ParameterType::PARAMETER_BOOL_ARRAY => "a list of bools",
         ParameterType::PARAMETER_INTEGER_ARRAY => "a list of integers",
         ParameterType::PARAMETER_DOUBLE_ARRAY => "a list of doubles",

@@ -70,6 +70,6 @@ mod tests {
                         -p x.profile: x.profile cannot be an integer; a string is needed; `lineshaft params CELL` names";
         assert!(error.starts_with(expected), "{error}");
         let empty = start_command(&config, &mut given("x.min_position:=[]")).unwrap_err();
-        assert!(empty.starts_with("-p x.min_position: x.min_position cannot be an array"), "{empty}");
+        assert!(empty.starts_with("-p x.min_position: x.min_position cannot be a list;"), "{empty}");
     }
 }
