@@ -72,7 +72,8 @@ const OWN_INTERFACES: [(&str, &str); 20] = [
         float64[] analog
         int64[] encoder_count
         uint32[] encoder_epoch
-        bool[] encoder_valid
+        bool[] encoder_valid encoder_has_index
+        int64[] encoder_index
         int64[] drive_count
         uint32[] drive_epoch
         float64[] drive_velocity drive_effort
@@ -80,6 +81,9 @@ const OWN_INTERFACES: [(&str, &str); 20] = [
         int8[] drive_mode
         uint16[] drive_fault
         bool[] drive_online drive_fresh
+        uint32[] drive_inputs
+        bool[] drive_has_index
+        int64[] drive_index
         string[] latch_object
         uint8[] latch_edge
         bool[] latch_has_age
@@ -111,7 +115,7 @@ const OWN_INTERFACES: [(&str, &str); 20] = [
         "action/ProbeAxis",
         "uint8 ABSOLUTE=0 RELATIVE=1
         uint8 SI=0 AXIS_UNIT=1 INCREMENTS=2
-        uint8 RISING=0 FALLING=1 BOTH=2
+        uint8 RISING=0 FALLING=1 BOTH=2 INDEX=3
         string axis
         uint8 mode units
         float64 position velocity acceleration deceleration jerk

@@ -222,6 +222,8 @@ fn inputs_have_every_array_in_its_place() {
         encoder_count: vec![-1],
         encoder_epoch: vec![2],
         encoder_valid: vec![true],
+        encoder_has_index: vec![true],
+        encoder_index: vec![-2],
         drive_count: vec![7],
         drive_epoch: vec![0],
         drive_velocity: vec![1.0],
@@ -231,6 +233,9 @@ fn inputs_have_every_array_in_its_place() {
         drive_fault: vec![0],
         drive_online: vec![true],
         drive_fresh: vec![false],
+        drive_inputs: vec![5],
+        drive_has_index: vec![false],
+        drive_index: vec![0],
         latch_object: vec!["m".to_owned()],
         latch_edge: vec![CycleInputs::RISING],
         latch_has_age: vec![true],
@@ -241,9 +246,11 @@ fn inputs_have_every_array_in_its_place() {
     };
     let expected = "0500000000000000 01000000 01000000 0300000000000000 00000000
         01000000 ffffffffffffffff 01000000 02000000 01000000 01 | 000000
+        01000000 01 | 000000 | 01000000 | 00000000 | feffffffffffffff
         01000000 | 00000000 | 0700000000000000 01000000 00000000 01000000 | 00000000 | 000000000000f03f
         01000000 | 00000000 | 000000000000e03f 01000000 2706 | 0000 | 01000000 08 | 000000 | 01000000 0000 | 0000
-        01000000 01 | 000000 | 01000000 00 | 000000 | 01000000 02000000 6d 00 | 0000
+        01000000 01 | 000000 | 01000000 00 | 000000 | 01000000 05000000
+        01000000 00 | 000000 | 01000000 | 00000000 | 0000000000000000 | 01000000 02000000 6d 00 | 0000
         01000000 01 | 000000 | 01000000 01 | 000000 | 01000000 30570500 01000000 00 | 000000
         01000000 | 0000000000000000 04000000";
     is_on_the_wire(message, expected);
