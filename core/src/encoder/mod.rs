@@ -1,67 +1,27 @@
 //! Counts to positions.
 //!
-//! Law      position(k) = position(k-1) + change, change = count(k) - count(k-1), the shortest way around 2^bits
-//! Reads    raw counts of `bits` width, their epoch and validity
+//! Law      position(k) = position(k-1) + change, change = count(k) - count(k-1), the shortest way around the source's circle
+//! Reads    raw words of a source, their epoch and validity
 //! Writes   a position that does not wrap (inc), its change and its velocity
-//! Refuses  an invalid value: the last position stays, the change is 0, and it is reported
-//! Source   MACS-ENC-07; a new epoch is no motion (contract section 8)
+//! Refuses  a value that is none: the last position stays, the change is 0, and it is reported; a source that corrects puts an
+//!          extrapolated one in its place, at most 100 times in a row
+//! Source   MACS-ENC-01, -07, -08, A-11; a new epoch is no motion (contract section 8)
 
+mod absolute;
+mod counter;
+mod pulses;
+mod reader;
+pub mod source;
+
+pub use absolute::{Absolute, Bad, WordCode};
+pub use counter::{Circle, Counter};
+pub use pulses::{PulseCheck, Pulses};
+pub use reader::{Form, MOST_SUBSTITUTED, Reader, Reading};
+pub use source::Feedback;
+
+use crate::drive::EncoderInput;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
-
-/// Unwraps the counts of one source.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Counter {
-    bits: u32,
-    last: Option<(i64, u32)>,
-    position: i64,
-}
-
-impl Counter {
-    /// A source of counts of 1 to 64 bits.
-    pub fn new(bits: u32) -> Self {
-        Self { bits: bits.clamp(1, 64), last: None, position: 0 }
-    }
-
-    /// Does it unwrap counts of the same width?
-    pub fn has_width_of(&self, other: &Self) -> bool {
-        self.bits == other.bits
-    }
-
-    /// Takes the counts of this cycle and returns their change (inc); the first counts are the position itself.
-    pub fn take(&mut self, count: i64, epoch: u32) -> i64 {
-        let change = match self.last {
-            Some((last, same)) if same == epoch => self.shortest(count, last),
-            Some(_) => 0,
-            None => {
-                self.position = count;
-                0
-            }
-        };
-        self.last = Some((count, epoch));
-        // Beyond 2^63 the position wraps, as its source would.
-        self.position = self.position.wrapping_add(change);
-        change
-    }
-
-    /// The position of raw counts near the last ones (inc).
-    pub fn locate(&self, count: i64) -> i64 {
-        let (last, _) = self.last.unwrap_or((count, 0));
-        self.position.wrapping_add(self.shortest(count, last))
-    }
-
-    /// The position so far (inc).
-    pub fn position(&self) -> i64 {
-        self.position
-    }
-
-    /// The shortest way from `last` to `count` on a circle of 2^bits.
-    fn shortest(&self, count: i64, last: i64) -> i64 {
-        // Shifting the difference to the top and back extends its sign; wrapping is the point.
-        let spare = 64 - self.bits;
-        count.wrapping_sub(last).wrapping_shl(spare).wrapping_shr(spare)
-    }
-}
 
 /// What an axis can follow, as it stands in this cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -78,40 +38,88 @@ pub struct Lead {
     pub valid: bool,
 }
 
-/// An encoder that leads.
+/// What an encoder tells once, when it begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Told {
+    /// It gives no value that can be used.
+    Invalid,
+    /// A bad value was replaced by an extrapolated one, the first of a row.
+    Substituted,
+    /// Pulses are missing or too many (inc).
+    Pulses {
+        /// By so many.
+        by: i64,
+        /// So many are allowed.
+        tolerance: i64,
+    },
+}
+
+/// An entry of section `encoders`, which any number of axes may use.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Encoder {
-    counter: Counter,
+    reader: Reader,
+    check: Option<PulseCheck>,
+    pulses: Pulses,
     lead: Lead,
 }
 
 impl Encoder {
-    /// An encoder of `bits` width.
-    pub fn new(bits: u32) -> Self {
-        Self { counter: Counter::new(bits), lead: Lead { counted: true, ..Lead::default() } }
+    /// An encoder whose words have that form.
+    pub fn new(form: Form, check: Option<PulseCheck>) -> Self {
+        let lead = Lead { counted: true, ..Lead::default() };
+        Self { reader: Reader::new(form), check, pulses: Pulses::default(), lead }
     }
 
-    /// Does it unwrap counts of the same width?
-    pub fn has_width_of(&self, other: &Self) -> bool {
-        self.counter.has_width_of(&other.counter)
+    /// Is it the same encoder, wherever it stands?
+    pub fn is_set_up_as(&self, other: &Self) -> bool {
+        self.reader.form() == other.reader.form() && self.check == other.check
     }
 
-    /// One cycle.
-    pub fn step(&mut self, count: i64, epoch: u32, valid: bool, cycle_s: f64) -> Lead {
-        let change = if valid { self.counter.take(count, epoch) } else { 0 };
+    /// Could its state have come about?
+    pub fn is_sound(&self) -> bool {
+        self.reader.is_sound() && self.lead.velocity.is_finite()
+    }
+
+    /// One cycle; what begins in it is told.
+    pub fn step(&mut self, input: &EncoderInput, cycle_s: f64) -> Option<Told> {
+        let was_valid = self.lead.valid;
+        let reading = self.reader.take(input.count, input.epoch, input.valid);
+        let position = self.reader.position();
+        let mark = input.index.filter(|_| reading.valid).map(|count| self.reader.locate(count));
+        if reading.restarted {
+            self.pulses = Pulses::default();
+        }
+        let off = self.check.and_then(|check| self.pulses.step(&check, position, reading.change, mark));
         self.lead = Lead {
-            position: Position::whole(self.counter.position()),
-            change: Position::whole(change),
-            velocity: change as f64 / cycle_s,
+            position: Position::whole(position),
+            change: Position::whole(reading.change),
+            velocity: reading.change as f64 / cycle_s,
             counted: true,
-            valid,
+            valid: reading.valid && off.is_none(),
         };
-        self.lead
+        match off {
+            Some(by) => Some(Told::Pulses { by, tolerance: self.check.map_or(0, |check| check.tolerance) }),
+            None if was_valid && !reading.valid => Some(Told::Invalid),
+            None if reading.substituted && self.reader.bad_in_a_row() == 1 => Some(Told::Substituted),
+            None => None,
+        }
+    }
+
+    /// Its value is `by` (inc) more from now on, for whoever reads it. That is no motion.
+    pub fn shift(&mut self, by: i64) {
+        self.reader.shift(by);
+        self.pulses.shift(by);
+        self.lead.position += Position::whole(by);
     }
 
     /// The position of raw counts near those of this cycle (inc).
     pub fn locate(&self, count: i64) -> i64 {
-        self.counter.locate(count)
+        self.reader.locate(count)
+    }
+
+    /// Bad values so far.
+    pub fn errors(&self) -> u64 {
+        self.reader.errors()
     }
 
     /// As of this cycle.
@@ -121,63 +129,4 @@ impl Encoder {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn a_16_bit_source_wraps_without_a_trace_in_both_directions() {
-        let mut counter = Counter::new(16);
-        for count in [65_530, 65_535, 4, 9, 65_533, 65_528] {
-            counter.take(count, 0);
-        }
-        assert_eq!(counter.position(), 65_530 + 5 + 5 + 5 - 12 - 5);
-    }
-
-    #[test]
-    fn a_32_bit_source_wraps_without_a_trace() {
-        let mut counter = Counter::new(32);
-        let start = i64::from(i32::MAX) - 2;
-        counter.take(start, 0);
-        counter.take(i64::from(i32::MIN) + 2, 0);
-        assert_eq!(counter.position(), start + 5);
-        counter.take(i64::from(i32::MAX), 0);
-        assert_eq!(counter.position(), start + 2);
-    }
-
-    #[test]
-    fn a_new_epoch_is_no_motion() {
-        let mut counter = Counter::new(64);
-        counter.take(1000, 1);
-        assert_eq!(counter.take(0, 2), 0);
-        assert_eq!(counter.take(3, 2), 3);
-        assert_eq!(counter.position(), 1003);
-    }
-
-    #[test]
-    fn an_invalid_value_is_left_out_and_what_moved_meanwhile_is_caught_up() {
-        let mut encoder = Encoder::new(64);
-        encoder.step(10, 0, true, 0.001);
-        assert!(!encoder.step(999_999, 0, false, 0.001).valid);
-        assert_eq!(encoder.lead().change, Position::ZERO);
-        assert_eq!(encoder.step(13, 0, true, 0.001).position, Position::whole(13));
-    }
-
-    proptest! {
-        #[test]
-        fn any_walk_of_any_width_is_followed(
-            bits in 3_u32..=64, start in any::<i64>(), steps in prop::collection::vec(-3_i64..=3, 1..300),
-        ) {
-            let mask = if bits == 64 { u64::MAX } else { (1 << bits) - 1 };
-            let mut counter = Counter::new(bits);
-            let mut real = start;
-            counter.take((real as u64 & mask) as i64, 0);
-            let first = counter.position();
-            for step in steps {
-                real = real.wrapping_add(step);
-                prop_assert_eq!(counter.take((real as u64 & mask) as i64, 0), step);
-            }
-            prop_assert_eq!(counter.position().wrapping_sub(first), real.wrapping_sub(start));
-        }
-    }
-}
+mod tests;

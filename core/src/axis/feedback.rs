@@ -1,0 +1,448 @@
+//! Where the actual position of an axis comes from.
+//!
+//! Law      position(k) = position(k-1) + change of the source; the first value of a source is the position itself, unless the
+//!          change to it is soft. An encoder of section `encoders` is one physical thing with many users: each has its own
+//!          offset to it
+//! Reads    the drive's words, the encoders as they stand in this cycle, ENCODERTYPE, ENCCONTROL, MD4, MD5, MD34, MD41
+//! Writes   actual position, change, velocity; the last index pulse; what supervision has found
+//! Refuses  sources that the cell does not have, sources that a drive which closes the loop itself does not read
+//! Source   MACS-ENC-01, -04, -07, -08, -11, -12, -13; WF-ABS, WF-MON-01, -02; contract section 8
+
+use super::{Axis, AxisState, Context};
+use crate::code::Code;
+use crate::drive::{DriveInput, EncoderInput, Interface};
+use crate::encoder::{Absolute, Encoder, Form, Lead, PulseCheck, Pulses, Reader, WordCode, source};
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::parameter::AxisParameters;
+use crate::position::Position;
+use crate::vocabulary::Owner;
+use serde::{Deserialize, Serialize};
+
+/// What the cell says of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Wired {
+    /// The drive tells it in words of that form.
+    Drive(Form),
+    /// An entry of section `encoders`.
+    Encoder(u16),
+}
+
+impl Default for Wired {
+    /// Counts that do not wrap.
+    fn default() -> Self {
+        Self::Drive(Form::Incremental(64))
+    }
+}
+
+/// Where the position comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Source {
+    /// The drive, in words of that form.
+    Drive(Form),
+    /// An entry of section `encoders`.
+    Encoder(u16),
+    /// The command, while the axis is on (MACS-ENC-13); off, where the drive stands.
+    Simulated,
+}
+
+impl Source {
+    /// What parameters make of what the cell says.
+    ///
+    /// # Errors
+    /// The key of the parameter that asks for something that is not there, and why not.
+    pub fn of(wired: Wired, encoders: usize, p: &AxisParameters) -> Result<Self, (&'static str, Code)> {
+        use source::Feedback;
+        const KEY: &str = "encodertype";
+        let own = || match wired {
+            Wired::Drive(_) if p.encoder.md4 == 1 => Self::Drive(Form::Absolute(p.encoder.module())),
+            Wired::Drive(form) => Self::Drive(form),
+            Wired::Encoder(place) => Self::Encoder(place),
+        };
+        let chosen = Feedback::decode(p.encoder.encodertype).ok_or((KEY, Code::ENCODER_UNKNOWN_TYPE))?;
+        if p.encoder.md4 == 1 && (chosen != Feedback::Incremental || matches!(wired, Wired::Encoder(_))) {
+            return Err(("wf.md4", Code::ENCODER_CHOSEN_TWICE));
+        }
+        match chosen {
+            Feedback::Incremental | Feedback::SineCosine => Ok(own()),
+            Feedback::Absolute { corrects, .. } => match wired {
+                Wired::Drive(form) => {
+                    let steps = u32::try_from(p.macs.encoder).unwrap_or(u32::MAX).max(2);
+                    let encoder = match form {
+                        Form::Absolute(encoder) => encoder,
+                        Form::Incremental(_) => Absolute::single_turn(steps),
+                    };
+                    Ok(Self::Drive(Form::Absolute(Absolute { overflow: !corrects, corrects, ..encoder })))
+                }
+                Wired::Encoder(_) => Err((KEY, Code::ENCODER_CHOSEN_TWICE)),
+            },
+            Feedback::Simulated => Ok(Self::Simulated),
+            Feedback::Terminal(number) if usize::from(number) <= encoders => Ok(Self::Encoder(u16::from(number) - 1)),
+            Feedback::Terminal(_) => Err((KEY, Code::ENCODER_NO_TERMINAL)),
+            Feedback::Bus(_) => Err((KEY, Code::ENCODER_NEEDS_BUS)),
+        }
+    }
+
+    /// Can a loop that is closed there use it? A drive with interface position closes it with its own encoder, whose words it
+    /// decodes itself.
+    pub fn fits(self, interface: Interface) -> bool {
+        match self {
+            Self::Drive(Form::Absolute(encoder)) => {
+                interface != Interface::Position || encoder.code == WordCode::Binary && !encoder.corrects
+            }
+            Self::Drive(Form::Incremental(_)) | Self::Simulated => true,
+            Self::Encoder(_) => interface != Interface::Position,
+        }
+    }
+
+    /// Form of the words that the drive tells.
+    fn form(self) -> Form {
+        match self {
+            Self::Drive(form) => form,
+            Self::Encoder(_) | Self::Simulated => Form::Incremental(64),
+        }
+    }
+}
+
+/// May the axis read what its parameters say?
+///
+/// # Errors
+/// The key that says otherwise, and why it may not.
+pub fn may_read(
+    wired: Wired,
+    encoders: usize,
+    interface: Option<Interface>,
+    parameters: &AxisParameters,
+) -> Result<(), (&'static str, Code)> {
+    let Some(interface) = interface else { return Ok(()) };
+    let source = Source::of(wired, encoders, parameters)?;
+    let key = if parameters.encoder.md4 == 1 { "wf.md4" } else { "encodertype" };
+    if source.fits(interface) { Ok(()) } else { Err((key, Code::ENCODER_LOOP_IN_DRIVE)) }
+}
+
+/// What an axis remembers of its source.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Sensor {
+    source: Source,
+    /// The source is new: its first value is the position, or the position stays this (inc, in the sense of the drive).
+    starts: Option<Option<i64>>,
+    /// Raw count of this cycle.
+    pub raw: i64,
+    /// An index pulse came in this cycle.
+    marked: bool,
+    pulses: Pulses,
+    /// What supervision has found in this cycle.
+    found: Option<Found>,
+    /// By how much a new source has moved the coordinate.
+    moved: Position,
+    /// Others who share the encoder have moved its value by so much (inc, in the sense of the drive).
+    pending: i64,
+    /// By how much the encoder itself is to be moved (inc, in its sense).
+    shared: i64,
+}
+
+/// What supervision finds, to be told when events may be.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+enum Found {
+    Substituted,
+    Pulses { by: i64, tolerance: i64 },
+}
+
+impl Sensor {
+    pub(super) fn new(wired: Wired, encoders: usize, parameters: &AxisParameters) -> Self {
+        // What cannot be read was refused before.
+        let source = Source::of(wired, encoders, parameters).unwrap_or(Source::Drive(Form::Incremental(64)));
+        Self {
+            source,
+            starts: matches!(source, Source::Encoder(_)).then_some(None),
+            raw: 0,
+            marked: false,
+            pulses: Pulses::default(),
+            found: None,
+            moved: Position::ZERO,
+            pending: 0,
+            shared: 0,
+        }
+    }
+
+    /// Reads the drive's words.
+    pub(super) fn reader(&self) -> Reader {
+        Reader::new(self.source.form())
+    }
+
+    pub(super) fn is_simulated(&self) -> bool {
+        self.source == Source::Simulated
+    }
+}
+
+impl Axis {
+    /// Takes over the source that its parameters name.
+    fn choose_source(&mut self) {
+        let chosen = Source::of(self.setup.wired, self.setup.encoders, &self.parameters);
+        let Ok(source) = chosen else { return };
+        if source == self.sensor.source {
+            return;
+        }
+        let soft = self.parameters.encoder.enccontrol & 1 == 1;
+        self.sensor = Sensor {
+            source,
+            starts: Some(soft.then_some(self.counter.position())),
+            pulses: Pulses::default(),
+            ..self.sensor
+        };
+        self.counter = self.sensor.reader();
+        if !soft {
+            self.homing.forget();
+        }
+    }
+
+    /// Reads its source. Inputs of all axes are read before any axis moves.
+    pub(super) fn read_source(&mut self, input: &DriveInput, encoders: &[Encoder], raw: &[EncoderInput]) {
+        let before = self.counter.position();
+        self.choose_source();
+        let cycle_s = self.cycle_s();
+        let index;
+        let mut lead = Lead { counted: true, ..Lead::default() };
+        let mut changed = 0;
+        match self.sensor.source {
+            Source::Drive(_) | Source::Simulated => {
+                self.sensor.raw = input.count;
+                if input.online {
+                    if self.counter.epoch().is_some_and(|epoch| epoch != input.epoch) {
+                        self.note_new_coordinate();
+                    }
+                    let reading = self.counter.take(input.count, input.epoch, true);
+                    changed = reading.change;
+                    lead.valid = reading.valid;
+                    if reading.substituted && self.counter.bad_in_a_row() == 1 {
+                        self.sensor.found = Some(Found::Substituted);
+                    }
+                    if reading.restarted {
+                        self.sensor.pulses = Pulses::default();
+                    }
+                }
+                let told = matches!(self.counter.form(), Form::Incremental(_));
+                lead.velocity = if told { input.velocity } else { changed as f64 / cycle_s };
+                index = input.index.filter(|_| input.online).map(|count| self.counter.locate(count));
+            }
+            Source::Encoder(place) => {
+                let place = usize::from(place);
+                let (encoder, word) = (encoders.get(place), raw.get(place).copied().unwrap_or_default());
+                let of = encoder.map(Encoder::lead).unwrap_or_default();
+                self.sensor.raw = word.count;
+                (changed, lead.valid, lead.velocity) = (of.change.floor(), of.valid, of.velocity);
+                self.counter.advance(changed);
+                if self.sensor.starts.is_some() && of.valid {
+                    changed = 0;
+                    self.counter.shift(of.position.floor().wrapping_sub(self.counter.position()));
+                }
+                let offset = self.counter.position().wrapping_sub(of.position.floor());
+                let mark = word.index.filter(|_| of.valid).zip(encoder);
+                index = mark.map(|(count, encoder)| encoder.locate(count).wrapping_add(offset));
+            }
+        }
+        if let Some(kept) = self.sensor.starts.filter(|_| lead.valid) {
+            self.sensor.starts = None;
+            match kept {
+                Some(kept) => self.counter.shift(kept.wrapping_sub(self.counter.position())),
+                None => {
+                    let way = self.turn_counts(self.counter.position().wrapping_sub(before));
+                    self.sensor.moved += Position::whole(way);
+                }
+            }
+        }
+        let count = self.counter.count().unwrap_or(input.count);
+        self.origin = self.counter.position().wrapping_sub(count);
+        self.sensor.marked = index.is_some();
+        if let Some(mark) = index {
+            self.index = (self.index.0.wrapping_add(1), Position::whole(self.turn_counts(mark)));
+        }
+        self.check_pulses(changed, index);
+        self.actual = Lead {
+            position: Position::whole(self.turn_counts(self.counter.position())),
+            change: Position::whole(self.turn_counts(changed)),
+            velocity: self.across(lead.velocity),
+            ..lead
+        };
+    }
+
+    /// The place of the index pulse of this cycle, of whatever encoder it reads.
+    pub(super) fn index_of_cycle(&self) -> Option<Position> {
+        self.sensor.marked.then_some(self.index.1)
+    }
+
+    /// Where monitoring is selected (MD41), the index watches the pulses (WF-MON-02).
+    fn check_pulses(&mut self, change: i64, mark: Option<i64>) {
+        let p = &self.parameters;
+        let is_counted = matches!(self.sensor.source, Source::Drive(Form::Incremental(_)));
+        if !is_counted || p.encoder.md41 == 0 || p.encoder.md34 == 0 {
+            return;
+        }
+        // Counts of 1 ms at the highest speed, and 4 (W12); the cast saturates.
+        let tolerance = ((p.max_velocity / 1000.0) as i64).saturating_add(4);
+        let check = PulseCheck { every: p.encoder.md34.saturating_mul(4), tolerance };
+        if let Some(by) = self.sensor.pulses.step(&check, self.counter.position(), change, mark) {
+            self.sensor.found = Some(Found::Pulses { by: self.turn_counts(by), tolerance });
+        }
+    }
+
+    /// Every count of its coordinate is `by` more from now on (in the sense of the drive).
+    pub(super) fn shift_pulses(&mut self, by: i64) {
+        self.sensor.pulses.shift(by);
+    }
+
+    /// Tells what supervision of the encoder has found.
+    pub(super) fn supervise_source(&mut self, cx: &mut Context<'_>) {
+        if let Some((found, allowed)) = self.jump() {
+            // Whichever of its counts are right, those of its zero are not known any more.
+            self.homing.forget();
+            if !self.is_on() {
+                let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::ENCODER_JUMP);
+                cx.events.push(Event { position: self.actual.position, ..event.with(found, allowed) });
+            }
+        }
+        match self.sensor.found.take() {
+            None => {}
+            Some(Found::Substituted) => {
+                let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::ENCODER_SUBSTITUTED);
+                let errors = Number::Count(self.counter.errors().min(i64::MAX as u64).cast_signed());
+                cx.events.push(Event { position: self.actual.position, ..event.with(errors, Number::None) });
+            }
+            Some(Found::Pulses { by, tolerance }) => {
+                let (found, allowed) = (Number::Position(by), Number::Position(tolerance));
+                if self.is_on() {
+                    self.fail_with(cx, Code::WF_PULSES, found, allowed);
+                } else {
+                    let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::WF_PULSES);
+                    cx.events.push(Event { position: self.actual.position, ..event.with(found, allowed) });
+                }
+            }
+        }
+    }
+
+    /// Why the axis has no position, if it has none although its drive answers.
+    pub(super) fn source_failure(&self) -> Option<Code> {
+        let code = if self.parameters.encoder.md41 == 1 { Code::WF_ENCODER_CABLE } else { Code::ENCODER_INVALID };
+        (!self.actual.valid).then_some(code)
+    }
+
+    /// Moves the coordinate as others have done who share the encoder; what a new source has moved is told as well.
+    pub(super) fn take_shifts(&mut self, cx: &mut Context<'_>) {
+        let pending = std::mem::take(&mut self.sensor.pending);
+        if pending != 0 {
+            let by = self.turn_counts(pending);
+            self.move_coordinate(by);
+            self.shift_limits(cx, by);
+            // As with a zero of its own: what a vocabulary was up to was meant in the coordinate of before.
+            self.owner = Owner::Native;
+        }
+        self.moved += std::mem::take(&mut self.sensor.moved);
+    }
+
+    /// A new zero: the encoder itself is moved for all of its users, unless the zero is soft (MACS-ENC-11).
+    pub(super) fn share_shift(&mut self, by: i64) {
+        if self.shares().is_some() {
+            self.sensor.shared = self.sensor.shared.wrapping_add(self.turn_counts(by));
+        }
+    }
+
+    /// The encoder that it would move with a new zero.
+    pub fn shares(&self) -> Option<u16> {
+        match self.sensor.source {
+            Source::Encoder(place) if self.parameters.encoder.enccontrol & 2 == 0 => Some(place),
+            _ => None,
+        }
+    }
+
+    /// Does it read that entry of section `encoders`?
+    pub fn reads(&self, encoder: u16) -> bool {
+        self.sensor.source == Source::Encoder(encoder)
+    }
+
+    /// By how much the encoder that it reads is to be moved for all (inc).
+    pub fn take_shared(&mut self) -> Option<(u16, i64)> {
+        let by = std::mem::take(&mut self.sensor.shared);
+        self.shares().filter(|_| by != 0).map(|place| (place, by))
+    }
+
+    /// Can its limits go with the encoder (inc, in its sense)?
+    pub fn follows_encoder(&self, by: i64) -> bool {
+        self.limit_out_of_range(self.turn_counts(by)).is_none()
+    }
+
+    /// The encoder that it reads was moved by someone else: its coordinate follows in the next cycle.
+    pub fn shift_with_encoder(&mut self, by: i64) {
+        self.sensor.pending = self.sensor.pending.wrapping_add(by);
+    }
+
+    /// Has it an absolute encoder by ENCODERTYPE, whose zero no command moves (MACS-ENC-10)?
+    pub(super) fn has_fixed_zero(&self) -> bool {
+        let chosen = source::Feedback::decode(self.parameters.encoder.encodertype);
+        !self.is_virtual() && matches!(chosen, Some(source::Feedback::Absolute { .. }))
+    }
+
+    /// Refuses to move a zero that stands.
+    pub(super) fn check_zero_moves(&self) -> Result<(), Refusal> {
+        if self.has_fixed_zero() { Err(self.refuse(Code::ABSOLUTE_ZERO_STANDS)) } else { Ok(()) }
+    }
+
+    /// Does it know where it is: by homing, or because an absolute encoder tells it?
+    pub(super) fn knows_zero(&self) -> bool {
+        self.homing.is_homed() || self.has_fixed_zero() && self.actual.valid
+    }
+
+    /// Does it stand still, with nothing to do?
+    pub fn stands_idle(&self) -> bool {
+        (self.rests() || !self.is_on()) && self.goal.is_none() && !self.homing.is_running()
+    }
+
+    /// Is what others see of its position its command?
+    pub fn shows_command(&self) -> bool {
+        self.is_virtual() || self.is_simulated() && self.is_on()
+    }
+
+    /// How far the encoder has moved in this cycle, if that is further than its axis can.
+    fn jump(&self) -> Option<(Number, Number)> {
+        let allowed = self.parameters.encoder.max_jump.filter(|_| !self.is_simulated())?;
+        let change = self.actual.change.floor();
+        let is_jump = change.unsigned_abs() > allowed.unsigned_abs();
+        is_jump.then_some((Number::Position(change), Number::Position(allowed)))
+    }
+
+    /// A jump stops an axis that is on in its cycle, whatever time a following error may take.
+    pub(super) fn judge_jump(&mut self, cx: &mut Context<'_>) {
+        let Some((found, allowed)) = self.jump().filter(|_| !self.is_virtual()) else { return };
+        // An error that stops nothing does not stand for it.
+        if self.state != AxisState::ErrorStop {
+            self.react(cx, Code::ENCODER_JUMP, found, allowed);
+        }
+    }
+
+    /// Is its actual position its command (MACS-ENC-13)?
+    pub(super) fn is_simulated(&self) -> bool {
+        self.sensor.is_simulated() && !self.is_virtual()
+    }
+
+    /// Bad words so far (SYSVAR 16).
+    pub(super) fn encoder_errors(&self) -> u64 {
+        self.counter.errors()
+    }
+
+    /// The position of raw counts near those of this cycle, in the sense of the drive (inc).
+    pub(super) fn locate_raw(&self, count: i64, encoders: &[Encoder]) -> i64 {
+        match self.sensor.source {
+            Source::Drive(_) | Source::Simulated => self.counter.locate(count),
+            Source::Encoder(place) => {
+                let Some(encoder) = encoders.get(usize::from(place)) else { return self.counter.position() };
+                let offset = self.counter.position().wrapping_sub(encoder.lead().position.floor());
+                encoder.locate(count).wrapping_add(offset)
+            }
+        }
+    }
+
+    /// Could its state have come about?
+    pub(super) fn is_sensor_sound(&self) -> bool {
+        let chosen = Source::of(self.setup.wired, self.setup.encoders, &self.parameters);
+        let fits = self.is_virtual() || chosen.is_ok();
+        fits && self.counter.is_sound() && self.counter.form() == self.sensor.source.form()
+    }
+}

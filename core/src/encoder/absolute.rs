@@ -1,0 +1,175 @@
+//! Words of absolute encoders.
+//!
+//! Law      count = value of the word - omitted, 0 <= count < steps * turns; one step is one increment
+//! Reads    words in binary or reflected Gray code
+//! Writes   a count
+//! Refuses  a word that is none of the encoder's; a step beyond what is allowed
+//! Source   MACS-ENC-01, -08, A-11; WF-ABS-01, -04, WF-MD-04, -05, -16, W14
+
+use serde::{Deserialize, Serialize};
+
+/// How a word is coded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WordCode {
+    /// As a binary number.
+    #[default]
+    Binary,
+    /// In reflected Gray code: one bit changes from step to step.
+    Gray,
+}
+
+/// What an absolute encoder is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Absolute {
+    /// Steps of one turn, from 2 on.
+    pub steps: u32,
+    /// Turns that it tells apart, from 1 on.
+    pub turns: u32,
+    /// How its words are coded.
+    pub code: WordCode,
+    /// The value of its first word: words below are left out, as those of an excess code.
+    pub omitted: u32,
+    /// Behind its last word comes the first one; else its travel ends there.
+    pub overflow: bool,
+    /// Bad words are replaced by extrapolated ones, at most 100 in a row.
+    pub corrects: bool,
+    /// Largest step from cycle to cycle (inc).
+    pub max_step: Option<i64>,
+}
+
+/// Why a word is bad.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bad {
+    /// It could not be read, or is none of the encoder's.
+    NoWord,
+    /// It lies further from the last one than the encoder can have moved.
+    Step,
+}
+
+impl Absolute {
+    /// A single-turn encoder in binary code that begins anew.
+    pub fn single_turn(steps: u32) -> Self {
+        Self { steps, turns: 1, code: WordCode::Binary, omitted: 0, overflow: true, corrects: false, max_step: None }
+    }
+
+    /// How many words it has, 2 to 2^62.
+    pub fn words(&self) -> i64 {
+        // Below 2^64; clamped to what a circle takes.
+        let words = u64::from(self.steps.max(2)) * u64::from(self.turns.max(1));
+        words.min(1 << 62).cast_signed()
+    }
+
+    /// Is it one?
+    pub fn is_sound(&self) -> bool {
+        let words = u64::from(self.steps) * u64::from(self.turns);
+        let last = words.saturating_add(self.omitted.into());
+        self.steps >= 2 && self.turns >= 1 && last <= 1 << 62 && self.max_step.is_none_or(|step| step > 0)
+    }
+
+    /// The count of a word; none for a word that it does not have.
+    pub fn decode(&self, word: i64) -> Option<i64> {
+        let word = u64::try_from(word).ok()?;
+        let value = match self.code {
+            WordCode::Binary => word,
+            WordCode::Gray => from_gray(word),
+        };
+        let count = i64::try_from(value.checked_sub(self.omitted.into())?).ok()?;
+        (count < self.words()).then_some(count)
+    }
+
+    /// The word of a count, which is taken around as the encoder is.
+    pub fn encode(&self, count: i64) -> i64 {
+        let value = count.rem_euclid(self.words()).cast_unsigned() + u64::from(self.omitted);
+        let word = match self.code {
+            WordCode::Binary => value,
+            WordCode::Gray => value ^ value >> 1,
+        };
+        word.cast_signed()
+    }
+
+    /// The largest step that is believed (inc): half a turn where bad words are corrected (MACS-ENC-08), and what is asked for.
+    pub fn largest_step(&self) -> Option<i64> {
+        let half = self.corrects.then_some(i64::from(self.steps / 2));
+        match (half, self.max_step) {
+            (Some(half), Some(step)) => Some(half.min(step)),
+            (half, step) => half.or(step),
+        }
+    }
+}
+
+/// Reflected Gray code as a number.
+fn from_gray(mut word: u64) -> u64 {
+    for shift in [1, 2, 4, 8, 16, 32] {
+        word ^= word >> shift;
+    }
+    word
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const GRAY: Absolute = Absolute {
+        steps: 16,
+        turns: 1,
+        code: WordCode::Gray,
+        omitted: 0,
+        overflow: true,
+        corrects: false,
+        max_step: None,
+    };
+
+    /// The table of reflected Gray code, as every textbook has it; 15 to 16 changes track 5 only.
+    ///
+    /// Proves: WF-ABS-01, WF-ABS-05
+    #[test]
+    fn gray_words_are_those_of_the_table() {
+        let table = [
+            0b0000, 0b0001, 0b0011, 0b0010, 0b0110, 0b0111, 0b0101, 0b0100, 0b1100, 0b1101, 0b1111, 0b1110, 0b1010,
+            0b1011, 0b1001, 0b1000,
+        ];
+        for (count, word) in table.into_iter().enumerate() {
+            assert_eq!(GRAY.decode(word), Some(count as i64), "{word:04b}");
+            assert_eq!(GRAY.encode(count as i64), word, "{count}");
+        }
+        let wide = Absolute { steps: 32, ..GRAY };
+        assert_eq!(wide.encode(15) ^ wide.encode(16), 0b10000);
+        // Tracks that are not connected read 0 and change nothing.
+        assert_eq!(Absolute { steps: 4096, ..GRAY }.decode(0b1001), Some(14));
+    }
+
+    /// 360 steps in the middle of 512: the excess code leaves 76 words out at each end, and one bit changes at its seam too.
+    #[test]
+    fn an_excess_code_leaves_words_out() {
+        let excess = Absolute { steps: 360, omitted: 76, ..GRAY };
+        assert_eq!(excess.decode(excess.encode(0)), Some(0));
+        assert_eq!((excess.encode(359) ^ excess.encode(0)).count_ones(), 1);
+        assert_eq!(excess.decode(75 ^ 75 >> 1), None);
+        assert_eq!(excess.decode(436 ^ 436 >> 1), None);
+    }
+
+    #[test]
+    fn words_that_an_encoder_does_not_have_are_none() {
+        let binary = Absolute { turns: 4, ..Absolute::single_turn(1000) };
+        assert_eq!((binary.decode(3999), binary.decode(4000), binary.decode(-1)), (Some(3999), None, None));
+        assert_eq!(binary.decode(i64::MIN), None);
+    }
+
+    proptest! {
+        #[test]
+        fn every_count_comes_back_and_gray_steps_change_one_bit(
+            steps in 2_u32..=u32::MAX, turns in 1_u32..=u32::MAX, omitted in 0_u32..1 << 20, count in any::<i64>(),
+            gray in any::<bool>(),
+        ) {
+            let code = if gray { WordCode::Gray } else { WordCode::Binary };
+            let encoder = Absolute { turns, code, omitted, ..Absolute::single_turn(steps) };
+            prop_assume!(encoder.is_sound());
+            let within = count.rem_euclid(encoder.words());
+            prop_assert_eq!(encoder.decode(encoder.encode(count)), Some(within));
+            if gray && within + 1 < encoder.words() {
+                prop_assert_eq!((encoder.encode(within) ^ encoder.encode(within + 1)).count_ones(), 1);
+            }
+        }
+    }
+}
