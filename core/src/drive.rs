@@ -15,6 +15,8 @@ pub struct EncoderInput {
     pub epoch: u32,
     /// False: the value is not to be used.
     pub valid: bool,
+    /// Raw counts at the last index pulse of (t_k-1, t_k].
+    pub index: Option<i64>,
 }
 
 /// What a drive tells.
@@ -38,6 +40,20 @@ pub struct DriveInput {
     pub online: bool,
     /// The values are of this cycle; else the last ones.
     pub fresh: bool,
+    /// Digital inputs (60FDh): bits 0 to 2 are the switches of the travel, see [`inputs`].
+    pub inputs: u32,
+    /// Raw counts at the last index pulse of (t_k-1, t_k].
+    pub index: Option<i64>,
+}
+
+/// Digital inputs of a drive (CiA 402-2, object 60FDh): 1 where the switch is actuated.
+pub mod inputs {
+    /// Limit switch at the lower end of its counts.
+    pub const NEGATIVE_LIMIT: u32 = 1;
+    /// Limit switch at the upper end of its counts.
+    pub const POSITIVE_LIMIT: u32 = 2;
+    /// Reference switch.
+    pub const HOME: u32 = 4;
 }
 
 /// Which edge a latch took.
@@ -84,6 +100,16 @@ pub struct Inputs {
 }
 
 impl Inputs {
+    /// Copies all of another one of the same shape; takes no memory then.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.cycle, self.missed, self.latches_lost) = (other.cycle, other.missed, other.latches_lost);
+        self.digital.clone_from(&other.digital);
+        self.analog.clone_from(&other.analog);
+        self.encoder.clone_from(&other.encoder);
+        self.drive.clone_from(&other.drive);
+        self.latch.clone_from(&other.latch);
+    }
+
     /// A digital input by its number.
     pub fn digital(&self, index: usize) -> bool {
         self.digital.get(index / 64).is_some_and(|word| word >> (index % 64) & 1 == 1)
@@ -308,10 +334,20 @@ pub mod control {
     pub const ENABLE: u16 = 0x0F;
     /// Its rising edge resets a fault.
     pub const FAULT_RESET: u16 = 0x80;
+    /// In mode homing, together with [`ENABLE`]: its rising edge starts.
+    pub const START_HOMING: u16 = 0x10;
 }
 
 /// Status word bit 7: the drive warns.
 pub const STATUS_WARNING: u16 = 0x80;
+/// Status word bit 12 in mode homing: the zero is known.
+pub const STATUS_HOMING_ATTAINED: u16 = 0x1000;
+/// Status word bit 13 in mode homing: it was not found.
+pub const STATUS_HOMING_ERROR: u16 = 0x2000;
+/// Status word bit 10: the target is reached, and in mode homing the axis stands.
+pub const STATUS_TARGET_REACHED: u16 = 0x0400;
+/// Mode of operation: homing by the drive.
+pub const MODE_HOMING: i8 = 6;
 /// Mode of operation: cyclic synchronous position.
 pub const MODE_CSP: i8 = 8;
 /// Mode of operation: cyclic synchronous velocity.

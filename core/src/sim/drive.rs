@@ -2,9 +2,16 @@
 
 use std::collections::VecDeque;
 
+use super::homing::InDrive;
+use super::mechanics::Brake;
 use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
-use super::{Model, SecondOrder};
-use crate::drive::{DriveInput, DriveOutput, DriveState, MODE_CSV, MODE_VELOCITY, control};
+use super::word::Word;
+use super::{Fixtures, Mechanics, Model, SecondOrder, Sign};
+use crate::drive::{
+    DriveInput, DriveOutput, DriveState, MODE_CSV, MODE_HOMING, MODE_VELOCITY, Outputs, STATUS_HOMING_ATTAINED,
+    STATUS_HOMING_ERROR, STATUS_TARGET_REACHED, control,
+};
+use crate::encoder::Form;
 
 #[derive(Clone, Debug)]
 enum Motion {
@@ -55,6 +62,24 @@ pub struct SimDrive {
     fault: u16,
     online: bool,
     pending_jump: i64,
+    word: Word,
+    fixtures: Fixtures,
+    /// Place of count 0.
+    origin: i64,
+    /// Place of the last cycle.
+    place: i64,
+    /// Homing of its own.
+    homing: InDrive,
+    /// The index gives no pulses any more.
+    index_lost: bool,
+    /// Bits of the digital inputs that are stuck, and how.
+    stuck: (u32, u32),
+    /// Bits of switches that are wired to somewhere else.
+    hidden: u32,
+    /// What a hanging load does when nothing holds it (counts/s^2).
+    load: f64,
+    brake: Option<Brake>,
+    sign: Option<Sign>,
     last_control: u16,
     mode: i8,
     cycle_ns: u64,
@@ -89,6 +114,17 @@ impl SimDrive {
             fault: 0,
             online: true,
             pending_jump: 0,
+            word: Word::default(),
+            fixtures: Fixtures::default(),
+            origin: 0,
+            place: 0,
+            homing: InDrive::default(),
+            index_lost: false,
+            stuck: (0, 0),
+            hidden: 0,
+            load: 0.0,
+            brake: None,
+            sign: None,
             last_control: 0,
             mode: 0,
             cycle_ns,
@@ -100,15 +136,88 @@ impl SimDrive {
         self.delay
     }
 
+    /// Lets its encoder tell words of that form.
+    pub fn speak(&mut self, form: Form) {
+        self.word = Word::new(form);
+    }
+
+    /// Turns bits of the next `words` words of its encoder over.
+    pub fn disturb(&mut self, bits: i64, words: u32) {
+        self.word.disturb(bits, words);
+    }
+
+    /// Cuts the line of its encoder for good: an absolute one has no words any more; of an incremental one the drive tells it, as
+    /// a fault of its encoder (7305h).
+    pub fn cut_encoder(&mut self) {
+        if self.word.is_absolute() { self.word.cut() } else { self.inject_fault(0x7305) }
+    }
+
+    /// Where its axis stands (inc).
+    pub(super) fn place(&self) -> i64 {
+        self.place
+    }
+
+    /// Puts switches and an index along its way, and the axis to its start: its counts are 0 there.
+    pub fn fit(&mut self, fixtures: Fixtures) {
+        self.origin = fixtures.start.wrapping_sub(self.count);
+        self.place = fixtures.start;
+        self.fixtures = fixtures;
+    }
+
+    /// Lets its counts begin anew where it stands, as after its power came back.
+    pub fn renew_counts(&mut self) {
+        self.origin = self.origin.wrapping_add(self.count);
+        let moved = self.count;
+        self.count = 0;
+        self.epoch = self.epoch.wrapping_add(1);
+        if let Motion::SecondOrder { state, .. } = &mut self.motion {
+            state.shift(moved.wrapping_neg());
+        }
+    }
+
+    /// Lets its index give no pulses any more.
+    pub fn lose_index(&mut self) {
+        self.index_lost = true;
+    }
+
+    /// Lets a lost index give its pulses again.
+    pub fn find_index(&mut self) {
+        self.index_lost = false;
+    }
+
+    /// Lets digital inputs (60FDh) be stuck: those of `mask` read as in `value`.
+    pub fn stick(&mut self, mask: u32, value: u32) {
+        self.stuck = (mask, value & mask);
+    }
+
+    /// Hangs a load, a brake and wires on it. Switches that are wired to somewhere else do not read at the drive.
+    pub(super) fn hang(&mut self, mechanics: &Mechanics) {
+        self.hidden = mechanics.wired();
+        self.load = mechanics.load;
+        self.brake = mechanics.brake.map(Brake::new);
+        self.sign = mechanics.sign;
+    }
+
+    /// The switches along its way (bits of 60FDh), wherever they are wired to.
+    pub(super) fn actuated(&self) -> u32 {
+        let (mask, value) = self.stuck;
+        self.fixtures.inputs(self.place) & !mask | value
+    }
+
     /// Puts the drive into fault with a code of object 603Fh.
     pub fn inject_fault(&mut self, code: u16) {
         self.fault = code;
         self.state = DriveState::FaultReaction;
     }
 
-    /// Takes the drive off the bus for good.
+    /// Takes the drive off the bus until it is [found](Self::find).
     pub fn lose(&mut self) {
         self.online = false;
+    }
+
+    /// Brings a lost drive back.
+    pub fn find(&mut self) {
+        self.online = true;
     }
 
     /// Lets its encoder read `by` more counts from the next inputs on, as after a slip; switched on, it works that off.
@@ -123,19 +232,24 @@ impl SimDrive {
         }
         let jump = std::mem::take(&mut self.pending_jump);
         self.count = self.count.wrapping_add(jump);
+        self.origin = self.origin.wrapping_sub(jump);
         if let Motion::SecondOrder { state, .. } = &mut self.motion {
             state.shift(jump);
         }
+        let before = std::mem::replace(&mut self.place, self.count.wrapping_add(self.origin));
+        let passed = self.fixtures.index_passed(before, self.place).filter(|_| !self.index_lost);
         DriveInput {
-            count: self.count,
+            count: self.word.tell(self.count),
             epoch: self.epoch,
             velocity: self.velocity,
             effort: 0.0,
-            status: self.state.status(),
+            status: self.state.status() | self.homing_status(),
             mode: self.mode,
             fault: self.fault,
             online: self.online,
             fresh: self.online,
+            inputs: self.actuated() & !self.hidden,
+            index: passed.map(|place| self.word.of(place.wrapping_sub(self.origin))),
         }
     }
 
@@ -143,12 +257,63 @@ impl SimDrive {
         self.on_the_way.push_back(output);
     }
 
+    /// Bits 10, 12 and 13 in mode homing.
+    fn homing_status(&self) -> u16 {
+        let InDrive { runs, attained, failed, .. } = self.homing;
+        let bit = |on: bool, bit: u16| if on && self.mode == MODE_HOMING { bit } else { 0 };
+        bit(attained, STATUS_HOMING_ATTAINED) | bit(failed, STATUS_HOMING_ERROR) | bit(!runs, STATUS_TARGET_REACHED)
+    }
+
+    /// One cycle of homing of its own.
+    fn home(&mut self, output: DriveOutput, starts: bool) {
+        if starts {
+            self.homing = InDrive::start(output.homing.unwrap_or(0));
+        }
+        self.velocity = 0.0;
+        if !self.homing.runs {
+            return;
+        }
+        let start = self.count.wrapping_add(self.origin);
+        let cycle_s = self.cycle_ns as f64 / 1e9;
+        let (mask, value) = self.stuck;
+        let (fixtures, has_index) = (self.fixtures, !self.index_lost);
+        let read = |place: i64| fixtures.inputs(place) & !mask | value;
+        let (place, reference) = self.homing.step(start, output.velocity * cycle_s, &fixtures, has_index, read);
+        self.velocity = place.wrapping_sub(start) as f64 / cycle_s;
+        if let Some(reference) = reference {
+            self.origin = reference;
+            self.epoch = self.epoch.wrapping_add(1);
+            self.velocity = 0.0;
+        }
+        self.count = place.wrapping_sub(self.origin);
+        if let Motion::SecondOrder { state, .. } = &mut self.motion {
+            state.rest_at(self.count);
+        }
+    }
+
+    /// What digital outputs do to it: they work its brake, and tell the sign of its reference.
+    pub(super) fn wired_to(&mut self, output: DriveOutput, all: &Outputs) -> DriveOutput {
+        if let Some(brake) = &mut self.brake {
+            brake.step(all, self.cycle_ns);
+        }
+        let velocity = self.sign.map_or(output.velocity, |sign| sign.of(output.velocity, all));
+        DriveOutput { velocity, ..output }
+    }
+
     fn obey(&mut self, output: DriveOutput) {
         self.mode = output.mode;
+        let starts = output.control & control::START_HOMING != 0 && self.last_control & control::START_HOMING == 0;
         self.change_state(output.control);
         self.last_control = output.control;
         let is_on = self.state == DriveState::Enabled;
-        if self.motion.has_velocity_only() || matches!(output.mode, MODE_CSV | MODE_VELOCITY) {
+        self.homing.runs &= output.mode == MODE_HOMING && is_on;
+        if self.brake.is_some_and(|brake| brake.closed) {
+            self.stand();
+        } else if !is_on && self.state != DriveState::QuickStop && self.load != 0.0 {
+            self.fall();
+        } else if is_on && output.mode == MODE_HOMING {
+            self.home(output, starts);
+        } else if self.motion.has_velocity_only() || matches!(output.mode, MODE_CSV | MODE_VELOCITY) {
             // Without its voltage a motor is asked for nothing, and runs down.
             let asked = if is_on && output.velocity.is_finite() { output.velocity } else { 0.0 };
             let asked = if self.motion.is_inverted() { 0.0 - asked } else { asked };
@@ -156,14 +321,34 @@ impl SimDrive {
         } else if is_on {
             self.move_to(output.position);
         } else {
-            self.velocity = 0.0;
-            if let Motion::SecondOrder { state, .. } = &mut self.motion {
-                state.rest_at(self.count);
-            }
+            self.stand();
         }
     }
 
-    fn move_to(&mut self, position: i64) {
+    fn stand(&mut self) {
+        self.velocity = 0.0;
+        self.rest_here();
+    }
+
+    /// Nothing holds the load for one cycle.
+    fn fall(&mut self) {
+        let cycle_s = self.cycle_ns as f64 / 1e9;
+        let mean = self.velocity + self.load * cycle_s / 2.0;
+        self.velocity = (self.velocity + self.load * cycle_s).clamp(-FASTEST, FASTEST);
+        self.count = self.count.wrapping_add(self.travel.advance(mean.clamp(-FASTEST, FASTEST), self.cycle_ns));
+        self.rest_here();
+    }
+
+    /// A regulator that takes over begins here.
+    fn rest_here(&mut self) {
+        if let Motion::SecondOrder { state, acceleration, .. } = &mut self.motion {
+            state.rest_at(self.count);
+            *acceleration = 0.0;
+        }
+    }
+
+    fn move_to(&mut self, word: i64) {
+        let position = self.word.near(self.count, word);
         match &mut self.motion {
             Motion::SecondOrder { law, state, .. } => {
                 law.step(state, position);

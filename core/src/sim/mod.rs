@@ -7,15 +7,24 @@
 //! Source   contract sections 3 and 8
 
 mod drive;
+mod encoder;
+mod fixtures;
+mod homing;
+mod mechanics;
 mod motor;
 mod second_order;
+mod word;
 
 pub use drive::SimDrive;
+pub use fixtures::{Fixtures, Index};
+pub use mechanics::{Mechanics, Sign, SimBrake, Wire};
 pub use motor::{TwoSpeed, Valve, VelocityLag};
 pub use second_order::{ModelError, SecondOrder};
 
-use crate::config::{IoKind, MachineConfig};
-use crate::drive::{Backend, Capabilities, EncoderInput, Inputs, Interface, Latch, MAX_LATCHES, Outputs};
+use crate::axis::Source;
+use crate::config::{AxisConfig, IoKind, MachineConfig};
+use crate::drive::{Backend, Capabilities, Inputs, Interface, Latch, MAX_LATCHES, Outputs};
+use encoder::SimEncoder;
 
 /// How a simulated drive follows its setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,27 +70,55 @@ impl Model {
 #[derive(Clone, Debug)]
 pub struct Plant {
     drives: Vec<Option<SimDrive>>,
-    encoders: Vec<EncoderInput>,
+    encoders: Vec<SimEncoder>,
     digital: Vec<u64>,
     analog: Vec<f64>,
     latches: Vec<Latch>,
+    /// Switches that are wired to digital inputs, and whose drive they belong to.
+    wires: Vec<(usize, Wire)>,
 }
 
 impl Plant {
     /// A plant for a machine: one model for each axis that has a drive, in file order; none leaves the drive to others.
     pub fn new(config: &MachineConfig, models: &[Option<Model>]) -> Self {
-        let delays = config.axes.iter().filter_map(|axis| axis.drive);
-        let drives = delays
+        let count = config.encoders.len();
+        let source = |axis: &AxisConfig| Source::of(axis.wired, count, &axis.power_on()).ok();
+        let drives: Vec<&AxisConfig> = config.axes.iter().filter(|axis| axis.drive.is_some()).collect();
+        // An encoder that an axis reads is turned by it; of several axes, by the first.
+        let turned_by = |encoder: usize| {
+            let reads = |axis: &&AxisConfig| matches!(source(axis), Some(Source::Encoder(place)) if usize::from(place) == encoder);
+            drives.iter().position(reads)
+        };
+        let encoders = config.encoders.iter().enumerate();
+        let encoders = encoders.map(|(place, encoder)| SimEncoder::new(encoder, turned_by(place))).collect();
+        let drives = drives
+            .iter()
             .zip(models)
-            .map(|(delay, model)| model.map(|model| SimDrive::new(model, delay, config.cycle_ns)))
+            .map(|(axis, model)| {
+                let mut drive = SimDrive::new((*model)?, axis.drive?, config.cycle_ns);
+                if let Some(Source::Drive(form)) = source(axis) {
+                    drive.speak(form);
+                }
+                Some(drive)
+            })
             .collect();
         Self {
             drives,
-            encoders: vec![EncoderInput { valid: true, ..EncoderInput::default() }; config.encoders.len()],
+            encoders,
             digital: vec![0; config.count_io(IoKind::DigitalInput).div_ceil(64)],
             analog: vec![0.0; config.count_io(IoKind::AnalogInput)],
             latches: Vec::with_capacity(MAX_LATCHES),
+            wires: Vec::new(),
         }
+    }
+
+    /// Hangs something on a drive. Its switches with a wire read at their digital inputs from now on.
+    pub fn install(&mut self, place: usize, mechanics: &Mechanics) {
+        let Some(drive) = self.drive(place) else { return };
+        drive.fit(mechanics.fixtures);
+        drive.hang(mechanics);
+        self.wires.retain(|(drive, _)| *drive != place);
+        self.wires.extend(mechanics.wires.iter().flatten().map(|wire| (place, *wire)));
     }
 
     /// A simulated drive by its place among the drives.
@@ -89,8 +126,13 @@ impl Plant {
         self.drives.get_mut(place)?.as_mut()
     }
 
-    /// Sets a digital input for good.
+    /// Sets a digital input for good; a switch that is wired to it is stuck so.
     pub fn set_digital(&mut self, place: usize, on: bool) {
+        self.wires.retain(|(_, wire)| wire.input != place);
+        self.put_digital(place, on);
+    }
+
+    fn put_digital(&mut self, place: usize, on: bool) {
         if let Some(word) = self.digital.get_mut(place / 64) {
             *word = *word & !(1 << (place % 64)) | u64::from(on) << (place % 64);
         }
@@ -106,7 +148,35 @@ impl Plant {
     /// Lets an encoder read `by` more counts at once, as after a slip.
     pub fn jump_encoder(&mut self, place: usize, by: i64) {
         if let Some(encoder) = self.encoders.get_mut(place) {
-            encoder.count = encoder.count.wrapping_add(by);
+            encoder.jump(by);
+        }
+    }
+
+    /// Lets an encoder read `by` more counts than it was turned: pulses that are too many, or missing.
+    pub fn slip_encoder(&mut self, place: usize, by: i64) {
+        if let Some(encoder) = self.encoders.get_mut(place) {
+            encoder.slip(by);
+        }
+    }
+
+    /// Turns bits of the next `words` words of an encoder over.
+    pub fn disturb_encoder(&mut self, place: usize, bits: i64, words: u32) {
+        if let Some(encoder) = self.encoders.get_mut(place) {
+            encoder.disturb(bits, words);
+        }
+    }
+
+    /// Cuts the line of an encoder for good.
+    pub fn cut_encoder(&mut self, place: usize) {
+        if let Some(encoder) = self.encoders.get_mut(place) {
+            encoder.cut();
+        }
+    }
+
+    /// Lets the index of an encoder give no pulses any more.
+    pub fn lose_encoder_index(&mut self, place: usize) {
+        if let Some(encoder) = self.encoders.get_mut(place) {
+            encoder.lose_index();
         }
     }
 
@@ -123,7 +193,7 @@ impl Plant {
 impl Backend for Plant {
     fn capabilities(&self, drive: usize) -> Option<Capabilities> {
         let drive = self.drives.get(drive)?.as_ref()?;
-        Some(Capabilities { delay: drive.delay(), velocity: true, ..Capabilities::default() })
+        Some(Capabilities { delay: drive.delay(), velocity: true, homes: true, ..Capabilities::default() })
     }
 
     fn start(&mut self) -> Result<(), String> {
@@ -136,7 +206,18 @@ impl Backend for Plant {
                 *input = drive.read();
             }
         }
-        inputs.encoder.copy_from_slice(&self.encoders);
+        for place in 0..self.wires.len() {
+            let (drive, wire) = self.wires[place];
+            let actuated = self.drives.get(drive).and_then(Option::as_ref).map_or(0, SimDrive::actuated);
+            self.put_digital(wire.input, wire.level(actuated));
+        }
+        for (input, encoder) in inputs.encoder.iter_mut().zip(&mut self.encoders) {
+            let drive = encoder.drive().and_then(|place| self.drives.get(place)).and_then(Option::as_ref);
+            if let Some(drive) = drive {
+                encoder.turn_to(drive.place());
+            }
+            *input = encoder.read();
+        }
         inputs.digital.copy_from_slice(&self.digital);
         inputs.analog.copy_from_slice(&self.analog);
         inputs.latch.clear();
@@ -149,7 +230,8 @@ impl Backend for Plant {
     fn write(&mut self, outputs: &Outputs) {
         for (output, drive) in outputs.drive.iter().zip(&mut self.drives) {
             if let Some(drive) = drive {
-                drive.write(*output);
+                let output = drive.wired_to(*output, outputs);
+                drive.write(output);
             }
         }
     }

@@ -1,0 +1,93 @@
+//! A simulated encoder of section `encoders`.
+//!
+//! Law      count = way of the drive that turns it + what it has slipped; its index lies at each multiple of `every` of the way
+//! Source   MACS-ENC-12, WF-INC-01, WF-MON-01, -02
+
+use super::fixtures::{Fixtures, Index};
+use super::word::Word;
+use crate::config::EncoderConfig;
+use crate::drive::EncoderInput;
+use crate::encoder::Form;
+
+/// One encoder.
+#[derive(Clone, Debug)]
+pub(super) struct SimEncoder {
+    word: Word,
+    fixtures: Fixtures,
+    /// Place of the drive that turns it.
+    drive: Option<usize>,
+    /// Where it stands, and stood in the cycle before.
+    way: i64,
+    before: i64,
+    /// Counts that it has too many.
+    slip: i64,
+    index_lost: bool,
+}
+
+impl SimEncoder {
+    pub(super) fn new(config: &EncoderConfig, drive: Option<usize>) -> Self {
+        let index = config.check.map(|check| Index { every: check.every, at: 0 });
+        Self {
+            word: Word::new(config.form),
+            fixtures: Fixtures { index, ..Fixtures::default() },
+            drive,
+            way: 0,
+            before: 0,
+            slip: 0,
+            index_lost: false,
+        }
+    }
+
+    pub(super) fn drive(&self) -> Option<usize> {
+        self.drive
+    }
+
+    /// Turns to where its drive stands.
+    pub(super) fn turn_to(&mut self, way: i64) {
+        self.way = way;
+    }
+
+    /// Reads `by` more counts: one that nobody turns has been turned, else it slips.
+    pub(super) fn jump(&mut self, by: i64) {
+        match self.drive {
+            None => self.way = self.way.wrapping_add(by),
+            Some(_) => self.slip = self.slip.wrapping_add(by),
+        }
+    }
+
+    /// Reads `by` more counts than it was turned.
+    pub(super) fn slip(&mut self, by: i64) {
+        self.slip = self.slip.wrapping_add(by);
+    }
+
+    pub(super) fn disturb(&mut self, bits: i64, words: u32) {
+        self.word.disturb(bits, words);
+    }
+
+    pub(super) fn cut(&mut self) {
+        self.word.cut();
+    }
+
+    pub(super) fn lose_index(&mut self) {
+        self.index_lost = true;
+    }
+
+    pub(super) fn read(&mut self) -> EncoderInput {
+        let before = std::mem::replace(&mut self.before, self.way);
+        let passed = self.fixtures.index_passed(before, self.way).filter(|_| !self.index_lost);
+        EncoderInput {
+            count: self.word.tell(self.way.wrapping_add(self.slip)),
+            epoch: 0,
+            // An incremental encoder has tracks that tell a broken line; a serial one has words that are none.
+            valid: !self.word.is_broken(),
+            index: passed.map(|place| self.word.of(place.wrapping_add(self.slip))),
+        }
+    }
+}
+
+/// Where nothing else is said: counts as they are.
+impl Default for Word {
+    fn default() -> Self {
+        Self::new(Form::Incremental(64))
+    }
+}

@@ -1,0 +1,74 @@
+//! What stands along the way of a simulated axis: switches and the index of its encoder.
+//!
+//! Law      place = raw counts + where the axis stood at count 0; a switch is actuated by the place alone, and an index pulse
+//!          comes with each passage of `at` + n `every`
+//! Source   contract section 8, WF-INC-01
+
+use crate::drive::inputs;
+
+/// The index of an encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Index {
+    /// Increments between two pulses, above 0.
+    pub every: i64,
+    /// Where one of them lies.
+    pub at: i64,
+}
+
+/// What stands along the way of an axis, by its place (inc).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fixtures {
+    /// Where the axis stands at the start, where its counts are 0.
+    pub start: i64,
+    /// Index pulses.
+    pub index: Option<Index>,
+    /// The reference switch is actuated from the first to the second place, both included.
+    pub home: Option<(i64, i64)>,
+    /// The negative limit switch is actuated up to here.
+    pub negative: Option<i64>,
+    /// The positive limit switch is actuated from here on.
+    pub positive: Option<i64>,
+}
+
+impl Fixtures {
+    /// The digital inputs of the drive (60FDh) at a place.
+    pub(super) fn inputs(&self, place: i64) -> u32 {
+        let bit = |on: bool, bit: u32| if on { bit } else { 0 };
+        bit(self.negative.is_some_and(|end| place <= end), inputs::NEGATIVE_LIMIT)
+            | bit(self.positive.is_some_and(|end| place >= end), inputs::POSITIVE_LIMIT)
+            | bit(self.home.is_some_and(|(from, to)| (from..=to).contains(&place)), inputs::HOME)
+    }
+
+    /// The last index pulse on the way from one place, which is left out, to another, which belongs to it.
+    pub(super) fn index_passed(&self, from: i64, to: i64) -> Option<i64> {
+        let Index { every, at } = self.index.filter(|index| index.every > 0)?;
+        // Places beyond all machines wrap, as the counts do.
+        let after = to.wrapping_sub(at).rem_euclid(every);
+        if to > from {
+            Some(to.wrapping_sub(after)).filter(|pulse| *pulse > from)
+        } else {
+            let pulse = if after == 0 { to } else { to.wrapping_add(every - after) };
+            Some(pulse).filter(|pulse| *pulse < from)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pulse_comes_once_with_each_passage() {
+        let fixtures = Fixtures { index: Some(Index { every: 100, at: 30 }), ..Fixtures::default() };
+        let passed = [(0, 29), (0, 30), (30, 31), (31, 30), (30, 29), (0, 230), (130, -70), (29, 31), (31, 29), (5, 5)];
+        let expected = [None, Some(30), None, Some(30), None, Some(230), Some(-70), Some(30), Some(30), None];
+        assert_eq!(passed.map(|(from, to)| fixtures.index_passed(from, to)), expected);
+    }
+
+    #[test]
+    fn switches_are_actuated_by_the_place() {
+        let fixtures = Fixtures { home: Some((10, 20)), negative: Some(-5), positive: Some(50), ..Fixtures::default() };
+        let seen = [-6, -5, -4, 9, 10, 20, 21, 49, 50].map(|place| fixtures.inputs(place));
+        assert_eq!(seen, [1, 1, 0, 0, 4, 4, 0, 0, 2]);
+    }
+}

@@ -1,0 +1,112 @@
+//! Homing that a simulated drive runs by itself: without ramps, increment by increment, so that it is exact at any velocity.
+//!
+//! Law      the legs of the method, one increment after the other; the reference is the zero of its counts from then on
+//! Source   CiA 402-2, homing mode
+
+use super::Fixtures;
+use crate::axis::homing_methods::{Leg, Speed, Switch, Until, legs};
+use crate::drive::inputs;
+
+/// Most increments of a cycle.
+const MOST: f64 = 1e6;
+
+/// Homing under way in a drive, or as it ended.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct InDrive {
+    method: i8,
+    leg: usize,
+    turned: bool,
+    /// Found; its counts begin anew in the next cycle, in which it stands.
+    found: Option<i64>,
+    /// Under way, and not over.
+    pub runs: bool,
+    pub attained: bool,
+    pub failed: bool,
+}
+
+impl InDrive {
+    /// The start bit rises.
+    pub(super) fn start(method: i8) -> Self {
+        Self { method, runs: true, ..Self::default() }
+    }
+
+    fn leg(&self) -> Option<&'static Leg> {
+        legs(self.method.into()).get(self.leg)
+    }
+
+    /// One cycle from `place` on, with `step` increments: where it is then, and the reference once it is found. `read` is what the
+    /// switches read at a place.
+    pub(super) fn step(
+        &mut self,
+        place: i64,
+        step: f64,
+        fixtures: &Fixtures,
+        has_index: bool,
+        read: impl Fn(i64) -> u32,
+    ) -> (i64, Option<i64>) {
+        if let Some(reference) = self.found {
+            (self.runs, self.attained) = (false, true);
+            return (place, Some(reference));
+        }
+        if matches!(self.method, 35 | 37) {
+            (self.runs, self.attained) = (false, true);
+            return (place, Some(place));
+        }
+        let Some(leg) = self.leg() else {
+            (self.runs, self.failed) = (false, true);
+            return (place, None);
+        };
+        let share = if leg.speed == Speed::Slow { 0.1 } else { 1.0 };
+        let count = (step.abs() * share).clamp(1.0, MOST) as i64;
+        let mut here = place;
+        for _ in 0..count {
+            let Some(leg) = self.leg().filter(|_| self.runs && self.found.is_none()) else { break };
+            let way = i64::from(if self.turned { -leg.way } else { leg.way });
+            let next = here.wrapping_add(way);
+            self.found = self.look(leg, way, here, next, fixtures, has_index, &read);
+            here = next;
+        }
+        (here, None)
+    }
+
+    /// The reference, where the step from `here` to `next` finds it.
+    #[allow(clippy::too_many_arguments, reason = "one step of a walk: where from, where to, and what stands there")]
+    fn look(
+        &mut self,
+        leg: &Leg,
+        way: i64,
+        here: i64,
+        next: i64,
+        fixtures: &Fixtures,
+        has_index: bool,
+        read: &impl Fn(i64) -> u32,
+    ) -> Option<i64> {
+        let bits = read(next);
+        let (edge, place) = match leg.until {
+            Until::On(switch) if self.leg == 0 && is_on(read(here), switch) => (true, here),
+            Until::On(switch) => (!is_on(read(here), switch) && is_on(bits, switch), next),
+            Until::Off(switch) => (is_on(read(here), switch) && !is_on(bits, switch), here),
+            Until::Index => (has_index && fixtures.index_passed(here, next).is_some(), next),
+        };
+        if edge {
+            (self.leg, self.turned) = (self.leg + 1, false);
+            return self.leg().is_none().then_some(place);
+        }
+        let ahead = if way > 0 { Switch::Positive } else { Switch::Negative };
+        let is_target = matches!(leg.until, Until::On(switch) | Until::Off(switch) if switch == ahead);
+        if !is_target && is_on(bits, ahead) {
+            (self.runs, self.failed) = if leg.turns && !self.turned { (true, false) } else { (false, true) };
+            self.turned = true;
+        }
+        None
+    }
+}
+
+fn is_on(bits: u32, switch: Switch) -> bool {
+    let bit = match switch {
+        Switch::Home => inputs::HOME,
+        Switch::Positive => inputs::POSITIVE_LIMIT,
+        Switch::Negative => inputs::NEGATIVE_LIMIT,
+    };
+    bits & bit != 0
+}

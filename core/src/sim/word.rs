@@ -1,0 +1,76 @@
+//! What a simulated encoder says: words of any form, and what may go wrong with them.
+//!
+//! Law      word = code of (count); bits that are disturbed are turned over, a broken line reads all ones
+//! Source   MACS-ENC-01, -08, WF-ABS-01, WF-MON-01
+
+use crate::encoder::Form;
+
+/// How a simulated source tells its counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Word {
+    form: Form,
+    /// Bits that are turned over, in so many words to come.
+    disturbed: (i64, u32),
+    broken: bool,
+}
+
+impl Word {
+    pub(super) fn new(form: Form) -> Self {
+        Self { form, disturbed: (0, 0), broken: false }
+    }
+
+    /// Turns bits over in the next `words` words.
+    pub(super) fn disturb(&mut self, bits: i64, words: u32) {
+        self.disturbed = (bits, words);
+    }
+
+    /// Cuts the line for good.
+    pub(super) fn cut(&mut self) {
+        self.broken = true;
+    }
+
+    pub(super) fn is_broken(&self) -> bool {
+        self.broken
+    }
+
+    pub(super) fn is_absolute(&self) -> bool {
+        matches!(self.form, Form::Absolute(_))
+    }
+
+    /// The word of a count, undisturbed.
+    pub(super) fn of(&self, count: i64) -> i64 {
+        match self.form {
+            Form::Incremental(bits) => {
+                let spare = 64 - bits.clamp(1, 64);
+                count.wrapping_shl(spare).wrapping_shr(spare)
+            }
+            // Beyond its ends one without overflow begins anew all the same.
+            Form::Absolute(encoder) => encoder.encode(count),
+        }
+    }
+
+    /// The word that is told now.
+    pub(super) fn tell(&mut self, count: i64) -> i64 {
+        let (bits, left) = self.disturbed;
+        self.disturbed.1 = left.saturating_sub(1);
+        match (self.broken, left) {
+            (true, _) => -1,
+            (false, 0) => self.of(count),
+            (false, _) => self.of(count) ^ bits,
+        }
+    }
+
+    /// The count near `count` that a word stands for, which a drive is asked to go to.
+    pub(super) fn near(&self, count: i64, word: i64) -> i64 {
+        let decode = |word| match self.form {
+            Form::Incremental(_) => word,
+            Form::Absolute(encoder) => encoder.decode(encoder_word(encoder.words(), word)).unwrap_or(word),
+        };
+        count.wrapping_add(self.form.circle().way(decode(self.of(count)), decode(word)))
+    }
+}
+
+/// A setpoint beyond the seam, as a word.
+fn encoder_word(words: i64, word: i64) -> i64 {
+    word.rem_euclid(words)
+}
