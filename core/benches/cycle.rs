@@ -67,7 +67,7 @@ fn velocity(axis: u16, velocity: f64) -> Action {
 fn couple(axis: u16) -> Action {
     Action::Synchronize(Synchronize {
         axis,
-        leader: Leader::AxisCommand(0),
+        leader: Some(Leader::AxisCommand(0)),
         mode: SyncMode::Position,
         disengage: Disengage::Stop,
         numerator: 355,

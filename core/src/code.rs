@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Why something was refused, ended or failed. The numbers are part of the interface and never change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Code(pub u32);
 
 macro_rules! codes {
@@ -22,11 +22,23 @@ macro_rules! codes {
 codes! {
     /// No error.
     NONE = 0;
+    /// A motion command although homing is required and has not been done (MACS error 6).
+    HOMING_REQUIRED = 6;
     /// A drive, or another node that is guarded, does not answer (MACS error 88).
     DRIVE_LOST = 88;
+    /// A field bus reports errors of communication (MACS error 89).
+    BUS_ERROR = 89;
     /// Motion into a limit at which the axis stands already (MACS error 98, F_LIMIT_VIOLATION).
     LIMIT_VIOLATION = 98;
+    /// The motor was loaded beyond its I²t limit (MACS error 99, F_I2TLIMIT).
+    I2T_LIMIT = 99;
 
+    /// WF alarm 9: no zero mark after the cam.
+    WF_NO_ZERO_MARK = 1009;
+    /// WF alarm 7: the encoder gives no value, its cable may be broken.
+    WF_ENCODER_CABLE = 1007;
+    /// WF alarm 8: pulses of the encoder are missing or too many.
+    WF_PULSES = 1008;
     /// WF alarm 10: following error beyond `wf.max_following_error` in travel.
     WF_FOLLOWING_ERROR_IN_TRAVEL = 1010;
     /// WF alarm 11: following error beyond `wf.max_following_error` at standstill.
@@ -49,6 +61,8 @@ codes! {
     WF_BAD_SPEED = 1107;
     /// A block that the program does not have.
     WF_NO_SUCH_BLOCK = 1108;
+    /// MD7 names no side of the cam.
+    WF_NO_CAM_SIDE = 1109;
     /// A SAIA command before `axinit`, on an axis that is off.
     SAIA_NOT_INITIALISED = 2001;
     /// A register holds more than its command takes.
@@ -170,6 +184,64 @@ codes! {
     TRAJECTORY_ABOVE_MAX_POSITION = 10065;
     /// Between its points the trajectory would go beyond `min_position`.
     TRAJECTORY_BELOW_MIN_POSITION = 10066;
+    /// The axis stands in homing, and the command needs its zero, or would disturb it.
+    HOMING_UNDER_WAY = 10301;
+    /// Homing without a method: homing.method is 0.
+    HOMING_NO_METHOD = 10302;
+    /// A method that there is not.
+    HOMING_UNKNOWN_METHOD = 10303;
+    /// Homing with a velocity of 0.
+    HOMING_NO_VELOCITY = 10304;
+    /// A homing sequence of MACS without the input of its switch.
+    HOMING_NO_SWITCH = 10305;
+    /// The edge of the switch did not come within `homing.max_distance`.
+    HOMING_SWITCH_MISSED = 10306;
+    /// No index pulse within `homing.index_distance`.
+    HOMING_INDEX_MISSED = 10307;
+    /// A limit switch that the method has no use for ended the search.
+    HOMING_AT_LIMIT = 10308;
+    /// A virtual axis has no switches and no index.
+    HOMING_NEEDS_DRIVE = 10309;
+    /// The drive that homes by itself reports an error of homing.
+    HOMING_IN_DRIVE_FAILED = 10310;
+    /// The drive did not take up mode homing.
+    HOMING_IN_DRIVE_TIMEOUT = 10311;
+    /// A sequence that no drive has, of an axis whose drive homes.
+    HOMING_NOT_IN_DRIVE = 10312;
+    /// What the zero depends on was changed.
+    HOMING_LOST = 10313;
+    /// ENCODERTYPE or MENCODERTYPE has no such number.
+    ENCODER_UNKNOWN_TYPE = 10321;
+    /// ENCODERTYPE or MENCODERTYPE names a node of a bus, which does not exist yet.
+    ENCODER_NEEDS_BUS = 10322;
+    /// ENCODERTYPE names an encoder terminal that the cell does not have.
+    ENCODER_NO_TERMINAL = 10323;
+    /// The drive closes its position loop with its own encoder.
+    ENCODER_LOOP_IN_DRIVE = 10324;
+    /// Two parameters, or one and the cell, name different encoders.
+    ENCODER_CHOSEN_TWICE = 10325;
+    /// The zero of an absolute encoder stands.
+    ABSOLUTE_ZERO_STANDS = 10326;
+    /// A bad word of an absolute encoder was replaced by an extrapolated one.
+    ENCODER_SUBSTITUTED = 10327;
+    /// A new zero moved the axis alone and not its encoder, because another user of the encoder began to move.
+    ENCODER_NOT_SHARED = 10328;
+    /// A coupling without a master, and MENCODERTYPE names none.
+    NO_MASTER = 10329;
+    /// I_BREAK ended the goal.
+    INTERRUPTED = 10341;
+    /// A parameter names a digital input that the cell has not.
+    NO_SUCH_INPUT = 10342;
+    /// A parameter names a digital output that the cell has not.
+    NO_SUCH_OUTPUT = 10343;
+    /// An output that an axis switches by itself.
+    OUTPUT_TAKEN = 10344;
+    /// A value that an output cannot have.
+    OUTPUT_VALUE = 10345;
+    /// What is to be set is no output.
+    NO_OUTPUT = 10346;
+    /// REVERS asks for outputs of an axis whose drive gets positions.
+    REVERSING_BY_POSITION = 10347;
     /// The machine is inactive: nothing is switched on and nothing moves until it is activated.
     NOT_ACTIVE = 10071;
     /// Streamed setpoints come for an axis that something else moves.
@@ -228,6 +300,22 @@ codes! {
     RECORD_FAILED = 10217;
     /// The flight recorder could not save its bag.
     FLIGHT_FAILED = 10218;
+    /// The limit switch at the end of rising counts was reached.
+    HARDWARE_LIMIT_POSITIVE = 10221;
+    /// The limit switch at the end of falling counts was reached.
+    HARDWARE_LIMIT_NEGATIVE = 10222;
+    /// Both limit switches are actuated at once: a broken cable, or a stop contact that opens both lines.
+    BOTH_LIMIT_SWITCHES = 10223;
+    /// Another axis had a following error, which stops all.
+    STOPPED_WITH_OTHER = 10224;
+    /// The emergency stop input of the cell is open.
+    EMERGENCY_STOP = 10225;
+    /// The interlock input of the cell is open.
+    INTERLOCK = 10226;
+    /// The goal has waited for its target window for longer than in_position_timeout.
+    IN_POSITION_TIMEOUT = 10227;
+    /// An abort ended the goal, and has locked the axis.
+    ABORTED = 10228;
 }
 
 impl Code {
@@ -263,6 +351,13 @@ mod tests {
         seen.sort_unstable();
         seen.dedup();
         assert_eq!(seen.len(), Code::ALL.len());
+    }
+
+    /// Proves: MACS-ERR-01
+    #[test]
+    fn the_numbers_of_macs_are_kept_as_they_are() {
+        let codes = [Code::HOMING_REQUIRED, Code::DRIVE_LOST, Code::BUS_ERROR, Code::LIMIT_VIOLATION, Code::I2T_LIMIT];
+        assert_eq!(codes.map(|code| code.0), [6, 88, 89, 98, 99]);
     }
 
     #[test]

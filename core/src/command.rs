@@ -61,7 +61,10 @@ pub enum Action {
     Halt(AxisSet),
     /// Stops axes with their maximum deceleration and locks them until [`Action::ResetErrors`] (MC_Stop).
     QuickStop(AxisSet),
-    /// Clears errors and the lock of a quick stop.
+    /// The Esc of MACS: stops all axes with their maximum deceleration, closes brakes, sets outputs as ESCCOND says, and locks
+    /// the axes until [`Action::ResetErrors`].
+    Abort,
+    /// Clears errors and the lock of a quick stop or of an abort.
     ResetErrors(AxisSet),
     /// Lets axes be switched on and moved. A machine begins so.
     Activate,
@@ -75,6 +78,10 @@ pub enum Action {
     /// Runs a trajectory of several axes as one goal: one `done` ends it, of the axis that made it end, or of the machine. Who
     /// gives it keeps a reference for as long as the machine may have one, so that none is freed in a cycle.
     Trajectory(Arc<Trajectory>),
+    /// Gives one axis its zero.
+    HomeAxis(HomeAxis),
+    /// Gives the present position of one axis, which stands, a new value; nothing moves (DEFORIGIN, SETORIGIN).
+    SetPosition(SetPosition),
     /// Couples one axis to a leader.
     Synchronize(Synchronize),
     /// Registers and command flags (SAIA-CMD).
@@ -108,6 +115,14 @@ pub enum Action {
         /// New value; a whole number for integer cells.
         value: f64,
     },
+    /// Sets an output for good (OUT, OUTB, OUTAN; MACS-IO-03): also one that has a function, which sets it again with its
+    /// next change.
+    SetOutput {
+        /// Place in section `io`.
+        index: u16,
+        /// 0 or 1 of a digital output, else in V.
+        value: f64,
+    },
     /// A request that never became a command, with the sentence that refused it: it is answered with the event `refused` of
     /// code BAD_REQUEST, so that every refusal stands in the event stream.
     Refuse(Box<str>),
@@ -124,7 +139,7 @@ pub enum Action {
 impl Action {
     /// Does it stop axes? Such commands have their own way into a cycle, ahead of all others.
     pub fn stops(&self) -> bool {
-        matches!(self, Self::Halt(_) | Self::QuickStop(_) | Self::Disable(_) | Self::Deactivate)
+        matches!(self, Self::Halt(_) | Self::QuickStop(_) | Self::Disable(_) | Self::Deactivate | Self::Abort)
     }
 
     /// May it switch an axis on, or move one? An inactive machine refuses it.
@@ -135,6 +150,7 @@ impl Action {
                 | Self::Move(_)
                 | Self::Probe(_)
                 | Self::Trajectory(_)
+                | Self::HomeAxis(_)
                 | Self::Synchronize(_)
                 | Self::Saia(_)
                 | Self::Wf(_)
@@ -255,6 +271,8 @@ pub enum ProbeEdge {
     Falling,
     /// Whichever comes first.
     Both,
+    /// No edge but the index pulse of the axis' own encoder; one that is missing is an error (INDEX).
+    Index,
 }
 
 /// A search for a mark and a move to a distance from it (touch probe to position). Velocity, acceleration and deceleration of 0
@@ -300,6 +318,36 @@ impl Probe {
     }
 }
 
+/// By which numbers a way of homing is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum HomingMethod {
+    /// As parameter `homing.method` says.
+    #[default]
+    Configured,
+    /// A method of CiA 402.
+    Cia402(i8),
+    /// A HOME_TYPE of MACS.
+    Macs(i8),
+}
+
+/// Homing of one axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HomeAxis {
+    /// The axis.
+    pub axis: u16,
+    /// How.
+    pub method: HomingMethod,
+}
+
+/// A new value of a position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SetPosition {
+    /// The axis.
+    pub axis: u16,
+    /// What its command position is from now on (inc).
+    pub position: Length,
+}
+
 /// How a follower relates to its leader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SyncMode {
@@ -324,8 +372,8 @@ pub enum Disengage {
 pub struct Synchronize {
     /// The axis that follows.
     pub axis: u16,
-    /// What it follows.
-    pub leader: Leader,
+    /// What it follows; none: what its `mencodertype` names.
+    pub leader: Option<Leader>,
     /// How.
     pub mode: SyncMode,
     /// What happens at the end.

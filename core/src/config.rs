@@ -1,12 +1,18 @@
 //! What a machine is made of, in the core's units.
 
-use crate::axis::{AxisSetup, MAX_DELAY, Modulo, may_turn_loop};
+mod numbers;
+
+pub use numbers::{IoCounts, NoSuchIo};
+
+use crate::axis::{AxisSetup, MAX_DELAY, Modulo, Safety, Wired, may_read, may_tell_sign, may_turn_loop};
 use crate::code::Code;
 use crate::drive::{Backend, Interface};
+use crate::encoder::{Form, PulseCheck};
 use crate::object::{Leader, MAX_AXES, Object};
-use crate::parameter::{AxisParameters, Contradiction};
+use crate::parameter::{AxisParameters, Contradiction, MachineParameters};
 use crate::unit::{Fraction, Quantity, Scale, fraction_to_f64};
 use crate::vocabulary::{amc, wf};
+use serde::{Deserialize, Serialize};
 
 /// Increments that an axis may move in one cycle.
 const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
@@ -71,8 +77,10 @@ pub struct MemoryConfig {
 pub struct EncoderConfig {
     /// Name.
     pub name: String,
-    /// Width of its counts, 1 to 64.
-    pub bits: u32,
+    /// What its words are.
+    pub form: Form,
+    /// Supervision of its pulses by its index.
+    pub check: Option<PulseCheck>,
     /// Increments to units.
     pub scale: Scale,
 }
@@ -94,6 +102,10 @@ pub struct AxisConfig {
     pub amc: amc::Wiring,
     /// Outputs of an open-loop axis.
     pub open_loop: wf::Wiring,
+    /// Where its position comes from.
+    pub wired: Wired,
+    /// Brake that it closes and opens.
+    pub brake: Option<BrakeConfig>,
     /// Parameters as the cell gives them: layer Init.
     pub parameters: AxisParameters,
     /// Layer User at the start, where something was saved.
@@ -111,9 +123,17 @@ impl AxisConfig {
             interface: Interface::Position,
             amc: amc::Wiring::default(),
             open_loop: wf::Wiring::default(),
+            wired: Wired::default(),
+            brake: None,
             parameters,
             saved: None,
         }
+    }
+
+    /// Outputs that it switches by itself, by their places in section `io`.
+    fn own_outputs(&self) -> [Option<u16>; 5] {
+        let wf::Wiring { forward, backward, output, dac } = self.open_loop;
+        [forward, backward, output, dac, self.brake.map(|brake| brake.output)]
     }
 
     /// In force at the start.
@@ -125,6 +145,46 @@ impl AxisConfig {
     pub fn increments_per_unit(&self) -> f64 {
         let one = Quantity::new(Fraction::from_integer(1), self.scale.unit());
         self.scale.exact(&one).map_or(1.0, |exact| fraction_to_f64(&exact))
+    }
+}
+
+/// A brake that its axis closes before the power goes and opens once the power is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BrakeConfig {
+    /// Its output, by its place in section `io`.
+    pub output: u16,
+    /// The output is 1 while it is closed; else while it is open.
+    pub closes_with_one: bool,
+    /// How long it takes to open (ns): until then the axis holds, and does not move.
+    pub release_ns: u64,
+    /// How long it takes to close (ns): until then the axis holds with its power.
+    pub engage_ns: u64,
+}
+
+/// A time for which a digital input must have a level before it counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilterConfig {
+    /// The input, by its place among the digital inputs.
+    pub input: usize,
+    /// (ns)
+    pub time_ns: u64,
+}
+
+/// What is not of an axis.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct GlobalConfig {
+    /// Parameters as the cell gives them: layer Init.
+    pub parameters: MachineParameters,
+    /// Layer User at the start, where something was saved.
+    pub saved: Option<MachineParameters>,
+    /// Digital inputs that are filtered.
+    pub filters: Vec<FilterConfig>,
+}
+
+impl GlobalConfig {
+    /// In force at the start.
+    pub fn power_on(&self) -> MachineParameters {
+        self.saved.unwrap_or(self.parameters)
     }
 }
 
@@ -141,6 +201,10 @@ pub struct MachineConfig {
     pub encoders: Vec<EncoderConfig>,
     /// Axes.
     pub axes: Vec<AxisConfig>,
+    /// Contacts that must be closed, by their places among the digital inputs.
+    pub safety: Safety,
+    /// The machine itself.
+    pub global: GlobalConfig,
 }
 
 /// Why a machine cannot be made.
@@ -181,6 +245,12 @@ pub enum ConfigError {
         /// What is asked for.
         interface: Interface,
     },
+    /// A drive that is to home by itself.
+    #[error("drive of {axis}: homing.in_drive is true, and its backend offers no homing")]
+    HomesNot {
+        /// Whose.
+        axis: String,
+    },
     /// An output of an open-loop axis.
     #[error("{axis}: {key} is wired to entry {entry} of io, which is no {kind}")]
     Output {
@@ -192,6 +262,36 @@ pub enum ConfigError {
         entry: u16,
         /// What it must be.
         kind: &'static str,
+    },
+    /// A contact of section safety.
+    #[error("safety: {key} is digital input {place} (from 0), which does not exist")]
+    Contact {
+        /// Which one.
+        key: &'static str,
+        /// To what.
+        place: u32,
+    },
+    /// An output that two of an axis' own would switch.
+    #[error("{axis}: brake is wired to entry {entry} of io, which something else switches")]
+    OutputTwice {
+        /// Whose.
+        axis: String,
+        /// Which one.
+        entry: u16,
+    },
+    /// A number of an input or output that is not there.
+    #[error("{}{key} is {number}; the cell has {count} digital {what}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")))]
+    NoSuchIo {
+        /// Whose; none for the machine.
+        axis: Option<String>,
+        /// The parameter.
+        key: &'static str,
+        /// Its value.
+        number: i64,
+        /// Inputs or outputs.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
     },
     /// A parameter of the reference selector.
     #[error("{axis}: {key} has a value that the rest of the axis does not allow")]
@@ -246,6 +346,7 @@ impl MachineConfig {
         if !(125_000..=20_000_000).contains(&self.cycle_ns) {
             return Err(ConfigError::Cycle(self.cycle_ns));
         }
+        self.check_numbers()?;
         let most = usize::from(u16::MAX);
         let counts = [
             ("axes", self.axes.len(), MAX_AXES),
@@ -273,11 +374,23 @@ impl MachineConfig {
                     Contradiction::OutOfRange(key) => ConfigError::Derived { axis: name(), key },
                     Contradiction::NotBuilt(key, code) => ConfigError::NotBuilt { axis: name(), key, code },
                 })?;
+                may_read(axis.wired, self.encoders.len(), axis.drive.map(|_| axis.interface), &parameters)
+                    .map_err(|(key, code)| ConfigError::NotBuilt { axis: name(), key, code })?;
                 if !may_turn_loop(axis.drive.map(|_| axis.interface), &parameters) {
                     return Err(ConfigError::NotBuilt { axis: name(), key: "posdrct", code: Code::LOOP_IN_DRIVE });
                 }
+                if !may_tell_sign(axis.drive.map(|_| axis.interface), &parameters) {
+                    let code = Code::REVERSING_BY_POSITION;
+                    return Err(ConfigError::NotBuilt { axis: name(), key: "revers", code });
+                }
                 amc::check(&parameters, &self.selector(axis))
                     .map_err(|problem| ConfigError::Selector { axis: name(), key: problem.key })?;
+            }
+        }
+        let inputs = self.count_io(IoKind::DigitalInput);
+        for (key, place) in [("estop", self.safety.estop), ("interlock", self.safety.interlock)] {
+            if let Some(place) = place.filter(|place| *place as usize >= inputs) {
+                return Err(ConfigError::Contact { key, place });
             }
         }
         self.check_masters()
@@ -314,10 +427,50 @@ impl MachineConfig {
             ("output", output, digital),
             ("dac", dac, (IoKind::AnalogOutput, "ao")),
         ];
+        if let Some(brake) = axis.brake {
+            let found = self.io.get(usize::from(brake.output)).map(|io| io.kind);
+            if found != Some(IoKind::DigitalOutput) {
+                return Err(ConfigError::Output {
+                    axis: axis.name.clone(),
+                    key: "brake",
+                    entry: brake.output,
+                    kind: "do",
+                });
+            }
+            let same =
+                |axis: &AxisConfig| axis.own_outputs().into_iter().filter(|own| *own == Some(brake.output)).count();
+            if self.axes.iter().map(same).sum::<usize>() > 1 {
+                return Err(ConfigError::OutputTwice { axis: axis.name.clone(), entry: brake.output });
+            }
+        }
         for (key, entry, (expected, kind)) in outputs {
             let Some(entry) = entry else { continue };
             if self.io.get(usize::from(entry)).is_none_or(|io| io.kind != expected) {
                 return Err(ConfigError::Output { axis: axis.name.clone(), key, entry, kind });
+            }
+        }
+        Ok(())
+    }
+
+    /// The axis that switches an output by itself, so that nobody else may; by its place in section `io`.
+    pub fn owner_of_output(&self, entry: u16) -> Option<u16> {
+        let owns = |axis: &AxisConfig| axis.own_outputs().contains(&Some(entry));
+        self.axes.iter().position(owns).map(|index| index as u16)
+    }
+
+    /// Is there each input and output that parameters name by number?
+    fn check_numbers(&self) -> Result<(), ConfigError> {
+        let counts = IoCounts::of(self);
+        for parameters in [Some(self.global.parameters), self.global.saved].into_iter().flatten() {
+            if let Err(missing) = counts.check_machine(&parameters) {
+                return Err(missing.of(None));
+            }
+        }
+        for axis in &self.axes {
+            for parameters in [Some(axis.parameters), axis.saved].into_iter().flatten() {
+                if let Err(missing) = counts.check_axis(&parameters) {
+                    return Err(missing.of(Some(axis.name.clone())));
+                }
             }
         }
         Ok(())
@@ -332,6 +485,10 @@ impl MachineConfig {
             let offered = backend.capabilities(place).is_none_or(|offers| axis.interface.is_offered(&offers));
             if !offered {
                 return Err(ConfigError::NotOffered { axis: axis.name.clone(), interface: axis.interface });
+            }
+            let homes = backend.capabilities(place).is_none_or(|offers| offers.homes);
+            if axis.power_on().homing.in_drive && !homes {
+                return Err(ConfigError::HomesNot { axis: axis.name.clone() });
             }
         }
         Ok(())
@@ -354,6 +511,12 @@ impl MachineConfig {
         self.io.iter().filter(|entry| entry.kind == kind).count()
     }
 
+    /// The entries of `io` that are digital inputs: input n of parameters such as i_refswitch is the n-th of them, from 1.
+    pub fn digital_inputs(&self) -> impl Iterator<Item = u16> {
+        let is_input = |(_, entry): &(u16, &IoConfig)| entry.kind == IoKind::DigitalInput;
+        (0_u16..).zip(&self.io).filter(is_input).map(|(place, _)| place)
+    }
+
     /// Place of an entry of `io` among those of its kind: its bit or its place in the arrays of a backend.
     pub fn io_place(&self, index: usize) -> usize {
         let kind = self.io.get(index).map(|entry| entry.kind);
@@ -368,6 +531,7 @@ impl MachineConfig {
     /// The setups of the axes, in file order.
     pub(crate) fn setups(&self) -> Vec<AxisSetup> {
         let mut drives = 0..;
+        let drive_count = self.count_drives() as u32;
         self.axes
             .iter()
             .enumerate()
@@ -379,6 +543,11 @@ impl MachineConfig {
                 unit: axis.increments_per_unit(),
                 amc: axis.amc,
                 open_loop: axis.open_loop,
+                safety: self.safety,
+                round: (self.axes[..index].iter().filter(|axis| axis.drive.is_some()).count() as u32, drive_count),
+                wired: axis.wired,
+                encoders: self.encoders.len(),
+                brake: axis.brake,
                 cycle_ns: self.cycle_ns,
             })
             .collect()

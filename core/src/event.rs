@@ -36,6 +36,8 @@ pub enum Kind {
     Mark,
     /// A limit was reached or left.
     Limit,
+    /// An axis got its zero.
+    Homed,
     /// Parameters changed.
     Parameter,
     /// Cycles were missed.
@@ -46,7 +48,7 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind with its name.
-    pub const ALL: [(Kind, &'static str); 12] = [
+    pub const ALL: [(Kind, &'static str); 13] = [
         (Kind::Accepted, "accepted"),
         (Kind::Refused, "refused"),
         (Kind::Done, "done"),
@@ -56,6 +58,7 @@ impl Kind {
         (Kind::Latch, "latch"),
         (Kind::Mark, "mark"),
         (Kind::Limit, "limit"),
+        (Kind::Homed, "homed"),
         (Kind::Parameter, "parameter"),
         (Kind::Overrun, "overrun"),
         (Kind::Warning, "warning"),

@@ -8,13 +8,16 @@
 
 mod activity;
 mod commands;
+mod encoders;
 mod order;
+mod panel;
 mod parameters;
+mod reactions;
 mod signals;
 mod state;
 mod trajectories;
 
-use crate::axis::{Axis, Context};
+use crate::axis::{Axis, Context, Fault};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands};
 use crate::config::{ConfigError, IoKind, MachineConfig};
@@ -26,6 +29,7 @@ use crate::parameter::AxisParameters;
 use crate::signal::{Board, Directory};
 use crate::sync::Leads;
 use crate::vocabulary::Latched;
+use panel::Panel;
 use signals::Signals;
 pub use state::{State, StateError};
 
@@ -48,8 +52,12 @@ pub struct Machine {
     couplings: Vec<Option<Leader>>,
     /// The latches of this cycle.
     latched: Vec<Latched>,
+    /// Places of the digital inputs in section `io`.
+    digital_inputs: Vec<u16>,
     /// A coupling was asked for in this cycle.
     couples: bool,
+    /// Room for the inputs as the machine sees them.
+    seen: Inputs,
 }
 
 impl Machine {
@@ -66,11 +74,13 @@ impl Machine {
             .zip(&signals.axes)
             .map(|((&setup, axis), &first)| Axis::new(setup, axis.power_on(), first))
             .collect();
-        let encoders: Vec<Encoder> = config.encoders.iter().map(|encoder| Encoder::new(encoder.bits)).collect();
+        let encoders: Vec<Encoder> =
+            config.encoders.iter().map(|encoder| Encoder::new(encoder.form, encoder.check)).collect();
         let leads = Leads {
             command: vec![Lead { valid: true, ..Lead::default() }; axes.len()],
             actual: axes.iter().map(Axis::actual).collect(),
             encoder: encoders.iter().map(Encoder::lead).collect(),
+            simulated: vec![Lead::default(); axes.len()],
         };
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
@@ -86,6 +96,7 @@ impl Machine {
             active: true,
             deactivating: None,
             runs: axes.iter().map(|_| None).collect(),
+            panel: Panel::new(&config),
             axes,
             encoders,
         };
@@ -96,13 +107,16 @@ impl Machine {
             candidates: axes.iter().map(|axis| axis.parameters).collect(),
             couplings: vec![None; axes.len()],
             latched: Vec::with_capacity(MAX_LATCHES),
+            digital_inputs: config.digital_inputs().collect(),
             couples: false,
+            seen: Inputs::default(),
             first: state.clone(),
             state,
             signals,
             directory,
             config,
         };
+        machine.seen = machine.inputs();
         machine.sort_axes();
         Ok(machine)
     }
@@ -133,6 +147,14 @@ impl Machine {
 
     /// One cycle. Allocates nothing, locks nothing, waits for nothing, cannot fail.
     pub fn cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
+        // Taking it leaves empty lists, which hold no memory.
+        let mut room = std::mem::take(&mut self.seen);
+        let seen = self.state.panel.condition(inputs, &self.config, self.state.cycle, &mut room);
+        self.run_cycle(seen, commands, outputs);
+        self.seen = room;
+    }
+
+    fn run_cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
         self.events.begin(self.state.cycle, self.state.next_event);
         self.count_overruns(inputs);
         let admitted = self.admit(commands);
@@ -144,6 +166,8 @@ impl Machine {
             }),
             Some(first) => self.step_together(first, inputs, commands, admitted, &mut answered),
         }
+        self.stop_others(inputs, commands);
+        self.share_shifts();
         self.judge_trajectories(inputs);
         self.answer_the_rest(commands, admitted & !answered);
         if self.couples {
@@ -151,7 +175,11 @@ impl Machine {
             self.note_couplings();
             self.sort_axes();
         }
+        self.state.panel.follow(&self.state.axes);
+        self.state.panel.write(&self.signals, &mut self.state.board, outputs);
         for axis in &self.state.axes {
+            let closed = self.state.panel.brake_of(axis);
+            self.signals.publish_brake(&mut self.state.board, axis, closed, outputs);
             if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
                 *output = axis.output();
             }
@@ -176,18 +204,26 @@ impl Machine {
         self.signals.publish_io(&mut self.state.board, inputs);
         for (index, encoder) in self.state.encoders.iter_mut().enumerate() {
             let input = inputs.encoder.get(index).copied().unwrap_or_default();
-            let lead = encoder.step(input.count, input.epoch, input.valid, cycle_s);
-            self.signals.publish_encoder(&mut self.state.board, index, input, lead);
-            let was_valid = std::mem::replace(&mut self.state.leads.encoder[index], lead).valid;
-            if was_valid && !lead.valid {
-                let object = Object::Encoder(index as u16);
-                self.events.push(Event::new(Severity::Error, Kind::Error, object, Code::ENCODER_INVALID));
+            let told = encoder.step(&input, cycle_s);
+            let (lead, errors) = (encoder.lead(), encoder.errors());
+            let problem = told.map_or(Code::NONE, encoders::code);
+            self.signals.publish_encoder(&mut self.state.board, index, input, lead, problem, errors);
+            self.state.leads.encoder[index] = lead;
+            if let Some(told) = told {
+                self.events.push(encoders::event(told, index as u16, errors));
             }
         }
         for (axis, actual) in self.state.axes.iter_mut().zip(&mut self.state.leads.actual) {
-            axis.sense(axis.drive().and_then(|drive| inputs.drive.get(drive)));
+            let drive = axis.drive().and_then(|drive| inputs.drive.get(drive));
+            axis.sense(drive, &self.state.encoders, &inputs.encoder);
+            axis.read_switches(inputs);
             *actual = axis.actual();
         }
+        for (axis, lead) in self.state.axes.iter().zip(&mut self.state.leads.simulated) {
+            *lead = axis.simulate_master(*lead);
+        }
+        let edges = self.state.panel.edges(inputs);
+        self.state.axes.iter_mut().for_each(|axis| axis.take_edges(edges));
         self.take_latches(inputs);
     }
 
@@ -197,6 +233,8 @@ impl Machine {
         let mut cx = Context {
             cycle: self.state.cycle,
             input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
+            inputs,
+            digital_inputs: &self.digital_inputs,
             leads: &self.state.leads,
             latches: &self.latched,
             stream: commands.stream,
@@ -204,9 +242,9 @@ impl Machine {
             events: &mut self.events,
         };
         // What a vocabulary writes by itself.
-        let written = (axis.parameters.amc.reference_select, axis.parameters.saia);
+        let written = written_by_itself(axis);
         axis.step(&mut cx, live(commands, admitted), answered);
-        if written != (axis.parameters.amc.reference_select, axis.parameters.saia) {
+        if written != written_by_itself(axis) {
             self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
         }
         axis.publish(&mut self.state.board, &self.state.leads);
@@ -245,20 +283,24 @@ impl Machine {
         }
         for place in 0..self.state.order.len() {
             let index = usize::from(self.state.order[place]);
-            let parameters = |axis: &Axis| (axis.parameters.amc.reference_select, axis.parameters.saia);
-            let written = parameters(&self.state.axes[index]);
             self.with_axis(index, inputs, commands.stream, |axis, cx| axis.end_step(cx));
-            if written != parameters(&self.state.axes[index]) {
-                self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
-            }
+            self.note_zero(index);
             self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
         }
     }
 
+    /// Who follows an axis does not follow a coordinate that was set anew.
+    fn note_zero(&mut self, index: usize) {
+        let moved = self.state.axes[index].take_moved();
+        self.state.leads.command[index].position += moved;
+    }
+
     /// What others see of an axis.
     fn note_lead(&mut self, index: usize) {
+        self.note_zero(index);
         let axis = &self.state.axes[index];
-        let (motion, before) = (axis.command(), self.state.leads.command[index].position);
+        let before = self.state.leads.command[index].position;
+        let motion = axis.command();
         self.state.leads.command[index] = Lead {
             position: motion.position,
             change: motion.position - before,
@@ -266,7 +308,7 @@ impl Machine {
             counted: false,
             valid: true,
         };
-        if axis.drive().is_none() {
+        if axis.shows_command() {
             self.state.leads.actual[index] = axis.actual();
         }
     }
@@ -296,10 +338,22 @@ impl Machine {
         self.events.as_slice()
     }
 
+    /// How an axis stood when its last error came.
+    pub fn fault(&self, axis: u16) -> Option<&Fault> {
+        self.state.axes.get(usize::from(axis)).map(Axis::fault)
+    }
+
     /// Parameters in force.
     pub fn parameters(&self, axis: u16) -> Option<&AxisParameters> {
         self.state.axes.get(usize::from(axis)).map(|axis| &axis.parameters)
     }
+}
+
+/// The parameters that an axis changes by itself: what a vocabulary writes, limits that keep their places, a simulated master
+/// that an abort stops.
+fn written_by_itself(axis: &Axis) -> (i64, crate::vocabulary::saia::Parameters, [Option<i64>; 2], f64) {
+    let p = &axis.parameters;
+    (p.amc.reference_select, p.saia, [p.min_position, p.max_position], p.encoder.master_velocity)
 }
 
 /// The commands that the axes have to look at, with their places.

@@ -29,6 +29,8 @@ pub enum Leader {
     AxisActual(u16),
     /// An encoder (`belt`).
     Encoder(u16),
+    /// The simulated master of an axis, which its `mencodertype` 6 asks for.
+    Simulated(u16),
 }
 
 /// A set of axes, without a heap.

@@ -3,9 +3,11 @@
 //! What is wrong in a request itself (an unknown name, a number that is none) is refused here with a sentence and never
 //! reaches the machine. What limits or states forbid is refused by the machine.
 
+mod homing;
 mod setpoints;
 mod trajectory;
 
+pub use homing::{HomeRequest, SetPositionRequest};
 pub use setpoints::SetpointRequest;
 pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
 
@@ -245,7 +247,7 @@ pub struct ProbeRequest {
     pub search: MoveRequest,
     /// What latches.
     pub event: String,
-    /// 0 rising, 1 falling, 2 both.
+    /// 0 rising, 1 falling, 2 both, 3 the index of the axis itself.
     pub edge: u8,
     /// Where to end, from the latched position.
     pub distance: Amount,
@@ -256,7 +258,7 @@ pub struct ProbeRequest {
 pub struct SynchronizeRequest {
     /// Axis that follows.
     pub axis: String,
-    /// What it follows.
+    /// What it follows; empty: what parameter `mencodertype` of the axis names.
     pub master: String,
     /// For engage ON_EVENT.
     pub event: String,
@@ -389,8 +391,13 @@ impl MachineConfig {
             0 => ProbeEdge::Rising,
             1 => ProbeEdge::Falling,
             2 => ProbeEdge::Both,
+            3 if self.find_latch(&request.event)? == Object::Axis(search.axis) => ProbeEdge::Index,
+            3 => {
+                let allowed = "INDEX is that of the axis itself, which event has to name";
+                return Err(RequestError::BadChoice { field: "edge", value: 3, allowed });
+            }
             other => {
-                let allowed = "0 RISING, 1 FALLING, 2 BOTH are allowed";
+                let allowed = "0 RISING, 1 FALLING, 2 BOTH, 3 INDEX are allowed";
                 return Err(RequestError::BadChoice { field: "edge", value: other.into(), allowed });
             }
         };
@@ -439,7 +446,10 @@ impl MachineConfig {
         let (units, scale) = (Units::Si, &axis.scale);
         Ok(Synchronize {
             axis: index,
-            leader: self.find_leader(&request.master)?,
+            leader: Some(&request.master)
+                .filter(|name| !name.is_empty())
+                .map(|name| self.find_leader(name))
+                .transpose()?,
             mode,
             disengage,
             numerator: request.numerator,

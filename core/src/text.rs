@@ -11,15 +11,21 @@ use crate::parameter::{ROWS, Refused, Row, Value};
 use crate::unit::Scale;
 use crate::vocabulary::saia::Register;
 
+mod advice;
 mod parameter;
 
+pub use advice::{Advice, DRIVE_FAULT, advice};
 pub use parameter::{expected_text, range_text, refused_text, value_text};
 
 /// Warnings that only streamed setpoints have.
-const STREAMED: [Code; 7] = [
+const STREAMED: &[Code] = &[
+    Code::HOMING_REQUIRED,
+    Code::HOMING_UNDER_WAY,
     Code::NOT_ENABLED,
     Code::IN_ERROR,
     Code::QUICK_STOPPED,
+    Code::INTERRUPTED,
+    Code::ABORTED,
     Code::VELOCITY_TOO_HIGH,
     Code::LIMIT_VIOLATION,
     Code::STREAM_BUSY,
@@ -36,6 +42,9 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
         Kind::Latch => latched(event, config),
         Kind::Mark => marked(event, config),
         Kind::Overrun => format!("{} cycles missed", plain(event.asked)),
+        Kind::Homed => {
+            format!("zero found at {} of the coordinate before", number_text(event.asked, event.source, config))
+        }
         Kind::Reset => format!("reset after: {}", reason(event, config)),
         Kind::Done if event.code.is_none() => "done".to_owned(),
         Kind::Warning if STREAMED.contains(&event.code) => {
@@ -139,6 +148,37 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
     let fixed = |text: &str| text.to_owned();
     match event.code {
         Code::DRIVE_LOST => fixed("the drive does not answer"),
+        Code::HOMING_REQUIRED => fixed("homing is required and has not been done; home the axis first"),
+        Code::WF_NO_ZERO_MARK => {
+            format!("alarm 9: no zero mark within {} after the cam", limit())
+        }
+        Code::LIMIT_VIOLATION if event.limit == Number::None && event.kind == Kind::Refused => {
+            let which = if event.asked == Number::Count(Code::HARDWARE_LIMIT_NEGATIVE.0.into()) {
+                "negative"
+            } else {
+                "positive"
+            };
+            format!("the {which} limit switch is actuated; only the way back is open")
+        }
+        Code::LIMIT_VIOLATION if event.limit == Number::None => fixed("motion towards an actuated limit switch"),
+        Code::HARDWARE_LIMIT_POSITIVE => fixed("the positive limit switch was reached"),
+        Code::HARDWARE_LIMIT_NEGATIVE => fixed("the negative limit switch was reached"),
+        Code::BOTH_LIMIT_SWITCHES => fixed("both limit switches are actuated: a broken cable, or an open stop contact"),
+        Code::STOPPED_WITH_OTHER => match event.asked {
+            Number::Count(axis) if event.kind == Kind::Error => {
+                let other = u16::try_from(axis).map_or("another axis", |axis| config.name(Object::Axis(axis)));
+                format!("stopped, because {other} has a following error")
+            }
+            _ => fixed("stopped, because another axis has a following error"),
+        },
+        Code::EMERGENCY_STOP => fixed("the emergency stop is open"),
+        Code::INTERLOCK => fixed("the interlock is open"),
+        Code::ABORTED => fixed("abort has stopped the axis; reset_errors lets it go on"),
+        Code::IN_POSITION_TIMEOUT => {
+            format!("the goal waits for its target window: {} from the target, {} is allowed", asked(), limit())
+        }
+        Code::BUS_ERROR => fixed("the field bus reports errors of communication"),
+        Code::I2T_LIMIT => fixed("the motor was loaded beyond its I2t limit"),
         Code::LIMIT_VIOLATION => format!("velocity {} leads further into the limit at {}", asked(), limit()),
         Code::WF_FOLLOWING_ERROR_IN_TRAVEL => {
             format!("alarm 10: following error {} lies beyond wf.max_following_error {} in travel", asked(), limit())
@@ -252,6 +292,22 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::LOOP_IN_DRIVE | Code::NO_VELOCITY_LOOP | Code::NO_REVERSING_OUTPUTS => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
+        Code::INTERRUPTED => fixed("i_break has stopped the axis; i_continue or reset_errors lets it go on"),
+        Code::NO_SUCH_INPUT => {
+            format!("{} is {}; the cell has {} digital inputs", key(event), plain(event.asked), plain(event.limit))
+        }
+        Code::NO_SUCH_OUTPUT => {
+            format!("{} is {}; the cell has {} digital outputs", key(event), plain(event.asked), plain(event.limit))
+        }
+        Code::OUTPUT_TAKEN => fixed("an axis switches this output by itself; nobody else may set it"),
+        Code::OUTPUT_VALUE => {
+            format!(
+                "{} is no value of this output; 0 and 1 of a do, a finite number of V of an ao are",
+                plain(event.asked)
+            )
+        }
+        Code::NO_OUTPUT => fixed("this is no output; a do or an ao may be set"),
+        Code::REVERSING_BY_POSITION => format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code)),
         Code::UNKNOWN_GOAL => format!("goal {} is not active", plain(event.asked)),
         Code::PARAMETER_OUT_OF_RANGE => out_of_range(event, config),
         Code::PARAMETERS_CONTRADICT => contradict(event, config),
@@ -317,6 +373,24 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::TRAJECTORY_BELOW_MIN_POSITION => {
             format!("between its points the trajectory would reach {}, below min_position {}", asked(), limit())
         }
+        Code::HOMING_UNDER_WAY => fixed("the axis is homing; wait for its end, or cancel it"),
+        Code::HOMING_NO_METHOD => fixed("homing.method is 0: give the axis a method, or name one in the command"),
+        Code::HOMING_UNKNOWN_METHOD => format!(
+            "homing method {} does not exist; 1 to 14, 17 to 30, 33, 34, 35 and 37 of CiA 402 and 0 to 3 of MACS do",
+            asked()
+        ),
+        Code::HOMING_NO_VELOCITY => fixed("homing.velocity is 0; give one above 0, or below 0 for the other direction"),
+        Code::HOMING_NO_SWITCH => fixed("i_refswitch is 0; a homing sequence of MACS needs the input of its switch"),
+        Code::HOMING_SWITCH_MISSED => format!("the switch did not change within homing.max_distance {}", limit()),
+        Code::HOMING_INDEX_MISSED => format!("no index pulse came within homing.index_distance {}", limit()),
+        Code::HOMING_AT_LIMIT => fixed("a limit switch ended the search for the reference"),
+        Code::HOMING_NEEDS_DRIVE => {
+            fixed("the axis is virtual; it has no switches and no index, only methods 35 and 37")
+        }
+        Code::HOMING_IN_DRIVE_FAILED => fixed("the drive did not find its zero"),
+        Code::HOMING_IN_DRIVE_TIMEOUT => fixed("the drive did not take up mode 6, homing, within 5 s"),
+        Code::HOMING_NOT_IN_DRIVE => fixed("homing.in_drive is true, and the drive cannot run a sequence of MACS"),
+        Code::HOMING_LOST => fixed("the zero is no longer known; home the axis again"),
         Code::REPLACED => fixed("a newer command took the axis over"),
         Code::HALTED => fixed("halt ended the goal"),
         Code::CANCELLED => fixed("the goal was cancelled"),
@@ -333,7 +407,38 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::STREAM_BUSY => fixed("something else moves the axis, and a stream takes no axis over; halt it first"),
         Code::SETPOINT_NO_NUMBER => fixed("the velocity is no finite number"),
         Code::STREAM_TIMEOUT => fixed("streamed setpoints stopped coming"),
-        Code::ENCODER_JUMP => format!("the leader jumped by {} in one cycle", asked()),
+        Code::ENCODER_JUMP if event.limit == Number::None => format!("the leader jumped by {} in one cycle", asked()),
+        Code::ENCODER_JUMP => {
+            format!("the encoder jumped by {} in one cycle; its axis moves {} at most", asked(), limit())
+        }
+        Code::WF_ENCODER_CABLE => fixed("alarm 7: the encoder gives no value; its cable may be broken"),
+        Code::WF_PULSES => {
+            format!(
+                "alarm 8: pulses of the encoder are missing or too many: {} since the index, beyond {}",
+                asked(),
+                limit()
+            )
+        }
+        Code::WF_NO_CAM_SIDE
+        | Code::ENCODER_UNKNOWN_TYPE
+        | Code::ENCODER_NEEDS_BUS
+        | Code::ENCODER_NO_TERMINAL
+        | Code::ENCODER_LOOP_IN_DRIVE
+        | Code::ENCODER_CHOSEN_TWICE => format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code)),
+        Code::ABSOLUTE_ZERO_STANDS => fixed(
+            "encodertype says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position",
+        ),
+        Code::ENCODER_SUBSTITUTED => {
+            format!("a bad word of the encoder was replaced by an extrapolated one; {} so far", plain(event.asked))
+        }
+        Code::NO_MASTER => format!(
+            "no master is named, and mencodertype {} names none that the cell has; name one, or set it to -n (axis n), 10, 20, \
+             30 (an entry of encoders) or 6 (a simulated one)",
+            plain(event.asked)
+        ),
+        Code::ENCODER_NOT_SHARED => {
+            fixed("another axis that uses the encoder began to move, so that only this axis has its new zero")
+        }
         Code::SYNC_LOST => fixed("the leader is faster than the axis may be; it lags and catches up"),
         Code::RESET_FAILED => fixed("the drive did not leave its fault within 5 s"),
         Code::EVENTS_LOST => format!("{} events of this cycle had no room", plain(event.asked)),
@@ -412,7 +517,28 @@ pub fn not_built_here(code: Code) -> &'static str {
             "inverts one loop and not the other, but the velocity loop does not exist yet; 1, 2, 11, 22 and their negatives \
              are allowed"
         }
-        Code::NO_REVERSING_OUTPUTS => "asks for outputs or a node, which do not exist yet; 0, 1 and 2 are allowed",
+        Code::ENCODER_UNKNOWN_TYPE => "is no type of encoder",
+        Code::WF_NO_CAM_SIDE => {
+            "is no side of the cam; with an incremental encoder 0 (the one that JOG leads to), 1 (plus) and 2 (minus) are allowed"
+        }
+        Code::ENCODER_NEEDS_BUS => {
+            "names a node of a bus, which does not exist yet; the types 0 to 5, 9, 10, 20, 30 exist, for a master 0, 1, 2, \
+             5, 6, 10, 20, 30 and -1 to -999"
+        }
+        Code::ENCODER_NO_TERMINAL => {
+            "names an entry of section encoders that the cell does not have: 10 is the first one"
+        }
+        Code::ENCODER_LOOP_IN_DRIVE => {
+            "names an encoder that a drive with interface position does not close its loop with; 0, 1, 2, 5 and 9 are allowed"
+        }
+        Code::ENCODER_CHOSEN_TWICE => {
+            "names another encoder than key feedback of the axis or its wf.md4 does; one of them may choose"
+        }
+        Code::NO_REVERSING_OUTPUTS => "asks for a node on a bus, which does not exist yet; below 100 is allowed",
+        Code::REVERSING_BY_POSITION => {
+            "asks for outputs, which tell the sign of a velocity to drives with interface velocity or open_loop; 0, 1 and 2 \
+             are allowed"
+        }
         _ => "does not exist yet",
     }
 }
@@ -494,12 +620,13 @@ fn contradict(event: &Event, config: &MachineConfig) -> String {
     // What MACS gives as a part or a count is told beside what MACS has there.
     let key = match (row.key, event.limit) {
         ("neglimit" | "poslimit" | "swneglimact" | "swposlimact", _) => row.key,
-        ("dfltvel" | "dfltacc", Number::Count(_)) => row.key,
+        ("dfltvel" | "dfltacc" | "home_vel" | "home_ramp", Number::Count(_)) => row.key,
         _ => row.root(),
     };
     let other = match key {
-        "dfltvel" | "dfltacc" => "must not lie above velres",
-        "velres" => "must not lie below dfltvel or dfltacc",
+        "dfltvel" | "dfltacc" | "home_vel" | "home_ramp" => "must not lie above velres",
+        "velres" => "must not lie below dfltvel, dfltacc, home_vel or home_ramp",
+        "homing.velocity" | "homing.index_velocity" => "must not lie above max_velocity",
         "neglimit" => "must lie below poslimit",
         "poslimit" => "must lie above neglimit",
         "swneglimact" => "puts neglimit in force, which must lie below poslimit",
@@ -507,7 +634,7 @@ fn contradict(event: &Event, config: &MachineConfig) -> String {
         "min_position" => "must lie below max_position",
         "max_position" => "must lie above min_position",
         "default_velocity" => "must not lie above max_velocity",
-        "max_velocity" => "must not lie below default_velocity",
+        "max_velocity" => "must not lie below default_velocity, homing.velocity or homing.index_velocity:",
         "default_acceleration" => "must not lie above max_acceleration",
         "max_acceleration" => "must not lie below default_acceleration",
         "wf.md1" => "must not lie above max_acceleration",

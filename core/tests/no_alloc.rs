@@ -1,18 +1,24 @@
 //! The cycle takes no memory and gives none back, whatever happens in it: an armed allocator watches.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
+use lineshaft_core::axis::Safety;
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoint,
-    Setpoints, Source, SyncMode, Synchronize,
+    Action, BufferMode, Command, Commands, Direction, Disengage, HomeAxis, HomingMethod, Length, Move, MoveMode, Probe,
+    ProbeEdge, SetPosition, Setpoint, Setpoints, Source, SyncMode, Synchronize,
 };
-use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, IoKind, MachineConfig, MemoryConfig, MemoryKind};
+use lineshaft_core::config::{
+    AxisConfig, BrakeConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, MachineConfig, MemoryConfig,
+    MemoryKind,
+};
 use lineshaft_core::drive::{Backend, Edge, EncoderInput, Interface, Latch};
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader, Object};
-use lineshaft_core::parameter::{AxisParameters, Change, Layer, Row, Value};
+use lineshaft_core::parameter::{
+    AssignedOutputs, AxisParameters, Change, Layer, MachineParameters, Row, Supervision, Value,
+};
 use lineshaft_core::position::Position;
-use lineshaft_core::sim::{Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
+use lineshaft_core::sim::{Fixtures, Index, Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
@@ -52,17 +58,24 @@ fn config() -> MachineConfig {
     let scale = Scale::new(Fraction::from_integer(1000), per).expect("a legal scale");
     let axis = |index: u16| {
         let drive = (index > 0).then_some(u32::from(index % 3));
+        // Most keep their following errors to themselves, so that something goes on.
+        let supervision = Supervision { following_error_stops_all: i64::from(index == 3), ..Supervision::default() };
         let parameters = AxisParameters {
+            supervision,
             max_position: index.is_multiple_of(2).then_some(40_000),
             error_reaction: i64::from(index % 6),
+            outputs: AssignedOutputs { brake: if index == 3 { -2 } else { 0 }, axmove: if index == 3 { 4 } else { 0 } },
             ..AxisParameters::new(1e5, 1e6)
         };
         let interface = interface(index);
         // Each output of one axis.
         let place = |first: u16| (interface == Interface::OpenLoop).then_some(first + index);
         let open_loop = wf::Wiring { forward: place(2), backward: place(10), output: place(18), dac: place(26) };
+        let brake =
+            BrakeConfig { output: 1 + index, closes_with_one: true, release_ns: 9_000_000, engage_ns: 7_000_000 };
         AxisConfig {
             interface,
+            brake: Some(brake).filter(|_| index == 4),
             open_loop,
             modulo: lineshaft_core::axis::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
             amc: amc::Wiring {
@@ -81,8 +94,19 @@ fn config() -> MachineConfig {
             .chain((0..8).map(|n| io(&format!("v{n}"), IoKind::AnalogOutput)))
             .collect(),
         memory: vec![MemoryConfig { name: "m".into(), kind: MemoryKind::I16, initial: 0.0 }],
-        encoders: vec![EncoderConfig { name: "belt".into(), bits: 16, scale }],
+        encoders: vec![EncoderConfig {
+            name: "belt".into(),
+            form: lineshaft_core::encoder::Form::Incremental(16),
+            check: None,
+            scale,
+        }],
         axes: (0..AXES).map(axis).collect(),
+        safety: Safety { estop: Some(0), interlock: None },
+        global: GlobalConfig {
+            parameters: MachineParameters { i_errclr: 1, i_break: -1, i_continue: 1, o_error: 3, ainftime: 5 },
+            filters: vec![FilterConfig { input: 0, time_ns: 3_000_000 }],
+            ..GlobalConfig::default()
+        },
     }
 }
 
@@ -99,7 +123,15 @@ impl Numbers {
 fn action(numbers: &mut Numbers) -> Action {
     if numbers.below(30) == 0 {
         let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);
-        return match numbers.below(8) {
+        return match numbers.below(12) {
+            8..=10 => {
+                let method = [1, 3, 8, 14, 18, 25, 33, 35][numbers.below(8) as usize];
+                Action::HomeAxis(HomeAxis { axis: numbers.below(8) as u16, method: HomingMethod::Cia402(method) })
+            }
+            11 => {
+                let position = Length::whole(numbers.below(20_000) as i64);
+                Action::SetPosition(SetPosition { axis: numbers.below(8) as u16, position })
+            }
             0 => Action::SaveParameters(set),
             1 => Action::ResetParameters { axes: set, layer: Layer::User },
             2 => Action::ResetParameters { axes: set, layer: Layer::Init },
@@ -132,6 +164,7 @@ fn action(numbers: &mut Numbers) -> Action {
         0..=3 => Action::Enable(AxisSet::first(usize::from(AXES))),
         4 => Action::Disable(set),
         5 => Action::Halt(set),
+        6 if number % 4 == 0 => Action::Abort,
         6 => Action::QuickStop(set),
         7 => Action::ResetErrors(AxisSet::first(usize::from(AXES))),
         8 => Action::Move(request(MoveMode::Absolute)),
@@ -139,7 +172,7 @@ fn action(numbers: &mut Numbers) -> Action {
         10 => Action::Move(request(MoveMode::Velocity)),
         11 => Action::Synchronize(Synchronize {
             axis,
-            leader,
+            leader: Some(leader),
             mode: SyncMode::Position,
             disengage: Disengage::KeepVelocity,
             numerator: number,
@@ -148,7 +181,8 @@ fn action(numbers: &mut Numbers) -> Action {
             velocity: 0.0,
             acceleration: 0.0,
         }),
-        12 => Action::SetMemory { index: 0, value: number as f64 },
+        12 if number % 2 == 0 => Action::SetMemory { index: 0, value: number as f64 },
+        12 => Action::SetOutput { index: (number.unsigned_abs() % 36) as u16, value: (number % 3) as f64 },
         13..=16 => select(axis, numbers),
         17 | 18 => Action::Saia(Box::new(saia(axis, numbers))),
         19 => Action::Probe(Probe {
@@ -233,6 +267,9 @@ fn no_cycle_takes_or_gives_back_memory() {
     let config = config();
     let models: Vec<_> = (1..AXES).map(|index| Some(model(index))).collect();
     let mut plant = Plant::new(&config, &models);
+    let index = Some(Index { every: 2_000, at: 300 });
+    let fixtures = Fixtures { index, home: Some((2_000, 4_000)), ..Fixtures::default() };
+    (0..7).for_each(|drive| plant.drive(drive).unwrap().fit(fixtures));
     let mut machine = Machine::new(config).unwrap();
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
@@ -241,7 +278,7 @@ fn no_cycle_takes_or_gives_back_memory() {
     let (mut sequence, mut count, mut events, mut marks) = (0, 0_i64, 0, 0);
     // As whoever gives them does: kept for as long as the machine may have them.
     let (mut trajectories, mut runs) = (Vec::new(), 0);
-    for cycle in 0..20_000_u64 {
+    for cycle in 0..40_000_u64 {
         let mut commands: Vec<Command> = (0..numbers.below(40).saturating_sub(37))
             .map(|_| {
                 sequence += 1;
@@ -259,11 +296,24 @@ fn no_cycle_takes_or_gives_back_memory() {
         {
             drive.inject_fault(0x1234);
         }
+        if numbers.below(700) == 0
+            && let Some(drive) = plant.drive(numbers.below(7) as usize)
+        {
+            // Limit switches come and go.
+            drive.stick(3, numbers.below(16).saturating_sub(12) as u32);
+        }
+        // The emergency stop is pressed now and then.
+        plant.set_digital(0, numbers.below(3_000) != 0);
         stream.axes[3] = (cycle % 4_000 < 1_000).then_some(Setpoint { velocity: 1_000.0, duration: None });
         inputs.cycle = cycle;
+        if numbers.below(200) == 0 {
+            plant.set_digital(0, numbers.below(2) == 0);
+        }
+        plant.set_analog(0, numbers.below(10) as f64);
         assert_no_alloc(|| plant.read(&mut inputs));
         count += 20;
-        inputs.encoder[0] = EncoderInput { count: count & 0xFFFF, epoch: 0, valid: numbers.below(900) != 0 };
+        inputs.encoder[0] =
+            EncoderInput { count: count & 0xFFFF, epoch: 0, valid: numbers.below(900) != 0, index: None };
         inputs.missed = u32::from(cycle.is_multiple_of(777));
         inputs.add_latch(Latch {
             object: Object::Axis(numbers.below(8) as u16),
@@ -337,4 +387,50 @@ fn no_change_of_a_layer_takes_or_gives_back_memory() {
         assert_eq!(violation_count(), 0, "{:?}", commands[0].action);
         assert!(machine.events().iter().any(|event| event.kind == Kind::Accepted), "{:?}", commands[0].action);
     }
+}
+
+#[test]
+fn homing_takes_no_memory() {
+    let config = config();
+    let models: Vec<_> = (1..AXES).map(|index| Some(model(index))).collect();
+    let mut plant = Plant::new(&config, &models);
+    let index = Some(Index { every: 2_000, at: 300 });
+    let fixtures = Fixtures { index, home: Some((2_000, 4_000)), positive: Some(30_000), ..Fixtures::default() };
+    plant.drive(1).unwrap().fit(fixtures);
+    // The emergency stop is closed.
+    plant.set_digital(0, true);
+    let mut machine = Machine::new(config).unwrap();
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut homed = Vec::new();
+    let home = |method| Action::HomeAxis(HomeAxis { axis: 2, method: HomingMethod::Cia402(method) });
+    let row = |key| Row::find(key).expect("a key of the catalogue").0;
+    let set = |key, value| Action::SetParameters(Box::new([Change { axis: 2, row: row(key), value }]));
+    let position = Length::whole(10_000);
+    let actions = [
+        Action::Enable(AxisSet::one(2)),
+        home(8),
+        home(2),
+        home(30),
+        home(35),
+        Action::SetPosition(SetPosition { axis: 2, position }),
+        set("homing.in_drive", Value::Int(1)),
+        home(10),
+        set("homing.in_drive", Value::Int(0)),
+        set("homing.index_distance", Value::Int(5)),
+        home(33),
+    ];
+    for (sequence, action) in (1_u64..).zip(actions) {
+        let mut commands = vec![Command { sequence, source: Source::Scenario, action }];
+        for _ in 0..10_000 {
+            inputs.cycle = machine.next_cycle();
+            assert_no_alloc(|| {
+                plant.read(&mut inputs);
+                machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
+                plant.write(&outputs);
+            });
+            homed.extend(machine.events().iter().filter(|event| event.kind == Kind::Homed).map(|event| event.cycle));
+            commands.clear();
+        }
+    }
+    assert_eq!((violation_count(), homed.len()), (0, 5));
 }

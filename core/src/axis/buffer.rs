@@ -7,7 +7,7 @@
 //! Refuses  too many goals, a goal behind a coupling
 
 use super::course::{Aim, Course, ROUNDING};
-use super::goal::Goal;
+use super::goal::{Goal, NO_NUMBERS, Numbers};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::command::{BufferMode, Move, MoveMode};
@@ -80,9 +80,10 @@ impl Buffer {
     }
 
     /// Ends all of them.
-    pub(super) fn end(&mut self, events: &mut EventQueue, axis: u16, code: Code, position: Position) {
+    pub(super) fn end(&mut self, events: &mut EventQueue, axis: u16, code: Code, position: Position, numbers: Numbers) {
         while let Some(next) = self.pop() {
-            events.push(Event::done(Object::Axis(axis), next.sequence, code, position));
+            let done = Event::done(Object::Axis(axis), next.sequence, code, position);
+            events.push(done.with(numbers.0, numbers.1));
         }
     }
 
@@ -204,7 +205,11 @@ impl Axis {
                 self.course(cx.cycle, from, aim, next.limits)
             }),
         };
-        let result = result.and_then(|course| self.check_course(&course, from, next.limits).map(|()| course));
+        // The zero may have been lost since the goal was taken.
+        let result = self
+            .check_zero()
+            .and(result)
+            .and_then(|course| self.check_course(&course, from, next.limits).map(|()| course));
         match result {
             Ok(course) => {
                 self.goal = Some(Goal { sequence: next.sequence, ending: None, target, search: None, track: None });
@@ -217,7 +222,7 @@ impl Axis {
             Err(refusal) => {
                 let event = Event::done(self.object(), next.sequence, refusal.code, self.command.position);
                 cx.events.push(event.with(refusal.asked, refusal.limit));
-                self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position);
+                self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
                 let plan = self.plan_stop(from, &self.parameters.largest_limits());
                 let course = Course::new(plan, cx.cycle, Aim::Stop, self.parameters.largest_limits());
                 self.generator = Generator::Plan(course.with_lead(lead));

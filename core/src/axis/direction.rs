@@ -9,6 +9,7 @@
 //! Source   MACS-DIR-01..10, A-07, A-08, A-09
 
 use super::course::{Aim, Course, ROUNDING};
+use super::goal::NO_NUMBERS;
 use super::overlay::Overlay;
 use super::{Axis, Context, Generator};
 use crate::code::Code;
@@ -116,9 +117,18 @@ impl Reversing {
         Some(Self { rule, polarity, node })
     }
 
-    /// Is all of it built: the rule alone?
+    /// Is all of it built: rule and outputs?
     pub fn is_built(self) -> bool {
-        self.polarity == Polarity::Bipolar && self.node == 0
+        self.node == 0
+    }
+
+    /// The highest number of an output that it names; 0 for none.
+    pub fn last_output(self) -> i64 {
+        match self.polarity {
+            Polarity::Bipolar => 0,
+            Polarity::Direction(output) => output.into(),
+            Polarity::Enables(output) => i64::from(output) + 1,
+        }
     }
 }
 
@@ -140,7 +150,34 @@ pub fn may_turn_loop(interface: Option<Interface>, parameters: &AxisParameters) 
     !parameters.sense().position || !matches!(interface, Some(Interface::Position))
 }
 
+/// Can outputs tell the sign of what the drive is given? A position has one by itself.
+pub fn may_tell_sign(interface: Option<Interface>, parameters: &AxisParameters) -> bool {
+    let by_speed = matches!(interface, Some(Interface::Velocity | Interface::OpenLoop));
+    by_speed || parameters.reversing().polarity == Polarity::Bipolar
+}
+
 impl Axis {
+    /// The reference as a unipolar drive gets it, which has no sign (inc/s).
+    pub(super) fn unipolar(&self, velocity: f64) -> f64 {
+        match self.parameters.reversing().polarity {
+            Polarity::Bipolar => velocity,
+            Polarity::Direction(_) | Polarity::Enables(_) => velocity.abs(),
+        }
+    }
+
+    /// The outputs that tell the sign of the reference: number and level (MACS-DIR-08, MACS-DIR-09).
+    pub fn sign_outputs(&self) -> [Option<(u8, bool)>; 2] {
+        let backwards = self.is_backwards;
+        match self.parameters.reversing().polarity {
+            Polarity::Bipolar => [None, None],
+            Polarity::Direction(output) => [Some((output, backwards)), None],
+            Polarity::Enables(output) => {
+                let on = self.is_on();
+                [Some((output, on && !backwards)), Some((output + 1, on && backwards))]
+            }
+        }
+    }
+
     /// A virtual axis has no encoder that it could count against.
     pub(super) fn turned(&self) -> Sense {
         if self.is_virtual() { Sense::default() } else { self.parameters.sense() }
@@ -190,6 +227,9 @@ impl Axis {
     /// be mirrored as well.
     pub fn take_parameters(&mut self, parameters: AxisParameters) -> bool {
         let before = self.turned().units;
+        if self.parameters.loses_zero_to(&parameters) {
+            self.homing.forget();
+        }
         self.parameters = parameters;
         let turns = before != self.turned().units;
         if turns {
@@ -203,6 +243,8 @@ impl Axis {
         self.command = Motion::at_rest(-self.command.position);
         self.actual.position = -self.actual.position;
         self.last_direction = 0.0 - self.last_direction;
+        self.index.1 = -self.index.1;
+        self.homing.turn_over();
         self.judge.fill(self.command.position.floor());
         self.amc.turn_over();
         // As after the power came on: their zeros and targets were those of the other sense.
@@ -216,13 +258,22 @@ impl Axis {
     /// The loop of its drive cannot be turned over here.
     pub fn admits_sense(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let interface = self.setup.drive.map(|_| self.setup.interface);
-        if may_turn_loop(interface, candidate) {
+        let wired = super::may_read(self.setup.wired, self.setup.encoders, interface, candidate);
+        let (key, code) = if let Err(refused) = wired {
+            refused
+        } else if !may_turn_loop(interface, candidate) {
+            ("posdrct", Code::LOOP_IN_DRIVE)
+        } else if !may_tell_sign(interface, candidate) {
+            ("revers", Code::REVERSING_BY_POSITION)
+        } else {
             return Ok(());
-        }
-        let (row, _) = crate::parameter::Row::find("posdrct").unzip();
-        let asked = Number::Count(candidate.macs.posdrct);
-        let refusal = Refusal::new(Code::LOOP_IN_DRIVE, self.object()).with(asked, Number::None);
-        Err(Refusal { parameter: row, ..refusal })
+        };
+        let (parameter, row) = crate::parameter::Row::find(key).unzip();
+        let asked = match row.map(|row| row.value(candidate)) {
+            Some(crate::parameter::Value::Int(value)) => Number::Count(value),
+            _ => Number::None,
+        };
+        Err(Refusal { parameter, ..Refusal::new(code, self.object()).with(asked, Number::None) })
     }
 
     /// May a motion that no master commands go backwards?
@@ -307,9 +358,10 @@ impl Axis {
             if goes_on {
                 self.generator = Generator::Plan(self.course(cx.cycle, here, course.aim, course.limits));
             } else {
-                if course.aim != Aim::Stop {
+                // Homing ends with the zero that it has found, wherever the axis stands.
+                if course.aim != Aim::Stop && !self.homing.is_running() {
                     self.end_goal(cx, Code::REVERSE_FORBIDDEN);
-                    self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, here.position);
+                    self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, here.position, NO_NUMBERS);
                 }
                 self.generator = Generator::Rest;
             }

@@ -23,6 +23,12 @@ pub(super) const LEAST_RATE: f64 = 1e-6;
 /// not for ever.
 const MOST_JERK: f64 = 1e15;
 
+/// What was found and what is allowed.
+pub(super) type Numbers = (Number, Number);
+
+/// For codes whose sentence needs none.
+pub(super) const NO_NUMBERS: Numbers = (Number::None, Number::None);
+
 /// The goal that the axis works on.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Goal {
@@ -41,27 +47,39 @@ pub(super) struct Goal {
 impl Axis {
     /// Ends the active goal now; one that was cancelled ends as cancelled, unless an error ends it.
     pub(super) fn end_goal(&mut self, cx: &mut Context<'_>, code: Code) {
+        self.end_goal_with(cx, code, NO_NUMBERS);
+    }
+
+    fn end_goal_with(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
         if let Some(goal) = self.goal.take() {
-            let taken_over = matches!(code, Code::REPLACED | Code::HALTED | Code::QUICK_STOP | Code::DISABLED);
+            let taken_over =
+                matches!(code, Code::REPLACED | Code::HALTED | Code::QUICK_STOP | Code::DISABLED | Code::ABORTED);
             let code = goal.ending.filter(|_| taken_over).unwrap_or(code);
             if goal.track.is_some() {
                 // The machine ends it for all of its axes at once.
-                self.left = Some((goal.sequence, code));
+                self.left = Some((goal.sequence, code, numbers));
                 return;
             }
-            cx.events.push(Event::done(self.object(), goal.sequence, code, self.command.position));
+            let done = Event::done(self.object(), goal.sequence, code, self.command.position);
+            cx.events.push(done.with(numbers.0, numbers.1));
         }
     }
 
     /// Ends everything that moves the axis or waits to: the goal, what is superimposed, the buffer, a vocabulary's motion.
     pub(super) fn abandon(&mut self, cx: &mut Context<'_>, code: Code) {
-        self.end_goal(cx, code);
-        self.end_overlay(cx, code);
-        self.buffer.end(cx.events, self.setup.index, code, self.command.position);
-        self.owner = Owner::Native;
+        self.abandon_with(cx, code, NO_NUMBERS);
     }
 
-    fn begin_goal(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
+    /// The same with the numbers that the sentence of the code needs: who gave the goal reads it, too.
+    pub(super) fn abandon_with(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
+        self.end_goal_with(cx, code, numbers);
+        self.end_overlay(cx, code, numbers);
+        self.buffer.end(cx.events, self.setup.index, code, self.command.position, numbers);
+        self.owner = Owner::Native;
+        self.homing.stop();
+    }
+
+    pub(super) fn begin_goal(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
         self.abandon(cx, Code::REPLACED);
         self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None });
         self.judge.rested_at = None;
@@ -72,17 +90,34 @@ impl Axis {
         cx.events.push(Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE).of_command(sequence));
     }
 
-    fn refuse(&self, code: Code) -> Refusal {
+    pub(super) fn refuse(&self, code: Code) -> Refusal {
         Refusal::new(code, self.object())
     }
 
-    /// A motion command needs an axis that is on, without error and without lock.
+    /// A motion command needs an axis that is ready, knows its zero where it must, and does not look for it.
     pub(super) fn check_free(&self) -> Result<(), Refusal> {
+        self.check_ready()?;
+        if self.homing.is_running() {
+            return Err(self.refuse(Code::HOMING_UNDER_WAY));
+        }
+        self.check_zero()
+    }
+
+    /// Where homing is required, the zero is known.
+    pub(super) fn check_zero(&self) -> Result<(), Refusal> {
+        let is_missing = self.parameters.homing.required && !self.knows_zero();
+        if is_missing { Err(self.refuse(Code::HOMING_REQUIRED)) } else { Ok(()) }
+    }
+
+    /// On, without error and without lock.
+    pub(super) fn check_ready(&self) -> Result<(), Refusal> {
         match (self.state, self.power) {
             (AxisState::ErrorStop, _) => Err(self.refuse(Code::IN_ERROR)),
+            (AxisState::Stopping, _) if self.is_interrupted() => Err(self.refuse(Code::INTERRUPTED)),
+            (AxisState::Stopping, _) if self.holding.aborted => Err(self.refuse(Code::ABORTED)),
             (AxisState::Stopping, _) => Err(self.refuse(Code::QUICK_STOPPED)),
             _ if !self.active => Err(self.refuse(Code::NOT_ACTIVE)),
-            (_, Power::On) => Ok(()),
+            (_, Power::On) => self.check_contacts(),
             _ => Err(self.refuse(Code::NOT_ENABLED)),
         }
     }
@@ -220,6 +255,7 @@ impl Axis {
     /// A velocity does not lead beyond a limit at which the axis stands already.
     pub(super) fn check_velocity(&self, velocity: f64) -> Result<(), Refusal> {
         self.check_forward(velocity)?;
+        self.check_velocity_switches(velocity)?;
         let now = self.command.position;
         let limit = self.limit(velocity > 0.0);
         let at_limit = match velocity {
@@ -237,6 +273,7 @@ impl Axis {
     /// A course to a target stays within the limits of position on its way.
     pub(super) fn check_course(&self, course: &Course, from: Motion, limits: Limits) -> Result<(), Refusal> {
         self.check_course_forward(course, from)?;
+        self.check_course_switches(course, from)?;
         let now = from.position;
         match course.aim {
             Aim::Target(_) if course.end_velocity() == 0.0 => self.check_extent(course.extent_from(now), limits),
@@ -291,7 +328,8 @@ impl Axis {
             p.max_acceleration,
             Code::ACCELERATION_TOO_HIGH,
         )?;
-        if !cx.leads.get(request.leader).valid {
+        let leader = self.leader_of(request.leader, cx.leads.command.len())?;
+        if !cx.leads.get(leader).valid {
             return Err(self.refuse(Code::LEADER_LOST));
         }
         let bounds = Bounds {
@@ -310,9 +348,8 @@ impl Axis {
             Generator::Follow(follower) => follower.gear().with_ratio(ratio),
             _ => Gear::new(ratio),
         };
-        let follower =
-            Follower::new(request.leader, gear, request.mode, request.disengage, self.present(), offset, bounds)
-                .with_accuracy(self.parameters.sync_accuracy);
+        let follower = Follower::new(leader, gear, request.mode, request.disengage, self.present(), offset, bounds)
+            .with_accuracy(self.parameters.sync_accuracy);
         self.begin_goal(cx, sequence, None);
         self.reference = Reference::Gear;
         self.generator = Generator::Follow(follower);

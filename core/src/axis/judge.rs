@@ -1,15 +1,22 @@
 //! Judging a cycle: following error, arrival, and what an error does to the axis.
 
+use super::goal::NO_NUMBERS;
 use super::power::Power;
-use super::{Axis, AxisState, Context, Generator, MAX_DELAY};
+use super::{Axis, AxisState, Context, MAX_DELAY};
 use crate::code::Code;
-use crate::event::Number;
+use crate::event::{Event, Kind, Number, Severity};
 use crate::position::Position;
-use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
 
 /// Longest ring of command positions.
 const PAST: usize = MAX_DELAY as usize + 1;
+
+/// How far apart the axes are looked at in turn (ns).
+const TURN_NS: u64 = 20_000_000;
+/// An error that only is reported is told that often (ns).
+const REPEAT_NS: u64 = 1_000_000_000;
+/// In [`Judge::waits_since`]: it was told.
+const TOLD: u64 = u64::MAX;
 
 /// What an axis remembers to judge itself.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -23,7 +30,15 @@ pub(super) struct Judge {
     /// Command that the actual position of this cycle answers, minus that actual position (inc).
     pub following_error: i64,
     exceeded_since: Option<u64>,
+    /// Round robin: how often it was found exceeded, in succession.
+    exceeded_times: u64,
+    /// An error that only was reported was told in that cycle.
+    told: u64,
     inside_since: Option<u64>,
+    /// In the target window: the actual position, and the cycle in which it was read.
+    reading: Option<(u64, i64)>,
+    /// Since when a goal waits for its target window; once it was told of, for ever.
+    waits_since: Option<u64>,
     /// At rest at the target, within the window for long enough.
     pub in_position: bool,
     /// Error reaction that waits for the end of a stop; below 0 for none.
@@ -40,7 +55,11 @@ impl Judge {
             place: 0,
             following_error: 0,
             exceeded_since: None,
+            exceeded_times: 0,
+            told: 0,
             inside_since: None,
+            reading: None,
+            waits_since: None,
             in_position: false,
             after_stop: -1,
             rested_at: None,
@@ -49,18 +68,35 @@ impl Judge {
 
     /// Is its ring as long as another one's?
     pub(super) fn has_ring_of(&self, other: &Self) -> bool {
-        self.length == other.length
+        self.length == other.length && self.place < self.length
     }
 
     /// Forgets the past: the axis has been standing at `position`.
     pub(super) fn fill(&mut self, position: i64) {
         self.past.fill(position);
-        self.exceeded_since = None;
+        self.keep_within();
         self.rested_at = None;
     }
 
+    /// Every place is `by` (inc) more from now on.
+    pub(super) fn shift(&mut self, by: i64) {
+        self.past.iter_mut().for_each(|place| *place = place.wrapping_add(by));
+        self.reading = self.reading.map(|(cycle, position)| (cycle, position.wrapping_add(by)));
+        self.rested_at = self.rested_at.map(|rested| rested + Position::whole(by));
+    }
+
+    /// The following error is small.
+    fn keep_within(&mut self) {
+        (self.exceeded_since, self.exceeded_times) = (None, 0);
+    }
+
+    /// The actual position is not in the target window.
+    fn leave_window(&mut self) {
+        (self.inside_since, self.reading) = (None, None);
+    }
+
     pub(super) fn forget(&mut self) {
-        self.exceeded_since = None;
+        self.keep_within();
         self.after_stop = -1;
     }
 
@@ -76,8 +112,13 @@ impl Axis {
         let answered = self.judge.exchange(self.asked());
         if !self.is_on() {
             self.judge.following_error = 0;
-            self.judge.inside_since = None;
+            self.judge.leave_window();
+            self.judge.waits_since = None;
             self.judge.in_position = false;
+            return;
+        }
+        self.judge_jump(cx);
+        if !self.is_on() {
             return;
         }
         if self.is_open_loop() {
@@ -91,24 +132,62 @@ impl Axis {
         if self.rests() {
             self.judge_rest(cx);
         } else {
-            self.judge.inside_since = None;
+            self.judge.leave_window();
+            self.judge.waits_since = None;
             self.judge.in_position = false;
         }
     }
 
     fn judge_following(&mut self, cx: &mut Context<'_>, answered: i64) {
-        let error = answered.saturating_sub(self.actual.position.floor());
+        // A simulated encoder shows the command itself.
+        let shown = if self.is_simulated() { answered } else { self.actual.position.floor() };
+        let error = answered.saturating_sub(shown);
         self.judge.following_error = error;
-        if error.unsigned_abs() <= self.parameters.max_following_error.unsigned_abs() {
-            self.judge.exceeded_since = None;
-            return;
+        let is_within = error.unsigned_abs() <= self.parameters.max_following_error.unsigned_abs();
+        let lasts = match self.parameters.supervision.following_error_check {
+            1 => self.is_found_in_turn(cx.cycle, is_within),
+            _ => self.exceeds_for_long(cx.cycle, is_within),
+        };
+        let (error, allowed) = (Number::Position(error), Number::Position(self.parameters.max_following_error));
+        if lasts && self.error.is_none() {
+            self.judge.told = cx.cycle;
+            self.react(cx, Code::FOLLOWING_ERROR, error, allowed);
+        } else if lasts && self.error == Code::FOLLOWING_ERROR && self.state != AxisState::ErrorStop {
+            self.repeat(cx, error, allowed);
         }
-        let since = *self.judge.exceeded_since.get_or_insert(cx.cycle);
-        let time = cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
+    }
+
+    /// Longer than it may? In each cycle anew.
+    fn exceeds_for_long(&mut self, cycle: u64, is_within: bool) -> bool {
+        if is_within {
+            self.judge.keep_within();
+            return false;
+        }
+        let since = *self.judge.exceeded_since.get_or_insert(cycle);
+        let time = cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
         let tolerated = self.parameters.following_error_time.unsigned_abs();
-        if (tolerated == 0 || time > tolerated) && self.error.is_none() {
-            let allowed = Number::Position(self.parameters.max_following_error);
-            self.react(cx, Code::FOLLOWING_ERROR, Number::Position(error), allowed);
+        tolerated == 0 || time > tolerated
+    }
+
+    /// Found more often in succession than it may be? Looked at when it is this axis' turn (MACS-ERR-07).
+    fn is_found_in_turn(&mut self, cycle: u64, is_within: bool) -> bool {
+        let (place, count) = (u64::from(self.setup.round.0), u64::from(self.setup.round.1.max(1)));
+        let turn = |cycle: u64| cycle.saturating_mul(self.setup.cycle_ns) / TURN_NS;
+        let is_new = cycle == 0 || turn(cycle) != turn(cycle - 1);
+        if !is_new || turn(cycle) % count != place {
+            return false;
+        }
+        self.judge.exceeded_times = if is_within { 0 } else { self.judge.exceeded_times.saturating_add(1) };
+        let tolerated = self.parameters.following_error_time.unsigned_abs() / (count * TURN_NS);
+        self.judge.exceeded_times > tolerated
+    }
+
+    /// An error that stops nothing is told again as long as it lasts (MACS-ERR-03).
+    fn repeat(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
+        if cx.cycle.saturating_sub(self.judge.told).saturating_mul(self.setup.cycle_ns) >= REPEAT_NS {
+            self.judge.told = cx.cycle;
+            let event = Event::new(Severity::Error, Kind::Error, self.object(), self.error).with(found, allowed);
+            cx.events.push(Event { position: self.actual.position, ..event });
         }
     }
 
@@ -116,7 +195,11 @@ impl Axis {
     fn judge_rest(&mut self, cx: &mut Context<'_>) {
         self.finish_stop();
         self.judge.in_position = self.is_in_window(cx);
-        let is_moving_state = matches!(self.state, AxisState::DiscreteMotion | AxisState::ContinuousMotion);
+        if self.homing.is_running() {
+            return self.settle_homing(cx);
+        }
+        use AxisState::{ContinuousMotion, DiscreteMotion, Homing};
+        let is_moving_state = matches!(self.state, DiscreteMotion | ContinuousMotion | Homing);
         // A trajectory ends for all of its axes at once.
         if !is_moving_state || self.power != Power::On || self.tracker().is_some() {
             return;
@@ -124,13 +207,16 @@ impl Axis {
         let missed = self.searches();
         let ending = if missed { Some(Code::PROBE_MISSED) } else { self.goal.and_then(|goal| goal.ending) };
         let reached = self.judge.in_position || self.goal.is_none() || (ending.is_some() && !missed);
+        if !reached {
+            self.tell_long_wait(cx);
+        }
         if reached {
             if ending.is_none() {
                 self.judge.rested_at = self.goal.and_then(|goal| goal.target);
             }
             self.end_goal(cx, ending.unwrap_or(Code::NONE));
             if missed {
-                self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position);
+                self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
             }
             if self.buffer.is_empty() {
                 self.set_state(cx, AxisState::Standstill);
@@ -141,66 +227,55 @@ impl Axis {
         }
     }
 
-    /// MACS-TGT-01: without a window the command is enough. MACS-TGT-04: with a time, longer than that within it.
+    /// A goal that waits too long for its target window is told of, once (MACS-TGT-06).
+    pub(super) fn tell_long_wait(&mut self, cx: &mut Context<'_>) {
+        let patience = self.parameters.supervision.in_position_timeout.unsigned_abs();
+        let since = *self.judge.waits_since.get_or_insert(cx.cycle);
+        let waited = cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
+        if patience == 0 || since == TOLD || waited < patience {
+            return;
+        }
+        self.judge.waits_since = Some(TOLD);
+        let distance = self.asked().saturating_sub(self.actual.position.floor());
+        let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::IN_POSITION_TIMEOUT);
+        let window = Number::Position(self.parameters.in_position_window);
+        let event = event.with(Number::Position(distance), window);
+        cx.events.push(Event { position: self.actual.position, ..event });
+    }
+
+    /// MACS-TGT-01: without a window the command is enough. MACS-TGT-03: with a time and testval, two readings that are near
+    /// to each other. MACS-TGT-04: with a time alone, longer than that within it.
     fn is_in_window(&mut self, cx: &Context<'_>) -> bool {
         let window = self.parameters.in_position_window;
         if window > 0 && !self.is_virtual() {
             let distance = self.asked().saturating_sub(self.actual.position.floor());
             if distance.unsigned_abs() > window.unsigned_abs() {
-                self.judge.inside_since = None;
+                self.judge.leave_window();
                 return false;
             }
+        }
+        let most = self.parameters.supervision.testval;
+        if window > 0 && most > 0 && self.parameters.in_position_time > 0 && !self.is_virtual() {
+            return self.reads_the_same_twice(cx.cycle, most);
         }
         let since = *self.judge.inside_since.get_or_insert(cx.cycle);
         let time = self.parameters.in_position_time.unsigned_abs();
         window == 0 || time == 0 || cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > time
     }
 
-    /// The error reaction (ERRCOND, MACS-ERR-02) to an error that leaves the drive in operation.
-    pub(super) fn react(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
-        let reaction = self.parameters.error_reaction;
-        if reaction == 5 && !matches!(self.generator, Generator::Follow(_)) {
-            // Only told: the motion goes on, supervised as before.
-            return self.report(cx, code, found, allowed);
+    /// Two readings in the window, in_position_time apart, differ by less than `most`; once they do, that stays.
+    fn reads_the_same_twice(&mut self, cycle: u64, most: i64) -> bool {
+        let here = self.actual.position.floor();
+        let (since, before) = *self.judge.reading.get_or_insert((cycle, here));
+        if self.judge.in_position {
+            return true;
         }
-        self.raise(cx, code, found, allowed);
-        match reaction {
-            0 | 1 if !self.is_virtual() => {
-                self.power = Power::Off;
-                self.brake = reaction == 1;
-                self.stand_on_actual();
-            }
-            // While it is being switched off it only stops, and then is.
-            4 if !self.is_virtual() && self.power == Power::On => {
-                self.power = Power::DriveStops;
-                self.stand_on_actual();
-            }
-            _ => {
-                self.brake_to_rest(cx, &self.stop_limits());
-                self.judge.after_stop = reaction;
-            }
+        let waited = cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
+        if waited < self.parameters.in_position_time.unsigned_abs() {
+            return false;
         }
-        self.set_state(cx, AxisState::ErrorStop);
-    }
-
-    fn stand_on_actual(&mut self) {
-        self.generator = Generator::Rest;
-        self.command = Motion::at_rest(self.actual.position);
-    }
-
-    /// What an error reaction leaves to do once the axis stands.
-    fn finish_stop(&mut self) {
-        let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
-        let has_drive = !self.is_virtual();
-        match reaction {
-            0 | 1 if has_drive => {
-                self.power = Power::Off;
-                self.brake = reaction == 1;
-            }
-            3 => self.brake = true,
-            4 if has_drive && self.power == Power::On => self.power = Power::DriveStops,
-            _ => {}
-        }
+        self.judge.reading = Some((cycle, here));
+        here.abs_diff(before) < most.unsigned_abs()
     }
 }
 

@@ -6,11 +6,16 @@
 //! Refuses  each command with a code and the numbers of its sentence; a refused command changes nothing
 //! Source   PLCopen state diagram, CiA 402 states, MACS-ERR-02, contract sections 1 and 7
 
+mod brake;
 mod buffer;
 mod course;
 mod direction;
+mod feedback;
 mod goal;
+mod homing;
 mod judge;
+mod limit_switch;
+mod master;
 mod modulo;
 mod motion;
 mod open_loop;
@@ -18,21 +23,32 @@ mod overlay;
 mod power;
 mod probe;
 mod publish;
+mod reaction;
+mod safety;
 mod state;
 mod stops;
 mod stream;
+mod switches;
 mod track;
 mod vocabulary;
 
-pub use direction::{Polarity, Reversing, Rule, Sense, may_turn_loop};
+pub use brake::Edges;
+pub use direction::{Polarity, Reversing, Rule, Sense, may_tell_sign, may_turn_loop};
+pub use feedback::{Source, Wired, may_read};
+pub use homing::Travel;
+pub(crate) use homing::methods as homing_methods;
 pub use modulo::Modulo;
-pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, REFERENCES, Reference};
+pub use reaction::{Class, class, stops_all};
+pub use safety::{Fault, Safety};
+pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, HOMING_PHASES, HomingPhase, REFERENCES, Reference};
+pub use switches::Switches;
+pub(crate) use switches::assigned_input;
 pub use track::{Run, Violation};
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
-use crate::drive::{DriveInput, DriveOutput, DriveState, Interface};
-use crate::encoder::{Counter, Lead};
+use crate::drive::{DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface};
+use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::object::Object;
 use crate::parameter::AxisParameters;
@@ -41,8 +57,11 @@ use crate::profile::Motion;
 use crate::signal::Signal;
 use crate::sync::Leads;
 use crate::vocabulary::{Latched, Owner, amc, saia, wf};
+use brake::Holding;
 use buffer::Buffer;
+use feedback::Sensor;
 use goal::Goal;
+use homing::Homing;
 use judge::Judge;
 use motion::Generator;
 use overlay::Overlay;
@@ -72,6 +91,16 @@ pub struct AxisSetup {
     pub amc: amc::Wiring,
     /// Outputs of an open-loop axis.
     pub open_loop: wf::Wiring,
+    /// Contacts of the cell that must be closed.
+    pub safety: Safety,
+    /// Place among the axes with a drive, and how many there are.
+    pub round: (u32, u32),
+    /// Where its position comes from.
+    pub wired: Wired,
+    /// How many encoders the machine has.
+    pub encoders: usize,
+    /// Brake that it closes and opens itself.
+    pub brake: Option<crate::config::BrakeConfig>,
     /// Length of a cycle (ns).
     pub cycle_ns: u64,
 }
@@ -89,6 +118,10 @@ pub struct Context<'a> {
     pub cycle: u64,
     /// Inputs of its drive.
     pub input: Option<&'a DriveInput>,
+    /// All inputs of the cycle.
+    pub inputs: &'a Inputs,
+    /// Places of the digital inputs in section `io`.
+    pub digital_inputs: &'a [u16],
     /// The leaders, as far as this cycle has come.
     pub leads: &'a Leads,
     /// The latches of this cycle.
@@ -118,7 +151,17 @@ pub struct Axis {
     /// Status bit 7 of the drive.
     warning: bool,
     stale_cycles: u32,
-    counter: Counter,
+    /// The switches of its way, as they are.
+    switches: Switches,
+    /// Those of the cycle before.
+    switches_before: Switches,
+    /// Index pulses so far, and where the last one was.
+    index: (u32, Position),
+    homing: Homing,
+    /// By how much its coordinate was moved, until others know: that is no motion.
+    moved: Position,
+    counter: Reader,
+    sensor: Sensor,
     /// Counts of its coordinate minus raw count, both in the sense of the drive.
     origin: i64,
     actual: Lead,
@@ -131,7 +174,8 @@ pub struct Axis {
     generator: Generator,
     goal: Option<Goal>,
     /// The trajectory that it has left in this cycle, and why.
-    left: Option<(u64, Code)>,
+    #[serde(skip)]
+    left: Option<(u64, Code, goal::Numbers)>,
     overlay: Option<Overlay>,
     buffer: Buffer,
     /// The override that the motion under way was planned with (%).
@@ -139,7 +183,17 @@ pub struct Axis {
     waiting: Waiting,
     judge: Judge,
     error: Code,
+    /// Why nothing may move: the contact of the cell that is open.
+    open_contact: Code,
+    /// How it stood when its last error came.
+    fault: Fault,
+    /// An error of this cycle stops the others, too.
+    stops_others: bool,
     brake: bool,
+    /// Its own brake, and what inputs of the machine ask.
+    holding: Holding,
+    /// The reference of the drive is below 0: outputs may have to tell.
+    is_backwards: bool,
     /// Sign of the last motion, for direction CURRENT.
     last_direction: f64,
     streamed: Streamed,
@@ -156,6 +210,7 @@ impl Axis {
     pub fn new(setup: AxisSetup, parameters: AxisParameters, signals: Signal) -> Self {
         let is_virtual = setup.drive.is_none();
         let delay = setup.drive.map_or(0, |(_, delay)| delay.min(MAX_DELAY));
+        let sensor = Sensor::new(setup.wired, setup.encoders, &parameters);
         Self {
             setup,
             signals,
@@ -167,7 +222,13 @@ impl Axis {
             drive_state: if is_virtual { DriveState::Enabled } else { DriveState::NotReady },
             warning: false,
             stale_cycles: 0,
-            counter: Counter::new(64),
+            switches: Switches::default(),
+            switches_before: Switches::default(),
+            index: (0, Position::ZERO),
+            homing: Homing::default(),
+            moved: Position::ZERO,
+            counter: sensor.reader(),
+            sensor,
             origin: 0,
             actual: Lead { valid: is_virtual, ..Lead::default() },
             effort: 0.0,
@@ -183,7 +244,12 @@ impl Axis {
             waiting: Waiting::default(),
             judge: Judge::new(delay),
             error: Code::NONE,
+            open_contact: Code::NONE,
+            fault: Fault::default(),
+            stops_others: false,
             brake: false,
+            holding: Holding::default(),
+            is_backwards: false,
             last_direction: 0.0,
             streamed: Streamed::default(),
             owner: Owner::Native,
@@ -238,9 +304,14 @@ impl Axis {
 
     /// The part of a cycle before its commands.
     pub fn begin_step(&mut self, cx: &mut Context<'_>) {
+        self.take_shifts(cx);
+        self.supervise_source(cx);
+        self.stops_others = false;
+        self.watch_contacts(cx);
         self.supervise(cx);
         self.advance(cx);
         self.take_mark(cx);
+        self.step_homing(cx);
     }
 
     /// The part of a cycle after its commands.
@@ -249,14 +320,16 @@ impl Axis {
         self.leave_velocity(cx);
         self.step_vocabularies(cx);
         self.follow_stream(cx);
+        self.obey_inputs(cx);
         self.judge(cx);
         self.switch_drive(cx);
+        self.work_brake();
         self.settle_waiting(cx);
     }
 
-    /// The actual position of a virtual axis is its command.
+    /// The actual position of a virtual axis is its command, and so is that of a simulated encoder.
     pub fn show_virtual(&mut self) {
-        if self.is_virtual() {
+        if self.is_virtual() || self.is_simulated() && self.is_on() {
             let change = self.command.position - self.actual.position;
             let Motion { position, velocity, .. } = self.command;
             self.actual = Lead { position, change, velocity, counted: false, valid: true };
@@ -271,10 +344,17 @@ impl Axis {
             Action::Disable(axes) if axes.contains(self.setup.index) => return self.disable(cx, sequence),
             Action::Halt(axes) if axes.contains(self.setup.index) => return self.halt(cx, sequence),
             Action::Deactivate => return self.begin_disable(cx),
+            Action::Abort => return self.abort(cx, sequence),
             Action::QuickStop(axes) if axes.contains(self.setup.index) => return self.quick_stop(cx, sequence),
             Action::ResetErrors(axes) if axes.contains(self.setup.index) => return self.reset(cx, sequence),
             Action::Move(request) if request.axis == self.setup.index => self.start_move(cx, sequence, request),
             Action::Probe(request) if request.axis == self.setup.index => self.start_probe(cx, sequence, request),
+            Action::HomeAxis(request) if request.axis == self.setup.index => {
+                self.start_homing(cx, sequence, request.method)
+            }
+            Action::SetPosition(request) if request.axis == self.setup.index => {
+                self.set_position(cx, sequence, request.position)
+            }
             Action::Synchronize(request) if request.axis == self.setup.index => {
                 self.start_synchronize(cx, sequence, request)
             }
@@ -302,21 +382,23 @@ impl Axis {
         };
         let tracks = self.tracker().is_none_or(|tracker| tracker.is_sound()) && self.left.is_none();
         fits && tracks
+            && self.is_sensor_sound()
             && self.generator.is_sound()
+            && self.homing.is_sound()
+            && self.homing.is_running() == (self.state == AxisState::Homing)
+            && (!self.homing.is_running() || self.is_on() && !self.is_virtual())
             && self.parameters.is_sound()
             && vocabularies
             && searches
             && waits
             && self.command.is_sound()
             && self.override_seen.is_finite()
+            && self.fault.is_sound()
     }
 
     /// Is it the same axis of the same machine, whatever it is doing?
     pub fn is_set_up_as(&self, other: &Self) -> bool {
-        self.setup == other.setup
-            && self.signals == other.signals
-            && self.judge.has_ring_of(&other.judge)
-            && self.counter.has_width_of(&other.counter)
+        self.setup == other.setup && self.signals == other.signals && self.judge.has_ring_of(&other.judge)
     }
 
     /// The axis as an object.
@@ -340,8 +422,8 @@ impl Axis {
     }
 
     /// The position of raw counts near those of this cycle (inc).
-    pub fn locate(&self, count: i64) -> i64 {
-        self.turn_counts(self.counter.locate(count))
+    pub fn locate(&self, count: i64, encoders: &[Encoder]) -> i64 {
+        self.turn_counts(self.locate_raw(count, encoders))
     }
 
     /// What the drive is asked for.
@@ -382,22 +464,14 @@ impl Axis {
         }
     }
 
-    /// Reads the drive: its state, and its counts as position. Inputs of all axes are read before any axis moves.
-    pub fn sense(&mut self, input: Option<&DriveInput>) {
+    /// Reads the drive, and where the position comes from. Inputs of all axes are read before any axis moves.
+    pub fn sense(&mut self, input: Option<&DriveInput>, encoders: &[Encoder], raw: &[EncoderInput]) {
         let Some(input) = input else { return };
         self.stale_cycles = if input.fresh { 0 } else { self.stale_cycles.saturating_add(1) };
         self.drive_state = if input.online { DriveState::from_status(input.status) } else { DriveState::NotReady };
         self.warning = input.online && input.status & crate::drive::STATUS_WARNING != 0;
-        let change = if input.online { self.counter.take(input.count, input.epoch) } else { 0 };
-        self.origin = self.counter.position().wrapping_sub(input.count);
         self.effort = self.across(input.effort);
         self.mode = input.mode;
-        self.actual = Lead {
-            position: Position::whole(self.turn_counts(self.counter.position())),
-            change: Position::whole(self.turn_counts(change)),
-            velocity: self.across(input.velocity),
-            counted: true,
-            valid: input.online,
-        };
+        self.read_source(input, encoders, raw);
     }
 }

@@ -54,6 +54,9 @@ impl Axis {
         if self.is_open_loop() {
             return self.advance_open(cx);
         }
+        if self.homing.is_in_drive() {
+            return self.follow_drive();
+        }
         self.start_waiting_track(cx);
         self.is_led = matches!(self.generator, Generator::Follow(_));
         let base = match &self.generator {
@@ -68,7 +71,7 @@ impl Axis {
         if let Some(base) = base {
             let next = self.superimpose(cx, base);
             let next = self.forward(cx, next);
-            if !self.stop_at_limit(cx, next) {
+            if !self.stop_at_switch(cx, next) && !self.stop_at_limit(cx, next) {
                 self.command = next;
             }
         }
@@ -142,12 +145,8 @@ impl Axis {
         let bound = Position::whole(Gear::MAX_CHANGE);
         if !lead.valid || lead.change > bound || lead.change < -bound {
             let code = if lead.valid { Code::ENCODER_JUMP } else { Code::LEADER_LOST };
-            self.react(cx, code, Number::Position(lead.change.floor()), Number::None);
-            // The motion of this cycle is not known: the stop begins with the last one, a cycle ago.
-            if let Generator::Plan(course) = &mut self.generator {
-                course.begin_earlier();
-                self.command = course.at(cx.cycle);
-            }
+            // The motion of this cycle is not known.
+            self.react_at_once(cx, code, Number::Position(lead.change.floor()), Number::None);
             return None;
         }
         let was = follower.phase();
@@ -194,7 +193,7 @@ impl Axis {
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
         self.raise(cx, code, Number::None, Number::Position(limit.floor()));
-        self.judge.after_stop = self.parameters.error_reaction;
+        self.judge.after_stop = self.after_stop_of(code);
         self.set_state(cx, AxisState::ErrorStop);
         true
     }
@@ -220,10 +219,12 @@ impl Axis {
 
     /// The software limit in a direction, or the end of all positions.
     pub(super) fn limit(&self, up: bool) -> i64 {
+        // They refer to a zero that homing is looking for.
+        let holds = !self.homing.is_running();
         if up {
-            self.parameters.max_position.unwrap_or(Position::LIMIT - 1)
+            self.parameters.max_position.filter(|_| holds).unwrap_or(Position::LIMIT - 1)
         } else {
-            self.parameters.min_position.unwrap_or(1 - Position::LIMIT)
+            self.parameters.min_position.filter(|_| holds).unwrap_or(1 - Position::LIMIT)
         }
     }
 
@@ -299,6 +300,9 @@ impl Axis {
     /// Lowest and highest position that the motion under way, what is superimposed and the goals that wait will or must
     /// take; none at rest.
     pub fn reach(&self) -> Option<(i64, i64)> {
+        if self.homing.is_running() {
+            return None;
+        }
         let now = self.command.position;
         let stopping = match &self.generator {
             Generator::Plan(course) if course.end_velocity() != 0.0 => Some(self.earliest_rest()),
@@ -370,7 +374,7 @@ impl Axis {
             return self.switch_speed_off(cx);
         }
         self.reference = Reference::Stop;
-        if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion) {
+        if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion | AxisState::Homing) {
             self.set_state(cx, AxisState::DiscreteMotion);
         }
         let present = self.present();

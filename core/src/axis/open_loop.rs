@@ -32,10 +32,12 @@ impl Axis {
 
     /// The part of [`advance`](Self::advance) of such an axis.
     pub(super) fn advance_open(&mut self, cx: &mut Context<'_>) {
-        self.command = Motion::at_rest(self.actual.position);
+        self.command = Motion { velocity: self.speed(), ..Motion::at_rest(self.actual.position) };
+        if self.stop_at_switch(cx, self.command) {
+            return;
+        }
         match self.generator {
             Generator::Open { velocity } => {
-                self.command.velocity = velocity;
                 if let Some(limit) = self.limit_ahead(velocity) {
                     self.stop_speed_at(cx, velocity, limit);
                 }
@@ -48,8 +50,7 @@ impl Axis {
     /// The drive must have had the time to hear of it, or it would stand because it has not begun to move.
     fn has_run_down(&self, cycle: u64, since: u64) -> bool {
         let elapsed = cycle.saturating_sub(since);
-        let stands = self.actual.velocity == 0.0 && self.actual.change == Position::ZERO;
-        stands && elapsed > self.delay().saturating_add(1)
+        self.encoder_stands() && elapsed > self.delay().saturating_add(1)
             || elapsed.saturating_mul(self.setup.cycle_ns) > COAST_TIMEOUT_NS
     }
 
@@ -69,7 +70,7 @@ impl Axis {
         cx.events.push(Event { position: Position::whole(limit), ..event });
         self.raise(cx, code, Number::None, Number::Position(limit));
         self.switch_speed_off(cx);
-        self.judge.after_stop = self.parameters.error_reaction;
+        self.judge.after_stop = self.after_stop_of(code);
         self.set_state(cx, AxisState::ErrorStop);
     }
 
@@ -90,6 +91,7 @@ impl Axis {
             return refuse(Code::VELOCITY_TOO_HIGH, Number::Velocity(self.parameters.max_velocity));
         }
         self.check_forward(velocity)?;
+        self.check_velocity_switches(velocity)?;
         if let Some(limit) = self.limit_ahead(velocity) {
             return refuse(Code::LIMIT_VIOLATION, Number::Position(limit));
         }
@@ -111,7 +113,8 @@ impl Axis {
         if matches!(self.generator, Generator::Open { .. }) {
             self.generator = Generator::Coast { since: cx.cycle };
         }
-        if self.state == AxisState::ContinuousMotion {
+        let homes_no_more = self.state == AxisState::Homing && !self.homing.is_running();
+        if self.state == AxisState::ContinuousMotion || homes_no_more {
             self.set_state(cx, AxisState::DiscreteMotion);
         }
     }

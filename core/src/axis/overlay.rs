@@ -5,6 +5,7 @@
 //! Refuses  rates beyond what is left, an end beyond a limit
 
 use super::course::{ROUNDING, sharpen};
+use super::goal::{NO_NUMBERS, Numbers};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::command::Move;
@@ -148,7 +149,7 @@ impl Axis {
         let overlay = Overlay { sequence, plan, start: cx.cycle, limits, end, share, shown, ending: None };
         self.check_overlay_forward(&overlay)?;
         self.check_sum(&overlay)?;
-        self.end_overlay(cx, Code::REPLACED);
+        self.end_overlay(cx, Code::REPLACED, NO_NUMBERS);
         self.overlay = Some(overlay);
         self.share_anew();
         self.judge.rested_at = None;
@@ -300,11 +301,12 @@ impl Axis {
     }
 
     /// Ends the superimposed motion now.
-    pub(super) fn end_overlay(&mut self, cx: &mut Context<'_>, code: Code) {
+    pub(super) fn end_overlay(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
         if let Some(overlay) = self.overlay.take() {
             self.share_anew();
             let code = overlay.ending.unwrap_or(code);
-            cx.events.push(Event::done(self.object(), overlay.sequence, code, self.command.position));
+            let done = Event::done(self.object(), overlay.sequence, code, self.command.position);
+            cx.events.push(done.with(numbers.0, numbers.1));
         }
     }
 

@@ -1,5 +1,6 @@
 //! Switching a drive on and off (CiA 402 state machine, seen from the master).
 
+use super::reaction::{Class, class};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::drive::{DriveInput, DriveOutput, DriveState, Interface, control};
@@ -22,8 +23,12 @@ pub(super) enum Power {
     SwitchingOn { since: u64 },
     /// Operation enabled: the axis commands it.
     On,
+    /// Operation enabled and holding, while the brake opens.
+    Opening { since: u64 },
     /// Stopping first, then off.
     SwitchingOff,
+    /// At rest and holding, while the brake closes; then off.
+    Closing { since: u64 },
     /// The drive stops by itself (error reaction 4).
     DriveStops,
     /// Resetting the drive's fault, since that cycle.
@@ -33,7 +38,12 @@ pub(super) enum Power {
 impl Axis {
     /// True while the command position is the axis' own, not the actual position.
     pub(super) fn is_on(&self) -> bool {
-        matches!(self.power, Power::On | Power::SwitchingOff)
+        matches!(self.power, Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. })
+    }
+
+    /// Does it wait for its brake to open?
+    pub(super) fn is_opening(&self) -> bool {
+        matches!(self.power, Power::Opening { .. })
     }
 
     /// Cycles until the drive can have answered, beside the one that every drive takes.
@@ -69,21 +79,25 @@ impl Axis {
         let Some(input) = cx.input else { return };
         let failure = self.failure(input);
         match self.power {
-            Power::On | Power::SwitchingOff => {
+            Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => {
                 if let Some(code) = failure {
-                    self.fail_off(cx, code);
+                    self.fail_by_table(cx, code);
                 } else if self.drive_state != DriveState::Enabled {
                     self.fail_off(cx, Code::DRIVE_DISABLED);
+                } else {
+                    self.follow_brake(cx);
                 }
             }
             Power::SwitchingOn { since } => {
                 if let Some(code) = failure {
                     self.fail_off(cx, code);
                 } else if self.drive_state == DriveState::Enabled && cx.cycle > since.saturating_add(self.delay()) {
-                    self.power = Power::On;
+                    self.power = self.power_is_on(cx.cycle);
                     self.command = Motion::at_rest(self.actual.position);
                     self.judge.fill(self.asked());
-                    self.set_state(cx, AxisState::Standstill);
+                    if self.power == Power::On {
+                        self.set_state(cx, AxisState::Standstill);
+                    }
                 } else if self.has_timed_out(cx.cycle, since) {
                     self.fail_off(cx, Code::ENABLE_TIMEOUT);
                 }
@@ -101,6 +115,23 @@ impl Axis {
         }
     }
 
+    /// The brake has had its time: the axis may move, or its power go.
+    fn follow_brake(&mut self, cx: &mut Context<'_>) {
+        match self.power {
+            Power::Opening { since } if self.has_passed(cx.cycle, since, |brake| brake.release_ns) => {
+                self.power = Power::On;
+                // A quick stop or an error in the meantime has locked it.
+                if self.state == AxisState::Disabled {
+                    self.set_state(cx, AxisState::Standstill);
+                }
+            }
+            Power::Closing { since } if self.has_passed(cx.cycle, since, |brake| brake.engage_ns) => {
+                self.switch_off(cx);
+            }
+            _ => {}
+        }
+    }
+
     fn has_timed_out(&self, cycle: u64, since: u64) -> bool {
         cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > SWITCH_TIMEOUT_NS
     }
@@ -112,13 +143,34 @@ impl Axis {
         if self.stale_cycles > MAX_STALE_CYCLES {
             return Some(Code::DRIVE_STALE);
         }
-        matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction)
-            .then(|| Code::drive_fault(input.fault))
+        let in_fault = matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction);
+        in_fault.then(|| Code::drive_fault(input.fault)).or_else(|| self.source_failure())
+    }
+
+    /// What fails while the axis is on: without its encoder the drive may still stop it.
+    fn fail_by_table(&mut self, cx: &mut Context<'_>, code: Code) {
+        if class(code) != Class::Feedback {
+            self.fail_off(cx, code);
+        } else if self.state != AxisState::ErrorStop {
+            self.react_at_once(cx, code, Number::None, Number::None);
+        } else if self.closes_loop_here() {
+            // It was to stop for something else, and cannot.
+            self.fail_off(cx, code);
+            self.brake |= self.parameters.error_reaction != 0;
+        }
     }
 
     /// An error that leaves no way to command the drive.
     fn fail_off(&mut self, cx: &mut Context<'_>, code: Code) {
-        self.raise(cx, code, Number::None, Number::None);
+        self.fail_with(cx, code, Number::None, Number::None);
+    }
+
+    /// The same with what was found and what is allowed.
+    pub(super) fn fail_with(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
+        self.raise(cx, code, found, allowed);
+        if code.is_alarm() && self.error == code {
+            self.note_alarm((code.0 % 100) as u8);
+        }
         self.power = Power::Off;
         self.generator = Generator::Rest;
         self.command = Motion::at_rest(self.actual.position);
@@ -129,8 +181,13 @@ impl Axis {
     pub(super) fn report(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
         if self.error.is_none() {
             self.error = code;
+            self.capture(cx.cycle, code);
             // A reset that waits was meant for what was there before.
             self.waiting.fail(cx.events, self.setup.index, code, super::stops::Until::Healthy);
+            let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
+            cx.events.push(Event { position: self.actual.position, ..event });
+        } else if self.error != code && self.state != AxisState::ErrorStop {
+            // The first one stands; another one that stops the axis, which the first did not, is told beside it.
             let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
             cx.events.push(Event { position: self.actual.position, ..event });
         }
@@ -140,7 +197,7 @@ impl Axis {
     pub(super) fn raise(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
         self.report(cx, code, found, allowed);
         self.reference = super::Reference::Stop;
-        self.abandon(cx, code);
+        self.abandon_with(cx, code, (found, allowed));
     }
 
     /// Switches the axis off at once.
@@ -155,12 +212,18 @@ impl Axis {
     /// Chooses the control word and fills in the drive's outputs.
     pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
         if self.power == Power::SwitchingOff && self.rests() {
-            self.switch_off(cx);
+            match self.own_brake() {
+                // A brake that is closed already has held before.
+                Some(brake) if brake.engage_ns > 0 && !self.is_braked() => {
+                    self.power = Power::Closing { since: cx.cycle };
+                }
+                _ => self.switch_off(cx),
+            }
         }
         let word = match self.power {
             Power::Off => control::DISABLE_VOLTAGE,
             Power::DriveStops => control::QUICK_STOP,
-            Power::On | Power::SwitchingOff => control::ENABLE,
+            Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => control::ENABLE,
             // The reset needs a rising edge: every other cycle without the bit.
             Power::Resetting { since } if cx.cycle.saturating_sub(since) % 2 == 1 => control::FAULT_RESET,
             Power::Resetting { .. } => control::DISABLE_VOLTAGE,
@@ -171,9 +234,11 @@ impl Axis {
                 _ => control::DISABLE_VOLTAGE,
             },
         };
+        let velocity = self.reference_across(self.drive_velocity());
+        self.is_backwards = velocity < 0.0;
         self.output = DriveOutput {
             position: self.turn_counts(self.asked()).wrapping_sub(self.origin),
-            velocity: self.reference_across(self.drive_velocity()),
+            velocity: self.unipolar(velocity),
             acceleration: if self.setup.interface == Interface::Position {
                 self.across(self.command.acceleration)
             } else {
@@ -184,6 +249,9 @@ impl Axis {
             mode: self.setup.interface.mode(),
             homing: None,
         };
+        if self.homing.is_in_drive() {
+            self.output = self.ask_for_homing(self.output);
+        }
     }
 
     /// The velocity for the drive in the user's sense (inc/s): to be followed, to be told beside the position, or to run at.
@@ -200,11 +268,17 @@ impl Axis {
         }
     }
 
+    /// The velocity that the drive is given, with its sign (inc/s).
+    fn signed_velocity(&self) -> f64 {
+        let velocity = self.output.velocity;
+        if self.is_backwards && velocity > 0.0 { 0.0 - velocity } else { velocity }
+    }
+
     /// The output of the position loop, -1 to 1; 0 where the drive closes it.
     pub(super) fn regulator_output(&self) -> f64 {
         match self.setup.interface {
             Interface::Velocity => {
-                (self.reference_across(self.output.velocity) / self.parameters.max_velocity).clamp(-1.0, 1.0)
+                (self.reference_across(self.signed_velocity()) / self.parameters.max_velocity).clamp(-1.0, 1.0)
             }
             _ => 0.0,
         }

@@ -2,9 +2,10 @@
 //!
 //! Law      latched = position of the axis at the first latch after the goal began; target = latched + distance, rounded once
 //!          to a whole increment and planned from the motion of that cycle with the limits of the goal
-//! Reads    the latches of the cycle, the actual position
-//! Refuses  at the latch: an end beyond a limit, a way that cannot stop before it; the goal fails then and the axis stops
-//! Source   PLCopen part 1 (MC_TouchProbe), contract section 7
+//! Reads    the latches of the cycle, its index pulse, the actual position
+//! Refuses  at the latch: an end beyond a limit, a way that cannot stop before it; the goal fails then and the axis stops. More than
+//!          `homing.index_distance` without an index pulse is an error
+//! Source   PLCopen part 1 (MC_TouchProbe), contract section 7; MACS-CMD-02, MACS-HOME-05 (INDEX)
 
 use super::course::Aim;
 use super::{Axis, Context, Generator};
@@ -25,6 +26,8 @@ pub(super) struct Search {
     /// From the latched position.
     distance: Position,
     limits: Limits,
+    /// Where it began.
+    from: Position,
     /// The first latch has come.
     is_over: bool,
 }
@@ -53,6 +56,7 @@ impl Search {
                     ProbeEdge::Rising => latch.rising,
                     ProbeEdge::Falling => !latch.rising,
                     ProbeEdge::Both => true,
+                    ProbeEdge::Index => false,
                 }
         };
         let older = |first: &'l Latched, next: &'l Latched| if next.age_ns > first.age_ns { next } else { first };
@@ -63,11 +67,15 @@ impl Search {
 impl Axis {
     /// Starts a move that searches.
     pub(super) fn start_probe(&mut self, cx: &mut Context<'_>, sequence: u64, request: &Probe) -> Result<(), Refusal> {
+        if request.edge == ProbeEdge::Index {
+            // Of an absolute encoder there is none (MACS-ENC-10).
+            self.check_zero_moves()?;
+        }
         self.start_move(cx, sequence, &request.search())?;
-        let limits = self.active_limits();
+        let (limits, from) = (self.active_limits(), self.actual.position);
         if let Some(goal) = &mut self.goal {
             let (source, edge, distance) = (request.source, request.edge, request.distance.exact());
-            goal.search = Some(Search { source, edge, distance, limits, is_over: false });
+            goal.search = Some(Search { source, edge, distance, limits, from, is_over: false });
         }
         Ok(())
     }
@@ -89,11 +97,14 @@ impl Axis {
             return;
         }
         let Some((goal, search)) = self.goal.and_then(|goal| Some((goal, goal.search?))) else { return };
-        let Some(latch) = search.first(cx.latches) else { return };
-        let latched = self.position_at(latch);
+        let mark = match search.edge {
+            ProbeEdge::Index => self.index_of_cycle().map(|place| (place, self.age_of(place), true)),
+            _ => search.first(cx.latches).map(|latch| (self.position_at(latch), latch.age_ns, latch.rising)),
+        };
+        let Some((latched, age_ns, rising)) = mark else { return self.miss_index(cx, &search) };
         let event = Event::new(Severity::Info, Kind::Mark, self.object(), Code::NONE).of_command(goal.sequence);
-        let edge = Number::Count(i64::from(latch.rising));
-        cx.events.push(Event { age_ns: latch.age_ns, position: latched, ..event.with(edge, Number::None) });
+        let edge = Number::Count(i64::from(rising));
+        cx.events.push(Event { age_ns, position: latched, ..event.with(edge, Number::None) });
         if let Some(search) = self.goal.as_mut().and_then(|goal| goal.search.as_mut()) {
             search.is_over = true;
         }
@@ -102,8 +113,32 @@ impl Axis {
         }
     }
 
+    /// An index that has not come within its way is an error, as in homing.
+    fn miss_index(&mut self, cx: &mut Context<'_>, search: &Search) {
+        let gone = (self.actual.position - search.from).nearest().saturating_abs();
+        let most = self.parameters.homing_index_distance();
+        if search.edge != ProbeEdge::Index || gone <= most {
+            return;
+        }
+        let code = Code::HOMING_INDEX_MISSED;
+        self.react(cx, code, Number::Position(gone), Number::Position(most));
+        if self.probes() {
+            // Error reaction 5 leaves the motion to others, but there is nothing left to search for.
+            self.abandon(cx, code);
+            self.brake_to_rest(cx, &self.stop_limits());
+        }
+    }
+
+    /// How long before this cycle its encoder was there (ns), on the straight line of the change of the cycle.
+    fn age_of(&self, place: Position) -> u32 {
+        let change = self.actual.change.to_f64();
+        let share = if change == 0.0 { 0.0 } else { (self.actual.position - place).to_f64() / change };
+        // The cast saturates; an age is below a cycle.
+        ((share.clamp(0.0, 1.0) * self.setup.cycle_ns as f64) as u32).min(self.setup.cycle_ns.saturating_sub(1) as u32)
+    }
+
     /// Where the axis was when something latched: as its own device caught it, else on the straight line of this cycle's change.
-    fn position_at(&self, latch: &Latched) -> Position {
+    pub(super) fn position_at(&self, latch: &Latched) -> Position {
         if let Some(position) = latch.captured.filter(|_| latch.object == self.object()) {
             return position;
         }

@@ -46,7 +46,7 @@ impl Axis {
     fn master_shown(&self, leads: &Leads) -> Master {
         let coupled = match &self.generator {
             Generator::Follow(follower) => Some(follower.leader),
-            _ => self.master(),
+            _ => self.master().or_else(|| self.leader_of(None, leads.command.len()).ok()),
         };
         let Some(lead) = coupled.map(|leader| leads.get(leader)) else { return Master::default() };
         let p = &self.parameters;
@@ -96,13 +96,14 @@ impl Axis {
         set(State, self.state as u64);
         set(DriveState, self.drive_state as u64);
         set(Reference, self.reference as u64);
-        set(Enabled, bit(self.is_on()));
+        set(Enabled, bit(self.is_on() && !self.is_opening()));
         set(ModeOfOperation, int(self.mode.into()));
+        set(Homed, bit(self.knows_zero()));
         set(InPosition, bit(self.judge.in_position));
         set(InVelocity, bit(in_velocity));
         set(InSync, bit(coupling.in_sync));
         set(Warning, bit(self.warning));
-        set(Brake, bit(self.brake));
+        set(Brake, bit(self.is_braked()));
         set(Error, u64::from(self.error.0));
         set(CommandPosition, int(position));
         set(CommandFraction, real(command.position.fraction()));
@@ -110,7 +111,7 @@ impl Axis {
         set(CommandAcceleration, real(command.acceleration));
         set(CommandJerk, real(command.jerk));
         set(TargetPosition, int(target));
-        set(ActualCount, int(self.counter_raw()));
+        set(ActualCount, int(self.sensor.raw));
         set(ActualPosition, int(actual));
         set(ActualVelocity, real(self.actual.velocity));
         set(ActualEffort, real(self.effort));
@@ -122,6 +123,12 @@ impl Axis {
         set(SyncMaster, int(coupling.master));
         set(SyncError, int(coupling.error));
         set(SyncStatus, if coupling.accurate { status::ACCURATE } else { 0 });
+        set(LimitPositive, bit(self.switches.positive));
+        set(LimitNegative, bit(self.switches.negative));
+        set(ReferenceSwitch, bit(self.switches.home));
+        set(IndexCount, u64::from(self.index.0));
+        set(IndexPosition, int(self.index.1.floor()));
+        set(HomingPhase, self.homing.phase() as u64);
         set(LimitSoftwarePositive, bit(p.max_position.is_some_and(|limit| position >= limit)));
         set(LimitSoftwareNegative, bit(p.min_position.is_some_and(|limit| position <= limit)));
         set(OutputPosition, int(self.output.position));
@@ -132,6 +139,14 @@ impl Axis {
         set(MasterPosition, real(master.position));
         set(MasterVelocity, real(master.velocity));
         set(TrackError, real(self.track_error()));
+        let fault = self.fault();
+        set(FaultCode, u64::from(fault.code.0));
+        set(FaultCycle, fault.cycle);
+        set(FaultCommand, int(fault.command.floor()));
+        set(FaultVelocity, real(fault.velocity));
+        set(FaultActual, int(fault.actual));
+        set(FaultFollowingError, int(fault.following_error));
+        set(EncoderErrors, self.encoder_errors());
         self.publish_vocabularies(board, leads);
     }
 
@@ -141,9 +156,5 @@ impl Axis {
         board.set_int(AxisSignal::LatchPosition.of(self.signals), position.floor());
         board.set_real(AxisSignal::LatchFraction.of(self.signals), position.fraction());
         board.set_int(count, board.int(count).wrapping_add(1));
-    }
-
-    fn counter_raw(&self) -> i64 {
-        self.counter.position().wrapping_sub(self.origin)
     }
 }

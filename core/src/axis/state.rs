@@ -48,6 +48,28 @@ pub const DRIVE_STATES: &[&str] = &[
     "FAULT",
 ];
 
+/// What homing does, numbered as in the interface (`lineshaft_msgs/HomeAxis`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum HomingPhase {
+    /// The axis does not home.
+    #[default]
+    None = 0,
+    /// To the switch.
+    SearchSwitch = 1,
+    /// Off the switch.
+    LeaveSwitch = 2,
+    /// To the index pulse.
+    SearchIndex = 3,
+    /// To the offset.
+    MoveToOffset = 4,
+    /// The drive homes by itself.
+    InDrive = 5,
+}
+
+/// Names of [`HomingPhase`], by number.
+pub const HOMING_PHASES: &[&str] =
+    &["NONE", "SEARCH_SWITCH", "LEAVE_SWITCH", "SEARCH_INDEX", "MOVE_TO_OFFSET", "IN_DRIVE"];
+
 /// Which reference commands an axis: 0 to 7 as AMC-SEL, then our own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reference {
@@ -60,6 +82,8 @@ pub enum Reference {
     Speed = 2,
     /// A gear.
     Gear = 4,
+    /// Homing.
+    Home = 5,
     /// A relative position.
     PositionRelative = 6,
     /// The last target position, held.
@@ -77,6 +101,7 @@ impl Reference {
             1 => Self::PositionAbsolute,
             2 => Self::Speed,
             4 => Self::Gear,
+            5 => Self::Home,
             6 => Self::PositionRelative,
             7 => Self::PositionProfile,
             _ => Self::Stop,

@@ -2,6 +2,7 @@
 //! their end.
 
 use super::course::Aim;
+use super::goal::NO_NUMBERS;
 use super::power::Power;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
@@ -92,8 +93,8 @@ impl Axis {
         if matches!(action, Action::Enable(_)) {
             match self.power {
                 _ if self.state == AxisState::ErrorStop => return refuse(Code::IN_ERROR),
-                Power::SwitchingOff => return refuse(Code::NOT_AT_STANDSTILL),
-                _ => {}
+                Power::SwitchingOff | Power::Closing { .. } => return refuse(Code::NOT_AT_STANDSTILL),
+                _ => self.check_contacts()?,
             }
         }
         Ok(())
@@ -114,6 +115,9 @@ impl Axis {
     pub(super) fn enable(&mut self, cx: &mut Context<'_>, sequence: u64) {
         // A deactivation of the same cycle wins over it: the wait ends at once then.
         if self.power == Power::Off && self.active {
+            // An abort has closed it while the axis was off.
+            self.brake = false;
+            self.holding.aborted = false;
             // Who has just switched it off has what it wanted, though it does not last.
             self.waiting.end(cx.events, self.setup.index, Until::Disabled, Code::NONE, self.command.position);
             self.power = Power::SwitchingOn { since: cx.cycle };
@@ -135,11 +139,11 @@ impl Axis {
             return;
         }
         match self.power {
-            Power::On => {
+            Power::On | Power::Opening { .. } => {
                 self.power = Power::SwitchingOff;
                 self.brake_to_rest(cx, &self.stop_limits());
             }
-            Power::SwitchingOff => {}
+            Power::SwitchingOff | Power::Closing { .. } => {}
             _ => self.switch_off(cx),
         }
     }
@@ -155,9 +159,36 @@ impl Axis {
 
     pub(super) fn quick_stop(&mut self, cx: &mut Context<'_>, sequence: u64) {
         self.abandon(cx, Code::QUICK_STOP);
+        // From here on it is a quick stop that locks it.
+        self.holding.interrupted = false;
+        self.holding.aborted = false;
         if self.is_on() && self.state != AxisState::ErrorStop {
             self.brake_to_rest(cx, &self.stop_limits());
             self.set_state(cx, AxisState::Stopping);
+        }
+        self.wait(cx, sequence, Until::Standstill);
+    }
+
+    /// Stops and locks the axis; a brake closes once it stands, or at once where nothing holds it (MACS-ERR-09, A-49).
+    pub(super) fn abort(&mut self, cx: &mut Context<'_>, sequence: u64) {
+        self.abandon(cx, Code::ABORTED);
+        self.holding.interrupted = false;
+        let has_brake = self.own_brake().is_some() || self.parameters.outputs.brake != 0;
+        if self.is_on() {
+            if self.state != AxisState::ErrorStop {
+                self.brake_to_rest(cx, &self.stop_limits());
+                self.set_state(cx, AxisState::Stopping);
+                self.holding.aborted = true;
+            }
+            if has_brake {
+                // What an error has left to do is done as well.
+                self.judge.after_stop = if matches!(self.judge.after_stop, 0 | 1 | 4) { 1 } else { 3 };
+            }
+        } else {
+            if matches!(self.power, Power::SwitchingOn { .. }) {
+                self.switch_off(cx);
+            }
+            self.brake |= has_brake;
         }
         self.wait(cx, sequence, Until::Standstill);
     }
@@ -176,7 +207,7 @@ impl Axis {
         }
     }
 
-    fn drive_fails(&self, cx: &Context<'_>) -> bool {
+    pub(super) fn drive_fails(&self, cx: &Context<'_>) -> bool {
         let in_fault = matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction);
         cx.input.is_some_and(|input| !input.online || in_fault)
     }
@@ -187,16 +218,22 @@ impl Axis {
             let event = Event::new(Severity::Info, Kind::Reset, self.object(), self.error);
             cx.events.push(event);
         }
-        self.error = Code::NONE;
-        self.brake = false;
+        self.holding.aborted = false;
+        let before = std::mem::replace(&mut self.error, Code::NONE);
+        let was_braked = std::mem::take(&mut self.brake);
         if self.power == Power::DriveStops {
             self.power = Power::Off;
+        } else if was_braked && self.power == Power::On {
+            // Its own brake opens again, and takes its time.
+            self.power = self.power_is_on(cx.cycle);
         }
         self.judge.forget();
         if matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
-            let state = if self.is_on() { AxisState::Standstill } else { AxisState::Disabled };
+            let is_ready = self.is_on() && !self.is_opening();
+            let state = if is_ready { AxisState::Standstill } else { AxisState::Disabled };
             self.set_state(cx, state);
         }
+        self.return_error(cx, before);
     }
 
     /// Ends a goal of this axis with a controlled stop; the active one lives until the axis stands. False for another's.
@@ -229,8 +266,9 @@ impl Axis {
 
     fn cancel_active(&mut self, cx: &mut Context<'_>) {
         let limits = self.active_limits();
-        self.end_overlay(cx, Code::CANCELLED);
-        self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position);
+        self.homing.stop();
+        self.end_overlay(cx, Code::CANCELLED, NO_NUMBERS);
+        self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
         let goes_on = matches!(&self.generator, Generator::Follow(f) if f.disengage == Disengage::KeepVelocity);
         if goes_on {
             self.end_goal(cx, Code::CANCELLED);
@@ -259,13 +297,13 @@ impl Axis {
 
     /// True where a halt may take the motion over: not while an error or a quick stop ends it.
     fn is_moving_freely(&self) -> bool {
-        use AxisState::{ContinuousMotion, DiscreteMotion, SynchronizedMotion};
-        self.power == Power::On && matches!(self.state, DiscreteMotion | ContinuousMotion | SynchronizedMotion)
+        use AxisState::{ContinuousMotion, DiscreteMotion, Homing, SynchronizedMotion};
+        self.power == Power::On && matches!(self.state, DiscreteMotion | ContinuousMotion | Homing | SynchronizedMotion)
     }
 
     /// Tells those who wait, once what they wait for is there or cannot come any more.
     pub(super) fn settle_waiting(&mut self, cx: &mut Context<'_>) {
-        if self.waiting.0.iter().all(Option::is_none) {
+        if self.waiting.0.iter().all(Option::is_none) && !self.holding.clears {
             return;
         }
         let stands = self.rests();
@@ -273,9 +311,12 @@ impl Axis {
             || !self.error.is_none()
             || self.drive_fails(cx);
         let resetting = matches!(self.power, Power::Resetting { .. });
-        if stands && locked && !resetting && self.waiting.waits_for(Until::Healthy) {
+        let clears = self.holding.clears || self.waiting.waits_for(Until::Healthy);
+        if stands && locked && !resetting && clears {
+            self.holding.clears = false;
             self.begin_reset(cx);
         }
+        self.holding.clears &= locked;
         let position = self.command.position;
         let failed = if self.error.is_none() { None } else { Some(self.error) };
         let axis = self.setup.index;

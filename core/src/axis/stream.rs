@@ -7,6 +7,7 @@
 //!          between. A setpoint of 0 asks for nothing that anybody would miss, and is not told of
 
 use super::course::Aim;
+use super::goal::NO_NUMBERS;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
@@ -55,7 +56,7 @@ impl Axis {
             return;
         }
         if age > timeout {
-            self.end_overlay(cx, Code::STREAM_TIMEOUT);
+            self.end_overlay(cx, Code::STREAM_TIMEOUT, NO_NUMBERS);
             self.brake_to_rest(cx, &self.parameters.usual_limits());
             cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::STREAM_TIMEOUT));
         } else if self.streamed.duration.is_some_and(|duration| age >= duration) {

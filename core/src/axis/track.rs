@@ -111,11 +111,11 @@ impl Axis {
         goal.track.map(|tracker| (goal.sequence, usize::from(tracker.slot), usize::from(tracker.track)))
     }
 
-    /// Why it has left the trajectory of that command, if it has; asked once.
-    pub fn take_left(&mut self, sequence: u64) -> Option<Code> {
-        let (_, code) = self.left.filter(|(of, _)| *of == sequence)?;
+    /// Why it has left the trajectory of that command, if it has, with what was found and what is allowed; asked once.
+    pub fn take_left(&mut self, sequence: u64) -> Option<(Code, Number, Number)> {
+        let (_, code, (found, allowed)) = self.left.filter(|(of, ..)| *of == sequence)?;
         self.left = None;
-        Some(code)
+        Some((code, found, allowed))
     }
 
     /// Has its trajectory been cancelled?
@@ -243,11 +243,14 @@ impl Axis {
     }
 
     /// A track that waited begins, once the cycle has come in which it does.
-    pub(super) fn start_waiting_track(&mut self, cx: &Context<'_>) {
+    pub(super) fn start_waiting_track(&mut self, cx: &mut Context<'_>) {
         let Some(mut tracker) = self.tracker().filter(|tracker| tracker.waits && !self.is_cancelled()) else { return };
         let Some(run) = cx.runs.get(usize::from(tracker.slot)).and_then(Option::as_ref) else { return };
         if cx.cycle <= run.begins {
             return;
+        }
+        if let Err(refusal) = self.check_zero() {
+            return self.end_goal(cx, refusal.code);
         }
         (tracker.begin, tracker.moved, tracker.waits) = (self.present(), self.command.velocity, false);
         self.generator = self.track_from(tracker.begin);

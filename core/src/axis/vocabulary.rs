@@ -39,10 +39,13 @@ impl Axis {
             cycle,
             cycle_ns: self.setup.cycle_ns,
             owns: self.owner == owner,
-            free: self.check_free().is_ok(),
+            free: self.check_ready().is_ok(),
             on: self.is_on(),
             locked: matches!(self.state, AxisState::ErrorStop | AxisState::Stopping),
             in_error: self.state == AxisState::ErrorStop,
+            error: self.error,
+            homing: self.homing.is_running(),
+            homed: self.knows_zero(),
             command: self.command,
             present: self.present(),
             rests: self.rests(),
@@ -135,6 +138,12 @@ impl Axis {
         Ok(())
     }
 
+    /// An alarm of the positioning modules that supervision has raised.
+    pub(super) fn note_alarm(&mut self, alarm: u8) {
+        self.awake.wf = true;
+        self.wf.note_alarm(alarm);
+    }
+
     /// The step of each vocabulary that has been used, in their order.
     pub(super) fn step_vocabularies(&mut self, cx: &mut Context<'_>) {
         self.awake.amc |= self.amc.wakes(&self.parameters.amc);
@@ -215,6 +224,7 @@ impl Axis {
         match step.order {
             Some(Order::Position { target, .. }) => self.check_target(target, candidate),
             Some(Order::Gear { .. }) => self.gear_of_selector(leads).map(|_| ()),
+            Some(Order::Home) => self.check_configured_homing(cycle, candidate),
             _ => Ok(()),
         }
     }
@@ -320,7 +330,8 @@ impl Axis {
                 self.abandon(cx, Code::REPLACED);
                 self.reference = Reference::Stop;
                 self.generator = Generator::Rest;
-                if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion) {
+                use AxisState::{ContinuousMotion, Homing, SynchronizedMotion};
+                if matches!(self.state, ContinuousMotion | SynchronizedMotion | Homing) {
                     self.set_state(cx, AxisState::DiscreteMotion);
                 }
                 self.command = Motion::at_rest(Position::whole(self.actual.position.floor()));
@@ -335,6 +346,8 @@ impl Axis {
                 self.generator = Generator::Follow(follower);
                 self.set_state(cx, AxisState::SynchronizedMotion);
             }
+            Order::Home => self.home_as_configured(cx)?,
+            Order::ReferenceTravel(travel) => self.start_reference_travel(cx, &travel)?,
             Order::Speed { velocity } => self.set_speed(cx, velocity)?,
             Order::Fail { code, found, allowed } => {
                 if self.is_open_loop() {

@@ -3,6 +3,7 @@
 use super::{MAX_COMMANDS, Machine};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, Synchronize};
+use crate::config::IoKind;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
 
@@ -52,6 +53,12 @@ impl Machine {
                 self.deactivate(command);
                 Ok(true)
             }
+            Action::Abort => {
+                let outputs = self.config.count_io(IoKind::DigitalOutput);
+                self.state.panel.abort(&self.state.axes, outputs);
+                self.accept(command, Object::Machine);
+                Ok(true)
+            }
             Action::Enable(axes)
             | Action::Disable(axes)
             | Action::Halt(axes)
@@ -65,10 +72,15 @@ impl Machine {
             Action::Synchronize(request) => self.admit_synchronize(request),
             Action::Move(_)
             | Action::Probe(_)
+            | Action::HomeAxis(_)
             | Action::Saia(_)
             | Action::Wf(_)
             | Action::Cancel { .. }
             | Action::Trajectory(_) => Ok(true),
+            Action::SetPosition(request) => {
+                self.admit_shared_zero(request.axis)?;
+                Ok(true)
+            }
             Action::SetParameters(changes) => {
                 self.set_parameters(command, changes)?;
                 Ok(false)
@@ -97,6 +109,11 @@ impl Machine {
                 self.accept(command, object);
                 Ok(false)
             }
+            Action::SetOutput { index, value } => {
+                self.state.panel.set(&self.config, *index, *value)?;
+                self.accept(command, Object::Io(*index));
+                Ok(false)
+            }
             Action::Refuse(_) => Err(Refusal::new(Code::BAD_REQUEST, Object::Machine)),
             Action::Note { code, number } => {
                 let severity = if *code == Code::RECORD_LOST { Severity::Warn } else { Severity::Error };
@@ -113,12 +130,15 @@ impl Machine {
     }
 
     fn admit_synchronize(&mut self, request: &Synchronize) -> Result<bool, Refusal> {
-        if self.closes_loop(request.axis, request.leader) {
+        // An axis that does not exist is answered at the end of the cycle.
+        let Some(axis) = self.state.axes.get(usize::from(request.axis)) else { return Ok(true) };
+        let leader = axis.leader_of(request.leader, self.state.axes.len())?;
+        if self.closes_loop(request.axis, leader) {
             return Err(Refusal::new(Code::LEADER_LOOP, Object::Axis(request.axis)));
         }
         // Should the axis refuse, the note only keeps others of this cycle from closing a loop with it.
         if let Some(coupling) = self.couplings.get_mut(usize::from(request.axis)) {
-            *coupling = Some(request.leader);
+            *coupling = Some(leader);
         }
         Ok(true)
     }
@@ -131,9 +151,13 @@ impl Machine {
                     let goal = Number::Count(goal.cast_signed());
                     Refusal::new(Code::UNKNOWN_GOAL, Object::Machine).with(goal, Number::None)
                 }
-                Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Saia(_) | Action::Wf(_) => {
-                    Refusal::new(Code::BAD_REQUEST, Object::Machine)
-                }
+                Action::Move(_)
+                | Action::Probe(_)
+                | Action::HomeAxis(_)
+                | Action::SetPosition(_)
+                | Action::Synchronize(_)
+                | Action::Saia(_)
+                | Action::Wf(_) => Refusal::new(Code::BAD_REQUEST, Object::Machine),
                 _ => continue,
             };
             if left >> place & 1 == 1 {

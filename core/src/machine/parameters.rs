@@ -8,17 +8,19 @@
 use super::Machine;
 use crate::code::Code;
 use crate::command::Command;
-use crate::config::highest_velocity;
+use crate::config::{IoCounts, NoSuchIo, highest_velocity};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{AxisSet, Object};
 use crate::parameter::{
-    AxisParameters, Change, Contradiction, Effect, Layer, MACHINE, ParameterImage, ROWS, Refused, Row, Value, in_order,
+    AxisParameters, Change, Contradiction, Effect, Layer, MACHINE, MachineParameters, ParameterImage, ROWS, Refused,
+    Row, Value, in_order,
 };
 
 impl Machine {
     /// Sets all of them, or none.
     pub(super) fn set_parameters(&mut self, command: &Command, changes: &[Change]) -> Result<(), Refusal> {
         let missing = Refusal::new(Code::BAD_REQUEST, Object::Machine);
+        let mut machine = self.state.panel.parameters;
         for change in changes.iter().filter(|change| change.axis != MACHINE) {
             let axis = self.state.axes.get(usize::from(change.axis)).ok_or(missing)?;
             self.candidates[usize::from(change.axis)] = axis.parameters;
@@ -27,13 +29,13 @@ impl Machine {
             let row = change.row().ok_or(missing)?;
             let result = match self.candidates.get_mut(usize::from(change.axis)) {
                 Some(candidate) => row.change(candidate, change.value),
-                // A parameter of the machine does nothing yet.
-                None => row.check(change.value),
+                None => row.assign_to_machine(&mut machine, change.value),
             };
             result.map_err(|refused| refusal_of(change, refused))?;
             self.check_moment(change, row)?;
         }
         changes.iter().try_for_each(|change| self.check_given_once(change))?;
+        self.check_machine(changes, &machine)?;
         for change in changes.iter().filter(|change| change.axis != MACHINE) {
             self.check_candidate(usize::from(change.axis), changes)?;
         }
@@ -41,6 +43,7 @@ impl Machine {
             let index = usize::from(change.axis);
             self.put_in_force(index, self.candidates[index]);
         }
+        self.state.panel.parameters = machine;
         self.count_change();
         self.accept(command, changes.first().map_or(Object::Machine, Change::object));
         changes.iter().for_each(|change| self.tell(command, change));
@@ -51,7 +54,11 @@ impl Machine {
     pub(super) fn save_parameters(&mut self, command: &Command, axes: AxisSet) -> Result<(), Refusal> {
         self.check_axes(axes)?;
         for index in axes.iter().map(usize::from) {
-            self.state.user[index] = self.state.axes[index].parameters.saved(&self.config.axes[index].parameters);
+            let kept = self.state.axes[index].parameters_to_keep();
+            self.state.user[index] = kept.saved(&self.config.axes[index].parameters);
+        }
+        if self.are_all(axes) {
+            self.state.panel.user = self.state.panel.parameters;
         }
         self.count_change();
         self.accept(command, Object::Machine);
@@ -62,10 +69,11 @@ impl Machine {
     pub(super) fn reset_parameters(&mut self, command: &Command, axes: AxisSet, layer: Layer) -> Result<(), Refusal> {
         self.check_axes(axes)?;
         for index in axes.iter().map(usize::from) {
-            self.candidates[index] = match layer {
+            let layer = match layer {
                 Layer::User => self.state.user[index],
                 Layer::Init => self.config.axes[index].parameters,
             };
+            self.candidates[index] = self.state.axes[index].kept_parameters(layer);
         }
         for index in axes.iter().map(usize::from) {
             self.check_reset(index)?;
@@ -83,6 +91,9 @@ impl Machine {
                 }
             }
         }
+        if self.are_all(axes) {
+            self.reset_machine(command, layer);
+        }
         Ok(())
     }
 
@@ -91,6 +102,9 @@ impl Machine {
         self.reset_parameters(command, axes, Layer::Init)?;
         for index in axes.iter().map(usize::from) {
             self.state.user[index] = self.config.axes[index].parameters;
+        }
+        if self.are_all(axes) {
+            self.state.panel.user = self.config.global.parameters;
         }
         Ok(())
     }
@@ -113,6 +127,7 @@ impl Machine {
             version: self.state.parameter_version,
             effective: self.candidates.clone(),
             user: self.state.user.clone(),
+            ..ParameterImage::default()
         };
         self.copy_parameters(&mut image);
         image
@@ -121,6 +136,7 @@ impl Machine {
     /// Brings an image of this machine up to date; takes no memory.
     pub fn copy_parameters(&self, image: &mut ParameterImage) {
         image.version = self.state.parameter_version;
+        image.machine = [self.state.panel.parameters, self.state.panel.user];
         for (copy, axis) in image.effective.iter_mut().zip(&self.state.axes) {
             *copy = axis.parameters;
         }
@@ -139,6 +155,41 @@ impl Machine {
         if self.state.axes[index].take_parameters(parameters) {
             let lead = &mut self.state.leads.command[index];
             lead.position = -lead.position;
+        }
+    }
+
+    /// What is saved and reset for all axes is so for the machine, too.
+    fn are_all(&self, axes: AxisSet) -> bool {
+        axes.iter().count() == self.state.axes.len()
+    }
+
+    fn reset_machine(&mut self, command: &Command, layer: Layer) {
+        let new = match layer {
+            Layer::User => self.state.panel.user,
+            Layer::Init => self.config.global.parameters,
+        };
+        let old = std::mem::replace(&mut self.state.panel.parameters, new);
+        for (row, entry) in ROWS.iter().enumerate().filter(|(_, row)| row.is_kept_by_machine()) {
+            let value = entry.machine_value(&new);
+            if value != entry.machine_value(&old) {
+                self.tell(command, &Change { axis: MACHINE, row: row as u16, value });
+            }
+        }
+    }
+
+    /// What a set says of the machine: each value once, and only inputs and outputs that are there.
+    fn check_machine(&self, changes: &[Change], candidate: &MachineParameters) -> Result<(), Refusal> {
+        let of_machine = || changes.iter().filter(|change| change.axis == MACHINE);
+        for change in of_machine() {
+            let Some(row) = change.row() else { continue };
+            let other = Change { value: row.machine_value(candidate), ..*change };
+            if other.value != change.value {
+                return Err(blame(change, Code::GIVEN_TWICE).with(change.number(), other.number()));
+            }
+        }
+        match IoCounts::of(&self.config).check_machine(candidate) {
+            Err(missing) if of_machine().next().is_some() => Err(no_such_io(MACHINE, missing)),
+            _ => Ok(()),
         }
     }
 
@@ -187,6 +238,8 @@ impl Machine {
         self.state.axes[index].admits_selector(&self.candidates[index], self.state.cycle, &self.state.leads)?;
         let candidate = &self.candidates[index];
         self.state.axes[index].admits_sense(candidate)?;
+        self.state.axes[index].admits_zero(candidate)?;
+        IoCounts::of(&self.config).check_axis(candidate).map_err(|missing| no_such_io(index as u16, missing))?;
         let of_axis = || changes.iter().filter(|change| usize::from(change.axis) == index);
         let is = |change: &Change, key: &str| change.row().is_some_and(|row| row.key == key || row.root() == key);
         // A change that is one of the two is to blame, else the first of those from which it follows.
@@ -258,6 +311,7 @@ impl Machine {
         }
         axis.admits_selector(candidate, self.state.cycle, &self.state.leads)?;
         axis.admits_sense(candidate)?;
+        axis.admits_zero(candidate)?;
         match self.left_out(index) {
             Some(place) => {
                 let is_low = candidate.min_position.is_some_and(|low| place < low);
@@ -280,6 +334,13 @@ impl Machine {
         let reach = axis.reach().filter(|_| limits(candidate) != limits(&axis.parameters));
         reach.and_then(|(low, high)| [low, high].into_iter().find(|&place| !inside(place)))
     }
+}
+
+/// A parameter names an input or output that is not there.
+fn no_such_io(axis: u16, missing: NoSuchIo) -> Refusal {
+    let change = Change { axis, row: find(missing.key), value: Value::Int(missing.number) };
+    let code = if missing.is_output { Code::NO_SUCH_OUTPUT } else { Code::NO_SUCH_INPUT };
+    blame(&change, code).with(change.number(), Number::Count(missing.count as i64))
 }
 
 /// Place of a row that is there.

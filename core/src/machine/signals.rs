@@ -25,7 +25,7 @@ pub(super) struct Signals {
     /// Signal, kind, and place among its kind.
     io: Vec<(Signal, IoKind, usize)>,
     memory: Vec<(Signal, MemoryKind)>,
-    /// First of: count, position, velocity, error.
+    /// First of: count, position, velocity, error, errors.
     encoders: Vec<Signal>,
     /// First of [`AxisSignal`].
     pub axes: Vec<Signal>,
@@ -93,6 +93,31 @@ impl Signals {
         }
     }
 
+    /// Shows the outputs.
+    pub(super) fn publish_outputs(&self, board: &mut Board, outputs: &Outputs) {
+        for &(signal, kind, place) in &self.io {
+            match kind {
+                IoKind::DigitalOutput => board.set_int(signal, i64::from(outputs.digital(place))),
+                IoKind::AnalogOutput => board.set_real(signal, outputs.analog.get(place).copied().unwrap_or(0.0)),
+                IoKind::DigitalInput | IoKind::AnalogInput => {}
+            }
+        }
+    }
+
+    /// Sets the brake output of an axis, and shows its brake; `closed` is that of O_BRAKE.
+    pub(super) fn publish_brake(&self, board: &mut Board, axis: &Axis, closed: Option<bool>, outputs: &mut Outputs) {
+        if let Some((entry, on)) = axis.brake_output()
+            && let Some(&(signal, IoKind::DigitalOutput, place)) = self.io.get(usize::from(entry))
+        {
+            outputs.set_digital(place, on);
+            board.set_int(signal, i64::from(on));
+        } else if let Object::Axis(index) = axis.object()
+            && let (Some(closed), Some(&first)) = (closed, self.axes.get(usize::from(index)))
+        {
+            board.set_int(AxisSignal::Brake.of(first), i64::from(closed));
+        }
+    }
+
     /// Sets the outputs that an axis switches, and shows them.
     pub(super) fn publish_switching(
         &self,
@@ -119,12 +144,27 @@ impl Signals {
         }
     }
 
-    pub(super) fn publish_encoder(&self, board: &mut Board, index: usize, input: EncoderInput, lead: Lead) {
+    pub(super) fn publish_encoder(
+        &self,
+        board: &mut Board,
+        index: usize,
+        input: EncoderInput,
+        lead: Lead,
+        problem: Code,
+        errors: u64,
+    ) {
         let Some(&first) = self.encoders.get(index) else { return };
         board.set_int(first, input.count);
         board.set_int(first.plus(1), lead.position.floor());
         board.set_real(first.plus(2), lead.velocity);
-        board.set_int(first.plus(3), if lead.valid { 0 } else { i64::from(Code::ENCODER_INVALID.0) });
+        // What began in this cycle; without a value it stays.
+        let error = match problem {
+            Code::WF_PULSES => problem,
+            _ if lead.valid => Code::NONE,
+            _ => Code::ENCODER_INVALID,
+        };
+        board.set_int(first.plus(3), i64::from(error.0));
+        board.set_int(first.plus(4), errors.min(i64::MAX as u64).cast_signed());
     }
 
     pub(super) fn publish_machine(&self, board: &mut Board, axes: &[Axis], active: bool, overruns: u64) {
@@ -152,6 +192,7 @@ fn add_encoder(directory: &mut Directory, name: &str) -> Signal {
     add("position", Type::Int, Measure::Position, false, "position, without wrap");
     add("velocity", Type::Real, Measure::Velocity, false, "velocity over the last cycle");
     add("error", Type::Int, Measure::None, false, "code of what is wrong with it, 0 for nothing");
+    add("errors", Type::Int, Measure::None, false, "bad words of an absolute encoder so far");
     first
 }
 
@@ -212,7 +253,9 @@ impl Machine {
     fn locate(&self, object: Object, count: i64) -> i64 {
         let position = match object {
             Object::Encoder(index) => self.state.encoders.get(usize::from(index)).map(|encoder| encoder.locate(count)),
-            Object::Axis(index) => self.state.axes.get(usize::from(index)).map(|axis| axis.locate(count)),
+            Object::Axis(index) => {
+                self.state.axes.get(usize::from(index)).map(|axis| axis.locate(count, &self.state.encoders))
+            }
             _ => None,
         };
         position.unwrap_or(count)

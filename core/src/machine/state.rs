@@ -4,6 +4,7 @@
 //! Refuses  a state of another shape than the config's: other axes, encoders, signals, drives
 
 use super::Machine;
+use super::panel::Panel;
 use crate::axis::{Axis, Run};
 use crate::config::{ConfigError, MachineConfig};
 use crate::encoder::Encoder;
@@ -35,6 +36,8 @@ pub struct State {
     pub(super) parameter_version: u64,
     /// The trajectories that run, each in a place; there are as many places as axes.
     pub(super) runs: Vec<Option<Run>>,
+    /// Terminals, and the parameters of the machine.
+    pub(super) panel: Panel,
 }
 
 /// Why a state does not belong to a machine.
@@ -71,6 +74,9 @@ pub enum StateError {
     /// A trajectory that its axes do not run, or that none can be.
     #[error("the state holds a trajectory that its axes do not run")]
     Trajectory,
+    /// Inputs and outputs of another cell, or parameters that the machine cannot have.
+    #[error("the state holds inputs, outputs or parameters of the machine that the cell has not")]
+    Panel,
     /// Encoders of another width.
     #[error("the state holds encoders of another width than the cell")]
     Encoders,
@@ -98,6 +104,7 @@ impl State {
         self.order.clone_from(&first.order);
         self.leads.copy_from(&first.leads);
         self.runs.clone_from(&first.runs);
+        self.panel.power_up_from(&first.panel);
         for (axis, user) in self.axes.iter_mut().zip(&self.user) {
             axis.begin_with(*user);
             axis.set_active(self.active);
@@ -118,6 +125,7 @@ impl State {
         shape("leading commands", self.leads.command.len(), fresh.leads.command.len())?;
         shape("leading actual positions", self.leads.actual.len(), fresh.leads.actual.len())?;
         shape("leading encoders", self.leads.encoder.len(), fresh.leads.encoder.len())?;
+        shape("simulated masters", self.leads.simulated.len(), fresh.leads.simulated.len())?;
         let mut order = self.order.clone();
         order.sort_unstable();
         if !order.iter().copied().eq(0..self.axes.len() as u16) {
@@ -126,7 +134,9 @@ impl State {
         if self.axes.iter().any(|axis| axis.is_active() != self.active) {
             return Err(StateError::Active);
         }
-        if !std::iter::zip(&self.encoders, &fresh.encoders).all(|(mine, fresh)| mine.has_width_of(fresh)) {
+        if !std::iter::zip(&self.encoders, &fresh.encoders)
+            .all(|(mine, fresh)| mine.is_set_up_as(fresh) && mine.is_sound())
+        {
             return Err(StateError::Encoders);
         }
         if let Some(unsound) = self.user.iter().position(|user| !user.is_sound()) {
@@ -139,6 +149,9 @@ impl State {
             if !mine.is_sound() {
                 return Err(StateError::Unsound { axis: axis.name.clone() });
             }
+        }
+        if !self.panel.fits(&fresh.panel) {
+            return Err(StateError::Panel);
         }
         if !self.has_sound_runs(machine.config.cycle_ns) {
             return Err(StateError::Trajectory);
@@ -194,6 +207,7 @@ impl Clone for State {
             leads: self.leads.clone(),
             user: self.user.clone(),
             runs: self.runs.clone(),
+            panel: self.panel.clone(),
             ..*self
         }
     }
@@ -208,6 +222,7 @@ impl Clone for State {
         self.user.clone_from(&other.user);
         // Who gave a trajectory frees it: here only counts change.
         self.runs.clone_from(&other.runs);
+        self.panel.clone_from(&other.panel);
         (self.cycle, self.overruns, self.next_event) = (other.cycle, other.overruns, other.next_event);
         self.parameter_version = other.parameter_version;
         (self.active, self.deactivating) = (other.active, other.deactivating);

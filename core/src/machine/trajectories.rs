@@ -115,8 +115,9 @@ impl Machine {
         let tracks = run.trajectory.tracks();
         let mut left = None;
         for index in tracks.iter().map(|track| usize::from(track.axis)) {
-            let code = self.state.axes.get_mut(index).and_then(|axis| axis.take_left(run.sequence));
-            left = left.or(code.map(|code| End::new(Object::Axis(index as u16), code)));
+            let why = self.state.axes.get_mut(index).and_then(|axis| axis.take_left(run.sequence));
+            let end = |(code, asked, limit)| End { asked, limit, ..End::new(Object::Axis(index as u16), code) };
+            left = left.or(why.map(end));
         }
         left
     }
@@ -189,12 +190,19 @@ impl Machine {
         let mut cx = Context {
             cycle: self.state.cycle,
             input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
+            inputs,
+            digital_inputs: &self.digital_inputs,
             leads: &self.state.leads,
             latches: &self.latched,
             stream,
             runs: &self.state.runs,
             events: &mut self.events,
         };
-        Some(act(axis, &mut cx))
+        let written = super::written_by_itself(axis);
+        let result = act(axis, &mut cx);
+        if written != super::written_by_itself(axis) {
+            self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
+        }
+        Some(result)
     }
 }

@@ -1,7 +1,7 @@
 //! The parameters of one axis, and what follows from them.
 
 use super::rows::ROWS;
-use super::{Macs, Row, Value};
+use super::{Assigned, AssignedOutputs, Encoders, Homing, Macs, Row, Supervision, Value};
 use crate::code::Code;
 use crate::profile::{Jerks, Limits, Shape};
 use crate::vocabulary::{amc, saia, wf};
@@ -53,6 +53,16 @@ pub struct AxisParameters {
     pub sync_accuracy: i64,
     /// How long a streamed setpoint holds (ns).
     pub setpoint_timeout: i64,
+    /// How the axis gets its zero.
+    pub homing: Homing,
+    /// Where positions come from.
+    pub encoder: Encoders,
+    /// Inputs that are assigned to its switches.
+    pub assigned: Assigned,
+    /// How it is watched.
+    pub supervision: Supervision,
+    /// Outputs that are assigned to it.
+    pub outputs: AssignedOutputs,
     /// What MACS gives relative to others.
     pub macs: Macs,
     /// Of the reference selector.
@@ -87,6 +97,11 @@ impl AxisParameters {
             sync_slave: 0,
             sync_accuracy: 0,
             setpoint_timeout: 0,
+            homing: Homing::default(),
+            encoder: Encoders::default(),
+            assigned: Assigned::default(),
+            supervision: Supervision::default(),
+            outputs: AssignedOutputs::default(),
             macs: Macs::default(),
             amc: amc::Parameters::default(),
             saia: saia::Parameters::default(),
@@ -178,6 +193,9 @@ impl AxisParameters {
             ("dfltvel", macs.dfltvel.map(Value::Int)),
             ("dfltacc", macs.dfltacc.map(Value::Int)),
             ("velmax", macs.velmax.map(Value::Real)),
+            ("home_vel", self.homing.parts.velocity.map(Value::Int)),
+            ("homezerovel", self.homing.parts.index_velocity.map(Value::Int)),
+            ("home_ramp", self.homing.parts.acceleration.map(Value::Int)),
             ("neglimit", Some(Value::Int(macs.neglimit))),
             ("poslimit", Some(Value::Int(macs.poslimit))),
         ];
@@ -200,6 +218,8 @@ impl AxisParameters {
             ("max_jerk", self.max_jerk),
             ("default_velocity", self.default_velocity),
             ("default_acceleration", self.default_acceleration),
+            ("homing.index_velocity", self.homing.index_velocity),
+            ("homing.acceleration", self.homing.acceleration),
         ] {
             if value.is_some_and(|value| !(value > 0.0 && value <= MOST)) {
                 return Err(Contradiction::OutOfRange(key));
@@ -209,6 +229,7 @@ impl AxisParameters {
         if sense.position != sense.velocity {
             return Err(Contradiction::NotBuilt("posdrct", Code::NO_VELOCITY_LOOP));
         }
+        self.encoder.check().map_err(|(key, code)| Contradiction::NotBuilt(key, code))?;
         if !self.reversing().is_built() {
             return Err(Contradiction::NotBuilt("revers", Code::NO_REVERSING_OUTPUTS));
         }
@@ -218,10 +239,22 @@ impl AxisParameters {
             return Err(Contradiction::Above("min_position", "max_position"));
         }
         // Parts of VELRES, named as they were given.
-        for (key, part) in [("dfltvel", self.macs.dfltvel), ("dfltacc", self.macs.dfltacc)] {
-            if part.is_some_and(|part| part > self.macs.velres) {
+        let parts = self.homing.parts;
+        for (key, part) in [
+            ("dfltvel", self.macs.dfltvel),
+            ("dfltacc", self.macs.dfltacc),
+            ("home_vel", parts.velocity),
+            ("home_ramp", parts.acceleration),
+        ] {
+            if part.is_some_and(|part| part.saturating_abs() > self.macs.velres) {
                 return Err(Contradiction::Above(key, "velres"));
             }
+        }
+        if self.homing.velocity.is_some_and(|velocity| velocity.abs() > self.max_velocity) {
+            return Err(Contradiction::Above("homing.velocity", "max_velocity"));
+        }
+        if self.homing.index_velocity.is_some_and(|velocity| velocity > self.max_velocity) {
+            return Err(Contradiction::Above("homing.index_velocity", "max_velocity"));
         }
         if self.default_velocity.is_some_and(|velocity| velocity > self.max_velocity) {
             return Err(Contradiction::Above("default_velocity", "max_velocity"));

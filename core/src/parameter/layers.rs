@@ -5,7 +5,7 @@
 //! Init is the row's default overlaid by the cell; it is what the machine was delivered with. User is what was saved; it is in
 //! force from the start. Program is what was set since the start, and is lost with the power.
 
-use super::{AxisParameters, ROWS, Storage};
+use super::{AxisParameters, MachineParameters, ROWS, Storage};
 
 /// A layer that can be brought back into force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +30,8 @@ pub struct ParameterImage {
     pub effective: Vec<AxisParameters>,
     /// Layer User, by axis.
     pub user: Vec<AxisParameters>,
+    /// Of the machine: in force, and layer User.
+    pub machine: [MachineParameters; 2],
 }
 
 impl AxisParameters {

@@ -88,6 +88,7 @@ impl AxisParameters {
         if let Some(part) = macs.dfltacc {
             self.default_acceleration = Some(share(part) * self.max_acceleration);
         }
+        self.derive_homing();
     }
 
     /// VELMAX (rpm) (MACS-PROF-01).
@@ -148,6 +149,17 @@ impl AxisParameters {
         self.keep_limits();
     }
 
+    /// The limits go on guarding the same places of a coordinate whose places are all `by` (inc) more (MACS-LIM-01).
+    pub fn shift_limits(&mut self, by: i64) {
+        let moved = |limit: Option<i64>| limit.map(|limit| limit.saturating_add(by));
+        (self.min_position, self.max_position) = (moved(self.min_position), moved(self.max_position));
+        // Those that are switched off move, too.
+        let by = if self.is_inverted() { by.saturating_neg() } else { by };
+        self.macs.neglimit = self.macs.neglimit.saturating_add(by).clamp(-MLONG, MLONG);
+        self.macs.poslimit = self.macs.poslimit.saturating_add(by).clamp(-MLONG, MLONG);
+        self.keep_limits();
+    }
+
     /// What NEGLIMIT and POSLIMIT are when they are switched off: the nearest number that MACS has for those in force.
     pub(super) fn keep_limits(&mut self) {
         let of_macs = |limit: i64| limit.clamp(-MLONG, MLONG);
@@ -162,6 +174,7 @@ impl AxisParameters {
         if self.is_inverted() != was_inverted {
             let mirror = |limit: Option<i64>| limit.map(i64::saturating_neg);
             (self.min_position, self.max_position) = (mirror(self.max_position), mirror(self.min_position));
+            self.homing.offset = self.homing.offset.saturating_neg();
         }
         self.keep_limits();
     }
@@ -207,6 +220,9 @@ impl AxisParameters {
             "max_jerk" => Some(macs.jerkmin.is_some()),
             "default_velocity" => Some(macs.dfltvel.is_some()),
             "default_acceleration" => Some(macs.dfltacc.is_some()),
+            "homing.velocity" => Some(self.homing.parts.velocity.is_some()),
+            "homing.index_velocity" => Some(self.homing.parts.index_velocity.is_some()),
+            "homing.acceleration" => Some(self.homing.parts.acceleration.is_some()),
             _ => None,
         }
     }

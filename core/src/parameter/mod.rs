@@ -7,18 +7,26 @@
 mod axis;
 mod border;
 mod convert;
+mod encoder;
+mod homing;
 mod layers;
+mod machine;
 mod macs;
 mod row;
 mod rows;
+mod supervision;
 
 pub use axis::{AxisParameters, Contradiction};
 pub use border::{BorderRange, BorderType, BorderValue};
 pub use convert::{ConvertError, ParameterInput, convert};
+pub use encoder::Encoders;
+pub use homing::{Assigned, AssignedOutputs, Homing, HomingParts};
 pub use layers::{Layer, ParameterImage};
+pub use machine::MachineParameters;
 pub use macs::Macs;
 pub use row::{Applies, Bare, Effect, Group, Measure, Range, Refused, Row, Storage, System, Value};
 pub use rows::ROWS;
+pub use supervision::{FOLLOWING_ERROR_CHECKS, Supervision};
 
 use crate::event::Number;
 use crate::object::Object;

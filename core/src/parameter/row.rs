@@ -1,7 +1,7 @@
 //! What one row of the catalogue says of its parameter.
 
-use super::AxisParameters;
 use super::rows::ROWS;
+use super::{AxisParameters, MachineParameters};
 use crate::config::AxisConfig;
 use crate::drive::Interface;
 
@@ -282,6 +282,10 @@ pub struct Row {
     pub(super) get: fn(&AxisParameters) -> Value,
     /// Writes it; the value is of the row's type.
     pub(super) set: fn(&mut AxisParameters, Value),
+    /// Of the machine: reads it.
+    pub(super) get_machine: fn(&MachineParameters) -> Value,
+    /// Of the machine: writes it.
+    pub(super) set_machine: fn(&mut MachineParameters, Value),
 }
 
 /// Why a value is refused by its row.
@@ -305,7 +309,8 @@ impl Row {
 
     /// Its value.
     pub fn value(&self, parameters: &AxisParameters) -> Value {
-        if self.missing.is_empty() { (self.get)(parameters) } else { self.default }
+        let is_of_axis = self.missing.is_empty() && self.applies != Applies::Machine;
+        if is_of_axis { (self.get)(parameters) } else { self.default }
     }
 
     /// Is it another view of a value that a native row has?
@@ -313,9 +318,9 @@ impl Row {
         !self.view_of.is_empty()
     }
 
-    /// Has it a value of its own that may be set: it is no view, works, and is not fixed by the cell?
+    /// Has an axis a value of its own that may be set: it is no view, works, and is not fixed by the cell?
     pub fn is_stored(&self) -> bool {
-        let may_be_set = matches!(self.storage, Storage::User | Storage::Volatile);
+        let may_be_set = matches!(self.storage, Storage::User | Storage::Volatile) && self.applies != Applies::Machine;
         !self.is_view() && self.missing.is_empty() && may_be_set
     }
 

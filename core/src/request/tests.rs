@@ -11,7 +11,12 @@ fn config() -> MachineConfig {
     let axis = |name: &str, scale| AxisConfig::new(name.into(), scale, None, AxisParameters::new(1e6, 1e7));
     MachineConfig {
         cycle_ns: 1_000_000,
-        encoders: vec![EncoderConfig { name: "belt".into(), bits: 16, scale: scale(40, Unit::MILLIMETRE) }],
+        encoders: vec![EncoderConfig {
+            name: "belt".into(),
+            form: crate::encoder::Form::Incremental(16),
+            check: None,
+            scale: scale(40, Unit::MILLIMETRE),
+        }],
         axes: vec![axis("x", scale(1000, Unit::MILLIMETRE)), axis("turret", scale(100, Unit::DEGREE))],
         ..MachineConfig::default()
     }
@@ -86,7 +91,9 @@ fn what_is_not_built_is_refused_by_name() {
     let config = config();
     let couple = SynchronizeRequest { axis: "x".into(), master: "belt".into(), mode: 1, ..Default::default() };
     let error = |request| config.resolve_synchronize(&request).unwrap_err().to_string();
-    assert!(config.resolve_synchronize(&couple).is_ok());
+    assert_eq!(config.resolve_synchronize(&couple).map(|found| found.leader), Ok(Some(Leader::Encoder(0))));
+    let by_parameter = SynchronizeRequest { master: String::new(), ..couple.clone() };
+    assert_eq!(config.resolve_synchronize(&by_parameter).map(|found| found.leader), Ok(None));
     assert!(error(SynchronizeRequest { mode: 2, ..couple.clone() }).contains("MARKER does not exist yet"));
     assert!(error(SynchronizeRequest { engage: 1, ..couple.clone() }).contains("AT_POSITION does not exist yet"));
     assert!(error(SynchronizeRequest { engage: 2, ..couple.clone() }).contains("ON_EVENT does not exist yet"));
@@ -158,8 +165,15 @@ fn a_probe_is_a_search_with_an_end_in_the_same_units() {
             format!("mode is {mode}; 0 ABSOLUTE, 1 RELATIVE are allowed")
         );
     }
-    let edge = ProbeRequest { edge: 3, ..request("mark") };
-    assert_eq!(refused(edge), "edge is 3; 0 RISING, 1 FALLING, 2 BOTH are allowed");
+    let edge = ProbeRequest { edge: 4, ..request("mark") };
+    assert_eq!(refused(edge), "edge is 4; 0 RISING, 1 FALLING, 2 BOTH, 3 INDEX are allowed");
+    let search = MoveRequest { axis: "turret".into(), ..request("turret").search };
+    let index = ProbeRequest { edge: 3, search, ..request("turret") };
+    assert_eq!(config.resolve_probe(&index).map(|probe| probe.edge), Ok(ProbeEdge::Index));
+    for event in ["mark", "belt", "turret"] {
+        let edge = ProbeRequest { edge: 3, ..request(event) };
+        assert_eq!(refused(edge), "edge is 3; INDEX is that of the axis itself, which event has to name");
+    }
     for distance in [f64::NAN, f64::INFINITY, 1e300] {
         let distance = ProbeRequest { distance: Amount::Number(distance), ..request("mark") };
         assert!(refused(distance).starts_with("distance: "));

@@ -2,7 +2,7 @@
 
 use super::Type::{Bit, Enum, Int, Real, Word};
 use super::signal_block;
-use crate::axis::{AXIS_STATES, DRIVE_STATES, REFERENCES};
+use crate::axis::{AXIS_STATES, DRIVE_STATES, HOMING_PHASES, REFERENCES};
 
 signal_block! {
     /// A signal of an axis, by its place in the axis' block.
@@ -40,8 +40,8 @@ signal_block! {
     SyncStatus "sync.status" Word, None; "bit 0 accurate, 1 ready, 2 fault, 3 master 4 slave marker missed"
     MarkerError "marker.error" Real, Position; "error between marks"
     MarkerCorrection "marker.correction" Real, Position; "correction for the marks"
-    LimitPositive "limit.positive" Bit, None; "positive limit switch"
-    LimitNegative "limit.negative" Bit, None; "negative limit switch"
+    LimitPositive "limit.positive" Bit, None, drivable; "positive limit switch: the end of rising counts"
+    LimitNegative "limit.negative" Bit, None, drivable; "negative limit switch: the end of falling counts"
     LimitSoftwarePositive "limit.software_positive" Bit, None; "the command stands at max_position or beyond"
     LimitSoftwareNegative "limit.software_negative" Bit, None; "the command stands at min_position or beyond"
     LatchPosition "latch.position" Int, Position; "last latched position, floor"
@@ -53,5 +53,16 @@ signal_block! {
     OutputControl "output.control" Word, None; "control word to the drive (6040h)"
     MasterPosition "master.position" Real, None; "position of the master (inc), of a negative mencoder in master units (MAPOS)"
     MasterVelocity "master.velocity" Real, None; "velocity of the master, the same per s (MAVEL)"
+    ReferenceSwitch "reference_switch" Bit, None, drivable; "reference switch"
+    IndexCount "index.count" Int, None; "index pulses so far"
+    IndexPosition "index.position" Int, Position; "position at the last index pulse"
+    HomingPhase "homing.phase" Enum(HOMING_PHASES), None; "what homing does"
+    FaultCode "fault.code" Int, None; "code of the last error, kept until the next one"
+    FaultCycle "fault.cycle" Int, None; "the cycle in which it came"
+    FaultCommand "fault.command" Int, Position; "command position then, floor"
+    FaultVelocity "fault.velocity" Real, Velocity; "command velocity then"
+    FaultActual "fault.actual" Int, Position; "actual position then"
+    FaultFollowingError "fault.following_error" Int, Position; "following error then"
+    EncoderErrors "encoder.errors" Int, None; "bad words of an absolute encoder so far (SYSVAR 16)"
     TrackError "regulator.track_error" Real, None; "100 * (command - actual) / command velocity per ms (REG_NORMTRACKERR)"
 }

@@ -64,15 +64,10 @@ const fn variable(name: &'static str, address: Address, meaning: &'static str, s
 
 /// Every system variable that the text names (MACS-SYS-01).
 pub const SYSTEM_VARIABLES: &[SystemVariable] = &[
-    variable("", Address::Number(16), "errors of an absolute encoder so far", Shown::Missing("absolute encoders")),
+    variable("", Address::Number(16), "errors of an absolute encoder so far", Shown::Signal("encoder.errors")),
     variable("", Address::Number(42), "physical value of a shared encoder (qc)", Shown::Encoder("count")),
     variable("", Address::Number(4096), "commanded position (qc)", Shown::Signal("command.position")),
-    variable(
-        "",
-        Address::Number(4105),
-        "master simulation (qc; written: qc/st)",
-        Shown::Missing("the master simulation"),
-    ),
+    variable("", Address::Number(4105), "master simulation (qc; written: qc/st)", Shown::Signal("master.position")),
     variable(
         "REG_NORMTRACKERR",
         Address::Number(4124),

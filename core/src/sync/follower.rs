@@ -113,7 +113,7 @@ impl Follower {
         offset: Position,
         bounds: Bounds,
     ) -> Self {
-        let counted = !matches!(leader, Leader::AxisCommand(_));
+        let counted = !matches!(leader, Leader::AxisCommand(_) | Leader::Simulated(_));
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
         let halt = None;
         Self { leader, disengage, mode, gear, phase, target, halt, bounds, counted, accuracy: 0, last: 0.0, mean: 0.0 }

@@ -30,6 +30,8 @@ pub struct Leads {
     pub actual: Vec<Lead>,
     /// Encoders.
     pub encoder: Vec<Lead>,
+    /// Simulated masters of the axes.
+    pub simulated: Vec<Lead>,
 }
 
 impl Leads {
@@ -38,6 +40,7 @@ impl Leads {
         self.command.clone_from(&other.command);
         self.actual.clone_from(&other.actual);
         self.encoder.clone_from(&other.encoder);
+        self.simulated.clone_from(&other.simulated);
     }
 
     /// The leader's values; an invalid lead for one that does not exist.
@@ -46,6 +49,7 @@ impl Leads {
             Leader::AxisCommand(axis) => self.command.get(usize::from(axis)),
             Leader::AxisActual(axis) => self.actual.get(usize::from(axis)),
             Leader::Encoder(encoder) => self.encoder.get(usize::from(encoder)),
+            Leader::Simulated(axis) => self.simulated.get(usize::from(axis)),
         };
         place.copied().unwrap_or_default()
     }

@@ -11,7 +11,7 @@ pub mod amc;
 pub mod saia;
 pub mod wf;
 
-use crate::axis::{Modulo, Reference};
+use crate::axis::{Modulo, Reference, Travel};
 use crate::code::Code;
 use crate::drive::Interface;
 use crate::encoder::Lead;
@@ -71,6 +71,12 @@ pub struct View<'a> {
     pub locked: bool,
     /// An error stopped the axis.
     pub in_error: bool,
+    /// The error that stopped it.
+    pub error: Code,
+    /// Homing is under way.
+    pub homing: bool,
+    /// The axis knows its zero.
+    pub homed: bool,
     /// The command of this cycle.
     pub command: Motion,
     /// The same as a profile goes on from it: what is left of a coupling's acceleration is none of its own.
@@ -141,6 +147,10 @@ pub enum Order {
         /// Way of the leader that is past already and counts (inc): from the freeze point to t_k.
         past: Position,
     },
+    /// Homing as configured.
+    Home,
+    /// Reference travel, as long as nothing else is ordered.
+    ReferenceTravel(Travel),
     /// Open loop: the drive runs at this speed (inc/s), signed; 0 switches its output off, and it coasts.
     Speed {
         /// (inc/s)

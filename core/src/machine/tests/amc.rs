@@ -161,7 +161,7 @@ fn a_lost_master_is_refused_and_changes_nothing() {
     let (mut inputs, mut outputs) = (rig.machine.inputs(), rig.machine.outputs());
     rig.plant.add_latch(latch(MARK, 0, None));
     rig.plant.read(&mut inputs);
-    inputs.encoder[0] = EncoderInput { count: 0, epoch: 0, valid: false };
+    inputs.encoder[0] = EncoderInput { count: 0, epoch: 0, valid: false, index: None };
     rig.machine.cycle(&inputs, Default::default(), &mut outputs);
     rig.plant.write(&outputs);
     rig.events.extend_from_slice(rig.machine.events());
@@ -174,7 +174,7 @@ fn a_lost_master_is_refused_and_changes_nothing() {
         action: changes(X, &[("reference_select", 4)]),
     };
     rig.plant.read(&mut inputs);
-    inputs.encoder[0] = EncoderInput { count: 0, epoch: 0, valid: false };
+    inputs.encoder[0] = EncoderInput { count: 0, epoch: 0, valid: false, index: None };
     rig.machine.cycle(&inputs, crate::command::Commands::queue(&[command]), &mut outputs);
     rig.events.extend_from_slice(rig.machine.events());
     assert_eq!(rig.refusal(900), "x: what the axis follows is lost");

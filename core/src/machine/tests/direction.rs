@@ -247,7 +247,7 @@ fn what_cannot_be_turned_over_is_refused_with_a_sentence() {
             &[("posdrct", 21)],
             "x: posdrct 21 inverts one loop and not the other, but the velocity loop does not exist yet",
         ),
-        (&[("posdrct", -1), ("revers", 20)], "x: revers 20 asks for outputs or a node, which do not exist yet"),
+        (&[("posdrct", -1), ("revers", 20)], "x: revers 20 asks for outputs, which tell the sign of a velocity"),
         (&[("posdrct", 3)], "posdrct"),
         (&[("revers", 3)], "revers"),
     ] {

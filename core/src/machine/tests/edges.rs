@@ -250,7 +250,7 @@ fn a_latch_of_raw_counts_is_found_beyond_the_wrap() {
     let mut count = 0_i64;
     for cycle in 0..2_001 {
         count += 50;
-        inputs.encoder[0] = crate::drive::EncoderInput { count: count & 0xFFFF, epoch: 0, valid: true };
+        inputs.encoder[0] = crate::drive::EncoderInput { count: count & 0xFFFF, epoch: 0, valid: true, index: None };
         inputs.latch.clear();
         if cycle == 2_000 {
             let position = Some((count - 25) & 0xFFFF);

@@ -53,7 +53,7 @@ fn a_part_beyond_velres_is_told_with_velres() {
     }
     set(&mut rig, "dfltvel", Value::Int(50));
     let refused = set(&mut rig, "velres", Value::Int(5));
-    assert_eq!(rig.refusal(refused), "x: velres 5 must not lie below dfltvel or dfltacc 50");
+    assert_eq!(rig.refusal(refused), "x: velres 5 must not lie below dfltvel, dfltacc, home_vel or home_ramp 50");
 }
 
 /// In the words of MACS a limit is told beside the other one of MACS: in inverted units it is no view of its native one.

@@ -45,7 +45,12 @@ pub(super) fn config(delay: u32) -> MachineConfig {
     let axis = |name: &str, drive| AxisConfig::new(name.into(), scale(), drive, parameters());
     MachineConfig {
         cycle_ns: 1_000_000,
-        encoders: vec![EncoderConfig { name: "belt".into(), bits: 16, scale: scale() }],
+        encoders: vec![EncoderConfig {
+            name: "belt".into(),
+            form: crate::encoder::Form::Incremental(16),
+            check: None,
+            scale: scale(),
+        }],
         axes: vec![axis("line", None), axis("x", Some(delay)), axis("y", Some(0))],
         ..MachineConfig::default()
     }
@@ -53,11 +58,14 @@ pub(super) fn config(delay: u32) -> MachineConfig {
 
 fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refusal> {
     let cycle = machine.next_cycle();
+    let inputs = machine.inputs();
     let Machine { state, events, .. } = machine;
     events.begin(cycle, state.next_event);
     let mut cx = Context {
         cycle,
         input: None,
+        inputs: &inputs,
+        digital_inputs: &[],
         leads: &state.leads,
         latches: &[],
         stream: None,
@@ -251,7 +259,7 @@ pub(super) fn at(axis: u16, velocity: f64) -> Move {
 pub(super) fn couple(axis: u16, leader: Leader, numerator: i64, denominator: i64) -> Synchronize {
     Synchronize {
         axis,
-        leader,
+        leader: Some(leader),
         mode: SyncMode::Position,
         disengage: Disengage::Stop,
         numerator,

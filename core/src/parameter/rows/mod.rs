@@ -1,9 +1,12 @@
 //! The rows of the catalogue: native ones first, then those of each source.
 
 mod amc;
+mod encoder;
+mod homing;
 mod macs;
 mod native;
 mod saia;
+mod supervision;
 mod wf;
 
 use super::{Applies, Bare, Effect, Group, Measure, PROFILES, Range, Row, Storage, System, Value};
@@ -56,13 +59,19 @@ const BASE: Row = Row {
     note: "",
     get: |_| Value::Unset,
     set: |_, _| (),
+    get_machine: |_| Value::Unset,
+    set_machine: |_, _| (),
 };
 
 /// Every parameter: those of axes, of which each has the ones that apply to it, and those of the machine.
 pub const ROWS: &[Row] = &join::<{ count(PARTS) }>(PARTS);
 
 /// What the meaning of others depends on, native rows, then those of each source.
-const PARTS: &[&[&[Row]]] = &[&[macs::SENSE, native::ROWS], &macs::PARTS, &[amc::ROWS, saia::ROWS, wf::ROWS]];
+const PARTS: &[&[&[Row]]] = &[
+    &[macs::SENSE, native::ROWS, homing::ROWS, encoder::ROWS, supervision::ROWS],
+    &macs::PARTS,
+    &[amc::ROWS, saia::ROWS, wf::ROWS],
+];
 
 const fn count(parts: &[&[&[Row]]]) -> usize {
     let (mut part, mut count) = (0, 0);

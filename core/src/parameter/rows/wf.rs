@@ -87,9 +87,11 @@ pub(super) const ROWS: &[Row] = &[
         range: Range::Int(0, 1),
         default: Value::Int(0),
         applies: Applies::Drive,
-        missing: "the encoders of the positioning modules",
-        description: "Kind of encoder. Here the drive knows it.",
+        description: "Kind of encoder: absolute ones have a word of wf.md5 steps in Gray code and begin anew behind the last one.",
         source: "WF-MD-03",
+        effect: Effect::Disabled,
+        get: |p| Value::Int(p.encoder.md4),
+        set: |p, v| p.encoder.md4 = int(v).unwrap_or(p.encoder.md4),
         ..UNIT
     },
     Row {
@@ -100,9 +102,11 @@ pub(super) const ROWS: &[Row] = &[
         range: Range::Int(1, i32::MAX as i64),
         default: Value::Int(16384),
         applies: Applies::Drive,
-        missing: "the encoders of the positioning modules",
         description: "Steps of an absolute encoder: those of a revolution times its revolutions.",
         source: "WF-MD-04, WF-ABS-02",
+        effect: Effect::Disabled,
+        get: |p| Value::Int(p.encoder.md5),
+        set: |p, v| p.encoder.md5 = int(v).unwrap_or(p.encoder.md5),
         ..UNIT
     },
     Row {
@@ -112,10 +116,15 @@ pub(super) const ROWS: &[Row] = &[
         range: WORD,
         default: Value::Int(0),
         applies: Applies::Drive,
-        missing: "the homing of the positioning modules",
-        description: "Incremental encoder: side of the cam on which homing ends, 0 or 1; absolute encoder of a rotary axis: steps that are left out.",
+        effect: Effect::Disabled,
+        get: |p| Value::Int(p.encoder.md7),
+        set: |p, v| p.encoder.md7 = int(v).unwrap_or(p.encoder.md7),
+        description: "Incremental encoder: side of the cam on which homing ends: 0 the one that JOG leads to, 1 plus, 2 minus; for the \
+                      side that it comes from the axis turns round on the cam. Absolute encoder: steps that are left out, the \
+                      value of its first word.",
         source: "WF-MD-05, WF-REF-02",
-        note: "W04: it means another thing with each kind of encoder; the row is both.",
+        note: "W04: it means another thing with each kind of encoder; the row is both. The numbers of the sides are not told: these \
+               are taken.",
         ..UNIT
     },
     Row {
@@ -124,11 +133,15 @@ pub(super) const ROWS: &[Row] = &[
         number: "15",
         measure: Measure::Choice(CAMS),
         range: Range::Int(0, 1),
-        default: Value::Int(0),
+        default: Value::Int(1),
         applies: Applies::Drive,
-        missing: "the homing of the positioning modules",
-        description: "Where the cam of homing comes from.",
+        effect: Effect::NextHoming,
+        get: |p| Value::Int(p.wf.md15),
+        set: |p, v| p.wf.md15 = int(v).unwrap_or(p.wf.md15),
+        description: "Where the cam of homing comes from: the key cam of verb wf, or the reference switch (i_refswitch, or that of the \
+                      drive).",
         source: "WF-MD-08, WF-REF-04",
+        note: "The usual value is not told: fast_input is taken.",
         ..UNIT
     },
     Row {
@@ -138,7 +151,10 @@ pub(super) const ROWS: &[Row] = &[
         measure: Measure::Position,
         default: Value::Int(0),
         applies: Applies::Drive,
-        missing: "the homing of the positioning modules",
+        range: POSITION,
+        effect: Effect::NextHoming,
+        get: |p| Value::Int(p.wf.md16),
+        set: |p, v| p.wf.md16 = int(v).unwrap_or(p.wf.md16),
         description: "Incremental encoder: position of the reference point; absolute encoder: supervision of its word.",
         source: "WF-MD-09, WF-REF-02, WF-REF-03",
         note: "W04: it means another thing with each kind of encoder; the row is both.",
@@ -151,7 +167,10 @@ pub(super) const ROWS: &[Row] = &[
         measure: Measure::Position,
         default: Value::Int(0),
         applies: Applies::Drive,
-        missing: "the homing of the positioning modules",
+        range: POSITION,
+        effect: Effect::NextHoming,
+        get: |p| Value::Int(p.wf.md17),
+        set: |p, v| p.wf.md17 = int(v).unwrap_or(p.wf.md17),
         description: "Way from the zero mark to the reference point; without effect in open loop.",
         source: "WF-MD-10, WF-REF-01, WF-REF-03",
         ..UNIT
@@ -160,11 +179,12 @@ pub(super) const ROWS: &[Row] = &[
         key: "wf.md21",
         mnemonic: "MD21",
         number: "21",
-        range: Range::Among(&[(1, 2), (4, 4)]),
+        range: Range::Int(4, 4),
         default: Value::Int(4),
         applies: Applies::Drive,
-        missing: "the encoders of the positioning modules",
-        description: "Edges that are counted of each pulse of an incremental encoder: 1, 2 or 4. Here the drive counts all 4.",
+        get: |_| Value::Int(4),
+        description: "Edges that are counted of each pulse of an incremental encoder: always all 4, which is what the source recommends. \
+                      The drive counts them; scale has what 1 or 2 would be for.",
         source: "WF-MD-13",
         ..UNIT
     },
@@ -203,22 +223,24 @@ pub(super) const ROWS: &[Row] = &[
         range: WORD,
         default: Value::Int(0),
         applies: Applies::Drive,
-        missing: "the encoders of the positioning modules",
-        description: "Incremental encoder: pulses of a revolution; absolute encoder of a rotary axis: supervision of the distance.",
+        description: "Incremental encoder: pulses of a revolution, a quarter of the increments from index to index; absolute encoder: most steps of a cycle, beyond which its word is bad; 0: not supervised.",
         source: "WF-MD-16",
         note: "W04: it means another thing with each kind of encoder; the row is both.",
+        get: |p| Value::Int(p.encoder.md34),
+        set: |p, v| p.encoder.md34 = int(v).unwrap_or(p.encoder.md34),
         ..UNIT
     },
     Row {
         key: "wf.md41",
         mnemonic: "MD41",
         number: "41",
-        range: WORD,
+        range: Range::Int(0, 1),
         default: Value::Int(0),
         applies: Applies::Drive,
-        missing: "the encoders of the positioning modules",
-        description: "Which supervisions of the encoder are on, bit by bit; 0 none.",
+        description: "1: encoder monitoring. Alarm 8 when pulses are missing or too many from index to index (wf.md34), alarm 7 in the place of error 10206 when the encoder gives no value.",
         source: "WF-MD-18",
+        get: |p| Value::Int(p.encoder.md41),
+        set: |p, v| p.encoder.md41 = int(v).unwrap_or(p.encoder.md41),
         ..UNIT
     },
     Row {
@@ -341,7 +363,9 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         key: "wf.reference_rapid",
         applies: Applies::Drive,
-        missing: "the homing of the positioning modules",
+        effect: Effect::NextHoming,
+        get: |p| Value::Real(p.wf.reference_rapid),
+        set: |p, v| p.wf.reference_rapid = real(v).unwrap_or(p.wf.reference_rapid),
         description: "Speed value of homing towards the cam.",
         source: "WF-MD-22, WF-REF-01",
         ..FIXED_SPEED
@@ -349,7 +373,9 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         key: "wf.reference_reduced",
         applies: Applies::Drive,
-        missing: "the homing of the positioning modules",
+        effect: Effect::NextHoming,
+        get: |p| Value::Real(p.wf.reference_reduced),
+        set: |p, v| p.wf.reference_reduced = real(v).unwrap_or(p.wf.reference_reduced),
         description: "Speed value of homing on the cam.",
         source: "WF-MD-22, WF-REF-01",
         ..FIXED_SPEED
@@ -357,7 +383,9 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         key: "wf.reference_creep",
         applies: Applies::Drive,
-        missing: "the homing of the positioning modules",
+        effect: Effect::NextHoming,
+        get: |p| Value::Real(p.wf.reference_creep),
+        set: |p, v| p.wf.reference_creep = real(v).unwrap_or(p.wf.reference_creep),
         description: "Speed value of homing from the cam to the zero mark.",
         source: "WF-MD-22, WF-REF-01",
         ..FIXED_SPEED

@@ -40,8 +40,8 @@ pub struct Problem {
 /// The first one that does not.
 pub fn check(parameters: &AxisParameters, setting: &Setting) -> Result<(), Problem> {
     let p = &parameters.amc;
-    check_select("amc.reference_select", p.reference_select, setting)?;
-    check_select("amc.reference_select_trigger", p.reference_select_trigger, setting)?;
+    check_select("amc.reference_select", p.reference_select, parameters.homing.method, setting)?;
+    check_select("amc.reference_select_trigger", p.reference_select_trigger, parameters.homing.method, setting)?;
     check_event(p.action_on_event, setting)?;
     check_reference(p, setting)?;
     if p.speed_reference.abs() > parameters.max_velocity {
@@ -55,10 +55,11 @@ pub fn check(parameters: &AxisParameters, setting: &Setting) -> Result<(), Probl
     Ok(())
 }
 
-fn check_select(key: &'static str, select: i64, setting: &Setting) -> Result<(), Problem> {
+fn check_select(key: &'static str, select: i64, method: i64, setting: &Setting) -> Result<(), Problem> {
     let refuse = |code| Err(Problem { key, code, asked: Number::Count(select), limit: Number::None });
     match select {
-        CAM | HOME => refuse(Code::NOT_BUILT),
+        CAM => refuse(Code::NOT_BUILT),
+        HOME if method == 0 => refuse(Code::HOMING_NO_METHOD),
         GEAR if setting.wiring.master.is_none() => refuse(Code::AMC_NO_MASTER),
         _ => Ok(()),
     }

@@ -30,7 +30,7 @@ use crate::event::Number;
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use parameters::{CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, POSITION_ABSOLUTE, POSITION_PROFILE, POSITION_RELATIVE};
-use parameters::{SPEED, STOP};
+use parameters::{HOME, SPEED, STOP};
 use rotary::{Circle, Exact, Mode};
 use serde::{Deserialize, Serialize};
 
@@ -106,6 +106,10 @@ impl Amc {
         self.follow_input(view);
         let mut step = Step::idle(written);
         let past = self.take_event(view, &mut step);
+        // M14: at its end homing gives the axis back.
+        if before.select == HOME && step.select == HOME && !view.homing {
+            step.select = STOP;
+        }
         if step.select != STOP && self.stops_by_error(view) {
             step.select = STOP;
         }
@@ -135,7 +139,7 @@ impl Amc {
         let circle = Circle::new(view.modulo);
         match self.select {
             GEAR => self.input = circle.exact(view.target),
-            SPEED => self.input = circle.exact(view.command.position),
+            SPEED | HOME => self.input = circle.exact(view.command.position),
             _ if !view.owns => self.input = circle.exact(view.command.position),
             _ => {}
         }
@@ -194,6 +198,7 @@ impl Amc {
             POSITION_PROFILE if enters => Ok(self.go(view)),
             SPEED => Ok(self.run(view, enters || self.speed != before.speed)),
             GEAR if enters => Ok(Some(Order::Gear { past })),
+            HOME if enters => Ok(Some(Order::Home)),
             _ => Ok(None),
         }
     }

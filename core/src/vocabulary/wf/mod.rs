@@ -20,6 +20,7 @@ mod jog;
 mod open;
 mod parameters;
 mod program;
+mod reference;
 mod request;
 mod signals;
 mod steps;
@@ -96,6 +97,8 @@ pub struct Wf {
     last: u8,
     bound: u8,
     jog: Jog,
+    /// The deceleration cam as the interface has it.
+    cam: bool,
     fixed_speed: u8,
     /// The controller enable request was taken back.
     withdrawn: bool,
@@ -135,6 +138,7 @@ impl Wf {
         if request.reset {
             return Ok(self.acknowledge(view));
         }
+        self.cam = request.cam.unwrap_or(self.cam);
         let mut order = None;
         if let Some(enable) = request.enable {
             self.withdrawn = !enable;
@@ -172,6 +176,9 @@ impl Wf {
         if request.jog.is_some() || request.fixed_speed.is_some() {
             self.jog = request.jog.unwrap_or(self.jog);
             self.fixed_speed = request.fixed_speed.unwrap_or(self.fixed_speed).clamp(1, FIXED_SPEEDS);
+            if self.mode == Mode::Reference {
+                order = self.travel(view).map_err(|refusal| refusal.of(request.axis))?.or(order);
+            }
             if self.mode == Mode::Jog {
                 order = self.jog(view).map_err(|refusal| refusal.of(request.axis))?.or(order);
             }
@@ -206,6 +213,10 @@ impl Wf {
             }
             _ => {}
         }
+        if self.mode == Mode::Reference {
+            self.step_travel(view);
+            return None;
+        }
         if !view.owns || !view.free {
             self.leave();
             return None;
@@ -228,6 +239,11 @@ impl Wf {
         self.failed = true;
     }
 
+    /// The deceleration cam that the verbs tell of.
+    pub(crate) fn cam(&self) -> bool {
+        self.cam
+    }
+
     /// What the outputs show in this cycle.
     pub(crate) fn switching(&self) -> Switching {
         self.switching
@@ -243,7 +259,7 @@ impl Wf {
         };
         let switching = self.switching();
         let enabled = enable(!self.withdrawn, view.on, self.reset, self.alarm);
-        let has_block = !matches!(self.state, State::Idle) && self.mode != Mode::Jog;
+        let has_block = !matches!(self.state, State::Idle) && !self.has_no_blocks();
         set(S::Active, view.owns.into());
         set(S::Mode, self.mode as u64);
         set(S::State, self.state.word());
@@ -275,6 +291,11 @@ impl Wf {
         legal && near && inside && speed && self.program.is_sound() && self.direction.unsigned_abs() <= 1
     }
 
+    /// Is the mode one in which the inputs JOG+ and JOG- run the axis?
+    fn has_no_blocks(&self) -> bool {
+        matches!(self.mode, Mode::Jog | Mode::Reference)
+    }
+
     /// A speed is put out, or a profile runs.
     fn is_running(&self) -> bool {
         matches!(self.state, State::Run | State::Step1 | State::Step2 | State::Step3)
@@ -290,7 +311,7 @@ impl Wf {
         self.next = 0;
         self.jog = Jog::None;
         // In setup the set position follows the actual one (WF-SET-01).
-        if mode == Mode::Jog && self.state != State::Alarm {
+        if self.has_no_blocks() && self.state != State::Alarm {
             self.leave();
         }
     }
@@ -350,6 +371,14 @@ impl Wf {
         Some(Order::Fail { code, found: Number::Position(found), allowed: Number::Position(allowed) })
     }
 
+    /// The axis itself has raised an alarm, and its drive is off already.
+    pub(crate) fn note_alarm(&mut self, alarm: u8) {
+        self.leave();
+        self.state = State::Alarm;
+        self.alarm = alarm;
+        self.was_in_error = true;
+    }
+
     /// SETTLE and DONE: position reached and held (WF-PEH-01 to 03).
     fn settle(&mut self, view: &View<'_>) -> Option<Order> {
         let parameters = view.parameters;
@@ -393,7 +422,7 @@ impl Wf {
         let actual = view.actual.position.floor();
         let has_end = match self.state {
             State::Idle => false,
-            State::Run => self.mode != Mode::Jog,
+            State::Run => !self.has_no_blocks(),
             _ => true,
         };
         match (is_open(view), has_end) {
@@ -404,7 +433,7 @@ impl Wf {
     }
 
     fn distance_to_go(&self, view: &View<'_>) -> i64 {
-        if self.state == State::Idle || self.mode == Mode::Jog {
+        if self.state == State::Idle || self.has_no_blocks() {
             return 0;
         }
         let block = if self.considered { self.active.saturating_add(1) } else { self.active };

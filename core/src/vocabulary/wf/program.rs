@@ -40,7 +40,7 @@ impl Wf {
 
     /// START: the ends of all blocks that it runs are fixed, then the first of them begins.
     pub(super) fn start(&mut self, view: &View<'_>) -> Result<Order, Objection> {
-        if matches!(self.mode, Mode::Jog | Mode::ActualValue) {
+        if matches!(self.mode, Mode::Jog | Mode::ActualValue | Mode::Reference) {
             return Err(Objection::new(Code::WF_NOT_IN_THIS_MODE));
         }
         self.check_enable()?;

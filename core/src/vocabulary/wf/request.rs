@@ -14,7 +14,7 @@ pub const MOST_BCD: f64 = 99.0;
 /// How many setup speeds the fixed-speed bits choose from.
 pub const FIXED_SPEEDS: u8 = 3;
 
-/// Mode of operation (WF-MOD-01); reference travel waits for homing.
+/// Mode of operation (WF-MOD-01).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
     /// Manual data input: START runs the one block that was given.
@@ -30,10 +30,12 @@ pub enum Mode {
     Jog = 4,
     /// Actual value preset: the axis stands where the value says.
     ActualValue = 5,
+    /// Reference travel: JOG+ or JOG- leads across the cam to the zero mark, as long as it is set.
+    Reference = 6,
 }
 
 /// Names of [`Mode`], by number.
-pub const MODES: &[&str] = &["MDI", "SINGLE", "AUTOMATIC", "CONTINUOUS", "JOG", "ACTUAL_VALUE"];
+pub const MODES: &[&str] = &["MDI", "SINGLE", "AUTOMATIC", "CONTINUOUS", "JOG", "ACTUAL_VALUE", "REFERENCE"];
 
 /// The inputs JOG+ and JOG-.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -167,6 +169,8 @@ pub struct Request {
     pub start: bool,
     /// JOG+ and JOG-: runs in mode jog, direction of approach on a rotary axis in all others.
     pub jog: Option<Jog>,
+    /// The deceleration cam of mode reference, where `wf.md15` is interface; it stays as it is until it is told anew.
+    pub cam: Option<bool>,
     /// Fixed-speed bits: the setup speed of mode jog, 1 to [`FIXED_SPEEDS`].
     pub fixed_speed: Option<u8>,
     /// Controller enable request.

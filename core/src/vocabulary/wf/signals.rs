@@ -23,7 +23,7 @@ signal_block! {
     Ready "wf.ready" Bit, None; "the drive is on"
     Peh "wf.peh" Bit, None; "position reached and held"
     Synchronized "wf.synchronized" Bit, None; "positions refer to a zero that was set"
-    Alarm "wf.alarm" Int, None; "number of the alarm that waits for a reset: 10, 11, 22; 0: none"
+    Alarm "wf.alarm" Int, None; "number of the alarm that waits for a reset: 7, 8, 10, 11, 22; 0: none"
     FollowingError "wf.fe" Int, Position; "set position minus actual position; open loop: way to the end of the block"
     DistanceToGo "wf.distance_to_go" Int, Position; "way to the end of the block, of the next one from where that is considered"
 }

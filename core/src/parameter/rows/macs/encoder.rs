@@ -115,10 +115,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "27",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "the encoder sources of MACS",
         description: "Where the position comes from: 0 incremental, 1 to 4 absolute, 5 sine and cosine, 9 simulated, 10, 20, 30 a terminal, beyond 1000 a node of a bus, negative without guarding. Setting it clears the flags of the index.",
         source: "MACS-ENC-04",
         effect: Effect::Disabled,
+        get: |p| Value::Int(p.encoder.encodertype),
+        set: |p, v| p.encoder.encodertype = int(v).unwrap_or(p.encoder.encodertype),
         ..ENCODER_ROW
     },
     Row {
@@ -141,10 +142,13 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "67",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "the master encoder",
-        description: "Where the master's position comes from: 0 incremental, 1, 2 absolute, 5 sine and cosine, 6 simulated, 10, 20, 30 a terminal, beyond 1000 a node of a bus, -1 to -999 the command of that axis.",
+        description: "The master of a synchronize that names none: -1 to -999 the command of that axis, in the order of the cell, 10, 20, \
+                      30 the first, second, third entry of encoders, 6 a simulated one (master_simulation_velocity), 0, 1, 2, 5 \
+                      none, as no encoder is wired to an axis as that of its master; beyond 1000 a node of a bus.",
         source: "MACS-ENC-14",
         note: "A-13: the number of an axis is missing in the text; -1 to -999 are taken, beyond -1000 a bus without guarding.",
+        get: |p| Value::Int(p.encoder.mencodertype),
+        set: |p, v| p.encoder.mencodertype = int(v).unwrap_or(p.encoder.mencodertype),
         effect: Effect::Disabled,
         ..ENCODER_ROW
     },
@@ -189,9 +193,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "107",
         range: Range::Int(0, 3),
         default: Value::Int(0),
-        missing: "the encoder sources of MACS",
         description: "Bit 0: a change of the source keeps the position; bit 1: a new origin is one of this axis alone, and the encoder keeps its value.",
         source: "MACS-ENC-11",
+        get: |p| Value::Int(p.encoder.enccontrol),
+        set: |p, v| p.encoder.enccontrol = int(v).unwrap_or(p.encoder.enccontrol),
         ..ENCODER_ROW
     },
     Row {

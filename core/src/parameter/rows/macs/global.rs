@@ -1,6 +1,6 @@
 //! Parameters of the machine (GL).
 
-use super::super::{Applies, BASE, Effect, Group, MLONG, Range, Row, System, Value};
+use super::super::{Applies, BASE, Effect, Group, MLONG, Range, Row, System, Value, int};
 
 const GLOBAL_ROW: Row = Row { system: System::Macs, group: Group::Global, applies: Applies::Machine, ..BASE };
 
@@ -85,10 +85,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "105",
         range: Range::Int(-8, 8),
         default: Value::Int(0),
-        missing: "assigned inputs and outputs",
-        description: "Input that aborts the running program: n with the rising edge, -n with the falling one, 0 none.",
+        description: "Input that aborts what runs: every goal ends and every axis stops with its largest deceleration, locked until i_continue or reset_errors. n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-IO-08",
         note: "A-47: sign and edge are told in two ways; the table is taken.",
+        get_machine: |m| Value::Int(m.i_break),
+        set_machine: |m, v| m.i_break = int(v).unwrap_or(0),
         ..GLOBAL_ROW
     },
     Row {
@@ -97,10 +98,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "106",
         range: Range::Int(-8, 8),
         default: Value::Int(0),
-        missing: "assigned inputs and outputs",
-        description: "Input that goes on with an aborted program: n with the rising edge, -n with the falling one, 0 none.",
+        description: "Input that lets axes that i_break stopped take goals again: n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-IO-09",
         note: "A-47: sign and edge are told in two ways; the table is taken.",
+        get_machine: |m| Value::Int(m.i_continue),
+        set_machine: |m, v| m.i_continue = int(v).unwrap_or(0),
         ..GLOBAL_ROW
     },
     Row {
@@ -109,10 +111,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "107",
         range: Range::Int(-8, 8),
         default: Value::Int(0),
-        missing: "assigned inputs and outputs",
-        description: "Input that clears an error: n with the rising edge, -n with the falling one, 0 none.",
+        description: "Input that clears the errors of all axes as reset_errors does: n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-IO-10",
         note: "A-47: sign and edge are told in two ways; the table is taken.",
+        get_machine: |m| Value::Int(m.i_errclr),
+        set_machine: |m, v| m.i_errclr = int(v).unwrap_or(0),
         ..GLOBAL_ROW
     },
     Row {
@@ -121,9 +124,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "108",
         range: Range::Int(-8, 8),
         default: Value::Int(0),
-        missing: "assigned inputs and outputs",
-        description: "Output that shows an error: n high, -n low, 0 none.",
+        description: "Output that shows an error of any axis: n high, -n low, 0 none.",
         source: "MACS-IO-07",
+        get_machine: |m| Value::Int(m.o_error),
+        set_machine: |m, v| m.o_error = int(v).unwrap_or(0),
         ..GLOBAL_ROW
     },
     Row {
@@ -133,9 +137,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "samples",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "the filter of analog inputs",
         description: "Readings of 1 ms over which analog input 1 is smoothed; 0 not.",
         source: "MACS-IO-14",
+        get_machine: |m| Value::Int(m.ainftime),
+        set_machine: |m, v| m.ainftime = int(v).unwrap_or(0),
         ..GLOBAL_ROW
     },
     Row {

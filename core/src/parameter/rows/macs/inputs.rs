@@ -98,7 +98,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         applies: Applies::Any,
         description: "How long the actual position has to stay in the target window: in_position_time.",
         source: "MACS-TGT-03, MACS-TGT-04",
-        note: "A-18: the text bounds testtim with testval, which no range allows; testval is not asked.",
+        note: "A-18: the text bounds testwin with testval, which no range allows; that is not asked.",
         get: |p| Value::Int(p.in_position_time),
         set: |p, v| p.in_position_time = int(v).unwrap_or(p.in_position_time),
         ..INPUTS_ROW
@@ -123,11 +123,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "25",
         unit: "inc",
         range: Range::Int(0, 10_000),
-        default: Value::Int(1),
-        missing: "the movement limit inside the window",
-        description: "Two readings of the position, testtim apart, have to differ by less than this inside the target window; 0: it has to stay inside for testtim, as it has to now.",
+        default: Value::Int(0),
+        description: "Two readings of the position, testtim apart, have to differ by less than this inside the target window; 0: it has to stay inside for longer than testtim.",
         source: "MACS-TGT-03, MACS-TGT-04",
-        note: "A-18: the range begins at 1, and not set is a rule of its own; 0 is taken as not set.",
+        note: "A-18: the range begins at 1, and not set is a rule of its own; 0 is taken as not set. MACS begins with 1; here that would make in_position_time wait for two equal readings, so it begins as not set.",
+        get: |p| Value::Int(p.supervision.testval),
+        set: |p, v| p.supervision.testval = int(v).unwrap_or(0),
         ..INPUTS_ROW
     },
     Row {
@@ -136,10 +137,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "44",
         range: Range::Int(0, 1),
         default: Value::Int(0),
-        missing: "hardware limit switches",
-        description: "Reaction to a limit switch: 0 as errcond says, 1 a stop with the largest deceleration, and the error after it.",
+        description: "Reaction to a limit switch: 0 as errcond says, 1 a stop with the largest deceleration; the axis stays in control.",
         source: "MACS-LIM-08",
-        note: "A-17: whether 1 is an error, too, is not said; it is.",
+        note: "A-17: whether 1 is an error, too, is not said; it is, raised in the cycle of the switch. With errcond 5 a switch stops as with 1: nothing runs on into it.",
+        get: |p| Value::Int(p.supervision.endswmod),
+        set: |p, v| p.supervision.endswmod = int(v).unwrap_or(0),
         ..INPUTS_ROW
     },
     Row {
@@ -148,10 +150,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "45",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "assigned inputs and outputs",
         description: "Input of the reference switch: n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-IO-02",
         note: "A-48: the range is +-8, other places allow any input; any is taken.",
+        get: |p| Value::Int(p.assigned.refswitch),
+        set: |p, v| p.assigned.refswitch = int(v).unwrap_or(0),
         ..INPUTS_ROW
     },
     Row {
@@ -160,9 +163,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "46",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "hardware limit switches",
         description: "Input of the positive limit switch: n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-LIM-07",
+        get: |p| Value::Int(p.assigned.poslimitsw),
+        set: |p, v| p.assigned.poslimitsw = int(v).unwrap_or(0),
         ..INPUTS_ROW
     },
     Row {
@@ -171,9 +175,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "47",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "hardware limit switches",
         description: "Input of the negative limit switch: n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-LIM-07",
+        get: |p| Value::Int(p.assigned.neglimitsw),
+        set: |p, v| p.assigned.neglimitsw = int(v).unwrap_or(0),
         ..INPUTS_ROW
     },
     Row {
@@ -182,10 +187,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "48",
         range: Range::Int(-8, 8),
         default: Value::Int(0),
-        missing: "the brake output",
         description: "Output of the brake: n is high while the brake is closed, -n is low, 0 none. Errors close it with errcond 1 and 3; only a program opens it.",
         source: "MACS-IO-04",
         note: "A-49: when the brake closes is told twice; errors with errcond 1 and 3, an abort always.",
+        get: |p| Value::Int(p.outputs.brake),
+        set: |p, v| p.outputs.brake = int(v).unwrap_or(0),
         ..INPUTS_ROW
     },
     Row {
@@ -194,9 +200,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "64",
         range: Range::Int(-8, 8),
         default: Value::Int(0),
-        missing: "assigned inputs and outputs",
         description: "Output that shows a motion under way: n high, -n low, 0 none. It says nothing of whether the motor turns.",
         source: "MACS-IO-06",
+        get: |p| Value::Int(p.outputs.axmove),
+        set: |p, v| p.outputs.axmove = int(v).unwrap_or(0),
         ..INPUTS_ROW
     },
     Row {
@@ -205,9 +212,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "70",
         range: Range::Int(0, 2),
         default: Value::Int(0),
-        missing: "program control",
-        description: "Outputs after the abort of a program: 0 as they are, 1 all off, 2 all on; the brake closes, and the axes stop with the largest deceleration.",
+        description: "Outputs at an abort: 0 as they are, 1 all off, 2 all on; the largest of all axes decides. Whatever it is, brakes close and all axes stop with the largest deceleration.",
         source: "MACS-ERR-09",
+        get: |p| Value::Int(p.supervision.esccond),
+        set: |p, v| p.supervision.esccond = int(v).unwrap_or(0),
         ..INPUTS_ROW
     },
 ];

@@ -44,7 +44,7 @@ impl Bench {
             following_error: 0,
             latches: Vec::new(),
             interface: Some(Interface::Position),
-            leads: Leads { command: Vec::new(), actual: Vec::new(), encoder: Vec::new() },
+            leads: Leads::default(),
         }
     }
 
@@ -63,6 +63,9 @@ impl Bench {
             on: self.on,
             locked: self.in_error,
             in_error: self.in_error,
+            error: crate::code::Code::NONE,
+            homing: false,
+            homed: false,
             command: self.command,
             present: self.command,
             rests: self.rests,

@@ -53,13 +53,19 @@ fn some<T: Strategy>(of: T) -> impl Strategy<Value = Option<T::Value>> {
 fn request() -> impl Strategy<Value = Request> {
     let jogs = prop::sample::select(&[Jog::None, Jog::Plus, Jog::Minus, Jog::Both][..]);
     let blocks = prop::collection::vec(block(), 0..6).prop_map(|blocks| Blocks::new(&blocks).expect("they fit"));
-    let bits = (prop::bool::weighted(0.6), some(jogs), some(any::<u8>()), some(prop::bool::weighted(0.8)));
+    let bits = (
+        prop::bool::weighted(0.6),
+        some(jogs),
+        some(any::<bool>()),
+        some(any::<u8>()),
+        some(prop::bool::weighted(0.8)),
+    );
     let parts = (some(mode()), some(blocks), some(0..8_u8), bits, some(place()), prop::bool::weighted(0.05));
-    parts.prop_map(|(mode, blocks, block, (start, jog, fixed_speed, enable), value, reset)| {
+    parts.prop_map(|(mode, blocks, block, (start, jog, cam, fixed_speed, enable), value, reset)| {
         let value = value.map(Length::whole);
         match reset {
             true => Request { reset, ..Request::default() },
-            false => Request { axis: 0, mode, blocks, block, start, jog, fixed_speed, enable, reset, value },
+            false => Request { axis: 0, mode, blocks, block, start, jog, cam, fixed_speed, enable, reset, value },
         }
     })
 }

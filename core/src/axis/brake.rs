@@ -1,0 +1,152 @@
+//! The brake of an axis, and what inputs of the machine do to it.
+//!
+//! Law      the power comes first and goes last: enable switches the drive on, holds, opens the brake, and the axis is enabled
+//!          release_delay later; disable stops, closes the brake, and the power goes engage_delay later. Without power to
+//!          hold it the brake is closed, in the same cycle
+//! Reads    what the axis wants of its drive
+//! Writes   the output of the brake
+//! Source   MACS-ERR-02, MACS-IO-04, MACS-IO-08 to -10
+
+use super::power::Power;
+use super::{Axis, AxisState, Context};
+use crate::code::Code;
+use crate::config::BrakeConfig;
+use crate::drive::DriveState;
+use crate::position::Position;
+use serde::{Deserialize, Serialize};
+
+/// What inputs of the machine ask of all axes in this cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Edges {
+    /// I_ERRCLR: errors are cleared.
+    pub clears: bool,
+    /// I_BREAK: what runs is aborted.
+    pub interrupts: bool,
+    /// I_CONTINUE: what was aborted may go on.
+    pub resumes: bool,
+}
+
+/// Brake and inputs of an axis.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Holding {
+    /// The axis' own brake is closed.
+    closed: bool,
+    edges: Edges,
+    /// I_ERRCLR waits for the axis to stand.
+    pub(super) clears: bool,
+    /// I_BREAK has stopped it.
+    pub(super) interrupted: bool,
+    /// An abort has stopped it.
+    pub(super) aborted: bool,
+}
+
+impl Default for Holding {
+    fn default() -> Self {
+        Self { closed: true, edges: Edges::default(), clears: false, interrupted: false, aborted: false }
+    }
+}
+
+impl Axis {
+    /// The brake that it closes and opens itself.
+    pub(super) fn own_brake(&self) -> Option<BrakeConfig> {
+        self.setup.brake.filter(|_| !self.is_virtual())
+    }
+
+    /// Its output and the level there.
+    pub fn brake_output(&self) -> Option<(u16, bool)> {
+        self.own_brake().map(|brake| (brake.output, self.holding.closed == brake.closes_with_one))
+    }
+
+    /// Asks its error reaction, or an abort, for the brake?
+    pub fn asks_for_brake(&self) -> bool {
+        self.brake
+    }
+
+    /// Is the brake closed, as far as the axis itself knows?
+    pub(super) fn is_braked(&self) -> bool {
+        if self.own_brake().is_some() { self.holding.closed } else { self.brake }
+    }
+
+    /// Is a motion command active?
+    pub fn is_commanded(&self) -> bool {
+        use AxisState::{ContinuousMotion, DiscreteMotion, Homing, SynchronizedMotion};
+        matches!(self.state, DiscreteMotion | ContinuousMotion | SynchronizedMotion | Homing)
+    }
+
+    /// What inputs of the machine ask in this cycle.
+    pub fn take_edges(&mut self, edges: Edges) {
+        self.holding.edges = edges;
+    }
+
+    /// The drive is in operation and holds: opens the brake first, if there is one.
+    pub(super) fn power_is_on(&mut self, cycle: u64) -> Power {
+        // What had closed it is over: an error was reset, an abort ended with the power.
+        self.brake = false;
+        if self.own_brake().is_some() { Power::Opening { since: cycle } } else { Power::On }
+    }
+
+    /// Has the brake had its time?
+    pub(super) fn has_passed(&self, cycle: u64, since: u64, time: impl Fn(BrakeConfig) -> u64) -> bool {
+        let elapsed = cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
+        self.own_brake().is_none_or(|brake| elapsed >= time(brake))
+    }
+
+    /// The brake goes with the power of this cycle.
+    pub(super) fn work_brake(&mut self) {
+        let holds = match self.power {
+            // An error reaction closes it though the power holds.
+            Power::On | Power::SwitchingOff | Power::Opening { .. } => !self.brake,
+            // The drive stops by itself, and switches itself off then.
+            Power::DriveStops => {
+                let stops = matches!(self.drive_state, DriveState::QuickStop | DriveState::Enabled);
+                !self.holding.closed && stops && !self.encoder_stands()
+            }
+            _ => false,
+        };
+        self.holding.closed = !holds;
+    }
+
+    /// Does its encoder stand still?
+    pub(super) fn encoder_stands(&self) -> bool {
+        self.actual.velocity == 0.0 && self.actual.change == Position::ZERO
+    }
+
+    /// Does what inputs of the machine ask.
+    pub(super) fn obey_inputs(&mut self, cx: &mut Context<'_>) {
+        let edges = std::mem::take(&mut self.holding.edges);
+        if edges.clears && (!self.error.is_none() || self.drive_fails(cx)) {
+            self.holding.clears = true;
+        }
+        if edges.interrupts {
+            self.stop_simulated_master(cx);
+        }
+        if edges.interrupts && self.is_on() {
+            self.interrupt(cx);
+        }
+        if self.state != AxisState::Stopping {
+            self.holding.interrupted = false;
+        }
+        if edges.resumes && self.holding.interrupted && self.rests() && self.error.is_none() {
+            self.holding.interrupted = false;
+            self.clear_error(cx);
+        }
+    }
+
+    /// Has I_BREAK stopped it?
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.holding.interrupted
+    }
+
+    /// Ends what runs, stops, and locks the axis until it is resumed or reset.
+    fn interrupt(&mut self, cx: &mut Context<'_>) {
+        self.abandon(cx, Code::INTERRUPTED);
+        // What is locked already stays so: nothing but reset_errors lets it go on.
+        if !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
+            self.brake_to_rest(cx, &self.stop_limits());
+            self.set_state(cx, AxisState::Stopping);
+            self.holding.interrupted = true;
+            // As after an error: the brake closes with ERRCOND 1 and 3, once the axis stands.
+            self.judge.after_stop = if matches!(self.parameters.error_reaction, 1 | 3) { 3 } else { -1 };
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! The methods of homing, each a list of legs.
+//!
+//! Law      a leg goes one way until a switch changes or an index pulse comes; the next leg begins in that cycle. A switch is
+//!          sought at homing.velocity; the last approach to its edge and the way to the index are slow
+//! Source   CiA 402-2, homing methods 1 to 14, 17 to 30, 33, 34; MACS-HOME-03; WF-REF-01
+
+/// Which switch a leg looks at, in the sense of the counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Switch {
+    /// Reference switch.
+    Home,
+    /// Limit switch at the end of rising counts.
+    Positive,
+    /// Limit switch at the end of falling counts.
+    Negative,
+}
+
+/// What ends a leg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Until {
+    /// The switch becomes actuated.
+    On(Switch),
+    /// It becomes free.
+    Off(Switch),
+    /// An index pulse.
+    Index,
+}
+
+/// How fast a leg goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Speed {
+    /// To a switch.
+    Fast = 0,
+    /// Across the cam of reference travel.
+    Reduced = 1,
+    /// The last approach, or the way to the index.
+    Slow = 2,
+}
+
+/// One leg.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Leg {
+    /// 1 or -1: the sense of the counts; of a sequence of MACS, that of its velocity.
+    pub way: i8,
+    pub until: Until,
+    pub speed: Speed,
+    /// The limit switch ahead turns it round, once.
+    pub turns: bool,
+}
+
+use Switch::{Home, Negative, Positive};
+use Until::{Index, Off, On};
+
+/// Right: rising counts, to the positive end.
+const R: i8 = 1;
+/// Left.
+const L: i8 = -1;
+
+const fn fast(way: i8, until: Until) -> Leg {
+    Leg { way, until, speed: Speed::Fast, turns: false }
+}
+
+const fn slow(way: i8, until: Until) -> Leg {
+    Leg { way, until, speed: Speed::Slow, turns: false }
+}
+
+const fn reduced(way: i8, until: Until) -> Leg {
+    Leg { way, until, speed: Speed::Reduced, turns: false }
+}
+
+/// A limit switch ahead turns it round.
+const fn turn(way: i8, until: Until) -> Leg {
+    Leg { way, until, speed: Speed::Fast, turns: true }
+}
+
+/// By the numbers of parameter `homing.method`. Methods 17 to 30 are 1 to 14 without the index; where a leg without its edge
+/// is the last one, the edge is the reference.
+const METHODS: &[(i64, &[Leg])] = &[
+    // Off the limit switch, on to the index.
+    (1, &[fast(L, On(Negative)), slow(R, Off(Negative)), slow(R, Index)]),
+    (2, &[fast(R, On(Positive)), slow(L, Off(Positive)), slow(L, Index)]),
+    // The reference switch is actuated from its edge to the positive end: index on its free side, on its other side.
+    (3, &[fast(R, On(Home)), fast(L, Off(Home)), fast(R, On(Home)), slow(L, Off(Home)), slow(L, Index)]),
+    (4, &[fast(R, On(Home)), fast(L, Off(Home)), slow(R, On(Home)), slow(R, Index)]),
+    // To the negative end.
+    (5, &[fast(L, On(Home)), fast(R, Off(Home)), fast(L, On(Home)), slow(R, Off(Home)), slow(R, Index)]),
+    (6, &[fast(L, On(Home)), fast(R, Off(Home)), slow(L, On(Home)), slow(L, Index)]),
+    // It is actuated on a part of the way. To the right first: left of its left edge, right of it, left of its right edge, right of it.
+    (7, &[turn(R, On(Home)), fast(L, Off(Home)), fast(R, On(Home)), slow(L, Off(Home)), slow(L, Index)]),
+    (8, &[turn(R, On(Home)), fast(L, Off(Home)), slow(R, On(Home)), slow(R, Index)]),
+    (9, &[turn(R, On(Home)), fast(R, Off(Home)), slow(L, On(Home)), slow(L, Index)]),
+    (10, &[turn(R, On(Home)), fast(R, Off(Home)), fast(L, On(Home)), slow(R, Off(Home)), slow(R, Index)]),
+    // To the left first: right of its right edge, left of it, right of its left edge, left of it.
+    (11, &[turn(L, On(Home)), fast(R, Off(Home)), fast(L, On(Home)), slow(R, Off(Home)), slow(R, Index)]),
+    (12, &[turn(L, On(Home)), fast(R, Off(Home)), slow(L, On(Home)), slow(L, Index)]),
+    (13, &[turn(L, On(Home)), fast(L, Off(Home)), slow(R, On(Home)), slow(R, Index)]),
+    (14, &[turn(L, On(Home)), fast(L, Off(Home)), fast(R, On(Home)), slow(L, Off(Home)), slow(L, Index)]),
+    // The next index.
+    (33, &[slow(L, Index)]),
+    (34, &[slow(R, Index)]),
+    // HOME_TYPE 0 to 3: back off the switch, or on across it; with and without the index.
+    (-1, &[fast(R, On(Home)), slow(L, Off(Home)), slow(L, Index)]),
+    (-2, &[fast(R, On(Home)), slow(L, Off(Home))]),
+    (-3, &[fast(R, On(Home)), slow(R, Off(Home)), slow(R, Index)]),
+    (-4, &[fast(R, On(Home)), slow(R, Off(Home))]),
+    // Reference travel of the positioning modules: across the cam, to the zero mark.
+    (REFERENCE_TRAVEL, &[fast(R, On(Home)), reduced(R, Off(Home)), slow(R, Index)]),
+    // The same, back to the side that it came from.
+    (REFERENCE_TRAVEL_BACK, &[fast(R, On(Home)), reduced(L, Off(Home)), slow(L, Index)]),
+];
+
+/// No parameter chooses it.
+pub(crate) const REFERENCE_TRAVEL: i64 = -5;
+/// It turns round on the cam.
+pub(crate) const REFERENCE_TRAVEL_BACK: i64 = -6;
+
+/// The legs of a method; none of one that has no way to go, or that does not exist.
+pub(crate) fn legs(method: i64) -> &'static [Leg] {
+    let (number, has_index) = if (17..=30).contains(&method) { (method - 16, false) } else { (method, true) };
+    let Some((_, legs)) = METHODS.iter().find(|(known, _)| *known == number) else { return &[] };
+    if has_index { legs } else { legs.split_last().map_or(&[], |(_, legs)| legs) }
+}
+
+/// Is it reference travel of the positioning modules?
+pub(crate) fn is_travel(method: i64) -> bool {
+    matches!(method, REFERENCE_TRAVEL | REFERENCE_TRAVEL_BACK)
+}
+
+/// Is it a sequence of MACS?
+pub(crate) fn is_macs(method: i64) -> bool {
+    (-4..0).contains(&method)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_ends_with_a_slow_leg_and_only_its_first_one_may_turn() {
+        for method in (-6..0).chain(1..=14).chain(17..=30).chain([33, 34]) {
+            let legs = legs(method);
+            assert!(legs.last().is_some_and(|leg| leg.speed == Speed::Slow), "{method}");
+            assert!(legs.iter().skip(1).all(|leg| !leg.turns), "{method}");
+            assert!(legs.iter().rev().skip(1).all(|leg| leg.until != Until::Index), "{method}");
+        }
+        for method in [0, 15, 16, 31, 32, 35, 36, 37, -7, i64::MAX, i64::MIN] {
+            assert!(legs(method).is_empty(), "{method}");
+        }
+    }
+
+    #[test]
+    fn without_the_index_the_same_edge_is_the_reference() {
+        for method in 17..=30 {
+            let with = legs(method - 16);
+            assert_eq!(legs(method), &with[..with.len() - 1], "{method}");
+        }
+    }
+}

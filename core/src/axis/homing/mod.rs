@@ -1,0 +1,371 @@
+//! Homing: the axis gets its zero.
+//!
+//! Law      zero = reference + homing.offset; the reference is the edge of a switch or an index pulse. The zero in the coordinate
+//!          before is the shift; counts, command and limits keep their places in the world. An edge is the outermost place at which
+//!          its switch is actuated: the latched place where its input latches, else the sample on that side, which is the place
+//!          itself where the last approach takes no more than an increment a cycle, and within the way of one cycle of it otherwise.
+//!          An index pulse is exact at any velocity: the encoder caught its count
+//! Reads    the switches, index pulses, latches of the input that i_refswitch and its like assign
+//! Refuses  homing without a method, a velocity, a switch; of an axis that moves or is off. Meanwhile: whatever else would move it
+//! Source   MACS-HOME, CiA 402-2 methods, contract section 7
+
+mod in_drive;
+pub(crate) mod methods;
+mod origin;
+mod search;
+
+use super::{Axis, AxisState, Context, Generator, HomingPhase, Reference};
+use crate::code::Code;
+use crate::command::HomingMethod;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::parameter::AxisParameters;
+use crate::position::Position;
+use crate::profile::Limits;
+use in_drive::InDrive;
+use search::Search;
+use serde::{Deserialize, Serialize};
+
+/// Where homing of an axis stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Homing {
+    /// The axis knows its zero.
+    done: bool,
+    /// It did, and that has not been told yet.
+    lost: bool,
+    /// The counts began anew while it was under way.
+    broken: bool,
+    /// Under way.
+    run: Option<Run>,
+    /// By how much set_position has moved the software limits since the last homing (inc).
+    limit_shift: i64,
+}
+
+/// Homing under way, with what it began with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Run {
+    method: i64,
+    /// The sense of way 1 in the coordinate of the axis: 1 or -1.
+    sense: i8,
+    /// Fast, reduced, slow (inc/s).
+    speeds: [f64; 3],
+    limits: Limits,
+    /// Where the axis goes from the reference (inc); none: it stops, wherever that is.
+    goes: Option<i64>,
+    /// From the reference to the zero (inc).
+    offset: i64,
+    stage: Stage,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Stage {
+    /// Looks for the reference.
+    Search(Search),
+    /// Found: stops, wherever that is, or goes to the zero.
+    Found { zero: Position, goes: bool },
+    /// The drive looks for it.
+    InDrive(InDrive),
+}
+
+impl Run {
+    /// (inc/s)
+    fn speed(&self, leg: &methods::Leg) -> f64 {
+        let [fast, reduced, slow] = self.speeds;
+        match leg.speed {
+            methods::Speed::Fast => fast,
+            methods::Speed::Reduced => reduced,
+            methods::Speed::Slow => slow,
+        }
+    }
+}
+
+/// Reference travel, as the positioning modules ask for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel {
+    /// 1 or -1.
+    pub direction: i8,
+    /// It turns round on the cam: the zero mark lies on the side that it comes from.
+    pub back: bool,
+    /// To the cam, on it, beside it to the zero mark (inc/s).
+    pub speeds: [f64; 3],
+    /// Of all of its motions.
+    pub limits: Limits,
+    /// From the zero mark to the reference point (inc).
+    pub shift: i64,
+    /// Position of the reference point (inc).
+    pub value: i64,
+}
+
+impl Homing {
+    pub(super) fn is_homed(&self) -> bool {
+        self.done
+    }
+
+    /// Is homing under way? Then neither software limits nor limit switches stop the axis; homing minds the switches itself.
+    pub(super) fn is_running(&self) -> bool {
+        self.run.is_some()
+    }
+
+    /// Does the drive move by itself?
+    pub(super) fn is_in_drive(&self) -> bool {
+        matches!(self.run, Some(Run { stage: Stage::InDrive(_), .. }))
+    }
+
+    pub(super) fn phase(&self) -> HomingPhase {
+        let Some(run) = self.run else { return HomingPhase::None };
+        match run.stage {
+            Stage::Search(search) => search.phase(run.method),
+            Stage::Found { goes: true, .. } => HomingPhase::MoveToOffset,
+            Stage::Found { .. } => search::last_phase(run.method),
+            Stage::InDrive(_) => HomingPhase::InDrive,
+        }
+    }
+
+    /// Ends what is under way, without a zero.
+    pub(super) fn stop(&mut self) {
+        self.run = None;
+    }
+
+    /// The zero is known no more.
+    pub(super) fn forget(&mut self) {
+        self.lost |= self.done;
+        self.done = false;
+    }
+
+    /// Everything is mirrored from now on.
+    pub(super) fn turn_over(&mut self) {
+        self.limit_shift = self.limit_shift.saturating_neg();
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        self.run.is_none_or(|run| {
+            let good = |rate: f64| rate > 0.0 && rate.is_finite();
+            let searches = match run.stage {
+                Stage::Search(search) => search.is_sound(run.method),
+                _ => true,
+            };
+            run.speeds.into_iter().all(good) && run.limits.is_sound() && matches!(run.sense, 1 | -1) && searches
+        })
+    }
+}
+
+impl Axis {
+    /// Starts homing.
+    pub(super) fn start_homing(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        method: HomingMethod,
+    ) -> Result<(), Refusal> {
+        let method = self.homing_method(method)?;
+        self.check_homing()?;
+        let run = self.homing_run(cx.cycle, method, &self.parameters)?;
+        self.begin_goal(cx, sequence, None);
+        self.begin_homing(cx, run);
+        Ok(())
+    }
+
+    /// Homing as configured, for a vocabulary.
+    pub(super) fn home_as_configured(&mut self, cx: &mut Context<'_>) -> Result<(), Refusal> {
+        let method = self.homing_method(HomingMethod::Configured)?;
+        self.check_homing()?;
+        let run = self.homing_run(cx.cycle, method, &self.parameters)?;
+        self.abandon(cx, Code::REPLACED);
+        self.begin_homing(cx, run);
+        Ok(())
+    }
+
+    /// Reference travel of the positioning modules (WF-REF-01): there are no more legs than one way leads along.
+    pub(super) fn start_reference_travel(&mut self, cx: &mut Context<'_>, travel: &Travel) -> Result<(), Refusal> {
+        self.check_homing()?;
+        let way = f64::from(travel.direction);
+        self.check_forward(way)?;
+        if travel.back {
+            self.check_forward(-way)?;
+        }
+        let [fast, ..] = travel.speeds;
+        let is_open = self.is_open_loop();
+        let run = Run {
+            method: if travel.back { methods::REFERENCE_TRAVEL_BACK } else { methods::REFERENCE_TRAVEL },
+            sense: travel.direction.signum(),
+            speeds: travel.speeds,
+            limits: Limits { velocity: fast, ..travel.limits },
+            // Without a position loop there is no way to go, and the zero mark is the reference point (WF-REF-02).
+            goes: (!is_open).then_some(travel.shift),
+            offset: if is_open { 0 } else { travel.shift }.saturating_sub(travel.value),
+            stage: Stage::Search(Search::default()),
+        };
+        self.abandon(cx, Code::REPLACED);
+        self.begin_homing(cx, Some(run));
+        Ok(())
+    }
+
+    /// May a vocabulary have the axis home as these parameters say?
+    pub(super) fn check_configured_homing(&self, cycle: u64, p: &AxisParameters) -> Result<(), Refusal> {
+        self.check_homing()?;
+        self.homing_run(cycle, p.homing.method, p).map(|_| ())
+    }
+
+    fn check_homing(&self) -> Result<(), Refusal> {
+        self.check_zero_moves()?;
+        self.check_ready()?;
+        if self.homing.is_running() {
+            return Err(self.refuse(Code::HOMING_UNDER_WAY));
+        }
+        if !self.rests() || self.goal.is_some() {
+            return Err(self.refuse(Code::NOT_AT_STANDSTILL));
+        }
+        Ok(())
+    }
+
+    fn begin_homing(&mut self, cx: &mut Context<'_>, run: Option<Run>) {
+        self.reference = Reference::Home;
+        self.set_state(cx, AxisState::Homing);
+        match run {
+            // Here is the reference.
+            None => self.take_zero(cx, self.command.position + Position::whole(self.parameters.homing.offset)),
+            Some(run) => {
+                self.homing.run = Some(run);
+                self.begin_leg(cx);
+            }
+        }
+    }
+
+    /// What homing begins with; none where there is no way to go.
+    fn homing_run(&self, cycle: u64, method: i64, p: &AxisParameters) -> Result<Option<Run>, Refusal> {
+        if matches!(method, 35 | 37) && !p.homing.in_drive {
+            return Ok(None);
+        }
+        if self.is_virtual() {
+            return Err(self.refuse(Code::HOMING_NEEDS_DRIVE));
+        }
+        self.check_closed_loop()?;
+        let velocity = p.homing_velocity();
+        if velocity == 0.0 {
+            return Err(self.refuse(Code::HOMING_NO_VELOCITY));
+        }
+        let acceleration = p.homing_acceleration();
+        let run = Run {
+            method,
+            sense: sense(if methods::is_macs(method) { velocity < 0.0 } else { self.turned().units }),
+            speeds: [velocity.abs(), velocity.abs(), p.homing_index_velocity()],
+            limits: Limits {
+                velocity: velocity.abs(),
+                acceleration,
+                deceleration: p.deceleration_limit() * (acceleration / p.max_acceleration),
+                shape: p.usual_shape(),
+            },
+            goes: methods::is_macs(method).then_some(p.homing.offset),
+            offset: p.homing.offset,
+            stage: Stage::Search(Search::default()),
+        };
+        if p.homing.in_drive {
+            if methods::is_macs(method) {
+                return Err(self.refuse(Code::HOMING_NOT_IN_DRIVE));
+            }
+            return Ok(Some(Run { stage: Stage::InDrive(InDrive::since(cycle)), ..run }));
+        }
+        // HOME without its input is refused.
+        if methods::is_macs(method) && p.assigned.refswitch == 0 {
+            return Err(self.refuse(Code::HOMING_NO_SWITCH));
+        }
+        // No way back is taken where REVERS forbids any.
+        if let Some(leg) = methods::legs(method).iter().find(|leg| leg.turns || leg.way * run.sense < 0) {
+            self.check_forward(-run.speed(leg))?;
+        }
+        if run.goes.is_some_and(|way| way < 0) {
+            self.check_forward(-velocity.abs())?;
+        }
+        Ok(Some(run))
+    }
+
+    /// The method by the numbers of parameter `homing.method`: of CiA 402, and -1 - HOME_TYPE of MACS.
+    fn homing_method(&self, method: HomingMethod) -> Result<i64, Refusal> {
+        let unknown =
+            |number: i8| Err(self.refuse(Code::HOMING_UNKNOWN_METHOD).with(Number::Count(number.into()), Number::None));
+        match method {
+            HomingMethod::Configured if self.parameters.homing.method == 0 => Err(self.refuse(Code::HOMING_NO_METHOD)),
+            HomingMethod::Configured => Ok(self.parameters.homing.method),
+            HomingMethod::Cia402(number @ (1..=14 | 17..=30 | 33 | 34 | 35 | 37)) => Ok(number.into()),
+            HomingMethod::Macs(number @ 0..=3) => Ok(-1 - i64::from(number)),
+            HomingMethod::Cia402(number) | HomingMethod::Macs(number) => unknown(number),
+        }
+    }
+
+    /// The part of a cycle: after the axis has moved, before its commands.
+    pub(super) fn step_homing(&mut self, cx: &mut Context<'_>) {
+        if std::mem::take(&mut self.homing.lost) {
+            cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LOST));
+        }
+        if std::mem::take(&mut self.homing.broken) && self.homing.is_running() {
+            return self.fail_homing(cx, Code::HOMING_LOST, Number::None, Number::None);
+        }
+        match self.homing.run.map(|run| run.stage) {
+            Some(Stage::Search(_)) => self.search(cx),
+            Some(Stage::InDrive(_)) => self.watch_drive(cx),
+            Some(Stage::Found { goes: true, .. }) => self.watch_way(cx),
+            Some(Stage::Found { .. }) | None => {}
+        }
+    }
+
+    /// The axis stands: is that the end of homing?
+    pub(super) fn settle_homing(&mut self, cx: &mut Context<'_>) {
+        let Some(Run { stage: Stage::Found { zero, .. }, .. }) = self.homing.run else { return };
+        if self.judge.in_position {
+            self.take_zero(cx, zero);
+        } else {
+            self.tell_long_wait(cx);
+        }
+    }
+
+    /// This place is the zero from now on, and homing is done.
+    fn take_zero(&mut self, cx: &mut Context<'_>, zero: Position) {
+        let shift = zero.nearest();
+        self.homing.run = None;
+        self.move_coordinate(shift.wrapping_neg());
+        self.restore_limits(cx);
+        (self.homing.done, self.homing.lost) = (true, false);
+        self.judge.rested_at = None;
+        self.reference = Reference::Stop;
+        let number = Number::Position(shift);
+        let homed = Event::new(Severity::Info, Kind::Homed, self.object(), Code::NONE).with(number, Number::None);
+        cx.events.push(Event { position: self.command.position, ..homed });
+        if let Some(goal) = self.goal.take() {
+            let done = Event::done(self.object(), goal.sequence, Code::NONE, self.command.position);
+            cx.events.push(done.with(number, Number::None));
+        }
+        self.set_state(cx, AxisState::Standstill);
+    }
+
+    /// Homing has failed: the error ends it, and the axis stops.
+    fn fail_homing(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
+        self.homing.run = None;
+        self.react(cx, code, found, allowed);
+        if self.state == AxisState::Homing {
+            // Error reaction 5 leaves the motion to others, but nobody has asked for this one any more.
+            self.abandon_with(cx, code, (found, allowed));
+            self.brake_to_rest(cx, &self.stop_limits());
+        }
+    }
+
+    /// The raw coordinate of the drive was set anew: what was known of it does not hold any more, but where homing did that.
+    pub(super) fn note_new_coordinate(&mut self) {
+        if !self.homing.is_in_drive() {
+            self.homing.forget();
+            self.homing.broken = self.homing.is_running();
+        }
+    }
+
+    /// May it have these parameters, as far as its zero goes? Not while it looks for another one.
+    ///
+    /// # Errors
+    /// The zero that is being found would not be theirs.
+    pub fn admits_zero(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
+        let changes = self.homing.is_running() && self.parameters.loses_zero_to(candidate);
+        if changes { Err(self.refuse(Code::HOMING_UNDER_WAY)) } else { Ok(()) }
+    }
+}
+
+/// The sense of what may be turned round: 1 or -1.
+fn sense(turned: bool) -> i8 {
+    if turned { -1 } else { 1 }
+}

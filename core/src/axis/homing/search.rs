@@ -1,0 +1,286 @@
+//! One leg after the other, until the reference is found.
+
+use super::super::course::Aim;
+use super::methods::{Leg, Switch, Until, is_travel, legs};
+use super::{Axis, Context, Generator, HomingPhase, Run, Stage};
+use crate::code::Code;
+use crate::event::Number;
+use crate::object::Object;
+use crate::position::Position;
+use crate::profile::Limits;
+use serde::{Deserialize, Serialize};
+
+/// Which leg is under way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Search {
+    leg: u8,
+    /// A limit switch has turned it round.
+    turned: bool,
+    /// Where it began.
+    from: Position,
+    /// Its switch in the last cycle.
+    was_on: bool,
+}
+
+impl Search {
+    fn leg(&self, method: i64) -> Option<&'static Leg> {
+        legs(method).get(usize::from(self.leg))
+    }
+
+    pub(super) fn is_sound(&self, method: i64) -> bool {
+        self.leg(method).is_some()
+    }
+
+    pub(super) fn phase(&self, method: i64) -> HomingPhase {
+        self.leg(method).map_or(HomingPhase::None, phase)
+    }
+}
+
+/// The phase in which the reference of a method is found.
+pub(super) fn last_phase(method: i64) -> HomingPhase {
+    legs(method).last().map_or(HomingPhase::None, phase)
+}
+
+fn phase(leg: &Leg) -> HomingPhase {
+    match leg.until {
+        Until::On(_) => HomingPhase::SearchSwitch,
+        Until::Off(_) => HomingPhase::LeaveSwitch,
+        Until::Index => HomingPhase::SearchIndex,
+    }
+}
+
+impl Axis {
+    /// Begins the leg at which homing stands; one whose switch is actuated already when homing begins is skipped.
+    pub(super) fn begin_leg(&mut self, cx: &mut Context<'_>) {
+        let Some((mut run, mut search)) = self.searching() else { return };
+        if let Some(Leg { until: Until::On(switch), .. }) = search.leg(run.method)
+            && search.leg == 0
+            && self.is_actuated(*switch)
+        {
+            search.leg = 1;
+        }
+        let Some(leg) = search.leg(run.method) else { return };
+        // It stands on the limit switch that would turn it round.
+        search.turned = search.leg == 0 && leg.turns && self.meets_limit(leg, way(&run, leg, false));
+        search.from = self.actual.position;
+        search.was_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
+        run.stage = Stage::Search(search);
+        self.homing.run = Some(run);
+        self.go(cx, &run, leg, search.turned, run.limits);
+    }
+
+    fn searching(&self) -> Option<(Run, Search)> {
+        let run = self.homing.run?;
+        match run.stage {
+            Stage::Search(search) => Some((run, search)),
+            _ => None,
+        }
+    }
+
+    /// From the present motion along the way of a leg.
+    fn go(&mut self, cx: &mut Context<'_>, run: &Run, leg: &Leg, turned: bool, limits: Limits) {
+        let velocity = run.speed(leg);
+        let signed = velocity * f64::from(way(run, leg, turned));
+        if self.is_open_loop() {
+            self.generator = Generator::Open { velocity: signed };
+            self.command.velocity = signed;
+            return;
+        }
+        let aim = Aim::velocity(signed);
+        let course = self.course(cx.cycle, self.present(), aim, Limits { velocity, ..limits });
+        self.generator = Generator::Plan(course);
+    }
+
+    /// Looks whether the leg under way has come to its end, or to one that is an error.
+    pub(super) fn search(&mut self, cx: &mut Context<'_>) {
+        let Some((mut run, mut search)) = self.searching() else { return };
+        let Some(leg) = search.leg(run.method) else { return };
+        let way = way(&run, leg, search.turned);
+        // While it still turns round, what it passes belongs to the leg before.
+        let goes = self.command.velocity * f64::from(way) > 0.0;
+        let change = along(self.actual.change, way);
+        let is_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
+        let was_on = std::mem::replace(&mut search.was_on, is_on);
+        run.stage = Stage::Search(search);
+        self.homing.run = Some(run);
+        if goes && change >= Position::ZERO {
+            match leg.until {
+                Until::On(switch) if !was_on && is_on => return self.pass_edge(cx, switch, true),
+                Until::Off(switch) if was_on && !is_on => return self.pass_edge(cx, switch, false),
+                Until::Index => {
+                    if let Some(place) = self.index_ahead(&search, way) {
+                        return self.find(cx, place);
+                    }
+                }
+                _ => {}
+            }
+        }
+        if goes && self.meets_limit(leg, way) {
+            if leg.turns && !search.turned {
+                search.turned = true;
+                search.from = self.actual.position;
+                run.stage = Stage::Search(search);
+                self.homing.run = Some(run);
+                // Not much room is left behind a limit switch.
+                let limits = Limits { deceleration: self.parameters.deceleration_limit(), ..run.limits };
+                return self.go(cx, &run, leg, true, limits);
+            }
+            return self.fail_homing(cx, Code::HOMING_AT_LIMIT, Number::None, Number::None);
+        }
+        self.check_distance(cx, run.method, leg, &search);
+    }
+
+    /// A leg that has gone too far is an error.
+    fn check_distance(&mut self, cx: &mut Context<'_>, method: i64, leg: &Leg, search: &Search) {
+        let gone = (self.actual.position - search.from).nearest().saturating_abs();
+        let (most, code) = match leg.until {
+            Until::Index => (Some(self.longest_to_index()), missed_index(method)),
+            _ => (self.parameters.homing_max_distance(), Code::HOMING_SWITCH_MISSED),
+        };
+        if let Some(most) = most.filter(|most| gone > *most) {
+            self.fail_homing(cx, code, Number::Position(gone), Number::Position(most));
+        }
+    }
+
+    /// The edge of a leg: the next one begins, or it is the reference.
+    fn pass_edge(&mut self, cx: &mut Context<'_>, switch: Switch, rising: bool) {
+        let Some((mut run, search)) = self.searching() else { return };
+        let place = self.edge_place(cx, switch, rising);
+        let next = Search { leg: search.leg.saturating_add(1), turned: false, ..search };
+        if next.leg(run.method).is_none() {
+            return self.find(cx, place);
+        }
+        run.stage = Stage::Search(next);
+        self.homing.run = Some(run);
+        self.begin_leg(cx);
+        // A pulse of this very cycle counts where the switch is known to be behind: at the place of the sample.
+        if let Some((run, search)) = self.searching()
+            && let Some(leg @ Leg { until: Until::Index, .. }) = search.leg(run.method)
+            && let Some(index) = self.index_ahead(&search, way(&run, leg, false))
+        {
+            self.find(cx, index);
+        }
+    }
+
+    /// The outermost place at which the switch is actuated, as far as it is known.
+    fn edge_place(&self, cx: &Context<'_>, switch: Switch, rising: bool) -> Position {
+        if let Some(place) = self.latched_edge(cx, switch, rising) {
+            return place;
+        }
+        if rising { self.actual.position } else { self.actual.position - self.actual.change }
+    }
+
+    /// Where the input of a switch latched in this cycle: the first edge of that sense.
+    fn latched_edge(&self, cx: &Context<'_>, switch: Switch, rising: bool) -> Option<Position> {
+        let assigned = &self.parameters.assigned;
+        let number = match switch {
+            Switch::Home if self.asks_for_cam() => 0,
+            Switch::Home => assigned.refswitch,
+            Switch::Positive => assigned.poslimitsw,
+            Switch::Negative => assigned.neglimitsw,
+        };
+        let place = usize::try_from(number.unsigned_abs().checked_sub(1)?).ok()?;
+        let object = Object::Io(*cx.digital_inputs.get(place)?);
+        let wanted = rising != (number < 0);
+        let of_switch = cx.latches.iter().filter(|latch| latch.object == object && latch.rising == wanted);
+        let oldest = of_switch.max_by_key(|latch| latch.age_ns)?;
+        Some(Position::whole(self.position_at(oldest).nearest()))
+    }
+
+    /// The index pulse of this cycle, if it lies on the way of the leg and not too far.
+    fn index_ahead(&self, search: &Search, way: i8) -> Option<Position> {
+        let place = self.index_of_cycle()?;
+        let gone = along(place - search.from, way).nearest();
+        let most = self.longest_to_index();
+        (0..=most).contains(&gone).then_some(place)
+    }
+
+    /// Longest way to an index pulse (inc); in reference travel a revolution is what MD34 says, if it does.
+    fn longest_to_index(&self) -> i64 {
+        let p = &self.parameters;
+        let is_travel = self.homing.run.is_some_and(|run| is_travel(run.method));
+        let revolution = (is_travel && p.encoder.md34 > 0).then(|| p.encoder.md34.saturating_mul(4));
+        p.homing.index_distance.or(revolution).unwrap_or_else(|| p.homing_index_distance())
+    }
+
+    /// The reference is found.
+    fn find(&mut self, cx: &mut Context<'_>, place: Position) {
+        let Some(mut run) = self.homing.run else { return };
+        let zero = place + Position::whole(run.offset);
+        if !zero.is_legal() {
+            let asked = Number::Position(zero.nearest());
+            return self.fail_homing(cx, Code::POSITION_OUT_OF_RANGE, asked, Number::None);
+        }
+        let target = run.goes.map(|way| place + Position::whole(way));
+        if let Some(beyond) = target.filter(|target| !target.is_legal()) {
+            let asked = Number::Position(beyond.nearest());
+            return self.fail_homing(cx, Code::POSITION_OUT_OF_RANGE, asked, Number::None);
+        }
+        run.stage = Stage::Found { zero, goes: target.is_some() };
+        self.homing.run = Some(run);
+        if self.is_open_loop() {
+            return self.switch_speed_off(cx);
+        }
+        let aim = target.map_or(Aim::Stop, Aim::Target);
+        let course = self.course(cx.cycle, self.present(), aim, run.limits);
+        self.generator = Generator::Plan(course);
+    }
+
+    /// Does it go into a limit switch that the leg does not look for?
+    fn meets_limit(&self, leg: &Leg, way: i8) -> bool {
+        let ahead = self.switch_at_end(way);
+        self.watched(leg) != Some(ahead) && self.is_actuated(ahead)
+    }
+
+    /// The limit switch at the end of a way in the coordinate of the axis.
+    fn switch_at_end(&self, way: i8) -> Switch {
+        let rises = (way > 0) != self.turned().units;
+        if rises { Switch::Positive } else { Switch::Negative }
+    }
+
+    /// On its way from the reference to the zero a limit switch ends homing.
+    pub(super) fn watch_way(&mut self, cx: &mut Context<'_>) {
+        let velocity = self.command.velocity;
+        let way = if velocity < 0.0 { -1 } else { 1 };
+        if velocity != 0.0 && self.is_actuated(self.switch_at_end(way)) {
+            self.fail_homing(cx, Code::HOMING_AT_LIMIT, Number::None, Number::None);
+        }
+    }
+
+    fn watched(&self, leg: &Leg) -> Option<Switch> {
+        match leg.until {
+            Until::On(switch) | Until::Off(switch) => Some(switch),
+            Until::Index => None,
+        }
+    }
+
+    /// Does the cam of the travel under way come with the verbs of the vocabulary (MD15)?
+    fn asks_for_cam(&self) -> bool {
+        self.parameters.wf.md15 == 0 && self.homing.run.is_some_and(|run| is_travel(run.method))
+    }
+
+    fn is_actuated(&self, switch: Switch) -> bool {
+        match switch {
+            Switch::Home if self.asks_for_cam() => self.wf.cam(),
+            Switch::Home => self.switches.home,
+            Switch::Positive => self.switches.positive,
+            Switch::Negative => self.switches.negative,
+        }
+    }
+}
+
+/// The error of an index that did not come.
+fn missed_index(method: i64) -> Code {
+    if is_travel(method) { Code::WF_NO_ZERO_MARK } else { Code::HOMING_INDEX_MISSED }
+}
+
+/// The sense of a leg in the coordinate of the axis.
+fn way(run: &Run, leg: &Leg, turned: bool) -> i8 {
+    let way = leg.way * run.sense;
+    if turned { -way } else { way }
+}
+
+/// A distance as seen along a way.
+fn along(distance: Position, way: i8) -> Position {
+    if way < 0 { -distance } else { distance }
+}

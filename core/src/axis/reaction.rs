@@ -1,0 +1,253 @@
+//! What an error does to its axis: one table.
+//!
+//! Law      reaction = f(class of the code, error_reaction, endswmod); what has no line of its own is of class [`Class::Parameter`]
+//! Reads    the code, parameters of the axis
+//! Writes   the power, the generator, the state; all in the cycle of the error
+//! Source   MACS-ERR-02, MACS-ERR-03, MACS-ERR-05, MACS-LIM-08, MACS-PROF-13
+
+use super::power::Power;
+use super::{Axis, AxisState, Context, Generator};
+use crate::code::Code;
+use crate::event::Number;
+use crate::profile::Motion;
+
+/// Kinds of errors by what they do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// As parameter error_reaction (ERRCOND) says.
+    Parameter,
+    /// As error_reaction says, but 5 stops as 2 does: what commanded the motion is gone, or it would run into its end.
+    Ends,
+    /// A limit switch: endswmod 1 stops as 2 does; else as [`Class::Ends`].
+    Switch,
+    /// A software limit: it stops at the limit, and once it stands as error_reaction says.
+    SoftwareLimit,
+    /// Its own encoder cannot be trusted: where the position loop is closed here the drive is switched off, with the brake
+    /// for all but error_reaction 0; else as [`Class::Ends`].
+    Feedback,
+    /// Nothing is left to command: the drive gets no voltage.
+    Drive,
+    /// It stops with max_deceleration and holds; with error_reaction 3 the brake closes then.
+    Interlock,
+    /// It stops with max_deceleration, then the drive is switched off and the brake closed.
+    EmergencyStop,
+}
+
+impl Class {
+    /// What the axis does, in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Parameter => "as `error_reaction` says",
+            Self::Ends => "as `error_reaction` says; 5 stops as 2",
+            Self::Switch => "`endswmod` 1: stop and hold; else as `error_reaction` says, 5 as 2",
+            Self::SoftwareLimit => "stops at the limit, then as `error_reaction` says",
+            Self::Feedback => "drive off where the position loop is closed here; else as `error_reaction` says, 5 as 2",
+            Self::Drive => "drive off",
+            Self::Interlock => "stop with `max_deceleration`, then hold",
+            Self::EmergencyStop => "stop with `max_deceleration`, then drive off and brake closed",
+        }
+    }
+}
+
+/// The table.
+const TABLE: &[(Code, Class)] = &[
+    (Code::DRIVE_LOST, Class::Drive),
+    (Code::DRIVE_STALE, Class::Drive),
+    (Code::DRIVE_DISABLED, Class::Drive),
+    (Code::ENABLE_TIMEOUT, Class::Drive),
+    (Code::SOFTWARE_LIMIT_POSITIVE, Class::SoftwareLimit),
+    (Code::SOFTWARE_LIMIT_NEGATIVE, Class::SoftwareLimit),
+    (Code::HARDWARE_LIMIT_POSITIVE, Class::Switch),
+    (Code::HARDWARE_LIMIT_NEGATIVE, Class::Switch),
+    (Code::BOTH_LIMIT_SWITCHES, Class::Switch),
+    (Code::LIMIT_VIOLATION, Class::Switch),
+    (Code::LEADER_LOST, Class::Ends),
+    (Code::ENCODER_JUMP, Class::Ends),
+    (Code::ENCODER_INVALID, Class::Feedback),
+    (Code::WF_ENCODER_CABLE, Class::Drive),
+    (Code::WF_PULSES, Class::Drive),
+    (Code::EMERGENCY_STOP, Class::EmergencyStop),
+    (Code::INTERLOCK, Class::Interlock),
+];
+
+/// What an error of this code does.
+pub fn class(code: Code) -> Class {
+    match TABLE.iter().find(|(known, _)| *known == code) {
+        Some((_, class)) => *class,
+        None if code.0 >= Code::DRIVE_FAULT => Class::Drive,
+        None => Class::Parameter,
+    }
+}
+
+/// Does an error of this code stop all axes (MACS-ERR-05)?
+pub fn stops_all(code: Code) -> bool {
+    code == Code::FOLLOWING_ERROR
+}
+
+/// What an axis does for an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Deed {
+    /// It goes on; the error is told.
+    Report,
+    /// No voltage at once.
+    Off { brake: bool },
+    /// The drive stops by itself.
+    DriveStops,
+    /// It stops with max_deceleration; then what this number of error_reaction says.
+    Stop { then: i64 },
+}
+
+impl Deed {
+    fn of_parameter(reaction: i64) -> Self {
+        match reaction {
+            0 => Self::Off { brake: false },
+            1 => Self::Off { brake: true },
+            4 => Self::DriveStops,
+            5 => Self::Report,
+            stops => Self::Stop { then: stops },
+        }
+    }
+
+    /// Nothing goes on.
+    fn ending(self) -> Self {
+        if self == Self::Report { Self::Stop { then: 2 } } else { self }
+    }
+}
+
+impl Axis {
+    fn deed(&self, code: Code) -> Deed {
+        let reaction = self.parameters.error_reaction;
+        let by_parameter = Deed::of_parameter(reaction);
+        match class(code) {
+            Class::Parameter => by_parameter,
+            Class::Ends => by_parameter.ending(),
+            Class::Switch if self.parameters.supervision.endswmod == 1 => Deed::Stop { then: 2 },
+            Class::Switch => by_parameter.ending(),
+            Class::SoftwareLimit => Deed::Stop { then: reaction },
+            Class::Feedback if self.closes_loop_here() => Deed::Off { brake: reaction != 0 },
+            Class::Feedback => by_parameter.ending(),
+            Class::Drive => Deed::Off { brake: false },
+            Class::Interlock => Deed::Stop { then: if reaction == 3 { 3 } else { 2 } },
+            Class::EmergencyStop => Deed::Stop { then: 1 },
+        }
+    }
+
+    /// The reaction to an error that leaves the drive in operation. A motion ends from the command of this cycle on.
+    pub(super) fn react(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
+        self.stops_others |= stops_all(code) && self.parameters.supervision.following_error_stops_all == 1;
+        let deed = self.deed(code);
+        if deed == Deed::Report {
+            return self.report(cx, code, found, allowed);
+        }
+        self.raise(cx, code, found, allowed);
+        match deed {
+            Deed::Off { brake } if !self.is_virtual() => {
+                self.power = Power::Off;
+                self.brake = brake;
+                self.stand_on_actual();
+            }
+            // While it is being switched off it only stops, and then is.
+            Deed::DriveStops if !self.is_virtual() && self.is_at_work() => {
+                self.power = Power::DriveStops;
+                self.stand_on_actual();
+            }
+            // One that is not on yet is not to come on.
+            _ if !self.is_on() && !self.is_virtual() => {
+                self.brake = matches!(deed, Deed::Stop { then: 1 | 3 });
+                self.switch_off(cx);
+            }
+            _ => {
+                self.brake_to_rest(cx, &self.stop_limits());
+                self.judge.after_stop = self.after_stop_of(code);
+            }
+        }
+        self.set_state(cx, AxisState::ErrorStop);
+    }
+
+    /// As [`react`](Self::react), before the command of this cycle is known: a stop begins with the last one, a cycle ago.
+    pub(super) fn react_at_once(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
+        self.react(cx, code, found, allowed);
+        if let Generator::Plan(course) = &mut self.generator {
+            course.begin_earlier();
+            self.command = course.at(cx.cycle);
+        }
+    }
+
+    /// Stops it because of another axis' error, in the same cycle, after its own step.
+    pub fn stop_with_other(&mut self, cx: &mut Context<'_>, other: u16) {
+        // Its actual position is read, its command may be that of a stop now.
+        let concerned = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
+        if self.is_virtual() || !concerned || self.state == AxisState::ErrorStop {
+            return;
+        }
+        self.react(cx, Code::STOPPED_WITH_OTHER, Number::Count(other.into()), Number::None);
+        self.stops_others = false;
+        self.switch_drive(cx);
+        self.work_brake();
+        self.settle_waiting(cx);
+    }
+
+    /// Has an error of this cycle to stop the others?
+    pub fn stops_others(&self) -> bool {
+        self.stops_others
+    }
+
+    /// What is left to do for an error once the axis stands, as a number of error_reaction.
+    pub(super) fn after_stop_of(&self, code: Code) -> i64 {
+        match self.deed(code) {
+            Deed::Stop { then } => then,
+            Deed::Off { brake } => i64::from(brake),
+            Deed::DriveStops | Deed::Report => 4,
+        }
+    }
+
+    /// On, and not on its way to being off.
+    fn is_at_work(&self) -> bool {
+        matches!(self.power, Power::On | Power::Opening { .. })
+    }
+
+    pub(super) fn closes_loop_here(&self) -> bool {
+        use crate::drive::Interface::{Torque, Velocity};
+        matches!(self.setup.interface, Velocity | Torque)
+    }
+
+    fn stand_on_actual(&mut self) {
+        self.generator = Generator::Rest;
+        self.command = Motion::at_rest(self.actual.position);
+    }
+
+    /// What an error reaction leaves to do once the axis stands.
+    pub(super) fn finish_stop(&mut self) {
+        let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
+        let has_drive = !self.is_virtual();
+        match reaction {
+            0 | 1 if has_drive => {
+                self.power = Power::Off;
+                self.brake = reaction == 1;
+            }
+            3 => self.brake = true,
+            4 if has_drive && self.is_at_work() => self.power = Power::DriveStops,
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_code_stands_once_in_the_table() {
+        let mut codes: Vec<u32> = TABLE.iter().map(|(code, _)| code.0).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        assert_eq!(codes.len(), TABLE.len());
+    }
+
+    #[test]
+    fn faults_of_a_drive_take_its_voltage() {
+        assert_eq!(class(Code::drive_fault(0x8611)), Class::Drive);
+        assert_eq!(class(Code::FOLLOWING_ERROR), Class::Parameter);
+        assert!(stops_all(Code::FOLLOWING_ERROR) && !stops_all(Code::HARDWARE_LIMIT_POSITIVE));
+    }
+}

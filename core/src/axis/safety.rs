@@ -1,0 +1,118 @@
+//! Contacts of the cell that stop axes, and how an axis stood when an error came.
+//!
+//! Law      a contact that reads 0 stops every axis that is on or moves, in the same cycle; so does a broken wire
+//! Reads    the digital inputs that section `safety` of the cell names
+//! Refuses  open: enable and every motion
+//! Source   MACS-ERR-04; the contacts of a safety relay must act on the power of the drives as well
+
+use super::power::Power;
+use super::{Axis, AxisState, Context, Reference};
+use crate::code::Code;
+use crate::drive::Inputs;
+use crate::event::{Number, Refusal};
+use crate::position::Position;
+use serde::{Deserialize, Serialize};
+
+/// Contacts of the cell, by their places among the digital inputs: closed reads 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Safety {
+    /// Emergency stop: axes stop, then lose their power.
+    pub estop: Option<u32>,
+    /// Interlock of a guard: axes stop and hold.
+    pub interlock: Option<u32>,
+}
+
+impl Safety {
+    /// Why nothing may move.
+    fn open(&self, inputs: &Inputs) -> Option<Code> {
+        let is_open = |place: Option<u32>| place.is_some_and(|place| !inputs.digital(place as usize));
+        match () {
+            () if is_open(self.estop) => Some(Code::EMERGENCY_STOP),
+            () if is_open(self.interlock) => Some(Code::INTERLOCK),
+            () => None,
+        }
+    }
+}
+
+/// How an axis stood in the cycle of its last error, before the reaction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Fault {
+    /// Its code; [`Code::NONE`] where none ever came.
+    pub code: Code,
+    /// The cycle.
+    pub cycle: u64,
+    /// Its state.
+    pub state: AxisState,
+    /// What commanded it.
+    pub reference: Reference,
+    /// Command position.
+    pub command: Position,
+    /// Command velocity (inc/s).
+    pub velocity: f64,
+    /// Actual position (inc).
+    pub actual: i64,
+    /// Actual velocity (inc/s).
+    pub actual_velocity: f64,
+    /// (inc)
+    pub following_error: i64,
+}
+
+impl Fault {
+    pub(super) fn is_sound(&self) -> bool {
+        self.velocity.is_finite() && self.actual_velocity.is_finite()
+    }
+}
+
+impl Axis {
+    /// Stops the axis where a contact is open.
+    pub(super) fn watch_contacts(&mut self, cx: &mut Context<'_>) {
+        self.open_contact = self.setup.safety.open(cx.inputs).unwrap_or(Code::NONE);
+        let runs = if self.is_virtual() { !self.rests() } else { !matches!(self.power, Power::Off) };
+        if self.open_contact.is_none() || !runs {
+            return;
+        }
+        let is_new = self.error != self.open_contact;
+        let stops_already = self.state == AxisState::ErrorStop;
+        if self.open_contact == Code::EMERGENCY_STOP && stops_already && is_new {
+            // What stops it may leave it under power, and so may a drive that has stopped by itself.
+            self.judge.after_stop = 1;
+            if self.power == Power::DriveStops && self.encoder_stands() {
+                self.finish_stop();
+            }
+        } else if !stops_already {
+            self.react_at_once(cx, self.open_contact, Number::None, Number::None);
+        }
+    }
+
+    /// Nothing begins while a contact is open.
+    pub(super) fn check_contacts(&self) -> Result<(), Refusal> {
+        if self.open_contact.is_none() { Ok(()) } else { Err(self.refuse(self.open_contact)) }
+    }
+
+    /// After a reset: an error whose cause persists comes back (MACS-ERR-04).
+    pub(super) fn return_error(&mut self, cx: &mut Context<'_>, before: Code) {
+        if !self.open_contact.is_none() && before == self.open_contact {
+            self.react(cx, before, Number::None, Number::None);
+        }
+    }
+
+    /// Keeps how it stands for an error that comes now.
+    pub(super) fn capture(&mut self, cycle: u64, code: Code) {
+        self.fault = Fault {
+            code,
+            cycle,
+            state: self.state,
+            reference: self.reference,
+            command: self.command.position,
+            velocity: self.command.velocity,
+            actual: self.actual.position.floor(),
+            actual_velocity: self.actual.velocity,
+            following_error: self.judge.following_error,
+        };
+    }
+
+    /// How it stood when its last error came.
+    pub fn fault(&self) -> &Fault {
+        &self.fault
+    }
+}

@@ -1,0 +1,80 @@
+//! Inputs and outputs that parameters name by number: n-th digital input or output, in file order, from 1.
+
+use super::{ConfigError, IoKind, MachineConfig};
+use crate::parameter::{AxisParameters, MachineParameters};
+
+/// How many digital inputs and outputs there are, for the parameters that name them by number from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IoCounts {
+    inputs: usize,
+    outputs: usize,
+}
+
+/// A number of an input or output that is not there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoSuchIo {
+    /// The parameter that names it.
+    pub key: &'static str,
+    /// Its value.
+    pub number: i64,
+    /// Is it an output?
+    pub is_output: bool,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl NoSuchIo {
+    pub(super) fn of(self, axis: Option<String>) -> ConfigError {
+        let what = if self.is_output { "outputs" } else { "inputs" };
+        ConfigError::NoSuchIo { axis, key: self.key, number: self.number, what, count: self.count }
+    }
+}
+
+impl IoCounts {
+    /// So many digital inputs and outputs.
+    pub fn new(inputs: usize, outputs: usize) -> Self {
+        Self { inputs, outputs }
+    }
+
+    /// Of a machine.
+    pub fn of(config: &MachineConfig) -> Self {
+        Self { inputs: config.count_io(IoKind::DigitalInput), outputs: config.count_io(IoKind::DigitalOutput) }
+    }
+
+    fn check(self, named: &[(&'static str, i64, bool)]) -> Result<(), NoSuchIo> {
+        named.iter().try_for_each(|&(key, number, is_output)| {
+            let count = if is_output { self.outputs } else { self.inputs };
+            let is_there = usize::try_from(number.unsigned_abs()).is_ok_and(|number| number <= count);
+            if is_there { Ok(()) } else { Err(NoSuchIo { key, number, is_output, count }) }
+        })
+    }
+
+    /// Are those there that an axis names?
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check_axis(self, parameters: &AxisParameters) -> Result<(), NoSuchIo> {
+        let (inputs, outputs) = (parameters.assigned, parameters.outputs);
+        self.check(&[
+            ("i_refswitch", inputs.refswitch, false),
+            ("i_poslimitsw", inputs.poslimitsw, false),
+            ("i_neglimitsw", inputs.neglimitsw, false),
+            ("o_brake", outputs.brake, true),
+            ("o_axmove", outputs.axmove, true),
+            ("revers", parameters.reversing().last_output(), true),
+        ])
+    }
+
+    /// Are those there that the machine names?
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check_machine(self, parameters: &MachineParameters) -> Result<(), NoSuchIo> {
+        self.check(&[
+            ("i_break", parameters.i_break, false),
+            ("i_continue", parameters.i_continue, false),
+            ("i_errclr", parameters.i_errclr, false),
+            ("o_error", parameters.o_error, true),
+        ])
+    }
+}

@@ -1,0 +1,57 @@
+//! The cell in which anything happens: its ways, contacts, outputs and drives.
+
+use crate::axis::Safety;
+use crate::command::Action;
+use crate::config::{BrakeConfig, IoConfig, IoKind, MachineConfig};
+use crate::drive::Interface;
+use crate::sim::{Fixtures, Index, Model, TwoSpeed, VelocityLag};
+use proptest::prelude::*;
+
+/// Two contacts of the cell, i_break, two outputs and that of a brake of x.
+pub(super) fn terminals(config: &mut MachineConfig, is_braked: bool) {
+    let inputs = ["estop", "door", "break"].map(|name| (name, IoKind::DigitalInput));
+    let outputs = ["lamp", "fan", "brake"].map(|name| (name, IoKind::DigitalOutput));
+    let io = inputs.into_iter().chain(outputs);
+    config.io = io.map(|(name, kind)| IoConfig { name: name.into(), kind, latch: false }).collect();
+    config.safety = Safety { estop: Some(0), interlock: Some(1) };
+    config.global.parameters.i_break = 3;
+    config.global.parameters.o_error = 1;
+    let (release_ns, engage_ns) = (20_000_000, 15_000_000);
+    let brake = BrakeConfig { output: 5, closes_with_one: false, release_ns, engage_ns };
+    config.axes[1].brake = Some(brake).filter(|_| is_braked);
+}
+
+pub(super) fn output() -> impl Strategy<Value = Action> {
+    (0_u16..7, prop::sample::select(vec![0.0, 1.0, 2.0, f64::INFINITY]))
+        .prop_map(|(index, value)| Action::SetOutput { index, value })
+}
+
+/// Along the ways of x and y.
+pub(super) fn fixtures() -> Fixtures {
+    Fixtures {
+        start: 0,
+        index: Some(Index { every: 2_000, at: 300 }),
+        home: Some((2_000, 4_000)),
+        negative: Some(-70_000),
+        positive: Some(70_000),
+    }
+}
+
+pub(super) fn interface() -> impl Strategy<Value = Interface> {
+    prop::sample::select(&[Interface::Position, Interface::Velocity, Interface::OpenLoop][..])
+}
+
+/// Any sense of rotation; with interface position only that of the units.
+pub(super) fn posdrct() -> impl Strategy<Value = i64> {
+    prop::sample::select(vec![1_i64, -1, 2, -2])
+}
+
+/// A drive that fits.
+pub(super) fn model(interface: Interface) -> Model {
+    let ms = 1_000_000;
+    match interface {
+        Interface::Velocity => Model::Velocity(VelocityLag::new(5 * ms, 1_000_000).unwrap()),
+        Interface::OpenLoop => Model::TwoSpeed(TwoSpeed::new(50 * ms, 100 * ms, 1_000_000).unwrap()),
+        _ => Model::Ideal,
+    }
+}

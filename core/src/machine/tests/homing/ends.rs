@@ -1,0 +1,200 @@
+//! What ends homing before its time, and what it refuses meanwhile.
+
+use super::super::rig::{LINE, Rig, X, at, couple, to};
+use super::{FAR, assign, cell, home, rig, rig_with, run_to_end, set, way};
+use crate::code::Code;
+use crate::command::{Action, Command, Commands, Source};
+use crate::object::{AxisSet, Leader};
+use crate::parameter::Value;
+use crate::sim::Model;
+
+/// Homing under way, at speed.
+fn under_way() -> (Rig, u64) {
+    let mut rig = rig(way(-12_000, (5_000, FAR)));
+    let sequence = home(&mut rig, 3);
+    rig.run(300);
+    assert_eq!((rig.state("x"), rig.int("x.homing.phase"), rig.int("x.reference")), ("HOMING", 1, 5));
+    assert_eq!(rig.real("x.command.velocity"), 10_000.0);
+    (rig, sequence)
+}
+
+fn assert_over(rig: &Rig, sequence: u64, code: Code) {
+    let done = rig.done(sequence);
+    assert_eq!(done.len(), 1, "it ends once");
+    assert_eq!((done[0].code, rig.int("x.homed"), rig.int("x.homing.phase")), (code, 0, 0));
+}
+
+#[test]
+fn halt_ends_it_and_a_new_one_may_follow() {
+    let (mut rig, sequence) = under_way();
+    rig.give(Action::Halt(AxisSet::one(X)));
+    assert_over(&rig, sequence, Code::HALTED);
+    assert_eq!(rig.state("x"), "DISCRETE_MOTION");
+    rig.run_until("x.state", 1);
+    let again = home(&mut rig, 3);
+    assert_eq!(run_to_end(&mut rig, again).code, Code::NONE);
+    assert_eq!(rig.int("x.homed"), 1);
+}
+
+#[test]
+fn quick_stop_disable_and_deactivation_end_it() {
+    for (action, code, state) in [
+        (Action::QuickStop(AxisSet::one(X)), Code::QUICK_STOP, "STOPPING"),
+        (Action::Disable(AxisSet::one(X)), Code::DISABLED, "DISABLED"),
+        (Action::Deactivate, Code::DISABLED, "DISABLED"),
+    ] {
+        let (mut rig, sequence) = under_way();
+        let command = Command { sequence: 999, source: Source::Ros, action };
+        rig.cycle(Commands { stop: &[command], ..Commands::default() });
+        assert_over(&rig, sequence, code);
+        rig.run(200);
+        assert_eq!((rig.state("x"), rig.real("x.command.velocity")), (state, 0.0));
+        assert_over(&rig, sequence, code);
+    }
+}
+
+#[test]
+fn cancel_stops_it_with_its_own_deceleration() {
+    let (mut rig, sequence) = under_way();
+    rig.give(Action::Cancel { goal: sequence });
+    assert_eq!((rig.done(sequence).len(), rig.int("x.homing.phase")), (0, 0));
+    // 10 inc a cycle at 0.1 inc/cycle^2.
+    rig.run(99);
+    assert!(rig.real("x.command.velocity") > 0.0);
+    rig.run(2);
+    assert_over(&rig, sequence, Code::CANCELLED);
+    assert_eq!(rig.state("x"), "STANDSTILL");
+}
+
+#[test]
+fn errors_end_it_in_the_same_cycle() {
+    let (mut rig, sequence) = under_way();
+    rig.plant.drive(0).unwrap().inject_fault(0x7305);
+    rig.run(1);
+    assert_over(&rig, sequence, Code::drive_fault(0x7305));
+    let (mut rig, sequence) = under_way();
+    rig.plant.drive(0).unwrap().lose();
+    rig.run(1);
+    assert_over(&rig, sequence, Code::DRIVE_LOST);
+    let (mut rig, sequence) = under_way();
+    rig.plant.drive(0).unwrap().jump(100_000);
+    rig.run(1);
+    let code = rig.done(sequence)[0].code;
+    assert_eq!(rig.state("x"), "ERROR_STOP");
+    assert_over(&rig, sequence, code);
+}
+
+/// Standing still is no way out of a motion that nobody wants any more.
+#[test]
+fn an_error_of_homing_stops_the_axis_whatever_the_reaction() {
+    for reaction in 0..=5 {
+        let mut rig = rig(way(-12_000, (5_000, FAR)));
+        set(&mut rig, "error_reaction", Value::Int(reaction));
+        rig.plant.drive(0).unwrap().stick(4, 0);
+        let sequence = home(&mut rig, 3);
+        while rig.done(sequence).is_empty() {
+            rig.run(1);
+        }
+        // The positive limit switch comes first.
+        assert_over(&rig, sequence, Code::HOMING_AT_LIMIT);
+        rig.run(300);
+        assert_eq!(rig.int("x.error"), i64::from(Code::HOMING_AT_LIMIT.0), "{reaction}");
+        assert_eq!(rig.real("x.command.velocity"), 0.0, "{reaction}");
+        assert_eq!(rig.int("x.enabled"), i64::from(!matches!(reaction, 0 | 1 | 4)), "{reaction}");
+        let place = rig.int("x.actual.position") - 12_000;
+        assert!((20_000..20_700).contains(&place), "{reaction}: {place}");
+    }
+}
+
+#[test]
+fn a_switch_that_never_changes_ends_it_within_the_largest_way() {
+    for (value, method) in [(0, 19), (4, 19), (0, 23), (4, 27), (0, -2), (4, -4)] {
+        let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
+        let mut rig = rig(fixtures);
+        rig.plant.drive(0).unwrap().stick(4, value);
+        set(&mut rig, "homing.max_distance", Value::Int(3_000));
+        rig.run(1);
+        let sequence = home(&mut rig, method);
+        while rig.done(sequence).is_empty() {
+            rig.run(1);
+        }
+        assert_over(&rig, sequence, Code::HOMING_SWITCH_MISSED);
+        let gone = rig.int("x.actual.position").abs();
+        assert!((3_001..=3_010).contains(&gone), "{method}, stuck at {value}: {gone}");
+    }
+}
+
+#[test]
+fn nothing_else_moves_an_axis_that_homes() {
+    let (mut rig, _) = under_way();
+    let under_way = "x: the axis is homing; wait for its end, or cancel it";
+    for action in [
+        Action::Move(to(X, 1)),
+        Action::Move(at(X, 1_000.0)),
+        Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)),
+    ] {
+        let sequence = rig.give(action);
+        assert_eq!(rig.refusal(sequence), under_way);
+    }
+    let sequence = home(&mut rig, 3);
+    assert_eq!(rig.refusal(sequence), under_way);
+    let sequence = rig
+        .give(Action::SetPosition(crate::command::SetPosition { axis: X, position: crate::command::Length::whole(0) }));
+    assert_eq!(rig.refusal(sequence), "x: the axis is still stopping");
+    rig.stream(X, 1_000.0);
+    assert_eq!(rig.state("x"), "HOMING");
+    assert!(rig.events.iter().any(|event| event.code == Code::HOMING_UNDER_WAY && event.command == 0));
+}
+
+/// Proves: MACS-HOME-04
+#[test]
+fn what_homing_lacks_is_refused_with_a_sentence() {
+    let cases: [(&str, Value, i64, &str); 4] = [
+        (
+            "homing.velocity",
+            Value::Real(0.0),
+            3,
+            "homing.velocity is 0; give one above 0, or below 0 for the other direction",
+        ),
+        ("home_vel", Value::Int(0), -1, "homing.velocity is 0; give one above 0, or below 0 for the other direction"),
+        ("i_refswitch", Value::Int(0), -1, "i_refswitch is 0; a homing sequence of MACS needs the input of its switch"),
+        ("revers", Value::Int(2), 3, "velocity -10 mm/s leads backwards, which revers forbids; 0 or more is allowed"),
+    ];
+    for (key, value, method, sentence) in cases {
+        let mut config = cell(0);
+        assign(&mut config.axes[usize::from(X)].parameters, key, value);
+        let mut rig = rig_with(config, Model::Ideal, way(0, (5_000, FAR)));
+        let sequence = home(&mut rig, method);
+        assert_eq!(rig.refusal(sequence), format!("x: {sentence}"));
+        assert_eq!((rig.state("x"), rig.int("x.homed")), ("STANDSTILL", 0));
+    }
+    // Forward all the way, it may.
+    let mut config = cell(0);
+    assign(&mut config.axes[usize::from(X)].parameters, "revers", Value::Int(2));
+    let mut rig = rig_with(config, Model::Ideal, way(0, (5_000, 7_000)));
+    let sequence = home(&mut rig, -4);
+    assert!(rig.was_accepted(sequence));
+    let mut rig = Rig::enabled();
+    let sequence = home(&mut rig, 0);
+    assert!(rig.refusal(sequence).contains("homing method 0 does not exist"));
+    rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(10);
+    let sequence = home(&mut rig, 3);
+    assert_eq!(rig.refusal(sequence), "x: the axis is not enabled; enable it first");
+    let line = crate::command::HomeAxis { axis: LINE, method: crate::command::HomingMethod::Cia402(3) };
+    let sequence = rig.give(Action::HomeAxis(line));
+    assert_eq!(
+        rig.refusal(sequence),
+        "line: the axis is virtual; it has no switches and no index, only methods 35 and 37"
+    );
+}
+
+/// A second machine that takes over in the middle does the same.
+#[test]
+fn the_state_of_homing_can_be_restored() {
+    let mut rig = rig_with(cell(2), Model::Ideal, way(-12_000, (4_000, 7_000)));
+    let sequence = home(&mut rig, 10);
+    rig.run(500);
+    rig.mirror();
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+}

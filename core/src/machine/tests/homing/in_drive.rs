@@ -1,0 +1,118 @@
+//! Homing that the drive runs by itself.
+
+use super::super::rig::{Rig, X, Y, couple, to};
+use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
+use crate::code::Code;
+use crate::command::Action;
+use crate::drive::{MODE_CSP, MODE_HOMING};
+use crate::object::{AxisSet, Leader};
+use crate::parameter::Value;
+use crate::sim::Model;
+
+const START: i64 = -12_000;
+
+fn in_drive(delay: u32, offset: i64) -> Rig {
+    let mut config = cell(delay);
+    let p = &mut config.axes[usize::from(X)].parameters;
+    assign(p, "homing.in_drive", Value::Int(1));
+    assign(p, "homing.offset", Value::Int(offset));
+    rig_with(config, Model::Ideal, way(START, (5_000, FAR)))
+}
+
+#[test]
+fn the_drive_finds_the_zero_and_its_counts_begin_there() {
+    for delay in [0, 1, 5] {
+        for (method, offset, expected) in
+            [(3, 0, 4_300), (1, 0, -19_700), (19, 250, 5_250), (34, -7, -11_707), (35, 0, START)]
+        {
+            let mut rig = in_drive(delay, offset);
+            let sequence = home(&mut rig, method);
+            rig.run(1);
+            assert_eq!((rig.int("x.homing.phase"), rig.state("x")), (5, "HOMING"));
+            let output = rig.outputs().drive[0];
+            assert_eq!((output.mode, output.homing), (MODE_HOMING, i8::try_from(method).ok()));
+            let done = run_to_end(&mut rig, sequence);
+            assert_eq!((done.code, rig.int("x.homed")), (Code::NONE, 1), "{method}");
+            // Counts are from the reference on, so that it is at 0.
+            let reference = expected - offset;
+            assert_eq!(rig.int("x.actual.count") - rig.int("x.actual.position"), offset, "{method}");
+            assert_eq!(zero(&rig, reference), expected, "{method}");
+            rig.run(10);
+            assert_eq!((rig.outputs().drive[0].mode, rig.int("x.error")), (MODE_CSP, 0));
+            let sequence = rig.give(Action::Move(to(X, 100)));
+            assert!(rig.was_accepted(sequence));
+            assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+            rig.run(10);
+            assert_eq!(place(&rig, reference), expected + 100, "{method}");
+        }
+    }
+}
+
+#[test]
+fn who_follows_it_sees_no_jump() {
+    let mut rig = in_drive(0, 0);
+    rig.give(Action::Synchronize(couple(Y, Leader::AxisActual(X), 1, 1)));
+    rig.run(2);
+    let sequence = home(&mut rig, 3);
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+    rig.run(2_000);
+    // From the start to the index, whatever the counts say.
+    assert_eq!(rig.int("y.command.position"), 4_300 - START);
+}
+
+#[test]
+fn what_the_drive_does_not_find_is_an_error() {
+    let mut rig = in_drive(0, 0);
+    rig.plant.drive(0).unwrap().stick(4, 0);
+    let sequence = home(&mut rig, 3);
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_IN_DRIVE_FAILED);
+    assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
+}
+
+#[test]
+fn a_sequence_of_macs_is_none_of_a_drive() {
+    let mut rig = in_drive(0, 0);
+    let sequence = home(&mut rig, -1);
+    assert_eq!(rig.refusal(sequence), "x: homing.in_drive is true, and the drive cannot run a sequence of MACS");
+}
+
+/// The axis takes over from the motion of its drive, and brakes it.
+#[test]
+fn a_stop_takes_the_axis_from_its_drive() {
+    for (action, code) in [
+        (Action::Halt(AxisSet::one(X)), Code::HALTED),
+        (Action::QuickStop(AxisSet::one(X)), Code::QUICK_STOP),
+        (Action::Disable(AxisSet::one(X)), Code::DISABLED),
+    ] {
+        let mut rig = in_drive(0, 0);
+        let sequence = home(&mut rig, 3);
+        rig.run(300);
+        assert_eq!(rig.real("x.actual.velocity"), 10_000.0);
+        rig.give(action);
+        assert_eq!(rig.done(sequence)[0].code, code);
+        assert_eq!(rig.outputs().drive[0].mode, MODE_CSP);
+        let mut before = rig.real("x.actual.velocity");
+        for _ in 0..300 {
+            rig.run(1);
+            let now = rig.real("x.actual.velocity");
+            // Largest deceleration 1e6 inc/s^2: 1000 inc/s a cycle, and what rounding to whole increments adds.
+            assert!((before - now).abs() <= 2_000.0, "{before} {now}");
+            before = now;
+        }
+        assert_eq!((before, rig.int("x.homed"), rig.int("x.error")), (0.0, 0, 0));
+    }
+}
+
+/// A new raw coordinate that nobody asked for: the zero is gone.
+#[test]
+fn a_new_epoch_drops_the_zero() {
+    let mut rig = in_drive(0, 0);
+    let sequence = home(&mut rig, 3);
+    run_to_end(&mut rig, sequence);
+    assert_eq!(rig.int("x.homed"), 1);
+    let here = rig.int("x.actual.position");
+    rig.plant.drive(0).unwrap().renew_counts();
+    rig.run(2);
+    assert_eq!((rig.int("x.homed"), rig.int("x.actual.position"), rig.int("x.error")), (0, here, 0));
+    assert!(rig.events.iter().any(|event| event.code == Code::HOMING_LOST));
+}

@@ -1,0 +1,97 @@
+//! Homing where it meets switches, encoders, parameters, goals that wait.
+
+use super::super::rig::{X, to};
+use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, set, way, zero};
+use crate::code::Code;
+use crate::command::{Action, BufferMode, Move};
+use crate::parameter::Value;
+use crate::sim::Model;
+
+const START: i64 = -12_000;
+
+/// The zero of a sequence of MACS lies behind the end of the way: the limit switch ends the way to it.
+#[test]
+fn a_limit_switch_on_the_way_to_the_zero_ends_homing() {
+    for (offset, end) in [(30_000, 20_000), (-30_000, -20_000)] {
+        let mut rig = rig(way(START, (5_000, 7_000)));
+        set(&mut rig, "homing.offset", Value::Int(offset));
+        let sequence = home(&mut rig, -2);
+        assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_AT_LIMIT);
+        rig.run(500);
+        assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
+        // 10 inc a cycle, stopped with 1 inc/cycle^2.
+        let beyond = (place(&rig, START) - end) * offset.signum();
+        assert!((0..100).contains(&beyond), "{beyond}");
+    }
+}
+
+/// Where revers forbids the way back to it, the zero is known all the same: the axis stands behind it.
+#[test]
+fn without_a_way_back_the_axis_stands_behind_its_zero() {
+    let mut config = cell(0);
+    assign(&mut config.axes[usize::from(X)].parameters, "revers", Value::Int(2));
+    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, 7_000)));
+    let sequence = home(&mut rig, -4);
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+    rig.run(2);
+    assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, 7_000));
+    assert!((1..10).contains(&rig.int("x.actual.position")), "{}", rig.int("x.actual.position"));
+}
+
+/// Counts that begin anew in the middle: what was seen of switches and index does not belong to them.
+#[test]
+fn a_new_epoch_ends_homing() {
+    let mut rig = rig(way(START, (5_000, FAR)));
+    let sequence = home(&mut rig, 3);
+    rig.run(300);
+    rig.plant.drive(0).unwrap().renew_counts();
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_LOST);
+    assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
+}
+
+/// The zero that is being found would not be that of the new parameters.
+#[test]
+fn what_the_zero_depends_on_does_not_change_while_it_is_sought() {
+    let mut rig = rig(way(START, (5_000, FAR)));
+    let sequence = home(&mut rig, 3);
+    rig.run(100);
+    let refused = set(&mut rig, "homing.offset", Value::Int(77));
+    assert_eq!(rig.refusal(refused), "x: the axis is homing; wait for its end, or cancel it");
+    let taken = set(&mut rig, "velocity_override", Value::Real(50.0));
+    assert!(rig.was_accepted(taken));
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+    assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, 4_300));
+}
+
+/// Homing that waits for its target window says so.
+#[test]
+fn a_long_wait_for_the_window_is_told_of() {
+    let mut config = cell(0);
+    let p = &mut config.axes[usize::from(X)].parameters;
+    assign(p, "in_position_window", Value::Int(5));
+    p.in_position_time = 10_000_000_000;
+    p.supervision.in_position_timeout = 100_000_000;
+    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    home(&mut rig, 34);
+    rig.run(5_000);
+    assert_eq!(rig.state("x"), "HOMING");
+    assert_eq!(rig.events.iter().filter(|event| event.code == Code::IN_POSITION_TIMEOUT).count(), 1);
+}
+
+/// The zero is lost while a goal waits: with homing required it does not begin.
+#[test]
+fn a_goal_that_waits_needs_the_zero_when_it_begins() {
+    let mut config = cell(0);
+    assign(&mut config.axes[usize::from(X)].parameters, "homing.required", Value::Int(1));
+    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    let sequence = home(&mut rig, 35);
+    run_to_end(&mut rig, sequence);
+    rig.give(Action::Move(to(X, 5_000)));
+    let waits = rig.give(Action::Move(Move { buffer_mode: BufferMode::Buffered, ..to(X, 9_000) }));
+    assert!(rig.was_accepted(waits));
+    rig.run(20);
+    rig.plant.drive(0).unwrap().renew_counts();
+    rig.run(1_000);
+    assert_eq!(rig.done(waits).iter().map(|done| done.code).collect::<Vec<_>>(), [Code::HOMING_REQUIRED]);
+    assert_eq!((rig.int("x.homed"), rig.state("x"), rig.int("x.command.position")), (0, "STANDSTILL", 5_000));
+}

@@ -1,0 +1,313 @@
+//! The zero: who needs it, when it is kept, what goes with it.
+
+use super::super::rig::{LINE, Rig, X, at, couple, to};
+use super::{FAR, assign, cell, home, homed_events, place, rig, rig_with, run_to_end, set, way, zero};
+use crate::code::Code;
+use crate::command::{Action, Length, SetPosition};
+use crate::drive::{Edge, Latch};
+use crate::event::{Kind, Number};
+use crate::object::{AxisSet, Leader, Object};
+use crate::parameter::{Layer, Value};
+use crate::sim::{Fixtures, Model};
+
+const START: i64 = -12_000;
+
+fn homed() -> Rig {
+    let mut rig = rig(way(START, (5_000, FAR)));
+    let sequence = home(&mut rig, 3);
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+    rig
+}
+
+fn set_position(rig: &mut Rig, position: i64) -> u64 {
+    rig.give(Action::SetPosition(SetPosition { axis: X, position: Length::whole(position) }))
+}
+
+/// Proves: MACS-O-67, MACS-HOME-09, MACS-CMD-01
+#[test]
+fn forced_homing_comes_before_every_motion() {
+    let sentence = "x: homing is required and has not been done; home the axis first";
+    let mut rig = rig(way(START, (5_000, FAR)));
+    let sequence = set(&mut rig, "home_force", Value::Int(1));
+    assert!(rig.was_accepted(sequence));
+    let moves = || {
+        [
+            Action::Move(to(X, 1_000)),
+            Action::Move(at(X, 1_000.0)),
+            Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)),
+        ]
+    };
+    for action in moves() {
+        let sequence = rig.give(action);
+        assert_eq!(rig.refusal(sequence), sentence);
+    }
+    rig.stream(X, 1_000.0);
+    rig.run(5);
+    assert_eq!((rig.state("x"), rig.int("x.command.position")), ("STANDSTILL", 0));
+    // One that was aborted does not count.
+    home(&mut rig, 3);
+    rig.run(100);
+    rig.give(Action::Halt(AxisSet::one(X)));
+    rig.run_until("x.state", 1);
+    let sequence = rig.give(Action::Move(to(X, 1_000)));
+    assert_eq!(rig.refusal(sequence), sentence);
+    let sequence = home(&mut rig, 3);
+    run_to_end(&mut rig, sequence);
+    for action in moves() {
+        let sequence = rig.give(action);
+        assert!(rig.was_accepted(sequence));
+    }
+    let refused = rig.events.iter().filter(|event| event.kind == Kind::Refused && event.command != 0);
+    assert!(refused.clone().count() == 4 && refused.into_iter().all(|event| event.code.0 == 6), "error 6 of MACS");
+}
+
+/// Proves: MACS-HOME-09
+#[test]
+fn a_change_of_what_the_zero_depends_on_asks_for_it_again() {
+    for (key, value, keeps) in [
+        ("encoder", Value::Int(1_000), false),
+        ("posdrct", Value::Int(-1), false),
+        ("home_type", Value::Int(1), false),
+        ("home_offset", Value::Int(5), false),
+        ("homing.velocity", Value::Real(5_000.0), false),
+        ("homing.required", Value::Int(1), false),
+        ("max_velocity", Value::Real(50_000.0), true),
+        ("velocity_override", Value::Real(50.0), true),
+        ("max_position", Value::Int(9_000), true),
+    ] {
+        let mut rig = homed();
+        rig.give(Action::Disable(AxisSet::one(X)));
+        rig.run(20);
+        assert_eq!(rig.int("x.homed"), 1);
+        let sequence = set(&mut rig, key, value);
+        assert!(rig.was_accepted(sequence), "{key}");
+        rig.run(2);
+        assert_eq!(rig.int("x.homed"), i64::from(keeps), "{key}");
+        let told = rig.events.iter().filter(|event| event.code == Code::HOMING_LOST).count();
+        assert_eq!(told, usize::from(!keeps), "{key}");
+    }
+}
+
+#[test]
+fn set_position_disable_and_errors_keep_it_and_power_does_not() {
+    let mut rig = homed();
+    set_position(&mut rig, 5_000);
+    assert_eq!(rig.int("x.homed"), 1);
+    rig.plant.drive(0).unwrap().inject_fault(0x7305);
+    rig.run(2);
+    rig.give(Action::ResetErrors(AxisSet::one(X)));
+    rig.run(20);
+    assert_eq!((rig.int("x.homed"), rig.int("x.error")), (1, 0));
+    rig.give(Action::Disable(AxisSet::first(3)));
+    rig.run(20);
+    assert_eq!(rig.int("x.homed"), 1);
+    let sequence = rig.give(Action::PowerCycle);
+    assert!(rig.was_accepted(sequence));
+    assert_eq!(rig.int("x.homed"), 0);
+}
+
+/// Not at all is a plain choice.
+#[test]
+fn without_a_method_the_zero_is_where_it_was_switched_on() {
+    let mut rig = rig(way(START, (5_000, FAR)));
+    let sequence = rig
+        .give(Action::HomeAxis(crate::command::HomeAxis { axis: X, method: crate::command::HomingMethod::Configured }));
+    assert_eq!(rig.refusal(sequence), "x: homing.method is 0: give the axis a method, or name one in the command");
+    let sequence = rig.give(Action::Move(to(X, 1_000)));
+    assert!(rig.was_accepted(sequence));
+}
+
+/// Proves: MACS-HOME-07
+#[test]
+fn an_offset_moves_the_zero_and_only_a_sequence_of_macs_goes_there() {
+    for offset in [-700, 450] {
+        // The index left of the edge lies at 4300, the edge at 5000.
+        for (method, reference) in [(3, 4_300), (19, 5_000), (35, START), (-1, 4_300), (-2, 5_000)] {
+            let mut rig = rig(way(START, (5_000, FAR)));
+            set(&mut rig, "homing.offset", Value::Int(offset));
+            let sequence = home(&mut rig, method);
+            let mut moved = false;
+            while rig.done(sequence).is_empty() {
+                rig.run(1);
+                moved |= rig.int("x.homing.phase") == 4;
+            }
+            assert_eq!(zero(&rig, START), reference + offset, "{method}");
+            assert_eq!(moved, method < 0, "{method}");
+            // The actual position is that of the command of a cycle before.
+            rig.run(1);
+            if method < 0 {
+                assert_eq!((rig.int("x.command.position"), place(&rig, START)), (0, reference + offset), "{method}");
+            }
+        }
+    }
+}
+
+/// HOME_OFFSET counts in the sense of the counts. DIR-02: HOME_VEL goes in that of the units.
+/// Proves: MACS-DIR-02
+#[test]
+fn inverted_units_keep_the_places_of_switches_and_offset() {
+    // By the standard: left of the edge at 5000, and the sequence of MACS goes where its velocity points.
+    for (method, velocity, reference) in [(3, 10.0, 4_300), (1, 10.0, -19_700), (-1, -10.0, 4_300), (-2, -10.0, 5_000)]
+    {
+        let mut config = cell(0);
+        let p = &mut config.axes[usize::from(X)].parameters;
+        assign(p, "posdrct", Value::Int(-1));
+        assign(p, "homing.velocity", Value::Real(velocity * 1_000.0));
+        assign(p, "home_offset", Value::Int(450));
+        assert_eq!(p.homing.offset, -450);
+        let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+        let sequence = home(&mut rig, method);
+        assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{method}");
+        // Positions count against the places.
+        let zero = place(&rig, START) + rig.int("x.actual.position");
+        assert_eq!(zero, reference + 450, "{method}");
+    }
+}
+
+/// Proves: MACS-LIM-01, MACS-CMD-16
+#[test]
+fn limits_keep_their_places_when_the_position_is_set_and_are_as_given_after_the_next_homing() {
+    let mut rig = homed();
+    set(&mut rig, "min_position", Value::Int(-10_000));
+    set(&mut rig, "max_position", Value::Int(1_000));
+    let here = rig.int("x.command.position");
+    set_position(&mut rig, here + 7_000);
+    let limits = |rig: &Rig| {
+        let p = rig.machine.parameters(X).copied().unwrap();
+        (p.min_position, p.max_position)
+    };
+    assert_eq!(limits(&rig), (Some(-3_000), Some(8_000)));
+    let told = rig.events.iter().rev().take(2).all(|event| event.kind == Kind::Parameter);
+    assert!(told, "ROS hears of it");
+    let sequence = rig.give(Action::Move(to(X, 8_001)));
+    assert!(rig.refusal(sequence).contains("max_position"));
+    let sequence = rig.give(Action::Move(to(X, 7_900)));
+    assert!(rig.was_accepted(sequence));
+    rig.run_until("x.state", 1);
+    // What is saved does not move with the coordinate.
+    rig.give(Action::SaveParameters(AxisSet::one(X)));
+    assert_eq!(rig.machine.parameter_image().user[usize::from(X)].max_position, Some(1_000));
+    rig.give(Action::ResetParameters { axes: AxisSet::one(X), layer: Layer::User });
+    assert_eq!(limits(&rig), (Some(-3_000), Some(8_000)));
+    let sequence = home(&mut rig, 3);
+    run_to_end(&mut rig, sequence);
+    assert_eq!(limits(&rig), (Some(-10_000), Some(1_000)));
+}
+
+/// Software limits of a zero that is not known yet stop nothing.
+#[test]
+fn software_limits_do_not_hold_while_it_homes() {
+    let mut config = cell(0);
+    let p = &mut config.axes[usize::from(X)].parameters;
+    assign(p, "min_position", Value::Int(-100));
+    assign(p, "max_position", Value::Int(100));
+    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    let sequence = home(&mut rig, 19);
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+    assert_eq!(zero(&rig, START), 5_000);
+    let sequence = rig.give(Action::Move(to(X, 200)));
+    assert!(rig.refusal(sequence).contains("max_position"));
+}
+
+/// Who follows the axis sees its motion, and nothing of its new coordinate.
+#[test]
+fn a_follower_does_not_jump_with_the_zero() {
+    let mut rig = rig(way(START, (5_000, FAR)));
+    rig.give(Action::Synchronize(couple(super::super::rig::Y, Leader::AxisCommand(X), 1, 1)));
+    rig.run(5);
+    let sequence = home(&mut rig, 3);
+    let mut fastest = 0.0_f64;
+    while rig.done(sequence).is_empty() {
+        rig.run(1);
+        fastest = fastest.max(rig.real("y.command.velocity").abs());
+    }
+    assert!(fastest <= 10_500.0, "{fastest}");
+    assert_eq!(rig.state("y"), "SYNCHRONIZED_MOTION");
+}
+
+/// The input that i_refswitch names latches: the edge is where it was at that instant, whatever the velocity.
+#[test]
+fn a_latched_edge_is_exact_at_any_velocity() {
+    let mut config = cell(0);
+    let p = &mut config.axes[usize::from(X)].parameters;
+    // 10 inc a cycle in the last approach, too.
+    assign(p, "homing.index_velocity", Value::Real(10_000.0));
+    let mut rig = rig_with(config, Model::Ideal, Fixtures { home: None, ..way(0, (0, 0)) });
+    let sequence = home(&mut rig, 20);
+    let mut steps = 0;
+    let mut latched = None;
+    while rig.done(sequence).is_empty() {
+        // The switch is actuated from 3000 on.
+        let now = rig.int("x.actual.position");
+        let next = now + (rig.real("x.command.velocity") / 1_000.0) as i64;
+        if now < 3_000 && next >= 3_000 && rig.int("x.homing.phase") == 1 {
+            let age_ns = ((next - 3_000) * 1_000_000 / (next - now).max(1)) as u32;
+            let latch = Latch { object: Object::Io(0), edge: Edge::Rising, age_ns: Some(age_ns), position: None };
+            assert!(rig.plant.add_latch(latch));
+            latched = Some((next - 3_000, rig.real("x.command.velocity")));
+        }
+        rig.plant.set_digital(0, next >= 3_000);
+        rig.run(1);
+        steps += 1;
+        assert!(steps < 20_000);
+    }
+    assert_eq!(rig.done(sequence)[0].code, Code::NONE);
+    assert_eq!(latched.map(|(_, velocity)| velocity), Some(10_000.0), "at speed");
+    assert_eq!(zero(&rig, 0), 3_000, "{latched:?}");
+    assert_eq!(homed_events(&rig), [Number::Position(3_000)]);
+}
+
+/// What the rows say: i_refswitch, i_poslimitsw, i_neglimitsw, homing.required act in the cycle in which they are set.
+#[test]
+fn assigned_inputs_are_read_in_the_next_cycle() {
+    for (key, signal) in [
+        ("i_refswitch", "x.reference_switch"),
+        ("i_poslimitsw", "x.limit.positive"),
+        ("i_neglimitsw", "x.limit.negative"),
+    ] {
+        let mut rig = rig(Fixtures::default());
+        rig.plant.set_digital(0, true);
+        for (value, expected) in [(0, 0), (1, 1), (-1, 0), (1, 1)] {
+            set(&mut rig, key, Value::Int(value));
+            rig.run(1);
+            assert_eq!(rig.int(signal), expected, "{key} {value}");
+        }
+        rig.plant.set_digital(0, false);
+        set(&mut rig, key, Value::Int(-1));
+        rig.run(1);
+        assert_eq!(rig.int(signal), 1, "{key}");
+    }
+}
+
+/// Proves: MACS-O-17, MACS-HOME-01, MACS-HOME-02, MACS-HOME-06
+#[test]
+fn the_rates_of_homing_in_parts_of_the_largest_ones() {
+    let mut p = crate::parameter::AxisParameters::new(1.0, 1.0);
+    for (key, value) in [
+        ("velmax", Value::Real(1_000.0)),
+        ("rampmin", Value::Int(1_000_000_000)),
+        ("home_vel", Value::Int(10)),
+        ("home_ramp", Value::Int(20)),
+        ("homezerovel", Value::Int(4)),
+    ] {
+        assign(&mut p, key, value);
+    }
+    // O-17: 100 RPM at 500 lines, 3.33333 qc/ms.
+    let near = |value: f64, expected: f64| (value - expected).abs() <= expected * 1e-9;
+    assert!(near(p.homing_velocity(), 10_000.0 / 3.0), "{}", p.homing_velocity());
+    assert!(near(p.homing_index_velocity(), 4_000.0 / 3.0), "{}", p.homing_index_velocity());
+    // 33333.3 qc/s in 1 s, with 20 of 100 in 5 s.
+    assert!(near(p.homing_acceleration(), 100_000.0 / 15.0), "{}", p.homing_acceleration());
+    // Never above DFLTACC, nor the slow speed above HOME_VEL.
+    assign(&mut p, "dfltacc", Value::Int(10));
+    assign(&mut p, "homezerovel", Value::Int(400));
+    assert!(near(p.homing_acceleration(), 100_000.0 / 30.0), "{}", p.homing_acceleration());
+    assert!(near(p.homing_index_velocity(), 10_000.0 / 3.0), "{}", p.homing_index_velocity());
+    // The native values are the same ones, and absolute once they are given.
+    assign(&mut p, "homing.velocity", Value::Real(-500.0));
+    assign(&mut p, "velmax", Value::Real(2_000.0));
+    assert_eq!((p.homing_velocity(), p.home_vel()), (-500.0, -1));
+    assert_eq!(p.homezerovel(), 400);
+    assign(&mut p, "home_vel", Value::Int(101));
+    assert!(p.check().is_err(), "not above velres");
+}

@@ -1,0 +1,150 @@
+//! Parameters of homing, and the inputs and outputs that are assigned to an axis.
+
+use super::AxisParameters;
+use serde::{Deserialize, Serialize};
+
+/// How an axis gets its zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Homing {
+    /// 0 none; a method of CiA 402; -1 - HOME_TYPE of MACS.
+    pub method: i64,
+    /// The drive does it by itself.
+    pub in_drive: bool,
+    /// No motion without it.
+    pub required: bool,
+    /// To the switch (inc/s); the sign is the direction of the MACS sequences. Left out: a tenth of `max_velocity`.
+    pub velocity: Option<f64>,
+    /// For the last approach and to the index (inc/s), no more than `velocity`. Left out: a tenth of `max_velocity`.
+    pub index_velocity: Option<f64>,
+    /// (inc/s^2), no more than the default acceleration. Left out: a tenth of `max_acceleration`.
+    pub acceleration: Option<f64>,
+    /// Where the zero lies, counted from the switch or the index (inc).
+    pub offset: i64,
+    /// Longest way to an index pulse (inc); left out: a revolution of the encoder.
+    pub index_distance: Option<i64>,
+    /// Longest way of each search for a switch (inc); left out: twice the way between the software limits.
+    pub max_distance: Option<i64>,
+    /// What MACS gives in parts of others.
+    pub parts: HomingParts,
+}
+
+/// HOME_VEL, HOMEZEROVEL and HOME_RAMP as given (1/VELRES); none where the native value is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HomingParts {
+    /// HOME_VEL
+    pub velocity: Option<i64>,
+    /// HOMEZEROVEL
+    pub index_velocity: Option<i64>,
+    /// HOME_RAMP
+    pub acceleration: Option<i64>,
+}
+
+/// Share of the maxima that homing takes where nothing is given (HOME_VEL, HOMEZEROVEL and HOME_RAMP begin with 10 of 100).
+const USUAL_SHARE: f64 = 0.1;
+
+impl AxisParameters {
+    /// Velocity to the switch, with its sign (inc/s) (MACS-HOME-01).
+    pub fn homing_velocity(&self) -> f64 {
+        self.homing.velocity.unwrap_or(self.max_velocity * USUAL_SHARE)
+    }
+
+    /// Velocity of the last approach and to the index (inc/s).
+    pub fn homing_index_velocity(&self) -> f64 {
+        self.homing_slow().min(self.homing_velocity().abs())
+    }
+
+    /// The same, before it is bounded.
+    fn homing_slow(&self) -> f64 {
+        self.homing.index_velocity.unwrap_or(self.max_velocity * USUAL_SHARE)
+    }
+
+    /// Acceleration of homing (inc/s^2) (MACS-HOME-02).
+    pub fn homing_acceleration(&self) -> f64 {
+        self.homing_ramp().min(self.usual_acceleration())
+    }
+
+    fn homing_ramp(&self) -> f64 {
+        self.homing.acceleration.unwrap_or(self.max_acceleration * USUAL_SHARE)
+    }
+
+    /// Longest way to an index pulse (inc) (MACS-HOME-05).
+    pub fn homing_index_distance(&self) -> i64 {
+        self.homing.index_distance.unwrap_or(self.macs.encoder.saturating_mul(4))
+    }
+
+    /// Longest way of each search for a switch (inc); none without a bound.
+    pub fn homing_max_distance(&self) -> Option<i64> {
+        let between = || Some(self.max_position?.saturating_sub(self.min_position?).saturating_mul(2));
+        self.homing.max_distance.or_else(between)
+    }
+
+    /// Computes what follows from the parts that MACS gives.
+    pub(super) fn derive_homing(&mut self) {
+        let velres = self.macs.velres as f64;
+        let share = |part: i64| part as f64 / velres;
+        let parts = self.homing.parts;
+        if let Some(part) = parts.velocity {
+            self.homing.velocity = Some(share(part) * self.max_velocity);
+        }
+        // HOMEZEROVEL is taken up to HOME_VEL, which lies within VELMAX.
+        if let Some(part) = parts.index_velocity {
+            self.homing.index_velocity = Some(share(part).min(1.0) * self.max_velocity);
+        }
+        if let Some(part) = parts.acceleration {
+            self.homing.acceleration = Some(share(part) * self.max_acceleration);
+        }
+    }
+
+    /// HOME_VEL (1/VELRES), nearest.
+    pub fn home_vel(&self) -> i64 {
+        self.homing.parts.velocity.unwrap_or_else(|| self.part(self.homing_velocity() / self.max_velocity))
+    }
+
+    /// HOMEZEROVEL (1/VELRES), nearest.
+    pub fn homezerovel(&self) -> i64 {
+        self.homing.parts.index_velocity.unwrap_or_else(|| self.part(self.homing_slow() / self.max_velocity))
+    }
+
+    /// HOME_RAMP (1/VELRES), nearest.
+    pub fn home_ramp(&self) -> i64 {
+        self.homing.parts.acceleration.unwrap_or_else(|| self.part(self.homing_ramp() / self.max_acceleration))
+    }
+
+    fn part(&self, share: f64) -> i64 {
+        (share * self.macs.velres as f64).round() as i64
+    }
+
+    /// HOME_OFFSET counts in the sense of the counts, `homing.offset` in that of the axis.
+    pub fn home_offset(&self) -> i64 {
+        if self.macs.posdrct < 0 { self.homing.offset.saturating_neg() } else { self.homing.offset }
+    }
+
+    pub(super) fn set_home_offset(&mut self, offset: i64) {
+        self.homing.offset = if self.macs.posdrct < 0 { offset.saturating_neg() } else { offset };
+    }
+
+    /// Was something changed that a zero found before does not outlive: encoder, sense of rotation, homing?
+    pub fn loses_zero_to(&self, new: &Self) -> bool {
+        self.homing != new.homing || self.macs.encoder != new.macs.encoder || self.macs.posdrct != new.macs.posdrct
+    }
+}
+
+/// Inputs by number: n, -n inverted, 0 none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Assigned {
+    /// I_REFSWITCH
+    pub refswitch: i64,
+    /// I_POSLIMITSW
+    pub poslimitsw: i64,
+    /// I_NEGLIMITSW
+    pub neglimitsw: i64,
+}
+
+/// Outputs by number: n, -n inverted, 0 none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AssignedOutputs {
+    /// O_BRAKE
+    pub brake: i64,
+    /// O_AXMOVE
+    pub axmove: i64,
+}

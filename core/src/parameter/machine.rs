@@ -1,0 +1,83 @@
+//! The parameters of the machine (GL), and what they say of one number.
+
+use super::rows::ROWS;
+use super::{Applies, Row, Value};
+use serde::{Deserialize, Serialize};
+
+/// The parameters of the machine. Inputs and outputs by number: n, -n inverted, 0 none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MachineParameters {
+    /// I_BREAK
+    pub i_break: i64,
+    /// I_CONTINUE
+    pub i_continue: i64,
+    /// I_ERRCLR
+    pub i_errclr: i64,
+    /// O_ERROR
+    pub o_error: i64,
+    /// AINFTIME: readings of 1 ms; 0 not.
+    pub ainftime: i64,
+}
+
+impl Default for MachineParameters {
+    fn default() -> Self {
+        let mut parameters = Self { i_break: 0, i_continue: 0, i_errclr: 0, o_error: 0, ainftime: 0 };
+        for row in ROWS.iter().filter(|row| row.is_kept_by_machine()) {
+            (row.set_machine)(&mut parameters, row.default);
+        }
+        parameters
+    }
+}
+
+impl MachineParameters {
+    /// Is every value one that its row takes?
+    pub fn is_sound(&self) -> bool {
+        ROWS.iter().filter(|row| row.is_kept_by_machine()).all(|row| row.check(row.machine_value(self)).is_ok())
+    }
+}
+
+impl Row {
+    /// Has the machine a value of it that may be set?
+    pub fn is_kept_by_machine(&self) -> bool {
+        self.applies == Applies::Machine && self.missing.is_empty() && !self.is_read_only()
+    }
+
+    /// Its value of the machine.
+    pub fn machine_value(&self, parameters: &MachineParameters) -> Value {
+        if self.is_kept_by_machine() { (self.get_machine)(parameters) } else { self.default }
+    }
+
+    /// Checks a value of the machine and sets it.
+    ///
+    /// # Errors
+    /// What is wrong with the value; nothing is changed then.
+    pub fn assign_to_machine(&self, parameters: &mut MachineParameters, value: Value) -> Result<(), super::Refused> {
+        self.check(value)?;
+        if self.is_kept_by_machine() {
+            (self.set_machine)(parameters, value);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every row of the machine that works keeps its value, and by itself alone.
+    #[test]
+    fn each_row_of_the_machine_has_a_value_of_its_own() {
+        let rows: Vec<_> = ROWS.iter().filter(|row| row.is_kept_by_machine()).collect();
+        assert_eq!(rows.len(), 5);
+        for row in &rows {
+            let mut parameters = MachineParameters::default();
+            assert_eq!(row.machine_value(&parameters), row.default, "{}", row.key);
+            row.assign_to_machine(&mut parameters, Value::Int(7)).unwrap();
+            for other in &rows {
+                let expected = if other.key == row.key { Value::Int(7) } else { other.default };
+                assert_eq!(other.machine_value(&parameters), expected, "{} by {}", other.key, row.key);
+            }
+            assert!(parameters.is_sound());
+        }
+    }
+}

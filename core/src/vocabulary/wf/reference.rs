@@ -1,0 +1,87 @@
+//! Reference travel: JOG+ or JOG- leads to the cam, across it and on to the zero mark.
+//!
+//! Law      rapid until the cam is on, reduced until it is off, creep until the zero mark; closed loop: on by MD17 to the reference
+//!          point. There the position is MD16. Open loop: the speed is switched off at the zero mark, where the position is MD16.
+//!          MD7 is the side of the cam on which that happens: 0 the one that JOG leads to, 1 plus, 2 minus; for the side that it
+//!          comes from it turns round on the cam
+//! Reads    MD15: the reference switch, or the cam bit of the verbs; the index of the axis
+//! Writes   one order; the axis does the rest as homing
+//! Refuses  speeds that are 0 or too high; without a zero mark in a revolution: alarm 9
+//! Source   WF-REF-01 to WF-REF-12, WF-MD-05, WF-MD-08; W10: JOG has to be held
+
+use super::program::check_speed;
+use super::request::{FULL_SPEED, Speed};
+use super::{Objection, State, Wf, is_moved};
+use crate::axis::Travel;
+use crate::code::Code;
+use crate::position::Position;
+use crate::vocabulary::{Order, View};
+
+impl Wf {
+    /// Does what the inputs say now.
+    pub(super) fn travel(&mut self, view: &View<'_>) -> Result<Option<Order>, Objection> {
+        let direction = self.jog.direction();
+        if self.is_running() && direction == self.direction {
+            return Ok(None);
+        }
+        if direction == 0 || self.is_running() {
+            return Ok(self.end_travel(view));
+        }
+        self.check_enable()?;
+        if is_moved(view) {
+            return Err(Objection::new(Code::WF_IN_MOTION));
+        }
+        let p = view.parameters;
+        let velocity = |key, speed| {
+            let value = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(key))?;
+            Ok(value / FULL_SPEED * p.max_velocity)
+        };
+        let speeds = [
+            velocity("wf.reference_rapid", p.wf.reference_rapid)?,
+            velocity("wf.reference_reduced", p.wf.reference_reduced)?,
+            velocity("wf.reference_creep", p.wf.reference_creep)?,
+        ];
+        let [rapid, ..] = speeds;
+        self.direction = direction;
+        self.ending = false;
+        self.state = State::Run;
+        self.started = view.cycle;
+        self.speed = p.wf.reference_rapid;
+        let limits = p.wf.limits(rapid, view.largest_limits());
+        let back = match p.encoder.md7 {
+            1 => direction < 0,
+            2 => direction > 0,
+            _ => false,
+        };
+        let travel = Travel { direction, back, speeds, limits, shift: p.wf.md17, value: p.wf.md16 };
+        Ok(Some(Order::ReferenceTravel(travel)))
+    }
+
+    /// WF-REF-12: released, the axis stops, and knows no more than before.
+    fn end_travel(&mut self, view: &View<'_>) -> Option<Order> {
+        if !self.is_running() || self.ending {
+            return None;
+        }
+        self.ending = true;
+        let p = view.parameters;
+        Some(Order::Stop { limits: p.wf.limits(p.max_velocity, view.largest_limits()) })
+    }
+
+    /// One step while the axis travels, or stops.
+    pub(super) fn step_travel(&mut self, view: &View<'_>) {
+        if view.error == Code::WF_NO_ZERO_MARK {
+            self.leave();
+            (self.state, self.alarm, self.was_in_error) = (State::Alarm, 9, true);
+        } else if !view.owns || !view.free {
+            self.leave();
+        } else if self.ending {
+            if view.rests {
+                self.leave();
+            }
+        } else if !view.homing {
+            // WF-REF-05
+            (self.synchronized, self.preset) = (true, Position::ZERO);
+            self.leave();
+        }
+    }
+}
