@@ -28,6 +28,8 @@ impl Qos {
     pub const PARAMETERS: Self = Self::volatile(1000);
     /// The one value that counts, also for who comes later.
     pub const STATUS: Self = Self { latched: true, ..Self::volatile(1) };
+    /// The last ones of something rare, also for who comes later.
+    pub const HISTORY: Self = Self { latched: true, ..Self::volatile(32) };
     /// Log lines.
     pub const ROSOUT: Self =
         Self { latched: true, lifespan: Some(Duration::from_secs(10)), window: 1000, ..Self::volatile(1000) };
@@ -54,6 +56,7 @@ mod tests {
         assert_eq!((Qos::SERVICE.depth, Qos::SERVICE.latched), (10, false));
         assert_eq!((Qos::PARAMETERS.depth, Qos::PARAMETERS.latched), (1000, false));
         assert_eq!((Qos::STATUS.depth, Qos::STATUS.latched), (1, true));
+        assert_eq!((Qos::HISTORY.depth, Qos::HISTORY.latched), (32, true));
         assert_eq!((Qos::ROSOUT.depth, Qos::ROSOUT.latched), (1000, true));
         assert_eq!(Qos::ROSOUT.lifespan, Some(Duration::from_secs(10)));
     }

@@ -8,7 +8,7 @@ use crate::layer::{ActionEvent, ActionServer, CreateError, GoalHandle, Node};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::event::{Event, Kind};
+use lineshaft_core::event::{Event, Kind, Number};
 use lineshaft_core::position::Position;
 use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::axis::AxisSignal;
@@ -30,6 +30,8 @@ pub(super) struct Ending {
     pub position: Position,
     /// Position of the axis at the mark that the goal searched for, where it found one.
     pub mark: Option<Position>,
+    /// The new zero in the old coordinate (inc), where the goal gave the axis one.
+    pub shift: Option<i64>,
 }
 
 /// An action of the interface that moves one axis, with what is its own.
@@ -40,8 +42,8 @@ pub(super) trait AxisAction: lineshaft_msgs::Action + Sized {
     /// The axis and the command that a goal asks for.
     fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
 
-    /// Feedback from the axis' signals; `mark` is what the goal has found.
-    fn feedback(view: &AxisView, snapshot: &Snapshot, mark: Option<Position>) -> Self::Feedback;
+    /// Feedback from the axis' signals, where there is something to tell; `mark` is what the goal has found.
+    fn feedback(view: &AxisView, snapshot: &Snapshot, mark: Option<Position>) -> Option<Self::Feedback>;
 
     /// The result of a goal.
     fn result(view: &AxisView, ending: Ending) -> Self::Result;
@@ -127,22 +129,32 @@ async fn follow<A: AxisAction>(
             }
             // Before that the signals are not yet of this goal.
             _ = ticks.tick(), if accepted => {
-                // A client that does not read feedback is its own matter.
-                let _ = handle.feedback(&A::feedback(view, &hub.host.snapshot(), mark));
+                if let Some(feedback) = A::feedback(view, &hub.host.snapshot(), mark) {
+                    // A client that does not read feedback is its own matter.
+                    let _ = handle.feedback(&feedback);
+                }
             }
         }
     }
 }
 
+/// The new zero in the old coordinate, which the end of homing tells.
+fn new_zero(event: &Event) -> Option<i64> {
+    match event.asked {
+        Number::Position(shift) if event.kind == Kind::Done && event.code.is_none() => Some(shift),
+        _ => None,
+    }
+}
+
 fn ending(hub: &Hub, event: &Event) -> Ending {
     let message = if event.code.is_none() { String::new() } else { text::sentence(event, hub.host.config()) };
-    Ending { code: event.code, message, position: event.position, mark: None }
+    Ending { code: event.code, message, position: event.position, mark: None, shift: new_zero(event) }
 }
 
 impl AxisView {
     /// The end of a goal that the machine has not answered: where the axis stands now.
     fn stands(&self, snapshot: &Snapshot, code: Code, message: String) -> Ending {
         let position = Position::whole(self.int(&snapshot.board, AxisSignal::CommandPosition));
-        Ending { code, message, position, mark: None }
+        Ending { code, message, position, mark: None, shift: None }
     }
 }

@@ -1,5 +1,6 @@
 //! The hub: hands commands over, and brings every event to `~/events` and to the one who waits for it.
 
+use super::history::History;
 use super::host::{Busy, Host, StampedEvent};
 use super::lines::LineLimit;
 use super::messages;
@@ -67,6 +68,7 @@ impl Hub {
         tasks: &mut JoinSet<()>,
     ) -> Result<Arc<Self>, CreateError> {
         let publisher = table::EVENTS.publisher(node)?;
+        let history = History::start(node, host.as_ref())?;
         let hub = Arc::new(Self {
             host,
             own: OwnParameters::new(node.take_overrides()),
@@ -76,7 +78,7 @@ impl Hub {
             clock: node.clock().clone(),
             lines: LineLimit::default(),
         });
-        tasks.spawn(Arc::clone(&hub).pass_on(events, publisher));
+        tasks.spawn(Arc::clone(&hub).pass_on(events, publisher, history));
         Ok(hub)
     }
 
@@ -134,7 +136,12 @@ impl Hub {
         self.rosout.log(severity, sentence, Source { function: "surface".to_owned(), ..Source::default() });
     }
 
-    async fn pass_on(self: Arc<Self>, mut events: UnboundedReceiver<StampedEvent>, publisher: Publisher<Event>) {
+    async fn pass_on(
+        self: Arc<Self>,
+        mut events: UnboundedReceiver<StampedEvent>,
+        publisher: Publisher<Event>,
+        history: History,
+    ) {
         let mut failed = 0_u64;
         while let Some(event) = events.recv().await {
             let refused = self.deliver(&event);
@@ -146,6 +153,7 @@ impl Hub {
                 errors.insert(axis, (event.event.code, message.text.clone()));
             }
             self.tell(&event, &message.text);
+            history.keep(self.host.as_ref(), &event.event, &message);
             if let Err(error) = publisher.publish(&message) {
                 failed += 1;
                 if failed.is_power_of_two() {

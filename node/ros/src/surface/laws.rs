@@ -6,7 +6,7 @@ use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
-use lineshaft_msgs::action::{MoveAxis, ProbeAxis, Synchronize};
+use lineshaft_msgs::action::{HomeAxis, MoveAxis, ProbeAxis, Synchronize};
 use lineshaft_msgs::cdr::{Endian, decode};
 
 use super::goal::AxisAction;
@@ -37,10 +37,11 @@ fn config() -> MachineConfig {
 /// When a law does not hold.
 pub fn any_goal(bytes: &[u8]) {
     let [kind, bytes @ ..] = bytes else { return };
-    match kind % 3 {
+    match kind % 4 {
         0 => law::<MoveAxis>(bytes),
         1 => law::<ProbeAxis>(bytes),
-        _ => law::<Synchronize>(bytes),
+        2 => law::<Synchronize>(bytes),
+        _ => law::<HomeAxis>(bytes),
     }
 }
 

@@ -30,14 +30,14 @@ impl AxisAction for MoveAxis {
         Ok((request.axis, Action::Move(request)))
     }
 
-    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> MoveAxisFeedback {
+    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> Option<MoveAxisFeedback> {
         let position = view.int(&snapshot.board, AxisSignal::ActualPosition);
-        MoveAxisFeedback {
+        Some(MoveAxisFeedback {
             position: view.si(position, 0.0),
             velocity: view.rate(&snapshot.board, AxisSignal::ActualVelocity),
             distance_to_go: view.si(view.to_go(&snapshot.board), 0.0),
             position_increments: position,
-        }
+        })
     }
 
     fn result(view: &AxisView, ending: Ending) -> MoveAxisResult {

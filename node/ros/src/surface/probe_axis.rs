@@ -34,17 +34,17 @@ impl AxisAction for ProbeAxis {
         Ok((request.axis, Action::Probe(request)))
     }
 
-    fn feedback(view: &AxisView, snapshot: &Snapshot, mark: Option<Position>) -> ProbeAxisFeedback {
-        ProbeAxisFeedback {
+    fn feedback(view: &AxisView, snapshot: &Snapshot, mark: Option<Position>) -> Option<ProbeAxisFeedback> {
+        Some(ProbeAxisFeedback {
             phase: if mark.is_some() { ProbeAxisFeedback::PROBED } else { ProbeAxisFeedback::SEARCHING },
             position: view.si(view.int(&snapshot.board, AxisSignal::ActualPosition), 0.0),
             velocity: view.rate(&snapshot.board, AxisSignal::ActualVelocity),
             distance_to_go: view.si(view.to_go(&snapshot.board), 0.0),
-        }
+        })
     }
 
     fn result(view: &AxisView, ending: Ending) -> ProbeAxisResult {
-        let Ending { code, message, position, mark } = ending;
+        let Ending { code, message, position, mark, .. } = ending;
         let si = |position: Position| view.si(position.floor(), position.fraction());
         ProbeAxisResult {
             code: code.0,

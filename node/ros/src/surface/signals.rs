@@ -40,7 +40,7 @@ impl AxisView {
     }
 
     /// A small enum or word.
-    fn small(&self, board: &Board, signal: AxisSignal) -> u8 {
+    pub(super) fn small(&self, board: &Board, signal: AxisSignal) -> u8 {
         u8::try_from(self.int(board, signal)).unwrap_or(u8::MAX)
     }
 

@@ -31,16 +31,16 @@ impl AxisAction for Synchronize {
         Ok((request.axis, Action::Synchronize(request)))
     }
 
-    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> SynchronizeFeedback {
+    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> Option<SynchronizeFeedback> {
         let coupled = view.bit(&snapshot.board, AxisSignal::InSync);
         let error = view.int(&snapshot.board, AxisSignal::SyncError);
-        SynchronizeFeedback {
+        Some(SynchronizeFeedback {
             phase: if coupled { SynchronizeFeedback::SYNCHRONIZED } else { SynchronizeFeedback::CATCHING_UP },
             sync_error_increments: error,
             sync_error: view.si(error, 0.0),
             // No marks yet: both stay 0.
             ..SynchronizeFeedback::default()
-        }
+        })
     }
 
     fn result(_view: &AxisView, ending: Ending) -> SynchronizeResult {

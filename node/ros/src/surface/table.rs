@@ -4,7 +4,7 @@
 use crate::layer::{
     ActionOptions, ActionServer, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
 };
-use lineshaft_msgs::action::{MoveAxis, ProbeAxis, Synchronize};
+use lineshaft_msgs::action::{HomeAxis, MoveAxis, ProbeAxis, Synchronize};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectory;
 use lineshaft_msgs::foreign::control_msgs::msg::JointJog;
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::DiagnosticArray;
@@ -22,7 +22,9 @@ use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::foreign::std_msgs::msg::String as Text;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, Setpoints};
-use lineshaft_msgs::srv::{AxesCommand, ExportParameters, ImportParameters, Record, ResetParameters, Vocabulary};
+use lineshaft_msgs::srv::{
+    AxesCommand, ExportParameters, ImportParameters, Record, ResetParameters, SetPosition, Vocabulary,
+};
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
 
@@ -143,6 +145,11 @@ pub(super) const AXIS_STATES: Topic<AxisStates> =
     Topic::published("~/axis_states", Qos::STREAM, "all axes in file order; rate `axis_states_rate`");
 pub(super) const EVENTS: Topic<Event> =
     Topic::published("~/events", Qos::EVENTS, "every event, with a sequence number without gaps");
+pub(super) const ERRORS: Topic<Event> = Topic::published(
+    "~/errors",
+    Qos::HISTORY,
+    "the last 32 errors and resets, with how the axis stood and the remedy, also for who comes later; see [errors.md](errors.md)",
+);
 pub(super) const PARAMETER_EVENTS: Topic<ParameterEvent> =
     Topic::published("/parameter_events", Qos::PARAMETERS, "every change of a parameter, whoever made it; see below");
 pub(super) const ROSOUT: Topic<Log> = Topic::published("/rosout", Qos::ROSOUT, "errors, refusals, limits");
@@ -185,6 +192,16 @@ pub(super) const HALT: Served<AxesCommand> = axes("~/halt", "stops axes; a new g
 pub(super) const QUICK_STOP: Served<AxesCommand> =
     axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`");
 pub(super) const RESET_ERRORS: Served<AxesCommand> = axes("~/reset_errors", "clears errors and locks");
+pub(super) const HOME: Served<AxesCommand> = Served::new(
+    "~/home",
+    Qos::SERVICE,
+    "starts homing of axes, an empty list: of all that have a method; answers at once, when each has accepted or refused; see [homing.md](homing.md)",
+);
+pub(super) const SET_POSITION: Served<SetPosition> = Served::new(
+    "~/set_position",
+    Qos::SERVICE,
+    "the present position of an axis that stands gets a new value; nothing moves; see [homing.md](homing.md)",
+);
 pub(super) const RECORD: Served<Record> = Served::new(
     "~/record",
     Qos::SERVICE,
@@ -223,6 +240,10 @@ pub(super) const IMPORT_PARAMETERS: Served<ImportParameters> =
 pub(super) const MOVE_AXIS: Acted<MoveAxis> =
     Acted::new("~/move_axis", "positioning; mode VELOCITY stays open until it is cancelled, halted or replaced");
 pub(super) const PROBE_AXIS: Acted<ProbeAxis> = Acted::new("~/probe_axis", "touch probe to position; see below");
+pub(super) const HOME_AXIS: Acted<HomeAxis> = Acted::new(
+    "~/home_axis",
+    "homing of one axis, by its method or another one; cancel stops it; see [homing.md](homing.md)",
+);
 pub(super) const SYNCHRONIZE: Acted<Synchronize> =
     Acted::new("~/synchronize", "open while coupled; cancel uncouples, a dead client does not");
 pub(super) const FOLLOW_JOINT_TRAJECTORY: Acted<FollowJointTrajectory> = Acted::new(
@@ -312,6 +333,7 @@ pub const ROWS: &[Row] = &[
     JOINT_STATES.0,
     AXIS_STATES.0,
     EVENTS.0,
+    ERRORS.0,
     PARAMETER_EVENTS.0,
     ROSOUT.0,
     ROBOT_DESCRIPTION.0,
@@ -331,6 +353,8 @@ pub const ROWS: &[Row] = &[
     HALT.0,
     QUICK_STOP.0,
     RESET_ERRORS.0,
+    HOME.0,
+    SET_POSITION.0,
     RECORD.0,
     VOCABULARY.0,
     GET_PARAMETERS.0,
@@ -348,6 +372,7 @@ pub const ROWS: &[Row] = &[
     IMPORT_PARAMETERS.0,
     MOVE_AXIS.0,
     PROBE_AXIS.0,
+    HOME_AXIS.0,
     SYNCHRONIZE.0,
     FOLLOW_JOINT_TRAJECTORY.0,
     JOINT_TRAJECTORY.0,

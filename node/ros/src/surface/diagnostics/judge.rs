@@ -1,6 +1,7 @@
 //! What is the matter with the cycle, the drives and the recorder, and its words.
 
 use super::Recorder;
+use crate::surface::history::fault;
 use crate::surface::host::Snapshot;
 use crate::surface::messages::AxisView;
 use lineshaft_core::axis::{AXIS_STATES, AxisState, DRIVE_STATES};
@@ -8,6 +9,7 @@ use lineshaft_core::code::Code;
 use lineshaft_core::drive::DriveState;
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_core::signal::{Directory, Signal};
+use lineshaft_core::text::advice;
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::{DiagnosticStatus, KeyValue};
 use std::time::{Duration, Instant};
 
@@ -225,6 +227,9 @@ impl Drive {
             Finding::DriveWarns => "the drive warns".to_owned(),
             _ => state.to_owned(),
         };
+        let advice = if code.is_none() { None } else { advice(code) };
+        let (cause, remedy) = advice.map_or(("none", "none"), |advice| (advice.cause, advice.remedy));
+        let last = view.int(board, AxisSignal::FaultCode);
         let bit = |signal| if view.bit(board, signal) { "yes" } else { "no" };
         let values = vec![
             pair("state", state),
@@ -232,6 +237,9 @@ impl Drive {
             pair("enabled", bit(AxisSignal::Enabled)),
             pair("error code", code.0),
             pair("error", if code.is_none() { "none".to_owned() } else { error() }),
+            pair("cause", cause),
+            pair("remedy", remedy),
+            pair("last error", if last == 0 { "none".to_owned() } else { format!("{last}, {}", fault(view, board)) }),
             pair("command position", view.length_text(board, AxisSignal::CommandPosition)),
             pair("position", view.length_text(board, AxisSignal::ActualPosition)),
             pair("following error", view.length_text(board, AxisSignal::FollowingError)),

@@ -65,8 +65,8 @@ impl Catalogue {
 impl Declared {
     /// Its value in an image, in the core's units.
     pub(super) fn value(&self, image: &ParameterImage) -> Value {
-        // A parameter of the machine does nothing yet: it is at its default.
-        image.effective.get(usize::from(self.axis)).map_or(self.row.default, |axis| self.row.value(axis))
+        let of_machine = || self.row.machine_value(&image.machine[0]);
+        image.effective.get(usize::from(self.axis)).map_or_else(of_machine, |axis| self.row.value(axis))
     }
 
     /// Its value in an image, as a message.

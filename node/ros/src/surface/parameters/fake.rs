@@ -20,5 +20,5 @@ pub(in crate::surface) fn config() -> MachineConfig {
 /// As the machine begins.
 pub(in crate::surface) fn image(config: &MachineConfig) -> ParameterImage {
     let parameters: Vec<AxisParameters> = config.axes.iter().map(|axis| axis.parameters).collect();
-    ParameterImage { version: 0, effective: parameters.clone(), user: parameters }
+    ParameterImage { effective: parameters.clone(), user: parameters, ..ParameterImage::default() }
 }

@@ -15,7 +15,7 @@ fn machine() -> (MachineConfig, ParameterImage) {
     let axis = |name: &str, parameters| AxisConfig::new(name.into(), scale, None, parameters);
     let axes = vec![axis("x", parameters), axis("y", quick)];
     let config = MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() };
-    (config, ParameterImage { version: 1, effective: vec![parameters, quick], user: Vec::new() })
+    (config, ParameterImage { version: 1, effective: vec![parameters, quick], ..ParameterImage::default() })
 }
 
 fn joint_jog(names: &[&str], velocities: &[f64]) -> JointJog {

@@ -1,0 +1,34 @@
+//! `~/home_axis`: homing of one axis, with its phases.
+
+use super::goal::{AxisAction, Ending};
+use super::host::Snapshot;
+use super::signals::AxisView;
+use super::table::{self, Acted};
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::position::Position;
+use lineshaft_core::request::{HomeRequest, RequestError};
+use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_msgs::action::{HomeAxis, HomeAxisFeedback, HomeAxisGoal, HomeAxisResult};
+
+impl AxisAction for HomeAxis {
+    const SERVED_AS: Acted<Self> = table::HOME_AXIS;
+
+    fn resolve(config: &MachineConfig, goal: &HomeAxisGoal) -> Result<(u16, Action), RequestError> {
+        let HomeAxisGoal { axis, scheme, method } = goal;
+        let request = config.resolve_home(&HomeRequest { axis: axis.clone(), scheme: *scheme, method: *method })?;
+        Ok((request.axis, Action::HomeAxis(request)))
+    }
+
+    /// Nothing while the axis is in no phase: not yet, or not any more.
+    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> Option<HomeAxisFeedback> {
+        let phase = view.small(&snapshot.board, AxisSignal::HomingPhase);
+        let position = view.si(view.int(&snapshot.board, AxisSignal::ActualPosition), 0.0);
+        (phase != 0).then_some(HomeAxisFeedback { phase, position })
+    }
+
+    fn result(_view: &AxisView, ending: Ending) -> HomeAxisResult {
+        let Ending { code, message, shift, .. } = ending;
+        HomeAxisResult { code: code.0, message, shift_increments: shift.unwrap_or(0) }
+    }
+}
