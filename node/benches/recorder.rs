@@ -52,10 +52,9 @@ struct Rig {
 
 impl Rig {
     fn new(cell: &Cell) -> Self {
-        let models: Vec<_> = cell.models.iter().copied().map(Some).collect();
         let machine = Machine::new(cell.machine.clone()).expect("a good cell");
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
-        let mut rig = Self { plant: Plant::new(&cell.machine, &models), machine, inputs, outputs };
+        let mut rig = Self { plant: cell.plant(), machine, inputs, outputs };
         rig.give(vec![Action::Enable(AxisSet::first(usize::from(AXES)))]);
         (0..50).for_each(|_| {
             rig.cycle(&[], None);

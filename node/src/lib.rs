@@ -4,6 +4,7 @@
 pub mod cell;
 pub mod cli;
 pub mod document;
+pub mod errors;
 pub mod interfaces;
 pub mod parameters;
 pub mod recording;

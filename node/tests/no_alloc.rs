@@ -10,7 +10,6 @@ use lineshaft_core::drive::Backend;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{Change, Value};
-use lineshaft_core::sim::Plant;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -30,8 +29,7 @@ fn commands(cycle: u64) -> Vec<Command> {
 #[test]
 fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
     let cell = Cell::demo();
-    let models: Vec<_> = cell.models.iter().copied().map(Some).collect();
-    let mut plant = Plant::new(&cell.machine, &models);
+    let mut plant = cell.plant();
     let mut machine = Machine::new(cell.machine).unwrap();
     let (mut sender, mut receiver, mut spent) = frames(&machine);
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());

@@ -2,17 +2,22 @@
 
 use super::amc;
 use super::backends::{Backend, Context, backend_of, name_of};
+use super::brake;
+use super::encoders;
+use super::fixtures;
+use super::machine;
 use super::models::model;
 use super::names::{Entry, Once, Section, limit, quote};
 use super::parameters;
 use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
-use lineshaft_core::axis::Modulo;
+use lineshaft_core::axis::{Modulo, may_read, may_tell_sign};
 use lineshaft_core::config::{AxisConfig, IoConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::object::MAX_AXES;
-use lineshaft_core::sim::Model;
+use lineshaft_core::sim::{Mechanics, Model};
+use lineshaft_core::text::not_built_here;
 use lineshaft_core::unit::{Dimension, ScaleKind};
 use lineshaft_core::vocabulary::wf::Wiring;
 
@@ -20,7 +25,7 @@ use lineshaft_core::vocabulary::wf::Wiring;
 const SOME_CYCLE_NS: u64 = 1_000_000;
 
 /// An axis, how its drive is simulated and what it is called; none for a virtual one.
-pub(super) type Axis = (AxisConfig, Option<Model>, Option<String>);
+pub(super) type Axis = (AxisConfig, Option<(Model, Mechanics)>, Option<String>);
 
 /// Address of a drive and what it is called, by backend.
 type Taken = Once<(usize, &'static str, u16)>;
@@ -44,6 +49,7 @@ enum Drive {
 struct Onces<'d> {
     taken: Taken,
     outputs: wiring::Taken,
+    switches: fixtures::Taken,
     masters: amc::Masters<'d>,
 }
 
@@ -51,7 +57,8 @@ struct Onces<'d> {
 pub(super) fn read<'d>(cx: &Context<'d>, io: &[Option<IoConfig>]) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
     limit(entries, MAX_AXES);
-    let mut once = Onces { taken: Once::new(), outputs: Once::new(), masters: amc::Masters::new() };
+    let mut once =
+        Onces { taken: Once::new(), outputs: Once::new(), switches: Once::new(), masters: amc::Masters::new() };
     let axes = entries.iter().enumerate();
     let axes = axes.map(|(place, entry)| axis(place, entry, cx, io, &mut once)).collect();
     amc::refuse_loops(&once.masters, cx);
@@ -71,36 +78,51 @@ fn axis<'d>(
     io: &[Option<IoConfig>],
     once: &mut Onces<'d>,
 ) -> Option<Axis> {
-    let Onces { taken, outputs, masters } = once;
+    let Onces { taken, outputs, switches, masters } = once;
     let name = entry.name();
     let mut map = entry.value.map(format!("axis `{name}`"))?;
     let (travel, factors) = Travel::read_axis(&mut map);
     let drive = map.required("drive").and_then(|value| drive(&value, name, cx, taken));
     let modulo = map.optional("modulo").map(|value| modulo(&value, &travel));
-    let homing = map.optional("homing");
     let sim = map.optional("sim");
+    let reads = if drive == Some(Drive::Virtual) { Reads::Nothing(name) } else { Reads::Something };
+    let wired = encoders::feedback(&mut map, reads, &travel, cx);
     let mut sections = parameters::Sections::open(&mut map);
+    let brake = brake::read(&mut map, drive == Some(Drive::Virtual), cx, io, outputs);
     let wiring = amc::wiring(place, &mut map, &mut sections, cx, io, masters);
     let who = drive.map(|drive| interface_of(Some(drive)));
     let (mut parameters, given) = parameters::read(&mut map, &mut sections, &travel, who, cx.cycle_ns);
     parameters.macs.scale = factors;
+    machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_tell_sign(who, &parameters)));
     let open_loop = sections.of("wf").map_or(Some(Wiring::default()), |section| {
         wiring::read(section, why_closed(drive, name).as_deref(), cx, io, outputs)
     });
     sections.finish();
     map.finish();
-    let model = match drive {
+    let simulated = match drive {
         Some(Drive::Virtual) => {
-            for value in [&homing, &sim].into_iter().flatten() {
+            for value in sim.iter() {
                 let sentence = format!("{} is for axes with a drive; axis {} is virtual", value.label(), quote(name));
                 value.refuse(sentence, Some("leave it out".to_owned()));
             }
             None
         }
         _ => {
-            homing.iter().for_each(check_homing);
             let cycle_ns = cx.cycle_ns.unwrap_or(SOME_CYCLE_NS);
-            Some(sim.map_or(Some(Model::Ideal), |value| model(&value, interface_of(drive), cycle_ns))?)
+            let read = |value: Value<'d>| {
+                let mut map = value.map("sim")?;
+                let model = model(&mut map, interface_of(drive), cycle_ns);
+                let mechanics = fixtures::read(&mut map, &travel, cx, io, switches);
+                let times = fixtures::brake_times(&mut map);
+                let load = fixtures::load(&mut map, &travel);
+                map.finish();
+                let brake = brake::simulated(brake.flatten(), parameters.outputs.brake, io, times?);
+                Some((model?, Mechanics { load: load?, brake, ..mechanics? }))
+            };
+            let brake = brake::simulated(brake.flatten(), parameters.outputs.brake, io, [0; 2]);
+            let bare = (Model::Ideal, Mechanics { brake, ..Mechanics::default() });
+            let (model, mechanics) = sim.map_or(Some(bare), read)?;
+            Some((model, Mechanics { sign: fixtures::sign(&parameters), ..mechanics }))
         }
     };
     let interface = interface_of(drive).unwrap_or_default();
@@ -114,9 +136,38 @@ fn axis<'d>(
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;
     let open_loop = open_loop?;
     let config = AxisConfig::new(name.to_owned(), travel.scale?, drive, parameters);
-    let config = AxisConfig { modulo, interface, open_loop, amc: wiring?, ..config };
+    let config = AxisConfig { modulo, interface, open_loop, brake: brake?, amc: wiring?, wired: wired?, ..config };
+    check_source(&config, &entry.key, &given, cx);
     amc::check(&config, &given, cx.cycle_ns);
-    Some((config, model, hardware))
+    Some((config, simulated, hardware))
+}
+
+/// Has the axis something that it could read?
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Reads<'a> {
+    /// A virtual axis of that name.
+    Nothing(&'a str),
+    Something,
+}
+
+/// Refuses a source that is not there, or that its drive does not close its loop with.
+fn check_source(axis: &AxisConfig, name: &Value<'_>, given: &parameters::Given<'_>, cx: &Context<'_>) {
+    let encoders = cx.names.section(Section::Encoders).len();
+    let interface = axis.drive.map(|_| axis.interface);
+    // Numbers that there are not were refused with the other parameters.
+    if axis.parameters.encoder.check().is_err() {
+        return;
+    }
+    let Err((key, code)) = may_read(axis.wired, encoders, interface, &axis.parameters) else { return };
+    match given.iter().find(|(given, _)| *given == key) {
+        Some((_, value)) => {
+            value.refuse(format!("{key} {} {}", value.peek().unwrap_or_default(), not_built_here(code)), None);
+        }
+        None => {
+            let sentence = "names an encoder that a drive with interface position does not close its loop with";
+            name.refuse(format!("feedback of axis {} {sentence}", quote(&axis.name)), None);
+        }
+    }
 }
 
 fn interface_of(drive: Option<Drive>) -> Option<Interface> {
@@ -212,17 +263,4 @@ fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {
         value.refuse(format!("modulo is `{quantity}`, {exact} inc; {allowed}"), hint);
     }
     modulo
-}
-
-/// Key `homing`: none may be asked for yet.
-fn check_homing(value: &Value<'_>) {
-    let Some(mut map) = value.map("homing") else { return };
-    let required = map.optional("required").and_then(|value| value.boolean());
-    map.optional("method").map(|value| value.integer(i8::MIN..=i8::MAX));
-    map.optional("home_type").map(|value| value.integer(0..=3_u8));
-    let has_method = map.has("method") || map.has("home_type");
-    map.finish();
-    if required == Some(true) || has_method {
-        value.refuse("homing does not exist yet", Some("leave it out".to_owned()));
-    }
 }

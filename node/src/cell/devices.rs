@@ -1,10 +1,12 @@
 //! Sections `io`, `memory` and `encoders`.
 
 use super::backends::{Context, address};
+use super::brake;
+use super::encoders;
 use super::names::{Entry, Once, Section, limit};
 use super::scale::Travel;
 use crate::document::Value;
-use lineshaft_core::config::{EncoderConfig, IoConfig, IoKind, MemoryConfig, MemoryKind};
+use lineshaft_core::config::{EncoderConfig, FilterConfig, IoConfig, IoKind, MemoryConfig, MemoryKind};
 
 /// How many entries a section of these may have.
 const MOST: usize = u16::MAX as usize;
@@ -27,22 +29,34 @@ const MEMORY_KINDS: [(&str, MemoryKind); 5] = [
     ("bit", MemoryKind::Bit),
 ];
 
-/// The entries of `io`, none where one has problems.
-pub(super) fn io(cx: &Context<'_>) -> Vec<Option<IoConfig>> {
+/// The entries of `io`, none where one has problems, and the filters of digital inputs.
+pub(super) fn io(cx: &Context<'_>) -> (Vec<Option<IoConfig>>, Vec<FilterConfig>) {
     let entries = cx.names.section(Section::Io);
     limit(entries, MOST);
     let mut taken = Once::new();
-    entries.iter().map(|entry| one_io(entry, cx, &mut taken)).collect()
+    let (mut filters, mut inputs) = (Vec::new(), 0);
+    let read = |entry| {
+        let (io, filter) = one_io(entry, cx, &mut taken)?;
+        filters.extend(filter.filter(|time_ns| *time_ns > 0).map(|time_ns| FilterConfig { input: inputs, time_ns }));
+        inputs += usize::from(io.kind == IoKind::DigitalInput);
+        Some(io)
+    };
+    (entries.iter().map(read).collect(), filters)
 }
 
-fn one_io<'d>(entry: &Entry<'d>, cx: &Context<'d>, taken: &mut Once<(usize, &'static str, u16)>) -> Option<IoConfig> {
+fn one_io<'d>(
+    entry: &Entry<'d>,
+    cx: &Context<'d>,
+    taken: &mut Once<(usize, &'static str, u16)>,
+) -> Option<(IoConfig, Option<u64>)> {
     let mut map = entry.value.map(format!("io `{}`", entry.name()))?;
     let kind = map.required("type").and_then(|value| value.choice(&IO_KINDS.map(|(name, kind)| (name, (name, kind)))));
     let address = address(&mut map, &cx.names, kind.map(|(name, _)| name), taken);
     let latch = map.optional("latch").map_or(Some(false), |value| latch(&value, kind));
+    let filter = map.optional("filter").map_or(Some(None), |value| filter(&value, kind).map(Some));
     map.finish();
     address?;
-    Some(IoConfig { name: entry.name().to_owned(), kind: kind?.1, latch: latch? })
+    Some((IoConfig { name: entry.name().to_owned(), kind: kind?.1, latch: latch? }, filter?))
 }
 
 fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>) -> Option<bool> {
@@ -53,6 +67,18 @@ fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>) -> Option<bool> {
             None
         }
         _ => Some(latch),
+    }
+}
+
+/// How long a level must stand before it counts (ns).
+fn filter(value: &Value<'_>, kind: Option<(&str, IoKind)>) -> Option<u64> {
+    let time = brake::time(value)?;
+    match kind {
+        Some((name, kind)) if kind != IoKind::DigitalInput => {
+            value.refuse(format!("filter is for type di; this one is {name}"), Some("leave it out".to_owned()));
+            None
+        }
+        _ => Some(time),
     }
 }
 
@@ -97,9 +123,10 @@ fn one_encoder<'d>(
 ) -> Option<EncoderConfig> {
     let mut map = entry.value.map(format!("encoder `{}`", entry.name()))?;
     let address = address(&mut map, &cx.names, Some("encoder"), taken);
-    let bits = map.optional("bits").map_or(Some(32), |value| value.integer(1..=64_u32));
     let travel = Travel::read(&mut map);
+    let check = encoders::check(&mut map, &travel);
+    let form = encoders::form(&mut map, &travel, 32);
     map.finish();
     address?;
-    Some(EncoderConfig { name: entry.name().to_owned(), bits: bits?, scale: travel.scale? })
+    Some(EncoderConfig { name: entry.name().to_owned(), form: form?, check: check?, scale: travel.scale? })
 }

@@ -19,23 +19,30 @@
 mod amc;
 mod axes;
 mod backends;
+mod brake;
 mod devices;
+mod encoders;
+mod fixtures;
 mod functions;
 mod groups;
+mod machine;
 mod models;
 mod names;
 mod parameters;
 mod robot;
 mod ros;
+mod safety;
 mod scale;
 mod wiring;
 
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
-use lineshaft_core::config::MachineConfig;
-use lineshaft_core::sim::Model;
+use lineshaft_core::axis::Safety;
+use lineshaft_core::config::{GlobalConfig, MachineConfig};
+use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
 use lineshaft_ros::layer::NodeName;
+pub(crate) use machine::refuse_missing;
 use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, turned_views};
 pub use robot::Robot;
@@ -55,6 +62,8 @@ pub struct Cell {
     pub machine: MachineConfig,
     /// One for each axis that has a drive, in file order: how it is simulated.
     pub models: Vec<Model>,
+    /// One for each axis that has a drive, in file order: what hangs on it in the simulation.
+    pub mechanics: Vec<Mechanics>,
     /// One for each axis, in file order: what its drive is called, `backend:address`; none for a virtual one.
     pub hardware: Vec<Option<String>>,
     /// How it appears in ROS 2.
@@ -137,6 +146,16 @@ impl Cell {
         Self { robot: Some(robot), ..cell }
     }
 
+    /// A simulation of all that it is made of, whatever its backends are.
+    pub fn plant(&self) -> Plant {
+        let models: Vec<_> = self.models.iter().copied().map(Some).collect();
+        let mut plant = Plant::new(&self.machine, &models);
+        for (place, mechanics) in self.mechanics.iter().enumerate() {
+            plant.install(place, mechanics);
+        }
+        plant
+    }
+
     fn of(document: Document) -> Result<Self, Problems> {
         let cell = document.root("the cell").and_then(|root| read(&root, document.text()));
         match cell {
@@ -152,14 +171,17 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     map.required("lineshaft").iter().for_each(check_format);
     let cycle_ns = map.required("cycle").and_then(|value| cycle(&value));
     let ros = map.optional("ros").map_or(Some(RosOptions::default()), |value| ros::read(&value));
+    let contacts = map.optional("safety");
     let names = Names::read(&mut map);
-    map.finish();
 
     let backends = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
-    let io = devices::io(&cx);
+    let (io, filters) = devices::io(&cx);
+    let parameters = machine::read(&mut map, &io);
+    map.finish();
     let (memory, encoders) = (devices::memory(&cx), devices::encoders(&cx));
     let axes = axes::read(&cx, &io);
+    let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
     functions::check(&cx, &io);
     let groups = groups::read(&cx);
 
@@ -169,19 +191,31 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
         hardware.push(name);
         (axis, model)
     });
-    let (axes, models): (_, Vec<_>) = parts.unzip();
+    let (axes, simulated): (_, Vec<_>) = parts.unzip();
     let machine = MachineConfig {
         cycle_ns: cycle_ns?,
         io: io.into_iter().collect::<Option<_>>()?,
         memory: memory.into_iter().collect::<Option<_>>()?,
         encoders: encoders.into_iter().collect::<Option<_>>()?,
         axes,
+        safety: safety?,
+        global: GlobalConfig { parameters, saved: None, filters },
     };
     let backends = cx.names.section(Section::Backends).iter().zip(&cx.backends);
     let real = backends.filter(|(_, backend)| **backend == Some(Backend::Can));
     let real_backends = real.map(|(entry, _)| entry.name().to_owned()).collect();
-    let models = models.into_iter().flatten().collect();
-    Some(Cell { machine, models, hardware, ros: ros?, groups, real_backends, text: text.to_owned(), robot: None })
+    let (models, mechanics) = simulated.into_iter().flatten().unzip();
+    Some(Cell {
+        machine,
+        models,
+        mechanics,
+        hardware,
+        ros: ros?,
+        groups,
+        real_backends,
+        text: text.to_owned(),
+        robot: None,
+    })
 }
 
 fn check_format(value: &Value<'_>) {

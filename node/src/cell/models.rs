@@ -1,6 +1,6 @@
 //! Key `sim` of an axis: how its drive is simulated, and whether that fits the way in which it is commanded.
 
-use crate::document::{Allowed, Value};
+use crate::document::{Allowed, Map, Value};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::sim::{Model, ModelError, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::unit::Dimension;
@@ -53,12 +53,10 @@ impl Kind {
 }
 
 /// The model; `interface` is that of the drive, where it is known.
-pub(super) fn model(value: &Value<'_>, interface: Option<Interface>, cycle_ns: u64) -> Option<Model> {
-    let mut map = value.map("sim")?;
+pub(super) fn model(map: &mut Map<'_>, interface: Option<Interface>, cycle_ns: u64) -> Option<Model> {
     let named = map.required("model");
     let kind = named.as_ref().and_then(|value| value.choice(&KINDS));
     let values = KEYS.map(|(key, _)| map.optional(key));
-    map.finish();
     let kind = kind?;
     let mut good = true;
     for (value, (key, kinds)) in values.iter().zip(KEYS) {

@@ -6,12 +6,13 @@ use super::names::quote;
 use super::scale::Travel;
 use crate::document::{Allowed, Map, Value};
 pub(crate) use agree::{contradictions, double_views, turned_views};
-use lineshaft_core::axis::may_turn_loop;
+use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
 use lineshaft_core::code::Code;
 use lineshaft_core::config::highest_velocity;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::parameter::{
-    self, Applies, AxisParameters, Bare, ConvertError, Measure, ParameterInput, ROWS, Range, Refused, Row, Storage,
+    self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Range, Refused, Row,
+    Storage,
 };
 use lineshaft_core::text::{expected_text, not_built_here, range_text, refused_text, value_text};
 use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
@@ -20,13 +21,13 @@ use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 const MOST: f64 = 1e15;
 
 /// Vocabularies whose keys stand in a map of their own: `amc: {stop_mode: 1}` is `amc.stop_mode: 1`.
-const PREFIXES: [&str; 3] = ["amc", "saia", "wf"];
+const PREFIXES: [&str; 4] = ["amc", "saia", "wf", "homing"];
 
 /// The keys that stand in the file, with their values.
 pub(super) type Given<'d> = Vec<(&'static str, Value<'d>)>;
 
 /// The maps of the vocabularies, where they stand.
-pub(super) struct Sections<'d>([Option<Map<'d>>; 3]);
+pub(super) struct Sections<'d>([Option<Map<'d>>; 4]);
 
 impl<'d> Sections<'d> {
     pub(super) fn open(map: &mut Map<'d>) -> Self {
@@ -46,7 +47,13 @@ impl<'d> Sections<'d> {
     /// The value of a key, from its section or by its whole name.
     pub(super) fn value(&mut self, map: &mut Map<'d>, whole_key: &str) -> Option<Value<'d>> {
         let whole = map.optional(whole_key);
-        let Some((prefix, key)) = whole_key.split_once('.') else { return whole };
+        let is_homing = |row: &&Row| row.key == whole_key && row.group == Group::Homing;
+        let (prefix, key) = match whole_key.split_once('.') {
+            Some(parts) => parts,
+            // The words of MACS may stand in section homing, too.
+            None if ROWS.iter().any(|row| is_homing(&row)) => ("homing", whole_key),
+            None => return whole,
+        };
         let nested = self.of(prefix).and_then(|section| section.optional(key));
         if let (Some(whole), Some(_)) = (&whole, &nested) {
             whole.refuse(format!("{whole_key} stands in section {prefix} too"), None);
@@ -90,6 +97,12 @@ pub(super) fn read<'d>(
         && !may_turn_loop(who, &parameters)
     {
         value.refuse(format!("posdrct {} {}", parameters.macs.posdrct, not_built_here(Code::LOOP_IN_DRIVE)), None);
+    }
+    if let (Some(who), Some((_, value))) = (who, given.iter().find(|(key, _)| *key == "revers"))
+        && !may_tell_sign(who, &parameters)
+    {
+        let why = not_built_here(Code::REVERSING_BY_POSITION);
+        value.refuse(format!("revers {} {why}", parameters.macs.revers), None);
     }
     if let Some(scale) = &travel.scale {
         contradictions(&parameters, &given, scale, cycle_ns);

@@ -32,7 +32,7 @@ pub(super) fn read<'d>(
 }
 
 /// The output that a key names.
-fn place<'d>(
+pub(super) fn place<'d>(
     value: &Value<'d>,
     kind: IoKind,
     cx: &Context<'d>,

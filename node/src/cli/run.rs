@@ -97,7 +97,7 @@ fn start(
     };
     let cell = &cell;
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
-    let plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
+    let plant = cell.plant();
     cell.machine.check_backend(&plant).map_err(|error| error.to_string())?;
     let first = start_command(&cell.machine, &mut options.overrides)?;
     first.as_ref().map_or(Ok(()), |action| try_first(&cell.machine, action))?;

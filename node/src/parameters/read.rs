@@ -5,11 +5,11 @@
 
 mod names;
 
-use crate::cell::{contradictions, double_views, turned_views};
+use crate::cell::{contradictions, double_views, refuse_missing, turned_views};
 use crate::document::{Document, Problems, Value};
 use crate::scenario::parameter_change;
-use lineshaft_core::config::MachineConfig;
-use lineshaft_core::parameter::{self, AxisParameters, Change, MACHINE, Row, in_order};
+use lineshaft_core::config::{IoCounts, MachineConfig};
+use lineshaft_core::parameter::{self, AxisParameters, Change, MACHINE, MachineParameters, Row, in_order};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::{Scale, excerpt};
@@ -40,6 +40,8 @@ pub struct Import {
     pub changes: Box<[Change]>,
     /// The parameters of each axis afterwards.
     pub parameters: Vec<AxisParameters>,
+    /// Those of the machine.
+    pub machine: MachineParameters,
 }
 
 /// Checks a file of parameters against a cell, without a machine.
@@ -60,8 +62,18 @@ pub fn check_import(document: Document, config: &MachineConfig, directory: &Dire
         turned_views(after, set);
         contradictions(after, &lines.given(index), &axis.scale, Some(config.cycle_ns));
     }
+    let machine = lines.machine(config);
+    for (index, after) in parameters.iter().enumerate() {
+        // Whether a drive has a use for outputs that tell the sign is asked by the machine.
+        let missing = IoCounts::of(config).check_axis(after).err().filter(|missing| missing.key != "revers");
+        refuse_missing(missing, &lines.given(index));
+    }
     let changes = lines.0.iter().map(|line| line.change).collect();
-    if document.problems().is_empty() { Ok(Import { changes, parameters }) } else { Err(document.into_problems()) }
+    if document.problems().is_empty() {
+        Ok(Import { changes, parameters, machine })
+    } else {
+        Err(document.into_problems())
+    }
 }
 
 /// A line of the text.
@@ -106,6 +118,17 @@ impl<'d> Lines<'d> {
 
     fn of(&self, axis: usize) -> impl Iterator<Item = &Line<'d>> {
         self.0.iter().filter(move |line| usize::from(line.change.axis) == axis)
+    }
+
+    /// The parameters of the machine afterwards; an input or output that the cell has not is a problem.
+    fn machine(&self, config: &MachineConfig) -> MachineParameters {
+        let mut after = config.global.power_on();
+        for line in self.of(usize::from(MACHINE)) {
+            // What its row refuses is told already.
+            let _ = line.change.row().map(|row| row.assign_to_machine(&mut after, line.change.value));
+        }
+        refuse_missing(IoCounts::of(config).check_machine(&after).err(), &self.given(usize::from(MACHINE)));
+        after
     }
 
     /// The keys of an axis, with their values.

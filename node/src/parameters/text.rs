@@ -2,7 +2,7 @@
 
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::object::AxisSet;
-use lineshaft_core::parameter::{AxisParameters, Measure, ParameterImage, ROWS, Row, Value};
+use lineshaft_core::parameter::{AxisParameters, MachineParameters, Measure, ParameterImage, ROWS, Row, Value};
 use lineshaft_ros::surface::host::Listing;
 use std::fmt::Write;
 
@@ -20,7 +20,7 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
         Some(now) if row.key != "posdrct" => row.value(&other.in_sense_of(now)),
         _ => row.value(other),
     };
-    lines(config, &image.effective, |index, row| {
+    let text = lines(config, &image.effective, |index, row| {
         let now = image.effective.get(index).map(|parameters| row.value(parameters));
         let other = match what {
             Listing::All => None,
@@ -30,7 +30,27 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
             Listing::NotSaved => image.user.get(index).map(|user| before(index, row, user)),
         };
         axes.contains(index as u16) && (other.is_none() || now != other)
-    })
+    });
+    if axes == AxisSet::first(config.axes.len()) { machine_lines(config, image, what) + &text } else { text }
+}
+
+/// A line for each parameter of the machine.
+fn machine_lines(config: &MachineConfig, image: &ParameterImage, what: Listing) -> String {
+    let [now, user] = &image.machine;
+    let other = match what {
+        Listing::All => None,
+        Listing::NotDefault => Some(MachineParameters::default()),
+        Listing::NotCell => Some(config.global.parameters),
+        Listing::NotSaved => Some(*user),
+    };
+    let mut text = String::new();
+    for row in ROWS.iter().filter(|row| row.is_kept_by_machine()) {
+        let value = row.machine_value(now);
+        if let (Value::Int(number), true) = (value, other.is_none_or(|other| row.machine_value(&other) != value)) {
+            let _ = writeln!(text, "machine.{}: {number}", row.key);
+        }
+    }
+    text
 }
 
 /// A line for each parameter that was given by its row, and that `takes`.

@@ -4,15 +4,25 @@ use super::catalogue::Filter;
 use super::read::Import;
 use super::words::{default_text, storage_text};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
-use lineshaft_core::parameter::{AxisParameters, Change, Measure, ROWS, Row, Storage, Value};
+use lineshaft_core::parameter::{AxisParameters, Change, MachineParameters, Measure, ROWS, Row, Storage, Value};
 use lineshaft_core::text::value_text;
+use lineshaft_core::unit::Scale;
 use std::fmt::Write;
 
-/// A line for each parameter that applies, `*` where it is not at its default; with `changed` only those, each by the name by
+/// A line for each parameter that applies, of the machine and of each axis, `*` where it is not at its default; with `changed` only those, each by the name by
 /// which it was given.
 pub fn values(config: &MachineConfig, parameters: &[AxisParameters], filter: &Filter, changed: bool) -> String {
     let defaults = AxisParameters::new(0.0, 0.0);
     let mut lines = Vec::new();
+    let of_machine = config.global.power_on();
+    for row in machine_rows().filter(|row| filter.takes_of("machine", row)) {
+        let differs = row.machine_value(&of_machine) != row.default;
+        if differs || !changed {
+            let mark = if differs { "*" } else { "" };
+            let name = format!("machine.{}", row.key);
+            lines.push([name, mark.to_owned(), machine_value(row, &of_machine), remark(row, differs)]);
+        }
+    }
     for (axis, parameters) in config.axes.iter().zip(parameters) {
         for row in ROWS.iter().filter(|row| row.applies.to(axis) && filter.takes_of(&axis.name, row)) {
             let is_given = row.required || row.value(parameters) != row.value(&defaults);
@@ -42,6 +52,11 @@ pub fn values(config: &MachineConfig, parameters: &[AxisParameters], filter: &Fi
 /// What a file changes: a line `x.max_velocity: 1200 mm/s -> 800 mm/s` for each.
 pub fn differences(config: &MachineConfig, import: &Import) -> String {
     let mut text = String::new();
+    let before = config.global.power_on();
+    for row in machine_rows().filter(|row| row.machine_value(&before) != row.machine_value(&import.machine)) {
+        let (old, new) = (machine_value(row, &before), machine_value(row, &import.machine));
+        let _ = writeln!(text, "machine.{}: {old} -> {new}", row.key);
+    }
     for (index, (axis, after)) in config.axes.iter().zip(&import.parameters).enumerate() {
         let before = axis.power_on();
         let is_named = |row: &Row| {
@@ -60,11 +75,23 @@ pub fn differences(config: &MachineConfig, import: &Import) -> String {
     text
 }
 
+fn machine_rows() -> impl Iterator<Item = &'static Row> {
+    ROWS.iter().filter(|row| row.is_kept_by_machine())
+}
+
+fn machine_value(row: &Row, parameters: &MachineParameters) -> String {
+    with_unit(row, row.machine_value(parameters), &Scale::increments())
+}
+
 /// In the axis unit or the row's own.
 fn value(row: &Row, parameters: &AxisParameters, axis: &AxisConfig) -> String {
-    let text = value_text(row, row.value(parameters), &axis.scale);
+    with_unit(row, row.value(parameters), &axis.scale)
+}
+
+fn with_unit(row: &Row, value: Value, scale: &Scale) -> String {
+    let text = value_text(row, value, scale);
     let is_plain = matches!(row.measure, Measure::Integer | Measure::Number) && !row.unit.is_empty();
-    if is_plain && row.value(parameters) != Value::Unset { format!("{text} {}", row.unit) } else { text }
+    if is_plain && value != Value::Unset { format!("{text} {}", row.unit) } else { text }
 }
 
 /// What a person wants to know beside the value.

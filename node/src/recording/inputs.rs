@@ -20,6 +20,8 @@ pub(super) fn fill(message: &mut CycleInputs, inputs: &Inputs, config: &MachineC
     set(&mut message.encoder_count, encoders().map(|encoder| encoder.count));
     set(&mut message.encoder_epoch, encoders().map(|encoder| encoder.epoch));
     set(&mut message.encoder_valid, encoders().map(|encoder| encoder.valid));
+    set(&mut message.encoder_has_index, encoders().map(|encoder| encoder.index.is_some()));
+    set(&mut message.encoder_index, encoders().map(|encoder| encoder.index.unwrap_or(0)));
     let drives = || inputs.drive.iter();
     set(&mut message.drive_count, drives().map(|drive| drive.count));
     set(&mut message.drive_epoch, drives().map(|drive| drive.epoch));
@@ -30,6 +32,9 @@ pub(super) fn fill(message: &mut CycleInputs, inputs: &Inputs, config: &MachineC
     set(&mut message.drive_fault, drives().map(|drive| drive.fault));
     set(&mut message.drive_online, drives().map(|drive| drive.online));
     set(&mut message.drive_fresh, drives().map(|drive| drive.fresh));
+    set(&mut message.drive_inputs, drives().map(|drive| drive.inputs));
+    set(&mut message.drive_has_index, drives().map(|drive| drive.index.is_some()));
+    set(&mut message.drive_index, drives().map(|drive| drive.index.unwrap_or(0)));
     let latches = || inputs.latch.iter();
     set(&mut message.latch_object, latches().map(|latch| config.name(latch.object).to_owned()));
     set(&mut message.latch_edge, latches().map(|latch| edge_number(latch.edge)));
@@ -62,8 +67,14 @@ pub fn read_inputs(message: &CycleInputs, config: &MachineConfig, inputs: &mut I
     inputs.latches_lost = message.latches_lost;
     inputs.digital.clone_from(&message.digital);
     inputs.analog.clone_from(&message.analog);
-    set(&mut inputs.encoder, (0..message.encoder_count.len()).map(|place| encoder(message, place)));
-    set(&mut inputs.drive, (0..message.drive_count.len()).map(|place| drive(message, place)));
+    inputs.encoder.clear();
+    for place in 0..message.encoder_count.len() {
+        inputs.encoder.push(encoder(message, place)?);
+    }
+    inputs.drive.clear();
+    for place in 0..message.drive_count.len() {
+        inputs.drive.push(drive(message, place)?);
+    }
     inputs.latch.clear();
     for place in 0..message.latch_object.len() {
         inputs.latch.push(latch(message, place, config)?);
@@ -80,6 +91,8 @@ fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), Stri
         ("encoder_count", message.encoder_count.len(), encoders),
         ("encoder_epoch", message.encoder_epoch.len(), encoders),
         ("encoder_valid", message.encoder_valid.len(), encoders),
+        ("encoder_has_index", message.encoder_has_index.len(), encoders),
+        ("encoder_index", message.encoder_index.len(), encoders),
         ("drive_count", message.drive_count.len(), drives),
         ("drive_epoch", message.drive_epoch.len(), drives),
         ("drive_velocity", message.drive_velocity.len(), drives),
@@ -89,6 +102,9 @@ fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), Stri
         ("drive_fault", message.drive_fault.len(), drives),
         ("drive_online", message.drive_online.len(), drives),
         ("drive_fresh", message.drive_fresh.len(), drives),
+        ("drive_inputs", message.drive_inputs.len(), drives),
+        ("drive_has_index", message.drive_has_index.len(), drives),
+        ("drive_index", message.drive_index.len(), drives),
         ("latch_edge", message.latch_edge.len(), latches),
         ("latch_has_age", message.latch_has_age.len(), latches),
         ("latch_age_ns", message.latch_age_ns.len(), latches),
@@ -104,16 +120,23 @@ fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), Stri
     }
 }
 
-fn encoder(message: &CycleInputs, place: usize) -> EncoderInput {
-    EncoderInput {
+fn encoder(message: &CycleInputs, place: usize) -> Result<EncoderInput, String> {
+    Ok(EncoderInput {
         count: message.encoder_count[place],
         epoch: message.encoder_epoch[place],
         valid: message.encoder_valid[place],
-    }
+        index: index("encoder", place, &message.encoder_has_index, &message.encoder_index)?,
+    })
 }
 
-fn drive(message: &CycleInputs, place: usize) -> DriveInput {
-    DriveInput {
+/// The index pulse of the encoder or drive at `place`.
+fn index(what: &str, place: usize, has: &[bool], counts: &[i64]) -> Result<Option<i64>, String> {
+    optional(has[place], counts[place])
+        .ok_or_else(|| format!("{what}_index[{place}] is not 0, though {what}_has_index is false"))
+}
+
+fn drive(message: &CycleInputs, place: usize) -> Result<DriveInput, String> {
+    Ok(DriveInput {
         count: message.drive_count[place],
         epoch: message.drive_epoch[place],
         velocity: message.drive_velocity[place],
@@ -123,7 +146,9 @@ fn drive(message: &CycleInputs, place: usize) -> DriveInput {
         fault: message.drive_fault[place],
         online: message.drive_online[place],
         fresh: message.drive_fresh[place],
-    }
+        inputs: message.drive_inputs[place],
+        index: index("drive", place, &message.drive_has_index, &message.drive_index)?,
+    })
 }
 
 fn latch(message: &CycleInputs, place: usize, config: &MachineConfig) -> Result<Latch, String> {

@@ -8,7 +8,6 @@ use lineshaft_core::drive::{Backend, Inputs};
 use lineshaft_core::event::Event;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::Board;
-use lineshaft_core::sim::Plant;
 
 /// All axes are switched on; x, y and the turret move to and fro; a request is refused.
 pub(crate) const MOVING: &str = "
@@ -39,8 +38,7 @@ pub(crate) fn record(cell: &Cell, scenario: &str, cycles: u64, start_ns: u64) ->
     let scenario = scenario.replace("CYCLES", &cycles.to_string());
     let scenario = Scenario::parse("rig.yaml", &scenario, cell).unwrap_or_else(|problems| panic!("{problems}"));
     let mut machine = Machine::new(cell.machine.clone()).unwrap_or_else(|error| panic!("{error}"));
-    let models: Vec<_> = cell.models.iter().copied().map(Some).collect();
-    let mut plant = Plant::new(&cell.machine, &models);
+    let mut plant = cell.plant();
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut player = Player::new(&scenario);
     let mut encoder = Encoder::new(cell, machine.config(), machine.directory());

@@ -288,7 +288,10 @@ impl Bridge {
         }
         if self.parameters.update() {
             let newest = Arc::new(self.parameters.output_buffer().clone());
-            if let Some(keeper) = handle.keeper.as_ref().filter(|_| newest.user != handle.parameters().user) {
+            if let Some(keeper) = handle.keeper.as_ref().filter(|_| {
+                let before = handle.parameters();
+                newest.user != before.user || newest.machine[1] != before.machine[1]
+            }) {
                 keeper.keep(Arc::clone(&newest), None);
             }
             *handle.parameters.write().unwrap_or_else(PoisonError::into_inner) = newest;

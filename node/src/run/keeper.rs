@@ -85,7 +85,7 @@ impl Keeper {
 
     fn write(&mut self) -> Result<(), String> {
         let Some(image) = &self.newest else { return Ok(()) };
-        let kept = self.store.keep(&self.config, &image.user);
+        let kept = self.store.keep_all(&self.config, &image.user, &image.machine[1]);
         match &kept {
             Ok(is_new) => {
                 if *is_new {

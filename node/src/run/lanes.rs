@@ -8,7 +8,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Room of the stop lane: halt, quick_stop, disable and deactivate.
+/// Room of the stop lane: halt, quick_stop, disable, abort and deactivate.
 const STOP_ROOM: usize = 64;
 /// Room of the queue.
 const QUEUE_ROOM: usize = 256;

@@ -16,7 +16,7 @@ use super::ruler::Ruler;
 use super::{csv, moment};
 use crate::document::{Map, Place, Problems, Value};
 use lineshaft_core::config::IoKind;
-use lineshaft_core::drive::Inputs;
+use lineshaft_core::drive::{self, Inputs};
 use lineshaft_core::object::Object;
 use lineshaft_core::signal::{Signal, Type, Value as Number};
 use lineshaft_core::unit::{Fraction, fraction_from_f64, fraction_to_f64};
@@ -44,6 +44,8 @@ pub(super) enum Target {
     Analog(usize),
     Encoder(usize),
     Drive(usize),
+    /// Bits of the drive's digital inputs.
+    Switch(usize, u32),
     Memory(u16),
 }
 
@@ -158,6 +160,11 @@ impl Drive {
                     input.count = whole();
                 }
             }
+            Target::Switch(place, bit) => {
+                if let Some(input) = inputs.drive.get_mut(place) {
+                    input.inputs = input.inputs & !bit | if value.to_f64() != 0.0 { bit } else { 0 };
+                }
+            }
             Target::Memory(_) => {}
         }
     }
@@ -220,7 +227,8 @@ impl Reader<'_> {
         let target = if entry.drivable { self.target(&entry.name) } else { None };
         if target.is_none() {
             let sentence = format!("{} cannot be driven", entry.name);
-            let rule = "inputs, memory cells, ENCODER.count, and AXIS.actual.count of axes with a drive can";
+            let rule =
+                "inputs, memory cells, ENCODER.count, and of axes with a drive AXIS.actual.count and its switches can";
             value.refuse(format!("{sentence}; {rule}"), None);
         }
         target.map(|target| (signal, target))
@@ -231,6 +239,17 @@ impl Reader<'_> {
         if let Some(axis) = name.strip_suffix(".actual.count") {
             let index = config.axes.iter().position(|entry| entry.name == axis)?;
             return self.names.drive_of(index as u16).map(Target::Drive);
+        }
+        let switches = [
+            (".limit.positive", drive::inputs::POSITIVE_LIMIT),
+            (".limit.negative", drive::inputs::NEGATIVE_LIMIT),
+            (".reference_switch", drive::inputs::HOME),
+        ];
+        for (suffix, bit) in switches {
+            if let Some(axis) = name.strip_suffix(suffix) {
+                let index = config.axes.iter().position(|entry| entry.name == axis)?;
+                return self.names.drive_of(index as u16).map(|place| Target::Switch(place, bit));
+            }
         }
         if let Some(encoder) = name.strip_suffix(".count") {
             let place = config.encoders.iter().position(|entry| entry.name == encoder);

@@ -5,7 +5,7 @@ use super::names::Names;
 use super::ruler::Ruler;
 use crate::document::Value;
 use lineshaft_core::config::IoKind;
-use lineshaft_core::drive::{Edge, Latch};
+use lineshaft_core::drive::{Edge, Latch, inputs};
 use lineshaft_core::object::Object;
 use lineshaft_core::signal::Value as Number;
 use lineshaft_core::sim::Plant;
@@ -14,12 +14,62 @@ use lineshaft_core::sim::Plant;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Injection {
     Latch(Latch),
-    Digital { place: usize, on: bool },
-    Analog { place: usize, volts: f64 },
-    Fault { drive: usize, code: u16 },
-    DriveLost { drive: usize },
-    DriveJump { drive: usize, by: i64 },
-    EncoderJump { encoder: usize, by: i64 },
+    Digital {
+        place: usize,
+        on: bool,
+    },
+    Analog {
+        place: usize,
+        volts: f64,
+    },
+    Fault {
+        drive: usize,
+        code: u16,
+    },
+    DriveLost {
+        drive: usize,
+    },
+    DriveJump {
+        drive: usize,
+        by: i64,
+    },
+    EncoderJump {
+        encoder: usize,
+        by: i64,
+    },
+    IndexLost {
+        drive: usize,
+    },
+    /// Bits of the digital inputs (60FDh) that do not move any more, and how they stand; the others move again.
+    StuckSwitch {
+        drive: usize,
+        mask: u32,
+        value: u32,
+    },
+    /// Bits of words to come are turned over.
+    Bits {
+        of: Encoder,
+        bits: i64,
+        words: u32,
+    },
+    /// The line of an encoder is cut.
+    Cut {
+        of: Encoder,
+    },
+    /// Pulses that an encoder counts too many.
+    Slip {
+        encoder: usize,
+        by: i64,
+    },
+}
+
+/// Whose words they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Encoder {
+    /// Of a drive.
+    Drive(usize),
+    /// An entry of section `encoders`.
+    Entry(usize),
 }
 
 impl Injection {
@@ -30,11 +80,28 @@ impl Injection {
             Self::Digital { place, on } => plant.set_digital(place, on),
             Self::Analog { place, volts } => plant.set_analog(place, volts),
             Self::EncoderJump { encoder, by } => plant.jump_encoder(encoder, by),
-            Self::Fault { drive, .. } | Self::DriveLost { drive } | Self::DriveJump { drive, .. } => {
+            Self::Slip { encoder, by } => plant.slip_encoder(encoder, by),
+            Self::Bits { of: Encoder::Entry(encoder), bits, words } => plant.disturb_encoder(encoder, bits, words),
+            Self::Cut { of: Encoder::Entry(encoder) } => plant.cut_encoder(encoder),
+            Self::Bits { of: Encoder::Drive(drive), bits, words } => match plant.drive(drive) {
+                Some(drive) => drive.disturb(bits, words),
+                None => return false,
+            },
+            Self::Cut { of: Encoder::Drive(drive) } => match plant.drive(drive) {
+                Some(drive) => drive.cut_encoder(),
+                None => return false,
+            },
+            Self::Fault { drive, .. }
+            | Self::DriveLost { drive }
+            | Self::DriveJump { drive, .. }
+            | Self::IndexLost { drive }
+            | Self::StuckSwitch { drive, .. } => {
                 let Some(drive) = plant.drive(drive) else { return false };
                 match self {
                     Self::Fault { code, .. } => drive.inject_fault(code),
                     Self::DriveJump { by, .. } => drive.jump(by),
+                    Self::IndexLost { .. } => drive.lose_index(),
+                    Self::StuckSwitch { mask, value, .. } => drive.stick(mask, value),
                     _ => drive.lose(),
                 }
             }
@@ -45,7 +112,8 @@ impl Injection {
 
 /// Reads what to inject.
 pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
-    const KINDS: &str = "latch, input, fault, drive_lost, encoder_jump, power_cycle";
+    const KINDS: &str = "latch, input, fault, drive_lost, encoder_jump, encoder_bits, encoder_cut, encoder_slip, index_lost, \
+                         stuck_switch, power_cycle";
     let entries = value.entries()?;
     let [(kind, arguments)] = entries.as_slice() else {
         value.refuse(format!("inject does one thing: one of {KINDS}"), None);
@@ -55,17 +123,18 @@ pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         "latch" => latch(arguments, names),
         "input" => input(arguments, names),
         "fault" => fault(arguments, names),
-        "drive_lost" => {
-            let mut map = arguments.map("drive_lost")?;
+        "drive_lost" => drive_alone("drive_lost", arguments, names).map(|drive| Injection::DriveLost { drive }),
+        "encoder_jump" => encoder_jump(arguments, names),
+        "index_lost" => drive_alone("index_lost", arguments, names).map(|drive| Injection::IndexLost { drive }),
+        "stuck_switch" => stuck_switch(arguments, names),
+        "encoder_bits" => encoder_bits(arguments, names),
+        "encoder_cut" => {
+            let mut map = arguments.map("encoder_cut")?;
             let axis = map.required("axis");
             map.finish();
-            drive(&axis?, names).map(|(drive, _)| Injection::DriveLost { drive })
+            encoder(&axis?, names).map(|of| Injection::Cut { of })
         }
-        "encoder_jump" => encoder_jump(arguments, names),
-        "index_lost" => {
-            kind.refuse("inject index_lost does not exist yet", None);
-            None
-        }
+        "encoder_slip" => encoder_slip(arguments, names),
         _ => {
             kind.refuse(format!("`{}` cannot be injected; {KINDS} can", kind.peek().unwrap_or_default()), None);
             None
@@ -161,6 +230,69 @@ fn encoder_jump(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let (drive, index) = drive(&axis, names)?;
     let by = whole(&by, Ruler::of_positions(names.config.axes[index].scale))?;
     Some(Injection::DriveJump { drive, by })
+}
+
+/// Switches that do not move any more, and how they stand: `{axis: x, home: 1}`. Those that are left out move again.
+fn stuck_switch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
+    const SWITCHES: [(&str, u32); 3] =
+        [("home", inputs::HOME), ("positive", inputs::POSITIVE_LIMIT), ("negative", inputs::NEGATIVE_LIMIT)];
+    let mut map = value.map("stuck_switch")?;
+    let axis = map.required("axis");
+    let stuck = SWITCHES.map(|(name, bit)| (bit, map.optional(name).map(|level| level.integer(0..=1_u32))));
+    map.finish();
+    let (drive, _) = drive(&axis?, names)?;
+    let (mut mask, mut levels) = (0, 0);
+    for (bit, level) in stuck {
+        if let Some(level) = level {
+            mask |= bit;
+            levels |= bit * level?;
+        }
+    }
+    Some(Injection::StuckSwitch { drive, mask, value: levels })
+}
+
+/// The drive of `{axis: NAME}`, which is all there is to say.
+fn drive_alone(what: &str, value: &Value<'_>, names: &Names<'_>) -> Option<usize> {
+    let mut map = value.map(what)?;
+    let axis = map.required("axis");
+    map.finish();
+    drive(&axis?, names).map(|(drive, _)| drive)
+}
+
+/// An entry of section `encoders`, or the encoder of an axis' drive.
+fn encoder(value: &Value<'_>, names: &Names<'_>) -> Option<Encoder> {
+    let entry = names.config.encoders.iter().position(|entry| Some(entry.name.as_str()) == value.peek());
+    entry.map(Encoder::Entry).or_else(|| drive(value, names).map(|(drive, _)| Encoder::Drive(drive)))
+}
+
+/// `bits` is a number whose ones are turned over, in so many `words`, 1 where nothing is said.
+fn encoder_bits(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
+    let mut map = value.map("encoder_bits")?;
+    let of = map.required("axis").and_then(|axis| encoder(&axis, names));
+    let bits = map.required("bits").and_then(|bits| bits.integer(1..=i64::MAX));
+    let words = map.optional("words").map_or(Some(1), |words| words.integer(1..=u32::MAX));
+    map.finish();
+    Some(Injection::Bits { of: of?, bits: bits?, words: words? })
+}
+
+/// Pulses too many of an entry of section `encoders`; of an axis it is what `encoder_jump` does.
+fn encoder_slip(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
+    let mut map = value.map("encoder_slip")?;
+    let axis = map.required("axis");
+    let by = map.required("by");
+    map.finish();
+    let (axis, by) = (axis?, by?);
+    match encoder(&axis, names)? {
+        Encoder::Entry(encoder) => {
+            let by = whole(&by, Ruler::of_positions(names.config.encoders[encoder].scale))?;
+            Some(Injection::Slip { encoder, by })
+        }
+        Encoder::Drive(drive) => {
+            let index = names.config.find_axis(axis.text()?).ok()?.0;
+            let by = whole(&by, Ruler::of_positions(names.config.axes[usize::from(index)].scale))?;
+            Some(Injection::DriveJump { drive, by })
+        }
+    }
 }
 
 fn whole(value: &Value<'_>, ruler: Ruler) -> Option<i64> {

@@ -27,7 +27,9 @@ impl Ruler {
             kind: entry.kind,
             measure: entry.measure,
             scale: names.scale_of(&entry.name),
-            is_code: entry.kind == Type::Int && entry.measure == Measure::None && entry.name.ends_with(".error"),
+            is_code: entry.kind == Type::Int
+                && entry.measure == Measure::None
+                && (entry.name.ends_with(".error") || entry.name.ends_with(".fault.code")),
         }
     }
 

@@ -9,8 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lineshaft_core::config::ConfigError;
 use lineshaft_core::drive::Backend;
 use lineshaft_core::machine::Machine;
-use lineshaft_core::parameter::{AxisParameters, ParameterImage};
-use lineshaft_core::sim::Plant;
+use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImage};
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -75,8 +74,7 @@ pub fn simulate_with(
 ) -> Result<Report, SimulateError> {
     let started = Instant::now();
     let mut machine = Machine::new(cell.machine.clone())?;
-    let models: Vec<_> = cell.models.iter().copied().map(Some).collect();
-    let mut plant = Plant::new(&cell.machine, &models);
+    let mut plant = cell.plant();
     let mut trace = match &options.csv {
         Some(path) => Some(TraceFile::create(path, scenario, &machine)?),
         None => None,
@@ -129,13 +127,13 @@ struct Keeper {
     store: Store,
     image: ParameterImage,
     /// Layer User as it was last seen.
-    seen: Vec<AxisParameters>,
+    seen: (Vec<AxisParameters>, MachineParameters),
 }
 
 impl Keeper {
     fn new(store: Store, machine: &Machine) -> Self {
         let image = machine.parameter_image();
-        Self { store, seen: image.user.clone(), image }
+        Self { store, seen: (image.user.clone(), image.machine[1]), image }
     }
 
     fn after(&mut self, machine: &Machine) -> Result<(), StoreError> {
@@ -143,9 +141,11 @@ impl Keeper {
             return Ok(());
         }
         machine.copy_parameters(&mut self.image);
-        if self.image.user != self.seen {
-            self.seen.clone_from(&self.image.user);
-            self.store.keep(machine.config(), &self.seen)?;
+        let (user, own) = (&self.image.user, self.image.machine[1]);
+        if (user, &own) != (&self.seen.0, &self.seen.1) {
+            self.store.keep_all(machine.config(), user, &own)?;
+            self.seen.0.clone_from(user);
+            self.seen.1 = own;
         }
         Ok(())
     }

@@ -12,6 +12,8 @@ use lineshaft_core::request::{Amount, MoveRequest, RequestError, SynchronizeRequ
 use lineshaft_core::unit::{Scale, excerpt};
 
 mod amount;
+mod homing;
+mod output;
 mod probe;
 mod recorded;
 mod saia;
@@ -25,7 +27,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 21] = [
+const VERBS: [&str; 25] = [
     "enable",
     "disable",
     "halt",
@@ -33,8 +35,11 @@ const VERBS: [&str; 21] = [
     "reset_errors",
     "activate",
     "deactivate",
+    "abort",
     "move_axis",
     "probe_axis",
+    "home_axis",
+    "set_position",
     "synchronize",
     "follow_joint_trajectory",
     "cancel",
@@ -43,13 +48,14 @@ const VERBS: [&str; 21] = [
     "reset_parameters",
     "delete_parameters",
     "set_memory",
+    "set_output",
     "setpoints",
     "saia",
     "wf",
     "inject",
 ];
 /// Verbs of the contract that are not built.
-const LATER: [&str; 4] = ["home_axis", "set_position", "command_function", "load_table"];
+const LATER: [&str; 2] = ["command_function", "load_table"];
 
 const MODES: [(&str, u8); 5] =
     [("absolute", 0), ("relative", 1), ("additive", 2), ("velocity", 3), ("superimposed", 4)];
@@ -180,6 +186,7 @@ impl Reader<'_> {
             "reset_errors" => add(self.axes(arguments, Action::ResetErrors), None),
             "activate" => add(nothing(arguments, Action::Activate), None),
             "deactivate" => add(nothing(arguments, Action::Deactivate), None),
+            "abort" => add(nothing(arguments, Action::Abort), None),
             "move_axis" => {
                 let (deed, id) = self.move_axis(arguments);
                 add(deed, id);
@@ -188,6 +195,11 @@ impl Reader<'_> {
                 let (deed, id) = self.probe_axis(arguments);
                 add(deed, id);
             }
+            "home_axis" => {
+                let (deed, id) = self.home_axis(arguments);
+                add(deed, id);
+            }
+            "set_position" => add(self.set_position(arguments), None),
             "synchronize" => {
                 let (deed, id) = self.synchronize(arguments);
                 add(deed, id);
@@ -202,6 +214,7 @@ impl Reader<'_> {
             "reset_parameters" => add(self.reset_parameters(arguments), None),
             "delete_parameters" => add(self.axes(arguments, Action::DeleteParameters), None),
             "set_memory" => self.set_memory(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
+            "set_output" => self.set_output(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
             "setpoints" => add(self.setpoints(arguments, Source::Scenario), None),
             "saia" => add(self.saia(arguments), None),
             "wf" => add(self.wf(arguments), None),
@@ -308,7 +321,8 @@ impl Reader<'_> {
     fn synchronize(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
         let Some(mut map) = value.map("synchronize") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
-        let (axis, master) = (map.required("axis"), map.required("master"));
+        let axis = map.required("axis");
+        let master = map.optional("master").map_or(Some(String::new()), |master| master.text().map(str::to_owned));
         let scale = self.scale(axis.as_ref());
         let event = map.optional("event").map_or(Some(String::new()), |event| event.text().map(str::to_owned));
         let [mode, engage, disengage] = [("mode", &SYNC_MODES[..]), ("engage", &ENGAGES), ("disengage", &DISENGAGES)]
@@ -328,7 +342,7 @@ impl Reader<'_> {
         let deed = (|| {
             let request = SynchronizeRequest {
                 axis: axis?.text()?.to_owned(),
-                master: master?.text()?.to_owned(),
+                master: master?,
                 event: event?,
                 mode: mode?,
                 engage: engage?,

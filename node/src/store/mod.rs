@@ -15,7 +15,7 @@ mod text;
 use crate::document::Problems;
 use file::{Files, Found, Present};
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::parameter::{AxisParameters, MachineParameters};
 use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -161,6 +161,7 @@ impl Store {
         if stored.values > 0 {
             let axes: Vec<_> = std::iter::zip(&config.axes, &stored.sets)
                 .filter_map(|(axis, set)| set.as_ref().map(|_| axis.name.as_str()))
+                .chain(stored.machine.map(|_| "the machine"))
                 .collect();
             let (values, take) =
                 if stored.values == 1 { ("1 value", "takes") } else { (&*format!("{} values", stored.values), "take") };
@@ -173,6 +174,7 @@ impl Store {
         for (axis, set) in config.axes.iter_mut().zip(stored.sets) {
             axis.saved = set;
         }
+        config.global.saved = stored.machine;
         Ok(())
     }
 
@@ -180,15 +182,29 @@ impl Store {
     ///
     /// # Errors
     /// It cannot be written; the file holds what it held.
+    #[cfg(test)]
     pub fn keep(&mut self, config: &MachineConfig, user: &[AxisParameters]) -> Result<bool, StoreError> {
-        self.keep_while(config, user, &mut |_| Ok(()))
+        self.keep_all(config, user, &config.global.power_on())
+    }
+
+    /// Writes layer User of the axes and of the machine down; false where the file holds that set already.
+    ///
+    /// # Errors
+    /// It cannot be written; the file holds what it held.
+    pub fn keep_all(
+        &mut self,
+        config: &MachineConfig,
+        user: &[AxisParameters],
+        machine: &MachineParameters,
+    ) -> Result<bool, StoreError> {
+        self.keep_while(config, (user, machine), &mut |_| Ok(()))
     }
 
     /// `may` is asked before each step on the disk.
     fn keep_while(
         &mut self,
         config: &MachineConfig,
-        user: &[AxisParameters],
+        (user, machine): (&[AxisParameters], &MachineParameters),
         may: &mut dyn FnMut(&'static str) -> io::Result<()>,
     ) -> Result<bool, StoreError> {
         // A file that somebody took away holds nothing any more.
@@ -200,7 +216,7 @@ impl Store {
             (self.body, self.present) = (text::body(&[]), Present::Missing);
         }
         let sets: Vec<_> = std::iter::zip(&config.axes, user).collect();
-        let body = text::body(&sets);
+        let body = text::body_with(&sets, (&config.global.parameters, machine));
         if body == self.body && self.present != Present::Damaged {
             return Ok(false);
         }
@@ -210,7 +226,7 @@ impl Store {
         }
         let generation = self.generation.saturating_add(1);
         let text = text::whole(generation, &body);
-        if !gives(&text, config, user) {
+        if !gives(&text, config, user, machine) {
             return Err(StoreError::Inexact(path));
         }
         self.files.replace(&text, self.present, may).map_err(|error| StoreError::Write { path, error })?;
@@ -221,8 +237,11 @@ impl Store {
 }
 
 /// Does the text give these parameters, bit for bit?
-fn gives(text: &str, config: &MachineConfig, user: &[AxisParameters]) -> bool {
+fn gives(text: &str, config: &MachineConfig, user: &[AxisParameters], machine: &MachineParameters) -> bool {
     let Ok(stored) = read_store("store", text, config) else { return false };
+    if stored.machine.unwrap_or(config.global.parameters) != *machine {
+        return false;
+    }
     std::iter::zip(&config.axes, stored.sets).map(|(axis, set)| set.unwrap_or(axis.parameters)).eq(user.iter().copied())
 }
 

@@ -5,8 +5,7 @@ use crate::document::{Document, Problems, Value};
 use lineshaft_core::code::Code;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Number, Refusal};
-use lineshaft_core::object::Object;
-use lineshaft_core::parameter::{AxisParameters, Change, Contradiction, Refused, Row, Storage};
+use lineshaft_core::parameter::{AxisParameters, Change, Contradiction, MachineParameters, Refused, Row, Storage};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
@@ -24,6 +23,8 @@ pub struct Stored {
     pub values: usize,
     /// Layer User by axis, where something of it was saved.
     pub sets: Vec<Option<AxisParameters>>,
+    /// Layer User of the machine, where something of it was saved.
+    pub machine: Option<MachineParameters>,
 }
 
 /// Reads the text of a store for a cell. `label` names it in problems.
@@ -58,9 +59,10 @@ fn read(root: &Value<'_>, config: &MachineConfig) -> Option<Stored> {
     map.finish();
     // Where increments mean something else, no value is worth a look.
     let values = values.filter(|_| fits)?;
-    let (values, sets) = if values.is_null() { (0, vec![None; config.axes.len()]) } else { sets(&values, config)? };
+    let nothing = || (0, vec![None; config.axes.len()], None);
+    let (values, sets, machine) = if values.is_null() { nothing() } else { sets(&values, config)? };
     check_senses(&axes, &sets, config);
-    Some(Stored { generation: generation?, values, sets })
+    Some(Stored { generation: generation?, values, sets, machine })
 }
 
 /// Do the increments of the store mean what those of the cell mean?
@@ -106,18 +108,25 @@ fn check_senses(axes: &[(Value<'_>, Value<'_>)], sets: &[Option<AxisParameters>]
     }
 }
 
+/// How many values there are, and the sets of the axes and of the machine.
+type Sets = (usize, Vec<Option<AxisParameters>>, Option<MachineParameters>);
+
 /// The sets that result when the values take the place of those of the cell, and how many values they are.
-fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<(usize, Vec<Option<AxisParameters>>)> {
+fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<Sets> {
     let entries = values.entries()?;
     let changes = crate::parameters::changes(values, config, &Directory::default())?;
     let mut sets: Vec<Option<AxisParameters>> = vec![None; config.axes.len()];
+    let mut machine = None;
     let mut is_good = true;
     for ((key, value), change) in entries.iter().zip(&changes) {
         let Some(row) = change.row() else { continue };
         let place = usize::from(change.axis);
         let (Some(axis), Some(set)) = (config.axes.get(place), sets.get_mut(place)) else {
-            key.refuse(format!("{}: what the machine has is not saved", excerpt(key.peek().unwrap_or_default())), None);
-            is_good = false;
+            let set = machine.get_or_insert(config.global.parameters);
+            if let Err(refused) = row.assign_to_machine(set, change.value) {
+                value.refuse(told(code_of(refused), change, change.number(), Number::None, config), None);
+                is_good = false;
+            }
             continue;
         };
         if row.storage == Storage::Volatile {
@@ -126,12 +135,7 @@ fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<(usize, Vec<Option
         }
         let set = set.get_or_insert(axis.parameters);
         if let Err(refused) = row.change(set, change.value) {
-            let code = match refused {
-                Refused::NotBuilt => Code::NOT_BUILT,
-                Refused::ReadOnly => Code::READ_ONLY,
-                Refused::OutOfRange | Refused::WrongType => Code::PARAMETER_OUT_OF_RANGE,
-            };
-            value.refuse(told(code, change, change.number(), Number::None, config), None);
+            value.refuse(told(code_of(refused), change, change.number(), Number::None, config), None);
             is_good = false;
         }
     }
@@ -148,7 +152,15 @@ fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<(usize, Vec<Option
             }
         }
     }
-    is_good.then_some((changes.len(), sets))
+    is_good.then_some((changes.len(), sets, machine))
+}
+
+fn code_of(refused: Refused) -> Code {
+    match refused {
+        Refused::NotBuilt => Code::NOT_BUILT,
+        Refused::ReadOnly => Code::READ_ONLY,
+        Refused::OutOfRange | Refused::WrongType => Code::PARAMETER_OUT_OF_RANGE,
+    }
 }
 
 /// A key whose value cannot stand beside the others of an axis, and why.
@@ -185,6 +197,6 @@ fn contradiction(place: usize, set: &AxisParameters, config: &MachineConfig) -> 
 
 /// The sentence of a refusal.
 fn told(code: Code, change: &Change, asked: Number, limit: Number, config: &MachineConfig) -> String {
-    let refusal = Refusal::new(code, Object::Axis(change.axis)).with(asked, limit);
+    let refusal = Refusal::new(code, change.object()).with(asked, limit);
     sentence(&Refusal { parameter: Some(change.row), ..refusal }.event(0), config)
 }

@@ -5,6 +5,7 @@ mod unfit;
 
 use super::*;
 use crate::cell::Cell;
+use lineshaft_core::parameter::MachineParameters;
 use std::fs;
 use tempfile::TempDir;
 
@@ -144,7 +145,7 @@ fn whatever_step_fails_the_old_set_stands_or_the_new_one() {
             steps.push(step);
             Ok(())
         };
-        store.keep_while(&bench.config, &bench.user(2), &mut note).unwrap();
+        store.keep_while(&bench.config, (&bench.user(2), &MachineParameters::default()), &mut note).unwrap();
     }
     assert_eq!(steps, ["clear", "create", "write", "sync", "link", "keep", "rename", "sync folder"]);
     for failing in &steps {
@@ -155,7 +156,10 @@ fn whatever_step_fails_the_old_set_stands_or_the_new_one() {
         let mut fail = |step: &'static str| {
             if step == *failing { Err(io::Error::from(io::ErrorKind::StorageFull)) } else { Ok(()) }
         };
-        let error = store.keep_while(&bench.config, &bench.user(3), &mut fail).unwrap_err().to_string();
+        let error = store
+            .keep_while(&bench.config, (&bench.user(3), &MachineParameters::default()), &mut fail)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("p.yaml: parameters cannot be written: ") && error.contains("storage"), "{error}");
         drop(store);
         // Only when the names are changed already does the new one count, and it is not told to be kept.
@@ -365,4 +369,31 @@ fn a_link_stays_one_and_the_rights_of_the_file_too() {
     assert!(bench.path("far/new.yaml").is_file());
     assert_eq!(fs::metadata(bench.path("far/q.yaml")).unwrap().permissions().mode() & 0o777, 0o640);
     assert_eq!(bench.loaded().unwrap(), Some(2));
+}
+
+/// What the machine has is kept as what axes have, and read back; the cell's own values stand for nothing.
+#[test]
+fn parameters_of_the_machine_are_kept() {
+    let bench = Bench::new();
+    let mut config = bench.config.clone();
+    let io = |name: &str, kind| lineshaft_core::config::IoConfig { name: name.into(), kind, latch: false };
+    config.io.push(io("out", lineshaft_core::config::IoKind::DigitalOutput));
+    config.global.parameters.o_error = 1;
+    let user: Vec<AxisParameters> = config.axes.iter().map(|axis| axis.parameters).collect();
+    let machine = MachineParameters { o_error: -1, ainftime: 7, ..config.global.parameters };
+    let mut store = bench.open().unwrap();
+    assert!(store.keep_all(&config, &user, &machine).unwrap());
+    assert!(!store.keep_all(&config, &user, &machine).unwrap(), "that is there");
+    drop(store);
+    let text = fs::read_to_string(bench.open().unwrap().path()).unwrap();
+    assert!(text.contains("parameters:\n  machine.o_error: -1\n  machine.ainftime: 7\n"), "{text}");
+    let mut loaded = config.clone();
+    bench.open().unwrap().load(&mut loaded).unwrap();
+    assert_eq!(loaded.global.saved, Some(machine));
+    assert!(loaded.axes.iter().all(|axis| axis.saved.is_none()));
+    // Back to the cell: nothing is held.
+    assert!(bench.open().unwrap().keep_all(&config, &user, &config.global.parameters).unwrap());
+    let mut loaded = config.clone();
+    bench.open().unwrap().load(&mut loaded).unwrap();
+    assert_eq!(loaded, config);
 }

@@ -5,7 +5,7 @@
 
 use crate::parameters::exact_text;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
-use lineshaft_core::parameter::{AxisParameters, ROWS, Row};
+use lineshaft_core::parameter::{AxisParameters, MachineParameters, ROWS, Row, Value};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, ScaleKind, Unit};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
@@ -24,10 +24,11 @@ const HEAD: &str = "\
 
 /// A set of layer User that goes with a recording; nothing where nothing was saved.
 pub fn store_text(config: &MachineConfig) -> Option<String> {
-    config.axes.iter().any(|axis| axis.saved.is_some()).then(|| {
+    let is_saved = config.global.saved.is_some() || config.axes.iter().any(|axis| axis.saved.is_some());
+    is_saved.then(|| {
         let sets: Vec<_> =
             config.axes.iter().map(|axis| (axis, axis.saved.as_ref().unwrap_or(&axis.parameters))).collect();
-        whole(0, &body(&sets))
+        whole(0, &body_with(&sets, (&config.global.parameters, &config.global.power_on())))
     })
 }
 
@@ -38,8 +39,18 @@ pub(super) fn whole(generation: u64, body: &str) -> String {
     format!("{text}{CHECKSUM}{checksum}\n")
 }
 
-/// What is saved of each axis: the rows by which its values were given, as far as the cell does not give the same.
+/// The body of axes alone.
 pub(super) fn body(sets: &[(&AxisConfig, &AxisParameters)]) -> String {
+    let machine = MachineParameters::default();
+    body_with(sets, (&machine, &machine))
+}
+
+/// What is saved of each axis: the rows by which its values were given, as far as the cell does not give the same; and what of
+/// the machine is another value than in the cell.
+pub(super) fn body_with(
+    sets: &[(&AxisConfig, &AxisParameters)],
+    (init, machine): (&MachineParameters, &MachineParameters),
+) -> String {
     let (mut axes, mut values) = (String::new(), String::new());
     for (axis, user) in sets {
         let before = values.len();
@@ -51,6 +62,13 @@ pub(super) fn body(sets: &[(&AxisConfig, &AxisParameters)]) -> String {
             // Counted against the encoder, an increment is one the other way.
             let sign = if user.sense().units { "-" } else { "" };
             let _ = writeln!(axes, "  {}: {sign}{}", axis.name, scale_text(&axis.scale));
+        }
+    }
+    for row in ROWS.iter().filter(|row| row.is_kept_by_machine()) {
+        if let (Value::Int(value), true) =
+            (row.machine_value(machine), row.machine_value(machine) != row.machine_value(init))
+        {
+            let _ = writeln!(values, "  machine.{}: {value}", row.key);
         }
     }
     format!("axes:\n{axes}parameters:\n{values}")

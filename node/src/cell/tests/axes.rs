@@ -171,19 +171,27 @@ fn a_plain_number_takes_the_unit_of_its_row() {
 
 #[test]
 fn what_does_not_exist_yet_is_refused_by_name() {
-    for (key, value, expected) in [
-        ("homing", "{method: 35}", "homing does not exist yet, leave it out"),
-        ("homing", "{required: true}", "homing does not exist yet, leave it out"),
-        ("homing", "{home_type: 1}", "homing does not exist yet, leave it out"),
-        ("kprop", "31", "kprop is 31: the position loop of MACS does not exist yet; only 30 is allowed, leave it out"),
+    let expected = "8:12: kprop is 31: the position loop of MACS does not exist yet; only 30 is allowed, leave it out";
+    assert_eq!(said(&axis(&[("kprop", "31")])), expected);
+}
+
+#[test]
+fn homing_stands_in_its_section_or_flat_and_in_the_words_of_macs() {
+    let method = |keys: &[(&str, &str)]| good(&axis(keys)).machine.axes[0].parameters.homing.method;
+    assert_eq!(method(&[]), 0);
+    assert_eq!(method(&[("homing", "{method: 35, required: false}")]), 35);
+    assert_eq!(method(&[("homing.method", "-4")]), -4);
+    assert_eq!(method(&[("homing", "{home_type: 1}")]), -2);
+    assert_eq!(method(&[("home_type", "3")]), -4);
+    for (value, expected) in [
+        ("{method: 400}", "method is `400`; -4 to 14, 17 to 30, 33 to 35, 37 is allowed"),
+        ("{method: 15}", "method is `15`; -4 to 14, 17 to 30, 33 to 35, 37 is allowed"),
+        ("{methods: 35}", "unknown key `methods` in homing, did you mean `method`?"),
+        ("{home_type: 4}", "home_type is `4`; 0 to 3 is allowed"),
     ] {
-        assert_eq!(said(&axis(&[(key, value)])), format!("8:{}: {expected}", 7 + key.len()));
+        let said = said(&axis(&[("homing", value)]));
+        assert!(said.contains(expected), "{value}: {said}");
     }
-    good(&axis(&[("homing", "{required: false}"), ("profile", "trapezoid")]));
-    assert_eq!(
-        said(&axis(&[("homing", "{method: 400}")])).lines().next(),
-        Some("8:13: homing does not exist yet, leave it out")
-    );
 }
 
 #[test]
@@ -340,11 +348,11 @@ fn models() {
 
 #[test]
 fn a_virtual_axis_has_no_drive_to_home_or_simulate() {
-    let keys = [("drive", "virtual"), ("sim", "{model: ideal}"), ("homing", "{required: false}")];
+    let keys = [("drive", "virtual"), ("sim", "{model: ideal}"), ("homing", "{method: 35}")];
     assert_eq!(
         said(&axis(&keys)),
         "9:10: sim is for axes with a drive; axis `x` is virtual, leave it out\n\
-         10:13: homing is for axes with a drive; axis `x` is virtual, leave it out"
+         10:22: homing.method is for axes with a drive, leave it out"
     );
     let cell = good(&axis(&[("drive", "virtual")]));
     assert_eq!((cell.machine.axes[0].drive, cell.models.len()), (None, 0));

@@ -89,7 +89,9 @@ fn senses_of_rotation_and_rules_of_reversing() {
             "position",
             "revers",
             "20",
-            "9:13: revers 20 asks for outputs or a node, which do not exist yet; 0, 1 and 2 are allowed".to_owned(),
+            "9:13: revers 20 asks for outputs, which tell the sign of a velocity to drives with interface velocity or open_loop; \
+             0, 1 and 2 are allowed"
+                .to_owned(),
         ),
     ] {
         assert_eq!(said(&with(interface, key, value)), expected);

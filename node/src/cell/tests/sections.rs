@@ -2,6 +2,37 @@
 
 use super::{HEAD, RosOptions, assert_said, good, said, said_of};
 use lineshaft_core::config::{IoKind, MemoryKind};
+use lineshaft_core::encoder::Form;
+
+#[test]
+fn contacts_are_digital_inputs_by_their_place_among_them() {
+    let cell = |safety: &str| {
+        format!(
+            "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\nio:\n  level: {{type: ai, backend: plant, address: 0}}\n  \
+             start: {{type: di, backend: plant, address: 0}}\n  stop: {{type: di, backend: plant, address: 1}}\nsafety: {safety}\n"
+        )
+    };
+    let read = |safety: &str| {
+        crate::cell::Cell::parse("c", cell(safety))
+            .map(|cell| cell.machine.safety)
+            .map_err(|problems| problems.to_string())
+    };
+    let safety = read("{estop: stop, interlock: start}").unwrap();
+    assert_eq!((safety.estop, safety.interlock), (Some(1), Some(0)));
+    assert_eq!(read("{interlock: stop}").unwrap().estop, None);
+    for (text, sentence) in [
+        (
+            "{estop: level}",
+            "c:8:17: estop is `level`, which is no di; a di is allowed, which reads 1 while all is well\n",
+        ),
+        ("{estop: stopp}", "c:8:17: estop is `stopp`; no input or output has that name, did you mean `stop`?\n"),
+        ("{}", "c:8:9: safety names no input; estop, interlock or both are expected\n"),
+        ("{estop: stop, guard: stop}", "c:8:23: unknown key `guard` in safety, known are estop, interlock\n"),
+    ] {
+        let error = read(text).unwrap_err();
+        assert!(error.starts_with(sentence), "{text}: {error}");
+    }
+}
 
 #[test]
 fn format_and_cycle() {
@@ -158,7 +189,7 @@ fn encoders() {
         assert_said(&format!("{HEAD}encoders:\n  a: {first}\n  e: {text}\n"), sentence);
     }
     let cell = good(&format!("{HEAD}encoders: {{e: {first}}}\n"));
-    assert_eq!(cell.machine.encoders[0].bits, 32);
+    assert_eq!(cell.machine.encoders[0].form, Form::Incremental(32));
 }
 
 #[test]

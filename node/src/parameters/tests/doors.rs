@@ -115,7 +115,9 @@ fn every_row_takes_the_same_values_at_every_door() {
             let machine = rig.give_change(object, change(&rig, object, row, value));
             // The reference selector is judged by what the axis is wired to, too; there the doors agree with the machine.
             let is_selector = row.key.starts_with("amc.");
-            let expected = if is_selector { machine.is_ok() } else { law(row, &rig, object, value) };
+            // So are inputs and outputs by number: this cell has none.
+            let names_io = row.key.starts_with("i_") || row.key.starts_with("o_") || row.key == "revers";
+            let expected = if is_selector || names_io { machine.is_ok() } else { law(row, &rig, object, value) };
             assert_eq!(machine.is_ok(), expected, "{}: machine: {value:?}: {machine:?}", row.key);
             let text = written(row, value);
             for door in TEXT_DOORS.into_iter().filter(|door| has(*door, row)) {

@@ -3,7 +3,9 @@
 use super::rig::Rig;
 use crate::cell::Cell;
 use crate::document::Document;
-use crate::parameters::{Import, check_import, differences, export_text, read_changes};
+use crate::parameters::{Filter, Import, check_import, differences, export_text, read_changes, values};
+use lineshaft_core::config::IoKind;
+use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{AxisParameters, Row, Value};
 use lineshaft_ros::surface::host::Listing;
@@ -207,4 +209,31 @@ fn two_names_of_one_limit_in_inverted_units_are_refused() {
         "the rule of names"
     );
     assert!(import("x.min_position: -3 mm\nx.swposlimact: 1\nx.poslimit: 5\n").is_ok());
+}
+
+/// The parameters of the machine stand beside those of the axes: shown, changed, and held to the inputs that the cell has.
+#[test]
+fn the_machine_is_shown_and_changed_as_an_axis_is() {
+    let cell = include_str!("../../../../launch-configs/io.yaml");
+    let cell = Cell::parse("io.yaml", cell).expect("a good cell");
+    let machine = Machine::new(cell.machine.clone()).expect("a machine");
+    let import = |text: &str| check_import(Document::parse("p", text), &cell.machine, machine.directory());
+    let shown = |pattern: &str| {
+        let filter = Filter::new(Some(pattern), None).expect("a good pattern");
+        let text = values(&cell.machine, &machine.parameter_image().effective, &filter, false);
+        text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>()
+    };
+    assert_eq!(shown("machine.ainftime"), ["machine.ainftime * 10 samples default 0"]);
+    assert_eq!(shown("machine.i_*").len(), 3);
+    let good = import("machine.AINFTIME: 5\nmachine.o_error: 0\n").expect("good");
+    assert_eq!(
+        differences(&cell.machine, &good),
+        "machine.o_error: 1 -> 0\nmachine.ainftime: 10 samples -> 5 samples\n"
+    );
+    let same = import("machine.ainftime: 10\n").expect("good");
+    assert_eq!(differences(&cell.machine, &same), "");
+    let io = &cell.machine.io;
+    let outputs = io.iter().filter(|entry| entry.kind == IoKind::DigitalOutput).count();
+    let refused = import("machine.o_error: 8\n").unwrap_err().to_string();
+    assert!(refused.starts_with(&format!("p:1:18: o_error is 8; the cell has {outputs} digital outputs")), "{refused}");
 }

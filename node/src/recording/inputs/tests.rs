@@ -44,8 +44,9 @@ fn real() -> impl Strategy<Value = f64> {
 
 fn drive_input() -> impl Strategy<Value = DriveInput> {
     let numbers = (any::<i64>(), any::<u32>(), real(), real(), any::<u16>(), any::<i8>(), any::<u16>());
-    (numbers, any::<bool>(), any::<bool>()).prop_map(
-        |((count, epoch, velocity, effort, status, mode, fault), online, fresh)| DriveInput {
+    let switches = (any::<u32>(), any::<Option<i64>>());
+    (numbers, any::<bool>(), any::<bool>(), switches).prop_map(
+        |((count, epoch, velocity, effort, status, mode, fault), online, fresh, (inputs, index))| DriveInput {
             count,
             epoch,
             velocity,
@@ -55,6 +56,8 @@ fn drive_input() -> impl Strategy<Value = DriveInput> {
             fault,
             online,
             fresh,
+            inputs,
+            index,
         },
     )
 }
@@ -74,11 +77,8 @@ fn any_latch() -> impl Strategy<Value = Latch> {
 }
 
 fn any_inputs() -> impl Strategy<Value = Inputs> {
-    let encoder = (any::<i64>(), any::<u32>(), any::<bool>()).prop_map(|(count, epoch, valid)| EncoderInput {
-        count,
-        epoch,
-        valid,
-    });
+    let parts = (any::<i64>(), any::<u32>(), any::<bool>(), any::<Option<i64>>());
+    let encoder = parts.prop_map(|(count, epoch, valid, index)| EncoderInput { count, epoch, valid, index });
     let arrays = (
         prop::collection::vec(any::<u64>(), 1),
         prop::collection::vec(real(), 1),

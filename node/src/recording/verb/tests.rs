@@ -6,8 +6,8 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoint, SyncMode,
-    Synchronize as Coupling,
+    BufferMode, Direction, Disengage, HomeAxis, HomingMethod, Length, Move, MoveMode, Probe, ProbeEdge, SetPosition,
+    Setpoint, SyncMode, Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader, Object};
@@ -22,6 +22,8 @@ backends: {plant: {type: sim}}
 io:
   mark: {type: di, backend: plant, address: 0, latch: true}
   start: {type: di, backend: plant, address: 1}
+  lamp: {type: do, backend: plant, address: 0}
+  speed: {type: ao, backend: plant, address: 0}
 memory:
   feed: {type: i16, initial: 7}
   big: {type: i64, initial: 0}
@@ -176,7 +178,7 @@ fn couplings_name_their_leader() {
     let desk = Desk::new();
     let coupling = Coupling {
         axis: 1,
-        leader: Leader::AxisCommand(0),
+        leader: Some(Leader::AxisCommand(0)),
         mode: SyncMode::Position,
         disengage: Disengage::Stop,
         numerator: 0,
@@ -188,7 +190,7 @@ fn couplings_name_their_leader() {
     let head = r#"{"synchronize":{"id":"17","axis":"turret","master":"#;
     desk.is(&Action::Synchronize(coupling), &format!(r#"{head}"x","mode":"position"}}}}"#));
     let full = Coupling {
-        leader: Leader::Encoder(0),
+        leader: Some(Leader::Encoder(0)),
         mode: SyncMode::Velocity,
         disengage: Disengage::KeepVelocity,
         numerator: i64::MIN,
@@ -204,7 +206,9 @@ fn couplings_name_their_leader() {
             r#"{head}"belt","mode":"velocity","disengage":"keep_velocity","numerator":-9223372036854775808,"denominator":9223372036854775807,"offset":"-4 inc","velocity":"0.1 inc/s","acceleration":"3 inc/s^2"}}}}"#
         ),
     );
-    let actual = Coupling { leader: Leader::AxisActual(0), ..coupling };
+    let actual = Coupling { leader: Some(Leader::AxisActual(0)), ..coupling };
+    let by_parameter = Coupling { leader: None, ..coupling };
+    desk.is(&Action::Synchronize(by_parameter), r#"{"synchronize":{"id":"17","axis":"turret","mode":"position"}}"#);
     desk.is(&Action::Synchronize(actual), &format!(r#"{head}"x.actual","mode":"position"}}}}"#));
 }
 
@@ -220,6 +224,21 @@ fn the_other_verbs_word_for_word() {
         (Action::ResetErrors(two), "reset_errors"),
     ] {
         desk.is(&action, &format!(r#"{{"{verb}":{{"axes":["x","turret"]}}}}"#));
+    }
+    desk.is(&Action::Abort, r#"{"abort":{}}"#);
+    for (method, text) in [
+        (HomingMethod::Configured, ""),
+        (HomingMethod::Cia402(-128), r#","scheme":"cia402","method":-128"#),
+        (HomingMethod::Cia402(0), r#","scheme":"cia402","method":0"#),
+        (HomingMethod::Macs(3), r#","scheme":"macs","method":3"#),
+    ] {
+        let homing = Action::HomeAxis(HomeAxis { axis: 1, method });
+        desk.is(&homing, &format!(r#"{{"home_axis":{{"id":"17","axis":"turret"{text}}}}}"#));
+    }
+    let quarter = Length { nearest: -7, rest: Position::from_f64(0.25) };
+    for (position, text) in [(Length::whole(1 << 61), "2305843009213693952"), (quarter, "-6.75")] {
+        let set = Action::SetPosition(SetPosition { axis: 0, position });
+        desk.is(&set, &format!(r#"{{"set_position":{{"axis":"x","position":"{text} inc"}}}}"#));
     }
     desk.is(&Action::Cancel { goal: 17 }, r#"{"cancel":{"id":"17"}}"#);
     desk.is(&Action::Cancel { goal: u64::MAX }, r#"{"cancel":{"id":"18446744073709551615"}}"#);
@@ -247,6 +266,11 @@ fn the_other_verbs_word_for_word() {
         (3, 1.0, r#""flag":1"#),
     ] {
         desk.is(&Action::SetMemory { index, value }, &format!(r#"{{"set_memory":{{{text}}}}}"#));
+    }
+    for (index, value, text) in
+        [(2, 1.0, r#""lamp":1"#), (2, 0.0, r#""lamp":0"#), (3, -2.5, r#""speed":-2.5"#), (3, -0.0, r#""speed":-0.0"#)]
+    {
+        desk.is(&Action::SetOutput { index, value }, &format!(r#"{{"set_output":{{{text}}}}}"#));
     }
     desk.is(&Action::Note { code: Code::RECORD_FAILED, number: 28 }, r#"{"note":{"code":10217,"number":28}}"#);
     desk.is(&Action::Note { code: Code::RECORD_LOST, number: -1 }, r#"{"note":{"code":10216,"number":-1}}"#);
@@ -285,14 +309,20 @@ fn what_is_wrong_is_one_sentence() {
         ("\"halt\"", "the command is `halt`; a mapping is expected"),
         ("{\"halt\":", "this is not YAML: "),
         (r#"{"jump":{}}"#, "there is no verb `jump`, known are enable, "),
-        (r#"{"home_axis":{}}"#, "verb home_axis does not exist yet"),
+        (r#"{"home_axis":{"id":"17"}}"#, "missing key `axis` in home_axis"),
+        (r#"{"home_axis":{"id":"h","axis":"x"}}"#, "id is `h`; the sequence number of a command is expected"),
+        (r#"{"home_axis":{"id":"17","axis":"x","scheme":3}}"#, "scheme is 3; 0 CONFIGURED, 1 CIA402, 2 MACS are"),
+        (r#"{"home_axis":{"id":"17","axis":"x","method":128}}"#, "method is 128; -128..127 is allowed"),
+        (r#"{"set_position":{"axis":"q"}}"#, "no axis is called `q`"),
+        (r#"{"set_position":{"axis":"x","position":"1 s"}}"#, "position: `1 s` is a time"),
+        (r#"{"load_table":{}}"#, "verb load_table does not exist yet"),
         (r#"{"halt":{"axes":["?"]}}"#, "no axis is called `?`; there are x, turret, odd, fine, coarse"),
         (r#"{"halt":{"axes":[]},"enable":{}}"#, "the command has 2 verbs; one is expected"),
         (r#"{"move_axis":{"id":"17","axis":"q"}}"#, "no axis is called `q`"),
         (r#"{"probe_axis":{"id":"17","axis":"x"}}"#, "missing key `event` in probe_axis"),
         (r#"{"probe_axis":{"id":"17","axis":"x","event":"start"}}"#, "`start` does not latch; mark, belt can"),
         (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","mode":4}}"#, "mode is 4; 0 ABSOLUTE, 1 RELATIVE are"),
-        (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","edge":3}}"#, "edge is 3; 0 RISING, 1 FALLING, 2 BOTH"),
+        (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","edge":4}}"#, "edge is 4; 0 RISING, 1 FALLING, 2 BOTH"),
         (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","distance":"1 s"}}"#, "distance: `1 s` is a time"),
         (r#"{"move_axis":{"id":"m","axis":"x"}}"#, "id is `m`; the sequence number of a command is expected"),
         (r#"{"cancel":{"id":"-1"}}"#, "id is `-1`; the sequence number of a command is expected"),
@@ -353,6 +383,10 @@ fn what_no_door_makes_is_written_so_that_it_does_not_read_back() {
         Action::SetMemory { index: 2, value: f64::NAN },
         Action::SetMemory { index: 2, value: f64::INFINITY },
         Action::SetMemory { index: 0, value: 0.5 },
+        Action::SetOutput { index: 99, value: 1.0 },
+        Action::SetOutput { index: 0, value: 1.0 },
+        Action::SetOutput { index: 2, value: 0.5 },
+        Action::SetOutput { index: 3, value: f64::NAN },
         Action::SetParameters([Change { axis: 0, row: 999, value: Set::Int(1) }].into()),
         Action::SetParameters([Change { axis: 9, row: 0, value: Set::Int(1) }].into()),
         Action::SetParameters([set(0, "max_velocity", Set::Real(f64::NAN))].into()),

@@ -21,6 +21,8 @@ pub(super) struct Wf<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     jog: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    cam: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     fixed_speed: Option<u8>,
     #[serde(skip_serializing_if = "Option::is_none")]
     enable: Option<bool>,
@@ -64,6 +66,7 @@ pub(super) fn wf<'a>(request: &Request, axis: &'a str) -> Wf<'a> {
         block: request.block,
         start: request.start.then_some(true),
         jog: request.jog.map(jog),
+        cam: request.cam,
         fixed_speed: request.fixed_speed,
         enable: request.enable,
         reset: request.reset.then_some(true),
@@ -83,6 +86,7 @@ fn mode(mode: Mode) -> &'static str {
         Mode::Continuous => "continuous",
         Mode::Jog => "jog",
         Mode::ActualValue => "actual_value",
+        Mode::Reference => "reference",
     }
 }
 

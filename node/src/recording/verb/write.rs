@@ -2,10 +2,10 @@
 
 use super::{saia, trajectory, wf};
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Direction, Disengage, Length, Move, MoveMode, Probe, ProbeEdge, Setpoint, Setpoints,
-    SyncMode, Synchronize as Coupling,
+    Action, BufferMode, Command, Direction, Disengage, HomeAxis as Homing, HomingMethod, Length, Move, MoveMode, Probe,
+    ProbeEdge, Setpoint, Setpoints, SyncMode, Synchronize as Coupling,
 };
-use lineshaft_core::config::{MachineConfig, MemoryKind};
+use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
 use lineshaft_core::unit::Unit;
@@ -53,8 +53,14 @@ enum Verb<'a> {
     ResetErrors(Axes<'a>),
     Activate(Nothing),
     Deactivate(Nothing),
+    Abort(Nothing),
     MoveAxis(MoveAxis<'a>),
     ProbeAxis(ProbeAxis<'a>),
+    HomeAxis(HomeAxis<'a>),
+    SetPosition {
+        axis: &'a str,
+        position: String,
+    },
     Synchronize(Synchronize<'a>),
     FollowJointTrajectory(trajectory::FollowJointTrajectory<'a>),
     Cancel {
@@ -72,6 +78,7 @@ enum Verb<'a> {
         power_cycle: Nothing,
     },
     SetMemory(Entries),
+    SetOutput(Entries),
     Setpoints {
         axes: StreamedAxes,
     },
@@ -143,10 +150,21 @@ struct ProbeAxis<'a> {
 }
 
 #[derive(Serialize)]
+struct HomeAxis<'a> {
+    id: String,
+    axis: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scheme: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    method: Option<i8>,
+}
+
+#[derive(Serialize)]
 struct Synchronize<'a> {
     id: String,
     axis: &'a str,
-    master: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    master: Option<String>,
     mode: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     disengage: Option<&'static str>,
@@ -198,8 +216,13 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::ResetErrors(set) => Verb::ResetErrors(axes(set)),
         Action::Activate => Verb::Activate(Nothing {}),
         Action::Deactivate => Verb::Deactivate(Nothing {}),
+        Action::Abort => Verb::Abort(Nothing {}),
         Action::Move(request) => Verb::MoveAxis(move_axis(id, request, config)),
         Action::Probe(request) => Verb::ProbeAxis(probe_axis(id, request, config)),
+        Action::HomeAxis(request) => Verb::HomeAxis(home_axis(id, request, config)),
+        Action::SetPosition(request) => {
+            Verb::SetPosition { axis: axis(request.axis, config), position: length(request.position) }
+        }
         Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
         Action::Saia(request) => Verb::Saia(saia::saia(request, axis(request.axis, config))),
         Action::Wf(request) => Verb::Wf(wf::wf(request, axis(request.axis, config))),
@@ -215,6 +238,7 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::DeleteParameters(set) => Verb::DeleteParameters(axes(set)),
         Action::PowerCycle => Verb::Inject { power_cycle: Nothing {} },
         Action::SetMemory { index, value } => Verb::SetMemory(Entries(vec![cell(*index, *value, config)])),
+        Action::SetOutput { index, value } => Verb::SetOutput(Entries(vec![output(*index, *value, config)])),
         Action::Refuse(text) => Verb::Refuse { text },
         Action::Note { code, number } => Verb::Note { code: code.0, number: *number },
     }
@@ -280,9 +304,19 @@ fn probe_axis<'a>(id: String, request: &Probe, config: &'a MachineConfig) -> Pro
             ProbeEdge::Rising => None,
             ProbeEdge::Falling => Some("falling"),
             ProbeEdge::Both => Some("both"),
+            ProbeEdge::Index => Some("index"),
         },
         distance: length(request.distance),
     }
+}
+
+fn home_axis<'a>(id: String, request: &Homing, config: &'a MachineConfig) -> HomeAxis<'a> {
+    let (scheme, method) = match request.method {
+        HomingMethod::Configured => (None, None),
+        HomingMethod::Cia402(method) => (Some("cia402"), Some(method)),
+        HomingMethod::Macs(method) => (Some("macs"), Some(method)),
+    };
+    HomeAxis { id, axis: axis(request.axis, config), scheme, method }
 }
 
 fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) -> Synchronize<'a> {
@@ -290,14 +324,16 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
     Synchronize {
         id,
         axis: axis(request.axis, config),
-        master: match request.leader {
+        master: request.leader.map(|leader| match leader {
+            // A command never names it: its axis does.
+            Leader::Simulated(_) => NAMELESS.to_owned(),
             Leader::AxisCommand(index) => axis(index, config).to_owned(),
             Leader::AxisActual(index) => format!("{}.actual", axis(index, config)),
             Leader::Encoder(index) => {
                 let encoder = config.encoders.get(usize::from(index));
                 encoder.map_or(NAMELESS, |encoder| &encoder.name).to_owned()
             }
-        },
+        }),
         mode: match request.mode {
             SyncMode::Velocity => "velocity",
             SyncMode::Position => "position",
@@ -344,6 +380,12 @@ fn cell(index: u16, value: f64, config: &MachineConfig) -> (String, Scalar) {
     let whole = value as i128;
     let is_whole = memory.kind != MemoryKind::F64 && (whole as f64).to_bits() == value.to_bits();
     (memory.name.clone(), if is_whole { Scalar::Whole(whole) } else { Scalar::Real(value) })
+}
+
+fn output(index: u16, value: f64, config: &MachineConfig) -> (String, Scalar) {
+    let Some(io) = config.io.get(usize::from(index)) else { return (NAMELESS.to_owned(), Scalar::Real(value)) };
+    let is_bit = io.kind != IoKind::AnalogOutput && (value.to_bits() == 0 || value == 1.0);
+    (io.name.clone(), if is_bit { Scalar::Whole(value as i128) } else { Scalar::Real(value) })
 }
 
 /// A rate that may be left out where it asks for the default.

@@ -10,13 +10,12 @@ fn block(number: usize) -> String {
     block.split("```").next().unwrap().to_owned()
 }
 
-/// The cell of the contract without what does not exist yet: functions, homing.
+/// The cell of the contract without what does not exist yet: functions.
 fn example_cell() -> Cell {
     let text = block(1);
     let functions = text.find("functions:").unwrap();
     let groups = text.find("groups:").unwrap();
     let text = format!("{}{}", &text[..functions], &text[groups..]);
-    let text: String = text.lines().filter(|line| !line.contains("homing:")).flat_map(|line| [line, "\n"]).collect();
     Cell::parse("cell.yaml", text).unwrap_or_else(|problems| panic!("{problems}"))
 }
 

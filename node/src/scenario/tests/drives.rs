@@ -117,7 +117,7 @@ fn a_column_of_a_file_drives_a_signal() {
 #[test]
 fn what_cannot_be_driven_is_refused() {
     let bad = |entry: &str| problem("drive", entry);
-    let rule = "inputs, memory cells, ENCODER.count, and AXIS.actual.count of axes with a drive can";
+    let rule = "inputs, memory cells, ENCODER.count, and of axes with a drive AXIS.actual.count and its switches can";
     for signal in ["lamp", "x.state", "belt.position", "machine.error", "line.actual.count"] {
         let said = bad(&format!("{{values: [1], signal: ^{signal}}}"));
         assert_eq!(said, format!("{signal} cannot be driven; {rule}"));

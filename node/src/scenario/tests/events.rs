@@ -65,7 +65,6 @@ fn a_wrong_number_of_events_is_told_with_their_cycles() {
 fn what_is_wrong_with_an_event_is_told() {
     let bad = |expectation: &str| problem("expect", expectation);
     assert_eq!(bad("{event: {kind: ^latches}}").split(", did").nth(1), Some(" you mean `latch`?"));
-    assert_eq!(bad("{event: {kind: ^homed}}"), "events of kind homed do not exist yet");
     assert_eq!(bad("{event: {source: ^marc}}"), "nothing is called `marc` in the cell, did you mean `mark`?");
     assert_eq!(bad("{event: {severity: ^bad}}"), "severity is `bad`; one of info, warn, error is allowed");
     assert_eq!(

@@ -23,6 +23,11 @@ fn first_move_passes() {
 }
 
 #[test]
+fn home_passes() {
+    passes_on_the_demo_cell("home.yaml");
+}
+
+#[test]
 fn stop_passes() {
     passes_on_the_demo_cell("stop.yaml");
 }
@@ -43,12 +48,17 @@ fn wf_closed_loop_passes() {
 }
 
 #[test]
+fn what_stops_axes_passes() {
+    passes_on("safety.yaml", "safety/stops.yaml");
+}
+
+#[test]
 fn no_scenario_is_forgotten_here() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/scenarios");
     let mut names: Vec<_> =
         std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    // The folders are those of the vocabularies, which tests/vocabularies.rs plays.
+    // The folders are those of the vocabularies and of homing, which tests/vocabularies.rs plays.
     names.retain(|name| name.ends_with(".yaml"));
     names.sort();
-    assert_eq!(names, ["first_move.yaml", "motion.yaml", "stop.yaml", "sync.yaml", "trajectory.yaml"]);
+    assert_eq!(names, ["first_move.yaml", "home.yaml", "motion.yaml", "stop.yaml", "sync.yaml", "trajectory.yaml"]);
 }

@@ -12,7 +12,7 @@ drive:
   - {signal: x.state, values: [1]}
 steps:
   - {at: 0, do: {enable: {axes: [z]}}}
-  - {when: {signal: x.stat, is: 1}, do: {home_axis: {axis: x}}}
+  - {when: {signal: x.stat, is: 1}, do: {load_table: {axis: x}}}
   - {at: 1, doo: {}}
 expect:
   - {signal: x.command.position, at: 0.5, is: 5 deg}
@@ -22,14 +22,14 @@ expcet: []
     let expected = "\
 2:6: for: `3 mm` is a length; a time such as `3 s` is expected
 3:14: no signal matches `nothing.*`
-5:14: x.state cannot be driven; inputs, memory cells, ENCODER.count, and AXIS.actual.count of axes with a drive can
+5:14: x.state cannot be driven; inputs, memory cells, ENCODER.count, and of axes with a drive AXIS.actual.count and its switches can
 7:33: no axis is called `z`; there are line, x, turret
 8:21: no signal is called `x.stat`, did you mean `x.state`?
-8:42: verb home_axis does not exist yet
+8:42: verb load_table does not exist yet
 9:13: unknown key `doo` in a step, did you mean `do`?
 11:38: at is 0.5; a whole number of cycles, or a time with its unit is allowed, write `0.5 s`
 11:47: is: `5 deg` is an angle; a length such as `5 m` is expected
-12:20: kind is `party`; one of accepted, refused, done, state, error, reset, latch, mark, limit, parameter, overrun, warning is allowed
+12:20: kind is `party`; one of accepted, refused, done, state, error, reset, latch, mark, limit, homed, parameter, overrun, warning is allowed
 12:35: count is `many`; a whole number 0..9223372036854775807 is allowed
 13:1: unknown key `expcet` in the scenario, known are scenario, for, cycles, trace, every, drive, steps, expect
 ";
@@ -70,7 +70,7 @@ fn what_needs_a_simulation_is_told_with_its_place() {
 fn play(text: &str, cycles: u64) -> Report {
     let (cell, scenario) = (cell(), scenario(text));
     let mut machine = Machine::new(cell.machine.clone()).unwrap();
-    let mut plant = Plant::new(&cell.machine, &cell.models.iter().copied().map(Some).collect::<Vec<_>>());
+    let mut plant = cell.plant();
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut player = Player::new(&scenario);
     // The machine has run before the scenario starts, and others have given commands.

@@ -25,8 +25,7 @@ fn play(cell: &Cell, scenario: &Scenario, recorded: Option<&[Inputs]>) -> Played
     let everything = format!("{{scenario: all signals, cycles: {}}}", scenario.cycles());
     let everything = Scenario::parse("all.yaml", &everything, cell).unwrap();
     let mut machine = Machine::new(cell.machine.clone()).unwrap();
-    let models: Vec<_> = cell.models.iter().copied().map(Some).collect();
-    let mut plant = Plant::new(&cell.machine, &models);
+    let mut plant = cell.plant();
     let mut trace = Trace::new(Vec::new(), &everything, machine.directory()).unwrap();
     let mut player = Player::new(scenario);
     let (mut inputs, mut outputs, mut sequence) = (machine.inputs(), machine.outputs(), 0);

@@ -163,6 +163,10 @@ fn the_plant_is_made_to_fail() {
         "{latch: {input: mark, age: 350 us, edge: falling}}",
         "event: {kind: latch, source: mark, age_ns: 350000, text: falling}, since: go, at: 0, count: 1",
     );
+    let stuck = "since: go, from: 0, to: end";
+    inject("{stuck_switch: {axis: x, home: 1}}", &format!("signal: x.reference_switch, {stuck}, is: 1"));
+    inject("{stuck_switch: {axis: x, positive: 1, home: 0}}", &format!("signal: x.limit.positive, {stuck}, is: 1"));
+    inject("{stuck_switch: {axis: x, negative: 1}}", &format!("signal: x.limit.negative, {stuck}, is: 1"));
     inject("{latch: {input: x}}", "signal: x.latch.count, since: go, from: 0, to: end, is: 1");
     inject("{latch: {input: belt}}", "event: {kind: latch, source: belt, increments: 0 mm, age_ns: 0}, count: 1");
 }
@@ -215,11 +219,10 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
 
 #[test]
 fn verbs_that_are_not_built_are_refused_by_name() {
-    for verb in ["home_axis", "set_position", "command_function", "load_table"] {
+    for verb in ["command_function", "load_table"] {
         let said = problem("steps", &format!("{{at: 1, do: {{^{verb}: {{axis: x}}}}}}"));
         assert_eq!(said, format!("verb {verb} does not exist yet"));
     }
-    assert_eq!(bad("{inject: {^index_lost: {axis: x}}}"), "inject index_lost does not exist yet");
     assert_eq!(
         bad(
             "{synchronize: ^{axis: x, master: line, engage: at_position, master_increments: 5, slave_increments: 5, start_distance_increments: 1}}"
@@ -322,13 +325,19 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{inject: {fault: {axis: ^line, code: 5}}}"), "line is virtual: it has no drive");
     assert_eq!(bad("{inject: {fault: {axis: x, code: ^0}}}"), "code is 0; 1..65535 is allowed");
     assert_eq!(bad("{inject: {drive_lost: {axis: ^q}}}"), "no axis is called `q`; there are line, x, turret");
+    assert_eq!(bad("{inject: {index_lost: {axis: ^line}}}"), "line is virtual: it has no drive");
+    assert_eq!(bad("{inject: {stuck_switch: {axis: ^line, home: 1}}}"), "line is virtual: it has no drive");
+    assert_eq!(bad("{inject: {stuck_switch: {axis: x, home: ^2}}}"), "home is 2; 0..1 is allowed");
+    assert_eq!(bad("{inject: {stuck_switch: ^{home: 1}}}"), "missing key `axis` in stuck_switch");
     assert_eq!(
         bad("{inject: {^explode: {}}}"),
-        "`explode` cannot be injected; latch, input, fault, drive_lost, encoder_jump, power_cycle can"
+        "`explode` cannot be injected; latch, input, fault, drive_lost, encoder_jump, encoder_bits, encoder_cut, \
+         encoder_slip, index_lost, stuck_switch, power_cycle can"
     );
     assert_eq!(
         bad("{inject: ^{}}"),
-        "inject does one thing: one of latch, input, fault, drive_lost, encoder_jump, power_cycle"
+        "inject does one thing: one of latch, input, fault, drive_lost, encoder_jump, encoder_bits, encoder_cut, \
+         encoder_slip, index_lost, stuck_switch, power_cycle"
     );
     let refused = problem("steps", "{at: 1, refused: x, do: {inject: ^{latch: {input: mark}}}}");
     assert_eq!(refused, "inject is never refused; leave `refused` out of this step");

@@ -8,6 +8,7 @@
 //! - `start`: true is START
 //! - `jog`: plus, minus, both, none: the inputs JOG+ and JOG-, as they stay. They run the axis in mode jog; in the others they
 //!   choose the direction of approach of a rotary axis
+//! - `cam`: the deceleration cam of mode reference, where wf.md15 is interface; false from the beginning
 //! - `fixed_speed`: 1, 2, 3: which of wf.fixed_speed_1 to 3 jogs
 //! - `enable`: the controller enable request, true from the beginning; false stops
 //! - `reset`: true ends what runs and acknowledges the alarm; it stands alone
@@ -21,16 +22,16 @@ use lineshaft_core::request::{Amount, RequestError, Units};
 use lineshaft_core::unit::Scale;
 use lineshaft_core::vocabulary::wf::{Block, Blocks, FIXED_SPEEDS, Jog, MAX_BLOCKS, Mode, Request, Speed};
 
-/// Modes by name; none waits for homing.
-const MODES: [(&str, Option<Mode>); 8] = [
-    ("mdi", Some(Mode::Mdi)),
-    ("single", Some(Mode::Single)),
-    ("automatic", Some(Mode::Automatic)),
-    ("automatic_single", Some(Mode::Automatic)),
-    ("continuous", Some(Mode::Continuous)),
-    ("jog", Some(Mode::Jog)),
-    ("reference", None),
-    ("actual_value", Some(Mode::ActualValue)),
+/// Modes by name.
+const MODES: [(&str, Mode); 8] = [
+    ("mdi", Mode::Mdi),
+    ("single", Mode::Single),
+    ("automatic", Mode::Automatic),
+    ("automatic_single", Mode::Automatic),
+    ("continuous", Mode::Continuous),
+    ("jog", Mode::Jog),
+    ("reference", Mode::Reference),
+    ("actual_value", Mode::ActualValue),
 ];
 
 const JOGS: [(&str, Jog); 4] = [("none", Jog::None), ("plus", Jog::Plus), ("minus", Jog::Minus), ("both", Jog::Both)];
@@ -74,24 +75,19 @@ fn read(map: &mut Map<'_>, scale: Option<&Scale>) -> Result<Request, Trouble> {
     let block = map.optional("block").map(|value| value.integer(0..=u8::MAX));
     let start = map.optional("start").map(|value| value.boolean());
     let jog = map.optional("jog").map(|value| value.choice(&JOGS));
+    let cam = map.optional("cam").map(|value| value.boolean());
     let fixed_speed = map.optional("fixed_speed").map(|value| value.integer(1..=FIXED_SPEEDS));
     let enable = map.optional("enable").map(|value| value.boolean());
     let reset = map.optional("reset").map(|value| value.boolean());
     let preset = map.optional("value").map(|value| position(&value, scale));
-    let mode = match noted(mode)? {
-        Some(None) => {
-            let what = "mode reference (reference travel, which needs homing)".to_owned();
-            return Err(RequestError::NotBuilt(what).into());
-        }
-        given => given.flatten(),
-    };
     let request = Request {
         axis: 0,
-        mode,
+        mode: noted(mode)?,
         blocks: blocks.transpose()?,
         block: noted(block)?,
         start: noted(start)?.unwrap_or(false),
         jog: noted(jog)?,
+        cam: noted(cam)?,
         fixed_speed: noted(fixed_speed)?,
         enable: noted(enable)?,
         reset: noted(reset)?.unwrap_or(false),

@@ -3,8 +3,8 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    Amount, MoveRequest, PointRequest, ProbeRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest,
-    TrajectoryRequest, Units,
+    Amount, HomeRequest, MoveRequest, PointRequest, ProbeRequest, SetPositionRequest, SetpointRequest,
+    SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units,
 };
 use lineshaft_core::unit::Quantity;
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
@@ -120,6 +120,14 @@ fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
     )
 }
 
+fn home_request() -> impl Strategy<Value = HomeRequest> {
+    (axis(), 0..4_u8, any::<i8>()).prop_map(|(axis, scheme, method)| HomeRequest { axis, scheme, method })
+}
+
+fn set_position_request() -> impl Strategy<Value = SetPositionRequest> {
+    (axis(), amount(0), units()).prop_map(|(axis, position, units)| SetPositionRequest { axis, position, units })
+}
+
 /// A trajectory of some axes; its points carry velocities and accelerations, or not.
 fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
     let handy = || {
@@ -210,9 +218,11 @@ fn axes() -> impl Strategy<Value = AxisSet> {
 }
 
 fn plain() -> impl Strategy<Value = Action> {
-    let finite = number().prop_filter("a real number", |value| value.is_finite());
+    let finite = number().prop_filter("a real number", |value| value.is_finite()).boxed();
     let whole = prop_oneof![-9..9_i64, any::<i64>()];
     let memory = prop_oneof![
+        finite.clone().prop_map(|value| Action::SetOutput { index: 3, value }),
+        any::<bool>().prop_map(|bit| Action::SetOutput { index: 2, value: f64::from(u8::from(bit)) }),
         finite.prop_map(|value| Action::SetMemory { index: 2, value }),
         (0..2_u16, whole).prop_map(|(index, value)| Action::SetMemory { index, value: value as f64 }),
         any::<bool>().prop_map(|bit| Action::SetMemory { index: 3, value: f64::from(u8::from(bit)) }),
@@ -231,6 +241,7 @@ fn plain() -> impl Strategy<Value = Action> {
         axes().prop_map(Action::ResetErrors),
         Just(Action::Activate),
         Just(Action::Deactivate),
+        Just(Action::Abort),
         axes().prop_map(Action::SaveParameters),
         (axes(), prop::sample::select(&[Layer::User, Layer::Init][..]))
             .prop_map(|(axes, layer)| Action::ResetParameters { axes, layer }),
@@ -281,6 +292,8 @@ fn enough_requests_become_commands_for_the_laws_to_mean_something() {
     let couplings = share(synchronize_request(), |request| config.resolve_synchronize(&request).is_ok());
     let trajectories = share(trajectory_request(), |request| config.resolve_trajectory(&request).is_ok());
     assert!(trajectories > 0.2, "{trajectories}");
+    assert!(share(home_request(), |request| config.resolve_home(&request).is_ok()) > 0.5);
+    assert!(share(set_position_request(), |request| config.resolve_set_position(&request).is_ok()) > 0.2);
     let rows = (axis(), prop::sample::select(ROWS), input());
     let changes =
         share(rows, |(axis, row, input)| config.resolve_parameter(&format!("{axis}.{}", row.key), &input).is_ok());
@@ -342,6 +355,20 @@ proptest! {
     }
 
     #[test]
+    fn every_homing_that_a_request_makes(request in home_request()) {
+        if let Ok(request) = DESK.config.resolve_home(&request) {
+            comes_back(&Action::HomeAxis(request))?;
+        }
+    }
+
+    #[test]
+    fn every_new_position_that_a_request_makes(request in set_position_request()) {
+        if let Ok(request) = DESK.config.resolve_set_position(&request) {
+            comes_back(&Action::SetPosition(request))?;
+        }
+    }
+
+    #[test]
     fn every_trajectory_that_a_request_makes(request in trajectory_request()) {
         if let Ok(trajectory) = DESK.config.resolve_trajectory(&request) {
             comes_back(&Action::Trajectory(trajectory.into()))?;
@@ -376,7 +403,7 @@ proptest! {
         comes_back(&Action::Move(Move { mode: modes[mode], ..to(axis, target) }))?;
         comes_back(&Action::Synchronize(Coupling {
             axis,
-            leader: Leader::Encoder(0),
+            leader: Some(Leader::Encoder(0)),
             mode: SyncMode::Position,
             disengage: Disengage::Stop,
             numerator: 1,

@@ -38,12 +38,18 @@ fn a_verb_is_written_in_increments_and_read_in_the_units_of_the_axis() {
     let rest = Request {
         jog: Some(Jog::Both),
         block: Some(3),
+        cam: Some(true),
         fixed_speed: Some(2),
         enable: Some(false),
         value: Some(Length::whole(-7)),
         ..Request::default()
     };
-    DESK.is(&wf(rest), r#"{"wf":{"axis":"x","block":3,"jog":"both","fixed_speed":2,"enable":false,"value":"-7 inc"}}"#);
+    DESK.is(
+        &wf(rest),
+        r#"{"wf":{"axis":"x","block":3,"jog":"both","cam":true,"fixed_speed":2,"enable":false,"value":"-7 inc"}}"#,
+    );
+    let travel = Request { mode: Some(Mode::Reference), jog: Some(Jog::Plus), ..Request::default() };
+    DESK.is(&wf(travel), r#"{"wf":{"axis":"x","mode":"reference","jog":"plus"}}"#);
     let single = Request { mode: Some(Mode::Automatic), ..Request::default() };
     assert_eq!(DESK.read("wf: {axis: x, mode: automatic_single}"), Ok(wf(single)), "another name");
 }
@@ -58,7 +64,6 @@ fn what_is_no_verb_is_refused_with_a_sentence() {
     refuses("{axis: q}", "no axis is called `q`");
     refuses("{axis: q, blocks: [{position: 1, velocity: 1}]}", "no axis is called `q`");
     refuses("{axis: x, mode: fast}", "mode is `fast`; one of mdi, single");
-    refuses("{axis: x, mode: reference}", "mode reference (reference travel, which needs homing) does not exist yet");
     refuses("{axis: x, blocks: []}", "number of blocks is 0; 1 to 16 blocks are allowed");
     refuses("{axis: x, blocks: [{velocity: 1}]}", "missing key `position`");
     refuses("{axis: x, blocks: [{position: 1}]}", "missing key `velocity`");
@@ -90,12 +95,14 @@ fn request() -> impl Strategy<Value = Request> {
     let modes = vec![Mode::Mdi, Mode::Single, Mode::Automatic, Mode::Continuous, Mode::Jog, Mode::ActualValue];
     let jogs = vec![Jog::None, Jog::Plus, Jog::Minus, Jog::Both];
     let blocks = prop::collection::vec(block(), 1..=16).prop_map(|blocks| Blocks::new(&blocks).expect("they fit"));
-    let inputs = (of(prop::sample::select(jogs)), of(1..=3_u8), of(any::<bool>()));
+    let inputs = (of(prop::sample::select(jogs)), of(any::<bool>()), of(1..=3_u8), of(any::<bool>()));
     let parts = (0..3_u16, of(prop::sample::select(modes)), of(blocks), of(any::<u8>()), any::<bool>(), inputs);
-    (parts, of(any::<i32>())).prop_map(|((axis, mode, blocks, block, start, (jog, fixed_speed, enable)), value)| {
-        let value = value.map(|value| Length::whole(value.into()));
-        Request { axis, mode, blocks, block, start, jog, fixed_speed, enable, reset: false, value }
-    })
+    (parts, of(any::<i32>())).prop_map(
+        |((axis, mode, blocks, block, start, (jog, cam, fixed_speed, enable)), value)| {
+            let value = value.map(|value| Length::whole(value.into()));
+            Request { axis, mode, blocks, block, start, jog, cam, fixed_speed, enable, reset: false, value }
+        },
+    )
 }
 
 proptest! {

@@ -1,0 +1,178 @@
+//! What stands along the way of a simulated axis, in key `sim`: where it starts, the index of its encoder, its switches and
+//! where they are wired to.
+//!
+//! Places are positions on the machine as its drive counts them, so that at the start the drive reads 0 at `start`.
+
+use super::backends::Context;
+use super::brake;
+use super::names::{Once, Section, quote};
+use super::scale::Travel;
+use crate::document::{Allowed, Map, Value};
+use lineshaft_core::axis::Polarity;
+use lineshaft_core::config::{IoConfig, IoKind};
+use lineshaft_core::drive::inputs;
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::sim::{Fixtures, Index, Mechanics, Sign, Wire};
+use lineshaft_core::unit::Dimension;
+
+/// Inputs that switches are wired to, by their places in section `io`.
+pub(super) type Taken = Once<usize>;
+
+/// What the keys are read with.
+struct Reader<'r, 'd> {
+    travel: &'r Travel,
+    cx: &'r Context<'d>,
+    io: &'r [Option<IoConfig>],
+    taken: &'r mut Taken,
+}
+
+/// Reads the keys that are not of the model.
+pub(super) fn read<'d>(
+    map: &mut Map<'d>,
+    travel: &Travel,
+    cx: &Context<'d>,
+    io: &[Option<IoConfig>],
+    taken: &mut Taken,
+) -> Option<Mechanics> {
+    let mut reader = Reader { travel, cx, io, taken };
+    let start = map.optional("start").map_or(Some(0), |value| reader.place(&value));
+    let index = optional(map.optional("index"), |value| reader.index(&value));
+    let home = optional(map.optional("home_switch"), |value| reader.home(&value));
+    let mut end = |key, bit| optional(map.optional(key), |value| reader.end(&value, key, bit));
+    let negative = end("negative_limit_switch", inputs::NEGATIVE_LIMIT);
+    let positive = end("positive_limit_switch", inputs::POSITIVE_LIMIT);
+    let (home, negative, positive) = (home?, negative?, positive?);
+    let fixtures = Fixtures {
+        start: start?,
+        index: index?,
+        home: home.map(|(range, _)| range),
+        negative: negative.map(|(at, _)| at),
+        positive: positive.map(|(at, _)| at),
+    };
+    let wires =
+        [home.and_then(|(_, wire)| wire), negative.and_then(|(_, wire)| wire), positive.and_then(|(_, wire)| wire)];
+    Some(Mechanics { fixtures, wires, ..Mechanics::default() })
+}
+
+/// How long the brake takes to open and to close (ns).
+pub(super) fn brake_times(map: &mut Map<'_>) -> Option<[u64; 2]> {
+    let opens = map.optional("brake_opens").map_or(Some(0), |value| brake::time(&value));
+    let closes = map.optional("brake_closes").map_or(Some(0), |value| brake::time(&value));
+    Some([opens?, closes?])
+}
+
+/// What a hanging load does when nothing holds it (inc/s^2).
+pub(super) fn load(map: &mut Map<'_>, travel: &Travel) -> Option<f64> {
+    let Some(value) = map.optional("hanging_load") else { return Some(0.0) };
+    let scale = travel.any_scale()?;
+    let quantity = value.quantity(&scale.dimensions(2), &Allowed::Any)?;
+    let rate = travel.scale?.rate(&quantity, 2);
+    rate.map_err(|error| value.refuse(format!("hanging_load: {error}"), error.hint())).ok()
+}
+
+/// The outputs that tell the drive the sign of its reference, as REVERS says.
+pub(super) fn sign(parameters: &AxisParameters) -> Option<Sign> {
+    match parameters.reversing().polarity {
+        Polarity::Bipolar => None,
+        Polarity::Direction(output) => Some(Sign::Direction(usize::from(output).checked_sub(1)?)),
+        Polarity::Enables(output) => {
+            let first = usize::from(output).checked_sub(1)?;
+            Some(Sign::Enables(first, first + 1))
+        }
+    }
+}
+
+/// What may be left out: none where it is wrong.
+fn optional<'d, T>(value: Option<Value<'d>>, read: impl FnOnce(Value<'d>) -> Option<T>) -> Option<Option<T>> {
+    value.map_or(Some(None), |value| read(value).map(Some))
+}
+
+impl<'d> Reader<'_, 'd> {
+    /// A place (inc).
+    fn place(&self, value: &Value<'_>) -> Option<i64> {
+        self.length(value, &Allowed::Any)
+    }
+
+    fn length(&self, value: &Value<'_>, allowed: &Allowed) -> Option<i64> {
+        let scale = self.travel.any_scale()?;
+        let dimensions = match self.travel.kind {
+            Some(_) => scale.dimensions(0).to_vec(),
+            // What it measures is not known; that is reported at `type`.
+            None => vec![Dimension::Length(0), Dimension::Angle(0), Dimension::Increments(0)],
+        };
+        let quantity = value.quantity(&dimensions, allowed)?;
+        let position = self.travel.scale?.position(&quantity);
+        position.map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
+    }
+
+    fn index(&self, value: &Value<'d>) -> Option<Index> {
+        let mut map = value.map("index")?;
+        let every = map.required("every").and_then(|value| {
+            let every = self.length(&value, &Allowed::Positive)?;
+            if every == 0 {
+                let given = quote(value.peek().unwrap_or_default());
+                value.refuse(
+                    format!("every is {given}, which is less than half an increment; 1 inc and above is allowed"),
+                    None,
+                );
+            }
+            Some(every).filter(|every| *every > 0)
+        });
+        let at = map.optional("at").map_or(Some(0), |value| self.place(&value));
+        map.finish();
+        Some(Index { every: every?, at: at? })
+    }
+
+    /// The reference switch: where it is actuated, and its wire.
+    fn home(&mut self, value: &Value<'d>) -> Option<((i64, i64), Option<Wire>)> {
+        let mut map = value.map("home_switch")?;
+        let from = map.required("from").and_then(|value| self.place(&value));
+        let upper = map.required("to");
+        let to = upper.as_ref().and_then(|value| self.place(value));
+        let wire = self.wire(&mut map, inputs::HOME);
+        map.finish();
+        let (from, to, upper) = (from?, to?, upper?);
+        if from > to {
+            upper.refuse(format!("to is {to} inc; from, {from} inc, and above is allowed"), None);
+            return None;
+        }
+        Some(((from, to), wire?))
+    }
+
+    /// A limit switch: from where on it is actuated, and its wire.
+    fn end(&mut self, value: &Value<'d>, key: &str, bit: u32) -> Option<(i64, Option<Wire>)> {
+        let mut map = value.map(key)?;
+        let at = map.required("at").and_then(|value| self.place(&value));
+        let wire = self.wire(&mut map, bit);
+        map.finish();
+        Some((at?, wire?))
+    }
+
+    /// Keys `input` and `normally_closed`.
+    fn wire(&mut self, map: &mut Map<'d>, switch: u32) -> Option<Option<Wire>> {
+        let closed = map.optional("normally_closed");
+        let normally_closed = closed.as_ref().map_or(Some(false), Value::boolean);
+        let Some(value) = map.optional("input") else {
+            if let Some(value) = closed {
+                let sentence =
+                    "normally_closed is for a switch with an input; the drive shows in 60FDh that one is actuated";
+                value.refuse(sentence, Some("leave it out".to_owned()));
+                return None;
+            }
+            return Some(None);
+        };
+        let name = value.text()?;
+        let (_, place) = self.cx.names.find(&value, name, &[Section::Io])?;
+        let kind = |place: usize| self.io.get(place).and_then(Option::as_ref).map(|entry| entry.kind);
+        // One with problems of its own may be of any kind.
+        if kind(place).is_some_and(|kind| kind != IoKind::DigitalInput) {
+            value.refuse(format!("input is {}, which is no di; a di is allowed", quote(name)), None);
+            return None;
+        }
+        if !self.taken.take(place, &value, || format!("input {}", quote(name))) {
+            return None;
+        }
+        let input = (0..place).filter(|other| kind(*other) == Some(IoKind::DigitalInput)).count();
+        Some(Some(Wire { switch, input, normally_closed: normally_closed? }))
+    }
+}

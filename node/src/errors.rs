@@ -1,0 +1,147 @@
+//! docs/errors.md: every code with its cause and remedy, and what an error does to its axis.
+
+use lineshaft_core::axis::{class, stops_all};
+use lineshaft_core::code::Code;
+use lineshaft_core::text::{DRIVE_FAULT, advice};
+use std::fmt::Write;
+
+const INTRODUCTION: &str = "\
+# Codes
+
+This page is made of the tables that the program uses: `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib errors` writes it anew.
+
+A code stands in `x.error`, in `error_code` of ~/axis_states, in events, in the result of an action. 0 is none. Below 1000 they are the
+error numbers of MACS, from 1000 on alarms of the WF modules (1000 + number), from 2000 on those of the SAIA module, from 10000 on
+our own, from 65536 (10000h) on what a drive reports (10000h + its object 603Fh).
+
+## What an error does
+
+Every axis is watched in every cycle; an error is told and answered in the cycle in which it is found. The first error of an axis
+stands in `x.error` until it is reset; how the axis stood then stands in the signals `x.fault.code .cycle .command .velocity .actual
+.following_error`, until the next error. What else goes wrong before the reset is told as an event. `~/errors` brings the last 32 errors
+and resets, with the remedy, also to who comes later; /diagnostics has cause, remedy and how the axis stood.
+
+The reaction is one of:
+
+| `error_reaction` (ERRCOND) | the axis |
+|-|-|
+| 0 | coasts: no voltage |
+| 1 | coasts, and its brake closes at once |
+| 2 | stops with `max_deceleration`, and holds |
+| 3 | stops with `max_deceleration`; then its brake closes |
+| 4 | is left to the quick stop of its drive |
+| 5 | goes on; the error is told, and of a following error again every second while it lasts |
+
+Column *reaction* of the tables names what deviates from it. Where an axis says `following_error_stops_all: 1`, its following error
+stops all axes with a drive, each by its own `error_reaction`, as MACS does (MACS-ERR-05).
+
+`~/reset_errors` waits until the axis rests, resets the fault of the drive and takes the error back. An error whose cause persists
+comes back, and the reset ends with its code: an open contact at once, a drive that does not leave its fault after 5 s.
+
+## Limit switches
+
+A switch is a bit of the drive (60FDh) or the input that `i_poslimitsw`, `i_neglimitsw` assign; the positive one stands at the end of
+rising counts. Its edge stops the axis, also one at rest; not one that moves away from it. Its level blocks every motion towards
+it, also after power-on: what is known beforehand is refused with 98, a coupling that leads there is stopped with it. After the
+reset the way back is open. `endswmod` 1 stops with `max_deceleration` and holds; with 0 `error_reaction` decides, of which 5 stops as
+2 does. A motor that coasts into a switch has no brake: choose 1 or 2 for those. While an axis homes its switches belong to
+homing.
+
+## Contacts of the cell
+
+```
+safety: {estop: estop_ok, interlock: door_closed} # entries of io, type di, that read 1 while all is well
+```
+
+One that reads 0, also because its wire is broken, stops all axes in that cycle. `estop`: they stop with `max_deceleration`, then lose
+their power, and their brakes close. `interlock`: they stop and hold. While one is open nothing can be enabled or moved. Closing it
+resets nothing. This is no safety function: the contacts must act on the power of the drives as well (safe torque off).
+";
+
+/// The ranges with their headings.
+const PARTS: [(&str, u32, u32); 6] = [
+    ("MACS", 1, 999),
+    ("Siemens WF 725", 1000, 1999),
+    ("SAIA PCD4.H3", 2000, 2999),
+    ("Lineshaft: refused", 10_000, 10_100),
+    ("Lineshaft: ended", 10_101, 10_199),
+    ("Lineshaft: failed", 10_200, 65_535),
+];
+
+/// The whole page.
+pub fn markdown() -> String {
+    let mut page = INTRODUCTION.to_owned();
+    for (name, low, high) in PARTS {
+        // Writing to a text cannot fail.
+        let _ = write!(page, "\n## {name}\n\n| code | name | cause | remedy | reaction |\n|-|-|-|-|-|\n");
+        let mut codes: Vec<_> = Code::ALL.iter().filter(|(_, code)| (low..=high).contains(&code.0)).collect();
+        codes.sort_unstable_by_key(|(_, code)| *code);
+        codes.into_iter().for_each(|(name, code)| page.push_str(&line(name, *code)));
+    }
+    let reaction = class(Code::drive_fault(0)).text();
+    let (cause, remedy) = (DRIVE_FAULT.cause, DRIVE_FAULT.remedy);
+    let _ = write!(page, "\n## Drives\n\n| code | cause | remedy | reaction |\n|-|-|-|-|\n");
+    let _ = writeln!(page, "| 65536 + 603Fh | {cause} | {remedy} | {reaction} |");
+    page
+}
+
+fn line(name: &str, code: Code) -> String {
+    let (cause, remedy) = advice(code).map_or(("", ""), |advice| (advice.cause, advice.remedy));
+    let mut reaction = if raises(code) { class(code).text().to_owned() } else { String::new() };
+    if stops_all(code) {
+        reaction.push_str("; with `following_error_stops_all` all axes");
+    }
+    format!("| {} | {name} | {cause} | {remedy} | {reaction} |\n", code.0)
+}
+
+/// Is it an error of an axis, rather than a refusal, an end or a notice?
+fn raises(code: Code) -> bool {
+    const NOTICES: [Code; 11] = [
+        Code::STREAM_TIMEOUT,
+        Code::SYNC_LOST,
+        Code::OVERRUN,
+        Code::RESET_FAILED,
+        Code::EVENTS_LOST,
+        Code::LATCHES_LOST,
+        Code::RECORD_LOST,
+        Code::RECORD_FAILED,
+        Code::FLIGHT_FAILED,
+        Code::IN_POSITION_TIMEOUT,
+        Code::HOMING_REQUIRED,
+    ];
+    let failed = code.0 < 1100 || code.0 >= 10_200 && !(10_300..10_320).contains(&code.0);
+    failed && !NOTICES.contains(&code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// docs/errors.md is what the program makes.
+    #[test]
+    fn the_page_in_docs_is_the_one_that_the_program_makes() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/errors.md");
+        let made = markdown();
+        if std::env::var_os("LINESHAFT_RENEW").is_some() {
+            std::fs::write(&path, &made).unwrap();
+            return;
+        }
+        let page = std::fs::read_to_string(&path).unwrap();
+        let different = page.lines().zip(made.lines()).find(|(there, made)| there != made);
+        let hint = "write it anew: LINESHAFT_RENEW=1 cargo test -p lineshaft --lib errors";
+        assert_eq!(different, None, "{hint}");
+        assert!(page == made, "{hint}");
+    }
+
+    #[test]
+    fn every_code_has_one_line_with_a_cause() {
+        let page = markdown();
+        for (name, code) in Code::ALL.iter().filter(|(_, code)| !code.is_none()) {
+            let start = format!("| {} | {name} | ", code.0);
+            let lines: Vec<_> = page.lines().filter(|line| line.starts_with(&start)).collect();
+            assert_eq!(lines.len(), 1, "{name}");
+            assert!(!lines[0].contains("|  |  |"), "{}", lines[0]);
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Verbs `home_axis` and `set_position` (contract section 7).
+
+use super::{Deed, Reader, UNITS, number, optional_amount};
+use crate::document::Value;
+use lineshaft_core::command::Action;
+use lineshaft_core::request::{HomeRequest, SetPositionRequest, Units};
+
+const SCHEMES: [(&str, u8); 3] = [("configured", 0), ("cia402", 1), ("macs", 2)];
+
+impl Reader<'_> {
+    pub(super) fn home_axis(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+        let Some(mut map) = value.map("home_axis") else { return (None, None) };
+        let id = map.optional("id").map(|id| self.ids.carry(&id));
+        let axis = map.required("axis");
+        let scheme = number(&mut map, "scheme", &SCHEMES);
+        let method = map.optional("method").map_or(Some(0), |method| method.integer(i8::MIN..=i8::MAX));
+        map.finish();
+        let deed = (|| {
+            let request = HomeRequest { axis: axis?.text()?.to_owned(), scheme: scheme?, method: method? };
+            self.settle(value, self.names.config.resolve_home(&request).map(Action::HomeAxis))
+        })();
+        (deed, id.flatten())
+    }
+
+    pub(super) fn set_position(&self, value: &Value<'_>) -> Option<Deed> {
+        let mut map = value.map("set_position")?;
+        let axis = map.required("axis");
+        let scale = self.scale(axis.as_ref());
+        let units = number(&mut map, "units", &UNITS);
+        let position = optional_amount(&mut map, "position", 0, scale.as_ref(), units == Some(2));
+        map.finish();
+        let units = match Units::from_number(units?) {
+            Ok(units) => units,
+            Err(error) => return self.settle(value, Err(error)),
+        };
+        let request = SetPositionRequest { axis: axis?.text()?.to_owned(), position: position?, units };
+        self.settle(value, self.names.config.resolve_set_position(&request).map(Action::SetPosition))
+    }
+}
