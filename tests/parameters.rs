@@ -84,7 +84,7 @@ fn every_parameter_is_held_at_its_doors() {
         let last = seen.all().last().expect("what was counted");
         let counted = |name: &str| last[name].as_u64().unwrap();
         assert_eq!(counted("settable") + counted("read_only"), counted("parameters"), "{last}");
-        // None of the machine's parameters does anything yet.
+        // The machine has few parameters that do anything.
         assert_eq!(counted("other_values") > 100, object != "machine", "{last}");
         assert!(counted("bad_values") > 5 * counted("settable"), "{last}");
     }
@@ -219,6 +219,29 @@ fn changes_from_any_source_are_published() {
     bench.set("x.max_velocity=1.2 x.max_velocity=-1.0");
     thread::sleep(Duration::from_millis(200));
     assert_eq!(bench.cyclone.run("parameter-events /lineshaft")["events"], json!([]));
+}
+
+/// Parameters of the machine have the services, the events and the layers of all others.
+#[test]
+fn parameters_of_the_machine_are_set_read_and_brought_back() {
+    let mut bench = Bench::start();
+    assert_eq!(bench.get("machine.ainftime"), 0);
+    bench.cyclone.run("parameter-events /lineshaft");
+    assert_eq!(bench.set("machine.ainftime=7")[0]["successful"], true);
+    assert_eq!(bench.get("machine.ainftime"), 7);
+    let seen = bench.cyclone.run("parameter-events /lineshaft --until machine.ainftime");
+    let events = seen["events"].as_array().expect("a list");
+    assert!(events.iter().any(|event| event["changed"] == json!({"machine.ainftime": 7})), "{events:?}");
+    // The demo has no outputs; nothing changes, and of a set with one wrong value none is taken.
+    let reason = bench.refused("machine.o_error=5");
+    assert!(reason.ends_with("o_error is 5; the cell has 0 digital outputs"), "{reason}");
+    let result = bench.set_together("machine.ainftime=9 machine.o_error=5");
+    assert_eq!(result["successful"], false, "{result}");
+    assert_eq!((bench.get("machine.ainftime"), bench.get("machine.o_error")), (json!(7), json!(0)));
+    let reason = bench.refused("machine.ainftime=-1");
+    assert_eq!(reason, "machine: ainftime is -1; 0 to 1073741823 is allowed");
+    bench.cyclone.run("layers /lineshaft reset");
+    assert_eq!(bench.get("machine.ainftime"), 0);
 }
 
 #[test]

@@ -76,3 +76,50 @@ fn the_blocks_of_wf_play_their_scenarios() {
 fn the_commands_of_saia_play_their_scenarios() {
     assert!(plays("saia") >= 7);
 }
+
+#[test]
+fn every_way_of_homing_plays_its_scenario() {
+    assert!(plays("homing") >= 6);
+}
+
+#[test]
+fn encoders_of_every_kind_play_their_scenarios() {
+    assert!(plays("encoders") >= 4);
+}
+
+#[test]
+fn the_terminals_of_a_machine_play_their_scenarios() {
+    assert!(plays("io") >= 6);
+}
+
+/// A cell whose drives hang on a CAN bus: `run` says that there is none, `run --sim` rehearses it with its switches, its brake
+/// and its load, up to the end of a scenario.
+#[test]
+fn run_with_sim_rehearses_a_real_cell() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (cell, scenario) =
+        (root().join("launch-configs/io.yaml"), root().join("launch-configs/scenarios/io/switches.yaml"));
+    let run = |args: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_lineshaft"))
+            .args(args)
+            .arg(&cell)
+            .arg("--scenario")
+            .arg(&scenario)
+            .args(["--store", "none", "--flight-recorder", "0"])
+            .current_dir(folder.path())
+            .env("ROS_HOME", folder.path())
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env("ROS_DOMAIN_ID", "87")
+            .output()
+            .expect("the program starts");
+        (
+            output.status.code(),
+            [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat(),
+        )
+    };
+    let (code, text) = run(&["run"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("backend bus: CAN does not exist yet; `lineshaft run --sim` simulates its drives"), "{text}");
+    let (code, text) = run(&["run", "--sim"]);
+    assert_eq!(code, Some(0), "{text}");
+}

@@ -92,7 +92,7 @@ def long_strings(peer, a):
     def axes(verb, *names):
         r = peer.axes(a.node, verb).call(AxesRequest(list(names)))
         return r.success, r.message
-    for verb in ("enable", "disable", "halt", "quick_stop", "reset_errors"):
+    for verb in ("enable", "disable", "halt", "quick_stop", "reset_errors", "home"):
         refused(f"{verb} of a long name", lambda: axes(verb, long))
     refused("enable of a long name after a good one", lambda: axes("enable", a.axis, long))
 

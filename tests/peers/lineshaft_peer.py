@@ -16,6 +16,7 @@ import checks
 import conformance
 import goals
 import hammer
+import homing
 import hostile
 import lifecycle
 import node_services
@@ -142,6 +143,11 @@ def echo(subscription, seconds, until=None):
 
 def events(peer, a):
     echo(peer.stream(f"{a.node}/events", Event), a.seconds, a.until)
+
+
+def errors(peer, a):
+    """The history, as somebody sees it who comes now."""
+    echo(rw.Subscription(peer.dp, f"{a.node}/errors", Event, rw.ERRORS_QOS).wait(), a.seconds)
 
 
 def log(peer, a):
@@ -279,6 +285,7 @@ def parser():
     p.add_argument("--all", action="store_true", help="all since the last call, instead of the next one")
     p = command("events", events, seconds=0.0)
     p.add_argument("--until", help="stop after the first event of this kind; none is a failure")
+    command("errors", errors, seconds=0.5)
     command("log", log, node=False, seconds=1.0)
     p = command("latched-text", latched_text)
     p = command("axes", axes, timeout=rw.REPLY_S)
@@ -319,6 +326,7 @@ def parser():
     lifecycle.add_commands(command)
     parameters.add_commands(command)
     node_services.add_commands(command)
+    homing.add_commands(command)
     streams.add_commands(command)
     trajectories.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)

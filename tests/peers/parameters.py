@@ -11,12 +11,17 @@ BOOL, INTEGER, DOUBLE, STRING = 1, 2, 3, 4
 LOWEST, HIGHEST = -2 ** 63, 2 ** 63 - 1
 
 # Values that agree with the rest of an axis of the demo, where one from the range alone may not.
-AGREED = {"dfltvel": [30], "dfltacc": [30], "neglimit": [-1000], "poslimit": [1000], "velmax": [1000.0],
+AGREED = {"dfltvel": [30], "dfltacc": [30], "home_vel": [-30], "home_ramp": [30], "neglimit": [-1000],
+          "poslimit": [1000], "velmax": [65535.0], "wf.md7": [1],
           "amc.speed_reference": [0.001], "min_position": [-0.01, None], "max_position": [0.3, None]}
 # What is said of values in the range that the rest of the axis forbids.
 FORBIDDEN = {"amc.action_on_event": "waits for a latch", "amc.reference_select": "does not exist yet",
              "amc.reference_select_trigger": "does not exist yet",
-             "posdrct": "inverts the position loop", "revers": "which do not exist yet",
+             **dict.fromkeys(("i_refswitch", "i_poslimitsw", "i_neglimitsw"), "digital inputs"),
+             **dict.fromkeys(("i_break", "i_continue", "i_errclr"), "digital inputs"),
+             **dict.fromkeys(("o_axmove", "o_brake", "o_error"), "digital outputs"),
+             "posdrct": "inverts the position loop", "velmax": "must not lie below", "revers": "asks for outputs",
+             **dict.fromkeys(("encodertype", "mencodertype"), "is no type of encoder"), "wf.md4": "names an encoder",
              **{f"wf.md{n}": "breaks the falling order" for n in range(43, 49)}}
 
 
@@ -148,7 +153,7 @@ def is_sound(name, d, value, kind):
     ranges = {BOOL: (0, 0), INTEGER: (1, 0), DOUBLE: (0, 1), STRING: (0, 0)}
     return (d.name == name and d.type in ranges and len(d.description) > 10
             and (len(d.integer_range), len(d.floating_point_range)) == ranges[d.type]
-            and all(r.from_value < r.to_value for r in [*d.integer_range, *d.floating_point_range])
+            and all(r.from_value <= r.to_value for r in [*d.integer_range, *d.floating_point_range])
             and (d.type != STRING or d.additional_constraints.startswith("one of "))
             and value.type == kind and (kind == d.type or (kind == 0 and (d.dynamic_typing or d.read_only))))
 
@@ -202,15 +207,18 @@ def in_range(d, value):
 
 def reset(peer, a):
     client = service(peer, a.node, "reset_parameters", "ResetParameters", ResetRequest, ResetResponse)
-    r = client.call(ResetRequest([a.object], LAYERS.index("init")))
+    # The machine goes with all axes.
+    axes = [] if a.object == "machine" else [a.object]
+    r = client.call(ResetRequest(axes, LAYERS.index("init")))
     if not r.success:
         raise Failure(r.message)
 
 
 def same(d, got, want):
     """Of numbers in steps the nearest is taken."""
-    step = d.floating_point_range[0].step if d.type == DOUBLE else 0.0
-    return got == want or want is not None and got is not None and abs(got - want) <= 0.5001 * step
+    if d.type != DOUBLE or got is None or want is None:
+        return got == want
+    return abs(got - want) <= 0.5001 * d.floating_point_range[0].step
 
 
 def refused(checks, client, d, bad, word):

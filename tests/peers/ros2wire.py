@@ -38,6 +38,7 @@ def qos(reliable=True, transient_local=False, depth=10):
 SERVICE_QOS = qos(depth=10)  # rmw_qos_profile_services_default
 PARAMETER_QOS = qos(depth=1000)  # rmw_qos_profile_parameters
 ROSOUT_QOS = qos(transient_local=True, depth=1000)
+ERRORS_QOS = qos(transient_local=True, depth=32)
 STATUS_QOS = qos(transient_local=True, depth=1)  # rcl_action_qos_profile_status_default
 DISCOVERY_QOS = qos(transient_local=True, depth=1)
 

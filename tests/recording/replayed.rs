@@ -9,7 +9,7 @@ fn what_was_recorded_replays() {
     for bag in [bench.record("run.mcap"), bench.record("bag")] {
         bench.lineshaft(&["replay", &bag]).with(0);
     }
-    for scenario in ["first_move", "stop", "sync"] {
+    for scenario in ["first_move", "stop", "sync", "home"] {
         let scenario_file = root(&format!("launch-configs/scenarios/{scenario}.yaml"));
         let bag = bench.record_scenario(&demo(), &scenario_file, scenario);
         bench.lineshaft(&["replay", &bag]).with(0);
@@ -17,7 +17,7 @@ fn what_was_recorded_replays() {
 }
 
 /// A changed input: its field, the bit that is turned over, and names of which the report has one.
-const CHANGES: [(&str, &str, &[&str]); 11] = [
+const CHANGES: [(&str, &str, &[&str]); 12] = [
     ("digital[0]", "0", &["start"]),
     ("digital[0]", "1", &["mark"]),
     ("analog[0]", "0", &["tension"]),
@@ -25,6 +25,8 @@ const CHANGES: [(&str, &str, &[&str]); 11] = [
     ("encoder_valid[0]", "0", &["belt"]),
     ("drive_count[0]", "0", &["x."]),
     ("drive_velocity[1]", "0", &["turret."]),
+    // Bit 2 of 60FDh is the reference switch.
+    ("drive_inputs[0]", "2", &["x."]),
     // Bit 3 of the status word is the drive's fault.
     ("drive_status[0]", "3", &["x."]),
     // Bit 14 belongs to the maker of a drive: no signal shows it.
