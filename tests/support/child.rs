@@ -27,6 +27,9 @@ const FOREIGN: [&str; 8] = [
     "ROS_STATIC_PEERS",
 ];
 
+/// Lines of each process that a failed test shows: more would hide why it failed.
+const SHOWN: usize = 25;
+
 /// A running process; killed by its own id when dropped.
 pub(super) struct Captured {
     name: String,
@@ -172,7 +175,16 @@ impl Drop for Captured {
         let _ = self.child.kill();
         let _ = self.child.wait();
         if thread::panicking() {
-            eprintln!("--- {} wrote:\n{}---", self.name, self.log());
+            let log = self.log();
+            let lines: Vec<_> = log.lines().collect();
+            let shown = &lines[lines.len().saturating_sub(SHOWN)..];
+            eprintln!(
+                "--- the last {} of {} lines that {} wrote:\n{}\n---",
+                shown.len(),
+                lines.len(),
+                self.name,
+                shown.join("\n")
+            );
         }
     }
 }

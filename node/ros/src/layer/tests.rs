@@ -120,6 +120,32 @@ async fn a_client_that_reads_no_replies_holds_up_nobody() {
     assert_eq!(error.to_string(), "/patience/enable: the client that asked is not there to read the reply");
 }
 
+/// The library gives the requests of the client with the lowest number before all others.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_client_that_always_asks_holds_up_no_other() {
+    let (serving, first, second) = (node("fair"), node("fair_first"), node("fair_second"));
+    let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
+    let clients = [
+        Client::<AxesCommand>::new(&first, "/fair/enable").await,
+        Client::<AxesCommand>::new(&second, "/fair/enable").await,
+    ];
+    let names = ["first", "second"];
+    for (client, name) in clients.iter().zip(names) {
+        client.send(&axes(name));
+    }
+    let mut answered = [0; 2];
+    for _ in 0..8 {
+        // What was sent has arrived.
+        sleep(Duration::from_millis(100)).await;
+        let request = timeout(LONG, server.next()).await.unwrap().unwrap();
+        let who = usize::from(request.message == axes(names[1]));
+        answered[who] += 1;
+        request.reply.send_soon(AxesCommandResponse::default());
+        clients[who].send(&axes(names[who]));
+    }
+    assert_eq!(answered, [4, 4]);
+}
+
 struct Asking {
     goals: Client<SendGoal<HomeAxis>>,
     results: Client<GetResult<HomeAxis>>,

@@ -8,10 +8,12 @@ mod replies;
 #[cfg(any(test, feature = "fuzz"))]
 pub use laws::any_request;
 
+use std::collections::VecDeque;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use std::time::Instant;
 
+use futures::FutureExt;
 use lineshaft_msgs::Service;
 use serde::Serialize;
 use tokio::sync::watch;
@@ -24,8 +26,8 @@ use super::limiter::{Limiter, more};
 use super::name::FullName;
 use super::qos::Qos;
 
-/// Requests that wait for the server; more than the 10 of ROS, because clients of all kinds share them. Not more than a burst
-/// needs, because the library keeps as many that were taken, however long they are.
+/// Requests that wait for the server, in the library and again in its line; more than the 10 of ROS, because clients of all kinds
+/// share them. Not more than a burst needs, because the library keeps as many that were taken, however long they are.
 const WAITING: u16 = 256;
 
 /// A reply that did not go out.
@@ -78,13 +80,15 @@ fn networks(longest: usize) -> &'static str {
 /// Takes the requests of one service; dropping it takes the service from the node.
 ///
 /// Requests that are not exactly of the service's form are refused, logged and never handed out.
-pub struct ServiceServer<S> {
+pub struct ServiceServer<S: Service> {
     requests: Registered<Reader>,
+    /// Read, and not handed out yet. The library alone would be unfair: it gives the requests of one client before those of the
+    /// next, and drops the oldest, so that a busy client would keep the others waiting until theirs are gone.
+    line: VecDeque<(Caller, S::Request)>,
     replies: Arc<Replies>,
     closed: watch::Receiver<()>,
     refused: Limiter,
     unread: Limiter,
-    service: PhantomData<fn(S)>,
 }
 
 /// A request, and the way to answer it. Any number may be open at a time.
@@ -102,11 +106,11 @@ impl<S: Service> ServiceServer<S> {
         let writer = context.writer(&name.reply(), S::RESPONSE_DDS_NAME, qos)?;
         Ok(Self {
             requests,
+            line: VecDeque::new(),
             replies: Arc::new(Replies::new(context, writer, name)),
             closed: context.closed.clone(),
             refused: Limiter::default(),
             unread: Limiter::default(),
-            service: PhantomData,
         })
     }
 
@@ -118,22 +122,32 @@ impl<S: Service> ServiceServer<S> {
     /// The next request; `None` once the node is gone. Nothing is lost when the future is dropped.
     pub async fn next(&mut self) -> Option<Request<S>> {
         loop {
+            while self.line.len() < usize::from(WAITING)
+                && let Some(taken) = self.requests.next().now_or_never()
+            {
+                self.enter(taken);
+            }
+            if let Some((caller, message)) = self.line.pop_front() {
+                return Some(Request { message, reply: Reply::new(self.replies.clone(), caller) });
+            }
             let taken = tokio::select! {
                 taken = self.requests.next() => taken,
                 _ = self.closed.changed() => return None,
             };
-            match taken {
-                Ok(sample) => match caller::read::<S::Request>(&sample) {
-                    Ok((caller, message)) => {
-                        let reply = Reply::new(self.replies.clone(), caller);
-                        return Some(Request { message, reply });
-                    }
-                    Err(refusal) => self.refuse(&sample, &refusal),
-                },
-                Err(reason) => {
-                    if let Some(before) = self.unread.say_of_nobody(Instant::now()) {
-                        tracing::warn!("{}: a request was refused: {reason}{}", self.name(), more(before));
-                    }
+            self.enter(taken);
+        }
+    }
+
+    /// Puts a request into the line, if it is one.
+    fn enter(&mut self, taken: Result<Sample, String>) {
+        match taken {
+            Ok(sample) => match caller::read::<S::Request>(&sample) {
+                Ok(request) => self.line.push_back(request),
+                Err(refusal) => self.refuse(&sample, &refusal),
+            },
+            Err(reason) => {
+                if let Some(before) = self.unread.say_of_nobody(Instant::now()) {
+                    tracing::warn!("{}: a request was refused: {reason}{}", self.name(), more(before));
                 }
             }
         }
