@@ -53,9 +53,9 @@ homing.
 safety: {estop: estop_ok, interlock: door_closed} # entries of io, type di, that read 1 while all is well
 ```
 
-One that reads 0, also because its wire is broken, stops all axes in that cycle. `estop`: they stop with `max_deceleration`, then lose
-their power, and their brakes close. `interlock`: they stop and hold. While one is open nothing can be enabled or moved. Closing it
-resets nothing. This is no safety function: the contacts must act on the power of the drives as well (safe torque off).
+One that reads 0, also because its wire is broken, stops all axes in that cycle. `estop`: they stop with `max_deceleration`, then
+their brakes close and their power goes, that of an axis with a section `brake` its `engage_delay` later. `interlock`: they stop and
+hold. While one is open nothing can be enabled or moved. Closing it resets nothing. This is no safety function: the contacts must act on the power of the drives as well (safe torque off).
 ";
 
 /// The ranges with their headings.

@@ -1,8 +1,8 @@
 //! The brake of an axis, and what inputs of the machine do to it.
 //!
 //! Law      the power comes first and goes last: enable switches the drive on, holds, opens the brake, and the axis is enabled
-//!          release_delay later; disable stops, closes the brake, and the power goes engage_delay later. Without power to
-//!          hold it the brake is closed, in the same cycle
+//!          release_delay later; disable, and an error that stops the axis before it takes the power, stop it, close the brake, and
+//!          the power goes engage_delay later. Without power to hold it the brake is closed, in the same cycle
 //! Reads    what the axis wants of its drive
 //! Writes   the output of the brake
 //! Source   MACS-ERR-02, MACS-IO-04, MACS-IO-08 to -10
@@ -31,6 +31,8 @@ pub struct Edges {
 pub(super) struct Holding {
     /// The axis' own brake is closed.
     closed: bool,
+    /// Since that cycle.
+    closed_at: u64,
     edges: Edges,
     /// I_ERRCLR waits for the axis to stand.
     pub(super) clears: bool,
@@ -42,7 +44,7 @@ pub(super) struct Holding {
 
 impl Default for Holding {
     fn default() -> Self {
-        Self { closed: true, edges: Edges::default(), clears: false, interrupted: false, aborted: false }
+        Self { closed: true, closed_at: 0, edges: Edges::default(), clears: false, interrupted: false, aborted: false }
     }
 }
 
@@ -91,8 +93,24 @@ impl Axis {
         self.own_brake().is_none_or(|brake| elapsed >= time(brake))
     }
 
+    /// Takes the power of an axis that stands: once its own brake has had its time to close.
+    pub(super) fn give_to_brake(&mut self, cycle: u64) {
+        if matches!(self.power, Power::Closing { .. }) {
+            return;
+        }
+        let since = if self.holding.closed { self.holding.closed_at } else { cycle };
+        let holds = self.has_passed(cycle, since, |brake| brake.engage_ns);
+        self.power = if holds { Power::Off } else { Power::Closing { since } };
+    }
+
+    /// Has a drive that stops by itself done so, and the brake had its time behind it?
+    pub(super) fn has_stopped_by_itself(&self, cycle: u64) -> bool {
+        let is_held = self.holding.closed && self.has_passed(cycle, self.holding.closed_at, |brake| brake.engage_ns);
+        self.encoder_stands() && (self.own_brake().is_none() || is_held)
+    }
+
     /// The brake goes with the power of this cycle.
-    pub(super) fn work_brake(&mut self) {
+    pub(super) fn work_brake(&mut self, cycle: u64) {
         let holds = match self.power {
             // An error reaction closes it though the power holds.
             Power::On | Power::SwitchingOff | Power::Opening { .. } => !self.brake,
@@ -103,6 +121,9 @@ impl Axis {
             }
             _ => false,
         };
+        if !holds && !self.holding.closed {
+            self.holding.closed_at = cycle;
+        }
         self.holding.closed = !holds;
     }
 

@@ -78,6 +78,20 @@ impl Judge {
         self.rested_at = None;
     }
 
+    /// Forgets the past: the axis is at `here` (inc) and goes on by `step` a cycle, whoever asked for that.
+    pub(super) fn follow(&mut self, here: i64, step: f64) {
+        for cycle in 0..self.length {
+            let ahead = (step * cycle as f64).round() as i64;
+            // The next one to be answered stands behind the present place.
+            let place = (self.place + 1 + cycle) % self.length;
+            if let Some(past) = self.past.get_mut(place) {
+                *past = here.saturating_add(ahead);
+            }
+        }
+        self.keep_within();
+        self.rested_at = None;
+    }
+
     /// Every place is `by` (inc) more from now on.
     pub(super) fn shift(&mut self, by: i64) {
         self.past.iter_mut().for_each(|place| *place = place.wrapping_add(by));
@@ -193,7 +207,7 @@ impl Axis {
 
     /// The generator has nothing more to do: the goal is reached, or what ended it is done.
     fn judge_rest(&mut self, cx: &mut Context<'_>) {
-        self.finish_stop();
+        self.finish_stop(cx.cycle);
         self.judge.in_position = self.is_in_window(cx);
         if self.homing.is_running() {
             return self.settle_homing(cx);

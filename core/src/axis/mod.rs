@@ -323,7 +323,7 @@ impl Axis {
         self.obey_inputs(cx);
         self.judge(cx);
         self.switch_drive(cx);
-        self.work_brake();
+        self.work_brake(cx.cycle);
         self.settle_waiting(cx);
     }
 

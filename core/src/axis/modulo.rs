@@ -19,6 +19,12 @@ impl Modulo {
         legal.then_some(Self { numerator, denominator })
     }
 
+    /// Its length (inc), rounded up.
+    pub(crate) fn length(self) -> i64 {
+        let whole = self.numerator / self.denominator;
+        if self.numerator % self.denominator == 0 { whole } else { whole.saturating_add(1) }
+    }
+
     /// Denominator of its length in increments.
     pub(crate) fn denominator(self) -> i128 {
         i128::from(self.denominator)

@@ -182,7 +182,7 @@ impl Axis {
         let before = Motion { acceleration: self.present().acceleration, ..self.command };
         let limits = self.sharpened(before, self.stop_limits());
         let plan = if ahead && is_within {
-            self.plan_stop_at(before, limit, &limits)
+            self.plan_stop_at(self.eased(before, limit, &limits), limit, &limits)
         } else {
             self.plan_stop(before, &limits)
         };
@@ -196,6 +196,20 @@ impl Axis {
         self.judge.after_stop = self.after_stop_of(code);
         self.set_state(cx, AxisState::ErrorStop);
         true
+    }
+
+    /// The motion with which a stop at `limit` begins. The velocity of a coupled axis is that of its last step: at the end of the
+    /// step it may be half of what a cycle may change less, and so the deceleration need not be larger than its limit. The first
+    /// step alone, as whole cycles stop within a shorter way, may be that of a deceleration larger by 1 in 8 n, n cycles long.
+    fn eased(&self, before: Motion, limit: Position, limits: &Limits) -> Motion {
+        let in_steps = match &self.generator {
+            Generator::Follow(_) => true,
+            Generator::Track(_) => !self.tracker().is_some_and(|tracker| tracker.is_exact()),
+            _ => false,
+        };
+        let most = (2.0 * limits.deceleration * (limit - before.position).to_f64().abs()).sqrt();
+        let speed = if in_steps { before.velocity.abs().min(most) } else { before.velocity.abs() };
+        Motion { velocity: speed.copysign(before.velocity), ..before }
     }
 
     /// Which limit a stop after `next` would lead beyond: true for the upper one. A stop whose acceleration has to run out

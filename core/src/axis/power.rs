@@ -212,12 +212,9 @@ impl Axis {
     /// Chooses the control word and fills in the drive's outputs.
     pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
         if self.power == Power::SwitchingOff && self.rests() {
-            match self.own_brake() {
-                // A brake that is closed already has held before.
-                Some(brake) if brake.engage_ns > 0 && !self.is_braked() => {
-                    self.power = Power::Closing { since: cx.cycle };
-                }
-                _ => self.switch_off(cx),
+            self.give_to_brake(cx.cycle);
+            if self.power == Power::Off {
+                self.switch_off(cx);
             }
         }
         let word = match self.power {

@@ -183,7 +183,7 @@ impl Axis {
         self.react(cx, Code::STOPPED_WITH_OTHER, Number::Count(other.into()), Number::None);
         self.stops_others = false;
         self.switch_drive(cx);
-        self.work_brake();
+        self.work_brake(cx.cycle);
         self.settle_waiting(cx);
     }
 
@@ -217,12 +217,12 @@ impl Axis {
     }
 
     /// What an error reaction leaves to do once the axis stands.
-    pub(super) fn finish_stop(&mut self) {
+    pub(super) fn finish_stop(&mut self, cycle: u64) {
         let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
         let has_drive = !self.is_virtual();
         match reaction {
             0 | 1 if has_drive => {
-                self.power = Power::Off;
+                self.give_to_brake(cycle);
                 self.brake = reaction == 1;
             }
             3 => self.brake = true,

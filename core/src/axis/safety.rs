@@ -76,8 +76,9 @@ impl Axis {
         if self.open_contact == Code::EMERGENCY_STOP && stops_already && is_new {
             // What stops it may leave it under power, and so may a drive that has stopped by itself.
             self.judge.after_stop = 1;
-            if self.power == Power::DriveStops && self.encoder_stands() {
-                self.finish_stop();
+            if self.power == Power::DriveStops && self.has_stopped_by_itself(cx.cycle) {
+                self.power = Power::Off;
+                self.brake = true;
             }
         } else if !stops_already {
             self.react_at_once(cx, self.open_contact, Number::None, Number::None);

@@ -310,9 +310,14 @@ impl Axis {
         let locked = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop)
             || !self.error.is_none()
             || self.drive_fails(cx);
-        let resetting = matches!(self.power, Power::Resetting { .. });
+        // One whose drive still stops, or whose brake still closes, is not to be let go.
+        let is_going = match self.power {
+            Power::Resetting { .. } | Power::Closing { .. } => true,
+            Power::DriveStops => !self.drive_fails(cx) && !self.has_stopped_by_itself(cx.cycle),
+            _ => false,
+        };
         let clears = self.holding.clears || self.waiting.waits_for(Until::Healthy);
-        if stands && locked && !resetting && clears {
+        if stands && locked && !is_going && clears {
             self.holding.clears = false;
             self.begin_reset(cx);
         }

@@ -22,7 +22,7 @@ pub struct Homing {
     pub offset: i64,
     /// Longest way to an index pulse (inc); left out: a revolution of the encoder.
     pub index_distance: Option<i64>,
-    /// Longest way of each search for a switch (inc); left out: twice the way between the software limits.
+    /// Longest way of each search for a switch (inc); left out: twice the way between the software limits, else twice a modulo.
     pub max_distance: Option<i64>,
     /// What MACS gives in parts of others.
     pub parts: HomingParts,
@@ -72,7 +72,7 @@ impl AxisParameters {
         self.homing.index_distance.unwrap_or(self.macs.encoder.saturating_mul(4))
     }
 
-    /// Longest way of each search for a switch (inc); none without a bound.
+    /// Longest way of each search for a switch, as given or from the software limits (inc); none without them.
     pub fn homing_max_distance(&self) -> Option<i64> {
         let between = || Some(self.max_position?.saturating_sub(self.min_position?).saturating_mul(2));
         self.homing.max_distance.or_else(between)

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::homing::InDrive;
+use super::homing::{InDrive, Way};
 use super::mechanics::Brake;
 use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
 use super::word::Word;
@@ -275,10 +275,8 @@ impl SimDrive {
         }
         let start = self.count.wrapping_add(self.origin);
         let cycle_s = self.cycle_ns as f64 / 1e9;
-        let (mask, value) = self.stuck;
-        let (fixtures, has_index) = (self.fixtures, !self.index_lost);
-        let read = |place: i64| fixtures.inputs(place) & !mask | value;
-        let (place, reference) = self.homing.step(start, output.velocity * cycle_s, &fixtures, has_index, read);
+        let way = Way { fixtures: self.fixtures, has_index: !self.index_lost, stuck: self.stuck };
+        let (place, reference) = self.homing.step(start, output.velocity * cycle_s, &way);
         self.velocity = place.wrapping_sub(start) as f64 / cycle_s;
         if let Some(reference) = reference {
             self.origin = reference;

@@ -24,6 +24,27 @@ pub(super) struct InDrive {
     pub failed: bool,
 }
 
+/// What stands along the way that it walks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub fixtures: Fixtures,
+    pub has_index: bool,
+    /// Bits of the digital inputs that are stuck, and how.
+    pub stuck: (u32, u32),
+}
+
+impl Way {
+    fn is_on(&self, place: i64, switch: Switch) -> bool {
+        let (mask, value) = self.stuck;
+        let bit = match switch {
+            Switch::Home => inputs::HOME,
+            Switch::Positive => inputs::POSITIVE_LIMIT,
+            Switch::Negative => inputs::NEGATIVE_LIMIT,
+        };
+        (self.fixtures.inputs(place) & !mask | value) & bit != 0
+    }
+}
+
 impl InDrive {
     /// The start bit rises.
     pub(super) fn start(method: i8) -> Self {
@@ -34,16 +55,8 @@ impl InDrive {
         legs(self.method.into()).get(self.leg)
     }
 
-    /// One cycle from `place` on, with `step` increments: where it is then, and the reference once it is found. `read` is what the
-    /// switches read at a place.
-    pub(super) fn step(
-        &mut self,
-        place: i64,
-        step: f64,
-        fixtures: &Fixtures,
-        has_index: bool,
-        read: impl Fn(i64) -> u32,
-    ) -> (i64, Option<i64>) {
+    /// One cycle from `place` on, with `step` increments along `way`: where it is then, and the reference once it is found.
+    pub(super) fn step(&mut self, place: i64, step: f64, way: &Way) -> (i64, Option<i64>) {
         if let Some(reference) = self.found {
             (self.runs, self.attained) = (false, true);
             return (place, Some(reference));
@@ -61,52 +74,32 @@ impl InDrive {
         let mut here = place;
         for _ in 0..count {
             let Some(leg) = self.leg().filter(|_| self.runs && self.found.is_none()) else { break };
-            let way = i64::from(if self.turned { -leg.way } else { leg.way });
-            let next = here.wrapping_add(way);
-            self.found = self.look(leg, way, here, next, fixtures, has_index, &read);
+            let next = here.wrapping_add(i64::from(if self.turned { -leg.way } else { leg.way }));
+            self.found = self.look(leg, here, next, way);
             here = next;
         }
         (here, None)
     }
 
     /// The reference, where the step from `here` to `next` finds it.
-    #[allow(clippy::too_many_arguments, reason = "one step of a walk: where from, where to, and what stands there")]
-    fn look(
-        &mut self,
-        leg: &Leg,
-        way: i64,
-        here: i64,
-        next: i64,
-        fixtures: &Fixtures,
-        has_index: bool,
-        read: &impl Fn(i64) -> u32,
-    ) -> Option<i64> {
-        let bits = read(next);
+    fn look(&mut self, leg: &Leg, here: i64, next: i64, way: &Way) -> Option<i64> {
+        let is_on = |place: i64, switch: Switch| way.is_on(place, switch);
         let (edge, place) = match leg.until {
-            Until::On(switch) if self.leg == 0 && is_on(read(here), switch) => (true, here),
-            Until::On(switch) => (!is_on(read(here), switch) && is_on(bits, switch), next),
-            Until::Off(switch) => (is_on(read(here), switch) && !is_on(bits, switch), here),
-            Until::Index => (has_index && fixtures.index_passed(here, next).is_some(), next),
+            Until::On(switch) if self.leg == 0 && is_on(here, switch) => (true, here),
+            Until::On(switch) => (!is_on(here, switch) && is_on(next, switch), next),
+            Until::Off(switch) => (is_on(here, switch) && !is_on(next, switch), here),
+            Until::Index => (way.has_index && way.fixtures.index_passed(here, next).is_some(), next),
         };
         if edge {
             (self.leg, self.turned) = (self.leg + 1, false);
             return self.leg().is_none().then_some(place);
         }
-        let ahead = if way > 0 { Switch::Positive } else { Switch::Negative };
+        let ahead = if next > here { Switch::Positive } else { Switch::Negative };
         let is_target = matches!(leg.until, Until::On(switch) | Until::Off(switch) if switch == ahead);
-        if !is_target && is_on(bits, ahead) {
+        if !is_target && is_on(next, ahead) {
             (self.runs, self.failed) = if leg.turns && !self.turned { (true, false) } else { (false, true) };
             self.turned = true;
         }
         None
     }
-}
-
-fn is_on(bits: u32, switch: Switch) -> bool {
-    let bit = match switch {
-        Switch::Home => inputs::HOME,
-        Switch::Positive => inputs::POSITIVE_LIMIT,
-        Switch::Negative => inputs::NEGATIVE_LIMIT,
-    };
-    bits & bit != 0
 }

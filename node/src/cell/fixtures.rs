@@ -126,14 +126,16 @@ impl<'d> Reader<'_, 'd> {
     /// The reference switch: where it is actuated, and its wire.
     fn home(&mut self, value: &Value<'d>) -> Option<((i64, i64), Option<Wire>)> {
         let mut map = value.map("home_switch")?;
-        let from = map.required("from").and_then(|value| self.place(&value));
+        let lower = map.required("from");
+        let from = lower.as_ref().and_then(|value| self.place(value));
         let upper = map.required("to");
         let to = upper.as_ref().and_then(|value| self.place(value));
         let wire = self.wire(&mut map, inputs::HOME);
         map.finish();
-        let (from, to, upper) = (from?, to?, upper?);
+        let (from, to, lower, upper) = (from?, to?, lower?, upper?);
         if from > to {
-            upper.refuse(format!("to is {to} inc; from, {from} inc, and above is allowed"), None);
+            let [least, given] = [&lower, &upper].map(|value| quote(value.peek().unwrap_or_default()));
+            upper.refuse(format!("to is {given}; from, {least}, and above is allowed"), None);
             return None;
         }
         Some(((from, to), wire?))

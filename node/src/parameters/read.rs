@@ -152,7 +152,7 @@ fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory:
     let name = names::canonical(key.text()?);
     let change = parameter_change(&name, key, value, config, directory)?;
     let row = change.row()?;
-    let change = Change { value: of_proftime(row, change.value, value)?, ..change };
+    let change = Change { value: of_old_days(row, change.value, value)?, ..change };
     let axis = config.axes.get(usize::from(change.axis)).filter(|_| change.axis != MACHINE);
     let scale = axis.map_or(Scale::increments(), |axis| axis.scale);
     let mut copy = axis.map_or(AxisParameters::new(1.0, 1.0), |axis| axis.parameters);
@@ -161,8 +161,9 @@ fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory:
     Some(change)
 }
 
-/// PROFTIME in ms, also where it was written in us; what is no whole number of ms is a problem.
-fn of_proftime(row: &Row, given: parameter::Value, value: &Value<'_>) -> Option<parameter::Value> {
+/// PROFTIME in ms, also where it was written in us; what is no whole number of ms is a problem. HOME_FORCE 255, compulsory and
+/// done, as a controller may tell it: that it was done there says nothing here.
+fn of_old_days(row: &Row, given: parameter::Value, value: &Value<'_>) -> Option<parameter::Value> {
     match given {
         parameter::Value::Int(us) if row.key == "proftime" && PROFTIME_US.contains(&us) => {
             if us % 1000 != 0 {
@@ -173,6 +174,7 @@ fn of_proftime(row: &Row, given: parameter::Value, value: &Value<'_>) -> Option<
             }
             Some(parameter::Value::Int(us / 1000))
         }
+        parameter::Value::Int(255) if row.key == "home_force" => Some(parameter::Value::Int(1)),
         other => Some(other),
     }
 }

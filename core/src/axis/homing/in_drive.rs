@@ -2,7 +2,7 @@
 //!
 //! Law      mode 6 is asked for; once the drive shows it, bit 4 starts homing with the number of the method. Meanwhile the command is
 //!          where the axis is. With bits 10 and 12 the zero of the drive is the reference; its counts begin anew (a new epoch)
-//! Refuses  bit 13, or mode 6 not shown in time: an error. Whatever else ends homing takes the axis over from its motion, in its
+//! Refuses  bit 13, mode 6 not shown in time, or a way of more than homing.max_distance: an error. Whatever else ends homing takes the axis over from its motion, in its
 //!          own mode, and brakes it
 //! Source   CiA 402-2, homing mode: control word bit 4, status word bits 10, 12, 13
 
@@ -31,11 +31,13 @@ pub(super) struct InDrive {
     started: bool,
     /// Bit 12 was seen to be 0 after that.
     begun: bool,
+    /// Where the axis was when homing began.
+    from: Position,
 }
 
 impl InDrive {
-    pub(super) fn since(cycle: u64) -> Self {
-        Self { since: cycle, started: false, begun: false }
+    pub(super) fn since(cycle: u64, from: Position) -> Self {
+        Self { since: cycle, started: false, begun: false, from }
     }
 }
 
@@ -46,7 +48,8 @@ impl Axis {
         let ahead = self.actual.velocity * self.cycle_s() * (self.delay() as f64 + 1.0);
         let place = Position::whole((self.actual.position + Position::from_f64(ahead)).nearest());
         self.command = Motion { velocity: self.actual.velocity, ..Motion::at_rest(place) };
-        self.judge.fill(self.asked());
+        // The drive answers to itself: what it shows is what was asked, also in the cycles until it answers to the axis again.
+        self.judge.follow(self.actual.position.floor(), self.actual.velocity * self.cycle_s());
     }
 
     pub(super) fn watch_drive(&mut self, cx: &mut Context<'_>) {
@@ -57,6 +60,10 @@ impl Axis {
             return;
         };
         let Some(input) = cx.input else { return };
+        let gone = (self.actual.position - drive.from).nearest().saturating_abs();
+        if let Some(most) = self.longest_search().filter(|most| gone > *most) {
+            return self.fail_homing(cx, Code::HOMING_SWITCH_MISSED, Number::Position(gone), Number::Position(most));
+        }
         let elapsed = cx.cycle.saturating_sub(drive.since);
         let time = elapsed.saturating_mul(self.setup.cycle_ns);
         if input.mode != MODE_HOMING {
@@ -66,7 +73,7 @@ impl Axis {
             return;
         }
         if !drive.started {
-            drive = InDrive { since: cx.cycle, started: true, begun: false };
+            drive = InDrive { since: cx.cycle, started: true, ..drive };
         } else if elapsed > self.delay().saturating_add(1) {
             let shows = |bit: u16| input.status & bit != 0;
             drive.begun |= !shows(STATUS_HOMING_ATTAINED);

@@ -121,6 +121,11 @@ pub(crate) fn legs(method: i64) -> &'static [Leg] {
     if has_index { legs } else { legs.split_last().map_or(&[], |(_, legs)| legs) }
 }
 
+/// Does it look for a switch?
+pub(crate) fn seeks_switch(method: i64) -> bool {
+    legs(method).iter().any(|leg| leg.until != Index)
+}
+
 /// Is it reference travel of the positioning modules?
 pub(crate) fn is_travel(method: i64) -> bool {
     matches!(method, REFERENCE_TRAVEL | REFERENCE_TRAVEL_BACK)

@@ -262,7 +262,7 @@ impl Axis {
             if methods::is_macs(method) {
                 return Err(self.refuse(Code::HOMING_NOT_IN_DRIVE));
             }
-            return Ok(Some(Run { stage: Stage::InDrive(InDrive::since(cycle)), ..run }));
+            return Ok(Some(Run { stage: Stage::InDrive(InDrive::since(cycle, self.actual.position)), ..run }));
         }
         // HOME without its input is refused.
         if methods::is_macs(method) && p.assigned.refswitch == 0 {
@@ -355,13 +355,19 @@ impl Axis {
         }
     }
 
-    /// May it have these parameters, as far as its zero goes? Not while it looks for another one.
+    /// May it have these parameters, as far as its zero goes? Not while it looks for another one: neither what the zero hangs
+    /// on, nor which inputs its switches are.
     ///
     /// # Errors
-    /// The zero that is being found would not be theirs.
+    /// The zero that is being found would not be theirs, or a switch would change where nothing has moved.
     pub fn admits_zero(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
-        let changes = self.homing.is_running() && self.parameters.loses_zero_to(candidate);
-        if changes { Err(self.refuse(Code::HOMING_UNDER_WAY)) } else { Ok(()) }
+        let p = &self.parameters;
+        let rewires = p.assigned != candidate.assigned || p.wf.md15 != candidate.wf.md15;
+        if self.homing.is_running() && (rewires || p.loses_zero_to(candidate)) {
+            Err(self.refuse(Code::HOMING_UNDER_WAY))
+        } else {
+            Ok(())
+        }
     }
 }
 

@@ -135,11 +135,17 @@ impl Axis {
         let gone = (self.actual.position - search.from).nearest().saturating_abs();
         let (most, code) = match leg.until {
             Until::Index => (Some(self.longest_to_index()), missed_index(method)),
-            _ => (self.parameters.homing_max_distance(), Code::HOMING_SWITCH_MISSED),
+            _ => (self.longest_search(), Code::HOMING_SWITCH_MISSED),
         };
         if let Some(most) = most.filter(|most| gone > *most) {
             self.fail_homing(cx, code, Number::Position(gone), Number::Position(most));
         }
+    }
+
+    /// Longest way of a search for a switch (inc): as given, or twice the way that there is; none where nobody knows that.
+    pub(super) fn longest_search(&self) -> Option<i64> {
+        let turns = || self.setup.modulo.map(|modulo| modulo.length().saturating_mul(2));
+        self.parameters.homing_max_distance().or_else(turns)
     }
 
     /// The edge of a leg: the next one begins, or it is the reference.

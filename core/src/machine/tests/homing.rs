@@ -1,5 +1,6 @@
 //! Homing on a way with switches and an index.
 
+mod conditions;
 mod ends;
 mod in_drive;
 mod index;

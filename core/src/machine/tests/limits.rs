@@ -133,4 +133,46 @@ proptest! {
             prop_assert!(rig.real("x.command.acceleration").abs() <= 1_000_000.0 * (1.0 + 1e-6));
         }
     }
+
+    /// What a coupled axis does at its limit needs no more than its deceleration, however fast its leader runs and wherever
+    /// the limit lies between two steps.
+    ///
+    /// Proves: MACS-LIM-04
+    #[test]
+    fn a_follower_stops_at_its_limit_within_its_deceleration(
+        velocity in 2_000.0..100_000.0_f64, limit in 20_000_i64..21_000, down in any::<bool>(), numerator in 1_i64..4,
+    ) {
+        let way = if down { -1 } else { 1 };
+        let mut config = config(0);
+        let p = &mut config.axes[1].parameters;
+        (p.min_position, p.max_position) = if down { (Some(-limit), None) } else { (None, Some(limit)) };
+        p.max_deceleration = Some(500_000.0);
+        let mut rig = Rig::of(config);
+        rig.enable();
+        // Nearly there.
+        let near = 20_000 - (velocity * velocity / 1e6) as i64 - (velocity / 5.0) as i64;
+        rig.give(Action::Move(to(X, way * near)));
+        rig.run_until("x.state", 1);
+        rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), numerator, numerator)));
+        rig.give(Action::Move(at(LINE, velocity * way as f64)));
+        let place = |rig: &Rig| rig.int("x.command.position") as f64 + rig.real("x.command.fraction");
+        // A stop in whole cycles is up to an eighth of 0.5 inc shorter than one in continuous time.
+        let most = 0.5 + 0.5 * 0.5 / (8.0 * (velocity / 1_000.0 - 0.75)) + 1e-6;
+        let (mut before, mut step) = (place(&rig), None);
+        for _ in 0..200_000 {
+            if rig.state("x") == "ERROR_STOP" && rig.real("x.command.velocity") == 0.0 {
+                break;
+            }
+            let coupled = rig.state("x") != "ERROR_STOP";
+            rig.run(1);
+            let now = place(&rig);
+            let slower = step.map_or(0.0, |step: f64| (step - (now - before)) * way as f64);
+            let stops = rig.state("x") == "ERROR_STOP";
+            prop_assert!(!stops || slower <= most, "{slower} inc/cycle^2, coupled {coupled}");
+            let shown = rig.real("x.command.acceleration").abs();
+            prop_assert!(!stops || shown <= 500_000.0 * (1.0 + 1e-9), "{shown}");
+            (before, step) = (now, Some(now - before));
+        }
+        prop_assert_eq!((rig.state("x"), rig.int("x.command.position")), ("ERROR_STOP", way * limit));
+    }
 }

@@ -2,6 +2,7 @@
 
 mod abort;
 mod brake;
+mod brake_first;
 
 use super::rig::{LINE, Rig, X, Y, at, config, to};
 use crate::command::Action;

@@ -27,6 +27,8 @@ pub(super) struct Rig {
     outputs: Outputs,
     sequence: u64,
     pub events: Vec<Event>,
+    /// What becomes of the inputs on their way.
+    pub tamper: fn(&mut Inputs),
     /// Another machine that does the same from some cycle on.
     mirror: Option<Machine>,
 }
@@ -91,7 +93,7 @@ impl Rig {
         let plant = Plant::new(&config, &models.map(Some));
         let machine = Machine::new(config).unwrap();
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
-        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), mirror: None }
+        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), tamper: |_| {}, mirror: None }
     }
 
     /// With x and y switched on.
@@ -138,6 +140,7 @@ impl Rig {
     pub(super) fn cycle(&mut self, commands: Commands<'_>) {
         self.inputs.cycle = self.machine.next_cycle();
         self.plant.read(&mut self.inputs);
+        (self.tamper)(&mut self.inputs);
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
         if let Some(mirror) = &mut self.mirror {
             let mut outputs = mirror.outputs();

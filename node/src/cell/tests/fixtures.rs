@@ -70,7 +70,7 @@ fn what_cannot_stand_along_a_way() {
         ("{model: ideal, index: {at: 0 mm}}", "16:32: missing key `every` in index"),
         (
             "{model: ideal, home_switch: {from: 2 mm, to: 1 mm}}",
-            "16:55: to is 1000 inc; from, 2000 inc, and above is allowed",
+            "16:55: to is `1 mm`; from, `2 mm`, and above is allowed",
         ),
         (
             "{model: ideal, home_switch: {from: 1 mm, to: 2 mm, input: lamp}}",

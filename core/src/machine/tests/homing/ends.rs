@@ -124,6 +124,29 @@ fn a_switch_that_never_changes_ends_it_within_the_largest_way() {
     }
 }
 
+/// An axis that turns for ever, without limits and without a largest way: two turns are enough to have seen its switch.
+#[test]
+fn an_axis_that_turns_for_ever_looks_for_its_switch_for_two_turns() {
+    for (value, method) in [(0, 19), (4, 19), (0, -2)] {
+        let mut config = cell(0);
+        let x = &mut config.axes[usize::from(X)];
+        x.modulo = crate::axis::Modulo::new(21_601, 3);
+        x.parameters.homing.max_distance = None;
+        let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
+        let mut rig = rig_with(config, Model::Ideal, fixtures);
+        rig.plant.drive(0).unwrap().stick(4, value);
+        rig.run(1);
+        let sequence = home(&mut rig, method);
+        while rig.done(sequence).is_empty() {
+            rig.run(1);
+        }
+        assert_over(&rig, sequence, Code::HOMING_SWITCH_MISSED);
+        // 7200 1/3 inc are 7201.
+        let gone = rig.int("x.actual.position").abs();
+        assert!((14_403..=14_412).contains(&gone), "{method}, stuck at {value}: {gone}");
+    }
+}
+
 #[test]
 fn nothing_else_moves_an_axis_that_homes() {
     let (mut rig, _) = under_way();

@@ -1,7 +1,7 @@
 //! Homing that the drive runs by itself.
 
 use super::super::rig::{Rig, X, Y, couple, to};
-use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
+use super::{FAR, assign, cell, home, place, rig_with, run_to_end, set, way, zero};
 use crate::code::Code;
 use crate::command::Action;
 use crate::drive::{MODE_CSP, MODE_HOMING};
@@ -115,4 +115,70 @@ fn a_new_epoch_drops_the_zero() {
     rig.run(2);
     assert_eq!((rig.int("x.homed"), rig.int("x.actual.position"), rig.int("x.error")), (0, here, 0));
     assert!(rig.events.iter().any(|event| event.code == Code::HOMING_LOST));
+}
+
+/// However long its delay is and however fast it goes, what the drive does by itself is no following error; nor is it when
+/// the axis takes over.
+#[test]
+fn what_the_drive_does_by_itself_is_no_following_error() {
+    for stops in [false, true] {
+        let mut config = cell(6);
+        let p = &mut config.axes[usize::from(X)].parameters;
+        assign(p, "homing.in_drive", Value::Int(1));
+        assign(p, "homing.velocity", Value::Real(100_000.0));
+        assign(p, "max_following_error", Value::Int(100));
+        let mut rig = rig_with(config, Model::Ideal, way(START, (15_000, FAR)));
+        let sequence = home(&mut rig, 3);
+        rig.run(100);
+        assert_eq!(rig.real("x.actual.velocity"), 100_000.0);
+        if stops {
+            rig.give(Action::Halt(AxisSet::one(X)));
+        }
+        for _ in 0..2_000 {
+            assert!(rig.int("x.following_error").abs() <= 1, "{}", rig.int("x.following_error"));
+            rig.run(1);
+        }
+        assert_eq!((rig.int("x.error"), rig.int("x.homed")), (0, i64::from(!stops)));
+        assert_eq!(rig.done(sequence)[0].code, if stops { Code::HALTED } else { Code::NONE });
+    }
+}
+
+/// A drive that does not take its mode 6, and one that leaves it.
+#[test]
+fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
+    let mut rig = in_drive(0, 0);
+    rig.tamper = |inputs| inputs.drive[0].mode = MODE_CSP;
+    let sequence = home(&mut rig, 3);
+    rig.run(5_000);
+    assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.real("x.actual.velocity")), (0, "HOMING", 0.0));
+    rig.run(1);
+    assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
+    assert_eq!((rig.state("x"), rig.int("x.homed"), rig.outputs().drive[0].mode), ("ERROR_STOP", 0, MODE_CSP));
+    let mut rig = in_drive(0, 0);
+    let sequence = home(&mut rig, 3);
+    rig.run(300);
+    rig.tamper = |inputs| inputs.drive[0].mode = MODE_CSP;
+    rig.run(1);
+    assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
+}
+
+/// A drive that finds nothing, and has nothing that ends its way.
+#[test]
+fn a_drive_that_goes_on_for_ever_is_stopped_behind_the_largest_way() {
+    let mut rig = in_drive(0, 0);
+    let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
+    rig.plant.drive(0).unwrap().fit(fixtures);
+    rig.plant.drive(0).unwrap().stick(4, 0);
+    let before = rig.int("x.actual.position");
+    let refused = set(&mut rig, "homing.max_distance", Value::Int(3_000));
+    assert!(rig.was_accepted(refused));
+    let sequence = home(&mut rig, 3);
+    while rig.done(sequence).is_empty() {
+        rig.run(1);
+    }
+    let gone = rig.int("x.actual.position") - before;
+    assert_eq!(rig.done(sequence)[0].code, Code::HOMING_SWITCH_MISSED);
+    assert!((3_001..=3_010).contains(&gone), "{gone}");
+    rig.run(300);
+    assert_eq!((rig.state("x"), rig.real("x.actual.velocity"), rig.int("x.homed")), ("ERROR_STOP", 0.0, 0));
 }

@@ -63,6 +63,29 @@ fn what_the_zero_depends_on_does_not_change_while_it_is_sought() {
     assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, 4_300));
 }
 
+/// Another input for a switch would be an edge where nothing has moved.
+///
+/// Proves: MACS-HOME-04
+#[test]
+fn the_switches_stay_where_they_are_while_it_homes() {
+    let mut rig = rig(way(START, (5_000, FAR)));
+    rig.plant.set_digital(0, false);
+    let sequence = home(&mut rig, 19);
+    rig.run(100);
+    for (key, value) in
+        [("i_refswitch", -1), ("i_refswitch", 0), ("i_poslimitsw", 1), ("i_neglimitsw", -1), ("wf.md15", 0)]
+    {
+        let refused = set(&mut rig, key, Value::Int(value));
+        assert_eq!(rig.refusal(refused), "x: the axis is homing; wait for its end, or cancel it", "{key}");
+    }
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+    assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, 5_000));
+    let taken = set(&mut rig, "i_refswitch", Value::Int(-1));
+    assert!(rig.was_accepted(taken));
+    rig.run(2);
+    assert_eq!(rig.int("x.homed"), 1, "A-15: it does not ask for homing");
+}
+
 /// Homing that waits for its target window says so.
 #[test]
 fn a_long_wait_for_the_window_is_told_of() {

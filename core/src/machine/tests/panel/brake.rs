@@ -3,13 +3,17 @@
 use super::super::rig::{Rig, X, at, parameters, to};
 use super::{P, R, set, with_io};
 use crate::command::Action;
-use crate::config::BrakeConfig;
+use crate::config::{BrakeConfig, MachineConfig};
 use crate::object::AxisSet;
 use crate::sim::{Fixtures, Mechanics, Model, SimBrake};
 
 /// A vertical axis: its load falls with 9.81 m/s^2 when nothing holds it. Its brake takes 40 ms to open and 30 ms to close.
-fn vertical(release_ns: u64, engage_ns: u64, model: Model) -> Rig {
-    let mut cell = with_io();
+pub(super) fn vertical(release_ns: u64, engage_ns: u64, model: Model) -> Rig {
+    vertical_of(with_io(), release_ns, engage_ns, model)
+}
+
+/// The same in a given cell.
+pub(super) fn vertical_of(mut cell: MachineConfig, release_ns: u64, engage_ns: u64, model: Model) -> Rig {
     cell.axes[1].brake = Some(BrakeConfig { output: R, closes_with_one: false, release_ns, engage_ns });
     let mut rig = Rig::with(cell, [model, Model::Ideal]);
     let brake = SimBrake { output: 2, closes_with_one: false, opens_ns: 40_000_000, closes_ns: 30_000_000 };

@@ -1,0 +1,145 @@
+//! Homing under what else holds for the axis: the override, the shape of its ramps, inverted counts, contacts of the cell.
+
+use super::super::rig::{Rig, X};
+use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, set, way, zero};
+use crate::axis::Safety;
+use crate::code::Code;
+use crate::command::Action;
+use crate::config::{IoConfig, IoKind};
+use crate::object::AxisSet;
+use crate::parameter::Value;
+use crate::sim::Model;
+
+const START: i64 = -12_000;
+
+/// An override of 0 holds it in any phase, and later it goes on where it was; the zero is that of an undisturbed one.
+#[test]
+fn an_override_of_0_holds_it_and_later_it_goes_on() {
+    for (method, expected) in [(3, 4_300), (8, 6_300), (-1, 4_300), (-4, 7_000), (1, -19_700)] {
+        for phase in 1..=4 {
+            let switch = if method == 3 || method == -1 { (5_000, FAR) } else { (5_000, 7_000) };
+            let mut rig = rig(way(START, switch));
+            set(&mut rig, "homing.offset", Value::Int(-250));
+            let sequence = home(&mut rig, method);
+            let mut waited = 0;
+            while rig.int("x.homing.phase") != phase && rig.state("x") == "HOMING" && waited < 20_000 {
+                rig.run(1);
+                waited += 1;
+            }
+            if rig.state("x") != "HOMING" {
+                continue;
+            }
+            rig.run(3);
+            set(&mut rig, "velocity_override", Value::Real(0.0));
+            rig.run(400);
+            let what = format!("method {method}, phase {phase}");
+            if rig.state("x") == "HOMING" {
+                let before = place(&rig, START);
+                rig.run(100);
+                assert_eq!((place(&rig, START), rig.done(sequence).len()), (before, 0), "{what}");
+            }
+            set(&mut rig, "velocity_override", Value::Real(0.3));
+            rig.run(300);
+            set(&mut rig, "velocity_override", Value::Real(100.0));
+            assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{what}");
+            assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, expected - 250), "{what}");
+        }
+    }
+}
+
+/// Whatever the shape of the ramps: the same places.
+#[test]
+fn the_shape_of_the_ramps_does_not_move_the_zero() {
+    let expected =
+        [(1, -19_700), (2, 18_300), (7, 4_300), (8, 6_300), (9, 6_300), (10, 8_300), (14, 4_300), (23, 5_000)];
+    for (method, zero_at) in expected.into_iter().chain([(-1, 4_300), (-2, 5_000), (-3, 8_300), (-4, 7_000)]) {
+        for shape in [1, 2] {
+            for start in [START, 4_990, 6_001] {
+                let mut config = cell(0);
+                let p = &mut config.axes[usize::from(X)].parameters;
+                assign(p, "profile", Value::Int(shape));
+                assign(p, "max_jerk", Value::Real(3e6));
+                let mut rig = rig_with(config, Model::Ideal, way(start, (5_000, 7_000)));
+                let sequence = home(&mut rig, method);
+                let what = format!("method {method}, profile {shape}, from {start}");
+                assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{what}");
+                assert_eq!((zero(&rig, start), rig.int("x.homed")), (zero_at, 1), "{what}");
+            }
+        }
+    }
+}
+
+/// Inverted counts, and the drive homes: its switches keep their sides.
+#[test]
+fn a_drive_homes_in_inverted_units() {
+    for (method, reference) in [(3, 4_300), (1, -19_700), (19, 5_000), (33, -13_700)] {
+        let mut config = cell(3);
+        let p = &mut config.axes[usize::from(X)].parameters;
+        assign(p, "posdrct", Value::Int(-1));
+        assign(p, "homing.in_drive", Value::Int(1));
+        assign(p, "home_offset", Value::Int(450));
+        let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+        let sequence = home(&mut rig, method);
+        assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{method}");
+        rig.run(10);
+        // Its counts are 0 at the reference, and positions count against them.
+        let zero = reference + rig.int("x.actual.count") + rig.int("x.actual.position");
+        assert_eq!((zero, rig.int("x.error")), (reference + 450, 0), "{method}");
+    }
+}
+
+fn guarded(in_drive: bool) -> Rig {
+    let mut config = cell(0);
+    for name in ["estop", "door"] {
+        config.io.push(IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: false });
+    }
+    config.safety = Safety { estop: Some(1), interlock: Some(2) };
+    let p = &mut config.axes[usize::from(X)].parameters;
+    assign(p, "homing.in_drive", Value::Int(in_drive.into()));
+    assign(p, "homing.required", Value::Int(1));
+    let mut rig = Rig::with(config, [Model::Ideal, Model::Ideal]);
+    rig.plant.drive(0).unwrap().fit(way(START, (5_000, FAR)));
+    rig.plant.set_digital(1, true);
+    rig.plant.set_digital(2, true);
+    rig.enable();
+    rig
+}
+
+/// A contact that opens ends homing in its cycle, whoever moves the axis, with the largest deceleration; there is no zero then.
+///
+/// Proves: MACS-HOME-09
+#[test]
+fn a_contact_that_opens_ends_it() {
+    for (in_drive, contact, code, on) in [
+        (false, 1, Code::EMERGENCY_STOP, 0),
+        (false, 2, Code::INTERLOCK, 1),
+        (true, 1, Code::EMERGENCY_STOP, 0),
+        (true, 2, Code::INTERLOCK, 1),
+    ] {
+        let mut rig = guarded(in_drive);
+        let sequence = home(&mut rig, 3);
+        rig.run(400);
+        assert_eq!(rig.real("x.actual.velocity"), 10_000.0);
+        let before = place(&rig, START);
+        rig.plant.set_digital(contact, false);
+        rig.run(1);
+        assert_eq!((rig.done(sequence)[0].code, rig.state("x")), (code, "ERROR_STOP"), "{in_drive}");
+        rig.run(40);
+        // 10000 inc/s with 1e6 inc/s^2: 50 inc, and a cycle or two on the way.
+        let gone = place(&rig, START) - before;
+        assert!((40..=80).contains(&gone), "{in_drive}: {gone}");
+        assert_eq!((rig.int("x.enabled"), rig.int("x.homed"), rig.int("x.homing.phase")), (on, 0, 0));
+        // While it is open homing does not begin, and afterwards the axis still has no zero.
+        let refused = home(&mut rig, 3);
+        assert!(!rig.refusal(refused).is_empty());
+        rig.plant.set_digital(contact, true);
+        rig.give(Action::ResetErrors(AxisSet::first(3)));
+        rig.run(5);
+        rig.enable();
+        let refused = rig.give(Action::Move(super::super::rig::to(X, 10)));
+        assert!(rig.refusal(refused).contains("hom"), "{}", rig.refusal(refused));
+        let sequence = home(&mut rig, 3);
+        assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+        assert_eq!(rig.int("x.homed"), 1);
+    }
+}
