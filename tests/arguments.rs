@@ -127,6 +127,19 @@ fn parameters_of_files_and_of_the_line_are_in_force_before_anything_else() {
     fs::remove_file(file).unwrap();
 }
 
+/// A wrong parameter of the node is found before anything of the machine begins: no cycle, no bag.
+#[test]
+fn nothing_has_begun_when_a_parameter_of_the_node_is_refused() {
+    for (number, wrong) in ["use_sim_tim:=true", "use_sim_time:=1", "constraints.goal_time:=-1.0"].iter().enumerate() {
+        let bag =
+            PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("refused-{number}-{}.mcap", std::process::id()));
+        let path = bag.to_str().unwrap();
+        let log = refused(&format!("-p {wrong} -- --record {path}"));
+        assert!(!bag.exists(), "{wrong}: {log}");
+        assert!(!log.contains(" cycles, "), "{wrong}: {log}");
+    }
+}
+
 /// What was given is a command like any other: in the bag, and in its replay.
 #[test]
 fn what_was_given_is_recorded_and_replays() {

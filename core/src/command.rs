@@ -115,14 +115,9 @@ pub enum Action {
         /// New value; a whole number for integer cells.
         value: f64,
     },
-    /// Sets an output for good (OUT, OUTB, OUTAN; MACS-IO-03): also one that has a function, which sets it again with its
-    /// next change.
-    SetOutput {
-        /// Place in section `io`.
-        index: u16,
-        /// 0 or 1 of a digital output, else in V.
-        value: f64,
-    },
+    /// Sets outputs for good, all of them or none (OUT, OUTB, OUTAN; MACS-IO-03): also one that has a function, which sets it
+    /// again with its next change.
+    SetOutputs(Box<[OutputValue]>),
     /// A request that never became a command, with the sentence that refused it: it is answered with the event `refused` of
     /// code BAD_REQUEST, so that every refusal stands in the event stream.
     Refuse(Box<str>),
@@ -136,7 +131,21 @@ pub enum Action {
     },
 }
 
+/// What an output is to have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutputValue {
+    /// Place in section `io`.
+    pub index: u16,
+    /// 0 or 1 of a digital output, else in V.
+    pub value: f64,
+}
+
 impl Action {
+    /// Sets one output.
+    pub fn set_output(index: u16, value: f64) -> Self {
+        Self::SetOutputs([OutputValue { index, value }].into())
+    }
+
     /// Does it stop axes? Such commands have their own way into a cycle, ahead of all others.
     pub fn stops(&self) -> bool {
         matches!(self, Self::Halt(_) | Self::QuickStop(_) | Self::Disable(_) | Self::Deactivate | Self::Abort)

@@ -10,6 +10,7 @@ use crate::drive::{Backend, Interface};
 use crate::encoder::{Form, PulseCheck};
 use crate::object::{Leader, MAX_AXES, Object};
 use crate::parameter::{AxisParameters, Contradiction, MachineParameters};
+use crate::text::cell_has;
 use crate::unit::{Fraction, Quantity, Scale, fraction_to_f64};
 use crate::vocabulary::{amc, wf};
 use serde::{Deserialize, Serialize};
@@ -280,7 +281,7 @@ pub enum ConfigError {
         entry: u16,
     },
     /// A number of an input or output that is not there.
-    #[error("{}{key} is {number}; the cell has {count} digital {what}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")))]
+    #[error("{}{key} is {number}; {}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")), cell_has(*is_output, &count.to_string()))]
     NoSuchIo {
         /// Whose; none for the machine.
         axis: Option<String>,
@@ -288,8 +289,8 @@ pub enum ConfigError {
         key: &'static str,
         /// Its value.
         number: i64,
-        /// Inputs or outputs.
-        what: &'static str,
+        /// It names an output.
+        is_output: bool,
         /// How many there are.
         count: usize,
     },

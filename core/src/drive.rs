@@ -99,6 +99,18 @@ pub struct Inputs {
     pub latches_lost: u32,
 }
 
+/// A bit of words of 64, the first one in bit 0 of the first word; one that does not exist is 0.
+pub fn bit(words: &[u64], place: usize) -> bool {
+    words.get(place / 64).is_some_and(|word| word >> (place % 64) & 1 == 1)
+}
+
+/// Sets such a bit; one that does not exist stays so.
+pub fn set_bit(words: &mut [u64], place: usize, on: bool) {
+    if let Some(word) = words.get_mut(place / 64) {
+        *word = *word & !(1 << (place % 64)) | u64::from(on) << (place % 64);
+    }
+}
+
 impl Inputs {
     /// Copies all of another one of the same shape; takes no memory then.
     pub fn copy_from(&mut self, other: &Self) {
@@ -112,14 +124,12 @@ impl Inputs {
 
     /// A digital input by its number.
     pub fn digital(&self, index: usize) -> bool {
-        self.digital.get(index / 64).is_some_and(|word| word >> (index % 64) & 1 == 1)
+        bit(&self.digital, index)
     }
 
     /// Sets a digital input by its number; one that does not exist stays so.
     pub fn set_digital(&mut self, index: usize, on: bool) {
-        if let Some(word) = self.digital.get_mut(index / 64) {
-            *word = *word & !(1 << (index % 64)) | u64::from(on) << (index % 64);
-        }
+        set_bit(&mut self.digital, index, on);
     }
 
     /// Adds a latch, or counts it as lost; takes no memory.
@@ -165,14 +175,12 @@ pub struct Outputs {
 impl Outputs {
     /// A digital output by its number.
     pub fn digital(&self, index: usize) -> bool {
-        self.digital.get(index / 64).is_some_and(|word| word >> (index % 64) & 1 == 1)
+        bit(&self.digital, index)
     }
 
     /// Sets a digital output by its number; one that does not exist stays so.
     pub fn set_digital(&mut self, index: usize, on: bool) {
-        if let Some(word) = self.digital.get_mut(index / 64) {
-            *word = *word & !(1 << (index % 64)) | u64::from(on) << (index % 64);
-        }
+        set_bit(&mut self.digital, index, on);
     }
 
     /// Sets an analog output by its number (V); one that does not exist stays so.
@@ -368,6 +376,21 @@ mod tests {
             assert_eq!(DriveState::from_status(state.status()), state);
             assert_eq!(DriveState::from_status(state.status() | STATUS_WARNING | 0x1600), state, "don't-care bits");
         }
+    }
+
+    #[test]
+    fn a_bit_is_set_alone_and_one_beyond_the_words_is_none() {
+        for place in [0, 1, 63, 64, 127] {
+            let mut words = [0, 0];
+            set_bit(&mut words, place, true);
+            assert_eq!((0..200).filter(|&place| bit(&words, place)).collect::<Vec<_>>(), [place]);
+            let mut words = [u64::MAX; 2];
+            set_bit(&mut words, place, false);
+            assert_eq!((0..128).filter(|&place| !bit(&words, place)).collect::<Vec<_>>(), [place]);
+        }
+        let mut words = [0, 0];
+        set_bit(&mut words, 128, true);
+        assert_eq!(words, [0, 0]);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! reaches the machine. What limits or states forbid is refused by the machine.
 
 mod homing;
+mod outputs;
 mod setpoints;
 mod trajectory;
 
@@ -116,6 +117,15 @@ pub enum RequestError {
     /// A name that stands twice where each axis stands once.
     #[error("axis `{name}` stands twice; once is allowed")]
     AxisTwice {
+        /// The name.
+        name: String,
+    },
+    /// A set of outputs without one.
+    #[error("no output is named; one or more, each with a value, are expected")]
+    NoOutput,
+    /// An output that stands twice in one request.
+    #[error("output `{name}` stands twice; once is allowed")]
+    OutputTwice {
         /// The name.
         name: String,
     },

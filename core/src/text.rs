@@ -293,11 +293,9 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
         Code::INTERRUPTED => fixed("i_break has stopped the axis; i_continue or reset_errors lets it go on"),
-        Code::NO_SUCH_INPUT => {
-            format!("{} is {}; the cell has {} digital inputs", key(event), plain(event.asked), plain(event.limit))
-        }
-        Code::NO_SUCH_OUTPUT => {
-            format!("{} is {}; the cell has {} digital outputs", key(event), plain(event.asked), plain(event.limit))
+        Code::NO_SUCH_INPUT | Code::NO_SUCH_OUTPUT => {
+            let has = cell_has(event.code == Code::NO_SUCH_OUTPUT, &plain(event.limit));
+            format!("{} is {}; {has}", key(event), plain(event.asked))
         }
         Code::OUTPUT_TAKEN => fixed("an axis switches this output by itself; nobody else may set it"),
         Code::OUTPUT_VALUE => {
@@ -490,6 +488,12 @@ fn limit_of(event: &Event, config: &MachineConfig) -> String {
         Number::None => number_text(Number::Position(event.position.floor()), event.source, config),
         limit => number_text(limit, event.source, config),
     }
+}
+
+/// How many digital inputs, or outputs, the cell has.
+pub fn cell_has(outputs: bool, count: &str) -> String {
+    let what = if outputs { "output" } else { "input" };
+    format!("the cell has {count} digital {what}{}", if count == "1" { "" } else { "s" })
 }
 
 fn key(event: &Event) -> &'static str {

@@ -182,7 +182,7 @@ fn action(numbers: &mut Numbers) -> Action {
             acceleration: 0.0,
         }),
         12 if number % 2 == 0 => Action::SetMemory { index: 0, value: number as f64 },
-        12 => Action::SetOutput { index: (number.unsigned_abs() % 36) as u16, value: (number % 3) as f64 },
+        12 => Action::set_output((number.unsigned_abs() % 36) as u16, (number % 3) as f64),
         13..=16 => select(axis, numbers),
         17 | 18 => Action::Saia(Box::new(saia(axis, numbers))),
         19 => Action::Probe(Probe {

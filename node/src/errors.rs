@@ -37,6 +37,7 @@ stops all axes with a drive, each by its own `error_reaction`, as MACS does (MAC
 
 `~/reset_errors` waits until the axis rests, resets the fault of the drive and takes the error back. An error whose cause persists
 comes back, and the reset ends with its code: an open contact at once, a drive that does not leave its fault after 5 s.
+A brake that the error has closed under power opens with it: the reset ends once the axis takes goals.
 
 ## Limit switches
 

@@ -20,6 +20,7 @@ import homing
 import hostile
 import lifecycle
 import node_services
+import outputs
 import parameters
 import ros2wire as rw
 import streams
@@ -327,6 +328,7 @@ def parser():
     parameters.add_commands(command)
     node_services.add_commands(command)
     homing.add_commands(command)
+    outputs.add_commands(command)
     streams.add_commands(command)
     trajectories.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)

@@ -167,7 +167,11 @@ impl Axis {
 
     /// The same with what was found and what is allowed.
     pub(super) fn fail_with(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
+        let stops_already = !self.error.is_none() && self.state == AxisState::ErrorStop;
         self.raise(cx, code, found, allowed);
+        if stops_already {
+            self.tell_beside(cx, code, found, allowed);
+        }
         if code.is_alarm() && self.error == code {
             self.note_alarm((code.0 % 100) as u8);
         }
@@ -186,8 +190,14 @@ impl Axis {
             self.waiting.fail(cx.events, self.setup.index, code, super::stops::Until::Healthy);
             let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
             cx.events.push(Event { position: self.actual.position, ..event });
-        } else if self.error != code && self.state != AxisState::ErrorStop {
-            // The first one stands; another one that stops the axis, which the first did not, is told beside it.
+        } else if self.state != AxisState::ErrorStop {
+            self.tell_beside(cx, code, found, allowed);
+        }
+    }
+
+    /// The first error stands; another one that stops the axis, which the first did not, or takes its power, is told beside it.
+    pub(super) fn tell_beside(&self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
+        if self.error != code {
             let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
             cx.events.push(Event { position: self.actual.position, ..event });
         }

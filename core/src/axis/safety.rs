@@ -66,7 +66,8 @@ impl Fault {
 impl Axis {
     /// Stops the axis where a contact is open.
     pub(super) fn watch_contacts(&mut self, cx: &mut Context<'_>) {
-        self.open_contact = self.setup.safety.open(cx.inputs).unwrap_or(Code::NONE);
+        let now = self.setup.safety.open(cx.inputs).unwrap_or(Code::NONE);
+        let before = std::mem::replace(&mut self.open_contact, now);
         let runs = if self.is_virtual() { !self.rests() } else { !matches!(self.power, Power::Off) };
         if self.open_contact.is_none() || !runs {
             return;
@@ -74,6 +75,9 @@ impl Axis {
         let is_new = self.error != self.open_contact;
         let stops_already = self.state == AxisState::ErrorStop;
         if self.open_contact == Code::EMERGENCY_STOP && stops_already && is_new {
+            if before != Code::EMERGENCY_STOP {
+                self.tell_beside(cx, Code::EMERGENCY_STOP, Number::None, Number::None);
+            }
             // What stops it may leave it under power, and so may a drive that has stopped by itself.
             self.judge.after_stop = 1;
             if self.power == Power::DriveStops && self.has_stopped_by_itself(cx.cycle) {

@@ -324,7 +324,7 @@ impl Axis {
         self.holding.clears &= locked;
         let position = self.command.position;
         let failed = if self.error.is_none() { None } else { Some(self.error) };
-        let axis = self.setup.index;
+        let (axis, opens) = (self.setup.index, self.is_opening());
         let mut end = |until, code| self.waiting.end(cx.events, axis, until, code, position);
         match self.power {
             Power::On => end(Until::Enabled, Code::NONE),
@@ -341,7 +341,8 @@ impl Axis {
             end(Until::Standstill, Code::REPLACED);
         }
         let resets = matches!(self.power, Power::Resetting { .. });
-        if failed.is_none() && !resets && self.state != AxisState::Stopping {
+        // Until its brake is open it takes no goal.
+        if failed.is_none() && !resets && !opens && self.state != AxisState::Stopping {
             end(Until::Healthy, Code::NONE);
         }
     }

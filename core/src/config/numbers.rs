@@ -25,8 +25,8 @@ pub struct NoSuchIo {
 
 impl NoSuchIo {
     pub(super) fn of(self, axis: Option<String>) -> ConfigError {
-        let what = if self.is_output { "outputs" } else { "inputs" };
-        ConfigError::NoSuchIo { axis, key: self.key, number: self.number, what, count: self.count }
+        let Self { key, number, is_output, count } = self;
+        ConfigError::NoSuchIo { axis, key, number, is_output, count }
     }
 }
 

@@ -109,9 +109,9 @@ impl Machine {
                 self.accept(command, object);
                 Ok(false)
             }
-            Action::SetOutput { index, value } => {
-                self.state.panel.set(&self.config, *index, *value)?;
-                self.accept(command, Object::Io(*index));
+            Action::SetOutputs(values) => {
+                self.state.panel.set(&self.config, values)?;
+                self.accept(command, if let [one] = **values { Object::Io(one.index) } else { Object::Machine });
                 Ok(false)
             }
             Action::Refuse(_) => Err(Refusal::new(Code::BAD_REQUEST, Object::Machine)),

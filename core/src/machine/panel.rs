@@ -11,8 +11,9 @@
 use super::signals::Signals;
 use crate::axis::{Axis, Edges, assigned_input};
 use crate::code::Code;
+use crate::command::OutputValue;
 use crate::config::{IoKind, MachineConfig};
-use crate::drive::{Inputs, Outputs};
+use crate::drive::{Inputs, Outputs, bit, set_bit};
 use crate::event::{Number, Refusal};
 use crate::object::Object;
 use crate::parameter::MachineParameters;
@@ -162,31 +163,22 @@ impl Panel {
         };
         let p = &self.parameters;
         let edges = Edges { clears: rises(p.i_errclr), interrupts: rises(p.i_break), resumes: rises(p.i_continue) };
-        self.before.copy_from_slice_of(&inputs.digital);
+        // A machine never changes its shape.
+        self.before.iter_mut().zip(&inputs.digital).for_each(|(before, now)| *before = *now);
         self.has_read = true;
         edges
     }
 
-    /// Sets an output for good (OUT, OUTAN).
-    pub(super) fn set(&mut self, config: &MachineConfig, index: u16, value: f64) -> Result<(), Refusal> {
-        let object = Object::Io(index);
-        let refuse = |code| Refusal::new(code, object).with(Number::Real(value), Number::None);
-        let kind = config.io.get(usize::from(index)).map(|io| io.kind);
-        if let Some(axis) = config.owner_of_output(index) {
-            return Err(refuse(Code::OUTPUT_TAKEN).with(Number::Real(value), Number::Count(axis.into())));
-        }
-        let place = config.io_place(usize::from(index));
-        match kind {
-            Some(IoKind::DigitalOutput) if value == 0.0 || value == 1.0 => {
-                set_bit(&mut self.outputs, place, value == 1.0)
+    /// Sets outputs for good (OUT, OUTB, OUTAN): all of them, or none.
+    pub(super) fn set(&mut self, config: &MachineConfig, values: &[OutputValue]) -> Result<(), Refusal> {
+        values.iter().try_for_each(|value| check(config, *value))?;
+        for &OutputValue { index, value } in values {
+            let place = config.io_place(usize::from(index));
+            if config.io.get(usize::from(index)).is_some_and(|io| io.kind == IoKind::DigitalOutput) {
+                set_bit(&mut self.outputs, place, value == 1.0);
+            } else if let Some(volts) = self.analog.get_mut(place) {
+                *volts = value;
             }
-            Some(IoKind::AnalogOutput) if value.is_finite() => {
-                if let Some(volts) = self.analog.get_mut(place) {
-                    *volts = value;
-                }
-            }
-            Some(IoKind::DigitalOutput | IoKind::AnalogOutput) => return Err(refuse(Code::OUTPUT_VALUE)),
-            _ => return Err(refuse(Code::NO_OUTPUT)),
         }
         Ok(())
     }
@@ -221,14 +213,16 @@ impl Panel {
         }
     }
 
-    /// Lets the functions of outputs follow the axes.
+    /// Lets the functions of outputs follow the axes. Those that share a number show that one of them is active.
     pub(super) fn follow(&mut self, axes: &[Axis]) {
         let outputs = &mut self.outputs;
-        let fails = axes.iter().any(|axis| !axis.error().is_none());
-        show(outputs, &mut self.error, self.parameters.o_error, fails);
+        let mut active = Active::default();
+        active.add(self.parameters.o_error, axes.iter().any(|axis| !axis.error().is_none()));
+        axes.iter().for_each(|axis| active.add(axis.parameters.outputs.axmove, axis.is_commanded()));
+        show(outputs, &mut self.error, self.parameters.o_error, active);
         for (axis, (brake, moves)) in axes.iter().zip(self.brakes.iter_mut().zip(&mut self.moves)) {
             let assigned = axis.parameters.outputs;
-            show(outputs, moves, assigned.axmove, axis.is_commanded());
+            show(outputs, moves, assigned.axmove, active);
             for (output, on) in axis.sign_outputs().into_iter().flatten() {
                 put(outputs, output.into(), on);
             }
@@ -262,15 +256,48 @@ impl Panel {
     }
 }
 
-/// Writes an output whose function has changed; one that is not assigned any more goes back to inactive.
-fn show(outputs: &mut [u64], shown: &mut Shown, number: i64, active: bool) {
-    let now = Shown { number, active };
+/// May that output have that value from outside?
+fn check(config: &MachineConfig, OutputValue { index, value }: OutputValue) -> Result<(), Refusal> {
+    let refuse = |code| Refusal::new(code, Object::Io(index)).with(Number::Real(value), Number::None);
+    if let Some(axis) = config.owner_of_output(index) {
+        return Err(refuse(Code::OUTPUT_TAKEN).with(Number::Real(value), Number::Count(axis.into())));
+    }
+    match config.io.get(usize::from(index)).map(|io| io.kind) {
+        Some(IoKind::DigitalOutput) if value == 0.0 || value == 1.0 => Ok(()),
+        Some(IoKind::AnalogOutput) if value.is_finite() => Ok(()),
+        Some(IoKind::DigitalOutput | IoKind::AnalogOutput) => Err(refuse(Code::OUTPUT_VALUE)),
+        _ => Err(refuse(Code::NO_OUTPUT)),
+    }
+}
+
+/// Numbers of the output functions that are active; they are within +-8, so each has a bit.
+#[derive(Clone, Copy, Debug, Default)]
+struct Active(u64);
+
+impl Active {
+    fn mask(number: i64) -> u64 {
+        u32::try_from(number.saturating_add(31)).ok().and_then(|bit| 1_u64.checked_shl(bit)).unwrap_or(0)
+    }
+
+    fn add(&mut self, number: i64, is_active: bool) {
+        self.0 |= if is_active { Self::mask(number) } else { 0 };
+    }
+
+    fn has(self, number: i64) -> bool {
+        self.0 & Self::mask(number) != 0
+    }
+}
+
+/// Writes an output whose function has changed; one that is not assigned any more goes back to inactive, unless another function
+/// shows there.
+fn show(outputs: &mut [u64], shown: &mut Shown, number: i64, active: Active) {
+    let now = Shown { number, active: active.has(number) };
     let before = std::mem::replace(shown, now);
     if before.number != number {
-        put(outputs, before.number, false);
+        put(outputs, before.number, active.has(before.number));
     }
     if before != now {
-        put(outputs, number, active);
+        put(outputs, number, now.active);
     }
 }
 
@@ -279,27 +306,6 @@ fn put(outputs: &mut [u64], number: i64, active: bool) {
     let place = number.unsigned_abs().checked_sub(1).and_then(|place| usize::try_from(place).ok());
     if let Some(place) = place {
         set_bit(outputs, place, active == (number > 0));
-    }
-}
-
-fn bit(words: &[u64], place: usize) -> bool {
-    words.get(place / 64).is_some_and(|word| word >> (place % 64) & 1 == 1)
-}
-
-fn set_bit(words: &mut [u64], place: usize, on: bool) {
-    if let Some(word) = words.get_mut(place / 64) {
-        *word = *word & !(1 << (place % 64)) | u64::from(on) << (place % 64);
-    }
-}
-
-/// Copies as far as both go: a machine never changes its shape.
-trait CopyFrom<T> {
-    fn copy_from_slice_of(&mut self, other: &[T]);
-}
-
-impl<T: Copy> CopyFrom<T> for Vec<T> {
-    fn copy_from_slice_of(&mut self, other: &[T]) {
-        self.iter_mut().zip(other).for_each(|(mine, other)| *mine = *other);
     }
 }
 

@@ -8,7 +8,7 @@ use super::panel::Panel;
 use crate::axis::{Axis, Run};
 use crate::config::{ConfigError, MachineConfig};
 use crate::encoder::Encoder;
-use crate::parameter::AxisParameters;
+use crate::parameter::{AxisParameters, MachineParameters};
 use crate::signal::Board;
 use crate::sync::Leads;
 use serde::{Deserialize, Serialize};
@@ -94,6 +94,11 @@ impl State {
     /// Parameters in force, by axis.
     pub fn parameters(&self) -> impl Iterator<Item = &AxisParameters> {
         self.axes.iter().map(|axis| &axis.parameters)
+    }
+
+    /// Parameters of the machine in force.
+    pub fn machine_parameters(&self) -> &MachineParameters {
+        &self.panel.parameters
     }
 
     /// As after the power came back: all of `first` but the count of cycles and events and what was saved. Takes no memory.

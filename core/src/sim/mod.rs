@@ -23,7 +23,7 @@ pub use second_order::{ModelError, SecondOrder};
 
 use crate::axis::Source;
 use crate::config::{AxisConfig, IoKind, MachineConfig};
-use crate::drive::{Backend, Capabilities, Inputs, Interface, Latch, MAX_LATCHES, Outputs};
+use crate::drive::{Backend, Capabilities, Inputs, Interface, Latch, MAX_LATCHES, Outputs, set_bit};
 use encoder::SimEncoder;
 
 /// How a simulated drive follows its setpoint.
@@ -133,9 +133,7 @@ impl Plant {
     }
 
     fn put_digital(&mut self, place: usize, on: bool) {
-        if let Some(word) = self.digital.get_mut(place / 64) {
-            *word = *word & !(1 << (place % 64)) | u64::from(on) << (place % 64);
-        }
+        set_bit(&mut self.digital, place, on);
     }
 
     /// Sets an analog input for good (V).

@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 20] = [
+const OWN_INTERFACES: [(&str, &str); 21] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -226,6 +226,14 @@ const OWN_INTERFACES: [(&str, &str); 20] = [
     (
         "srv/ImportParameters",
         "string text
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/SetOutput",
+        "string[] outputs
+        float64[] values
         ---
         bool success
         string message",

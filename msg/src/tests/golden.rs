@@ -15,7 +15,7 @@ use crate::foreign::std_msgs::msg::{Header, String as Text};
 use crate::foreign::std_srvs::srv::TriggerRequest;
 use crate::foreign::unique_identifier_msgs::msg::UUID;
 use crate::msg::{AxisState, AxisStates, CycleInputs, Event};
-use crate::srv::SetPositionRequest;
+use crate::srv::{SetOutputRequest, SetPositionRequest};
 use crate::{Bounded, SendGoalRequest};
 
 /// Pairs of hexadecimal digits; everything else only shows the places.
@@ -58,6 +58,15 @@ fn structs_nest_without_a_mark() {
 fn a_number_is_aligned_behind_a_string() {
     let request = SetPositionRequest { axis: "x".to_owned(), position: -1.5, units: 2 };
     is_on_the_wire(request, "02000000 78 00 | 0000 | 000000000000f8bf | 02");
+}
+
+#[test]
+fn numbers_are_aligned_behind_a_sequence_of_strings() {
+    let request = SetOutputRequest { outputs: vec!["a".to_owned(), "b".to_owned()], values: vec![1.0, -1.5] };
+    is_on_the_wire(
+        request,
+        "02000000 02000000 61 00 | 0000 | 02000000 62 00 | 0000 | 02000000 | 000000000000f03f 000000000000f8bf",
+    );
 }
 
 #[test]

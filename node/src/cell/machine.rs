@@ -4,7 +4,7 @@ use super::parameters::{Given, refuse_range, whole};
 use crate::document::{Map, Value};
 use lineshaft_core::config::{IoConfig, IoCounts, IoKind, NoSuchIo};
 use lineshaft_core::parameter::{self, Applies, AxisParameters, MachineParameters, ROWS, Refused};
-use lineshaft_core::text::refused_text;
+use lineshaft_core::text::{cell_has, refused_text};
 use lineshaft_core::unit::Scale;
 
 /// Reads the section; where a value has a problem, its default stands.
@@ -45,8 +45,9 @@ pub(super) fn check_axis(parameters: &AxisParameters, given: &Given<'_>, io: &[O
 /// Refuses an input or output that the cell has not where a key names it.
 pub(crate) fn refuse_missing(missing: Option<NoSuchIo>, given: &[(&'static str, Value<'_>)]) {
     let Some(NoSuchIo { key, number, is_output, count }) = missing else { return };
-    let what = if is_output { "outputs" } else { "inputs" };
     if let Some((_, value)) = given.iter().find(|(known, _)| *known == key) {
-        value.refuse(format!("{key} is {number}; the cell has {count} digital {what}"), None);
+        // The output that revers needs stands in its tens.
+        let is = if key == "revers" { "needs output" } else { "is" };
+        value.refuse(format!("{key} {is} {number}; {}", cell_has(is_output, &count.to_string())), None);
     }
 }

@@ -44,7 +44,7 @@ use lineshaft_core::unit::Dimension;
 use lineshaft_ros::layer::NodeName;
 pub(crate) use machine::refuse_missing;
 use names::{Names, Section, quote};
-pub(crate) use parameters::{contradictions, double_views, turned_views};
+pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
 pub use robot::Robot;
 use std::path::Path;
 

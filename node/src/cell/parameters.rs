@@ -93,21 +93,32 @@ pub(super) fn read<'d>(
     }
     double_views(&given, |_| false);
     turned_views(&parameters, given.iter().zip(&set).map(|((_, value), (row, number))| (*row, *number, value)));
-    if let (Some(who), Some((_, value))) = (who, given.iter().find(|(key, _)| *key == "posdrct"))
-        && !may_turn_loop(who, &parameters)
-    {
-        value.refuse(format!("posdrct {} {}", parameters.macs.posdrct, not_built_here(Code::LOOP_IN_DRIVE)), None);
-    }
-    if let (Some(who), Some((_, value))) = (who, given.iter().find(|(key, _)| *key == "revers"))
-        && !may_tell_sign(who, &parameters)
-    {
-        let why = not_built_here(Code::REVERSING_BY_POSITION);
-        value.refuse(format!("revers {} {why}", parameters.macs.revers), None);
+    if let Some(who) = who {
+        refuse_senses(who, &parameters, &given);
     }
     if let Some(scale) = &travel.scale {
         contradictions(&parameters, &given, scale, cycle_ns);
     }
     (parameters, given)
+}
+
+/// Refuses a sense of rotation, and outputs that tell the sign of a reference, that an axis of that interface cannot have.
+pub(crate) fn refuse_senses(
+    interface: Option<Interface>,
+    parameters: &AxisParameters,
+    given: &[(&'static str, Value<'_>)],
+) {
+    let refuse = |key: &str, number: i64, code: Code| {
+        if let Some((_, value)) = given.iter().find(|(known, _)| *known == key) {
+            value.refuse(format!("{key} {number} {}", not_built_here(code)), None);
+        }
+    };
+    if !may_turn_loop(interface, parameters) {
+        refuse("posdrct", parameters.macs.posdrct, Code::LOOP_IN_DRIVE);
+    }
+    if !may_tell_sign(interface, parameters) {
+        refuse("revers", parameters.macs.revers, Code::REVERSING_BY_POSITION);
+    }
 }
 
 /// A value of the file for one parameter.

@@ -5,9 +5,10 @@
 
 mod names;
 
-use crate::cell::{contradictions, double_views, refuse_missing, turned_views};
+use crate::cell::{contradictions, double_views, refuse_missing, refuse_senses, turned_views};
 use crate::document::{Document, Problems, Value};
 use crate::scenario::parameter_change;
+use lineshaft_core::axis::may_tell_sign;
 use lineshaft_core::config::{IoCounts, MachineConfig};
 use lineshaft_core::parameter::{self, AxisParameters, Change, MACHINE, MachineParameters, Row, in_order};
 use lineshaft_core::signal::Directory;
@@ -63,10 +64,12 @@ pub fn check_import(document: Document, config: &MachineConfig, directory: &Dire
         contradictions(after, &lines.given(index), &axis.scale, Some(config.cycle_ns));
     }
     let machine = lines.machine(config);
-    for (index, after) in parameters.iter().enumerate() {
-        // Whether a drive has a use for outputs that tell the sign is asked by the machine.
-        let missing = IoCounts::of(config).check_axis(after).err().filter(|missing| missing.key != "revers");
-        refuse_missing(missing, &lines.given(index));
+    for (index, (axis, after)) in std::iter::zip(&config.axes, &parameters).enumerate() {
+        let (interface, given) = (axis.drive.map(|_| axis.interface), lines.given(index));
+        refuse_senses(interface, after, &given);
+        // Outputs that the axis has no use for are refused as such.
+        let missing = IoCounts::of(config).check_axis(after).err();
+        refuse_missing(missing.filter(|missing| missing.key != "revers" || may_tell_sign(interface, after)), &given);
     }
     let changes = lines.0.iter().map(|line| line.change).collect();
     if document.problems().is_empty() {

@@ -6,10 +6,10 @@ use lineshaft_core::parameter::{AxisParameters, MachineParameters, Measure, Para
 use lineshaft_ros::surface::host::Listing;
 use std::fmt::Write;
 
-/// Every parameter of every axis in increments, exactly: a line `x.max_velocity: 125829120 inc/s` for each. What is left
-/// out is `~`, with what that means.
-pub fn parameters_text(config: &MachineConfig, parameters: &[AxisParameters]) -> String {
-    lines(config, parameters, |_, _| true)
+/// Every parameter of the machine and of every axis in increments, exactly: a line `x.max_velocity: 125829120 inc/s` for each.
+/// What is left out is `~`, with what that means.
+pub fn parameters_text(config: &MachineConfig, machine: &MachineParameters, axes: &[AxisParameters]) -> String {
+    machine_lines(machine, None) + &lines(config, axes, |_, _| true)
 }
 
 /// The parameters in force of some axes, as [`read_changes`](super::read_changes) takes them.
@@ -31,11 +31,9 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
         };
         axes.contains(index as u16) && (other.is_none() || now != other)
     });
-    if axes == AxisSet::first(config.axes.len()) { machine_lines(config, image, what) + &text } else { text }
-}
-
-/// A line for each parameter of the machine.
-fn machine_lines(config: &MachineConfig, image: &ParameterImage, what: Listing) -> String {
+    if axes != AxisSet::first(config.axes.len()) {
+        return text;
+    }
     let [now, user] = &image.machine;
     let other = match what {
         Listing::All => None,
@@ -43,10 +41,15 @@ fn machine_lines(config: &MachineConfig, image: &ParameterImage, what: Listing) 
         Listing::NotCell => Some(config.global.parameters),
         Listing::NotSaved => Some(*user),
     };
+    machine_lines(now, other.as_ref()) + &text
+}
+
+/// A line for each parameter of the machine, or for those that differ from another set.
+fn machine_lines(now: &MachineParameters, other: Option<&MachineParameters>) -> String {
     let mut text = String::new();
     for row in ROWS.iter().filter(|row| row.is_kept_by_machine()) {
         let value = row.machine_value(now);
-        if let (Value::Int(number), true) = (value, other.is_none_or(|other| row.machine_value(&other) != value)) {
+        if let (Value::Int(number), true) = (value, other.is_none_or(|other| row.machine_value(other) != value)) {
             let _ = writeln!(text, "machine.{}: {number}", row.key);
         }
     }
@@ -99,7 +102,19 @@ mod tests {
     #[test]
     fn every_parameter_of_every_axis_has_a_line() {
         let cell = Cell::demo();
-        let text = parameters_text(&cell.machine, &defaults(&cell));
+        let text =
+            parameters_text(&cell.machine, &MachineParameters { o_error: -2, ..Default::default() }, &defaults(&cell));
+        let machine: Vec<_> = text.lines().filter(|line| line.starts_with("machine.")).collect();
+        assert_eq!(
+            machine,
+            [
+                "machine.i_break: 0",
+                "machine.i_continue: 0",
+                "machine.i_errclr: 0",
+                "machine.o_error: -2",
+                "machine.ainftime: 0"
+            ]
+        );
         for (axis, parameters) in cell.machine.axes.iter().zip(defaults(&cell)) {
             let rows = ROWS.iter().filter(|row| row.applies.to(axis) && row.is_stored());
             let lines = text.lines().filter(|line| line.starts_with(&format!("{}.", axis.name)));
@@ -130,9 +145,9 @@ mod tests {
         parameters[1].max_velocity = 0.1 + 0.2;
         parameters[1].max_jerk = Some(1e15);
         parameters[1].max_acceleration = 123_456_789.123_456_7;
-        let text = parameters_text(&cell.machine, &parameters);
+        let text = parameters_text(&cell.machine, &MachineParameters::default(), &parameters);
         let mut read = defaults(&cell);
-        for line in text.lines() {
+        for line in text.lines().filter(|line| !line.starts_with("machine.")) {
             let (name, value) = line.split_once(": ").unwrap();
             let (axis, key) = name.split_once('.').unwrap();
             let axis = cell.machine.axes.iter().position(|entry| entry.name == axis).unwrap();

@@ -150,7 +150,7 @@ impl Subject {
         let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.power_on()).collect();
         Self {
             cell: cell.text.clone(),
-            parameters: parameters_text(&cell.machine, &parameters),
+            parameters: parameters_text(&cell.machine, &cell.machine.global.power_on(), &parameters),
             store: store_text(&cell.machine),
             node: node.clone(),
             cycle_ns: cell.machine.cycle_ns,

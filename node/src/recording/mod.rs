@@ -101,9 +101,10 @@ impl Encoded {
     /// The same with the state of the machine before it.
     pub fn with_state(self, state: &State, config: &MachineConfig) -> Self {
         let parameters: Vec<AxisParameters> = state.parameters().copied().collect();
+        let text = crate::parameters::parameters_text(config, state.machine_parameters(), &parameters);
         // Nothing in a state has no serialized form; without one no file would begin here.
         let bytes = postcard::to_allocvec(state).ok();
-        Self { state: bytes, parameters: Some(crate::parameters::parameters_text(config, &parameters)), ..self }
+        Self { state: bytes, parameters: Some(text), ..self }
     }
 
     /// Memory that it takes (bytes).

@@ -214,7 +214,7 @@ impl Reader<'_> {
             "reset_parameters" => add(self.reset_parameters(arguments), None),
             "delete_parameters" => add(self.axes(arguments, Action::DeleteParameters), None),
             "set_memory" => self.set_memory(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
-            "set_output" => self.set_output(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
+            "set_output" => add(self.set_output(arguments), None),
             "setpoints" => add(self.setpoints(arguments, Source::Scenario), None),
             "saia" => add(self.saia(arguments), None),
             "wf" => add(self.wf(arguments), None),

@@ -171,10 +171,7 @@ impl Store {
                 stored.generation
             );
         }
-        for (axis, set) in config.axes.iter_mut().zip(stored.sets) {
-            axis.saved = set;
-        }
-        config.global.saved = stored.machine;
+        stored.put_into(config);
         Ok(())
     }
 

@@ -27,6 +27,16 @@ pub struct Stored {
     pub machine: Option<MachineParameters>,
 }
 
+impl Stored {
+    /// Makes it layer User of the machine's start.
+    pub fn put_into(self, config: &mut MachineConfig) {
+        for (axis, set) in config.axes.iter_mut().zip(self.sets) {
+            axis.saved = set;
+        }
+        config.global.saved = self.machine;
+    }
+}
+
 /// Reads the text of a store for a cell. `label` names it in problems.
 ///
 /// # Errors

@@ -334,7 +334,7 @@ fn ends(action: &Action) -> usize {
         // What a vocabulary does has no end of its own.
         Action::Saia(_) | Action::Wf(_) => 0,
         Action::SetPosition(_) => 0,
-        Action::Note { .. } | Action::SetParameters(_) | Action::SetOutput { .. } => 0,
+        Action::Note { .. } | Action::SetParameters(_) | Action::SetOutputs(_) => 0,
         Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
         Action::DeleteParameters(_) | Action::PowerCycle | Action::Activate => 0,
         _ => 1,

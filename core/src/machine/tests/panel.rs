@@ -3,9 +3,10 @@
 mod abort;
 mod brake;
 mod brake_first;
+mod shared;
 
 use super::rig::{LINE, Rig, X, Y, at, config, to};
-use crate::command::Action;
+use crate::command::{Action, OutputValue};
 use crate::config::{BrakeConfig, FilterConfig, IoConfig, IoKind, MachineConfig};
 use crate::event::Kind;
 use crate::object::AxisSet;
@@ -133,7 +134,7 @@ fn only_a_program_opens_the_brake() {
             cell.axes[1].parameters.outputs.brake = output;
             cell.axes[1].parameters.error_reaction = reaction;
             let mut rig = Rig::of(cell);
-            rig.give(Action::SetOutput { index: R, value: f64::from(1 - closed as u8) });
+            rig.give(Action::set_output(R, f64::from(1 - closed as u8)));
             rig.enable();
             assert_eq!((rig.int("r"), rig.int("x.brake")), (i64::from(1 - closed), 0), "enable leaves it alone");
             rig.plant.drive(0).unwrap().jump(500_000);
@@ -144,7 +145,7 @@ fn only_a_program_opens_the_brake() {
             rig.give(Action::ResetErrors(AxisSet::first(3)));
             rig.run(50);
             assert_eq!((rig.int("x.error"), rig.int("r")), (0, expected), "never by itself");
-            rig.give(Action::SetOutput { index: R, value: f64::from(1 - closed as u8) });
+            rig.give(Action::set_output(R, f64::from(1 - closed as u8)));
             assert_eq!((rig.int("r"), rig.int("x.brake")), (i64::from(1 - closed), 0));
         }
     }
@@ -328,7 +329,7 @@ fn outputs_are_set_and_stay() {
     let mut rig = Rig::of(cell);
     rig.run(1);
     rig.mirror();
-    let given = [(Q, 1.0), (7, -2.5), (P, 1.0)].map(|(index, value)| Action::SetOutput { index, value });
+    let given = [(Q, 1.0), (7, -2.5), (P, 1.0)].map(|(index, value)| Action::set_output(index, value));
     rig.give_all(given.to_vec());
     rig.run(20);
     assert_eq!((rig.int("q"), rig.real("speed"), rig.int("p")), (1, -2.5, 1), "one with a function, too");
@@ -340,10 +341,23 @@ fn outputs_are_set_and_stay() {
         (6, 1.0, "level: this is no output; a do or an ao may be set"),
         (R, 1.0, "r: an axis switches this output by itself; nobody else may set it"),
     ] {
-        let sequence = rig.give(Action::SetOutput { index, value });
+        let sequence = rig.give(Action::set_output(index, value));
         assert_eq!(rig.refusal(sequence), sentence);
     }
-    let missing = rig.give(Action::SetOutput { index: 99, value: 1.0 });
+    // All of them, or none.
+    let pair = |index, value| [OutputValue { index: Q, value: 0.0 }, OutputValue { index, value }].into();
+    let mixed = rig.give(Action::SetOutputs(pair(7, f64::NAN)));
+    assert_eq!(
+        rig.refusal(mixed),
+        "speed: NaN is no value of this output; 0 and 1 of a do, a finite number of V of an ao are"
+    );
+    assert_eq!((rig.int("q"), rig.real("speed")), (1, -2.5));
+    let both = rig.give(Action::SetOutputs(pair(7, 1.5)));
+    assert!(rig.was_accepted(both));
+    assert_eq!((rig.int("q"), rig.real("speed")), (0, 1.5));
+    rig.give(Action::SetOutputs(pair(7, -2.5)));
+    rig.give(Action::set_output(Q, 1.0));
+    let missing = rig.give(Action::set_output(99, 1.0));
     assert!(rig.refusal(missing).ends_with("this is no output; a do or an ao may be set"));
     assert_eq!((rig.int("q"), rig.real("speed")), (1, -2.5));
 }
@@ -409,7 +423,7 @@ fn parameters_of_the_machine_have_layers() {
     rig.give(set(MACHINE, "o_error", -3));
     rig.give(Action::ResetParameters { axes: AxisSet::first(3), layer: Layer::User });
     assert_eq!(error(&rig), [2, 2]);
-    rig.give(Action::SetOutput { index: P, value: 1.0 });
+    rig.give(Action::set_output(P, 1.0));
     rig.give(set(MACHINE, "o_error", 0));
     rig.give(Action::PowerCycle);
     rig.run(2);

@@ -6,7 +6,7 @@ use crate::code::Code;
 use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::event::{Event, Kind};
-use crate::object::AxisSet;
+use crate::object::{AxisSet, Object};
 
 const MS: i64 = 1_000_000;
 
@@ -369,6 +369,8 @@ fn the_first_error_is_kept_with_how_the_axis_stood() {
     rig.plant.drive(0).unwrap().inject_fault(0x8611);
     rig.run(3);
     assert_eq!(rig.int("x.error"), 10_201, "the drive's own fault is not the first");
+    let told = rig.events.iter().filter(|event| event.kind == Kind::Error).map(|event| event.code);
+    assert_eq!(told.collect::<Vec<_>>(), [Code::FOLLOWING_ERROR, Code::drive_fault(0x8611)], "and is told, once");
     assert_eq!(rig.int("x.fault.code"), 10_201);
     assert_eq!((rig.int("x.fault.cycle"), rig.int("x.fault.command")), (cycle as i64, before + 50));
     rig.give(Action::ResetErrors(AxisSet::one(X)));
@@ -391,4 +393,29 @@ fn an_emergency_stop_takes_the_power_of_a_drive_that_stops_by_itself() {
     rig.plant.set_digital(1, false);
     rig.run(2);
     assert_eq!((rig.state("x"), rig.int("x.output.control")), ("ERROR_STOP", 0));
+    rig.run(50);
+    let of_x = rig.events.iter().filter(|event| event.kind == Kind::Error && event.source == Object::Axis(X));
+    let told: Vec<_> = of_x.map(|event| event.code).collect();
+    assert_eq!(told, [Code::FOLLOWING_ERROR, Code::EMERGENCY_STOP], "it takes the power, and says so once");
+}
+
+/// One that opens while the axis brakes for another error takes the power once it stands, and is told in its cycle, once.
+#[test]
+fn an_emergency_stop_during_another_stop_is_told_once() {
+    let mut rig = closed();
+    rig.give(Action::Move(at(X, 50_000.0)));
+    rig.run(200);
+    rig.plant.drive(0).unwrap().jump(-3_000);
+    rig.run(10);
+    let told = |rig: &Rig| {
+        let of_x = rig.events.iter().filter(|event| event.kind == Kind::Error && event.source == Object::Axis(X));
+        of_x.map(|event| event.code).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&rig), [Code::FOLLOWING_ERROR]);
+    rig.plant.set_digital(1, false);
+    rig.run(1);
+    assert_eq!(told(&rig), [Code::FOLLOWING_ERROR, Code::EMERGENCY_STOP]);
+    assert!(rig.real("x.command.velocity") > 0.0, "it still brakes");
+    rig.run(100);
+    assert_eq!((rig.int("x.output.control"), told(&rig).len()), (0, 2));
 }

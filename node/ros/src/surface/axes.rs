@@ -51,13 +51,9 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Co
         };
         let hub = Arc::clone(&hub);
         open.spawn(async move {
-            let response = match tokio::time::timeout(PATIENCE, command(&hub, action(axes), axes.len())).await {
-                Ok(Ok(())) => AxesCommandResponse { success: true, message: summary(axes.len(), done) },
-                Ok(Err(message)) => AxesCommandResponse { success: false, message },
-                Err(_) => AxesCommandResponse {
-                    success: false,
-                    message: format!("no end within {} s; see ~/axis_states", PATIENCE.as_secs()),
-                },
+            let response = match perform(&hub, action(axes), axes.len(), done).await {
+                Ok(message) => AxesCommandResponse { success: true, message },
+                Err(message) => AxesCommandResponse { success: false, message },
             };
             // A client that has gone is no fault of the machine; the layer logs it.
             let _ = reply.send(response).await;
@@ -69,15 +65,24 @@ fn summary(count: usize, done: &str) -> String {
     if count == 1 { format!("1 axis {done}") } else { format!("{count} axes {done}") }
 }
 
+/// Gives a command and waits until each of its axes has told its end; what was done, or why it was not.
+pub(super) async fn perform(hub: &Arc<Hub>, action: Action, axes: usize, done: &str) -> Result<String, String> {
+    match tokio::time::timeout(PATIENCE, command(hub, action, axes)).await {
+        Ok(ended) => ended.map(|()| summary(axes, done)),
+        Err(_) => Err(format!("no end within {} s; see ~/axis_states", PATIENCE.as_secs())),
+    }
+}
+
 /// Gives a command and waits until each of its axes has told its end.
 async fn command(hub: &Arc<Hub>, action: Action, axes: usize) -> Result<(), String> {
     let sentence = |event: &Event| text::sentence(event, hub.host.config());
     let mut answers = hub.submit(action).map_err(|busy| busy.to_string())?;
-    let (mut ended, mut failures) = (0, Vec::new());
-    while ended < axes {
+    let (mut is_accepted, mut ended, mut failures) = (false, 0, Vec::new());
+    while ended < axes || !is_accepted {
         let Some(answer) = answers.next().await else { return Err("the machine has stopped".to_owned()) };
         match answer.event.kind {
             Kind::Refused => return Err(sentence(&answer.event)),
+            Kind::Accepted => is_accepted = true,
             Kind::Done => {
                 ended += 1;
                 if !answer.event.code.is_none() {

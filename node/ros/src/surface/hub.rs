@@ -13,10 +13,13 @@ use lineshaft_core::event::{Event as CoreEvent, Kind};
 use lineshaft_core::object::Object;
 use lineshaft_core::text;
 use lineshaft_msgs::msg::Event;
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::task::JoinSet;
+
+/// Errors of one axis whose sentences are kept.
+const ERRORS: usize = 4;
 
 /// Commands and events of one surface.
 pub(super) struct Hub {
@@ -25,8 +28,8 @@ pub(super) struct Hub {
     pub own: OwnParameters,
     /// Who waits for which command. Taken before a command is handed over, so that no answer can come before its asker.
     waiting: Mutex<HashMap<u64, Place>>,
-    /// The newest error of each axis, with its sentence.
-    errors: Mutex<HashMap<u16, (Code, String)>>,
+    /// The newest errors of each axis, with their sentences: beside the first one others may be told.
+    errors: Mutex<HashMap<u16, VecDeque<(Code, String)>>>,
     rosout: Rosout,
     /// What stamps show.
     pub clock: Clock,
@@ -109,10 +112,10 @@ impl Hub {
         self.waiting().clear();
     }
 
-    /// The sentence of the error of an axis, if `code` is its newest.
+    /// The newest sentence of that error of an axis, if it is one of its last few.
     pub(super) fn error_of(&self, axis: u16, code: Code) -> Option<String> {
         let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
-        errors.get(&axis).filter(|(known, _)| *known == code).map(|(_, sentence)| sentence.clone())
+        errors.get(&axis)?.iter().find(|(known, _)| *known == code).map(|(_, sentence)| sentence.clone())
     }
 
     /// The time that stamps of requests are compared with: nanoseconds since the Unix epoch.
@@ -150,7 +153,9 @@ impl Hub {
             let message = messages::event(&event.event, self.clock.stamp(event.stamp_ns), config, sentence);
             if let (Kind::Error, Object::Axis(axis)) = (event.event.kind, event.event.source) {
                 let mut errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
-                errors.insert(axis, (event.event.code, message.text.clone()));
+                let known = errors.entry(axis).or_default();
+                known.push_front((event.event.code, message.text.clone()));
+                known.truncate(ERRORS);
             }
             self.tell(&event, &message.text);
             history.keep(self.host.as_ref(), &event.event, &message);

@@ -4,6 +4,7 @@
 
 pub mod host;
 
+mod abort;
 mod axes;
 mod cycle_statistics;
 mod diagnostics;
@@ -24,6 +25,7 @@ mod parameters;
 mod probe_axis;
 mod record;
 mod robot_description;
+mod set_output;
 mod set_position;
 mod signals;
 mod states;
@@ -88,12 +90,14 @@ impl Surface {
         let life = lifecycle::start(&node, &hub, &mut tasks)?;
         diagnostics::start(&node, &hub, life, &mut tasks)?;
         axes::start(&node, &hub, &mut tasks)?;
+        abort::start(&node, &hub, &mut tasks)?;
         goal::start::<MoveAxis>(&node, &hub, &mut tasks)?;
         goal::start::<ProbeAxis>(&node, &hub, &mut tasks)?;
         goal::start::<HomeAxis>(&node, &hub, &mut tasks)?;
         goal::start::<Synchronize>(&node, &hub, &mut tasks)?;
         home::start(&node, &hub, &mut tasks)?;
         set_position::start(&node, &hub, &mut tasks)?;
+        set_output::start(&node, &hub, &mut tasks)?;
         record::start(&node, &hub, &mut tasks)?;
         robot_description::start(&node, &hub, &mut tasks)?;
         streams::start(&node, &hub, &mut tasks)?;

@@ -20,10 +20,11 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{
 use lineshaft_msgs::foreign::rosgraph_msgs::msg::Clock;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::foreign::std_msgs::msg::String as Text;
+use lineshaft_msgs::foreign::std_srvs::srv::Trigger;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, Setpoints};
 use lineshaft_msgs::srv::{
-    AxesCommand, ExportParameters, ImportParameters, Record, ResetParameters, SetPosition, Vocabulary,
+    AxesCommand, ExportParameters, ImportParameters, Record, ResetParameters, SetOutput, SetPosition, Vocabulary,
 };
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
@@ -202,6 +203,16 @@ pub(super) const SET_POSITION: Served<SetPosition> = Served::new(
     Qos::SERVICE,
     "the present position of an axis that stands gets a new value; nothing moves; see [homing.md](homing.md)",
 );
+pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
+    "~/set_output",
+    Qos::SERVICE,
+    "sets digital outputs (0, 1) and analog ones (V) for good, all of a request in one cycle, or none; see [io.md](io.md)",
+);
+pub(super) const ABORT: Served<Trigger> = Served::new(
+    "~/abort",
+    Qos::SERVICE,
+    "the Esc of MACS: stops all axes as fast as they can, closes brakes, sets outputs as `esccond` says, and locks the axes until `~/reset_errors`; answers when all stand; see [io.md](io.md)",
+);
 pub(super) const RECORD: Served<Record> = Served::new(
     "~/record",
     Qos::SERVICE,
@@ -352,9 +363,11 @@ pub const ROWS: &[Row] = &[
     DISABLE.0,
     HALT.0,
     QUICK_STOP.0,
+    ABORT.0,
     RESET_ERRORS.0,
     HOME.0,
     SET_POSITION.0,
+    SET_OUTPUT.0,
     RECORD.0,
     VOCABULARY.0,
     GET_PARAMETERS.0,

@@ -122,7 +122,7 @@ fn a_brake_and_what_hangs_on_it() {
             "    sim: {model: ideal, hanging_load: 1 m/s}\n",
             "16:39: hanging_load: `1 m/s` is a velocity; an acceleration",
         ),
-        ("    o_axmove: 2\n", "16:15: o_axmove is 2; the cell has 1 digital outputs"),
+        ("    o_axmove: 2\n", "16:15: o_axmove is 2; the cell has 1 digital output"),
         ("    i_refswitch: -3\n", "16:18: i_refswitch is -3; the cell has 2 digital inputs"),
         ("    revers: 10\n", "16:13: revers 10 asks for outputs, which tell the sign of a velocity"),
     ] {
@@ -143,7 +143,7 @@ fn the_machine_has_a_section_of_its_own() {
     for (machine, expected) in [
         ("{i_errclr: 9}", "16:21: i_errclr is `9`; -8 to 8 is allowed"),
         ("{i_errclr: 3}", "16:21: i_errclr is 3; the cell has 2 digital inputs"),
-        ("{o_error: 2}", "16:20: o_error is 2; the cell has 1 digital outputs"),
+        ("{o_error: 2}", "16:20: o_error is 2; the cell has 1 digital output"),
         ("{ainftime: 1.5}", "16:21: ainftime is `1.5`; "),
         ("{prgpar: 3}", "16:19: prgpar"),
         ("{o_eror: 1}", "16:11: unknown key `o_eror` in machine, did you mean `o_error`?"),

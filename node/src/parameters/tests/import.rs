@@ -247,4 +247,15 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
     let outputs = io.iter().filter(|entry| entry.kind == IoKind::DigitalOutput).count();
     let refused = import("machine.o_error: 8\n").unwrap_err().to_string();
     assert!(refused.starts_with(&format!("p:1:18: o_error is 8; the cell has {outputs} digital outputs")), "{refused}");
+    // The outputs of revers: for a velocity only, and as the cell has them.
+    let refused = import("slide.revers: 10\n").unwrap_err().to_string();
+    assert!(refused.starts_with("p:1:15: revers 10 asks for outputs, which tell the sign of a velocity"), "{refused}");
+    let text = include_str!("../../../../launch-configs/io.yaml").replace("node: 4}", "node: 4, interface: velocity}");
+    let cell =
+        Cell::parse("io.yaml", text.replace("sim: {model: ideal}", "sim: {model: velocity}")).expect("a good cell");
+    let machine = Machine::new(cell.machine.clone()).expect("a machine");
+    let import = |text: &str| check_import(Document::parse("p", text), &cell.machine, machine.directory());
+    assert!(import("slide.revers: 50\n").is_ok());
+    let refused = import("slide.revers: -50\n").unwrap_err().to_string();
+    assert!(refused.starts_with("p:1:15: revers needs output 6; the cell has 5 digital outputs"), "{refused}");
 }

@@ -22,7 +22,7 @@ fn subject() -> Subject {
     let cell = Cell::demo();
     let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.parameters).collect();
     Subject {
-        parameters: parameters_text(&cell.machine, &parameters),
+        parameters: parameters_text(&cell.machine, &cell.machine.global.power_on(), &parameters),
         store: None,
         cell: cell.text,
         node: NodeName::new("/", "lineshaft").unwrap(),

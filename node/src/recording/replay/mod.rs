@@ -147,9 +147,7 @@ fn attached_cell(run: &Run) -> Result<Cell, ReplayError> {
     if let Some(bytes) = run.attachment("store.yaml")? {
         let text = String::from_utf8_lossy(&bytes);
         let stored = read_store("store.yaml", &text, &cell.machine).map_err(ReplayError::Store)?;
-        for (axis, set) in cell.machine.axes.iter_mut().zip(stored.sets) {
-            axis.saved = set;
-        }
+        stored.put_into(&mut cell.machine);
     }
     Ok(cell)
 }

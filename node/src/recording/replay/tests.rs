@@ -5,6 +5,7 @@ use crate::recording::Topic;
 use crate::recording::bag::BagOptions;
 use crate::recording::test_bags::TestBag;
 use crate::scenario::{Options, Scenario, simulate};
+use lineshaft_core::parameter::MachineParameters;
 use lineshaft_msgs::cdr;
 use lineshaft_msgs::msg::{AppliedCommand, Signals};
 use std::fmt::Write;
@@ -248,4 +249,39 @@ fn setpoints_replay_and_a_missing_one_is_found() {
     });
     let Some(Verdict::Differs(difference)) = without.unwrap() else { panic!("it is not missed") };
     assert_eq!(difference.cycle, 1000);
+}
+
+/// What was saved of the machine's own parameters is in force in the replay as it was in the run, and stands in parameters.yaml.
+#[test]
+fn saved_parameters_of_the_machine_are_there_in_a_replay() {
+    let text = "
+lineshaft: 1
+cycle: 1 ms
+backends: {plant: {type: sim}}
+io: {alarm: {type: do, backend: plant, address: 0}, lamp: {type: do, backend: plant, address: 1}}
+machine: {o_error: 1}
+axes:
+  x: {type: linear, scale: {increments: 1000, per: 1 mm}, drive: {backend: plant, address: 0, interface: position},
+      max_velocity: 1 m/s, max_acceleration: 1 m/s^2, sim: {model: ideal}}
+";
+    let mut cell = Cell::parse("cell.yaml", text).unwrap();
+    cell.machine.global.saved = Some(MachineParameters { o_error: 2, ..cell.machine.global.parameters });
+    let scenario = "{scenario: s, for: 2500 ms, steps: [{at: 0, do: {enable: {}}}, {at: 100, do: {inject: {fault: {axis: x, code: 1}}}},
+                    {at: 1.2 s, do: {set_parameters: {machine.o_error: -1}}}],
+                    expect: [{signal: lamp, at: 1 s, is: 1}, {signal: alarm, at: 1 s, is: 0}]}";
+    let scenario = Scenario::parse("s", scenario, &cell).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bag");
+    let record = Some(BagOptions { path: path.clone(), max_size: None, max_duration_ns: Some(1_000_000_000) });
+    let report = simulate(&cell, &scenario, &Options { record, ..Options::default() }).unwrap();
+    assert!(report.passed(), "{report}");
+    let run = Run::open(&path).unwrap();
+    for (file, line) in [(0, "machine.o_error: 2"), (1, "machine.o_error: 2"), (2, "machine.o_error: -1")] {
+        let text = String::from_utf8(run.attachment_of(file, "parameters.yaml").unwrap().unwrap()).unwrap();
+        assert!(text.lines().any(|found| found == line), "{file}: {text}");
+    }
+    assert_eq!(replayed(&path).verdict, Verdict::Same);
+    for file in ["bag_0.mcap", "bag_1.mcap", "bag_2.mcap"] {
+        assert_eq!(replayed(&path.join(file)).verdict, Verdict::Same, "{file}");
+    }
 }

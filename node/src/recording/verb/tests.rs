@@ -6,8 +6,8 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, Direction, Disengage, HomeAxis, HomingMethod, Length, Move, MoveMode, Probe, ProbeEdge, SetPosition,
-    Setpoint, SyncMode, Synchronize as Coupling,
+    BufferMode, Direction, Disengage, HomeAxis, HomingMethod, Length, Move, MoveMode, OutputValue, Probe, ProbeEdge,
+    SetPosition, Setpoint, SyncMode, Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader, Object};
@@ -270,8 +270,10 @@ fn the_other_verbs_word_for_word() {
     for (index, value, text) in
         [(2, 1.0, r#""lamp":1"#), (2, 0.0, r#""lamp":0"#), (3, -2.5, r#""speed":-2.5"#), (3, -0.0, r#""speed":-0.0"#)]
     {
-        desk.is(&Action::SetOutput { index, value }, &format!(r#"{{"set_output":{{{text}}}}}"#));
+        desk.is(&Action::set_output(index, value), &format!(r#"{{"set_output":{{{text}}}}}"#));
     }
+    let both = [(3, 0.5), (2, 1.0)].map(|(index, value)| OutputValue { index, value });
+    desk.is(&Action::SetOutputs(both.into()), r#"{"set_output":{"speed":0.5,"lamp":1}}"#);
     desk.is(&Action::Note { code: Code::RECORD_FAILED, number: 28 }, r#"{"note":{"code":10217,"number":28}}"#);
     desk.is(&Action::Note { code: Code::RECORD_LOST, number: -1 }, r#"{"note":{"code":10216,"number":-1}}"#);
     desk.is(
@@ -383,10 +385,12 @@ fn what_no_door_makes_is_written_so_that_it_does_not_read_back() {
         Action::SetMemory { index: 2, value: f64::NAN },
         Action::SetMemory { index: 2, value: f64::INFINITY },
         Action::SetMemory { index: 0, value: 0.5 },
-        Action::SetOutput { index: 99, value: 1.0 },
-        Action::SetOutput { index: 0, value: 1.0 },
-        Action::SetOutput { index: 2, value: 0.5 },
-        Action::SetOutput { index: 3, value: f64::NAN },
+        Action::SetOutputs([].into()),
+        Action::SetOutputs([OutputValue { index: 2, value: 1.0 }; 2].into()),
+        Action::set_output(99, 1.0),
+        Action::set_output(0, 1.0),
+        Action::set_output(2, 0.5),
+        Action::set_output(3, f64::NAN),
         Action::SetParameters([Change { axis: 0, row: 999, value: Set::Int(1) }].into()),
         Action::SetParameters([Change { axis: 9, row: 0, value: Set::Int(1) }].into()),
         Action::SetParameters([set(0, "max_velocity", Set::Real(f64::NAN))].into()),

@@ -238,7 +238,9 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::DeleteParameters(set) => Verb::DeleteParameters(axes(set)),
         Action::PowerCycle => Verb::Inject { power_cycle: Nothing {} },
         Action::SetMemory { index, value } => Verb::SetMemory(Entries(vec![cell(*index, *value, config)])),
-        Action::SetOutput { index, value } => Verb::SetOutput(Entries(vec![output(*index, *value, config)])),
+        Action::SetOutputs(values) => {
+            Verb::SetOutput(Entries(values.iter().map(|value| output(value.index, value.value, config)).collect()))
+        }
         Action::Refuse(text) => Verb::Refuse { text },
         Action::Note { code, number } => Verb::Note { code: code.0, number: *number },
     }

@@ -1,7 +1,7 @@
 //! The cell in which anything happens: its ways, contacts, outputs and drives.
 
 use crate::axis::Safety;
-use crate::command::Action;
+use crate::command::{Action, OutputValue};
 use crate::config::{BrakeConfig, IoConfig, IoKind, MachineConfig};
 use crate::drive::Interface;
 use crate::sim::{Fixtures, Index, Model, TwoSpeed, VelocityLag};
@@ -22,8 +22,9 @@ pub(super) fn terminals(config: &mut MachineConfig, is_braked: bool) {
 }
 
 pub(super) fn output() -> impl Strategy<Value = Action> {
-    (0_u16..7, prop::sample::select(vec![0.0, 1.0, 2.0, f64::INFINITY]))
-        .prop_map(|(index, value)| Action::SetOutput { index, value })
+    let value = prop::sample::select(vec![0.0, 1.0, 2.0, f64::INFINITY, f64::NAN]);
+    let output = (0_u16..7, value).prop_map(|(index, value)| OutputValue { index, value });
+    prop::collection::vec(output, 1..4).prop_map(|values| Action::SetOutputs(values.into()))
 }
 
 /// Along the ways of x and y.

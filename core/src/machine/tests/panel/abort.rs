@@ -8,7 +8,7 @@ use crate::config::BrakeConfig;
 use crate::object::AxisSet;
 
 fn put(rig: &mut Rig, index: u16, value: f64) {
-    let set = rig.give(Action::SetOutput { index, value });
+    let set = rig.give(Action::set_output(index, value));
     assert!(rig.was_accepted(set));
 }
 
@@ -139,11 +139,12 @@ fn the_brake_of_the_cell_closes_too() {
         assert_eq!((rig.int("r"), rig.int("x.brake")), (open, 0), "it still moves");
         rig.run(2);
         assert_eq!((rig.int("r"), rig.int("x.brake"), rig.int("x.output.control")), (closed, 1, 0x0F));
-        rig.give(Action::ResetErrors(AxisSet::one(X)));
+        let reset = rig.give(Action::ResetErrors(AxisSet::one(X)));
         rig.run(10);
         assert_eq!((rig.int("r"), rig.state("x")), (open, "DISABLED"), "it opens");
+        assert!(rig.done(reset).is_empty(), "not before it takes goals");
         rig.run(15);
-        assert_eq!(rig.state("x"), "STANDSTILL");
+        assert_eq!((rig.state("x"), rig.done(reset).len(), rig.done(reset)[0].code), ("STANDSTILL", 1, Code::NONE));
     }
 }
 

@@ -222,7 +222,7 @@ fn o_brake_goes_low_by_errcond() {
         cell.axes[1].parameters.outputs.brake = -1;
         cell.axes[1].parameters.error_reaction = errcond;
         let mut rig = Rig::of(cell);
-        rig.give(Action::SetOutput { index: P, value: 1.0 });
+        rig.give(Action::set_output(P, 1.0));
         rig.enable();
         rig.give(Action::Move(at(X, 50_000.0)));
         rig.run(1_000);

@@ -31,7 +31,7 @@ pub(super) struct Replies {
     context: Context,
     /// The reader of a client that writes with this writer, where a search has found exactly one.
     known: Mutex<HashMap<Guid, Guid>>,
-    too_long: Mutex<Limiter>,
+    failed: Mutex<Limiter>,
 }
 
 impl Replies {
@@ -42,7 +42,7 @@ impl Replies {
             service,
             context: context.clone(),
             known: Mutex::default(),
-            too_long: Mutex::default(),
+            failed: Mutex::default(),
         }
     }
 
@@ -54,7 +54,8 @@ impl Replies {
         self.context.runtime.spawn(task);
     }
 
-    /// Writes a reply as soon as its reader is matched: one that is written before is lost.
+    /// Writes a reply as soon as its reader is matched: one that is written before is lost. What fails is logged: a client that
+    /// waits for ever does not say why.
     pub(super) async fn send(&self, caller: &Caller, bytes: Vec<u8>) -> Result<(), ReplyError> {
         let (bytes, deadline) = (Bytes::from(bytes), Instant::now() + PATIENCE);
         let mut changes = self.context.matches.changes();
@@ -70,17 +71,22 @@ impl Replies {
             }
         };
         if readers.is_empty() {
-            return Err(ReplyError::NoReader { service: self.service.clone() });
+            let error = ReplyError::NoReader { service: self.service.clone() };
+            // A client that has gone waits for nothing.
+            tracing::debug!("{error}");
+            return Err(error);
         }
         for reader in readers {
-            self.write(&bytes, Address { reader, answers: caller.identity() }).await?;
+            let written = self.write(&bytes, Address { reader, answers: caller.identity() }).await;
+            written.inspect_err(|error| self.tell(error, reader))?;
         }
         Ok(())
     }
 
     async fn write(&self, bytes: &Bytes, address: Address) -> Result<(), ReplyError> {
         if address.answers.is_some() && bytes.len() > self.writer.longest_identified() {
-            return Err(self.too_long(bytes.len(), address.reader));
+            let (service, length) = (self.service.clone(), bytes.len());
+            return Err(ReplyError::TooLong { service, length, longest: self.writer.longest_identified() });
         }
         let deadline = Instant::now() + PATIENCE;
         let service = || self.service.clone();
@@ -96,16 +102,13 @@ impl Replies {
         }
     }
 
-    /// Tells the operator: a client that waits for ever does not say why.
-    fn too_long(&self, length: usize, reader: Guid) -> ReplyError {
-        let longest = self.writer.longest_identified();
-        let error = ReplyError::TooLong { service: self.service.clone(), length, longest };
+    /// A line for the operator, few of them about one client.
+    fn tell(&self, error: &ReplyError, reader: Guid) {
         let from = reader.prefix();
-        let said = self.too_long.lock().unwrap_or_else(PoisonError::into_inner).say(from, std::time::Instant::now());
+        let said = self.failed.lock().unwrap_or_else(PoisonError::into_inner).say(from, std::time::Instant::now());
         if let Some(before) = said {
             tracing::warn!("{error} (participant {from}){}", more(before));
         }
-        error
     }
 
     fn is_matched(&self, reader: Guid) -> bool {

@@ -221,8 +221,13 @@ fn plain() -> impl Strategy<Value = Action> {
     let finite = number().prop_filter("a real number", |value| value.is_finite()).boxed();
     let whole = prop_oneof![-9..9_i64, any::<i64>()];
     let memory = prop_oneof![
-        finite.clone().prop_map(|value| Action::SetOutput { index: 3, value }),
-        any::<bool>().prop_map(|bit| Action::SetOutput { index: 2, value: f64::from(u8::from(bit)) }),
+        (finite.clone(), any::<bool>(), 0..3_usize).prop_map(|(volts, bit, which)| {
+            let [lamp, speed] =
+                [(2, f64::from(u8::from(bit))), (3, volts)].map(|(index, value)| OutputValue { index, value });
+            Action::SetOutputs(
+                [vec![lamp], vec![speed], vec![speed, lamp]].into_iter().nth(which).unwrap_or_default().into(),
+            )
+        }),
         finite.prop_map(|value| Action::SetMemory { index: 2, value }),
         (0..2_u16, whole).prop_map(|(index, value)| Action::SetMemory { index, value: value as f64 }),
         any::<bool>().prop_map(|bit| Action::SetMemory { index: 3, value: f64::from(u8::from(bit)) }),

@@ -1,0 +1,36 @@
+//! `~/abort`: the Esc of MACS for the whole machine; answered when every axis stands, or has failed to. A type that every client
+//! has: an operator's panel needs no package of this program for it.
+
+use super::axes::perform;
+use super::hub::Hub;
+use super::table;
+use crate::layer::{CreateError, Node, Request, ServiceServer};
+use lineshaft_core::command::Action;
+use lineshaft_msgs::foreign::std_srvs::srv::{Trigger, TriggerResponse};
+use std::sync::Arc;
+use tokio::task::JoinSet;
+
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    let server = table::ABORT.server(node)?;
+    tasks.spawn(serve(server, Arc::clone(hub)));
+    Ok(())
+}
+
+async fn serve(mut server: ServiceServer<Trigger>, hub: Arc<Hub>) {
+    // Waiting requests end with the service.
+    let mut open = JoinSet::new();
+    let axes = hub.host.config().axes.len();
+    while let Some(Request { reply, .. }) = server.next().await {
+        while open.try_join_next().is_some() {}
+        let hub = Arc::clone(&hub);
+        open.spawn(async move {
+            let response = match perform(&hub, Action::Abort, axes, "stopped and locked; ~/reset_errors unlocks").await
+            {
+                Ok(message) => TriggerResponse { success: true, message },
+                Err(message) => TriggerResponse { success: false, message },
+            };
+            // A client that has gone is no fault of the machine; the layer logs it.
+            let _ = reply.send(response).await;
+        });
+    }
+}

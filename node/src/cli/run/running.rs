@@ -1,0 +1,285 @@
+//! A machine that runs: its ways in and out, its threads, and how it is brought to rest.
+
+use super::super::{Exit, FlightArgs, RunArgs, store};
+use crate::cell::Cell;
+use crate::recording::bag::{Bag, Subject};
+use crate::recording::encoder::Encoder;
+use crate::run::bridge::{Bridge, Handle};
+use crate::run::flight::Flight;
+use crate::run::flight::folder::FlightFolder;
+use crate::run::frames::{FrameReceiver, frames};
+use crate::run::gate::Gate;
+use crate::run::keeper::Keeper;
+use crate::run::lanes;
+use crate::run::recorder::{Asked, FlightRecorder, Recorder};
+use crate::run::thread::{CycleThread, Play, Statistics};
+use crate::scenario::{Player, Report, Scenario};
+use crate::store::Store;
+use lineshaft_core::command::{Action, Source};
+use lineshaft_core::machine::Machine;
+use lineshaft_core::object::AxisSet;
+use lineshaft_core::signal::Signal;
+use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_core::sim::Plant;
+use lineshaft_ros::layer::NodeName;
+use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
+use rtrb::RingBuffer;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
+
+/// Events between the cycle thread and the bridge: many cycles of the most that a machine can tell.
+const EVENT_ROOM: usize = 1 << 16;
+/// How long axes may take to stop, and then to switch off, before the program ends all the same.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// What is recorded, opened before the machine starts.
+pub(super) struct Recording {
+    subject: Arc<Subject>,
+    bag: Option<Bag>,
+    flight: Option<FlightRecorder>,
+}
+
+impl Recording {
+    pub(super) fn open(args: &RunArgs, cell: &Cell, name: &NodeName) -> Result<Self, String> {
+        let subject = Arc::new(Subject::new(cell, name));
+        let bag = args.record.options().map(|options| Bag::create(&options, Subject::clone(&subject)));
+        let bag = bag.transpose().map_err(|error| error.to_string())?;
+        Ok(Self { subject, bag, flight: flight(&args.flight, name)? })
+    }
+}
+
+/// The flight recorder, if it is on. A folder that was asked for must be there; without the usual one it is off, with a
+/// warning.
+fn flight(args: &FlightArgs, name: &NodeName) -> Result<Option<FlightRecorder>, String> {
+    if args.flight_recorder == 0 {
+        return Ok(None);
+    }
+    let keep = usize::try_from(args.flight_keep).unwrap_or(usize::MAX);
+    let folder = match &args.flight_folder {
+        Some(folder) => {
+            let created = FlightFolder::create(folder.clone(), keep);
+            created.map_err(|error| format!("--flight-folder: {error}"))?
+        }
+        None => match FlightFolder::create_beside(&flight_folder(name)?, keep) {
+            Ok(folder) => folder,
+            Err(error) => {
+                tracing::warn!("the flight recorder is off: {error}; --flight-folder names another folder");
+                return Ok(None);
+            }
+        },
+    };
+    Ok(Some((Flight::new(args.flight_recorder * 1_000_000_000), folder)))
+}
+
+fn flight_folder(name: &NodeName) -> Result<PathBuf, String> {
+    let folder = store::node_folder(name);
+    folder.ok_or_else(|| "no folder for the flight recorder: HOME is not set; give --flight-folder".to_owned())
+}
+
+/// What a machine begins with beside its cell.
+pub(super) struct Given {
+    pub store: Option<Store>,
+    /// Its first command.
+    pub first: Option<Action>,
+}
+
+/// The threads of a running machine.
+pub(super) struct Running {
+    pub handle: Arc<Handle>,
+    statistics: Arc<Statistics>,
+    stop_cycle: Arc<AtomicBool>,
+    /// Ends bridge and recorder.
+    stop_others: Arc<AtomicBool>,
+    pub cycle: JoinHandle<()>,
+    pub bridge: JoinHandle<()>,
+    /// True where all bags have a good end.
+    pub recorder: JoinHandle<bool>,
+    /// Ends with [`Handle::end_keeping`].
+    keeper: Option<JoinHandle<()>>,
+    /// The report of the scenario, once it is over; nothing without one.
+    pub report: Option<Receiver<Report>>,
+}
+
+/// A machine with all its ways in and out, before its first cycle: no thread runs, and nothing of what it drives was touched.
+pub(super) struct Prepared {
+    pub handle: Arc<Handle>,
+    cycle: CycleThread,
+    bridge: Bridge,
+    keeper: Option<Keeper>,
+    encoder: Encoder,
+    frames: FrameReceiver,
+    asked: Receiver<Asked>,
+    report: Option<Receiver<Report>>,
+}
+
+impl Prepared {
+    /// All of it, and the events that the bridge will pass on.
+    pub(super) fn new(
+        args: &RunArgs,
+        cell: &Cell,
+        machine: Machine,
+        plant: Plant,
+        scenario: Option<Scenario>,
+        given: Given,
+    ) -> (Self, UnboundedReceiver<StampedEvent>) {
+        let (commander, lanes) = lanes::lanes(machine.config().axes.len());
+        let (frames, frames_out, spent) = frames(&machine);
+        let (ask, asked) = channel();
+        let (events, events_out) = RingBuffer::new(EVENT_ROOM);
+        let first = Snapshot { cycle: 0, stamp_ns: 0, board: machine.board().clone() };
+        let (snapshot, signals) = triple_buffer::triple_buffer(&first);
+        let image = machine.parameter_image();
+        let (parameters, parameters_out) = triple_buffer::triple_buffer(&image);
+        let (config, directory) = (machine.config().clone(), machine.directory().clone());
+        let statistics = Arc::new(Statistics::default());
+        let gate = Arc::new(if cell.ros.autostart { Gate::opening() } else { Gate::default() });
+        let handle = Handle::new(config.clone(), directory, commander, ask, first, image)
+            .with_cycles(Arc::clone(&gate), Arc::clone(&statistics))
+            .with_hardware(cell.hardware.clone())
+            .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
+        // Before the first cycle, and so before anything else that is asked.
+        if let Some(Err(busy)) = given.first.map(|action| handle.submit_as(Source::Cli, action)) {
+            tracing::error!("parameters that were given to the node are not set: {busy}");
+        }
+        let handle = if cell.ros.autostart { handle } else { handle.unconfigured() };
+        let (handle, keeper) = match given.store {
+            None => (handle, None),
+            Some(store) => {
+                let (orders, keeper) = Keeper::new(store, config);
+                (handle.with_keeper(orders), Some(keeper))
+            }
+        };
+        let handle = Arc::new(handle);
+        let encoder = Encoder::new(cell, machine.config(), machine.directory());
+        let (listener, heard) = unbounded_channel();
+        let (play, report) = match scenario {
+            None => (None, None),
+            Some(scenario) => {
+                let (send, receive) = channel();
+                let play = Play { player: Player::new(&scenario), numbers: handle.numbers(), report: send };
+                (Some(play), Some(receive))
+            }
+        };
+        let bridge = Bridge::new(events_out, signals, parameters_out, spent, listener, Arc::clone(&statistics));
+        let cycle = CycleThread {
+            machine,
+            plant,
+            play,
+            lanes,
+            events,
+            frames,
+            snapshot,
+            parameters,
+            published: 0,
+            gate,
+            stop: Arc::default(),
+            statistics,
+            processor: args.cpu.unwrap_or_default(),
+        };
+        (Self { handle, cycle, bridge, keeper, encoder, frames: frames_out, asked, report }, heard)
+    }
+
+    /// Runs it.
+    pub(super) fn start(self, recording: Recording) -> Running {
+        let Self { handle, cycle, bridge, keeper, encoder, frames, asked, report } = self;
+        let Recording { subject, bag, flight } = recording;
+        let (stop_cycle, stop_others) = (Arc::clone(&cycle.stop), Arc::<AtomicBool>::default());
+        let statistics = Arc::clone(&cycle.statistics);
+        let keeper = keeper.map(|keeper| std::thread::spawn(move || keeper.run()));
+        let recorder = Recorder::new(Arc::clone(&handle), frames, encoder, subject, asked, bag, flight);
+        let (ready, granted) = channel();
+        let cycle = std::thread::spawn(move || cycle.run(ready));
+        if let Ok(refused) = granted.recv() {
+            warn(&refused);
+        }
+        let (for_bridge, end) = (Arc::clone(&handle), Arc::clone(&stop_others));
+        let bridge = std::thread::spawn(move || bridge.run(&for_bridge, &end));
+        let end = Arc::clone(&stop_others);
+        let recorder = std::thread::spawn(move || recorder.run(&end));
+        Running { handle, statistics, stop_cycle, stop_others, cycle, bridge, recorder, keeper, report }
+    }
+}
+
+impl Running {
+    /// Ends the threads; an error when one of them has panicked.
+    pub(super) fn end(self) -> Exit {
+        self.stop_cycle.store(true, Ordering::Relaxed);
+        let cycle = self.cycle.join();
+        self.stop_others.store(true, Ordering::Relaxed);
+        let (bridge, recorder) = (self.bridge.join(), self.recorder.join());
+        // After the bridge: it has passed on what was saved last.
+        self.handle.end_keeping();
+        let keeper = self.keeper.map_or(Ok(()), JoinHandle::join);
+        let of = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
+        let statistics = &self.statistics;
+        tracing::info!(
+            "{} cycles, {} missed; latest start {} us after its time, longest cycle {} us",
+            of(&statistics.cycles),
+            of(&statistics.missed),
+            of(&statistics.worst_lateness_ns) / 1000,
+            of(&statistics.worst_duration_ns) / 1000,
+        );
+        if cycle.is_err() || bridge.is_err() || recorder.is_err() || keeper.is_err() {
+            tracing::error!("a thread of the machine has failed; drives are left to their own supervision");
+            return Exit::Failed;
+        }
+        // A bag without a good end was told of; what was asked for is not there.
+        if recorder.is_ok_and(|is_good| is_good) { Exit::Good } else { Exit::Failed }
+    }
+}
+
+fn warn(refused: &[String]) {
+    if !refused.is_empty() {
+        tracing::warn!("cycles may come late: {}; see docs/realtime.md", refused.join(", "));
+    }
+}
+
+/// Halts all axes, then switches them off.
+pub(super) async fn stop_machine(running: &Running) {
+    let all = AxisSet::first(running.handle.config().axes.len());
+    let handle = &running.handle;
+    if !handle.takes_commands() {
+        // Unconfigured: every drive is off and no cycle runs.
+        return;
+    }
+    let asked = Instant::now();
+    // A full lane empties within a few cycles.
+    while handle.submit_as(Source::Cli, Action::Halt(all)).is_err() && asked.elapsed() < PATIENCE {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    let stands = |snapshot: &Snapshot, first| snapshot.board.real(AxisSignal::CommandVelocity.of(first)) == 0.0;
+    if !until(running, &axes(handle, true), stands).await {
+        tracing::warn!("not all axes stand after {} s", PATIENCE.as_secs());
+    }
+    let _ = handle.submit_as(Source::Cli, Action::Disable(all));
+    let is_off = |snapshot: &Snapshot, first| !snapshot.board.bit(AxisSignal::Enabled.of(first));
+    if !until(running, &axes(handle, false), is_off).await {
+        tracing::warn!("not all axes are off after {} s", PATIENCE.as_secs());
+    }
+}
+
+/// First signals of the axes; virtual ones, which are always on, only when they are asked for.
+fn axes(handle: &Handle, with_virtual: bool) -> Vec<Signal> {
+    let axes = handle.config().axes.iter().filter(|axis| with_virtual || axis.drive.is_some());
+    axes.filter_map(|axis| handle.directory().find(&format!("{}.state", axis.name))).collect()
+}
+
+/// Waits until something holds for axes in a snapshot that is newer than now; false when it takes too long.
+async fn until(running: &Running, axes: &[Signal], holds: impl Fn(&Snapshot, Signal) -> bool) -> bool {
+    let handle = &running.handle;
+    let (begin, start) = (handle.snapshot().cycle, Instant::now());
+    while start.elapsed() < PATIENCE && !running.cycle.is_finished() {
+        tokio::time::sleep(Duration::from_millis(2)).await;
+        let snapshot = handle.snapshot();
+        // Two cycles further the command has applied.
+        if snapshot.cycle > begin + 2 && axes.iter().all(|&first| holds(&snapshot, first)) {
+            return true;
+        }
+    }
+    false
+}

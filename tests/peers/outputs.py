@@ -1,0 +1,54 @@
+"""~/set_output and ~/abort, from docs/contract.md, section 7."""
+from dataclasses import dataclass, field
+
+from cyclonedds.idl import IdlStruct, types as t
+
+import ros2wire as rw
+from report import Failure, show
+
+
+@dataclass
+class SetOutputRequest(IdlStruct, typename="SetOutputRequest"):
+    outputs: t.sequence[str] = field(default_factory=list)
+    values: t.sequence[t.float64] = field(default_factory=list)
+
+
+@dataclass
+class SetOutputResponse(IdlStruct, typename="SetOutputResponse"):
+    success: bool = False
+    message: str = ""
+
+
+@dataclass
+class TriggerRequest(IdlStruct, typename="TriggerRequest"):
+    structure_needs_at_least_one_member: t.uint8 = 0
+
+
+@dataclass
+class TriggerResponse(IdlStruct, typename="TriggerResponse"):
+    success: bool = False
+    message: str = ""
+
+
+def answered(r):
+    show(success=r.success, message=r.message)
+    if not r.success:
+        raise Failure(r.message)
+
+
+def set_output(peer, a):
+    client = peer.service(a.node, "set_output", "SetOutput", SetOutputRequest, SetOutputResponse)
+    pairs = [given.split("=") for given in a.given]
+    answered(client.call(SetOutputRequest([name for name, *_ in pairs], [float(v) for _, *vs in pairs for v in vs])))
+
+
+def abort(peer, a):
+    name = f"{a.node}/abort"
+    make = lambda: rw.ServiceClient(peer.dp, name, "std_srvs/Trigger", TriggerRequest, TriggerResponse)
+    answered(peer.once(name, make).call(TriggerRequest()))
+
+
+def add_commands(command):
+    p = command("set-output", set_output)
+    p.add_argument("given", nargs="*", metavar="NAME=VALUE")
+    command("abort", abort)
