@@ -242,6 +242,8 @@ codes! {
     NO_OUTPUT = 10346;
     /// REVERS asks for outputs of an axis whose drive gets positions.
     REVERSING_BY_POSITION = 10347;
+    /// A parameter names an output that has another function already.
+    OUTPUT_SHARED = 10356;
     /// The machine is inactive: nothing is switched on and nothing moves until it is activated.
     NOT_ACTIVE = 10071;
     /// Streamed setpoints come for an axis that something else moves.

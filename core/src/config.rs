@@ -1,7 +1,9 @@
 //! What a machine is made of, in the core's units.
 
+mod functions;
 mod numbers;
 
+pub use functions::{Function, OutputShared, Switcher};
 pub use numbers::{IoCounts, NoSuchIo};
 
 use crate::axis::{AxisSetup, MAX_DELAY, Modulo, Safety, Wired, may_read, may_tell_sign, may_turn_loop};
@@ -294,6 +296,16 @@ pub enum ConfigError {
         /// How many there are.
         count: usize,
     },
+    /// An output with two functions.
+    #[error("{}{key} names output {number}, which has another function already", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")))]
+    OutputShared {
+        /// Whose; none for the machine.
+        axis: Option<String>,
+        /// The parameter.
+        key: &'static str,
+        /// The output.
+        number: i64,
+    },
     /// A parameter of the reference selector.
     #[error("{axis}: {key} has a value that the rest of the axis does not allow")]
     Selector {
@@ -348,6 +360,7 @@ impl MachineConfig {
             return Err(ConfigError::Cycle(self.cycle_ns));
         }
         self.check_numbers()?;
+        self.check_outputs_once()?;
         let most = usize::from(u16::MAX);
         let counts = [
             ("axes", self.axes.len(), MAX_AXES),

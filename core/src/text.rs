@@ -298,6 +298,9 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
             format!("{} is {}; {has}", key(event), plain(event.asked))
         }
         Code::OUTPUT_TAKEN => fixed("an axis switches this output by itself; nobody else may set it"),
+        Code::OUTPUT_SHARED => {
+            format!("{} names output {}, which has another function already", key(event), plain(event.asked))
+        }
         Code::OUTPUT_VALUE => {
             format!(
                 "{} is no value of this output; 0 and 1 of a do, a finite number of V of an ao are",

@@ -64,7 +64,7 @@ fn config() -> MachineConfig {
             supervision,
             max_position: index.is_multiple_of(2).then_some(40_000),
             error_reaction: i64::from(index % 6),
-            outputs: AssignedOutputs { brake: if index == 3 { -2 } else { 0 }, axmove: if index == 3 { 4 } else { 0 } },
+            outputs: AssignedOutputs { brake: if index == 3 { -2 } else { 0 }, axmove: if index == 3 { 5 } else { 0 } },
             ..AxisParameters::new(1e5, 1e6)
         };
         let interface = interface(index);

@@ -18,7 +18,8 @@ our own, from 65536 (10000h) on what a drive reports (10000h + its object 603Fh)
 
 Every axis is watched in every cycle; an error is told and answered in the cycle in which it is found. The first error of an axis
 stands in `x.error` until it is reset; how the axis stood then stands in the signals `x.fault.code .cycle .command .velocity .actual
-.following_error`, until the next error. What else goes wrong before the reset is told as an event. `~/errors` brings the last 32 errors
+.following_error`, until the next error. What else goes wrong before the reset is told as an event. A drive that fails while its axis is
+off stops nothing: that is a warning with its code, at most once a second, and the next enable ends in the error. `~/errors` brings the last 32 errors
 and resets, with the remedy, also to who comes later; /diagnostics has cause, remedy and how the axis stood.
 
 The reaction is one of:

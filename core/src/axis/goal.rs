@@ -81,6 +81,7 @@ impl Axis {
 
     pub(super) fn begin_goal(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
         self.abandon(cx, Code::REPLACED);
+        self.homing.forget_end();
         self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None });
         self.judge.rested_at = None;
         self.accepted(cx, sequence);

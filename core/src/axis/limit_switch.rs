@@ -1,6 +1,7 @@
 //! Limit switches: they stop an axis, and leave it the way back.
 //!
-//! Law      an edge stops the axis unless it moves away; the level blocks every motion towards the switch
+//! Law      an edge stops the axis unless it moves away; the level blocks every motion towards the switch, but for the way in
+//!          which it brakes on the switch that its homing had sought until something ended that
 //! Reads    the switches of this cycle and of the one before, the command of this cycle
 //! Writes   the error; the reaction begins in the cycle of the edge
 //! Refuses  with code 98 what would begin towards an actuated switch
@@ -65,7 +66,16 @@ impl Axis {
         }
         let change = next.position - self.command.position;
         let way = if change == Position::ZERO { next.velocity } else { change.to_f64() };
-        let Some(code) = self.switch_error(cx, way) else { return false };
+        let slows = way != 0.0 && next.velocity.abs() <= self.command.velocity.abs();
+        let Some(code) = self.switch_error(cx, way) else {
+            if !slows {
+                self.homing.forget_end();
+            }
+            return false;
+        };
+        if code == Code::LIMIT_VIOLATION && slows && self.homing.is_ending() {
+            return false;
+        }
         self.react_at_once(cx, code, Number::None, Number::None);
         true
     }

@@ -151,6 +151,7 @@ pub struct Axis {
     /// Status bit 7 of the drive.
     warning: bool,
     stale_cycles: u32,
+    watch: power::Watch,
     /// The switches of its way, as they are.
     switches: Switches,
     /// Those of the cycle before.
@@ -222,6 +223,7 @@ impl Axis {
             drive_state: if is_virtual { DriveState::Enabled } else { DriveState::NotReady },
             warning: false,
             stale_cycles: 0,
+            watch: power::Watch::default(),
             switches: Switches::default(),
             switches_before: Switches::default(),
             index: (0, Position::ZERO),

@@ -35,6 +35,20 @@ pub(super) enum Power {
     Resetting { since: u64 },
 }
 
+/// Time between two warnings of a drive that fails while its axis is off (ns).
+const TELL_AGAIN_NS: u64 = 1_000_000_000;
+
+/// What is known of a drive whose axis is off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Watch {
+    /// It was there and had no fault, at least once.
+    was_well: bool,
+    /// Its present failure is told.
+    is_told: bool,
+    /// When the last one was.
+    told: Option<u64>,
+}
+
 impl Axis {
     /// True while the command position is the axis' own, not the actual position.
     pub(super) fn is_on(&self) -> bool {
@@ -78,6 +92,7 @@ impl Axis {
     pub(super) fn supervise(&mut self, cx: &mut Context<'_>) {
         let Some(input) = cx.input else { return };
         let failure = self.failure(input);
+        self.watch_idle_drive(cx, failure);
         match self.power {
             Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => {
                 if let Some(code) = failure {
@@ -113,6 +128,26 @@ impl Axis {
             }
             Power::Off | Power::DriveStops => {}
         }
+    }
+
+    /// A drive that fails while its axis is off stops nothing: that is a warning. One that has not come yet does not fail.
+    fn watch_idle_drive(&mut self, cx: &mut Context<'_>, failure: Option<Code>) {
+        let failure = failure.filter(|code| class(*code) != Class::Feedback);
+        let watch = &mut self.watch;
+        let Some(code) = failure else {
+            (watch.was_well, watch.is_told) = (true, false);
+            return;
+        };
+        // While it is on, the same is an error.
+        let is_idle = self.power == Power::Off && self.error.is_none();
+        let age = watch.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
+        if is_idle && watch.was_well && !watch.is_told && age.is_none_or(|age| age >= TELL_AGAIN_NS) {
+            watch.told = Some(cx.cycle);
+            watch.is_told = true;
+            let event = Event::new(Severity::Warn, Kind::Warning, self.object(), code);
+            cx.events.push(Event { position: self.actual.position, ..event });
+        }
+        self.watch.is_told |= !is_idle;
     }
 
     /// The brake has had its time: the axis may move, or its power go.

@@ -8,7 +8,7 @@
 use super::Machine;
 use crate::code::Code;
 use crate::command::Command;
-use crate::config::{IoCounts, NoSuchIo, highest_velocity};
+use crate::config::{IoCounts, NoSuchIo, OutputShared, highest_velocity};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{AxisSet, Object};
 use crate::parameter::{
@@ -39,6 +39,7 @@ impl Machine {
         for change in changes.iter().filter(|change| change.axis != MACHINE) {
             self.check_candidate(usize::from(change.axis), changes)?;
         }
+        self.check_functions(machine.o_error, |index| changes.iter().any(|change| usize::from(change.axis) == index))?;
         for change in changes.iter().filter(|change| change.axis != MACHINE) {
             let index = usize::from(change.axis);
             self.put_in_force(index, self.candidates[index]);
@@ -53,6 +54,7 @@ impl Machine {
     /// Keeps what is in force (MACS-STO-06).
     pub(super) fn save_parameters(&mut self, command: &Command, axes: AxisSet) -> Result<(), Refusal> {
         self.check_axes(axes)?;
+        self.check_kept_functions(axes)?;
         for index in axes.iter().map(usize::from) {
             let kept = self.state.axes[index].parameters_to_keep();
             self.state.user[index] = kept.saved(&self.config.axes[index].parameters);
@@ -78,6 +80,12 @@ impl Machine {
         for index in axes.iter().map(usize::from) {
             self.check_reset(index)?;
         }
+        let o_error = match layer {
+            _ if !self.are_all(axes) => self.state.panel.parameters.o_error,
+            Layer::User => self.state.panel.user.o_error,
+            Layer::Init => self.config.global.parameters.o_error,
+        };
+        self.check_functions(o_error, |index| axes.contains(index as u16))?;
         self.count_change();
         self.accept(command, Object::Machine);
         for index in axes.iter() {
@@ -191,6 +199,27 @@ impl Machine {
             Err(missing) if of_machine().next().is_some() => Err(no_such_io(MACHINE, missing)),
             _ => Ok(()),
         }
+    }
+
+    /// Has each output one function, where the candidates of some axes come into force?
+    fn check_functions(&self, o_error: i64, is_new: impl Fn(usize) -> bool) -> Result<(), Refusal> {
+        let of = |index: usize| {
+            let now = &self.state.axes[index].parameters;
+            if is_new(index) { self.candidates[index].output_functions() } else { now.output_functions() }
+        };
+        self.config.check_functions(o_error, of).map_err(shared_output)
+    }
+
+    /// Would each output have one function after a power cycle, too, if these axes save what they have?
+    fn check_kept_functions(&self, axes: AxisSet) -> Result<(), Refusal> {
+        let panel = &self.state.panel;
+        let machine = if self.are_all(axes) { &panel.parameters } else { &panel.user };
+        let of = |index: usize| {
+            let saves = axes.contains(index as u16);
+            let kept = if saves { &self.state.axes[index].parameters } else { &self.state.user[index] };
+            kept.output_functions()
+        };
+        self.config.check_functions(machine.o_error, of).map_err(shared_output)
     }
 
     fn count_change(&mut self) {
@@ -341,6 +370,13 @@ fn no_such_io(axis: u16, missing: NoSuchIo) -> Refusal {
     let change = Change { axis, row: find(missing.key), value: Value::Int(missing.number) };
     let code = if missing.is_output { Code::NO_SUCH_OUTPUT } else { Code::NO_SUCH_INPUT };
     blame(&change, code).with(change.number(), Number::Count(missing.count as i64))
+}
+
+/// A parameter names an output that has another function.
+fn shared_output(shared: OutputShared) -> Refusal {
+    let (key, number) = shared.function;
+    let change = Change { axis: shared.axis, row: find(key), value: Value::Int(number.saturating_abs()) };
+    blame(&change, Code::OUTPUT_SHARED)
 }
 
 /// Place of a row that is there.

@@ -34,7 +34,12 @@ impl MachineConfig {
     pub fn resolve_home(&self, request: &HomeRequest) -> Result<HomeAxis, RequestError> {
         let (axis, _) = self.find_axis(&request.axis)?;
         let method = match request.scheme {
-            0 => HomingMethod::Configured,
+            0 if request.method == 0 => HomingMethod::Configured,
+            // Who names a method and gets another one is surprised by a motion.
+            0 => {
+                let allowed = "0 is allowed with scheme CONFIGURED; CIA402 and MACS take a number";
+                return Err(RequestError::BadChoice { field: "method", value: request.method.into(), allowed });
+            }
             1 => HomingMethod::Cia402(request.method),
             2 => HomingMethod::Macs(request.method),
             other => {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::command::HomingMethod;
 use crate::config::EncoderConfig;
 use crate::parameter::AxisParameters;
 
@@ -73,6 +74,21 @@ fn what_is_wrong_in_a_request_is_said_with_what_is_allowed() {
     assert!(bad(|r| r.direction = 4).starts_with("direction is 4"));
     assert!(bad(|r| r.jerk = Amount::Number(f64::INFINITY)).starts_with("jerk: "));
     assert!(Units::from_number(3).is_err());
+}
+
+/// A method that scheme CONFIGURED would not take is no motion by another one.
+#[test]
+fn a_method_of_homing_stands_with_its_scheme() {
+    let config = config();
+    let home = |scheme, method| {
+        let resolved = config.resolve_home(&HomeRequest { axis: "x".into(), scheme, method });
+        resolved.map(|home| home.method).map_err(|error| error.to_string())
+    };
+    assert_eq!(home(0, 0), Ok(HomingMethod::Configured));
+    assert_eq!((home(1, 7), home(2, 0)), (Ok(HomingMethod::Cia402(7)), Ok(HomingMethod::Macs(0))));
+    let sentence = "method is 7; 0 is allowed with scheme CONFIGURED; CIA402 and MACS take a number";
+    assert_eq!(home(0, 7), Err(sentence.into()));
+    assert!(home(3, 7).unwrap_err().starts_with("scheme is 3; "));
 }
 
 #[test]

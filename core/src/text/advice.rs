@@ -510,6 +510,11 @@ const TABLE: &[Line] = &[
     ),
     (Code::OUTPUT_TAKEN, "The output is switched by an axis itself: its direction, its brake.", "Name another output."),
     (
+        Code::OUTPUT_SHARED,
+        "A parameter names an output that a brake, section wf or another parameter switches.",
+        "Give each function an output of its own.",
+    ),
+    (
         Code::OUTPUT_VALUE,
         "An output was to have a value that it cannot have.",
         "Give 0 or 1 to digital outputs, a voltage to analog ones.",

@@ -51,16 +51,27 @@ struct Onces<'d> {
     outputs: wiring::Taken,
     switches: fixtures::Taken,
     masters: amc::Masters<'d>,
+    functions: machine::Functions<'d>,
 }
 
 /// The axes, none where one has problems. `io` are the entries of that section.
-pub(super) fn read<'d>(cx: &Context<'d>, io: &[Option<IoConfig>]) -> Vec<Option<Axis>> {
+pub(super) fn read<'d>(
+    cx: &Context<'d>,
+    io: &[Option<IoConfig>],
+    functions: machine::Functions<'d>,
+) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
     limit(entries, MAX_AXES);
-    let mut once =
-        Onces { taken: Once::new(), outputs: Once::new(), switches: Once::new(), masters: amc::Masters::new() };
+    let mut once = Onces {
+        taken: Once::new(),
+        outputs: Once::new(),
+        switches: Once::new(),
+        masters: amc::Masters::new(),
+        functions,
+    };
     let axes = entries.iter().enumerate();
     let axes = axes.map(|(place, entry)| axis(place, entry, cx, io, &mut once)).collect();
+    machine::refuse_shared(&once.functions, io, &once.outputs);
     amc::refuse_loops(&once.masters, cx);
     axes
 }
@@ -78,7 +89,7 @@ fn axis<'d>(
     io: &[Option<IoConfig>],
     once: &mut Onces<'d>,
 ) -> Option<Axis> {
-    let Onces { taken, outputs, switches, masters } = once;
+    let Onces { taken, outputs, switches, masters, functions } = once;
     let name = entry.name();
     let mut map = entry.value.map(format!("axis `{name}`"))?;
     let (travel, factors) = Travel::read_axis(&mut map);
@@ -94,6 +105,7 @@ fn axis<'d>(
     let (mut parameters, given) = parameters::read(&mut map, &mut sections, &travel, who, cx.cycle_ns);
     parameters.macs.scale = factors;
     machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_tell_sign(who, &parameters)));
+    machine::note_functions(functions, &parameters.output_functions(), &given);
     let open_loop = sections.of("wf").map_or(Some(Wiring::default()), |section| {
         wiring::read(section, why_closed(drive, name).as_deref(), cx, io, outputs)
     });

@@ -1,14 +1,24 @@
-//! Section `machine`: the parameters of the machine; and whether the inputs and outputs are there that parameters name by number.
+//! Section `machine`: the parameters of the machine; and whether the inputs and outputs are there that parameters name by number,
+//! and have one function each.
 
+use super::names::quote;
 use super::parameters::{Given, refuse_range, whole};
+use super::wiring;
 use crate::document::{Map, Value};
-use lineshaft_core::config::{IoConfig, IoCounts, IoKind, NoSuchIo};
+use lineshaft_core::config::{Function, IoConfig, IoCounts, IoKind, NoSuchIo};
 use lineshaft_core::parameter::{self, Applies, AxisParameters, MachineParameters, ROWS, Refused};
 use lineshaft_core::text::{cell_has, refused_text};
 use lineshaft_core::unit::Scale;
 
+/// Functions that parameters give to digital outputs, in file order.
+pub(super) type Functions<'d> = Vec<(Function, Value<'d>)>;
+
 /// Reads the section; where a value has a problem, its default stands.
-pub(super) fn read(cell: &mut Map<'_>, io: &[Option<IoConfig>]) -> MachineParameters {
+pub(super) fn read<'d>(
+    cell: &mut Map<'d>,
+    io: &[Option<IoConfig>],
+    functions: &mut Functions<'d>,
+) -> MachineParameters {
     let mut parameters = MachineParameters::default();
     let Some(mut map) = cell.optional("machine").and_then(|value| value.map("machine")) else { return parameters };
     let mut given = Given::new();
@@ -25,7 +35,37 @@ pub(super) fn read(cell: &mut Map<'_>, io: &[Option<IoConfig>]) -> MachineParame
     }
     map.finish();
     refuse_missing(counts(io).and_then(|counts| counts.check_machine(&parameters).err()), &given);
+    note_functions(functions, &[("o_error", parameters.o_error)], &given);
     parameters
+}
+
+/// Notes the outputs that keys of the file name.
+pub(super) fn note_functions<'d>(functions: &mut Functions<'d>, named: &[Function], given: &Given<'d>) {
+    for function in named.iter().filter(|(_, number)| *number != 0) {
+        let value = given.iter().find(|(key, _)| *key == function.0);
+        functions.extend(value.map(|(_, value)| (*function, value.clone())));
+    }
+}
+
+/// Refuses a second function of an output (as [`lineshaft_core::config::MachineConfig::check_functions`] has it), where both stand.
+pub(super) fn refuse_shared(functions: &Functions<'_>, io: &[Option<IoConfig>], taken: &wiring::Taken) {
+    let outputs: Vec<_> = (io.iter().enumerate())
+        .filter(|(_, entry)| entry.as_ref().is_none_or(|entry| entry.kind == IoKind::DigitalOutput))
+        .map(|(place, entry)| (place, entry.as_ref().map_or("", |entry| entry.name.as_str())))
+        .collect();
+    for (index, (function, value)) in functions.iter().enumerate() {
+        let (key, number) = *function;
+        let output = usize::try_from(number.unsigned_abs()).ok().and_then(|number| outputs.get(number.checked_sub(1)?));
+        let Some(&(place, name)) = output else { continue };
+        let other = functions[..index].iter().find(|((_, other), _)| other.unsigned_abs() == number.unsigned_abs());
+        let other = other.filter(|(other, _)| other != function || key == "revers").map(|(_, value)| value.place());
+        let own = u16::try_from(place).ok().and_then(|place| taken.place(&place));
+        if let Some(at) = own.or(other) {
+            let number = number.unsigned_abs();
+            let sentence = format!("{key} names output {number}, {}, which has another function, at", quote(name));
+            value.refuse(format!("{sentence} {}:{}", at.line, at.col), Some("give it an output of its own".to_owned()));
+        }
+    }
 }
 
 /// How many inputs and outputs there are, where all of them could be read.

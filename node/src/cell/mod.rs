@@ -177,10 +177,11 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let backends = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
     let (io, filters) = devices::io(&cx);
-    let parameters = machine::read(&mut map, &io);
+    let mut functions = machine::Functions::new();
+    let parameters = machine::read(&mut map, &io, &mut functions);
     map.finish();
     let (memory, encoders) = (devices::memory(&cx), devices::encoders(&cx));
-    let axes = axes::read(&cx, &io);
+    let axes = axes::read(&cx, &io, functions);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
     functions::check(&cx, &io);
     let groups = groups::read(&cx);

@@ -184,6 +184,11 @@ impl<K: Ord> Once<K> {
         }
         first.is_none()
     }
+
+    /// Where it was taken.
+    pub(super) fn place(&self, key: &K) -> Option<Place> {
+        self.0.get(key).copied()
+    }
 }
 
 /// Refuses what is too much of something.

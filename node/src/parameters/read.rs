@@ -9,7 +9,7 @@ use crate::cell::{contradictions, double_views, refuse_missing, refuse_senses, t
 use crate::document::{Document, Problems, Value};
 use crate::scenario::parameter_change;
 use lineshaft_core::axis::may_tell_sign;
-use lineshaft_core::config::{IoCounts, MachineConfig};
+use lineshaft_core::config::{IoCounts, MachineConfig, Switcher};
 use lineshaft_core::parameter::{self, AxisParameters, Change, MACHINE, MachineParameters, Row, in_order};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text::refused_text;
@@ -71,6 +71,7 @@ pub fn check_import(document: Document, config: &MachineConfig, directory: &Dire
         let missing = IoCounts::of(config).check_axis(after).err();
         refuse_missing(missing.filter(|missing| missing.key != "revers" || may_tell_sign(interface, after)), &given);
     }
+    lines.refuse_shared(config, &machine, &parameters);
     let changes = lines.0.iter().map(|line| line.change).collect();
     if document.problems().is_empty() {
         Ok(Import { changes, parameters, machine })
@@ -132,6 +133,22 @@ impl<'d> Lines<'d> {
         }
         refuse_missing(IoCounts::of(config).check_machine(&after).err(), &self.given(usize::from(MACHINE)));
         after
+    }
+
+    /// Refuses a line that would give an output a second function.
+    fn refuse_shared(&self, config: &MachineConfig, machine: &MachineParameters, parameters: &[AxisParameters]) {
+        let functions = |index: usize| parameters.get(index).map(AxisParameters::output_functions).unwrap_or_default();
+        let Err(shared) = config.check_functions(machine.o_error, functions) else { return };
+        let other = match shared.other {
+            Switcher::Parameter(axis, (key, _)) => Some((axis, key)),
+            Switcher::Axis(_) => None,
+        };
+        for (axis, key) in [Some((shared.axis, shared.function.0)), other].into_iter().flatten() {
+            if let Some((_, value)) = self.given(usize::from(axis)).into_iter().find(|(known, _)| *known == key) {
+                let number = shared.function.1.unsigned_abs();
+                return value.refuse(format!("{key} names output {number}, which has another function already"), None);
+            }
+        }
     }
 
     /// The keys of an axis, with their values.

@@ -36,6 +36,8 @@ pub(super) struct Homing {
     broken: bool,
     /// Under way.
     run: Option<Run>,
+    /// Something has ended it, and the axis has not come to rest since.
+    ends: bool,
     /// By how much set_position has moved the software limits since the last homing (inc).
     limit_shift: i64,
 }
@@ -122,7 +124,17 @@ impl Homing {
 
     /// Ends what is under way, without a zero.
     pub(super) fn stop(&mut self) {
-        self.run = None;
+        self.ends |= self.run.take().is_some();
+    }
+
+    /// Does the axis only brake since something has ended its homing?
+    pub(super) fn is_ending(&self) -> bool {
+        self.ends
+    }
+
+    /// It has come to rest, or does something else.
+    pub(super) fn forget_end(&mut self) {
+        self.ends = false;
     }
 
     /// The zero is known no more.
@@ -338,7 +350,7 @@ impl Axis {
 
     /// Homing has failed: the error ends it, and the axis stops.
     fn fail_homing(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
-        self.homing.run = None;
+        self.homing.stop();
         self.react(cx, code, found, allowed);
         if self.state == AxisState::Homing {
             // Error reaction 5 leaves the motion to others, but nobody has asked for this one any more.

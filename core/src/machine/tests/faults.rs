@@ -3,6 +3,7 @@
 //! What is expected stands here a second time, from docs/spec/macs.md (ERR-02, LIM-08, A-17) and docs/errors.md.
 
 mod cut;
+mod idle;
 mod ways;
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};

@@ -3,7 +3,7 @@
 mod abort;
 mod brake;
 mod brake_first;
-mod shared;
+mod functions;
 
 use super::rig::{LINE, Rig, X, Y, at, config, to};
 use crate::command::{Action, OutputValue};

@@ -153,6 +153,34 @@ fn the_machine_has_a_section_of_its_own() {
     }
 }
 
+/// What opens a brake beside its axis, or tells two things at once, is no output of either.
+#[test]
+fn an_output_has_one_function() {
+    for (keys, machine, expected) in [
+        (
+            "    brake: {output: lamp}\n",
+            "{o_error: 1}",
+            "o_error names output 1, `lamp`, which has another function, at 16:",
+        ),
+        (
+            "    brake: {output: lamp}\n    o_brake: 1\n",
+            "{}",
+            "o_brake names output 1, `lamp`, which has another function, at 16:",
+        ),
+        ("    o_axmove: -1\n", "{o_error: -1}", "o_axmove names output 1, `lamp`, which has another function, at 17:"),
+        (
+            "    o_axmove: 1\n    o_brake: 1\n",
+            "{}",
+            "o_axmove names output 1, `lamp`, which has another function, at 17:",
+        ),
+    ] {
+        let problems = said(&with(keys, machine));
+        assert_eq!(problems.matches("another function").count(), 1, "{problems}");
+        assert!(problems.contains(expected), "{problems}");
+    }
+    good(&with("    o_axmove: 1\n", "{}"));
+}
+
 #[test]
 fn digital_inputs_may_be_filtered() {
     use lineshaft_core::config::FilterConfig;

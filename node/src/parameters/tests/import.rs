@@ -258,4 +258,13 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
     assert!(import("slide.revers: 50\n").is_ok());
     let refused = import("slide.revers: -50\n").unwrap_err().to_string();
     assert!(refused.starts_with("p:1:15: revers needs output 6; the cell has 5 digital outputs"), "{refused}");
+    // Output 3 is that of the brake of lift, output 2 tells of its motion: that others may do as well, and nothing else.
+    for line in
+        ["machine.o_error: 3", "slide.o_axmove: 3", "slide.o_brake: 2", "slide.o_axmove: -2", "lift.o_axmove: 1"]
+    {
+        let refused = import(&format!("{line}\n")).unwrap_err().to_string();
+        assert!(refused.contains(", which has another function already"), "{line}: {refused}");
+        assert!(refused.starts_with("p:1:"), "{line}: {refused}");
+    }
+    import("slide.o_axmove: 2\n").expect("two axes share it");
 }

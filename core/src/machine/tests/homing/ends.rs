@@ -66,6 +66,57 @@ fn cancel_stops_it_with_its_own_deceleration() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
+/// Methods that seek a limit switch brake on it. Who stops them there gets that stop, not the error of a motion into a limit;
+/// but a new goal does not lead on.
+///
+/// Proves: MACS-LIM-09
+#[test]
+fn a_stop_on_the_limit_switch_that_homing_seeks_only_stops() {
+    for (action, state) in [
+        (None, "STANDSTILL"),
+        (Some(Action::Halt(AxisSet::one(X))), "STANDSTILL"),
+        (Some(Action::QuickStop(AxisSet::one(X))), "STOPPING"),
+        (Some(Action::Disable(AxisSet::one(X))), "DISABLED"),
+    ] {
+        let mut rig = rig(way(15_000, (-FAR, -FAR)));
+        let sequence = home(&mut rig, 2);
+        rig.run_until("x.limit.positive", 1);
+        rig.run(5);
+        let velocity = rig.real("x.command.velocity");
+        assert!((5_000.0..10_000.0).contains(&velocity), "it brakes on the switch: {velocity}");
+        let cancels = action.is_none();
+        rig.give(action.unwrap_or(Action::Cancel { goal: sequence }));
+        if cancels {
+            let on = rig.give(Action::Move(to(X, 9_000)));
+            assert!(rig.refusal(on).contains("limit"), "{}", rig.refusal(on));
+        }
+        rig.run(200);
+        assert_eq!((rig.state("x"), rig.int("x.error"), rig.int("x.homed")), (state, 0, 0));
+        assert_eq!((rig.real("x.command.velocity"), rig.int("x.limit.positive")), (0.0, 1));
+        if state == "STANDSTILL" {
+            let on = rig.give(Action::Move(at(X, 1_000.0)));
+            assert!(rig.refusal(on).contains("limit"), "{}", rig.refusal(on));
+            let back = rig.give(Action::Move(to(X, 0)));
+            assert!(rig.was_accepted(back));
+        }
+    }
+}
+
+/// Stopped before it comes to the switch, it is no homing that meets it there.
+///
+/// Proves: MACS-LIM-08
+#[test]
+fn a_stop_that_runs_into_a_limit_switch_is_an_error() {
+    let mut rig = rig(way(15_000, (-FAR, -FAR)));
+    home(&mut rig, 2);
+    while rig.int("x.actual.position") < 4_900 {
+        rig.run(1);
+    }
+    rig.give(Action::Halt(AxisSet::one(X)));
+    rig.run_until("x.limit.positive", 1);
+    assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", Code::HARDWARE_LIMIT_POSITIVE.0.into()));
+}
+
 #[test]
 fn errors_end_it_in_the_same_cycle() {
     let (mut rig, sequence) = under_way();

@@ -121,7 +121,10 @@ fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
 }
 
 fn home_request() -> impl Strategy<Value = HomeRequest> {
-    (axis(), 0..4_u8, any::<i8>()).prop_map(|(axis, scheme, method)| HomeRequest { axis, scheme, method })
+    // Scheme CONFIGURED has its own number.
+    let numbered = (1..4_u8, any::<i8>());
+    let choice = prop_oneof![3 => Just((0_u8, 0_i8)), 6 => numbered, 1 => (Just(0_u8), any::<i8>())];
+    (axis(), choice).prop_map(|(axis, (scheme, method))| HomeRequest { axis, scheme, method })
 }
 
 fn set_position_request() -> impl Strategy<Value = SetPositionRequest> {

@@ -1,0 +1,97 @@
+//! Functions of digital outputs: who switches which.
+//!
+//! Law      one output has one function: a brake that something else opens holds nothing. Several axes may share the output of
+//!          one and the same parameter, of the same sign; those that tell a drive the sign of its reference are of one drive
+//! Source   MACS-IO-04, MACS-IO-06, MACS-IO-07, MACS-DIR-08, MACS-DIR-09
+
+use super::{ConfigError, IoKind, MachineConfig};
+use crate::axis::Polarity;
+use crate::parameter::{AxisParameters, MACHINE};
+
+/// Outputs that parameters can name are below that: O_* to 8, REVERS to 10.
+const OUTPUTS: usize = 16;
+/// Functions of outputs that an axis has at most.
+const FUNCTIONS: usize = 4;
+
+/// A parameter that names an output, and its number; 0 names none.
+pub type Function = (&'static str, i64);
+
+/// What switches an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Switcher {
+    /// A parameter: of that axis, or of [`MACHINE`].
+    Parameter(u16, Function),
+    /// The axis by itself: its brake, what `wf` switches.
+    Axis(u16),
+}
+
+/// An output that would have two functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputShared {
+    /// Place of the axis, or [`MACHINE`].
+    pub axis: u16,
+    /// The parameter that names the output, and its value.
+    pub function: Function,
+    /// What switches it already.
+    pub other: Switcher,
+}
+
+impl AxisParameters {
+    /// The functions that it gives to digital outputs.
+    pub fn output_functions(&self) -> [Function; FUNCTIONS] {
+        let (first, second) = match self.reversing().polarity {
+            Polarity::Bipolar => (0, 0),
+            Polarity::Direction(output) => (i64::from(output), 0),
+            Polarity::Enables(output) => (i64::from(output), i64::from(output) + 1),
+        };
+        [("o_brake", self.outputs.brake), ("o_axmove", self.outputs.axmove), ("revers", first), ("revers", second)]
+    }
+}
+
+impl MachineConfig {
+    /// Has each output one function, with these parameters of the axes (by their places) and this O_ERROR?
+    ///
+    /// # Errors
+    /// The first output that would have two.
+    pub fn check_functions(
+        &self,
+        o_error: i64,
+        functions: impl Fn(usize) -> [Function; FUNCTIONS],
+    ) -> Result<(), OutputShared> {
+        let mut switchers = [None; OUTPUTS];
+        for (index, axis) in self.axes.iter().enumerate() {
+            for entry in axis.own_outputs().into_iter().flatten().map(usize::from) {
+                if self.io.get(entry).is_some_and(|io| io.kind == IoKind::DigitalOutput)
+                    && let Some(switcher) = switchers.get_mut(self.io_place(entry) + 1)
+                {
+                    *switcher = Some(Switcher::Axis(index as u16));
+                }
+            }
+        }
+        let of_axes = (0..self.axes.len()).flat_map(|index| functions(index).map(|function| (index as u16, function)));
+        for (axis, function) in of_axes.chain([(MACHINE, ("o_error", o_error))]) {
+            let place = usize::try_from(function.1.unsigned_abs()).unwrap_or(OUTPUTS);
+            let Some(switcher) = switchers.get_mut(place).filter(|_| place != 0) else { continue };
+            match *switcher {
+                None => *switcher = Some(Switcher::Parameter(axis, function)),
+                Some(Switcher::Parameter(_, other)) if other == function && function.0 != "revers" => {}
+                Some(other) => return Err(OutputShared { axis, function, other }),
+            }
+        }
+        Ok(())
+    }
+
+    /// Have its outputs one function each, at the start and with what was saved?
+    pub(super) fn check_outputs_once(&self) -> Result<(), ConfigError> {
+        let now = self.check_functions(self.global.parameters.o_error, |index| {
+            self.axes.get(index).map_or([("", 0); FUNCTIONS], |axis| axis.parameters.output_functions())
+        });
+        let saved = self.check_functions(self.global.power_on().o_error, |index| {
+            self.axes.get(index).map_or([("", 0); FUNCTIONS], |axis| axis.power_on().output_functions())
+        });
+        now.and(saved).map_err(|shared| {
+            let axis = self.axes.get(usize::from(shared.axis)).map(|axis| axis.name.clone());
+            ConfigError::OutputShared { axis, key: shared.function.0, number: shared.function.1.saturating_abs() }
+        })
+    }
+}

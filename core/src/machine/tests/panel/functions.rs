@@ -1,0 +1,92 @@
+//! One output, one function.
+
+use super::super::rig::{Rig, X, Y, to};
+use super::{R, set, with_io};
+use crate::command::Action;
+use crate::config::{BrakeConfig, ConfigError, MachineConfig};
+use crate::object::AxisSet;
+use crate::parameter::{Layer, MACHINE};
+
+fn with_brake() -> MachineConfig {
+    let mut cell = with_io();
+    cell.axes[1].brake = Some(BrakeConfig { output: R, closes_with_one: false, release_ns: 0, engage_ns: 0 });
+    cell
+}
+
+/// Axes that share the output of O_AXMOVE: it is active while any of them has a motion command, of both signs.
+///
+/// Proves: MACS-IO-06
+#[test]
+fn axes_share_the_output_that_tells_of_motion() {
+    for (number, active) in [(1, 1), (-1, 0)] {
+        let mut cell = with_io();
+        (cell.axes[1].parameters.outputs.axmove, cell.axes[2].parameters.outputs.axmove) = (number, number);
+        let mut rig = Rig::of(cell);
+        rig.enable();
+        assert_eq!(rig.int("p"), 1 - active);
+        rig.give_all(vec![Action::Move(to(X, 1_000)), Action::Move(to(Y, 50_000))]);
+        rig.run_until("x.state", 1);
+        assert_eq!((rig.state("y"), rig.int("p")), ("DISCRETE_MOTION", active), "the other one still moves");
+        rig.give(set(X, "o_axmove", 0));
+        assert_eq!(rig.int("p"), active, "who leaves does not take it along");
+        rig.give(set(X, "o_axmove", number));
+        assert_eq!(rig.int("p"), active);
+        rig.run_until("y.state", 1);
+        assert_eq!(rig.int("p"), 1 - active);
+    }
+}
+
+/// A brake that another function opens holds nothing: such a set is refused as a whole, whatever its order.
+///
+/// Proves: MACS-IO-04
+#[test]
+fn an_output_has_one_function() {
+    let mut rig = Rig::of(with_brake());
+    for (axis, key, number) in [(MACHINE, "o_error", 3), (X, "o_axmove", -3), (Y, "o_brake", 3), (Y, "o_axmove", 3)] {
+        let sequence = rig.give(set(axis, key, number));
+        let sentence = format!("{key} names output 3, which has another function already");
+        assert!(rig.refusal(sequence).ends_with(&sentence), "{}", rig.refusal(sequence));
+    }
+    for (axis, key, number) in [(X, "o_brake", 2), (Y, "o_brake", 2), (Y, "o_axmove", 1)] {
+        let sequence = rig.give(set(axis, key, number));
+        assert!(rig.was_accepted(sequence), "{key} {number}: several axes may share a brake");
+    }
+    for (axis, key, number) in
+        [(X, "o_axmove", 2), (Y, "o_brake", -2), (MACHINE, "o_error", -1), (MACHINE, "o_error", 2)]
+    {
+        let sequence = rig.give(set(axis, key, number));
+        assert!(rig.refusal(sequence).contains("another function"), "{key} {number}");
+    }
+}
+
+/// What is saved and what comes back with a layer keep that, too.
+#[test]
+fn layers_give_an_output_one_function() {
+    let mut rig = Rig::of(with_io());
+    rig.give(set(X, "o_axmove", 2));
+    rig.give(Action::SaveParameters(AxisSet::one(X)));
+    rig.give(set(X, "o_axmove", 0));
+    let taken = rig.give(set(Y, "o_brake", 2));
+    assert!(rig.was_accepted(taken), "the output is free by now");
+    let reset = rig.give(Action::ResetParameters { axes: AxisSet::one(X), layer: Layer::User });
+    assert!(rig.refusal(reset).contains("o_brake names output 2"), "{}", rig.refusal(reset));
+    let saved = rig.give(Action::SaveParameters(AxisSet::one(Y)));
+    assert!(rig.refusal(saved).contains("names output 2"), "{}", rig.refusal(saved));
+    let both = rig.give(Action::SaveParameters([X, Y].into_iter().collect()));
+    assert!(rig.was_accepted(both));
+}
+
+/// A machine is not made of such a cell.
+#[test]
+fn a_cell_gives_an_output_one_function() {
+    let mut cell = with_brake();
+    cell.global.parameters.o_error = -3;
+    let said = |cell: &MachineConfig| cell.check().map_err(|error: ConfigError| error.to_string());
+    assert_eq!(said(&cell), Err("machine: o_error names output 3, which has another function already".into()));
+    cell.global.parameters.o_error = 1;
+    assert_eq!(said(&cell), Ok(()));
+    let mut saved = cell.axes[2].parameters;
+    saved.outputs.axmove = 1;
+    cell.axes[2].saved = Some(saved);
+    assert_eq!(said(&cell), Err("machine: o_error names output 1, which has another function already".into()));
+}
