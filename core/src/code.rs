@@ -228,6 +228,14 @@ codes! {
     ENCODER_NOT_SHARED = 10328;
     /// A coupling without a master, and MENCODERTYPE names none.
     NO_MASTER = 10329;
+    /// The zero of an absolute encoder that leads stands.
+    MASTER_ZERO_STANDS = 10330;
+    /// MD4 asks for words that the drive would have to decode.
+    WF_LOOP_IN_DRIVE = 10331;
+    /// ENCODERFREQ is no clock rate.
+    ENCODER_NO_RATE = 10332;
+    /// MD16 is no parity.
+    WF_NO_PARITY = 10333;
     /// I_BREAK ended the goal.
     INTERRUPTED = 10341;
     /// A parameter names a digital input that the cell has not.

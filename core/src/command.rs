@@ -82,6 +82,10 @@ pub enum Action {
     HomeAxis(HomeAxis),
     /// Gives the present position of one axis, which stands, a new value; nothing moves (DEFORIGIN, SETORIGIN).
     SetPosition(SetPosition),
+    /// Gives an entry of section `encoders` a new value for all of its users; nothing moves.
+    SetEncoderPosition(SetEncoderPosition),
+    /// Gives the position that one axis shows of its master a new value; nothing moves (DEFMORIGIN, SETMORIGIN).
+    SetMasterPosition(SetMasterPosition),
     /// Couples one axis to a leader.
     Synchronize(Synchronize),
     /// Registers and command flags (SAIA-CMD).
@@ -355,6 +359,33 @@ pub struct SetPosition {
     pub axis: u16,
     /// What its command position is from now on (inc).
     pub position: Length,
+}
+
+/// A new value of the position of an encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SetEncoderPosition {
+    /// Place in section `encoders`.
+    pub encoder: u16,
+    /// What its position is from now on (inc).
+    pub position: Length,
+}
+
+/// A new value of the position of a master, as one axis sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetMasterPosition {
+    /// The axis that follows it, or may.
+    pub axis: u16,
+    /// What it shows from now on.
+    pub position: MasterPosition,
+}
+
+/// A position of a master.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MasterPosition {
+    /// In its increments.
+    Increments(Length),
+    /// As `x.master.position` shows it: in master units where MENCODER is negative (MACS-UNIT-09), else in increments.
+    Shown(f64),
 }
 
 /// How a follower relates to its leader.

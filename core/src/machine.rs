@@ -26,6 +26,7 @@ use crate::encoder::{Encoder, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::object::{Leader, Object};
 use crate::parameter::AxisParameters;
+use crate::position::Position;
 use crate::signal::{Board, Directory};
 use crate::sync::Leads;
 use crate::vocabulary::Latched;
@@ -158,7 +159,7 @@ impl Machine {
         self.events.begin(self.state.cycle, self.state.next_event);
         self.count_overruns(inputs);
         let admitted = self.admit(commands);
-        self.read_inputs(inputs);
+        self.read_inputs(inputs, commands, admitted);
         let mut answered = 0;
         match first_trajectory(commands, admitted) {
             None => (0..self.state.order.len()).for_each(|place| {
@@ -199,12 +200,14 @@ impl Machine {
         }
     }
 
-    fn read_inputs(&mut self, inputs: &Inputs) {
+    fn read_inputs(&mut self, inputs: &Inputs, commands: Commands<'_>, admitted: u64) {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
         self.signals.publish_io(&mut self.state.board, inputs);
-        for (index, encoder) in self.state.encoders.iter_mut().enumerate() {
+        for index in 0..self.state.encoders.len() {
             let input = inputs.encoder.get(index).copied().unwrap_or_default();
-            let told = encoder.step(&input, cycle_s);
+            let told = self.state.encoders[index].step(&input, cycle_s);
+            self.set_encoder(index, commands, admitted);
+            let encoder = &self.state.encoders[index];
             let (lead, errors) = (encoder.lead(), encoder.errors());
             let problem = told.map_or(Code::NONE, encoders::code);
             self.signals.publish_encoder(&mut self.state.board, index, input, lead, problem, errors);
@@ -236,6 +239,7 @@ impl Machine {
             inputs,
             digital_inputs: &self.digital_inputs,
             leads: &self.state.leads,
+            encoders: &self.state.encoders,
             latches: &self.latched,
             stream: commands.stream,
             runs: &self.state.runs,
@@ -292,7 +296,12 @@ impl Machine {
     /// Who follows an axis does not follow a coordinate that was set anew.
     fn note_zero(&mut self, index: usize) {
         let moved = self.state.axes[index].take_moved();
+        if moved == Position::ZERO {
+            return;
+        }
         self.state.leads.command[index].position += moved;
+        self.state.leads.actual[index] = self.state.axes[index].actual();
+        self.count_on(index, moved);
     }
 
     /// What others see of an axis.

@@ -425,10 +425,16 @@ fn reason(event: &Event, config: &MachineConfig) -> String {
         | Code::ENCODER_NEEDS_BUS
         | Code::ENCODER_NO_TERMINAL
         | Code::ENCODER_LOOP_IN_DRIVE
+        | Code::WF_LOOP_IN_DRIVE
+        | Code::ENCODER_NO_RATE
+        | Code::WF_NO_PARITY
         | Code::ENCODER_CHOSEN_TWICE => format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code)),
         Code::ABSOLUTE_ZERO_STANDS => fixed(
             "encodertype says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position",
         ),
+        Code::MASTER_ZERO_STANDS => {
+            fixed("the encoder is absolute, so that its zero stands: no set_position of it as a master")
+        }
         Code::ENCODER_SUBSTITUTED => {
             format!("a bad word of the encoder was replaced by an extrapolated one; {} so far", plain(event.asked))
         }
@@ -540,6 +546,15 @@ pub fn not_built_here(code: Code) -> &'static str {
         }
         Code::ENCODER_CHOSEN_TWICE => {
             "names another encoder than key feedback of the axis or its wf.md4 does; one of them may choose"
+        }
+        Code::WF_LOOP_IN_DRIVE => {
+            "asks for words in Gray code, which a drive with interface position decodes itself; 0 (incremental) is allowed"
+        }
+        Code::ENCODER_NO_RATE => {
+            "is no clock rate; 39000 to 5000000 Hz are allowed, or with encodertype 9 any distance of marks above 0"
+        }
+        Code::WF_NO_PARITY => {
+            "is no parity; with wf.md4 absolute 0 inc (none), 1 inc (even) and 2 inc (odd) are allowed"
         }
         Code::NO_REVERSING_OUTPUTS => "asks for a node on a bus, which does not exist yet; below 100 is allowed",
         Code::REVERSING_BY_POSITION => {

@@ -54,7 +54,7 @@ impl Source {
         use source::Feedback;
         const KEY: &str = "encodertype";
         let own = || match wired {
-            Wired::Drive(_) if p.encoder.md4 == 1 => Self::Drive(Form::Absolute(p.encoder.module())),
+            Wired::Drive(_) if p.encoder.md4 == 1 => Self::Drive(Form::Absolute(p.encoder.module(p.wf.md16))),
             Wired::Drive(form) => Self::Drive(form),
             Wired::Encoder(place) => Self::Encoder(place),
         };
@@ -86,9 +86,7 @@ impl Source {
     /// decodes itself.
     pub fn fits(self, interface: Interface) -> bool {
         match self {
-            Self::Drive(Form::Absolute(encoder)) => {
-                interface != Interface::Position || encoder.code == WordCode::Binary && !encoder.corrects
-            }
+            Self::Drive(Form::Absolute(encoder)) => interface != Interface::Position || is_plain(encoder),
             Self::Drive(Form::Incremental(_)) | Self::Simulated => true,
             Self::Encoder(_) => interface != Interface::Position,
         }
@@ -103,6 +101,11 @@ impl Source {
     }
 }
 
+/// Are its words counts, so that a drive may close its loop with it?
+fn is_plain(encoder: Absolute) -> bool {
+    encoder.code == WordCode::Binary && encoder.parity.is_none() && !encoder.corrects
+}
+
 /// May the axis read what its parameters say?
 ///
 /// # Errors
@@ -115,8 +118,11 @@ pub fn may_read(
 ) -> Result<(), (&'static str, Code)> {
     let Some(interface) = interface else { return Ok(()) };
     let source = Source::of(wired, encoders, parameters)?;
-    let key = if parameters.encoder.md4 == 1 { "wf.md4" } else { "encodertype" };
-    if source.fits(interface) { Ok(()) } else { Err((key, Code::ENCODER_LOOP_IN_DRIVE)) }
+    match parameters.encoder.md4 {
+        _ if source.fits(interface) => Ok(()),
+        1 => Err(("wf.md4", Code::WF_LOOP_IN_DRIVE)),
+        _ => Err(("encodertype", Code::ENCODER_LOOP_IN_DRIVE)),
+    }
 }
 
 /// What an axis remembers of its source.
@@ -129,6 +135,8 @@ pub(super) struct Sensor {
     pub raw: i64,
     /// An index pulse came in this cycle.
     marked: bool,
+    /// Where the axis was when it was read last (inc).
+    seen: i64,
     pulses: Pulses,
     /// What supervision has found in this cycle.
     found: Option<Found>,
@@ -156,6 +164,7 @@ impl Sensor {
             starts: matches!(source, Source::Encoder(_)).then_some(None),
             raw: 0,
             marked: false,
+            seen: 0,
             pulses: Pulses::default(),
             found: None,
             moved: Position::ZERO,
@@ -222,13 +231,20 @@ impl Axis {
                 }
                 let told = matches!(self.counter.form(), Form::Incremental(_));
                 lead.velocity = if told { input.velocity } else { changed as f64 / cycle_s };
-                index = input.index.filter(|_| input.online).map(|count| self.counter.locate(count));
+                index = if self.shows_command() {
+                    self.simulated_mark().map(|place| self.turn_counts(place))
+                } else {
+                    input.index.filter(|_| input.online).map(|count| self.counter.locate(count))
+                };
             }
             Source::Encoder(place) => {
                 let place = usize::from(place);
                 let (encoder, word) = (encoders.get(place), raw.get(place).copied().unwrap_or_default());
                 let of = encoder.map(Encoder::lead).unwrap_or_default();
                 self.sensor.raw = word.count;
+                if encoder.is_some_and(Encoder::is_anew) {
+                    self.note_new_coordinate();
+                }
                 (changed, lead.valid, lead.velocity) = (of.change.floor(), of.valid, of.velocity);
                 self.counter.advance(changed);
                 if self.sensor.starts.is_some() && of.valid {
@@ -263,6 +279,25 @@ impl Axis {
             velocity: self.across(lead.velocity),
             ..lead
         };
+        if !self.shows_command() {
+            self.sensor.seen = self.actual.position.floor();
+        }
+    }
+
+    /// The last simulated mark that the command of the cycle before has passed, if any: one lies at each multiple of ENCODERFREQ
+    /// (MACS-ENC-13). They are seen in the cycle after, as inputs are.
+    fn simulated_mark(&mut self) -> Option<i64> {
+        let every = self.parameters.encoder.encoderfreq.max(1);
+        let here = self.actual.position.floor();
+        let from = std::mem::replace(&mut self.sensor.seen, here);
+        // Forwards a mark is passed where it is reached; backwards, where it is left behind.
+        let behind = here.div_euclid(every).saturating_mul(every);
+        let ahead = from.div_euclid(every).saturating_mul(every);
+        match here.cmp(&from) {
+            std::cmp::Ordering::Greater => (behind > from).then_some(behind),
+            std::cmp::Ordering::Less => (ahead > here).then_some(behind.saturating_add(every)),
+            std::cmp::Ordering::Equal => None,
+        }
     }
 
     /// The place of the index pulse of this cycle, of whatever encoder it reads.
@@ -288,6 +323,7 @@ impl Axis {
     /// Every count of its coordinate is `by` more from now on (in the sense of the drive).
     pub(super) fn shift_pulses(&mut self, by: i64) {
         self.sensor.pulses.shift(by);
+        self.sensor.seen = self.sensor.seen.wrapping_add(self.turn_counts(by));
     }
 
     /// Tells what supervision of the encoder has found.

@@ -1,19 +1,45 @@
-//! The master that parameters name (MENCODERTYPE), and the simulated one.
+//! The master of an axis: what parameters name (MENCODERTYPE), the simulated one, and how the axis sees it.
 //!
-//! Law      position(k) = position(k-1) + master_simulation_velocity * T, to 2^-32 inc a cycle; it counts from 0 as long as
-//!          mencodertype is 6, whoever follows, and stands otherwise
-//! Reads    mencodertype, master_simulation_velocity
-//! Writes   a leader: nobody counts it, so it is as smooth as a command
-//! Refuses  numbers that name no master here
-//! Source   MACS-ENC-14, MACS-ENC-15, MACS-ENC-16, A-13, MACS-ERR-09
+//! Law      simulated: position(k) = position(k-1) + master_simulation_velocity * T, to 2^-32 inc a cycle; it counts from 0 as long
+//!          as mencodertype is 6, whoever follows, and stands otherwise.
+//!          shown = position of the leader + offset. A new zero of an axis that leads is no motion: what is shown counts on from
+//!          its former value. A new value of an encoder is one for all that see it. Another leader is shown as it is, or from
+//!          where the former one was (MENCCONTROL bit 0)
+//! Reads    mencodertype, master_simulation_velocity, menccontrol, mencoder, the ratio
+//! Writes   a leader: nobody counts it, so it is as smooth as a command; what is shown of the leader
+//! Refuses  numbers that name no master here; a new value of what is lost, or of an absolute encoder
+//! Source   MACS-ENC-10, -11, -14, -15, -16, A-13, MACS-CMD-17, MACS-UNIT-09, MACS-ERR-09
 
-use super::{Axis, Context};
+use super::{Axis, Context, Generator};
 use crate::code::Code;
+use crate::command::MasterPosition;
 use crate::encoder::{Lead, source::Master};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::object::Leader;
+use crate::object::{Leader, Object};
 use crate::parameter::{Change, Row};
 use crate::position::Position;
+use crate::sync::Leads;
+use serde::{Deserialize, Serialize};
+
+/// How an axis sees its master.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Sight {
+    /// What it saw last.
+    leader: Option<Leader>,
+    /// What it shows more than its leader has (inc).
+    offset: Position,
+    /// What it showed last (inc).
+    last: Position,
+    /// By how much the encoder that leads is to be moved for all (inc).
+    shared: i64,
+}
+
+/// What an axis shows of its master, in increments or master units.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shown {
+    pub position: f64,
+    pub velocity: f64,
+}
 
 impl Axis {
     /// What it follows where a command names `asked`, or leaves it to MENCODERTYPE; the machine has so many axes.
@@ -32,6 +58,113 @@ impl Axis {
         };
         let refusal = || self.refuse(Code::NO_MASTER).with(Number::Count(kind), Number::None);
         asked.or(named).ok_or_else(refusal)
+    }
+
+    /// What it follows, or may follow.
+    fn seen_leader(&self, axes: usize) -> Result<Leader, Refusal> {
+        match &self.generator {
+            Generator::Follow(follower) => Ok(follower.leader),
+            _ => self.leader_of(self.master(), axes),
+        }
+    }
+
+    /// The encoder that a new value of its master would move for all (MACS-ENC-11).
+    pub fn shares_master(&self, axes: usize) -> Option<u16> {
+        match self.seen_leader(axes) {
+            Ok(Leader::Encoder(place)) if self.parameters.encoder.menccontrol & 2 == 0 => Some(place),
+            _ => None,
+        }
+    }
+
+    /// Increments of the master that are one of what is shown.
+    fn master_unit(&self) -> (f64, f64) {
+        let p = &self.parameters;
+        match p.macs.mencoder {
+            ..0 if p.sync_master != 0 && p.sync_slave != 0 => (p.sync_master as f64, p.sync_slave as f64),
+            _ => (1.0, 1.0),
+        }
+    }
+
+    /// Looks at its master, in this cycle, and shows it.
+    pub(super) fn watch_master(&mut self, leads: &Leads) -> Shown {
+        let Ok(leader) = self.seen_leader(leads.command.len()) else { return Shown::default() };
+        let lead = leads.get(leader);
+        if self.sight.leader != Some(leader) {
+            let is_soft = self.sight.leader.is_some() && self.parameters.encoder.menccontrol & 1 == 1;
+            let offset = if is_soft { self.sight.last - lead.position } else { Position::ZERO };
+            self.sight = Sight { leader: Some(leader), offset, shared: 0, ..self.sight };
+        }
+        self.sight.last = lead.position + self.sight.offset;
+        // Multiplied first: whole turns of the master stay whole units.
+        let (increments, units) = self.master_unit();
+        let shown = |value: f64| value * units / increments;
+        Shown { position: shown(self.sight.last.to_f64()), velocity: shown(lead.velocity) }
+    }
+
+    /// An axis has its coordinate anew, which is `by` more: who sees it as its master counts on (MACS-ENC-15).
+    pub fn count_on(&mut self, axis: u16, by: Position) {
+        if matches!(self.sight.leader, Some(Leader::AxisCommand(of) | Leader::AxisActual(of)) if of == axis) {
+            self.sight.offset = self.sight.offset - by;
+        }
+    }
+
+    /// What it shows of its master is `position` from now on (DEFMORIGIN, SETMORIGIN).
+    pub(super) fn set_master_position(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        position: MasterPosition,
+    ) -> Result<(), Refusal> {
+        let axes = cx.leads.command.len();
+        let leader = self.seen_leader(axes)?;
+        let encoder = match leader {
+            Leader::Encoder(place) => cx.encoders.get(usize::from(place)).map(|encoder| (place, encoder)),
+            _ => None,
+        };
+        if let Some((place, _)) = encoder.filter(|(_, encoder)| encoder.is_absolute()) {
+            return Err(Refusal::new(Code::MASTER_ZERO_STANDS, Object::Encoder(place)));
+        }
+        if !cx.leads.get(leader).valid {
+            return Err(self.refuse(Code::LEADER_LOST));
+        }
+        if matches!(position, MasterPosition::Shown(value) if !value.is_finite()) {
+            return Err(self.refuse(Code::BAD_NUMBER));
+        }
+        let wanted = match position {
+            MasterPosition::Increments(length) => length.exact(),
+            MasterPosition::Shown(value) => {
+                let (increments, units) = self.master_unit();
+                Position::from_f64(value * increments / units)
+            }
+        };
+        if !wanted.is_legal() {
+            return Err(self
+                .refuse(Code::POSITION_OUT_OF_RANGE)
+                .with(Number::Position(wanted.nearest()), Number::None));
+        }
+        let event = Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE);
+        cx.events.push(event.of_command(sequence));
+        self.watch_master(cx.leads);
+        let by = wanted - self.sight.last;
+        self.sight.offset += by;
+        if self.shares_master(axes).is_some() {
+            self.sight.shared = self.sight.shared.saturating_add(by.floor());
+        }
+        Ok(())
+    }
+
+    /// By how much the encoder that leads it is to be moved for all (inc).
+    pub fn take_shared_master(&mut self) -> Option<(u16, i64)> {
+        let by = std::mem::take(&mut self.sight.shared);
+        match self.sight.leader {
+            Some(Leader::Encoder(place)) if by != 0 => Some((place, by)),
+            _ => None,
+        }
+    }
+
+    /// The encoder that leads it was moved: what it shows stays.
+    pub fn share_master(&mut self, by: i64) {
+        self.sight.offset = self.sight.offset - Position::whole(by);
     }
 
     /// One cycle of its simulated master.

@@ -63,6 +63,7 @@ use feedback::Sensor;
 use goal::Goal;
 use homing::Homing;
 use judge::Judge;
+use master::Sight;
 use motion::Generator;
 use overlay::Overlay;
 use power::Power;
@@ -124,6 +125,8 @@ pub struct Context<'a> {
     pub digital_inputs: &'a [u16],
     /// The leaders, as far as this cycle has come.
     pub leads: &'a Leads,
+    /// The encoders, as they stand in this cycle.
+    pub encoders: &'a [Encoder],
     /// The latches of this cycle.
     pub latches: &'a [Latched],
     /// Streamed setpoints that are new.
@@ -163,6 +166,7 @@ pub struct Axis {
     moved: Position,
     counter: Reader,
     sensor: Sensor,
+    sight: Sight,
     /// Counts of its coordinate minus raw count, both in the sense of the drive.
     origin: i64,
     actual: Lead,
@@ -231,6 +235,7 @@ impl Axis {
             moved: Position::ZERO,
             counter: sensor.reader(),
             sensor,
+            sight: Sight::default(),
             origin: 0,
             actual: Lead { valid: is_virtual, ..Lead::default() },
             effort: 0.0,
@@ -356,6 +361,9 @@ impl Axis {
             }
             Action::SetPosition(request) if request.axis == self.setup.index => {
                 self.set_position(cx, sequence, request.position)
+            }
+            Action::SetMasterPosition(request) if request.axis == self.setup.index => {
+                self.set_master_position(cx, sequence, request.position)
             }
             Action::Synchronize(request) if request.axis == self.setup.index => {
                 self.start_synchronize(cx, sequence, request)

@@ -17,13 +17,6 @@ struct Coupling {
     in_sync: bool,
 }
 
-/// What it shows of its master, in increments or master units.
-#[derive(Clone, Copy, Debug, Default)]
-struct Master {
-    position: f64,
-    velocity: f64,
-}
-
 impl Axis {
     fn coupling(&self, leads: &Leads) -> Coupling {
         if let Some(error) = self.track_error_position() {
@@ -42,22 +35,6 @@ impl Axis {
         }
     }
 
-    /// The leader that it follows, or may follow, in master units where MENCODER is negative (MACS-UNIT-09).
-    fn master_shown(&self, leads: &Leads) -> Master {
-        let coupled = match &self.generator {
-            Generator::Follow(follower) => Some(follower.leader),
-            _ => self.master().or_else(|| self.leader_of(None, leads.command.len()).ok()),
-        };
-        let Some(lead) = coupled.map(|leader| leads.get(leader)) else { return Master::default() };
-        let p = &self.parameters;
-        // Multiplied first: whole turns of the master stay whole units.
-        let units = |increments: f64| match p.macs.mencoder {
-            ..0 if p.sync_master != 0 => increments * p.sync_slave as f64 / p.sync_master as f64,
-            _ => increments,
-        };
-        Master { position: units(lead.position.to_f64()), velocity: units(lead.velocity) }
-    }
-
     /// REG_NORMTRACKERR: the tracking error in parts of the command velocity per ms (%); 0 at rest (MACS-SYS-03).
     fn track_error(&self) -> f64 {
         let per_ms = self.command.velocity / 1000.0;
@@ -69,6 +46,7 @@ impl Axis {
 
     /// Writes all signals of this cycle.
     pub fn publish(&mut self, board: &mut Board, leads: &Leads) {
+        let master = self.watch_master(leads);
         let command = self.command;
         let position = command.position.floor();
         let coupling = self.coupling(leads);
@@ -135,7 +113,6 @@ impl Axis {
         set(OutputVelocity, real(self.output.velocity));
         set(OutputEffort, real(self.output.effort));
         set(OutputControl, u64::from(self.output.control));
-        let master = self.master_shown(leads);
         set(MasterPosition, real(master.position));
         set(MasterVelocity, real(master.velocity));
         set(TrackError, real(self.track_error()));

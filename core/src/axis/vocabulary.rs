@@ -144,6 +144,12 @@ impl Axis {
         self.wf.note_alarm(alarm);
     }
 
+    /// The axis has a new zero by another word than those of the positioning modules: they show it.
+    pub(super) fn note_zero(&mut self) {
+        self.awake.wf = true;
+        self.wf.take_zero();
+    }
+
     /// The step of each vocabulary that has been used, in their order.
     pub(super) fn step_vocabularies(&mut self, cx: &mut Context<'_>) {
         self.awake.amc |= self.amc.wakes(&self.parameters.amc);

@@ -18,6 +18,15 @@ pub enum WordCode {
     Gray,
 }
 
+/// What a track of parity makes of the number of ones of a word, itself included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Parity {
+    /// It is even.
+    Even,
+    /// It is odd.
+    Odd,
+}
+
 /// What an absolute encoder is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Absolute {
@@ -27,6 +36,8 @@ pub struct Absolute {
     pub turns: u32,
     /// How its words are coded.
     pub code: WordCode,
+    /// A track more than the value needs, on top of it (WF-ABS-04).
+    pub parity: Option<Parity>,
     /// The value of its first word: words below are left out, as those of an excess code.
     pub omitted: u32,
     /// Behind its last word comes the first one; else its travel ends there.
@@ -49,7 +60,16 @@ pub enum Bad {
 impl Absolute {
     /// A single-turn encoder in binary code that begins anew.
     pub fn single_turn(steps: u32) -> Self {
-        Self { steps, turns: 1, code: WordCode::Binary, omitted: 0, overflow: true, corrects: false, max_step: None }
+        Self {
+            steps,
+            turns: 1,
+            code: WordCode::Binary,
+            parity: None,
+            omitted: 0,
+            overflow: true,
+            corrects: false,
+            max_step: None,
+        }
     }
 
     /// How many words it has, 2 to 2^62.
@@ -66,9 +86,33 @@ impl Absolute {
         self.steps >= 2 && self.turns >= 1 && last <= 1 << 62 && self.max_step.is_none_or(|step| step > 0)
     }
 
+    /// The tracks of its values (bits), 1 to 62.
+    fn tracks(&self) -> u32 {
+        // Below 2^63, as `words` and what is omitted are at most 2^62 each.
+        let last = self.words().cast_unsigned() + u64::from(self.omitted) - 1;
+        u64::BITS - last.leading_zeros()
+    }
+
+    /// The track of parity of a word without it, where there is one.
+    fn parity_track(&self, word: u64) -> u64 {
+        let is_set = match self.parity {
+            None => false,
+            Some(Parity::Even) => !word.count_ones().is_multiple_of(2),
+            Some(Parity::Odd) => word.count_ones().is_multiple_of(2),
+        };
+        // Sound encoders have 62 tracks at most; others must not overflow either.
+        u64::from(is_set) << self.tracks().min(62)
+    }
+
     /// The count of a word; none for a word that it does not have.
     pub fn decode(&self, word: i64) -> Option<i64> {
         let word = u64::try_from(word).ok()?;
+        let tracks = (1_u64 << self.tracks().min(62)) - 1;
+        let word = match self.parity {
+            None => word,
+            Some(_) if word & !tracks == self.parity_track(word & tracks) => word & tracks,
+            Some(_) => return None,
+        };
         let value = match self.code {
             WordCode::Binary => word,
             WordCode::Gray => from_gray(word),
@@ -84,7 +128,7 @@ impl Absolute {
             WordCode::Binary => value,
             WordCode::Gray => value ^ value >> 1,
         };
-        word.cast_signed()
+        (word | self.parity_track(word)).cast_signed()
     }
 
     /// The largest step that is believed (inc): half a turn where bad words are corrected (MACS-ENC-08), and what is asked for.
@@ -114,6 +158,7 @@ mod tests {
         steps: 16,
         turns: 1,
         code: WordCode::Gray,
+        parity: None,
         omitted: 0,
         overflow: true,
         corrects: false,
@@ -156,18 +201,43 @@ mod tests {
         assert_eq!(binary.decode(i64::MIN), None);
     }
 
+    /// 15 steps need 4 tracks; the fifth is that of parity. Any one track that is wrong is seen.
+    ///
+    /// Proves: WF-ABS-04
+    #[test]
+    fn a_track_of_parity_shows_every_single_wrong_track() {
+        for (parity, zero) in [(Parity::Even, 0), (Parity::Odd, 0b10000)] {
+            for code in [WordCode::Binary, WordCode::Gray] {
+                let encoder = Absolute { steps: 15, code, parity: Some(parity), ..GRAY };
+                assert_eq!(encoder.encode(0), zero);
+                for count in 0..15 {
+                    let word = encoder.encode(count);
+                    assert_eq!(encoder.decode(word), Some(count));
+                    assert_eq!(word.count_ones() % 2, u32::from(parity == Parity::Odd));
+                    (0..64).for_each(|bit| assert_eq!(encoder.decode(word ^ 1 << bit), None, "{count}, bit {bit}"));
+                }
+            }
+        }
+        let largest = Absolute { parity: Some(Parity::Odd), ..Absolute::single_turn(1 << 31) };
+        let largest = Absolute { turns: 1 << 31, ..largest };
+        assert!(largest.is_sound());
+        for count in [0, 1, (1 << 62) - 1] {
+            assert_eq!(largest.decode(largest.encode(count)), Some(count));
+        }
+    }
+
     proptest! {
         #[test]
         fn every_count_comes_back_and_gray_steps_change_one_bit(
             steps in 2_u32..=u32::MAX, turns in 1_u32..=u32::MAX, omitted in 0_u32..1 << 20, count in any::<i64>(),
-            gray in any::<bool>(),
+            gray in any::<bool>(), parity in prop::option::of(prop_oneof![Just(Parity::Even), Just(Parity::Odd)]),
         ) {
             let code = if gray { WordCode::Gray } else { WordCode::Binary };
-            let encoder = Absolute { turns, code, omitted, ..Absolute::single_turn(steps) };
+            let encoder = Absolute { turns, code, parity, omitted, ..Absolute::single_turn(steps) };
             prop_assume!(encoder.is_sound());
             let within = count.rem_euclid(encoder.words());
             prop_assert_eq!(encoder.decode(encoder.encode(count)), Some(within));
-            if gray && within + 1 < encoder.words() {
+            if gray && parity.is_none() && within + 1 < encoder.words() {
                 prop_assert_eq!((encoder.encode(within) ^ encoder.encode(within + 1)).count_ones(), 1);
             }
         }

@@ -13,7 +13,7 @@ mod pulses;
 mod reader;
 pub mod source;
 
-pub use absolute::{Absolute, Bad, WordCode};
+pub use absolute::{Absolute, Bad, Parity, WordCode};
 pub use counter::{Circle, Counter};
 pub use pulses::{PulseCheck, Pulses};
 pub use reader::{Form, MOST_SUBSTITUTED, Reader, Reading};
@@ -61,13 +61,20 @@ pub struct Encoder {
     check: Option<PulseCheck>,
     pulses: Pulses,
     lead: Lead,
+    /// Its counts began anew in this cycle.
+    anew: bool,
 }
 
 impl Encoder {
     /// An encoder whose words have that form.
     pub fn new(form: Form, check: Option<PulseCheck>) -> Self {
         let lead = Lead { counted: true, ..Lead::default() };
-        Self { reader: Reader::new(form), check, pulses: Pulses::default(), lead }
+        Self { reader: Reader::new(form), check, pulses: Pulses::default(), lead, anew: false }
+    }
+
+    /// Are its words those of an absolute encoder?
+    pub fn is_absolute(&self) -> bool {
+        matches!(self.reader.form(), Form::Absolute(_))
     }
 
     /// Is it the same encoder, wherever it stands?
@@ -83,7 +90,9 @@ impl Encoder {
     /// One cycle; what begins in it is told.
     pub fn step(&mut self, input: &EncoderInput, cycle_s: f64) -> Option<Told> {
         let was_valid = self.lead.valid;
+        let epoch = self.reader.epoch();
         let reading = self.reader.take(input.count, input.epoch, input.valid);
+        self.anew = epoch.is_some() && epoch != self.reader.epoch();
         let position = self.reader.position();
         let mark = input.index.filter(|_| reading.valid).map(|count| self.reader.locate(count));
         if reading.restarted {
@@ -103,6 +112,11 @@ impl Encoder {
             None if reading.substituted && self.reader.bad_in_a_row() == 1 => Some(Told::Substituted),
             None => None,
         }
+    }
+
+    /// Did its counts begin anew in this cycle? That was no motion, but what was known of their zero does not hold any more.
+    pub fn is_anew(&self) -> bool {
+        self.anew
     }
 
     /// Its value is `by` (inc) more from now on, for whoever reads it. That is no motion.

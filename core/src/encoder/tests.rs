@@ -68,7 +68,16 @@ proptest! {
 const TYPE_3: Absolute = Absolute { steps: 1000, turns: 100, corrects: true, overflow: false, ..absolute(1000) };
 
 const fn absolute(steps: u32) -> Absolute {
-    Absolute { steps, turns: 1, code: WordCode::Binary, omitted: 0, overflow: true, corrects: false, max_step: None }
+    Absolute {
+        steps,
+        turns: 1,
+        code: WordCode::Binary,
+        parity: None,
+        omitted: 0,
+        overflow: true,
+        corrects: false,
+        max_step: None,
+    }
 }
 
 /// Each step of the scan and how the reader answers: change, valid, substituted.

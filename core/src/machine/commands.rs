@@ -76,9 +76,15 @@ impl Machine {
             | Action::Saia(_)
             | Action::Wf(_)
             | Action::Cancel { .. }
+            // Once the encoders of the cycle are read.
+            | Action::SetEncoderPosition(_)
             | Action::Trajectory(_) => Ok(true),
             Action::SetPosition(request) => {
                 self.admit_shared_zero(request.axis)?;
+                Ok(true)
+            }
+            Action::SetMasterPosition(request) => {
+                self.admit_master_zero(request.axis)?;
                 Ok(true)
             }
             Action::SetParameters(changes) => {
@@ -155,6 +161,7 @@ impl Machine {
                 | Action::Probe(_)
                 | Action::HomeAxis(_)
                 | Action::SetPosition(_)
+                | Action::SetMasterPosition(_)
                 | Action::Synchronize(_)
                 | Action::Saia(_)
                 | Action::Wf(_) => Refusal::new(Code::BAD_REQUEST, Object::Machine),

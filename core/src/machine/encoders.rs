@@ -1,7 +1,9 @@
 //! Encoders that several axes use: what they tell, and zeros that are set for all of them.
 
 use super::Machine;
+use crate::axis::Axis;
 use crate::code::Code;
+use crate::command::{Action, Commands, SetEncoderPosition};
 use crate::encoder::Told;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
@@ -33,45 +35,120 @@ pub(super) fn event(told: Told, encoder: u16, errors: u64) -> Event {
 impl Machine {
     /// A zero that moves an encoder is refused while another axis that uses it moves.
     pub(super) fn admit_shared_zero(&self, axis: u16) -> Result<(), Refusal> {
-        let Some(encoder) = self.state.axes.get(usize::from(axis)).and_then(|axis| axis.shares()) else {
-            return Ok(());
-        };
-        match self.who_moves_with(encoder, usize::from(axis)) {
-            Some(other) => Err(Refusal::new(Code::NOT_AT_STANDSTILL, Object::Axis(other as u16))),
+        match self.state.axes.get(usize::from(axis)).and_then(|axis| axis.shares()) {
+            Some(encoder) => self.check_users(encoder, Some(usize::from(axis))),
             None => Ok(()),
         }
+    }
+
+    /// The same of a new value of the master, where that is an encoder.
+    pub(super) fn admit_master_zero(&self, axis: u16) -> Result<(), Refusal> {
+        let axes = self.state.axes.len();
+        match self.state.axes.get(usize::from(axis)).and_then(|axis| axis.shares_master(axes)) {
+            Some(encoder) => self.check_users(encoder, None),
+            None => Ok(()),
+        }
+    }
+
+    /// New values of an encoder, in the cycle in which it has been read. What its users were before is what they are judged by.
+    pub(super) fn set_encoder(&mut self, index: usize, commands: Commands<'_>, admitted: u64) {
+        for (_, command) in super::live(commands, admitted) {
+            let Action::SetEncoderPosition(request) = &command.action else { continue };
+            if usize::from(request.encoder) != index {
+                // One that does not exist is answered once.
+                if index == 0 && usize::from(request.encoder) >= self.state.encoders.len() {
+                    self.events.push(Refusal::new(Code::BAD_REQUEST, Object::Machine).event(command.sequence));
+                }
+                continue;
+            }
+            match self.zero_of_encoder(request) {
+                Ok(by) => {
+                    self.accept(command, Object::Encoder(request.encoder));
+                    self.move_encoder(request.encoder, by, None);
+                }
+                Err(refusal) => self.events.push(refusal.event(command.sequence)),
+            }
+        }
+    }
+
+    /// By how much an encoder is to be moved (inc).
+    fn zero_of_encoder(&self, request: &SetEncoderPosition) -> Result<i64, Refusal> {
+        let refuse = |code| Refusal::new(code, Object::Encoder(request.encoder));
+        let place = usize::from(request.encoder);
+        let encoder = self.state.encoders.get(place).ok_or_else(|| refuse(Code::BAD_REQUEST))?;
+        if encoder.is_absolute() {
+            return Err(refuse(Code::MASTER_ZERO_STANDS));
+        }
+        if !encoder.lead().valid {
+            return Err(refuse(Code::ENCODER_INVALID));
+        }
+        self.check_users(request.encoder, None)?;
+        let asked = request.position.nearest;
+        let by = asked.saturating_sub(encoder.lead().position.floor());
+        let out = || refuse(Code::POSITION_OUT_OF_RANGE).with(Number::Position(asked), Number::None);
+        let fits =
+            Position::whole(asked).is_legal() && self.users(request.encoder).all(|(_, axis)| axis.follows_encoder(by));
+        if fits { Ok(by) } else { Err(out()) }
     }
 
     /// Moves encoders as their users have set new zeros (MACS-ENC-11): the values of the encoder and of its other users follow in
     /// the next cycle, before any command of it.
     pub(super) fn share_shifts(&mut self) {
         for index in 0..self.state.axes.len() {
-            let Some((encoder, by)) = self.state.axes[index].take_shared() else { continue };
-            let mut others =
-                self.state.axes.iter().enumerate().filter(|(other, axis)| *other != index && axis.reads(encoder));
-            let all_follow = others.all(|(_, axis)| axis.follows_encoder(by));
-            if !all_follow || self.who_moves_with(encoder, index).is_some() {
-                let object = Object::Axis(index as u16);
-                self.events.push(Event::new(Severity::Warn, Kind::Warning, object, Code::ENCODER_NOT_SHARED));
-                continue;
+            if let Some((encoder, by)) = self.state.axes[index].take_shared() {
+                self.share(index, encoder, by, Some(index));
             }
-            let place = usize::from(encoder);
-            if let (Some(shifted), Some(lead)) =
-                (self.state.encoders.get_mut(place), self.state.leads.encoder.get_mut(place))
+            if let Some((encoder, by)) = self.state.axes[index].take_shared_master()
+                && self.share(index, encoder, by, None)
             {
-                shifted.shift(by);
-                lead.position += Position::whole(by);
+                self.state.axes[index].share_master(by);
             }
-            let others = self.state.axes.iter_mut().enumerate().filter(|(other, _)| *other != index);
-            others.filter(|(_, axis)| axis.reads(encoder)).for_each(|(_, axis)| axis.shift_with_encoder(by));
         }
     }
 
-    /// Another axis that uses the encoder and does not stand still.
-    fn who_moves_with(&self, encoder: u16, index: usize) -> Option<usize> {
-        let mut others = self.state.axes.iter().enumerate();
-        others
-            .find(|(other, axis)| *other != index && axis.reads(encoder) && !axis.stands_idle())
-            .map(|(other, _)| other)
+    /// True where the encoder has moved; else only the axis has its new zero, and that is told.
+    fn share(&mut self, index: usize, encoder: u16, by: i64, except: Option<usize>) -> bool {
+        let fits = |(other, axis): (usize, &Axis)| Some(other) == except || axis.follows_encoder(by);
+        let moves = self.users(encoder).all(fits) && self.check_users(encoder, except).is_ok();
+        if moves {
+            self.move_encoder(encoder, by, except);
+        } else {
+            let object = Object::Axis(index as u16);
+            self.events.push(Event::new(Severity::Warn, Kind::Warning, object, Code::ENCODER_NOT_SHARED));
+        }
+        moves
+    }
+
+    /// The value of an encoder is `by` more, and so are those of its users but one.
+    fn move_encoder(&mut self, encoder: u16, by: i64, except: Option<usize>) {
+        let place = usize::from(encoder);
+        if let (Some(shifted), Some(lead)) =
+            (self.state.encoders.get_mut(place), self.state.leads.encoder.get_mut(place))
+        {
+            shifted.shift(by);
+            lead.position += Position::whole(by);
+        }
+        let users = self.state.axes.iter_mut().enumerate();
+        let others = users.filter(|(other, axis)| Some(*other) != except && axis.reads(encoder));
+        others.for_each(|(_, axis)| axis.shift_with_encoder(by));
+    }
+
+    /// The axes that read an encoder.
+    fn users(&self, encoder: u16) -> impl Iterator<Item = (usize, &Axis)> {
+        self.state.axes.iter().enumerate().filter(move |(_, axis)| axis.reads(encoder))
+    }
+
+    /// A user of the encoder that does not stand still keeps it from being moved.
+    fn check_users(&self, encoder: u16, except: Option<usize>) -> Result<(), Refusal> {
+        let mut moving = self.users(encoder).filter(|(other, axis)| Some(*other) != except && !axis.stands_idle());
+        match moving.next() {
+            Some((_, axis)) => Err(Refusal::new(Code::NOT_AT_STANDSTILL, axis.object())),
+            None => Ok(()),
+        }
+    }
+
+    /// Who sees an axis as its master counts on when its coordinate becomes `by` more.
+    pub(super) fn count_on(&mut self, index: usize, by: Position) {
+        self.state.axes.iter_mut().for_each(|axis| axis.count_on(index as u16, by));
     }
 }

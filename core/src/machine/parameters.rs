@@ -161,8 +161,11 @@ impl Machine {
     /// An axis takes a set. One that it turns over stays where it is: who follows its command sees no motion.
     fn put_in_force(&mut self, index: usize, parameters: AxisParameters) {
         if self.state.axes[index].take_parameters(parameters) {
-            let lead = &mut self.state.leads.command[index];
-            lead.position = -lead.position;
+            let leads = &mut self.state.leads;
+            let before = leads.command[index].position;
+            leads.command[index].position = -before;
+            leads.actual[index].position = self.state.axes[index].actual().position;
+            self.count_on(index, -before - before);
         }
     }
 

@@ -193,6 +193,7 @@ impl Machine {
             inputs,
             digital_inputs: &self.digital_inputs,
             leads: &self.state.leads,
+            encoders: &self.state.encoders,
             latches: &self.latched,
             stream,
             runs: &self.state.runs,

@@ -230,6 +230,9 @@ impl AxisParameters {
             return Err(Contradiction::NotBuilt("posdrct", Code::NO_VELOCITY_LOOP));
         }
         self.encoder.check().map_err(|(key, code)| Contradiction::NotBuilt(key, code))?;
+        if self.encoder.md4 == 1 && !(0..=2).contains(&self.wf.md16) {
+            return Err(Contradiction::NotBuilt("wf.md16", Code::WF_NO_PARITY));
+        }
         if !self.reversing().is_built() {
             return Err(Contradiction::NotBuilt("revers", Code::NO_REVERSING_OUTPUTS));
         }

@@ -1,8 +1,11 @@
 //! Requests that give an axis its zero.
 
 use super::{Amount, RequestError, Units};
-use crate::command::{HomeAxis, HomingMethod, SetPosition};
+use crate::command::{
+    Action, HomeAxis, HomingMethod, MasterPosition, SetEncoderPosition, SetMasterPosition, SetPosition,
+};
 use crate::config::MachineConfig;
+use crate::unit::Scale;
 
 /// Homing of one axis by name.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +21,7 @@ pub struct HomeRequest {
 /// A new value of a position, by name and with units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SetPositionRequest {
-    /// Axis.
+    /// Axis; or an entry of `encoders`; or `axis.master`, what it sees of its master.
     pub axis: String,
     /// What its position is from now on.
     pub position: Amount,
@@ -50,15 +53,38 @@ impl MachineConfig {
         Ok(HomeAxis { axis, method })
     }
 
-    /// A new value of a position as a command's content.
+    /// A new value of a position as a command: of an axis, of an entry of `encoders`, or of the master of an axis (`x.master`).
     ///
     /// # Errors
     /// What is wrong in the request itself.
-    pub fn resolve_set_position(&self, request: &SetPositionRequest) -> Result<SetPosition, RequestError> {
+    pub fn resolve_set_position(&self, request: &SetPositionRequest) -> Result<Action, RequestError> {
+        let bad = |error| RequestError::BadValue { field: "position".to_owned(), error: Box::new(error) };
+        let length = |scale: &Scale| request.position.length(request.units, scale).map_err(bad);
+        if let Some(encoder) = self.encoders.iter().position(|encoder| encoder.name == request.axis) {
+            let position = length(&self.encoders[encoder].scale)?;
+            return Ok(Action::SetEncoderPosition(SetEncoderPosition { encoder: encoder as u16, position }));
+        }
+        if let Some(axis) = request.axis.strip_suffix(".master") {
+            let (axis, _) = self.find_axis(axis)?;
+            let position = match (request.position, request.units) {
+                (Amount::Number(number), Units::AxisUnit) => {
+                    request.position.length(Units::Increments, &Scale::increments()).map_err(bad)?;
+                    // Far less than 2^-32 inc in any master unit, and more digits than a recording writes.
+                    MasterPosition::Shown(if number.abs() < 1e-20 { 0.0 } else { number })
+                }
+                // A place of a master has no metres: it may be an axis or an encoder of any scale. 0 is 0 in all of them.
+                (Amount::Number(number), Units::Si) if number.is_finite() && number != 0.0 => {
+                    let allowed = "1 AXIS_UNIT (as x.master.position shows it), 2 INCREMENTS are allowed for a master";
+                    return Err(RequestError::BadChoice { field: "units", value: 0, allowed });
+                }
+                (Amount::Quantity(_) | Amount::Number(_), _) => {
+                    let position = request.position.length(Units::Increments, &Scale::increments()).map_err(bad)?;
+                    MasterPosition::Increments(position)
+                }
+            };
+            return Ok(Action::SetMasterPosition(SetMasterPosition { axis, position }));
+        }
         let (axis, config) = self.find_axis(&request.axis)?;
-        let length = request.position.length(request.units, &config.scale);
-        let position =
-            length.map_err(|error| RequestError::BadValue { field: "position".to_owned(), error: Box::new(error) })?;
-        Ok(SetPosition { axis, position })
+        Ok(Action::SetPosition(SetPosition { axis, position: length(&config.scale)? }))
     }
 }

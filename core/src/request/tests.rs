@@ -195,3 +195,32 @@ fn a_probe_is_a_search_with_an_end_in_the_same_units() {
         assert!(refused(distance).starts_with("distance: "));
     }
 }
+
+/// A position that is set by name: of an axis, of an encoder, of a master. A master has no metres; 0 needs no unit.
+#[test]
+fn a_position_is_set_of_an_axis_an_encoder_or_a_master() {
+    use crate::command::{Action, MasterPosition, SetMasterPosition};
+    use crate::request::{SetPositionRequest, Units};
+    let config = config();
+    let name = config.axes[0].name.clone();
+    let ask = |axis: String, value: f64, units| {
+        config.resolve_set_position(&SetPositionRequest { axis, position: Amount::Number(value), units })
+    };
+    let master = |value, units| match ask(format!("{name}.master"), value, units) {
+        Ok(Action::SetMasterPosition(SetMasterPosition { axis: 0, position })) => Ok(position),
+        Ok(other) => panic!("{other:?}"),
+        Err(error) => Err(error.to_string()),
+    };
+    assert!(matches!(ask(name.clone(), 0.5, Units::Si), Ok(Action::SetPosition(_))));
+    assert!(matches!(ask("belt".into(), 0.5, Units::Si), Ok(Action::SetEncoderPosition(_))));
+    assert_eq!(master(0.0, Units::Si), Ok(MasterPosition::Increments(crate::command::Length::whole(0))));
+    assert_eq!(master(-5.0, Units::Increments), Ok(MasterPosition::Increments(crate::command::Length::whole(-5))));
+    assert_eq!(master(0.1, Units::AxisUnit), Ok(MasterPosition::Shown(0.1)));
+    assert_eq!(master(1e-300, Units::AxisUnit), Ok(MasterPosition::Shown(0.0)));
+    let refused = master(0.5, Units::Si).unwrap_err();
+    assert!(refused.starts_with("units is 0; 1 AXIS_UNIT"), "{refused}");
+    for wrong in [f64::NAN, f64::INFINITY, 1e300] {
+        assert!(master(wrong, Units::AxisUnit).is_err(), "{wrong}");
+    }
+    assert!(ask("q.master".into(), 0.0, Units::Si).is_err());
+}

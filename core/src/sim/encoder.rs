@@ -22,6 +22,7 @@ pub(super) struct SimEncoder {
     /// Counts that it has too many.
     slip: i64,
     index_lost: bool,
+    epoch: u32,
 }
 
 impl SimEncoder {
@@ -35,6 +36,7 @@ impl SimEncoder {
             before: 0,
             slip: 0,
             index_lost: false,
+            epoch: 0,
         }
     }
 
@@ -60,6 +62,12 @@ impl SimEncoder {
         self.slip = self.slip.wrapping_add(by);
     }
 
+    /// Its power was away: it counts from 0 again.
+    pub(super) fn restart(&mut self) {
+        self.epoch = self.epoch.wrapping_add(1);
+        self.slip = self.way.wrapping_neg();
+    }
+
     pub(super) fn disturb(&mut self, bits: i64, words: u32) {
         self.word.disturb(bits, words);
     }
@@ -77,7 +85,7 @@ impl SimEncoder {
         let passed = self.fixtures.index_passed(before, self.way).filter(|_| !self.index_lost);
         EncoderInput {
             count: self.word.tell(self.way.wrapping_add(self.slip)),
-            epoch: 0,
+            epoch: self.epoch,
             // An incremental encoder has tracks that tell a broken line; a serial one has words that are none.
             valid: !self.word.is_broken(),
             index: passed.map(|place| self.word.of(place.wrapping_add(self.slip))),

@@ -157,6 +157,13 @@ impl Plant {
         }
     }
 
+    /// Takes the power of an encoder away for a moment: it counts from 0 again, and says so.
+    pub fn restart_encoder(&mut self, place: usize) {
+        if let Some(encoder) = self.encoders.get_mut(place) {
+            encoder.restart();
+        }
+    }
+
     /// Turns bits of the next `words` words of an encoder over.
     pub fn disturb_encoder(&mut self, place: usize, bits: i64, words: u32) {
         if let Some(encoder) = self.encoders.get_mut(place) {

@@ -484,6 +484,26 @@ const TABLE: &[Line] = &[
         "Set the zero at the encoder, or choose an incremental encodertype.",
     ),
     (
+        Code::WF_LOOP_IN_DRIVE,
+        "The drive closes its position loop itself, and wf.md4 asks the core to decode words.",
+        "Use interface velocity, or leave wf.md4 incremental.",
+    ),
+    (
+        Code::ENCODER_NO_RATE,
+        "encoderfreq is a distance of marks, but encodertype is not 9.",
+        "Set both in one command, or encoderfreq first to 39000 to 5000000 Hz.",
+    ),
+    (
+        Code::WF_NO_PARITY,
+        "wf.md16 is a position, but with wf.md4 absolute it is the parity of the words.",
+        "Set wf.md16 to 0, 1 or 2 inc together with wf.md4.",
+    ),
+    (
+        Code::MASTER_ZERO_STANDS,
+        "A new position was asked of a master that is an absolute encoder, whose zero stands.",
+        "Set the zero at the encoder, or give a coupling an offset.",
+    ),
+    (
         Code::ENCODER_SUBSTITUTED,
         "A word of an absolute encoder could not be right and was replaced: noise on its line.",
         "Check shield and cable of the encoder before it fails.",

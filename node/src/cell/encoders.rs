@@ -6,11 +6,11 @@ use super::names::Section;
 use super::scale::Travel;
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::axis::Wired;
-use lineshaft_core::encoder::{Absolute, Form, PulseCheck, WordCode};
+use lineshaft_core::encoder::{Absolute, Form, Parity, PulseCheck, WordCode};
 use lineshaft_core::unit::Dimension;
 
 /// Keys of an absolute encoder beside `steps`.
-const ABSOLUTE: [&str; 6] = ["turns", "code", "omitted", "overflow", "error_correction", "max_step"];
+const ABSOLUTE: [&str; 7] = ["turns", "code", "parity", "omitted", "overflow", "error_correction", "max_step"];
 /// More words than any encoder has.
 const MOST_WORDS: u64 = 1 << 62;
 
@@ -45,6 +45,8 @@ fn absolute(map: &mut Map<'_>, given: &Value<'_>, travel: &Travel) -> Option<Abs
     let omitted = whole(map.optional("omitted"), 0, 0);
     let codes = [("binary", WordCode::Binary), ("gray", WordCode::Gray)];
     let code = map.optional("code").map_or(Some(WordCode::Binary), |value| value.choice(&codes));
+    let parities = [("none", None), ("even", Some(Parity::Even)), ("odd", Some(Parity::Odd))];
+    let parity = map.optional("parity").map_or(Some(None), |value| value.choice(&parities));
     let overflow = yes(map.optional("overflow"), true);
     let corrects = yes(map.optional("error_correction"), false);
     let max_step = match map.optional("max_step") {
@@ -52,8 +54,16 @@ fn absolute(map: &mut Map<'_>, given: &Value<'_>, travel: &Travel) -> Option<Abs
         Some(value) => increments(&value, travel).map(Some),
     };
     let (steps, turns, omitted) = (steps?, turns?, omitted?);
-    let encoder =
-        Absolute { steps, turns, code: code?, omitted, overflow: overflow?, corrects: corrects?, max_step: max_step? };
+    let encoder = Absolute {
+        steps,
+        turns,
+        code: code?,
+        parity: parity?,
+        omitted,
+        overflow: overflow?,
+        corrects: corrects?,
+        max_step: max_step?,
+    };
     if !encoder.is_sound() {
         let words = u64::from(steps) * u64::from(turns) + u64::from(omitted);
         given.refuse(

@@ -32,6 +32,8 @@ pub(super) struct Homing {
     done: bool,
     /// It did, and that has not been told yet.
     lost: bool,
+    /// What refers to a zero does so no more, whoever had set it.
+    unsure: bool,
     /// The counts began anew while it was under way.
     broken: bool,
     /// Under way.
@@ -140,6 +142,7 @@ impl Homing {
     /// The zero is known no more.
     pub(super) fn forget(&mut self) {
         self.lost |= self.done;
+        self.unsure = true;
         self.done = false;
     }
 
@@ -305,6 +308,9 @@ impl Axis {
 
     /// The part of a cycle: after the axis has moved, before its commands.
     pub(super) fn step_homing(&mut self, cx: &mut Context<'_>) {
+        if std::mem::take(&mut self.homing.unsure) {
+            self.wf.lose_zero();
+        }
         if std::mem::take(&mut self.homing.lost) {
             cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LOST));
         }
@@ -335,6 +341,7 @@ impl Axis {
         self.homing.run = None;
         self.move_coordinate(shift.wrapping_neg());
         self.restore_limits(cx);
+        self.note_zero();
         (self.homing.done, self.homing.lost) = (true, false);
         self.judge.rested_at = None;
         self.reference = Reference::Stop;

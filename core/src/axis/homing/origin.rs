@@ -34,6 +34,7 @@ impl Axis {
         self.shift_limits(cx, by);
         // What a vocabulary was up to was meant in the coordinate of before.
         self.owner = Owner::Native;
+        self.note_zero();
         self.share_shift(by);
         Ok(())
     }

@@ -536,3 +536,6 @@ fn a_restored_machine_reads_on() {
     rig.run(300);
     assert_eq!((error(&rig), rig.int("x.encoder.errors")), (0, 60));
 }
+
+mod marks;
+mod words;

@@ -46,10 +46,11 @@ fn a_negative_number_is_the_command_of_that_axis() {
         (rig.int("x.command.position"), rig.int("x.sync.error"), rig.int("line.command.position")),
         (3_000, 0, -7)
     );
+    assert_eq!(rig.real("x.master.position"), 3_000.0, "the linked master counts on");
     rig.give(Action::Move(to(LINE, 93)));
     rig.run_until("line.state", 1);
     rig.run(5);
-    assert_eq!(rig.int("x.command.position"), 3_100);
+    assert_eq!((rig.int("x.command.position"), rig.real("x.master.position")), (3_100, 3_100.0));
 }
 
 /// Proves: MACS-ENC-14
@@ -128,3 +129,5 @@ fn the_simulated_master_runs_with_its_velocity_until_an_abort() {
     assert_eq!(rig.machine.parameters(X).unwrap().encoder.master_velocity, 0.0);
     assert_eq!(rig.machine.parameters(Y).unwrap().encoder.master_velocity, 0.0);
 }
+
+mod zero;

@@ -297,6 +297,7 @@ const AT_ONCE: &[&str] = &[
     // tests/feedback.rs.
     "max_encoder_jump",
     "enccontrol",
+    "menccontrol",
     // tests/master.rs
     "master_simulation_velocity",
     // Kept, and without effect.

@@ -69,6 +69,7 @@ fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refu
         inputs: &inputs,
         digital_inputs: &[],
         leads: &state.leads,
+        encoders: &state.encoders,
         latches: &[],
         stream: None,
         runs: &[],

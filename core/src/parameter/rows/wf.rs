@@ -152,12 +152,12 @@ pub(super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         applies: Applies::Drive,
         range: POSITION,
-        effect: Effect::NextHoming,
+        effect: Effect::Disabled,
         get: |p| Value::Int(p.wf.md16),
         set: |p, v| p.wf.md16 = int(v).unwrap_or(p.wf.md16),
-        description: "Incremental encoder: position of the reference point; absolute encoder: supervision of its word.",
-        source: "WF-MD-09, WF-REF-02, WF-REF-03",
-        note: "W04: it means another thing with each kind of encoder; the row is both.",
+        description: "Incremental encoder: position of the reference point; absolute encoder: parity of its word, 0 none, 1 inc even, 2 inc odd.",
+        source: "WF-MD-09, WF-ABS-04, WF-REF-02, WF-REF-03",
+        note: "W04: it means another thing with each kind of encoder; the row is both. The numbers of the parity are not told: these are taken.",
         ..UNIT
     },
     Row {

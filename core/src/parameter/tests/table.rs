@@ -98,6 +98,8 @@ fn exception(name: &str) -> Option<Vec<(i64, i64)>> {
         "SYNCMPULSM" => vec![(0, 2 * MLONG)],
         // 0 is legal, and means not set.
         "TESTVAL" => vec![(0, 10_000)],
+        // as a distance of marks any above 0; as a clock rate it is checked as a set.
+        "ENCODERFREQ" => vec![(1, MLONG)],
         // MACS-DIR-01: other values are refused.
         "POSDRCT" => vec![(-22, -21), (-12, -11), (-2, -1), (1, 2), (11, 12), (21, 22)],
         // Any sum of the bits.

@@ -189,6 +189,16 @@ impl Wf {
         Ok(order)
     }
 
+    /// The axis itself has a new zero: programmed positions refer to it (WF-IF-11, WF-REF-05).
+    pub(crate) fn take_zero(&mut self) {
+        (self.synchronized, self.preset) = (true, Position::ZERO);
+    }
+
+    /// What was known of the zero does not hold any more.
+    pub(crate) fn lose_zero(&mut self) {
+        self.synchronized = false;
+    }
+
     /// One step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Option<Order> {
         let order = self.step_block(view);

@@ -14,7 +14,6 @@ use super::request::{FULL_SPEED, Speed};
 use super::{Objection, State, Wf, is_moved};
 use crate::axis::Travel;
 use crate::code::Code;
-use crate::position::Position;
 use crate::vocabulary::{Order, View};
 
 impl Wf {
@@ -80,7 +79,7 @@ impl Wf {
             }
         } else if !view.homing {
             // WF-REF-05
-            (self.synchronized, self.preset) = (true, Position::ZERO);
+            self.take_zero();
             self.leave();
         }
     }

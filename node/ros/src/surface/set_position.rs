@@ -46,7 +46,7 @@ async fn serve(mut server: ServiceServer<SetPosition>, hub: Arc<Hub>) {
 fn resolve(config: &MachineConfig, Asked { axis, position, units }: Asked) -> Result<Action, RequestError> {
     let units = Units::from_number(units)?;
     let request = SetPositionRequest { axis, position: Amount::Number(position), units };
-    config.resolve_set_position(&request).map(Action::SetPosition)
+    config.resolve_set_position(&request)
 }
 
 /// Waits for what the machine says to a command.

@@ -201,7 +201,7 @@ pub(super) const HOME: Served<AxesCommand> = Served::new(
 pub(super) const SET_POSITION: Served<SetPosition> = Served::new(
     "~/set_position",
     Qos::SERVICE,
-    "the present position of an axis that stands gets a new value; nothing moves; see [homing.md](homing.md)",
+    "the present position of an axis that stands gets a new value, or that of an encoder, or of a master (`x.master`); nothing moves; see [homing.md](homing.md) and [encoders.md](encoders.md)",
 );
 pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
     "~/set_output",

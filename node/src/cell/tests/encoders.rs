@@ -2,7 +2,7 @@
 
 use super::{HEAD, assert_said, good};
 use lineshaft_core::axis::Wired;
-use lineshaft_core::encoder::{Absolute, Form, PulseCheck, WordCode};
+use lineshaft_core::encoder::{Absolute, Form, Parity, PulseCheck, WordCode};
 
 const SCALE: &str = "type: linear, scale: {increments: 4000, per: 100 mm}";
 const REST: &str = "max_velocity: 1 m/s, max_acceleration: 1";
@@ -27,12 +27,12 @@ fn words_of_an_encoder() {
     let check = read("index: {every: 100 mm, tolerance: 8 inc}").check;
     assert_eq!(check, Some(PulseCheck { every: 4000, tolerance: 8 }));
     assert_eq!(read("steps: 4096").form, Form::Absolute(Absolute::single_turn(4096)));
-    let all =
-        "steps: 360, turns: 3, code: gray, omitted: 76, overflow: false, error_correction: true, max_step: 0.25 mm";
+    let all = "steps: 360, turns: 3, code: gray, parity: odd, omitted: 76, overflow: false, error_correction: true, max_step: 0.25 mm";
     let expected = Absolute {
         steps: 360,
         turns: 3,
         code: WordCode::Gray,
+        parity: Some(Parity::Odd),
         omitted: 76,
         overflow: false,
         corrects: true,
@@ -50,6 +50,7 @@ fn keys_that_do_not_belong_together() {
             "steps: 100, index: ^{every: 1 mm, tolerance: 1 inc}",
             "index is for an incremental encoder; this one has steps, leave it out",
         ),
+        ("parity: ^even", "parity is for an absolute encoder, which has steps"),
         ("steps: ^1", "steps is 1; 2..2147483647 is allowed"),
         ("steps: 8, code: ^grey", "code is `grey`; one of binary, gray is allowed, did you mean `gray`?"),
         ("index: ^{every: 1 mm}", "missing key `tolerance` in index"),

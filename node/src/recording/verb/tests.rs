@@ -6,8 +6,8 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, Direction, Disengage, HomeAxis, HomingMethod, Length, Move, MoveMode, OutputValue, Probe, ProbeEdge,
-    SetPosition, Setpoint, SyncMode, Synchronize as Coupling,
+    BufferMode, Direction, Disengage, HomeAxis, HomingMethod, Length, MasterPosition, Move, MoveMode, OutputValue,
+    Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, SyncMode, Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader, Object};
@@ -237,8 +237,18 @@ fn the_other_verbs_word_for_word() {
     }
     let quarter = Length { nearest: -7, rest: Position::from_f64(0.25) };
     for (position, text) in [(Length::whole(1 << 61), "2305843009213693952"), (quarter, "-6.75")] {
-        let set = Action::SetPosition(SetPosition { axis: 0, position });
-        desk.is(&set, &format!(r#"{{"set_position":{{"axis":"x","position":"{text} inc"}}}}"#));
+        let zero = Action::SetPosition(SetPosition { axis: 0, position });
+        desk.is(&zero, &format!(r#"{{"set_position":{{"axis":"x","position":"{text} inc"}}}}"#));
+    }
+    let zero = Action::SetEncoderPosition(SetEncoderPosition { encoder: 0, position: quarter });
+    desk.is(&zero, r#"{"set_position":{"axis":"belt","position":"-6.75 inc"}}"#);
+    for (position, text) in [
+        (MasterPosition::Increments(Length::whole(5)), r#""position":"5 inc""#),
+        (MasterPosition::Shown(-5.5), r#""units":"axis_unit","position":-5.5"#),
+        (MasterPosition::Shown(0.125), r#""units":"axis_unit","position":0.125"#),
+    ] {
+        let zero = Action::SetMasterPosition(SetMasterPosition { axis: 1, position });
+        desk.is(&zero, &format!(r#"{{"set_position":{{"axis":"turret.master",{text}}}}}"#));
     }
     desk.is(&Action::Cancel { goal: 17 }, r#"{"cancel":{"id":"17"}}"#);
     desk.is(&Action::Cancel { goal: u64::MAX }, r#"{"cancel":{"id":"18446744073709551615"}}"#);

@@ -2,8 +2,8 @@
 
 use super::{saia, trajectory, wf};
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Direction, Disengage, HomeAxis as Homing, HomingMethod, Length, Move, MoveMode, Probe,
-    ProbeEdge, Setpoint, Setpoints, SyncMode, Synchronize as Coupling,
+    Action, BufferMode, Command, Direction, Disengage, HomeAxis as Homing, HomingMethod, Length, MasterPosition, Move,
+    MoveMode, Probe, ProbeEdge, Setpoint, Setpoints, SyncMode, Synchronize as Coupling,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::object::{AxisSet, Leader, Object};
@@ -11,6 +11,7 @@ use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
 use lineshaft_core::unit::Unit;
 use serde::{Serialize, Serializer};
 use serde_json::ser::Formatter;
+use std::borrow::Cow;
 use std::io;
 
 /// In the place of a name for what has none: no object can be called that, so that it does not read back.
@@ -58,8 +59,10 @@ enum Verb<'a> {
     ProbeAxis(ProbeAxis<'a>),
     HomeAxis(HomeAxis<'a>),
     SetPosition {
-        axis: &'a str,
-        position: String,
+        axis: Cow<'a, str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        units: Option<&'static str>,
+        position: Scalar,
     },
     Synchronize(Synchronize<'a>),
     FollowJointTrajectory(trajectory::FollowJointTrajectory<'a>),
@@ -220,8 +223,19 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::Move(request) => Verb::MoveAxis(move_axis(id, request, config)),
         Action::Probe(request) => Verb::ProbeAxis(probe_axis(id, request, config)),
         Action::HomeAxis(request) => Verb::HomeAxis(home_axis(id, request, config)),
-        Action::SetPosition(request) => {
-            Verb::SetPosition { axis: axis(request.axis, config), position: length(request.position) }
+        Action::SetPosition(request) => set_position(axis(request.axis, config).into(), request.position),
+        Action::SetEncoderPosition(request) => {
+            let encoder = config.encoders.get(usize::from(request.encoder));
+            set_position(encoder.map_or(NAMELESS, |encoder| &encoder.name).into(), request.position)
+        }
+        Action::SetMasterPosition(request) => {
+            let name = format!("{}.master", axis(request.axis, config)).into();
+            match request.position {
+                MasterPosition::Increments(position) => set_position(name, position),
+                MasterPosition::Shown(value) => {
+                    Verb::SetPosition { axis: name, units: Some("axis_unit"), position: Scalar::Real(value) }
+                }
+            }
         }
         Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
         Action::Saia(request) => Verb::Saia(saia::saia(request, axis(request.axis, config))),
@@ -244,6 +258,10 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::Refuse(text) => Verb::Refuse { text },
         Action::Note { code, number } => Verb::Note { code: code.0, number: *number },
     }
+}
+
+fn set_position(axis: Cow<'_, str>, position: Length) -> Verb<'_> {
+    Verb::SetPosition { axis, units: None, position: Scalar::Text(length(position)) }
 }
 
 pub(super) fn axis(index: u16, config: &MachineConfig) -> &str {

@@ -4,6 +4,7 @@ use super::{Deed, Reader, UNITS, number, optional_amount};
 use crate::document::Value;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{HomeRequest, SetPositionRequest, Units};
+use lineshaft_core::unit::Scale;
 
 const SCHEMES: [(&str, u8); 3] = [("configured", 0), ("cia402", 1), ("macs", 2)];
 
@@ -25,7 +26,7 @@ impl Reader<'_> {
     pub(super) fn set_position(&self, value: &Value<'_>) -> Option<Deed> {
         let mut map = value.map("set_position")?;
         let axis = map.required("axis");
-        let scale = self.scale(axis.as_ref());
+        let scale = axis.as_ref().and_then(|axis| self.zero_scale(axis.peek()?));
         let units = number(&mut map, "units", &UNITS);
         let position = optional_amount(&mut map, "position", 0, scale.as_ref(), units == Some(2));
         map.finish();
@@ -34,6 +35,14 @@ impl Reader<'_> {
             Err(error) => return self.settle(value, Err(error)),
         };
         let request = SetPositionRequest { axis: axis?.text()?.to_owned(), position: position?, units };
-        self.settle(value, self.names.config.resolve_set_position(&request).map(Action::SetPosition))
+        self.settle(value, self.names.config.resolve_set_position(&request))
+    }
+
+    /// The scale of what has a position that can be set.
+    fn zero_scale(&self, name: &str) -> Option<Scale> {
+        let config = self.names.config;
+        let encoder = config.encoders.iter().find(|encoder| encoder.name == name).map(|encoder| encoder.scale);
+        let master = name.ends_with(".master").then(Scale::increments);
+        encoder.or(master).or_else(|| config.find_axis(name).ok().map(|(_, axis)| axis.scale))
     }
 }

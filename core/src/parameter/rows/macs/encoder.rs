@@ -158,7 +158,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "73",
         range: Range::Int(0, 1),
         default: Value::Int(1),
-        missing: "the encoder sources of MACS",
+        missing: "a serial interface whose clock could be left to another one",
         description: "Clock of a serial absolute encoder: 1 made here, 0 made by another master.",
         source: "MACS-ENC-09",
         ..ENCODER_ROW
@@ -168,12 +168,15 @@ pub(in super::super) const ROWS: &[Row] = &[
         mnemonic: "ENCODERFREQ",
         number: "74",
         unit: "Hz",
-        range: Range::Int(39_000, 5_000_000),
+        range: Range::Int(1, MLONG),
         default: Value::Int(262_000),
-        missing: "the encoder sources of MACS",
-        description: "Clock rate of a serial absolute encoder; with encodertype 9 the distance of its simulated marks (inc).",
-        source: "MACS-ENC-09",
+        effect: Effect::Disabled,
+        description: "With encodertype 9 the distance of simulated marks (inc), any above 0. Else the clock rate of a serial absolute \
+                      encoder, 39000 to 5000000: kept for the interface that makes the clock; the simulation has none.",
+        source: "MACS-ENC-09, MACS-ENC-13",
         note: "A-12: the unit is printed as kHz; the values are Hz, which is taken.",
+        get: |p| Value::Int(p.encoder.encoderfreq),
+        set: |p, v| p.encoder.encoderfreq = int(v).unwrap_or(p.encoder.encoderfreq),
         ..ENCODER_ROW
     },
     Row {
@@ -182,7 +185,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "77",
         range: Range::Int(0, 1),
         default: Value::Int(1),
-        missing: "the master encoder",
+        missing: "a serial interface whose clock could be left to another one",
         description: "As encoderclock, for the master's encoder.",
         source: "MACS-ENC-09",
         ..ENCODER_ROW
@@ -205,9 +208,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "108",
         range: Range::Int(0, 3),
         default: Value::Int(0),
-        missing: "the master encoder",
-        description: "As enccontrol, for the master's encoder.",
-        source: "MACS-ENC-11",
+        description: "Bit 0: a change of the master keeps master.position; bit 1: a new origin of a master that is an encoder (set_position \
+                      of x.master) is one of this axis alone, and the encoder keeps its value.",
+        source: "MACS-ENC-11, MACS-CMD-17",
+        get: |p| Value::Int(p.encoder.menccontrol),
+        set: |p, v| p.encoder.menccontrol = int(v).unwrap_or(p.encoder.menccontrol),
         ..ENCODER_ROW
     },
 ];
