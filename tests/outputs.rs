@@ -112,6 +112,8 @@ steps:
 fn abort_answers_when_all_axes_stand_and_are_locked() {
     let mut node = Node::start("scenario: s\nfor: 600 s\nsteps: []\n");
     node.cyclone.run("axes /lineshaft enable");
+    // The brake of slide: nothing else opens it.
+    node.cyclone.run("set-output /lineshaft clamp=1");
     let goal = node.cyclone.run("move /lineshaft --axis slide --mode velocity --velocity 0.2");
     let goal = goal["goal"].as_str().expect("a goal").to_owned();
     let seen = node.cyclone.run("abort /lineshaft");

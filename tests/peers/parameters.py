@@ -21,7 +21,8 @@ FORBIDDEN = {"amc.action_on_event": "waits for a latch", "amc.reference_select":
              **dict.fromkeys(("i_break", "i_continue", "i_errclr"), "digital inputs"),
              **dict.fromkeys(("o_axmove", "o_brake", "o_error"), "digital outputs"),
              "posdrct": "inverts the position loop", "velmax": "must not lie below", "revers": "asks for outputs",
-             **dict.fromkeys(("encodertype", "mencodertype"), "is no type of encoder"), "wf.md4": "names an encoder",
+             **dict.fromkeys(("encodertype", "mencodertype"), "is no type of encoder"), "encoderfreq": "is no clock rate",
+             "wf.md4": "asks for words in Gray code",
              **{f"wf.md{n}": "breaks the falling order" for n in range(43, 49)}}
 
 

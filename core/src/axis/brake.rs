@@ -105,8 +105,15 @@ impl Axis {
 
     /// Has a drive that stops by itself done so, and the brake had its time behind it?
     pub(super) fn has_stopped_by_itself(&self, cycle: u64) -> bool {
+        let Power::DriveStops { since, .. } = self.power else { return true };
         let is_held = self.holding.closed && self.has_passed(cycle, self.holding.closed_at, |brake| brake.engage_ns);
-        self.encoder_stands() && (self.own_brake().is_none() || is_held)
+        self.has_drive_stopped(cycle, since) && (self.own_brake().is_none() || is_held)
+    }
+
+    /// Does it stand, has it switched itself off, or should it have stopped long ago?
+    fn has_drive_stopped(&self, cycle: u64, since: u64) -> bool {
+        let stops = matches!(self.drive_state, DriveState::QuickStop | DriveState::Enabled);
+        !stops || self.encoder_stands() || self.has_timed_out(cycle, since)
     }
 
     /// The brake goes with the power of this cycle.
@@ -115,10 +122,7 @@ impl Axis {
             // An error reaction closes it though the power holds.
             Power::On | Power::SwitchingOff | Power::Opening { .. } => !self.brake,
             // The drive stops by itself, and switches itself off then.
-            Power::DriveStops => {
-                let stops = matches!(self.drive_state, DriveState::QuickStop | DriveState::Enabled);
-                !self.holding.closed && stops && !self.encoder_stands()
-            }
+            Power::DriveStops { since, .. } => !self.holding.closed && !self.has_drive_stopped(cycle, since),
             _ => false,
         };
         if !holds && !self.holding.closed {
@@ -164,7 +168,7 @@ impl Axis {
         // What is locked already stays so: nothing but reset_errors lets it go on.
         if !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
             self.brake_to_rest(cx, &self.stop_limits());
-            self.set_state(cx, AxisState::Stopping);
+            self.lock(cx, Code::INTERRUPTED);
             self.holding.interrupted = true;
             // As after an error: the brake closes with ERRCOND 1 and 3, once the axis stands.
             self.judge.after_stop = if matches!(self.parameters.error_reaction, 1 | 3) { 3 } else { -1 };

@@ -400,9 +400,10 @@ impl Axis {
         self.shares().filter(|_| by != 0).map(|place| (place, by))
     }
 
-    /// Can its limits go with the encoder (inc, in its sense)?
+    /// Can its position and its limits go with the encoder (inc, in its sense)?
     pub fn follows_encoder(&self, by: i64) -> bool {
-        self.limit_out_of_range(self.turn_counts(by)).is_none()
+        let by = self.turn_counts(by);
+        (self.command.position + Position::whole(by)).is_legal() && self.limit_out_of_range(by).is_none()
     }
 
     /// The encoder that it reads was moved by someone else: its coordinate follows in the next cycle.

@@ -7,8 +7,8 @@
 //! Refuses  with code 98 what would begin towards an actuated switch
 //! Source   MACS-LIM-05, MACS-LIM-07, MACS-LIM-08, MACS-LIM-09, A-16, A-17, A-56
 
-use super::course::{Course, ROUNDING};
-use super::{Axis, AxisState, Context};
+use super::course::{Aim, Course, ROUNDING};
+use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::position::Position;
@@ -73,11 +73,21 @@ impl Axis {
             }
             return false;
         };
-        if code == Code::LIMIT_VIOLATION && slows && self.homing.is_ending() {
+        if code == Code::LIMIT_VIOLATION && slows && self.homing.is_ending() && self.only_stops() {
             return false;
         }
         self.react_at_once(cx, code, Number::None, Number::None);
         true
+    }
+
+    /// Is the way of this cycle that of a stop, and of nothing else?
+    fn only_stops(&self) -> bool {
+        let stops = match &self.generator {
+            Generator::Plan(course) => course.aim == Aim::Stop,
+            // A stop that ends in this cycle.
+            generator => matches!(generator, Generator::Rest),
+        };
+        stops && self.overlay.is_none()
     }
 
     /// The error that the switches make of a motion in this direction (0 at rest).

@@ -29,8 +29,8 @@ pub(super) enum Power {
     SwitchingOff,
     /// At rest and holding, while the brake closes; then off.
     Closing { since: u64 },
-    /// The drive stops by itself (error reaction 4).
-    DriveStops,
+    /// The drive stops by itself (error reaction 4), since that cycle; and then it is switched off?
+    DriveStops { since: u64, then_off: bool },
     /// Resetting the drive's fault, since that cycle.
     Resetting { since: u64 },
 }
@@ -126,7 +126,15 @@ impl Axis {
                     self.waiting.fail(cx.events, self.setup.index, Code::RESET_FAILED, super::stops::Until::Healthy);
                 }
             }
-            Power::Off | Power::DriveStops => {}
+            Power::DriveStops { then_off, .. } => {
+                if let Some(code) = failure.filter(|code| class(*code) != Class::Feedback) {
+                    // Nobody knows any more whether it does.
+                    self.fail_off(cx, code);
+                } else if then_off && self.has_stopped_by_itself(cx.cycle) {
+                    self.switch_off(cx);
+                }
+            }
+            Power::Off => {}
         }
     }
 
@@ -167,7 +175,7 @@ impl Axis {
         }
     }
 
-    fn has_timed_out(&self, cycle: u64, since: u64) -> bool {
+    pub(super) fn has_timed_out(&self, cycle: u64, since: u64) -> bool {
         cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > SWITCH_TIMEOUT_NS
     }
 
@@ -264,7 +272,7 @@ impl Axis {
         }
         let word = match self.power {
             Power::Off => control::DISABLE_VOLTAGE,
-            Power::DriveStops => control::QUICK_STOP,
+            Power::DriveStops { .. } => control::QUICK_STOP,
             Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => control::ENABLE,
             // The reset needs a rising edge: every other cycle without the bit.
             Power::Resetting { since } if cx.cycle.saturating_sub(since) % 2 == 1 => control::FAULT_RESET,

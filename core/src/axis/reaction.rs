@@ -148,7 +148,7 @@ impl Axis {
             }
             // While it is being switched off it only stops, and then is.
             Deed::DriveStops if !self.is_virtual() && self.is_at_work() => {
-                self.power = Power::DriveStops;
+                self.power = Power::DriveStops { since: cx.cycle, then_off: false };
                 self.stand_on_actual();
             }
             // One that is not on yet is not to come on.
@@ -226,7 +226,7 @@ impl Axis {
                 self.brake = reaction == 1;
             }
             3 => self.brake = true,
-            4 if has_drive && self.is_at_work() => self.power = Power::DriveStops,
+            4 if has_drive && self.is_at_work() => self.power = Power::DriveStops { since: cycle, then_off: false },
             _ => {}
         }
     }

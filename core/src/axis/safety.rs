@@ -80,7 +80,7 @@ impl Axis {
             }
             // What stops it may leave it under power, and so may a drive that has stopped by itself.
             self.judge.after_stop = 1;
-            if self.power == Power::DriveStops && self.has_stopped_by_itself(cx.cycle) {
+            if matches!(self.power, Power::DriveStops { .. }) && self.has_stopped_by_itself(cx.cycle) {
                 self.power = Power::Off;
                 self.brake = true;
             }

@@ -144,6 +144,9 @@ impl Axis {
                 self.brake_to_rest(cx, &self.stop_limits());
             }
             Power::SwitchingOff | Power::Closing { .. } => {}
+            Power::DriveStops { since, .. } if !self.has_stopped_by_itself(cx.cycle) => {
+                self.power = Power::DriveStops { since, then_off: true };
+            }
             _ => self.switch_off(cx),
         }
     }
@@ -164,9 +167,15 @@ impl Axis {
         self.holding.aborted = false;
         if self.is_on() && self.state != AxisState::ErrorStop {
             self.brake_to_rest(cx, &self.stop_limits());
-            self.set_state(cx, AxisState::Stopping);
+            self.lock(cx, Code::QUICK_STOP);
         }
         self.wait(cx, sequence, Until::Standstill);
+    }
+
+    /// Nothing moves it until it is reset: a reset that waits was meant for what was there before.
+    pub(super) fn lock(&mut self, cx: &mut Context<'_>, code: Code) {
+        self.waiting.fail(cx.events, self.setup.index, code, Until::Healthy);
+        self.set_state(cx, AxisState::Stopping);
     }
 
     /// Stops and locks the axis; a brake closes once it stands, or at once where nothing holds it (MACS-ERR-09, A-49).
@@ -177,7 +186,7 @@ impl Axis {
         if self.is_on() {
             if self.state != AxisState::ErrorStop {
                 self.brake_to_rest(cx, &self.stop_limits());
-                self.set_state(cx, AxisState::Stopping);
+                self.lock(cx, Code::ABORTED);
                 self.holding.aborted = true;
             }
             if has_brake {
@@ -221,16 +230,15 @@ impl Axis {
         self.holding.aborted = false;
         let before = std::mem::replace(&mut self.error, Code::NONE);
         let was_braked = std::mem::take(&mut self.brake);
-        if self.power == Power::DriveStops {
+        if matches!(self.power, Power::DriveStops { .. }) {
             self.power = Power::Off;
-        } else if was_braked && self.power == Power::On {
-            // Its own brake opens again, and takes its time.
-            self.power = self.power_is_on(cx.cycle);
+        } else if was_braked && matches!(self.power, Power::On | Power::Opening { .. }) {
+            // Its own brake opens again, from the next cycle on, and takes its time.
+            self.power = self.power_is_on(cx.cycle.saturating_add(1));
         }
         self.judge.forget();
         if matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
-            let is_ready = self.is_on() && !self.is_opening();
-            let state = if is_ready { AxisState::Standstill } else { AxisState::Disabled };
+            let state = if self.power == Power::On { AxisState::Standstill } else { AxisState::Disabled };
             self.set_state(cx, state);
         }
         self.return_error(cx, before);
@@ -313,7 +321,7 @@ impl Axis {
         // One whose drive still stops, or whose brake still closes, is not to be let go.
         let is_going = match self.power {
             Power::Resetting { .. } | Power::Closing { .. } => true,
-            Power::DriveStops => !self.drive_fails(cx) && !self.has_stopped_by_itself(cx.cycle),
+            Power::DriveStops { .. } => !self.drive_fails(cx) && !self.has_stopped_by_itself(cx.cycle),
             _ => false,
         };
         let clears = self.holding.clears || self.waiting.waits_for(Until::Healthy);
@@ -327,8 +335,12 @@ impl Axis {
         let (axis, opens) = (self.setup.index, self.is_opening());
         let mut end = |until, code| self.waiting.end(cx.events, axis, until, code, position);
         match self.power {
-            Power::On => end(Until::Enabled, Code::NONE),
-            Power::DriveStops => end(Until::Enabled, failed.unwrap_or(Code::DISABLED)),
+            Power::On => {
+                // An error that stopped it while its brake opened.
+                let stopped = failed.filter(|_| self.state == AxisState::ErrorStop);
+                end(Until::Enabled, stopped.unwrap_or(Code::NONE));
+            }
+            Power::DriveStops { .. } => end(Until::Enabled, failed.unwrap_or(Code::DISABLED)),
             Power::Off => {
                 end(Until::Disabled, Code::NONE);
                 end(Until::Enabled, failed.unwrap_or(Code::DISABLED));

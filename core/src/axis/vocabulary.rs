@@ -40,7 +40,9 @@ impl Axis {
             cycle_ns: self.setup.cycle_ns,
             owns: self.owner == owner,
             free: self.check_ready().is_ok(),
-            on: self.is_on(),
+            // Not before its brake is open, and no more once that closes.
+            on: matches!(self.power, Power::On | Power::SwitchingOff),
+            closing: matches!(self.power, Power::Closing { .. }),
             locked: matches!(self.state, AxisState::ErrorStop | AxisState::Stopping),
             in_error: self.state == AxisState::ErrorStop,
             error: self.error,
@@ -267,6 +269,18 @@ impl Axis {
         Some(refusal)
     }
 
+    /// Switches the axis off: at once, but one that stands leaves its load to its brake first.
+    fn let_go(&mut self, cx: &mut Context<'_>) {
+        if matches!(self.power, Power::Closing { .. }) {
+            return;
+        }
+        if self.own_brake().is_some() && self.is_on() && self.rests() {
+            self.power = Power::SwitchingOff;
+        } else {
+            self.switch_off(cx);
+        }
+    }
+
     /// Does what a vocabulary asks.
     ///
     /// # Errors
@@ -286,7 +300,7 @@ impl Axis {
                 // Also one that is on its way to being on.
                 let runs = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
                 if !self.is_virtual() && runs {
-                    self.switch_off(cx);
+                    self.let_go(cx);
                 }
             }
             Order::FailOff { refusal } => {
@@ -295,7 +309,7 @@ impl Axis {
                 if self.is_virtual() {
                     self.brake_to_rest(cx, &self.stop_limits());
                 } else {
-                    self.switch_off(cx);
+                    self.let_go(cx);
                 }
             }
             Order::Position { target, limits, reference } => {

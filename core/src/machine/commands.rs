@@ -76,9 +76,12 @@ impl Machine {
             | Action::Saia(_)
             | Action::Wf(_)
             | Action::Cancel { .. }
-            // Once the encoders of the cycle are read.
-            | Action::SetEncoderPosition(_)
             | Action::Trajectory(_) => Ok(true),
+            Action::SetEncoderPosition(request) if usize::from(request.encoder) >= self.state.encoders.len() => {
+                Err(Refusal::new(Code::BAD_REQUEST, Object::Machine))
+            }
+            // Once the encoders of the cycle are read.
+            Action::SetEncoderPosition(_) => Ok(true),
             Action::SetPosition(request) => {
                 self.admit_shared_zero(request.axis)?;
                 Ok(true)

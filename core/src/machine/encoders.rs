@@ -55,10 +55,6 @@ impl Machine {
         for (_, command) in super::live(commands, admitted) {
             let Action::SetEncoderPosition(request) = &command.action else { continue };
             if usize::from(request.encoder) != index {
-                // One that does not exist is answered once.
-                if index == 0 && usize::from(request.encoder) >= self.state.encoders.len() {
-                    self.events.push(Refusal::new(Code::BAD_REQUEST, Object::Machine).event(command.sequence));
-                }
                 continue;
             }
             match self.zero_of_encoder(request) {
@@ -109,7 +105,9 @@ impl Machine {
     /// True where the encoder has moved; else only the axis has its new zero, and that is told.
     fn share(&mut self, index: usize, encoder: u16, by: i64, except: Option<usize>) -> bool {
         let fits = |(other, axis): (usize, &Axis)| Some(other) == except || axis.follows_encoder(by);
-        let moves = self.users(encoder).all(fits) && self.check_users(encoder, except).is_ok();
+        let own = self.state.encoders.get(usize::from(encoder)).map(|encoder| encoder.lead().position);
+        let is_legal = own.is_some_and(|own| (own + Position::whole(by)).is_legal());
+        let moves = is_legal && self.users(encoder).all(fits) && self.check_users(encoder, except).is_ok();
         if moves {
             self.move_encoder(encoder, by, except);
         } else {

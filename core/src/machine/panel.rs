@@ -219,6 +219,11 @@ impl Panel {
         let mut active = Active::default();
         active.add(self.parameters.o_error, axes.iter().any(|axis| !axis.error().is_none()));
         axes.iter().for_each(|axis| active.add(axis.parameters.outputs.axmove, axis.is_commanded()));
+        // First all of those that are not assigned any more: another function may be new there.
+        release(outputs, self.error, self.parameters.o_error, active);
+        for (axis, moves) in axes.iter().zip(&self.moves) {
+            release(outputs, *moves, axis.parameters.outputs.axmove, active);
+        }
         show(outputs, &mut self.error, self.parameters.o_error, active);
         for (axis, (brake, moves)) in axes.iter().zip(self.brakes.iter_mut().zip(&mut self.moves)) {
             let assigned = axis.parameters.outputs;
@@ -288,15 +293,17 @@ impl Active {
     }
 }
 
-/// Writes an output whose function has changed; one that is not assigned any more goes back to inactive, unless another function
-/// shows there.
+/// An output that is not assigned any more goes back to inactive, unless the same function of another axis shows there.
+fn release(outputs: &mut [u64], shown: Shown, number: i64, active: Active) {
+    if shown.number != number {
+        put(outputs, shown.number, active.has(shown.number));
+    }
+}
+
+/// Writes an output whose function has changed.
 fn show(outputs: &mut [u64], shown: &mut Shown, number: i64, active: Active) {
     let now = Shown { number, active: active.has(number) };
-    let before = std::mem::replace(shown, now);
-    if before.number != number {
-        put(outputs, before.number, active.has(before.number));
-    }
-    if before != now {
+    if std::mem::replace(shown, now) != now {
         put(outputs, number, now.active);
     }
 }

@@ -65,8 +65,10 @@ pub struct View<'a> {
     pub owns: bool,
     /// The axis can be moved: on, without error and lock.
     pub free: bool,
-    /// The drive is on.
+    /// The drive is on, and its brake open.
     pub on: bool,
+    /// Its brake closes; then it is switched off.
+    pub closing: bool,
     /// An error or a quick stop holds the axis until reset_errors.
     pub locked: bool,
     /// An error stopped the axis.

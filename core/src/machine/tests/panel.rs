@@ -3,6 +3,7 @@
 mod abort;
 mod brake;
 mod brake_first;
+mod brake_meets;
 mod functions;
 
 use super::rig::{LINE, Rig, X, Y, at, config, to};

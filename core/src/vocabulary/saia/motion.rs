@@ -122,7 +122,7 @@ impl Saia {
     }
 
     /// The start that waits, as soon as the drive is on; before that the drive is asked to switch on. One that was just
-    /// switched off gets a cycle in which it is.
+    /// switched off gets a cycle in which it is, and its brake the time to close.
     pub(super) fn begin(&mut self, view: &View<'_>) -> Option<Order> {
         if !self.starting.waits {
             return None;
@@ -131,7 +131,7 @@ impl Saia {
             self.starting = Starting::default();
             return Some(self.motion_order(view));
         }
-        if self.starting.switched || self.off_at == Some(view.cycle) {
+        if self.starting.switched || self.off_at == Some(view.cycle) || view.closing {
             return None;
         }
         self.starting.switched = true;

@@ -3,7 +3,7 @@
 use super::super::rig::{LINE, Rig, X, at, couple, to};
 use super::{FAR, assign, cell, home, rig, rig_with, run_to_end, set, way};
 use crate::code::Code;
-use crate::command::{Action, Command, Commands, Source};
+use crate::command::{Action, Command, Commands, Move, MoveMode, Source};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::Value;
 use crate::sim::Model;
@@ -99,6 +99,28 @@ fn a_stop_on_the_limit_switch_that_homing_seeks_only_stops() {
             let back = rig.give(Action::Move(to(X, 0)));
             assert!(rig.was_accepted(back));
         }
+    }
+}
+
+/// While it only brakes there, nothing else leads on into the switch: what is superimposed could, at the velocity that the stop
+/// loses.
+///
+/// Proves: MACS-LIM-09
+#[test]
+fn nothing_is_superimposed_on_a_stop_on_the_limit_switch() {
+    for (velocity, acceleration) in [(500.0, 50_000.0), (2_000.0, 20_000.0), (0.0, 1_000.0)] {
+        let mut rig = rig(way(15_000, (-FAR, -FAR)));
+        let sequence = home(&mut rig, 2);
+        rig.run_until("x.limit.positive", 1);
+        rig.run(5);
+        rig.give(Action::Cancel { goal: sequence });
+        let more = Move { mode: MoveMode::Superimposed, velocity, acceleration, ..to(X, 20_000) };
+        rig.give(Action::Move(more));
+        rig.run(150);
+        let place = rig.int("x.actual.position");
+        rig.run(3_000);
+        let gone = rig.int("x.actual.position") - place;
+        assert!(gone <= 100, "{gone} inc on beyond the switch, {}", rig.state("x"));
     }
 }
 

@@ -308,3 +308,44 @@ fn what_is_shown_counts_on_whatever_sets_the_leader_anew() {
         assert_eq!(broken, 0);
     }
 }
+
+/// A command that names no encoder of the machine is answered, also where it has none at all.
+#[test]
+fn a_new_value_of_an_encoder_that_is_not_there_is_refused() {
+    for encoders in [0, 1] {
+        let mut cell = config(0);
+        cell.encoders.truncate(encoders);
+        let mut rig = Rig::of(cell);
+        rig.run(2);
+        let position = Length::whole(5);
+        let sequence = rig.give(Action::SetEncoderPosition(SetEncoderPosition { encoder: 1, position }));
+        rig.run(2);
+        let answers = rig.events.iter().filter(|event| event.command == sequence).count();
+        assert_eq!((answers, rig.refusal(sequence).is_empty()), (1, false), "{encoders}");
+    }
+}
+
+/// A new value of an encoder takes none of its users beyond all positions.
+///
+/// Proves: MACS-ENC-12
+#[test]
+fn a_new_value_of_an_encoder_keeps_all_positions_legal() {
+    const MOST: i64 = crate::position::Position::LIMIT - 1;
+    let mut cell = cell(10, 0);
+    let x = &mut cell.axes[usize::from(X)];
+    (x.interface, x.wired) = (Interface::Velocity, crate::axis::Wired::Encoder(0));
+    // Its zeros are its own.
+    x.parameters.encoder.enccontrol = 2;
+    let mut rig = Rig::of(cell);
+    rig.run(5);
+    rig.give(origin(X, MOST));
+    rig.run(2);
+    assert_eq!((rig.int("x.actual.position"), rig.int("belt.position")), (MOST, 0));
+    let sequence = rig.give(encoder(1_000));
+    rig.run(2);
+    assert_eq!((rig.int("x.actual.position"), rig.int("belt.position")), (MOST, 0), "{}", rig.refusal(sequence));
+    let back = rig.give(encoder(-1_000));
+    rig.run(2);
+    assert!(rig.was_accepted(back));
+    assert_eq!((rig.int("x.actual.position"), rig.int("belt.position")), (MOST - 1_000, -1_000));
+}

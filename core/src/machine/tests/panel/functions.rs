@@ -4,13 +4,22 @@ use super::super::rig::{Rig, X, Y, to};
 use super::{R, set, with_io};
 use crate::command::Action;
 use crate::config::{BrakeConfig, ConfigError, MachineConfig};
+use crate::drive::inputs;
 use crate::object::AxisSet;
-use crate::parameter::{Layer, MACHINE};
+use crate::parameter::{Change, Layer, MACHINE, Row, Value};
 
 fn with_brake() -> MachineConfig {
     let mut cell = with_io();
     cell.axes[1].brake = Some(BrakeConfig { output: R, closes_with_one: false, release_ns: 0, engage_ns: 0 });
     cell
+}
+
+fn changes(of: &[(u16, &str, i64)]) -> Action {
+    let change = |&(axis, key, value): &(u16, &str, i64)| {
+        let (row, _) = Row::find(key).unwrap();
+        Change { axis, row, value: Value::Int(value) }
+    };
+    Action::SetParameters(of.iter().map(change).collect())
 }
 
 /// Axes that share the output of O_AXMOVE: it is active while any of them has a motion command, of both signs.
@@ -89,4 +98,32 @@ fn a_cell_gives_an_output_one_function() {
     saved.outputs.axmove = 1;
     cell.axes[2].saved = Some(saved);
     assert_eq!(said(&cell), Err("machine: o_error names output 1, which has another function already".into()));
+}
+
+/// An output that changes its function shows the new one, whatever level the former one rests at, and a brake that an error has
+/// closed is not opened by the former one.
+///
+/// Proves: MACS-IO-04, MACS-IO-07
+#[test]
+fn an_output_that_changes_its_function_shows_the_new_one() {
+    for (of, to) in [(-1, 1), (1, -1), (1, 1), (-1, -1)] {
+        let mut cell = with_io();
+        cell.axes[2].parameters.outputs.axmove = of;
+        let mut rig = Rig::of(cell);
+        rig.enable();
+        rig.give(changes(&[(Y, "o_axmove", 0), (MACHINE, "o_error", to)]));
+        assert_eq!(rig.int("p"), i64::from(to < 0), "there is no error: {of} {to}");
+    }
+    for (of, to) in [(-1, 1), (1, -1), (1, 1), (-1, -1)] {
+        let mut cell = with_io();
+        cell.axes[1].parameters.error_reaction = 3;
+        cell.axes[2].parameters.outputs.axmove = of;
+        let mut rig = Rig::of(cell);
+        rig.enable();
+        rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.run(5);
+        assert_eq!(rig.state("x"), "ERROR_STOP");
+        rig.give(changes(&[(X, "o_brake", to), (Y, "o_axmove", 0)]));
+        assert_eq!((rig.int("p"), rig.int("x.brake")), (i64::from(to > 0), 1), "{of} {to}");
+    }
 }

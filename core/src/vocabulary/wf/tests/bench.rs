@@ -75,6 +75,7 @@ impl Bench {
             owns: self.owns,
             free: self.on && !self.in_error,
             on: self.on,
+            closing: false,
             locked: self.in_error,
             in_error: self.in_error,
             error: crate::code::Code::NONE,
