@@ -1,0 +1,146 @@
+//! Why a machine cannot be made.
+
+use crate::axis::MAX_DELAY;
+use crate::code::Code;
+use crate::drive::Interface;
+use crate::text::cell_has;
+
+/// Why a machine cannot be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ConfigError {
+    /// The cycle's length.
+    #[error("cycle is {0} ns; 125000 ns to 20000000 ns is allowed")]
+    Cycle(u64),
+    /// Too many of something.
+    #[error("{count} {what}; at most {most} are possible")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are possible.
+        most: usize,
+    },
+    /// A drive's delay.
+    #[error("drive of {axis}: delay is {delay} cycles; at most {MAX_DELAY} are possible")]
+    Delay {
+        /// Whose.
+        axis: String,
+        /// How long.
+        delay: u32,
+    },
+    /// A way to command a drive that the core does not have.
+    #[error("drive of {axis}: interface torque does not exist yet")]
+    Torque {
+        /// Whose.
+        axis: String,
+    },
+    /// A way to command a drive that its backend does not have.
+    #[error("drive of {axis}: interface is {}, which its backend does not offer", interface.name())]
+    NotOffered {
+        /// Whose.
+        axis: String,
+        /// What is asked for.
+        interface: Interface,
+    },
+    /// A drive that is to home by itself.
+    #[error("drive of {axis}: homing.in_drive is true, and its backend offers no homing")]
+    HomesNot {
+        /// Whose.
+        axis: String,
+    },
+    /// An output of an open-loop axis.
+    #[error("{axis}: {key} is wired to entry {entry} of io, which is no {kind}")]
+    Output {
+        /// Whose.
+        axis: String,
+        /// Which one.
+        key: &'static str,
+        /// To what.
+        entry: u16,
+        /// What it must be.
+        kind: &'static str,
+    },
+    /// A contact of section safety.
+    #[error("safety: {key} is digital input {place} (from 0), which does not exist")]
+    Contact {
+        /// Which one.
+        key: &'static str,
+        /// To what.
+        place: u32,
+    },
+    /// An output that two of an axis' own would switch.
+    #[error("{axis}: brake is wired to entry {entry} of io, which something else switches")]
+    OutputTwice {
+        /// Whose.
+        axis: String,
+        /// Which one.
+        entry: u16,
+    },
+    /// A number of an input or output that is not there.
+    #[error("{}{key} is {number}; {}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")), cell_has(*is_output, &count.to_string()))]
+    NoSuchIo {
+        /// Whose; none for the machine.
+        axis: Option<String>,
+        /// The parameter.
+        key: &'static str,
+        /// Its value.
+        number: i64,
+        /// It names an output.
+        is_output: bool,
+        /// How many there are.
+        count: usize,
+    },
+    /// An output with two functions.
+    #[error("{}{key} names output {number}, which has another function already", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")))]
+    OutputShared {
+        /// Whose; none for the machine.
+        axis: Option<String>,
+        /// The parameter.
+        key: &'static str,
+        /// The output.
+        number: i64,
+    },
+    /// A parameter of the reference selector.
+    #[error("{axis}: {key} has a value that the rest of the axis does not allow")]
+    Selector {
+        /// Whose.
+        axis: String,
+        /// Which.
+        key: &'static str,
+    },
+    /// Masters of reference selectors.
+    #[error("{axis}: its reference selector would follow itself, directly or through others")]
+    MasterLoop {
+        /// One of the loop.
+        axis: String,
+    },
+    /// A parameter that follows from others.
+    #[error("{axis}: {key} follows from others and leaves its range")]
+    Derived {
+        /// Whose.
+        axis: String,
+        /// Which.
+        key: &'static str,
+    },
+    /// A parameter that asks for something that does not exist.
+    #[error("{axis}: {key} {}", crate::text::not_built_here(*code))]
+    NotBuilt {
+        /// Whose.
+        axis: String,
+        /// Which.
+        key: &'static str,
+        /// What does not exist.
+        code: Code,
+    },
+    /// Two parameters of an axis.
+    #[error("{axis}: {low} lies above {high}")]
+    Contradiction {
+        /// Whose.
+        axis: String,
+        /// The one that must not be above the other.
+        low: &'static str,
+        /// The other one.
+        high: &'static str,
+    },
+}

@@ -1,0 +1,117 @@
+//! Why a request is refused before it becomes a command.
+
+use crate::unit::UnitError;
+
+/// Why a request is refused before it becomes a command.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RequestError {
+    /// A name that no axis has.
+    #[error("no axis is called `{name}`; there are {known}")]
+    UnknownAxis {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A name that nothing has that could lead.
+    #[error("`{name}` cannot lead; {known} can")]
+    UnknownLeader {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A name that nothing has that latches.
+    #[error("`{name}` does not latch; {known} can")]
+    UnknownLatch {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A name that no parameter has.
+    #[error("no parameter is called `{name}`{hint}")]
+    UnknownParameter {
+        /// The name given.
+        name: String,
+        /// What may have been meant.
+        hint: String,
+    },
+    /// A word that a vocabulary does not have.
+    #[error("no {what} is called `{name}`; there are {known}")]
+    UnknownWord {
+        /// What it should be.
+        what: &'static str,
+        /// The word given.
+        name: String,
+        /// The words there are.
+        known: String,
+    },
+    /// A number for a field that has names.
+    #[error("{field} is {value}; {allowed}")]
+    BadChoice {
+        /// The field.
+        field: &'static str,
+        /// The value given.
+        value: i64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// A value that the request's units cannot hold.
+    #[error("{field}: {error}")]
+    BadValue {
+        /// The field.
+        field: String,
+        /// What is wrong with it.
+        error: Box<UnitError>,
+    },
+    /// A parameter's value of the wrong type.
+    #[error("{name} is `{value}`; {allowed} is expected")]
+    BadParameter {
+        /// The parameter.
+        name: String,
+        /// The value given.
+        value: String,
+        /// What it may be.
+        allowed: String,
+    },
+    /// A parameter that others have.
+    #[error("{name} is not there; it is for {allowed}")]
+    NotApplicable {
+        /// The parameter.
+        name: String,
+        /// Who has it.
+        allowed: &'static str,
+    },
+    /// Something of a trajectory.
+    #[error("{name}: {value}; {allowed}")]
+    BadTrajectory {
+        /// What.
+        name: String,
+        /// What was given.
+        value: String,
+        /// What it may be.
+        allowed: String,
+    },
+    /// A set of setpoints without one.
+    #[error("no axis is named; one or more, each with a velocity, are expected")]
+    NoSetpoint,
+    /// A name that stands twice where each axis stands once.
+    #[error("axis `{name}` stands twice; once is allowed")]
+    AxisTwice {
+        /// The name.
+        name: String,
+    },
+    /// A set of outputs without one.
+    #[error("no output is named; one or more, each with a value, are expected")]
+    NoOutput,
+    /// An output that stands twice in one request.
+    #[error("output `{name}` stands twice; once is allowed")]
+    OutputTwice {
+        /// The name.
+        name: String,
+    },
+    /// Something that this version does not have.
+    #[error("{0} does not exist yet")]
+    NotBuilt(String),
+}

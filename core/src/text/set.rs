@@ -1,0 +1,175 @@
+//! Why the set of a parameter was refused.
+
+use super::{number_text, parameter_value, range_text, refused_text, row, scale_of, value_of, value_text};
+use crate::code::Code;
+use crate::config::MachineConfig;
+use crate::event::{Event, Number};
+use crate::parameter::{Refused, Row, Value};
+
+/// How many digital inputs, or outputs, the cell has.
+pub fn cell_has(outputs: bool, count: &str) -> String {
+    let what = if outputs { "output" } else { "input" };
+    format!("the cell has {count} digital {what}{}", if count == "1" { "" } else { "s" })
+}
+
+pub(super) fn key(event: &Event) -> &'static str {
+    row(event).map_or("parameter", |row| row.key)
+}
+
+pub(super) fn not_built(event: &Event, config: &MachineConfig) -> String {
+    match row(event) {
+        Some(row) if !row.missing.is_empty() => refused(event, row, Refused::NotBuilt, config),
+        Some(row) => {
+            let value = parameter_value(row, event.asked, event.source, config);
+            format!("{} {value} does not exist yet", row.key)
+        }
+        None => "this does not exist yet".to_owned(),
+    }
+}
+
+/// What is missing for a value, behind its name.
+pub fn not_built_here(code: Code) -> &'static str {
+    match code {
+        Code::LOOP_IN_DRIVE => {
+            "inverts the position loop, which a drive with interface position closes itself; 1, 11, -1 and -11 are allowed"
+        }
+        Code::NO_VELOCITY_LOOP => {
+            "inverts one loop and not the other, but the velocity loop does not exist yet; 1, 2, 11, 22 and their negatives \
+             are allowed"
+        }
+        Code::ENCODER_UNKNOWN_TYPE => "is no type of encoder",
+        Code::WF_NO_CAM_SIDE => {
+            "is no side of the cam; with an incremental encoder 0 (the one that JOG leads to), 1 (plus) and 2 (minus) are allowed"
+        }
+        Code::ENCODER_NEEDS_BUS => {
+            "names a node of a bus, which does not exist yet; the types 0 to 5, 9, 10, 20, 30 exist, for a master 0, 1, 2, \
+             5, 6, 10, 20, 30 and -1 to -999"
+        }
+        Code::ENCODER_NO_TERMINAL => {
+            "names an entry of section encoders that the cell does not have: 10 is the first one"
+        }
+        Code::ENCODER_LOOP_IN_DRIVE => {
+            "names an encoder that a drive with interface position does not close its loop with; 0, 1, 2, 5 and 9 are allowed"
+        }
+        Code::ENCODER_CHOSEN_TWICE => {
+            "names another encoder than key feedback of the axis or its wf.md4 does; one of them may choose"
+        }
+        Code::WF_LOOP_IN_DRIVE => {
+            "asks for words in Gray code, which a drive with interface position decodes itself; 0 (incremental) is allowed"
+        }
+        Code::ENCODER_NO_RATE => {
+            "is no clock rate; 39000 to 5000000 Hz are allowed, or with encodertype 9 any distance of marks above 0"
+        }
+        Code::WF_NO_PARITY => {
+            "is no parity; with wf.md4 absolute 0 inc (none), 1 inc (even) and 2 inc (odd) are allowed"
+        }
+        Code::NO_REVERSING_OUTPUTS => "asks for a node on a bus, which does not exist yet; below 100 is allowed",
+        Code::REVERSING_BY_POSITION => {
+            "asks for outputs, which tell the sign of a velocity to drives with interface velocity or open_loop; 0, 1 and 2 \
+             are allowed"
+        }
+        _ => "does not exist yet",
+    }
+}
+
+pub(super) fn reverse_forbidden(event: &Event, config: &MachineConfig) -> String {
+    let asked = || number_text(event.asked, event.source, config);
+    match event.asked {
+        Number::Position(_) => format!("the way to {} leads backwards, which revers forbids", asked()),
+        Number::Velocity(_) => {
+            format!("velocity {} leads backwards, which revers forbids; 0 or more is allowed", asked())
+        }
+        _ => "the motion leads backwards, which revers forbids; the axis waits".to_owned(),
+    }
+}
+
+pub(super) fn read_only(event: &Event, config: &MachineConfig) -> String {
+    row(event).map_or("the parameter is read-only".to_owned(), |row| refused(event, row, Refused::ReadOnly, config))
+}
+
+pub(super) fn refused(event: &Event, row: &Row, why: Refused, config: &MachineConfig) -> String {
+    refused_text(row, why, value_of(event.asked), &scale_of(event.source, config))
+}
+
+pub(super) fn not_disabled(event: &Event, config: &MachineConfig) -> String {
+    let axis = config.name(event.source);
+    match row(event) {
+        Some(row) => {
+            let value = parameter_value(row, event.asked, event.source, config);
+            format!("{} becomes {value} only while {axis} is disabled", row.key)
+        }
+        None => {
+            format!("{axis} is not disabled; the power goes only where all axes are disabled and virtual ones stand")
+        }
+    }
+}
+
+pub(super) fn out_of_range(event: &Event, config: &MachineConfig) -> String {
+    let Some(row) = row(event) else { return "a parameter lies outside its range".to_owned() };
+    let value = parameter_value(row, event.asked, event.source, config);
+    match event.limit {
+        Number::None => refused(event, row, Refused::OutOfRange, config),
+        // What a cycle can do is less than what the row says.
+        limit => {
+            let limit = number_text(limit, event.source, config);
+            match row.root() {
+                "max_velocity" if !row.is_view() => {
+                    format!("{} is {value}; more than 0 up to {limit} is allowed", row.key)
+                }
+                _ => format!("{} {value} makes max_velocity more than {limit}, the most that a cycle can do", row.key),
+            }
+        }
+    }
+}
+
+pub(super) fn given_twice(event: &Event, config: &MachineConfig) -> String {
+    let Some(row) = row(event) else { return "a value stands twice in the set".to_owned() };
+    let [value, other] = [event.asked, event.limit].map(|number| parameter_value(row, number, event.source, config));
+    format!("{} {value} stands twice in the set: another line makes it {other}; give it once", row.key)
+}
+
+/// Two values that cannot stand together, or one that leads another out of its range.
+pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
+    let Some(row) = row(event) else { return "the parameters contradict each other".to_owned() };
+    let value = parameter_value(row, event.asked, event.source, config);
+    let limit = number_text(event.limit, event.source, config);
+    let derived = match event.limit {
+        Number::Velocity(value) => Some(("max_velocity", value)),
+        Number::Acceleration(value) => Some(("max_acceleration", value)),
+        Number::Jerk(value) => Some(("max_jerk", value)),
+        _ => None,
+    };
+    if let Some((native, number)) = derived
+        && let Some((_, native)) = Row::find(native)
+        && native.check(Value::Real(number)).is_err()
+    {
+        let range = range_text(native, |value| value_text(native, value, &scale_of(event.source, config)));
+        return format!("{} {value} makes {} {limit}; {range} is allowed", row.key, native.key);
+    }
+    // What MACS gives as a part or a count is told beside what MACS has there.
+    let key = match (row.key, event.limit) {
+        ("neglimit" | "poslimit" | "swneglimact" | "swposlimact", _) => row.key,
+        ("dfltvel" | "dfltacc" | "home_vel" | "home_ramp", Number::Count(_)) => row.key,
+        _ => row.root(),
+    };
+    let other = match key {
+        "dfltvel" | "dfltacc" | "home_vel" | "home_ramp" => "must not lie above velres",
+        "velres" => "must not lie below dfltvel, dfltacc, home_vel or home_ramp",
+        "homing.velocity" | "homing.index_velocity" => "must not lie above max_velocity",
+        "neglimit" => "must lie below poslimit",
+        "poslimit" => "must lie above neglimit",
+        "swneglimact" => "puts neglimit in force, which must lie below poslimit",
+        "swposlimact" => "puts poslimit in force, which must lie above neglimit",
+        "min_position" => "must lie below max_position",
+        "max_position" => "must lie above min_position",
+        "default_velocity" => "must not lie above max_velocity",
+        "max_velocity" => "must not lie below default_velocity, homing.velocity or homing.index_velocity:",
+        "default_acceleration" => "must not lie above max_acceleration",
+        "max_acceleration" => "must not lie below default_acceleration",
+        "wf.md1" => "must not lie above max_acceleration",
+        "wf.md2" => "must not lie above the largest deceleration",
+        key if key.starts_with("wf.") => "breaks the falling order of the steps beside",
+        _ => "contradicts the other parameters of the axis:",
+    };
+    format!("{} {value} {other} {limit}", row.key)
+}
