@@ -69,7 +69,7 @@ fn the_reference_selector_plays_its_scenarios() {
 
 #[test]
 fn the_blocks_of_wf_play_their_scenarios() {
-    assert!(plays("wf") >= 11);
+    assert!(plays("wf") >= 12);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! What an error does to its axis: one table.
 //!
-//! Law      reaction = f(class of the code, error_reaction, endswmod); what has no line of its own is of class [`Class::Parameter`]
+//! Law      reaction = f(class of the code, error_reaction, endswmod); every code that can be the error of an axis has its line,
+//!          but a refusal that saia.command_error makes an error, which switches the drive off
 //! Reads    the code, parameters of the axis
 //! Writes   the power, the generator, the state; all in the cycle of the error
 //! Source   MACS-ERR-02, MACS-ERR-03, MACS-ERR-05, MACS-LIM-08, MACS-PROF-13
@@ -18,6 +19,8 @@ pub enum Class {
     Parameter,
     /// As error_reaction says, but 5 stops as 2 does: what commanded the motion is gone, or it would run into its end.
     Ends,
+    /// A homing or a search for an index has failed: as error_reaction says; with 5 it ends and the axis stops, and takes goals.
+    Search,
     /// A limit switch: endswmod 1 stops as 2 does; else as [`Class::Ends`].
     Switch,
     /// A software limit: it stops at the limit, and once it stands as error_reaction says.
@@ -31,6 +34,8 @@ pub enum Class {
     Interlock,
     /// It stops with max_deceleration, then the drive is switched off and the brake closed.
     EmergencyStop,
+    /// A SAIA command that is refused; only saia.command_error motor_off makes an error of it, which switches the drive off.
+    Command,
 }
 
 impl Class {
@@ -39,18 +44,37 @@ impl Class {
         match self {
             Self::Parameter => "as `error_reaction` says",
             Self::Ends => "as `error_reaction` says; 5 stops as 2",
+            Self::Search => {
+                "where it ends a homing or a search: as `error_reaction` says; with 5 the axis stops, and takes goals"
+            }
             Self::Switch => "`endswmod` 1: stop and hold; else as `error_reaction` says, 5 as 2",
-            Self::SoftwareLimit => "stops at the limit, then as `error_reaction` says",
+            Self::SoftwareLimit => {
+                "stops at the limit, then as `error_reaction` says; drive off there with interface open_loop"
+            }
             Self::Feedback => "drive off where the position loop is closed here; else as `error_reaction` says, 5 as 2",
             Self::Drive => "drive off",
             Self::Interlock => "stop with `max_deceleration`, then hold",
             Self::EmergencyStop => "stop with `max_deceleration`, then drive off and brake closed",
+            Self::Command => "none; with `saia.command_error` motor_off: drive off",
         }
     }
 }
 
-/// The table.
+/// The table: every code that an axis can raise.
 const TABLE: &[(Code, Class)] = &[
+    (Code::FOLLOWING_ERROR, Class::Parameter),
+    (Code::STOPPED_WITH_OTHER, Class::Parameter),
+    (Code::WF_FOLLOWING_ERROR_IN_TRAVEL, Class::Parameter),
+    (Code::WF_FOLLOWING_ERROR_AT_STANDSTILL, Class::Parameter),
+    (Code::WF_POSITION_NOT_REACHED, Class::Parameter),
+    (Code::WF_NO_ZERO_MARK, Class::Search),
+    (Code::HOMING_SWITCH_MISSED, Class::Search),
+    (Code::HOMING_INDEX_MISSED, Class::Search),
+    (Code::HOMING_AT_LIMIT, Class::Search),
+    (Code::HOMING_IN_DRIVE_FAILED, Class::Search),
+    (Code::HOMING_IN_DRIVE_TIMEOUT, Class::Search),
+    (Code::HOMING_LOST, Class::Search),
+    (Code::POSITION_OUT_OF_RANGE, Class::Search),
     (Code::DRIVE_LOST, Class::Drive),
     (Code::DRIVE_STALE, Class::Drive),
     (Code::DRIVE_DISABLED, Class::Drive),
@@ -68,14 +92,26 @@ const TABLE: &[(Code, Class)] = &[
     (Code::WF_PULSES, Class::Drive),
     (Code::EMERGENCY_STOP, Class::EmergencyStop),
     (Code::INTERLOCK, Class::Interlock),
+    (Code::SAIA_NOT_INITIALISED, Class::Command),
+    (Code::SAIA_REGISTER_OUT_OF_RANGE, Class::Command),
+    (Code::SAIA_POSITION_OUT_OF_RANGE, Class::Command),
+    (Code::SAIA_VELOCITY_OUT_OF_RANGE, Class::Command),
+    (Code::SAIA_ACCELERATION_OUT_OF_RANGE, Class::Command),
+    (Code::SAIA_RELATIVE_TOO_EARLY, Class::Command),
+    (Code::SAIA_BAD_STOP_BITS, Class::Command),
+    (Code::SAIA_BAD_REACTION, Class::Command),
+    (Code::SAIA_STEP_IN_MOTION, Class::Command),
+    (Code::SAIA_STEP_AT_END, Class::Command),
+    (Code::SAIA_ACCELERATION_PENDING, Class::Command),
+    (Code::SAIA_ACCELERATION_ABOVE_VELOCITY, Class::Command),
+    (Code::SAIA_READ_OUT_OF_RANGE, Class::Command),
 ];
 
-/// What an error of this code does.
-pub fn class(code: Code) -> Class {
+/// What an error of this code does; none where it is never the error of an axis.
+pub fn class(code: Code) -> Option<Class> {
     match TABLE.iter().find(|(known, _)| *known == code) {
-        Some((_, class)) => *class,
-        None if code.0 >= Code::DRIVE_FAULT => Class::Drive,
-        None => Class::Parameter,
+        Some((_, class)) => Some(*class),
+        None => (code.0 >= Code::DRIVE_FAULT).then_some(Class::Drive),
     }
 }
 
@@ -118,15 +154,15 @@ impl Axis {
     fn deed(&self, code: Code) -> Deed {
         let reaction = self.parameters.error_reaction;
         let by_parameter = Deed::of_parameter(reaction);
-        match class(code) {
-            Class::Parameter => by_parameter,
+        match class(code).unwrap_or(Class::Parameter) {
+            Class::Parameter | Class::Search => by_parameter,
             Class::Ends => by_parameter.ending(),
             Class::Switch if self.parameters.supervision.endswmod == 1 => Deed::Stop { then: 2 },
             Class::Switch => by_parameter.ending(),
             Class::SoftwareLimit => Deed::Stop { then: reaction },
             Class::Feedback if self.closes_loop_here() => Deed::Off { brake: reaction != 0 },
             Class::Feedback => by_parameter.ending(),
-            Class::Drive => Deed::Off { brake: false },
+            Class::Drive | Class::Command => Deed::Off { brake: false },
             Class::Interlock => Deed::Stop { then: if reaction == 3 { 3 } else { 2 } },
             Class::EmergencyStop => Deed::Stop { then: 1 },
         }
@@ -246,8 +282,9 @@ mod tests {
 
     #[test]
     fn faults_of_a_drive_take_its_voltage() {
-        assert_eq!(class(Code::drive_fault(0x8611)), Class::Drive);
-        assert_eq!(class(Code::FOLLOWING_ERROR), Class::Parameter);
+        assert_eq!(class(Code::drive_fault(0x8611)), Some(Class::Drive));
+        assert_eq!(class(Code::FOLLOWING_ERROR), Some(Class::Parameter));
+        assert_eq!([Code::NONE, Code::CANCELLED, Code::HOMING_REQUIRED, Code::ABORTED].map(class), [None; 4]);
         assert!(stops_all(Code::FOLLOWING_ERROR) && !stops_all(Code::HARDWARE_LIMIT_POSITIVE));
     }
 }

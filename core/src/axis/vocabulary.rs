@@ -47,6 +47,7 @@ impl Axis {
             in_error: self.state == AxisState::ErrorStop,
             error: self.error,
             homing: self.homing.is_running(),
+            search_speed: self.search_speed(),
             homed: self.knows_zero(),
             command: self.command,
             present: self.present(),

@@ -77,6 +77,8 @@ pub struct View<'a> {
     pub error: Code,
     /// Homing is under way.
     pub homing: bool,
+    /// At which homing looks for its reference, signed by the way (inc/s); 0 where it does not.
+    pub search_speed: f64,
     /// The axis knows its zero.
     pub homed: bool,
     /// The command of this cycle.

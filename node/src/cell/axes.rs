@@ -125,7 +125,9 @@ fn axis<'d>(
                 let mut map = value.map("sim")?;
                 let model = model(&mut map, interface_of(drive), cycle_ns);
                 let mechanics = fixtures::read(&mut map, &travel, cx, io, switches);
-                let times = fixtures::brake_times(&mut map);
+                // One with problems of its own is a brake, too.
+                let has_brake = brake != Some(None) || parameters.outputs.brake != 0;
+                let times = fixtures::brake_times(&mut map, has_brake);
                 let load = fixtures::load(&mut map, &travel);
                 map.finish();
                 let brake = brake::simulated(brake.flatten(), parameters.outputs.brake, io, times?);

@@ -54,10 +54,17 @@ pub(super) fn read<'d>(
     Some(Mechanics { fixtures, wires, ..Mechanics::default() })
 }
 
-/// How long the brake takes to open and to close (ns).
-pub(super) fn brake_times(map: &mut Map<'_>) -> Option<[u64; 2]> {
-    let opens = map.optional("brake_opens").map_or(Some(0), |value| brake::time(&value));
-    let closes = map.optional("brake_closes").map_or(Some(0), |value| brake::time(&value));
+/// How long the brake takes to open and to close (ns), of an axis that has one.
+pub(super) fn brake_times(map: &mut Map<'_>, has_brake: bool) -> Option<[u64; 2]> {
+    let [opens, closes] = ["brake_opens", "brake_closes"].map(|key| match map.optional(key) {
+        None => Some(0),
+        Some(value) if has_brake => brake::time(&value),
+        Some(value) => {
+            let sentence = format!("{key} is for an axis with a brake; this one has neither brake nor o_brake");
+            value.refuse(sentence, Some("leave it out".to_owned()));
+            None
+        }
+    });
     Some([opens?, closes?])
 }
 

@@ -4,6 +4,7 @@ use super::{CheckArgs, Exit, say};
 use crate::cell::Cell;
 use crate::scenario::Scenario;
 use lineshaft_core::config::AxisConfig;
+use lineshaft_core::encoder::source::Master;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
     let cell = match Cell::load(&args.cell) {
@@ -48,7 +49,58 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
              2 and 3 stop and hold first"
         )
     }));
+    warnings.extend(one_edge_for_two(cell));
+    warnings.extend(cell.machine.axes.iter().filter_map(|axis| no_master(axis, cell)));
+    warnings.extend(crossed_switches(cell));
     warnings
+}
+
+/// One edge that stops the axes and, where it finds them stopped and at rest, unlocks them.
+fn one_edge_for_two(cell: &Cell) -> Option<String> {
+    let machine = &cell.machine.global.parameters;
+    let number = machine.i_break;
+    (number != 0 && machine.i_continue == number).then(|| {
+        format!(
+            "i_break and i_continue name the same edge of input {}: after a stop the next one unlocks the axes; \
+             {} is its other edge",
+            number.unsigned_abs(),
+            number.saturating_neg()
+        )
+    })
+}
+
+/// `mencodertype` that names what the cell has not.
+fn no_master(axis: &AxisConfig, cell: &Cell) -> Option<String> {
+    let number = axis.parameters.encoder.mencodertype;
+    let (what, count, place) = match Master::decode(number)? {
+        Master::Axis(place) => ("axis", cell.machine.axes.len(), usize::from(place)),
+        Master::Terminal(place) => ("encoder", cell.machine.encoders.len(), usize::from(place)),
+        _ => return None,
+    };
+    (place > count).then(|| {
+        format!(
+            "{}: mencodertype {number} is {what} {place}, and the cell has {count}; \
+             synchronize without a master will be refused",
+            axis.name
+        )
+    })
+}
+
+/// Simulated limit switches of which both are actuated wherever the axis stands, or almost so.
+fn crossed_switches(cell: &Cell) -> Vec<String> {
+    let axes = cell.machine.axes.iter().filter(|axis| axis.drive.is_some()).zip(&cell.mechanics);
+    let crossed = axes.filter(|(_, mechanics)| {
+        let fixtures = &mechanics.fixtures;
+        fixtures.positive.zip(fixtures.negative).is_some_and(|(positive, negative)| positive <= negative)
+    });
+    let told = crossed.map(|(axis, _)| {
+        format!(
+            "{}: the simulated positive_limit_switch, actuated at rising counts from `at` on, does not lie beyond the \
+             negative one, actuated up to its `at`; the axis never stands between them",
+            axis.name
+        )
+    });
+    told.collect()
 }
 
 /// What a cell is made of, in a few words.
@@ -109,5 +161,60 @@ mod tests {
             assert!(told.iter().all(|told| told.starts_with(&begin)), "{told:?}");
         }
         assert_eq!(warned(&format!("{MM}, error_reaction: 0")), [""; 0]);
+    }
+
+    #[test]
+    fn a_master_that_the_cell_has_not_is_warned_of() {
+        let warned = |number: i64| warned(&format!("{MM}, mencodertype: {number}"));
+        for number in [0, 5, 6, -1] {
+            assert_eq!(warned(number), [""; 0], "{number}");
+        }
+        let refused = "synchronize without a master will be refused";
+        assert_eq!(warned(-9), [format!("x: mencodertype -9 is axis 9, and the cell has 1; {refused}")]);
+        assert_eq!(warned(20), [format!("x: mencodertype 20 is encoder 2, and the cell has 0; {refused}")]);
+    }
+
+    #[test]
+    fn limit_switches_in_crossed_order_are_warned_of() {
+        let warned = |negative: i64, positive: i64| {
+            let sim = format!("{{at: {negative} mm}}, positive_limit_switch: {{at: {positive} mm}}");
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\n\
+                 axes: {{v: {{type: linear, drive: virtual, scale: {{increments: 1, per: 1 mm}}, max_velocity: 1 m/s, \
+                 max_acceleration: 1 m/s^2}}, x: {{type: linear, scale: {{increments: 1000, per: 1 mm}}, \
+                 drive: {{backend: plant, address: 0, interface: position}}, max_velocity: 1 m/s, \
+                 max_acceleration: 1 m/s^2, sim: {{model: ideal, negative_limit_switch: {sim}}}}}}}\n"
+            );
+            warnings(&Cell::parse("c.yaml", text).unwrap())
+        };
+        let crossed = |told: Vec<String>| {
+            assert_eq!(told.len(), 1);
+            assert!(told[0].starts_with("x: the simulated positive_limit_switch"), "{told:?}");
+        };
+        crossed(warned(10, -10));
+        crossed(warned(10, 10));
+        assert_eq!(warned(-10, 10), [""; 0]);
+    }
+
+    #[test]
+    fn one_edge_that_stops_and_unlocks_is_warned_of() {
+        let warned = |keys: &str| {
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\nmachine: {{{keys}}}\n\
+                 io: {{a: {{type: di, backend: plant, address: 0}}, b: {{type: di, backend: plant, address: 1}}}}\naxes: {{}}\n"
+            );
+            warnings(&Cell::parse("c.yaml", text).unwrap())
+        };
+        let behind = "after a stop the next one unlocks the axes";
+        for (number, input, other) in [(-2, 2, 2), (1, 1, -1)] {
+            let same = "i_break and i_continue name the same edge of input";
+            assert_eq!(
+                warned(&format!("i_break: {number}, i_continue: {number}")),
+                [format!("{same} {input}: {behind}; {other} is its other edge")]
+            );
+        }
+        for keys in ["i_break: 1, i_continue: -1", "i_break: 1, i_continue: 2", "i_continue: 0, i_break: 0"] {
+            assert_eq!(warned(keys), [""; 0], "{keys}");
+        }
     }
 }

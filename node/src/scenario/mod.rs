@@ -80,8 +80,8 @@ struct Plan {
     steps: Vec<Step>,
     /// Of all steps.
     acts: Vec<Act>,
-    /// How many ids there are.
-    ids: usize,
+    /// The ids, by their places.
+    ids: Vec<String>,
     expectations: Vec<Expectation>,
     config: MachineConfig,
 }
@@ -182,7 +182,7 @@ fn read(root: &Value<'_>, names: &Names<'_>, folder: &Path, document: &Document)
         drives,
         steps,
         acts,
-        ids: ids.count(),
+        ids: ids.into_names(),
         expectations,
         config: names.config.clone(),
     })

@@ -6,8 +6,7 @@ use super::report::Failure;
 use super::verb::Deed;
 use crate::document::Place;
 use lineshaft_core::code::Code;
-use lineshaft_core::config::MachineConfig;
-use lineshaft_core::event::Event;
+use lineshaft_core::event::{Event, Number};
 use lineshaft_core::parameter::ROWS;
 use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
@@ -35,21 +34,22 @@ pub(super) struct Outcome {
 }
 
 /// Is the answer the one that the step expects?
-pub(super) fn is_expected(answer: &Answer, wanted: Option<&str>, deed: Option<&Deed>, config: &MachineConfig) -> bool {
+pub(super) fn is_expected(answer: &Answer, wanted: Option<&str>, deed: Option<&Deed>, plan: &Plan) -> bool {
     match (answer, wanted) {
         (Answer::Accepted, None) => true,
         // The sentence was compared when the scenario was read.
         (Answer::Refused(_), Some(_)) if matches!(deed, Some(Deed::Refused(_))) => true,
-        (Answer::Refused(event), Some(wanted)) => names(event, wanted, config),
+        (Answer::Refused(event), Some(wanted)) => names(event, wanted, deed, plan),
         _ => false,
     }
 }
 
 /// Is `wanted` part of the sentence, the name of the parameter or that of the code?
-fn names(event: &Event, wanted: &str, config: &MachineConfig) -> bool {
+fn names(event: &Event, wanted: &str, deed: Option<&Deed>, plan: &Plan) -> bool {
     let row = event.parameter.and_then(|row| ROWS.get(usize::from(row)));
     let code = Code::ALL.iter().find(|(_, code)| *code == event.code);
-    sentence(event, config).contains(wanted)
+    sentence(event, &plan.config).contains(wanted)
+        || by_id(event, deed, plan).is_some_and(|said| said.contains(wanted))
         || row.is_some_and(|row| row.key == wanted)
         || code.is_some_and(|(name, _)| *name == wanted)
 }
@@ -58,6 +58,7 @@ fn names(event: &Event, wanted: &str, config: &MachineConfig) -> bool {
 pub(super) struct Source<'a> {
     place: Place,
     verb: &'a str,
+    deed: Option<&'a Deed>,
     /// The sentence of a request that never became a command.
     refusal: Option<&'a str>,
     /// What the step expects.
@@ -72,12 +73,12 @@ impl<'a> Source<'a> {
                 let step = plan.steps.iter().find(|step| step.acts.contains(&index));
                 let refusal = if let Deed::Refused(sentence) = &act.deed { Some(sentence.as_str()) } else { None };
                 let wanted = step.and_then(|step| step.refused.as_deref());
-                Self { place: act.place, verb: &act.verb, refusal, wanted }
+                Self { place: act.place, verb: &act.verb, deed: Some(&act.deed), refusal, wanted }
             }
             None => {
                 let drive = plan.drives.get(index - plan.acts.len());
                 let place = drive.map_or(Place::START, |drive| drive.place);
-                Self { place, verb: "drive", refusal: None, wanted: None }
+                Self { place, verb: "drive", deed: None, refusal: None, wanted: None }
             }
         }
     }
@@ -133,7 +134,17 @@ impl Outcome {
 }
 
 fn said(event: &Event, source: &Source<'_>, plan: &Plan) -> String {
-    source.refusal.map_or_else(|| sentence(event, &plan.config), str::to_owned)
+    let own = source.refusal.map(str::to_owned).or_else(|| by_id(event, source.deed, plan));
+    own.unwrap_or_else(|| sentence(event, &plan.config))
+}
+
+/// A goal that is not active has the number that the run gave it; the scenario knows it by its id.
+fn by_id(event: &Event, deed: Option<&Deed>, plan: &Plan) -> Option<String> {
+    let Some(Deed::Cancel(place)) = deed else { return None };
+    let id = plan.ids.get(*place).filter(|_| event.code == Code::UNKNOWN_GOAL)?;
+    let Number::Count(goal) = event.asked else { return None };
+    let number = format!("goal {goal} ");
+    Some(sentence(event, &plan.config).replacen(&number, &format!("goal `{}` ", excerpt(id)), 1))
 }
 
 fn again(times: u64) -> String {

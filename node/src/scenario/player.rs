@@ -79,7 +79,7 @@ impl Player {
             steps: plan.steps.iter().map(|step| StepState { due: due(step), times: 0 }).collect(),
             fired: vec![None; plan.steps.len()],
             next_due: plan.steps.iter().map(due).min().unwrap_or(NEVER),
-            goals: vec![0; plan.ids],
+            goals: vec![0; plan.ids.len()],
             stop: Vec::new(),
             queue: Vec::new(),
             stream: Setpoints::none(plan.config.axes.len()),
@@ -234,7 +234,7 @@ impl Player {
             let step = pending.step.and_then(|step| plan.steps.get(step));
             let wanted = step.and_then(|step| step.refused.as_deref());
             let deed = plan.acts.get(pending.outcome).map(|act| &act.deed);
-            let is_expected = outcome::is_expected(&answer, wanted, deed, machine.config());
+            let is_expected = outcome::is_expected(&answer, wanted, deed, plan);
             self.outcomes[pending.outcome].note(self.cycle, answer, is_expected);
         }
         for pending in self.pending.iter().filter(|pending| !pending.is_answered) {

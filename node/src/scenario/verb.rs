@@ -131,8 +131,9 @@ impl Ids {
         open.map(|&(id, place)| (place, format!("no command has the id `{}`", excerpt(&self.names[id]))))
     }
 
-    pub(super) fn count(&self) -> usize {
-        self.names.len()
+    /// All of them, each at its place.
+    pub(super) fn into_names(self) -> Vec<String> {
+        self.names
     }
 }
 

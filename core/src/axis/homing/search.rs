@@ -77,6 +77,12 @@ impl Axis {
         }
     }
 
+    /// The speed of the leg under way, signed (inc/s); 0 where nothing is looked for.
+    pub(in crate::axis) fn search_speed(&self) -> f64 {
+        let Some((run, search)) = self.searching() else { return 0.0 };
+        search.leg(run.method).map_or(0.0, |leg| run.speed(leg) * f64::from(way(&run, leg, search.turned)))
+    }
+
     /// From the present motion along the way of a leg.
     fn go(&mut self, cx: &mut Context<'_>, run: &Run, leg: &Leg, turned: bool, limits: Limits) {
         let velocity = run.speed(leg);

@@ -1,6 +1,6 @@
 //! A small machine with a simulated plant, for the tests of the cycle.
 
-use crate::axis::Context;
+use crate::axis::{Context, class};
 use crate::command::{
     Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Setpoint, Setpoints, Source,
     SyncMode, Synchronize,
@@ -9,7 +9,7 @@ use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
 use crate::drive::{Backend, Inputs, Outputs};
 use crate::event::{Event, Kind, Refusal};
 use crate::machine::Machine;
-use crate::object::{AxisSet, Leader};
+use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::AxisParameters;
 use crate::signal::Value;
 use crate::sim::{Model, Plant};
@@ -151,7 +151,17 @@ impl Rig {
             assert!(mirror.board() == self.machine.board(), "other signals in cycle {cycle}");
         }
         self.plant.write(&self.outputs);
-        self.events.extend_from_slice(self.machine.events());
+        self.note_events();
+    }
+
+    /// What has an error has its line in the table of reactions, which docs/errors.md shows.
+    fn note_events(&mut self) {
+        let events = self.machine.events();
+        for event in events.iter().filter(|event| event.kind == Kind::Error && matches!(event.source, Object::Axis(_)))
+        {
+            assert!(class(event.code).is_some(), "{event:?} has no line in the table of reactions");
+        }
+        self.events.extend_from_slice(events);
     }
 
     /// What a vocabulary asks of an axis, before the next cycle.
@@ -160,7 +170,7 @@ impl Rig {
             give_order(mirror, axis, order).ok();
         }
         let result = give_order(&mut self.machine, axis, order);
-        self.events.extend_from_slice(self.machine.events());
+        self.note_events();
         result
     }
 

@@ -238,8 +238,11 @@ impl Wf {
     /// Switched off, F and B show where the target lies (WF-OLC-10).
     fn switch(&self, view: &View<'_>) -> Switching {
         let output = self.is_running();
-        let towards = if output { self.direction.into() } else { self.following_error(view) };
-        let dac = if output { f64::from(self.direction) * self.speed / VALUES_PER_VOLT } else { 0.0 };
+        // Reference travel may turn round on the cam, whatever JOG says.
+        let turned = self.mode == Mode::Reference && f64::from(self.direction) * view.search_speed < 0.0;
+        let direction = if turned { -self.direction } else { self.direction };
+        let towards = if output { direction.into() } else { self.following_error(view) };
+        let dac = if output { f64::from(direction) * self.speed / VALUES_PER_VOLT } else { 0.0 };
         Switching { forward: towards > 0, backward: towards < 0, output, dac }
     }
 

@@ -5,7 +5,7 @@
 //!          MD7 is the side of the cam on which that happens: 0 the one that JOG leads to, 1 plus, 2 minus; for the side that it
 //!          comes from it turns round on the cam
 //! Reads    MD15: the reference switch, or the cam bit of the verbs; the index of the axis
-//! Writes   one order; the axis does the rest as homing
+//! Writes   one order; the axis does the rest as homing; the speed value and the direction are those of the way under way
 //! Refuses  speeds that are 0 or too high; without a zero mark in a revolution: alarm 9
 //! Source   WF-REF-01 to WF-REF-12, WF-MD-05, WF-MD-08; W10: JOG has to be held
 
@@ -81,6 +81,10 @@ impl Wf {
             // WF-REF-05
             self.take_zero();
             self.leave();
+        } else if view.search_speed != 0.0 {
+            // As it was programmed: what the conversion to increments has added to it is taken off.
+            let speed = view.search_speed.abs() / view.parameters.max_velocity * FULL_SPEED;
+            self.speed = ((speed * 1e6).round() / 1e6).clamp(0.0, FULL_SPEED);
         }
     }
 }

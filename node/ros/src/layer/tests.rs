@@ -120,6 +120,71 @@ async fn a_client_that_reads_no_replies_holds_up_nobody() {
     assert_eq!(error.to_string(), "/patience/enable: the client that asked is not there to read the reply");
 }
 
+/// A client waits for ever for a reply that is not sent: the operator reads why, and not once for each try.
+#[tokio::test]
+async fn a_reply_that_fails_is_told_with_a_limit() {
+    let log = Log::default();
+    let subscriber = tracing_subscriber::fmt().with_max_level(tracing::Level::WARN).with_ansi(false);
+    let guard = tracing::subscriber::set_default(subscriber.with_writer(log.clone()).finish());
+    let (serving, asking) = (node("telling"), node("telling_client"));
+    let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
+    let mut client = Client::<AxesCommand>::new(&asking, "/telling/enable").await;
+    let mut answer = async |message: String| {
+        client.send(&axes("x"));
+        let request = timeout(LONG, server.next()).await.unwrap().unwrap();
+        let sent = request.reply.send(AxesCommandResponse { success: true, message: message.clone() }).await;
+        if sent.is_ok() {
+            assert_eq!(client.receive().await.message, message);
+        }
+        sent
+    };
+    answer("short".to_owned()).await.unwrap();
+    assert_eq!(log.lines(), 0);
+    for _ in 0..3 {
+        let error = answer("x".repeat(70_000)).await.unwrap_err();
+        assert!(matches!(&error, ReplyError::TooLong { length, .. } if *length > 70_000), "{error}");
+    }
+    drop(guard);
+    let text = log.text();
+    assert_eq!(log.lines(), 1, "{text}");
+    let sentence = "WARN lineshaft_ros::layer::service::replies: /telling/enable: the reply of 70009 bytes is not sent: 65000 bytes";
+    assert!(text.contains(sentence) && text.contains("(participant "), "{text}");
+}
+
+/// What is logged.
+#[derive(Clone, Default)]
+struct Log(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+
+impl Log {
+    fn text(&self) -> String {
+        String::from_utf8(self.0.lock().unwrap().clone()).unwrap()
+    }
+
+    /// How many tell of a reply.
+    fn lines(&self) -> usize {
+        self.text().lines().filter(|line| line.contains("reply")).count()
+    }
+}
+
+impl std::io::Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl<'a> tracing_subscriber::fmt::MakeWriter<'a> for Log {
+    type Writer = Self;
+
+    fn make_writer(&'a self) -> Self {
+        self.clone()
+    }
+}
+
 /// The library gives the requests of the client with the lowest number before all others.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_client_that_always_asks_holds_up_no_other() {

@@ -109,7 +109,12 @@ fn a_brake_and_what_hangs_on_it() {
     // Without a brake of its own: that of O_BRAKE, by its number.
     let read = good(&with(&format!("    o_brake: -1\n{sim}"), "{}"));
     assert_eq!(read.mechanics[0].brake, Some(SimBrake { closes_with_one: false, ..hangs }));
-    assert_eq!(good(&with(sim, "{}")).mechanics[0].brake, None);
+    let bare = "    sim: {model: ideal, hanging_load: -9.81 m/s^2}\n";
+    assert_eq!(good(&with(bare, "{}")).mechanics[0].brake, None);
+    let sentence =
+        |key| format!("{key} is for an axis with a brake; this one has neither brake nor o_brake, leave it out");
+    let [opens, closes] = ["brake_opens", "brake_closes"].map(sentence);
+    assert_eq!(said(&with(sim, "{}")), format!("16:65: {opens}\n16:86: {closes}"));
     // A drive without a sign turns as its outputs say.
     let velocity =
         with("    revers: 10\n", "{}").replace("address: 0}\n    max", "address: 0, interface: velocity}\n    max");

@@ -132,6 +132,21 @@ fn an_id_names_the_last_command_that_carried_it_and_a_goal_that_is_none_cannot_b
     ));
 }
 
+/// The number of a goal is the run's; who wrote the scenario knows its id.
+#[test]
+fn a_cancel_that_comes_too_late_is_told_by_the_id() {
+    let steps = enabled(
+        "do: {move_axis: {id: h, axis: x, mode: relative, position: 1 mm}}}\n\
+         - {at: 800, do: {cancel: {id: h}}, refused: goal `h` is not active}\n\
+         - {at: 801, do: {cancel: {id: h}}}\n",
+    );
+    let report = run(&steps);
+    let said: Vec<_> = report.failures.iter().map(|failure| failure.sentence.as_str()).collect();
+    assert_eq!(said, ["cancel was refused: machine: goal `h` is not active; in cycle 801 (0.801 s)"]);
+    let said: Vec<_> = report.refused.iter().map(|failure| failure.sentence.as_str()).collect();
+    assert_eq!(said, ["cancel: machine: goal `h` is not active; in cycle 800 (0.8 s)"]);
+}
+
 #[test]
 fn parameters_are_set_with_units_by_the_rule_of_every_door() {
     passes(&enabled(

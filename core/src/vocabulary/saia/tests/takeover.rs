@@ -66,6 +66,7 @@ impl Bench {
             in_error: self.in_error,
             error: crate::code::Code::NONE,
             homing: false,
+            search_speed: 0.0,
             homed: false,
             command: self.command,
             present: self.command,

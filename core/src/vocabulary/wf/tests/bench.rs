@@ -80,6 +80,7 @@ impl Bench {
             in_error: self.in_error,
             error: crate::code::Code::NONE,
             homing: false,
+            search_speed: 0.0,
             homed: false,
             command: Motion { velocity: self.velocity, ..Motion::at_rest(position) },
             present: Motion { velocity: self.velocity, ..Motion::at_rest(position) },
