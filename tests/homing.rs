@@ -2,13 +2,11 @@
 
 mod support;
 
-use std::{fs, process::Command, time::Duration};
+use std::{fs, process::Command};
 
 use serde_json::{Value, json};
 use support::{domain::Domain, peer::Peer, program::Program};
 
-/// Far more than the program needs to end.
-const EXIT: Duration = Duration::from_secs(20);
 const HOMING_NO_METHOD: u32 = 10302;
 const HOMING_UNKNOWN_METHOD: u32 = 10303;
 const HOMING_REQUIRED: u32 = 6;
@@ -99,23 +97,6 @@ impl Node {
     fn history(&mut self) -> Vec<Value> {
         let seen = self.cyclone.run("errors /lineshaft");
         seen.all().iter().filter_map(|one| one.get("message")).cloned().collect()
-    }
-
-    /// Ends it as Ctrl-C does.
-    #[track_caller]
-    fn end(&mut self) {
-        self.program.interrupt();
-        let status = self.program.wait_exit(EXIT);
-        assert_eq!(status.code(), Some(0), "{}", self.program.log());
-    }
-}
-
-/// What the node said explains a test that fails.
-impl Drop for Node {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            eprintln!("{}", self.program.log());
-        }
     }
 }
 
@@ -370,7 +351,7 @@ fn a_run_with_homing_and_new_positions_replays() {
     node.cyclone.run("set-position /lineshaft --axis x --position 7.5 --units axis_unit");
     node.moves("x", -20);
     node.cyclone.run("home /lineshaft x z");
-    node.end();
+    node.program.end();
     let bag = node.folder.path().join("run.mcap");
     let replay = Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(&bag).output().expect("it starts");
     let text = String::from_utf8_lossy(&replay.stdout).into_owned() + &String::from_utf8_lossy(&replay.stderr);

@@ -8,9 +8,6 @@ use serde_json::{Value, json};
 use support::{domain::Domain, peer::Peer, program::Program};
 use tempfile::TempDir;
 
-/// Far more than the program needs to end.
-const EXIT: Duration = Duration::from_secs(20);
-
 /// A node and who talks to it.
 struct Node {
     cyclone: Peer,
@@ -73,23 +70,6 @@ impl Node {
 
     fn axis(&mut self, axis: &str) -> Value {
         self.cyclone.run("axis-states /lineshaft")["axes"][axis].clone()
-    }
-
-    /// Ends it as Ctrl-C does.
-    #[track_caller]
-    fn end(&mut self) {
-        self.program.interrupt();
-        let status = self.program.wait_exit(EXIT);
-        assert_eq!(status.code(), Some(0), "{}", self.program.log());
-    }
-}
-
-/// What the node said explains a test that fails.
-impl Drop for Node {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            eprintln!("{}", self.program.log());
-        }
     }
 }
 
@@ -200,7 +180,7 @@ fn five_services_and_a_topic_tell_the_whole_life_of_a_node() {
         assert!(all.as_array().unwrap().contains(event), "{event}");
     }
     // The process stays until it is told to go.
-    node.end();
+    node.program.end();
 }
 
 #[test]
@@ -211,7 +191,7 @@ fn autostart_is_active_by_itself() {
     node.cyclone.run("axes /lineshaft enable x");
     node.change("shutdown");
     assert_eq!(node.state(), "finalized");
-    node.end();
+    node.program.end();
 }
 
 #[test]
@@ -249,7 +229,7 @@ fn an_inactive_node_refuses_at_every_door_what_could_switch_on_or_move_and_still
     node.change("activate");
     node.cyclone.run("axes /lineshaft enable x");
     assert_eq!(node.axis("x")["state"], "STANDSTILL");
-    node.end();
+    node.program.end();
 }
 
 #[test]
@@ -274,7 +254,7 @@ fn deactivation_stops_what_moves_under_control_and_ends_its_goal() {
     let last = node.axis("turret");
     assert_eq!((&last["state"], &last["enabled"], speed(&last)), (&json!("DISABLED"), &json!(false), 0.0));
     assert_eq!(node.state(), "inactive");
-    node.end();
+    node.program.end();
 }
 
 #[test]
@@ -288,7 +268,7 @@ fn there_is_one_transition_at_a_time() {
     let seen = node.cyclone.run("change-state /lineshaft deactivate shutdown deactivate");
     assert_eq!(seen["success"], json!([true, false, false]));
     assert_eq!(node.state(), "inactive");
-    node.end();
+    node.program.end();
 }
 
 #[test]
@@ -338,7 +318,7 @@ fn an_unconfigured_node_runs_no_cycle_takes_no_command_and_goes_on_where_it_was(
     node.cyclone.run("axes /lineshaft enable x");
     node.cyclone.run("move /lineshaft --axis x --units increments --position 5 --wait");
     assert_eq!(node.axis("x")["command_increments"], 5);
-    node.end();
+    node.program.end();
 }
 
 #[test]
@@ -346,7 +326,7 @@ fn ctrl_c_ends_it_in_every_state() {
     for transitions in [&[][..], &["configure"], &["configure", "cleanup"], &["shutdown"], &["configure", "shutdown"]] {
         let mut node = Node::start(false, &[]);
         transitions.iter().for_each(|transition| node.change(transition));
-        node.end();
+        node.program.end();
     }
 }
 
@@ -362,7 +342,7 @@ fn a_run_that_was_configured_activated_and_cleaned_up_replays() {
     node.change("cleanup");
     node.change("configure");
     node.cyclone.fails("axes /lineshaft enable x");
-    node.end();
+    node.program.end();
     let bag = node.folder.path().join("run.mcap");
     let replay = Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(&bag).output().unwrap();
     let text = String::from_utf8_lossy(&replay.stdout).into_owned() + &String::from_utf8_lossy(&replay.stderr);
@@ -397,7 +377,7 @@ fn diagnostics_come_once_a_second_and_tell_when_no_cycle_runs() {
     assert!((4..=9).contains(&count), "{count} in 5.5 s: {}", seen["times"]);
     node.change("cleanup");
     node.cyclone.run("diagnostics /lineshaft --until machine=3");
-    node.end();
+    node.program.end();
 }
 
 #[test]
@@ -438,7 +418,7 @@ fn statistics_of_the_cycle_come_once_a_second() {
         assert_eq!((of(now, "cycle_ns"), of(now, "events_lost")), (1e6, 0.0));
         assert!(of(now, "cycle") > of(before, "cycle"));
     }
-    node.end();
+    node.program.end();
 }
 
 #[test]

@@ -2,13 +2,11 @@
 
 mod support;
 
-use std::{fs, path::Path, process::Command, time::Duration};
+use std::{fs, path::Path, process::Command};
 
 use serde_json::{Value, json};
 use support::{domain::Domain, peer::Peer, program::Program};
 
-/// Far more than the program needs to end.
-const EXIT: Duration = Duration::from_secs(20);
 const ABORTED: u32 = 10228;
 
 struct Node {
@@ -46,22 +44,11 @@ impl Node {
     /// Ends it as Ctrl-C does, and replays what it recorded.
     #[track_caller]
     fn ends_and_replays(&mut self) {
-        self.program.interrupt();
-        let status = self.program.wait_exit(EXIT);
-        assert_eq!(status.code(), Some(0), "{}", self.program.log());
+        self.program.end();
         let bag = self.folder.path().join("run.mcap");
         let replay = Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(&bag).output().expect("it starts");
         let text = String::from_utf8_lossy(&replay.stdout).into_owned() + &String::from_utf8_lossy(&replay.stderr);
         assert_eq!(replay.status.code(), Some(0), "{text}");
-    }
-}
-
-/// What the node said explains a test that fails.
-impl Drop for Node {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            eprintln!("{}", self.program.log());
-        }
     }
 }
 

@@ -8,8 +8,6 @@ use std::{process::Command, thread, time::Duration};
 use serde_json::Value;
 use support::{domain::Domain, peer::Peer, program::Program};
 
-const EXIT: Duration = Duration::from_secs(30);
-
 /// The built-in demo with x and y switched on, recorded, and who listens to it. Its axes have setpoint_timeout 100 ms.
 struct Demo {
     listener: Peer,
@@ -66,8 +64,7 @@ impl Demo {
     /// Ends the run as Ctrl-C does; what was recorded must replay without a difference.
     #[track_caller]
     fn end(mut self) {
-        self.program.interrupt();
-        assert_eq!(self.program.wait_exit(EXIT).code(), Some(0), "{}", self.program.log());
+        self.program.end();
         let bag = self.folder.path().join("run");
         let replay = Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(bag).output();
         let output = replay.expect("the program starts");

@@ -12,6 +12,9 @@ use super::{
     domain::Domain,
 };
 
+/// Far more than it needs to end.
+const END: Duration = Duration::from_secs(30);
+
 /// A running `lineshaft`.
 pub(crate) struct Program(Captured);
 
@@ -47,6 +50,14 @@ impl Program {
             Some(figures) => figures,
             None => panic!("lineshaft has ended too early"),
         }
+    }
+
+    /// Ends it as Ctrl-C does; panics when that is no good end.
+    #[track_caller]
+    pub(crate) fn end(&mut self) {
+        self.interrupt();
+        let status = self.wait_exit(END);
+        assert_eq!(status.code(), Some(0), "{}", self.log());
     }
 
     /// Waits until it ends by itself; panics when it does not within `timeout`.

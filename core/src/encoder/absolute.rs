@@ -59,7 +59,7 @@ pub enum Bad {
 
 impl Absolute {
     /// A single-turn encoder in binary code that begins anew.
-    pub fn single_turn(steps: u32) -> Self {
+    pub const fn single_turn(steps: u32) -> Self {
         Self {
             steps,
             turns: 1,

@@ -65,20 +65,8 @@ proptest! {
     }
 }
 
-const TYPE_3: Absolute = Absolute { steps: 1000, turns: 100, corrects: true, overflow: false, ..absolute(1000) };
-
-const fn absolute(steps: u32) -> Absolute {
-    Absolute {
-        steps,
-        turns: 1,
-        code: WordCode::Binary,
-        parity: None,
-        omitted: 0,
-        overflow: true,
-        corrects: false,
-        max_step: None,
-    }
-}
+const TYPE_3: Absolute =
+    Absolute { steps: 1000, turns: 100, corrects: true, overflow: false, ..Absolute::single_turn(1000) };
 
 /// Each step of the scan and how the reader answers: change, valid, substituted.
 fn scan(reader: &mut Reader, words: &[i64]) -> Vec<(i64, bool, bool)> {
@@ -91,7 +79,7 @@ fn scan(reader: &mut Reader, words: &[i64]) -> Vec<(i64, bool, bool)> {
 /// Proves: MACS-ENC-01, MACS-ENC-07
 #[test]
 fn an_absolute_encoder_with_overflow_counts_on_over_its_seam() {
-    let mut reader = Reader::new(Form::Absolute(absolute(1000)));
+    let mut reader = Reader::new(Form::Absolute(Absolute::single_turn(1000)));
     let seen = scan(&mut reader, &[998, 1, 995, 495, 996]);
     let expected = [(0, true), (3, true), (-6, true), (500, true), (-499, true)];
     assert_eq!(seen.iter().map(|(change, valid, _)| (*change, *valid)).collect::<Vec<_>>(), expected);
@@ -145,7 +133,7 @@ fn after_a_hundred_bad_words_none_is_replaced() {
 /// Proves: WF-ABS-04
 #[test]
 fn without_correction_a_bad_word_is_no_value() {
-    let mut reader = Reader::new(Form::Absolute(Absolute { max_step: Some(20), ..absolute(1024) }));
+    let mut reader = Reader::new(Form::Absolute(Absolute { max_step: Some(20), ..Absolute::single_turn(1024) }));
     let seen = scan(&mut reader, &[100, 120, 141, 120, 2000, 130, 600, 605, 606]);
     let none = (0, false, false);
     let of = |change| (change, true, false);
@@ -225,7 +213,7 @@ proptest! {
         steps in 8_u32..1 << 20, turns in 1_u32..1 << 12, gray in any::<bool>(), shares in prop::collection::vec(-1000_i64..=1000, 1..300),
     ) {
         let code = if gray { WordCode::Gray } else { WordCode::Binary };
-        let encoder = Absolute { turns, code, ..absolute(steps) };
+        let encoder = Absolute { turns, code, ..Absolute::single_turn(steps) };
         let most = encoder.words() / 2 - 1;
         let ways: Vec<i64> = shares.iter().map(|share| most / 1000 * share + share % 2).collect();
         let ways: Vec<i64> = ways.into_iter().map(|way| way.clamp(-most, most)).collect();

@@ -1,13 +1,11 @@
 //! `~/home`: starts homing of several axes and answers at once, when each has accepted or refused; `~/events` and
 //! `~/axis_states` tell how it ends.
 
-use super::hub::{Answers, Hub};
+use super::hub::Hub;
 use super::table;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_core::command::{Action, HomeAxis, HomingMethod};
-use lineshaft_core::event::Kind;
 use lineshaft_core::object::AxisSet;
-use lineshaft_core::text;
 use lineshaft_msgs::srv::{AxesCommand, AxesCommandResponse};
 use std::sync::Arc;
 use tokio::task::JoinSet;
@@ -38,7 +36,11 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>) {
         open.spawn(async move {
             let (mut homing, mut failures) = (Vec::new(), Vec::new());
             for (axis, answers) in asked {
-                match accepted(&hub, answers.map_err(|busy| busy.to_string())).await {
+                let accepted = match answers {
+                    Ok(answers) => answers.accepted().await,
+                    Err(busy) => Err(busy.to_string()),
+                };
+                match accepted {
                     Ok(()) => homing.push(name(&hub, axis)),
                     Err(sentence) => failures.push(sentence),
                 }
@@ -72,19 +74,6 @@ fn choose(hub: &Hub, names: &[String]) -> Result<AxisSet, String> {
 
 fn name(hub: &Hub, axis: u16) -> String {
     hub.host.config().axes.get(usize::from(axis)).map(|axis| axis.name.clone()).unwrap_or_default()
-}
-
-/// Waits until the machine has accepted or refused.
-async fn accepted(hub: &Hub, answers: Result<Answers, String>) -> Result<(), String> {
-    let mut answers = answers?;
-    while let Some(answer) = answers.next().await {
-        match answer.event.kind {
-            Kind::Accepted => return Ok(()),
-            Kind::Refused => return Err(text::sentence(&answer.event, hub.host.config())),
-            _ => {}
-        }
-    }
-    Err("the machine has stopped".to_owned())
 }
 
 /// A refused axis does not keep the others from homing, so the answer names those that home all the same.

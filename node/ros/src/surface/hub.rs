@@ -15,11 +15,15 @@ use lineshaft_core::text;
 use lineshaft_msgs::msg::Event;
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::task::JoinSet;
 
 /// Errors of one axis whose sentences are kept.
 const ERRORS: usize = 4;
+
+/// Longer than the machine ever takes to say yes or no: without an answer it stands.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Commands and events of one surface.
 pub(super) struct Hub {
@@ -54,6 +58,25 @@ impl Answers {
     /// The next event of the command; none once the machine is gone.
     pub(super) async fn next(&mut self) -> Option<StampedEvent> {
         self.events.recv().await
+    }
+
+    /// Waits until the machine has accepted the command.
+    ///
+    /// # Errors
+    /// Its sentence.
+    pub(super) async fn accepted(mut self) -> Result<(), String> {
+        let answer = async {
+            while let Some(answer) = self.next().await {
+                match answer.event.kind {
+                    Kind::Accepted => return Ok(()),
+                    Kind::Refused => return Err(text::sentence(&answer.event, self.hub.host.config())),
+                    _ => {}
+                }
+            }
+            Err("the machine has stopped".to_owned())
+        };
+        let late = || Err(format!("the machine has not answered within {} s", PATIENCE.as_secs()));
+        tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| late())
     }
 }
 

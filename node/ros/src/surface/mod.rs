@@ -21,6 +21,7 @@ mod loggers;
 pub mod messages;
 mod move_axis;
 mod names;
+mod one_command;
 mod parameters;
 mod probe_axis;
 mod record;

@@ -3,8 +3,6 @@
 use super::hub::{Answers, Hub};
 use super::table;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
-use lineshaft_core::event::Kind;
-use lineshaft_core::text;
 use lineshaft_msgs::srv::{Vocabulary, VocabularyRequest, VocabularyResponse};
 use std::sync::Arc;
 use tokio::task::{JoinSet, spawn_blocking};
@@ -24,14 +22,12 @@ async fn serve(mut server: ServiceServer<Vocabulary>, hub: Arc<Hub>) {
         // One after the other: commands keep the order of their requests, and many long ones take one thread.
         match give(&hub, &service, message).await {
             Ok(answers) => {
-                let hub = Arc::clone(&hub);
                 open.spawn(async move {
-                    let response = answer(&hub, answers).await;
                     // A client that has gone is no fault of the machine; the layer logs it.
-                    let _ = reply.send(response).await;
+                    let _ = reply.send(response(answers.accepted().await)).await;
                 });
             }
-            Err(message) => reply.send_soon(VocabularyResponse { success: false, message }),
+            Err(sentence) => reply.send_soon(response(Err(sentence))),
         }
     }
 }
@@ -47,17 +43,6 @@ async fn give(hub: &Arc<Hub>, service: &str, request: VocabularyRequest) -> Resu
     hub.submit(command).map_err(|busy| busy.to_string())
 }
 
-/// Waits for what the machine says to a command.
-async fn answer(hub: &Hub, mut answers: Answers) -> VocabularyResponse {
-    while let Some(answer) = answers.next().await {
-        match answer.event.kind {
-            Kind::Accepted => return VocabularyResponse { success: true, message: String::new() },
-            Kind::Refused => {
-                let message = text::sentence(&answer.event, hub.host.config());
-                return VocabularyResponse { success: false, message };
-            }
-            _ => {}
-        }
-    }
-    VocabularyResponse { success: false, message: "the machine has stopped".to_owned() }
+fn response(outcome: Result<(), String>) -> VocabularyResponse {
+    VocabularyResponse { success: outcome.is_ok(), message: outcome.err().unwrap_or_default() }
 }

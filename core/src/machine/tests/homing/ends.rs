@@ -179,20 +179,25 @@ fn an_error_of_homing_stops_the_axis_whatever_the_reaction() {
     }
 }
 
+/// How far the axis goes for a switch that is stuck at `value`, until its error.
+fn gone_without_a_switch(rig: &mut Rig, value: u32, method: i64) -> i64 {
+    rig.plant.drive(0).unwrap().stick(4, value);
+    rig.run(1);
+    let sequence = home(rig, method);
+    while rig.done(sequence).is_empty() {
+        rig.run(1);
+    }
+    assert_over(rig, sequence, Code::HOMING_SWITCH_MISSED);
+    rig.int("x.actual.position").abs()
+}
+
 #[test]
 fn a_switch_that_never_changes_ends_it_within_the_largest_way() {
     for (value, method) in [(0, 19), (4, 19), (0, 23), (4, 27), (0, -2), (4, -4)] {
         let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
         let mut rig = rig(fixtures);
-        rig.plant.drive(0).unwrap().stick(4, value);
         set(&mut rig, "homing.max_distance", Value::Int(3_000));
-        rig.run(1);
-        let sequence = home(&mut rig, method);
-        while rig.done(sequence).is_empty() {
-            rig.run(1);
-        }
-        assert_over(&rig, sequence, Code::HOMING_SWITCH_MISSED);
-        let gone = rig.int("x.actual.position").abs();
+        let gone = gone_without_a_switch(&mut rig, value, method);
         assert!((3_001..=3_010).contains(&gone), "{method}, stuck at {value}: {gone}");
     }
 }
@@ -207,15 +212,8 @@ fn an_axis_that_turns_for_ever_looks_for_its_switch_for_two_turns() {
         x.parameters.homing.max_distance = None;
         let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
         let mut rig = rig_with(config, Model::Ideal, fixtures);
-        rig.plant.drive(0).unwrap().stick(4, value);
-        rig.run(1);
-        let sequence = home(&mut rig, method);
-        while rig.done(sequence).is_empty() {
-            rig.run(1);
-        }
-        assert_over(&rig, sequence, Code::HOMING_SWITCH_MISSED);
         // 7200 1/3 inc are 7201.
-        let gone = rig.int("x.actual.position").abs();
+        let gone = gone_without_a_switch(&mut rig, value, method);
         assert!((14_403..=14_412).contains(&gone), "{method}, stuck at {value}: {gone}");
     }
 }

@@ -1,6 +1,6 @@
 //! ~/save_parameters, ~/reset_parameters, ~/delete_parameters: the layers of the parameters.
 
-use super::{accepted, give};
+use super::give;
 use crate::layer::{CreateError, Node, Reply, Request, ServiceServer};
 use crate::surface::hub::Hub;
 use crate::surface::table;
@@ -69,7 +69,7 @@ async fn serve_stored(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, com
             Ok(answers) => {
                 let hub = Arc::clone(&hub);
                 open.spawn(async move {
-                    let outcome = match accepted(&hub, answers).await {
+                    let outcome = match answers.accepted().await {
                         Ok(()) => store(&hub, command, axes).await,
                         Err(sentence) => Err(sentence),
                     };
@@ -111,9 +111,8 @@ async fn serve_reset(mut server: ServiceServer<ResetParameters>, hub: Arc<Hub>) 
         };
         match give(&hub, Action::ResetParameters { axes, layer }) {
             Ok(answers) => {
-                let hub = Arc::clone(&hub);
                 open.spawn(async move {
-                    let outcome = accepted(&hub, answers).await.map(|()| summary(axes, "reset"));
+                    let outcome = answers.accepted().await.map(|()| summary(axes, "reset"));
                     answer(reply, outcome, respond).await;
                 });
             }

@@ -26,14 +26,8 @@ use super::hub::{Answers, Hub};
 use super::table;
 use crate::layer::{CreateError, Node};
 use lineshaft_core::command::Action;
-use lineshaft_core::event::Kind;
-use lineshaft_core::text as sentences;
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::task::JoinSet;
-
-/// Longer than the machine ever takes to say yes or no: without an answer it stands.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let catalogue = Arc::new(Catalogue::new(hub.host.config()));
@@ -51,23 +45,4 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 /// Gives a command; what the machine will say to it.
 fn give(hub: &Arc<Hub>, action: Action) -> Result<Answers, String> {
     hub.submit(action).map_err(|busy| busy.to_string())
-}
-
-/// Waits until the machine has accepted a command.
-///
-/// # Errors
-/// Its sentence.
-async fn accepted(hub: &Hub, mut answers: Answers) -> Result<(), String> {
-    let answer = async {
-        while let Some(answer) = answers.next().await {
-            match answer.event.kind {
-                Kind::Accepted => return Ok(()),
-                Kind::Refused => return Err(sentences::sentence(&answer.event, hub.host.config())),
-                _ => {}
-            }
-        }
-        Err("the machine has stopped".to_owned())
-    };
-    let late = || Err(format!("the machine has not answered within {} s", PATIENCE.as_secs()));
-    tokio::time::timeout(PATIENCE, answer).await.unwrap_or_else(|_| late())
 }

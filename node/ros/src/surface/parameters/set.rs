@@ -1,7 +1,7 @@
 //! set_parameters and set_parameters_atomically: each set is one command to the machine, whose answer is the result.
 
 use super::catalogue::Catalogue;
-use super::{accepted, give};
+use super::give;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use crate::surface::hub::{Answers, Hub};
 use crate::surface::table;
@@ -81,11 +81,11 @@ async fn set_each(
         if under_way.len() >= UNDER_WAY
             && let Some(given) = under_way.pop_front()
         {
-            results.push(result(hub, given).await);
+            results.push(result(given).await);
         }
     }
     while let Some(given) = under_way.pop_front() {
-        results.push(result(hub, given).await);
+        results.push(result(given).await);
     }
     wrong.tell(hub, service);
     results
@@ -122,7 +122,7 @@ async fn set_together(
         true => Given::Done,
         false => Given::Waits(give(hub, Action::SetParameters(changes.into()))),
     };
-    let result = result(hub, given).await;
+    let result = result(given).await;
     if result.successful && !own.is_empty() {
         hub.own.set(own);
     }
@@ -159,10 +159,10 @@ fn few_enough(hub: &Hub, catalogue: &Catalogue, parameters: &[Parameter]) -> Res
     Ok(())
 }
 
-async fn result(hub: &Hub, given: Given) -> SetParametersResult {
+async fn result(given: Given) -> SetParametersResult {
     let outcome = match given {
         Given::Done => Ok(()),
-        Given::Waits(Ok(answers)) => accepted(hub, answers).await,
+        Given::Waits(Ok(answers)) => answers.accepted().await,
         Given::Waits(Err(sentence)) => Err(sentence),
     };
     SetParametersResult { successful: outcome.is_ok(), reason: outcome.err().unwrap_or_default() }

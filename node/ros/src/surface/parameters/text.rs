@@ -1,6 +1,6 @@
 //! ~/export_parameters and ~/import_parameters: sets of parameters as text.
 
-use super::{accepted, give};
+use super::give;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use crate::surface::host::Listing;
 use crate::surface::hub::Hub;
@@ -74,7 +74,7 @@ async fn serve_import(mut server: ServiceServer<ImportParameters>, hub: Arc<Hub>
 }
 
 async fn set_all(hub: &Arc<Hub>, set: Action) -> Result<(), String> {
-    accepted(hub, give(hub, set)?).await
+    give(hub, set)?.accepted().await
 }
 
 /// The command that a text asks for; none where it asks for nothing, as the export of an axis at its defaults does.

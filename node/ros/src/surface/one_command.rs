@@ -1,0 +1,36 @@
+//! Services of which each request is one command, answered when the machine has accepted or refused it.
+
+use super::hub::Hub;
+use crate::layer::{Request, ServiceServer};
+use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_msgs::Service;
+use std::sync::Arc;
+use tokio::task::JoinSet;
+
+/// Serves until the node is gone. `resolve` reads a request or tells what is wrong with it.
+pub(super) async fn serve<S: Service>(
+    mut server: ServiceServer<S>,
+    hub: Arc<Hub>,
+    resolve: fn(&MachineConfig, S::Request) -> Result<Action, String>,
+    response: fn(Result<(), String>) -> S::Response,
+) {
+    // Waiting requests end with the service.
+    let mut open = JoinSet::new();
+    let service = server.name().to_string();
+    while let Some(Request { message, reply }) = server.next().await {
+        while open.try_join_next().is_some() {}
+        let given =
+            resolve(hub.host.config(), message).inspect_err(|sentence| hub.refuse(format!("{service}: {sentence}")));
+        // Handed over here, one after the other: commands keep the order of their requests.
+        match given.and_then(|command| hub.submit(command).map_err(|busy| busy.to_string())) {
+            Ok(answers) => {
+                open.spawn(async move {
+                    // A client that has gone is no fault of the machine; the layer logs it.
+                    let _ = reply.send(response(answers.accepted().await)).await;
+                });
+            }
+            Err(sentence) => reply.send_soon(response(Err(sentence))),
+        }
+    }
+}
