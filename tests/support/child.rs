@@ -3,9 +3,10 @@
 use std::{
     fs,
     io::{BufRead, BufReader, Read},
+    panic,
     process::{Child, ChildStdin, Command, ExitStatus, Stdio},
     sync::mpsc::{self, Receiver, RecvTimeoutError},
-    sync::{Arc, Mutex},
+    sync::{Arc, Mutex, Once, PoisonError},
     thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
@@ -30,6 +31,31 @@ const FOREIGN: [&str; 8] = [
 /// Lines of each process that a failed test shows: more would hide why it failed.
 const SHOWN: usize = 25;
 
+/// Characters of each of these lines.
+const WIDTH: usize = 300;
+
+/// Sentences of threads that panicked: a failed test repeats them below the logs, where nobody cuts them off.
+static REASONS: Mutex<String> = Mutex::new(String::new());
+
+/// From now on panics are kept.
+fn keep_reasons() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let usual = panic::take_hook();
+        panic::set_hook(Box::new(move |panic| {
+            let thread = thread::current();
+            let line = format!("{}: {panic}\n", thread.name().unwrap_or("?"));
+            REASONS.lock().unwrap_or_else(PoisonError::into_inner).push_str(&line);
+            usual(panic);
+        }));
+    });
+}
+
+/// Why tests of this process have failed so far, the newest last.
+fn reason() -> String {
+    REASONS.lock().unwrap_or_else(PoisonError::into_inner).trim_end().chars().take(10 * WIDTH).collect()
+}
+
 /// A running process; killed by its own id when dropped.
 pub(super) struct Captured {
     name: String,
@@ -44,6 +70,7 @@ pub(super) struct Captured {
 impl Captured {
     /// Starts `command` on loopback in `domain`.
     pub(super) fn start(name: &str, mut command: Command, domain: &Domain, stdin: Stdio) -> Self {
+        keep_reasons();
         for variable in FOREIGN {
             command.env_remove(variable);
         }
@@ -178,12 +205,14 @@ impl Drop for Captured {
             let log = self.log();
             let lines: Vec<_> = log.lines().collect();
             let shown = &lines[lines.len().saturating_sub(SHOWN)..];
+            let shown: Vec<_> = shown.iter().map(|line| line.chars().take(WIDTH).collect::<String>()).collect();
             eprintln!(
-                "--- the last {} of {} lines that {} wrote:\n{}\n---",
+                "--- the last {} of {} lines that {} wrote:\n{}\n--- {}",
                 shown.len(),
                 lines.len(),
                 self.name,
-                shown.join("\n")
+                shown.join("\n"),
+                reason()
             );
         }
     }

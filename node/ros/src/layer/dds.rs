@@ -16,8 +16,8 @@ use rustdds::no_key::{
 };
 use rustdds::{
     DomainParticipant, DomainParticipantBuilder, DomainParticipantStatusEvent, DomainParticipantStatusListener, GUID,
-    QosPolicies, QosPolicyBuilder, RTPSEntity, RepresentationIdentifier, SampleIdentity, SequenceNumber, StatusEvented,
-    Timestamp, Topic, TopicKind, WriteOptionsBuilder, policy,
+    LostReason, QosPolicies, QosPolicyBuilder, RTPSEntity, RepresentationIdentifier, SampleIdentity, SequenceNumber,
+    StatusEvented, Timestamp, Topic, TopicKind, WriteOptionsBuilder, policy,
 };
 
 use super::guid::{Guid, Prefix};
@@ -247,10 +247,19 @@ fn discovery(event: &DomainParticipantStatusEvent) -> Option<Discovery> {
             Some(Discovery::Matched { writer: (*local_writer).into(), reader: (*remote_reader).into() })
         }
         DomainParticipantStatusEvent::ReaderLost { guid, .. } => Some(Discovery::Lost { reader: (*guid).into() }),
-        DomainParticipantStatusEvent::ParticipantLost { id, .. } => {
+        DomainParticipantStatusEvent::ParticipantLost { id, reason } => {
             let mut prefix = [0; 12];
             prefix.copy_from_slice(id.as_ref());
-            Some(Discovery::Gone { participant: Prefix(prefix) })
+            let participant = Prefix(prefix);
+            // The library (0.15.1) takes its announcements for those that it knows already.
+            if let LostReason::Timeout { lease, .. } = reason {
+                tracing::warn!(
+                    "nothing was heard of DDS participant {participant} for {} s: it counts as gone; a program that was \
+                     frozen or cut off so long must be started again, it is not found a second time",
+                    lease.to_std().as_secs_f64()
+                );
+            }
+            Some(Discovery::Gone { participant })
         }
         _ => None,
     }
