@@ -82,7 +82,10 @@ fn a_jog_moves_while_it_comes_and_its_silence_is_a_controlled_stop_with_a_warnin
     let end = demo.stands("x");
     // 50 mm in 1 s, and 5 mm more until the silence is noticed; between two computers under load much may be late.
     assert!(end > start, "{start} to {end}");
-    assert_eq!(demo.events("warning"), ["x: streamed setpoints stopped coming"]);
+    // Once, or more often where the publisher itself was held up.
+    let warnings = demo.events("warning");
+    assert!(!warnings.is_empty() && warnings.len() <= 10, "{warnings:?}");
+    assert!(warnings.iter().all(|text| text == "x: streamed setpoints stopped coming"), "{warnings:?}");
     // As long as it asks for, and no warning at its end.
     hand.run("stream /lineshaft jog --axis x=-0.05 --duration 0.05");
     assert!(demo.stands("x") < end);
