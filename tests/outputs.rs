@@ -76,7 +76,7 @@ steps:
         ("speed=inf", "speed is `inf`; a finite number of V is expected"),
         ("lamp=1 lamp=1", "output `lamp` stands twice; once is allowed"),
         ("lamp=1 speed", "outputs holds 2, values 1; as many of both are needed"),
-        ("lamp=1 brake=1", "brake: an axis switches this output by itself; nobody else may set it"),
+        ("lamp=1 brake=1", "brake: 1 may not be set, nor any value: lift switches this output by itself"),
     ] {
         assert_eq!(node.cyclone.fails(&format!("set-output /lineshaft {request}")), sentence, "{request}");
     }

@@ -174,6 +174,15 @@ pub struct FilterConfig {
     pub time_ns: u64,
 }
 
+/// A digital input without a terminal: it reads an output of the machine as the cycle before has left it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VirtualInput {
+    /// The input, by its place among the digital inputs.
+    pub input: usize,
+    /// The output, by its place in section `io`.
+    pub output: u16,
+}
+
 /// What is not of an axis.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct GlobalConfig {
@@ -183,6 +192,8 @@ pub struct GlobalConfig {
     pub saved: Option<MachineParameters>,
     /// Digital inputs that are filtered.
     pub filters: Vec<FilterConfig>,
+    /// Digital inputs that read an output.
+    pub virtual_inputs: Vec<VirtualInput>,
 }
 
 impl GlobalConfig {
@@ -262,13 +273,34 @@ impl MachineConfig {
                     .map_err(|problem| ConfigError::Selector { axis: name(), key: problem.key })?;
             }
         }
-        let inputs = self.count_io(IoKind::DigitalInput);
-        for (key, place) in [("estop", self.safety.estop), ("interlock", self.safety.interlock)] {
-            if let Some(place) = place.filter(|place| *place as usize >= inputs) {
-                return Err(ConfigError::Contact { key, place });
+        self.check_inputs()?;
+        self.check_masters()
+    }
+
+    /// Contacts of section safety, and inputs that read an output.
+    fn check_inputs(&self) -> Result<(), ConfigError> {
+        let count = self.count_io(IoKind::DigitalInput);
+        for &VirtualInput { input, output } in &self.global.virtual_inputs {
+            let read = self.io.get(usize::from(output)).map(|io| io.kind);
+            if input >= count || read != Some(IoKind::DigitalOutput) {
+                return Err(ConfigError::VirtualInput { input: input.saturating_add(1), count, output });
             }
         }
-        self.check_masters()
+        for (key, place) in [("estop", self.safety.estop), ("interlock", self.safety.interlock)] {
+            let Some(place) = place else { continue };
+            if place as usize >= count {
+                return Err(ConfigError::Contact { key, place });
+            }
+            if self.is_virtual_input(place as usize) {
+                return Err(ConfigError::VirtualContact { key, place });
+            }
+        }
+        Ok(())
+    }
+
+    /// Does a digital input, by its place among them, read an output?
+    pub fn is_virtual_input(&self, place: usize) -> bool {
+        self.global.virtual_inputs.iter().any(|read| read.input == place)
     }
 
     /// What the reference selector of an axis has to know of it.

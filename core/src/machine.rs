@@ -150,7 +150,8 @@ impl Machine {
     pub fn cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
         // Taking it leaves empty lists, which hold no memory.
         let mut room = std::mem::take(&mut self.seen);
-        let seen = self.state.panel.condition(inputs, &self.config, self.state.cycle, &mut room);
+        let read = self.signals.virtual_inputs(&self.state.board);
+        let seen = self.state.panel.condition(inputs, &self.config, read, self.state.cycle, &mut room);
         self.run_cycle(seen, commands, outputs);
         self.seen = room;
     }

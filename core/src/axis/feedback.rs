@@ -419,7 +419,11 @@ impl Axis {
 
     /// Refuses to move a zero that stands.
     pub(super) fn check_zero_moves(&self) -> Result<(), Refusal> {
-        if self.has_fixed_zero() { Err(self.refuse(Code::ABSOLUTE_ZERO_STANDS)) } else { Ok(()) }
+        if self.has_fixed_zero() {
+            let chosen = Number::Count(self.parameters.encoder.encodertype);
+            return Err(self.refuse(Code::ABSOLUTE_ZERO_STANDS).with(chosen, Number::None));
+        }
+        Ok(())
     }
 
     /// Does it know where it is: by homing, or because an absolute encoder tells it?

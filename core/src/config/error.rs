@@ -69,6 +69,24 @@ pub enum ConfigError {
         /// To what.
         place: u32,
     },
+    /// A contact of section safety that the machine itself would work.
+    #[error("safety: {key} is digital input {place} (from 0), which reads an output of the machine itself")]
+    VirtualContact {
+        /// Which one.
+        key: &'static str,
+        /// To what.
+        place: u32,
+    },
+    /// An input that is to read an output.
+    #[error("digital input {input} of {count} is to read entry {output} of io; one of them and a do are expected")]
+    VirtualInput {
+        /// Which one, from 1.
+        input: usize,
+        /// How many there are.
+        count: usize,
+        /// What it is to read.
+        output: u16,
+    },
     /// An output that two of an axis' own would switch.
     #[error("{axis}: brake is wired to entry {entry} of io, which something else switches")]
     OutputTwice {

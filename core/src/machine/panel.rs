@@ -1,6 +1,7 @@
 //! Inputs and outputs with a function: what goes between the terminals and the axes.
 //!
-//! Law      a filtered input has its new level once that stood for its time; analog input 1 is
+//! Law      a virtual input has the level that its output had at the end of the cycle before; a filtered one has its new level
+//!          once that stood for its time; analog input 1 is
 //!          filt += (reading - filt) / AINFTIME every ms. An input function acts with its edge, +n rising, -n falling. An
 //!          output stays as it was set last, by its function or by set_output; the brake of MACS is only closed here
 //! Reads    the digital and analog inputs, what the axes tell
@@ -110,6 +111,7 @@ impl Panel {
         &mut self,
         inputs: &'i Inputs,
         config: &MachineConfig,
+        virtual_inputs: impl ExactSizeIterator<Item = (usize, bool)>,
         cycle: u64,
         seen: &'i mut Inputs,
     ) -> &'i Inputs {
@@ -117,12 +119,13 @@ impl Panel {
         if !smooths {
             (self.smoothed, self.unread_ns) = (None, 0);
         }
-        if !smooths && config.global.filters.is_empty() {
+        if !smooths && config.global.filters.is_empty() && virtual_inputs.len() == 0 {
             return inputs;
         }
         seen.copy_from(inputs);
+        virtual_inputs.for_each(|(place, level)| seen.set_digital(place, level));
         for (filter, settling) in config.global.filters.iter().zip(&mut self.settling) {
-            let level = inputs.digital(filter.input);
+            let level = seen.digital(filter.input);
             let accepted = !self.has_read || level == settling.level || {
                 let since = *settling.since.get_or_insert(cycle);
                 cycle.saturating_sub(since).saturating_mul(config.cycle_ns) >= filter.time_ns

@@ -24,6 +24,8 @@ const ERROR: i64 = 2;
 pub(super) struct Signals {
     /// Signal, kind, and place among its kind.
     io: Vec<(Signal, IoKind, usize)>,
+    /// Digital inputs by their places, and the signals of the outputs that they read.
+    virtual_inputs: Vec<(usize, Signal)>,
     memory: Vec<(Signal, MemoryKind)>,
     /// First of: count, position, velocity, error, errors.
     encoders: Vec<Signal>,
@@ -37,6 +39,9 @@ impl Signals {
     pub(super) fn new(directory: &mut Directory, config: &MachineConfig) -> Self {
         let io = config.io.iter().enumerate().map(|(index, entry)| {
             let (kind, measure, drivable, help) = match entry.kind {
+                IoKind::DigitalInput if config.is_virtual_input(config.io_place(index)) => {
+                    (Type::Bit, Measure::None, false, "digital input that reads an output of the cycle before")
+                }
                 IoKind::DigitalInput => (Type::Bit, Measure::None, true, "digital input"),
                 IoKind::DigitalOutput => (Type::Bit, Measure::None, false, "digital output"),
                 IoKind::AnalogInput => (Type::Real, Measure::Voltage, true, "analog input"),
@@ -46,7 +51,9 @@ impl Signals {
             let signal = directory.add(Entry { name, kind, measure, drivable, help });
             (signal, entry.kind, config.io_place(index))
         });
-        let io = io.collect();
+        let io: Vec<_> = io.collect();
+        let read = config.global.virtual_inputs.iter();
+        let virtual_inputs = read.filter_map(|read| Some((read.input, io.get(usize::from(read.output))?.0))).collect();
         let memory = config.memory.iter().map(|entry| {
             let kind = match entry.kind {
                 MemoryKind::F64 => Type::Real,
@@ -60,7 +67,12 @@ impl Signals {
         let memory = memory.collect();
         let encoders = config.encoders.iter().map(|entry| add_encoder(directory, &entry.name)).collect();
         let axes = config.axes.iter().map(|axis| add_axis(directory, &axis.name)).collect();
-        Self { io, memory, encoders, axes, machine: add_machine(directory) }
+        Self { io, virtual_inputs, memory, encoders, axes, machine: add_machine(directory) }
+    }
+
+    /// The inputs that read an output, with the levels that the last cycle has left there.
+    pub(super) fn virtual_inputs(&self, board: &Board) -> impl ExactSizeIterator<Item = (usize, bool)> {
+        self.virtual_inputs.iter().map(|&(place, output)| (place, board.int(output) != 0))
     }
 
     pub(super) fn set_memory_initials(&self, board: &mut Board, config: &MachineConfig) {

@@ -12,6 +12,8 @@ pub struct Homing {
     pub in_drive: bool,
     /// No motion without it.
     pub required: bool,
+    /// That was given as HOME_FORCE 255, compulsory and done: it is shown so, and acts as 1.
+    pub told_done: bool,
     /// To the switch (inc/s); the sign is the direction of the MACS sequences. Left out: a tenth of `max_velocity`.
     pub velocity: Option<f64>,
     /// For the last approach and to the index (inc/s), no more than `velocity`. Left out: a tenth of `max_velocity`.
@@ -39,6 +41,8 @@ pub struct HomingParts {
     pub acceleration: Option<i64>,
 }
 
+/// HOME_FORCE of a controller on which homing is compulsory, and was done.
+const TOLD_DONE: i64 = 255;
 /// Share of the maxima that homing takes where nothing is given (HOME_VEL, HOMEZEROVEL and HOME_RAMP begin with 10 of 100).
 const USUAL_SHARE: f64 = 0.1;
 
@@ -114,6 +118,15 @@ impl AxisParameters {
         (share * self.macs.velres as f64).round() as i64
     }
 
+    /// HOME_FORCE as it was given.
+    pub fn home_force(&self) -> i64 {
+        if self.homing.told_done { TOLD_DONE } else { self.homing.required.into() }
+    }
+
+    pub(super) fn set_home_force(&mut self, force: i64) {
+        (self.homing.required, self.homing.told_done) = (force != 0, force == TOLD_DONE);
+    }
+
     /// HOME_OFFSET counts in the sense of the counts, `homing.offset` in that of the axis.
     pub fn home_offset(&self) -> i64 {
         if self.macs.posdrct < 0 { self.homing.offset.saturating_neg() } else { self.homing.offset }
@@ -125,7 +138,8 @@ impl AxisParameters {
 
     /// Was something changed that a zero found before does not outlive: encoder, sense of rotation, homing?
     pub fn loses_zero_to(&self, new: &Self) -> bool {
-        self.homing != new.homing || self.macs.encoder != new.macs.encoder || self.macs.posdrct != new.macs.posdrct
+        let homing = Homing { told_done: new.homing.told_done, ..self.homing };
+        homing != new.homing || self.macs.encoder != new.macs.encoder || self.macs.posdrct != new.macs.posdrct
     }
 }
 

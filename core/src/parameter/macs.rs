@@ -223,6 +223,8 @@ impl AxisParameters {
             "homing.velocity" => Some(self.homing.parts.velocity.is_some()),
             "homing.index_velocity" => Some(self.homing.parts.index_velocity.is_some()),
             "homing.acceleration" => Some(self.homing.parts.acceleration.is_some()),
+            // 0 and 1 are the same by either name.
+            "homing.required" => self.homing.told_done.then_some(true),
             _ => None,
         }
     }

@@ -167,7 +167,14 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             let has = cell_has(event.code == Code::NO_SUCH_OUTPUT, &plain(event.limit));
             format!("{} is {}; {has}", key(event), plain(event.asked))
         }
-        Code::OUTPUT_TAKEN => fixed("an axis switches this output by itself; nobody else may set it"),
+        Code::OUTPUT_TAKEN => {
+            let owner = match event.limit {
+                Number::Count(axis) => u16::try_from(axis).ok().map(|axis| config.name(Object::Axis(axis))),
+                _ => None,
+            };
+            let (owner, asked) = (owner.unwrap_or("an axis"), plain(event.asked));
+            format!("{asked} may not be set, nor any value: {owner} switches this output by itself")
+        }
         Code::OUTPUT_SHARED => {
             format!("{} names output {}, which has another function already", key(event), plain(event.asked))
         }
@@ -198,7 +205,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         }
         Code::PROBE_MISSED => fixed("nothing latched until the end of the search"),
         Code::NOT_REACHED => fixed("the goal before it did not reach its end"),
-        Code::NOT_AT_STANDSTILL => fixed("the axis is still stopping"),
+        Code::NOT_AT_STANDSTILL => fixed("the axis is not at rest; wait until it stands"),
         Code::NOT_ACTIVE => fixed("the machine is inactive; activate it first"),
         Code::OPEN_LOOP => fixed("the axis runs in open loop; only commands of `wf` move it"),
         Code::CLOSED_LOOP => fixed("the axis closes a position loop; a speed without one is for interface open_loop"),
@@ -251,16 +258,25 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             asked()
         ),
         Code::HOMING_NO_VELOCITY => fixed("homing.velocity is 0; give one above 0, or below 0 for the other direction"),
-        Code::HOMING_NO_SWITCH => fixed("i_refswitch is 0; a homing sequence of MACS needs the input of its switch"),
+        Code::HOMING_NO_SWITCH => format!(
+            "i_refswitch is 0, and {} needs a reference switch; n or -n, the n-th digital input, is allowed",
+            method(event.asked)
+        ),
         Code::HOMING_SWITCH_MISSED => format!("the switch did not change within homing.max_distance {}", limit()),
         Code::HOMING_INDEX_MISSED => format!("no index pulse came within homing.index_distance {}", limit()),
         Code::HOMING_AT_LIMIT => fixed("a limit switch ended the search for the reference"),
         Code::HOMING_NEEDS_DRIVE => {
-            fixed("the axis is virtual; it has no switches and no index, only methods 35 and 37")
+            format!(
+                "the axis is virtual, without switches and index for {}; 35 and 37 are allowed",
+                method(event.asked)
+            )
         }
         Code::HOMING_IN_DRIVE_FAILED => fixed("the drive did not find its zero"),
         Code::HOMING_IN_DRIVE_TIMEOUT => fixed("the drive did not take up mode 6, homing, within 5 s"),
-        Code::HOMING_NOT_IN_DRIVE => fixed("homing.in_drive is true, and the drive cannot run a sequence of MACS"),
+        Code::HOMING_NOT_IN_DRIVE => format!(
+            "homing.in_drive is true, and the drive has no {}; methods of CiA 402 are allowed",
+            method(event.asked)
+        ),
         Code::HOMING_LOST => fixed("the zero is no longer known; home the axis again"),
         Code::REPLACED => fixed("a newer command took the axis over"),
         Code::HALTED => fixed("halt ended the goal"),
@@ -299,8 +315,9 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         | Code::ENCODER_NO_RATE
         | Code::WF_NO_PARITY
         | Code::ENCODER_CHOSEN_TWICE => format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code)),
-        Code::ABSOLUTE_ZERO_STANDS => fixed(
-            "encodertype says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position",
+        Code::ABSOLUTE_ZERO_STANDS => format!(
+            "encodertype {} says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position",
+            plain(event.asked)
         ),
         Code::MASTER_ZERO_STANDS => {
             fixed("the encoder is absolute, so that its zero stands: no set_position of it as a master")
@@ -331,6 +348,14 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::FLIGHT_FAILED => format!("the flight recorder saved no bag: {}", system_error(event.asked)),
         Code(number) if number >= Code::DRIVE_FAULT => format!("drive fault {:04X}h", number - Code::DRIVE_FAULT),
         Code(number) => format!("code {number}"),
+    }
+}
+
+/// A method of homing, by the numbers of parameter `homing.method`.
+fn method(number: Number) -> String {
+    match number {
+        Number::Count(macs) if macs < 0 => format!("home_type {}", -1 - macs),
+        number => format!("homing method {}", plain(number)),
     }
 }
 

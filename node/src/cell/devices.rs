@@ -3,10 +3,11 @@
 use super::backends::{Context, address};
 use super::brake;
 use super::encoders;
-use super::names::{Entry, Once, Section, limit};
+use super::names::{Entry, Once, Section, limit, quote};
 use super::scale::Travel;
-use crate::document::Value;
-use lineshaft_core::config::{EncoderConfig, FilterConfig, IoConfig, IoKind, MemoryConfig, MemoryKind};
+use super::wiring;
+use crate::document::{Map, Value};
+use lineshaft_core::config::{EncoderConfig, FilterConfig, IoConfig, IoKind, MemoryConfig, MemoryKind, VirtualInput};
 
 /// How many entries a section of these may have.
 const MOST: usize = u16::MAX as usize;
@@ -29,39 +30,103 @@ const MEMORY_KINDS: [(&str, MemoryKind); 5] = [
     ("bit", MemoryKind::Bit),
 ];
 
-/// The entries of `io`, none where one has problems, and the filters of digital inputs.
-pub(super) fn io(cx: &Context<'_>) -> (Vec<Option<IoConfig>>, Vec<FilterConfig>) {
+/// Section `io`.
+pub(super) struct Io {
+    /// None where one has problems.
+    pub entries: Vec<Option<IoConfig>>,
+    pub filters: Vec<FilterConfig>,
+    pub virtual_inputs: Vec<VirtualInput>,
+}
+
+/// One entry of it.
+struct Terminal<'d> {
+    io: IoConfig,
+    /// (ns)
+    filter: Option<u64>,
+    /// What it reads, by its place in the section.
+    output: Option<(u16, Value<'d>)>,
+}
+
+/// The entries of `io`, the filters of digital inputs, and those that read an output.
+pub(super) fn io(cx: &Context<'_>) -> Io {
     let entries = cx.names.section(Section::Io);
     limit(entries, MOST);
     let mut taken = Once::new();
-    let (mut filters, mut inputs) = (Vec::new(), 0);
+    let (mut filters, mut outputs, mut inputs) = (Vec::new(), Vec::new(), 0);
     let read = |entry| {
-        let (io, filter) = one_io(entry, cx, &mut taken)?;
+        let Terminal { io, filter, output } = one_io(entry, cx, &mut taken)?;
         filters.extend(filter.filter(|time_ns| *time_ns > 0).map(|time_ns| FilterConfig { input: inputs, time_ns }));
+        outputs.extend(output.map(|(output, value)| (VirtualInput { input: inputs, output }, value)));
         inputs += usize::from(io.kind == IoKind::DigitalInput);
         Some(io)
     };
-    (entries.iter().map(read).collect(), filters)
+    let entries: Vec<_> = entries.iter().map(read).collect();
+    let virtual_inputs = outputs.into_iter().map(|(read, value)| {
+        let kind = entries.get(usize::from(read.output)).and_then(Option::as_ref).map(|io| io.kind);
+        if let Some(kind) = kind.filter(|kind| *kind != IoKind::DigitalOutput) {
+            let (name, kind) = (quote(value.peek().unwrap_or_default()), wiring::described(kind));
+            value.refuse(format!("output is {name}, which is {kind}; a do is allowed"), None);
+        }
+        read
+    });
+    Io { virtual_inputs: virtual_inputs.collect(), entries, filters }
+}
+
+/// Does an entry without problems read an output?
+pub(super) fn reads_output(place: usize, cx: &Context<'_>) -> bool {
+    let map = cx.names.section(Section::Io).get(place).and_then(|entry| entry.value.map("io"));
+    map.is_some_and(|map| map.has("output"))
 }
 
 fn one_io<'d>(
     entry: &Entry<'d>,
     cx: &Context<'d>,
     taken: &mut Once<(usize, &'static str, u16)>,
-) -> Option<(IoConfig, Option<u64>)> {
+) -> Option<Terminal<'d>> {
     let mut map = entry.value.map(format!("io `{}`", entry.name()))?;
     let kind = map.required("type").and_then(|value| value.choice(&IO_KINDS.map(|(name, kind)| (name, (name, kind)))));
-    let address = address(&mut map, &cx.names, kind.map(|(name, _)| name), taken);
-    let latch = map.optional("latch").map_or(Some(false), |value| latch(&value, kind));
+    let reads_output = map.has("output");
+    let output = if reads_output {
+        output(&mut map, kind, cx).map(Some)
+    } else {
+        map.allow(&["output"]);
+        address(&mut map, &cx.names, kind.map(|(name, _)| name), taken).map(|_| None)
+    };
+    let latch = map.optional("latch").map_or(Some(false), |value| latch(&value, kind, reads_output));
     let filter = map.optional("filter").map_or(Some(None), |value| filter(&value, kind).map(Some));
     map.finish();
-    address?;
-    Some((IoConfig { name: entry.name().to_owned(), kind: kind?.1, latch: latch? }, filter?))
+    let io = IoConfig { name: entry.name().to_owned(), kind: kind?.1, latch: latch? };
+    Some(Terminal { io, filter: filter?, output: output? })
 }
 
-fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>) -> Option<bool> {
+/// The output that an input without a terminal reads, by its place in the section.
+fn output<'d>(map: &mut Map<'d>, kind: Option<(&str, IoKind)>, cx: &Context<'d>) -> Option<(u16, Value<'d>)> {
+    let value = map.optional("output")?;
+    let wires = ["backend", "address"].map(|key| (key, map.optional(key)));
+    if let Some((name, _)) = kind.filter(|(_, kind)| *kind != IoKind::DigitalInput) {
+        value.refuse(format!("output is for type di; this one is {name}"), Some("leave it out".to_owned()));
+        return None;
+    }
+    for (key, wire) in wires {
+        if let Some(wire) = wire {
+            let sentence = format!("{key} is for an input with a terminal; this one reads an output");
+            wire.refuse(sentence, Some("leave it out".to_owned()));
+        }
+    }
+    let (_, place) = cx.names.find(&value, value.text()?, &[Section::Io])?;
+    Some((u16::try_from(place).ok()?, value))
+}
+
+fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>, reads_output: bool) -> Option<bool> {
     let latch = value.boolean()?;
     match kind {
+        _ if latch && reads_output => {
+            value.refuse(
+                "latch is true for an input that reads an output; only the edges at a terminal are latched",
+                None,
+            );
+            None
+        }
         Some((name, kind)) if latch && kind != IoKind::DigitalInput => {
             value.refuse(format!("latch is true for type {name}; only the edges of a di are latched"), None);
             None

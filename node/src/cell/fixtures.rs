@@ -5,6 +5,7 @@
 
 use super::backends::Context;
 use super::brake;
+use super::devices;
 use super::names::{Once, Section, quote};
 use super::scale::Travel;
 use crate::document::{Allowed, Map, Value};
@@ -176,6 +177,11 @@ impl<'d> Reader<'_, 'd> {
         // One with problems of its own may be of any kind.
         if kind(place).is_some_and(|kind| kind != IoKind::DigitalInput) {
             value.refuse(format!("input is {}, which is no di; a di is allowed", quote(name)), None);
+            return None;
+        }
+        if kind(place).is_some() && devices::reads_output(place, self.cx) {
+            let sentence = "reads an output of the machine; a di with a backend and an address is allowed";
+            value.refuse(format!("input is {}, which {sentence}", quote(name)), None);
             return None;
         }
         if !self.taken.take(place, &value, || format!("input {}", quote(name))) {

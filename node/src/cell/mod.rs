@@ -176,7 +176,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
 
     let backends = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
-    let (io, filters) = devices::io(&cx);
+    let devices::Io { entries: io, filters, virtual_inputs } = devices::io(&cx);
     let mut functions = machine::Functions::new();
     let parameters = machine::read(&mut map, &io, &mut functions);
     map.finish();
@@ -200,7 +200,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
         encoders: encoders.into_iter().collect::<Option<_>>()?,
         axes,
         safety: safety?,
-        global: GlobalConfig { parameters, saved: None, filters },
+        global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },
     };
     let backends = cx.names.section(Section::Backends).iter().zip(&cx.backends);
     let real = backends.filter(|(_, backend)| **backend == Some(Backend::Can));

@@ -1,6 +1,7 @@
 //! Section `safety`: inputs that must read 1, or axes stop.
 
 use super::backends::Context;
+use super::devices;
 use super::names::{Section, quote};
 use crate::document::{Map, Value};
 use lineshaft_core::axis::Safety;
@@ -33,6 +34,11 @@ fn contact<'d>(map: &mut Map<'d>, key: &'static str, cx: &Context<'d>, io: &[Opt
             format!("{key} is {}, which is no di; a di is allowed, which reads 1 while all is well", quote(name)),
             None,
         );
+        return None;
+    }
+    if io.get(place).and_then(kind).is_some() && devices::reads_output(place, cx) {
+        let sentence = "reads an output of the machine itself; a di with a backend and an address is allowed";
+        value.refuse(format!("{key} is {}, which {sentence}", quote(name)), None);
         return None;
     }
     let before = io.iter().take(place).filter(|entry| kind(entry) == Some(IoKind::DigitalInput)).count();

@@ -53,7 +53,8 @@ pub(super) fn place<'d>(
     taken.take(place, value, || format!("output {name}")).then_some(place)
 }
 
-fn described(kind: IoKind) -> &'static str {
+/// A kind in a sentence.
+pub(super) fn described(kind: IoKind) -> &'static str {
     match kind {
         IoKind::DigitalInput => "a di",
         IoKind::DigitalOutput => "a do",

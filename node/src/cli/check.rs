@@ -52,7 +52,26 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(one_edge_for_two(cell));
     warnings.extend(cell.machine.axes.iter().filter_map(|axis| no_master(axis, cell)));
     warnings.extend(crossed_switches(cell));
+    warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));
     warnings
+}
+
+/// Limit switches that are none but outputs of the machine (MACS-LIM-07).
+fn virtual_limits(axis: &AxisConfig, cell: &Cell) -> impl Iterator<Item = String> {
+    let assigned = axis.parameters.assigned;
+    let machine = &cell.machine;
+    [("i_poslimitsw", assigned.poslimitsw), ("i_neglimitsw", assigned.neglimitsw)].into_iter().filter_map(
+        move |(key, number)| {
+            let place = usize::try_from(number.unsigned_abs()).ok()?.checked_sub(1)?;
+            let read = machine.global.virtual_inputs.iter().find(|read| read.input == place)?;
+            let output = machine.io.get(usize::from(read.output)).map_or("", |io| io.name.as_str());
+            Some(format!(
+                "{}: {key} {number} reads output `{output}` and no terminal: it acts a cycle later, and only as long as this \
+                 program does; a limit switch that protects has a wire",
+                axis.name
+            ))
+        },
+    )
 }
 
 /// One edge that stops the axes and, where it finds them stopped and at rest, unlocks them.
@@ -194,6 +213,30 @@ mod tests {
         crossed(warned(10, -10));
         crossed(warned(10, 10));
         assert_eq!(warned(-10, 10), [""; 0]);
+    }
+
+    /// Proves: MACS-LIM-07
+    #[test]
+    fn a_limit_switch_without_a_wire_is_warned_of() {
+        let warned = |keys: &str| {
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\n\
+                 io: {{a: {{type: di, backend: plant, address: 0}}, v: {{type: di, output: b}}, \
+                 b: {{type: do, backend: plant, address: 0}}}}\n\
+                 axes: {{x: {{drive: {{backend: plant, address: 0, interface: position}}, max_velocity: 1 m/s, \
+                 max_acceleration: 1 m/s^2, sim: {{model: ideal}}, {MM}, {keys}}}}}\n"
+            );
+            warnings(&Cell::parse("c.yaml", text).unwrap())
+        };
+        let told = |key: &str| {
+            format!(
+                "x: {key} reads output `b` and no terminal: it acts a cycle later, and only as long as this program does; \
+                 a limit switch that protects has a wire"
+            )
+        };
+        assert_eq!(warned("i_poslimitsw: 1, i_neglimitsw: -1, i_refswitch: 2"), [""; 0]);
+        let both = warned("i_poslimitsw: 2, i_neglimitsw: -2");
+        assert_eq!(both, [told("i_poslimitsw 2"), told("i_neglimitsw -2")]);
     }
 
     #[test]

@@ -181,8 +181,7 @@ fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory:
     Some(change)
 }
 
-/// PROFTIME in ms, also where it was written in us; what is no whole number of ms is a problem. HOME_FORCE 255, compulsory and
-/// done, as a controller may tell it: that it was done there says nothing here.
+/// PROFTIME in ms, also where it was written in us; what is no whole number of ms is a problem.
 fn of_old_days(row: &Row, given: parameter::Value, value: &Value<'_>) -> Option<parameter::Value> {
     match given {
         parameter::Value::Int(us) if row.key == "proftime" && PROFTIME_US.contains(&us) => {
@@ -194,7 +193,6 @@ fn of_old_days(row: &Row, given: parameter::Value, value: &Value<'_>) -> Option<
             }
             Some(parameter::Value::Int(us / 1000))
         }
-        parameter::Value::Int(255) if row.key == "home_force" => Some(parameter::Value::Int(1)),
         other => Some(other),
     }
 }

@@ -226,7 +226,10 @@ impl Reader<'_> {
         let entry = self.names.directory.entry(signal);
         let target = if entry.drivable { self.target(&entry.name) } else { None };
         if target.is_none() {
-            let sentence = format!("{} cannot be driven", entry.name);
+            let io = self.names.find(&entry.name);
+            let reads_output = matches!(io, Some(Object::Io(index)) if self.names.reads_output(index));
+            let why = if reads_output { "reads an output of the machine and " } else { "" };
+            let sentence = format!("{} {why}cannot be driven", entry.name);
             let rule =
                 "inputs, memory cells, ENCODER.count, and of axes with a drive AXIS.actual.count and its switches can";
             value.refuse(format!("{sentence}; {rule}"), None);

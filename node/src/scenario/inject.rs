@@ -195,6 +195,12 @@ fn input(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         _ => None,
     };
     match io {
+        Some((IoKind::DigitalInput, place)) if names.config.is_virtual_input(place) => {
+            let name = key.peek().unwrap_or_default();
+            let sentence = format!("{name} reads an output of the machine; an input with a terminal is allowed");
+            key.refuse(sentence, Some("set that output".to_owned()));
+            None
+        }
         Some((IoKind::DigitalInput, place)) => {
             level.integer(0..=1_u8).map(|level| Injection::Digital { place, on: level == 1 })
         }

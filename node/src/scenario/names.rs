@@ -65,6 +65,12 @@ impl Names<'_> {
         Some(axes.iter().filter(|axis| axis.drive.is_some()).count() - 1)
     }
 
+    /// Does an entry of `io` read an output of the machine?
+    pub(super) fn reads_output(&self, index: u16) -> bool {
+        let place = self.io(index).filter(|(kind, _)| *kind == IoKind::DigitalInput).map(|(_, place)| place);
+        place.is_some_and(|place| self.config.is_virtual_input(place))
+    }
+
     /// Kind of an entry of `io`, and its place among that kind.
     pub(super) fn io(&self, index: u16) -> Option<(IoKind, usize)> {
         let entry = self.config.io.get(usize::from(index))?;

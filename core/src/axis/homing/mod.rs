@@ -250,8 +250,9 @@ impl Axis {
         if matches!(method, 35 | 37) && !p.homing.in_drive {
             return Ok(None);
         }
+        let named = Number::Count(method);
         if self.is_virtual() {
-            return Err(self.refuse(Code::HOMING_NEEDS_DRIVE));
+            return Err(self.refuse(Code::HOMING_NEEDS_DRIVE).with(named, Number::None));
         }
         self.check_closed_loop()?;
         let velocity = p.homing_velocity();
@@ -275,13 +276,13 @@ impl Axis {
         };
         if p.homing.in_drive {
             if methods::is_macs(method) {
-                return Err(self.refuse(Code::HOMING_NOT_IN_DRIVE));
+                return Err(self.refuse(Code::HOMING_NOT_IN_DRIVE).with(named, Number::None));
             }
             return Ok(Some(Run { stage: Stage::InDrive(InDrive::since(cycle, self.actual.position)), ..run }));
         }
         // HOME without its input is refused.
         if methods::is_macs(method) && p.assigned.refswitch == 0 {
-            return Err(self.refuse(Code::HOMING_NO_SWITCH));
+            return Err(self.refuse(Code::HOMING_NO_SWITCH).with(named, Number::None));
         }
         // No way back is taken where REVERS forbids any.
         if let Some(leg) = methods::legs(method).iter().find(|leg| leg.turns || leg.way * run.sense < 0) {

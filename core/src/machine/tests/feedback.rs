@@ -248,7 +248,7 @@ fn a_hard_zero_waits_for_the_other_users() {
     rig.give(Action::Move(at(Y, 1_000.0)));
     rig.run(10);
     let refused = rig.give(zero(X, 5));
-    assert_eq!(rig.refusal(refused), "y: the axis is still stopping");
+    assert_eq!(rig.refusal(refused), "y: the axis is not at rest; wait until it stands");
     let before = rig.int("x.actual.position");
     // In one cycle with the start of the other: only the axis itself has the new zero, and that is told.
     let mut rig = Rig::of(shared_config());
@@ -342,7 +342,7 @@ fn the_zero_of_an_absolute_encoder_stands() {
     let mut rig = corrected();
     assert_eq!(rig.int("x.homed"), 1, "it knows where it is");
     let set = rig.give(zero(X, 5));
-    let text = "x: encodertype says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position";
+    let text = "x: encodertype 3 says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position";
     assert_eq!(rig.refusal(set), text);
     let method = crate::command::HomingMethod::Cia402(37);
     let home = rig.give(Action::HomeAxis(crate::command::HomeAxis { axis: X, method }));

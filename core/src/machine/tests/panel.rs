@@ -5,6 +5,7 @@ mod brake;
 mod brake_first;
 mod brake_meets;
 mod functions;
+mod virtual_inputs;
 
 use super::rig::{LINE, Rig, X, Y, at, config, to};
 use crate::command::{Action, OutputValue};
@@ -340,7 +341,7 @@ fn outputs_are_set_and_stay() {
         (7, f64::INFINITY, "speed: inf is no value of this output; 0 and 1 of a do, a finite number of V of an ao are"),
         (0, 1.0, "a: this is no output; a do or an ao may be set"),
         (6, 1.0, "level: this is no output; a do or an ao may be set"),
-        (R, 1.0, "r: an axis switches this output by itself; nobody else may set it"),
+        (R, 1.0, "r: 1 may not be set, nor any value: x switches this output by itself"),
     ] {
         let sequence = rig.give(Action::set_output(index, value));
         assert_eq!(rig.refusal(sequence), sentence);

@@ -49,7 +49,7 @@ pub(super) const ROWS: &[Row] = &[
         description: "No motion before homing is done: after a start, and after a change of encoder, sense of rotation or homing.",
         source: "contract section 3, MACS-HOME-09",
         get: |p| Value::Int(p.homing.required.into()),
-        set: |p, v| p.homing.required = int(v) == Some(1),
+        set: |p, v| p.set_home_force(i64::from(int(v) == Some(1))),
         ..HOMING_ROW
     },
     Row {

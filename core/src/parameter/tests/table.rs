@@ -102,6 +102,8 @@ fn exception(name: &str) -> Option<Vec<(i64, i64)>> {
         "ENCODERFREQ" => vec![(1, MLONG)],
         // MACS-DIR-01: other values are refused.
         "POSDRCT" => vec![(-22, -21), (-12, -11), (-2, -1), (1, 2), (11, 12), (21, 22)],
+        // 255 is the word of a controller that has homed.
+        "HOME_FORCE" => vec![(0, 1), (255, 255)],
         // Any sum of the bits.
         "SYNCMFPAR" => mask(1 + 2 + 4 + 16 + 64),
         // MACS-MARK-05, MACS-MARK-06: units digit 0 to 3.

@@ -186,6 +186,17 @@ fn an_output_has_one_function() {
     good(&with("    o_axmove: 1\n", "{}"));
 }
 
+/// A simulated switch has a wire, and an input that reads an output has no terminal for it.
+#[test]
+fn no_switch_is_wired_to_an_input_that_reads_an_output() {
+    let io = cell("{model: ideal, home_switch: {from: 0 mm, to: 1 mm, input: b}}").replace(
+        "  b: {type: di, backend: p, address: 1}\n",
+        "  b: {type: di, output: q}\n  q: {type: do, backend: p, address: 9}\n",
+    );
+    let sentence = "input is `b`, which reads an output of the machine; a di with a backend and an address is allowed";
+    assert!(said(&io).ends_with(sentence), "{}", said(&io));
+}
+
 #[test]
 fn digital_inputs_may_be_filtered() {
     use lineshaft_core::config::FilterConfig;

@@ -143,6 +143,42 @@ fn inputs_and_outputs() {
     );
 }
 
+/// Proves: MACS-LIM-07
+#[test]
+fn an_input_may_read_an_output_instead_of_a_terminal() {
+    use lineshaft_core::config::{FilterConfig, VirtualInput};
+    let io = |text: &str| {
+        format!(
+            "{HEAD}io:\n  a: {{type: di, backend: plant, address: 0}}\n  b: {text}\n  c: {{type: do, backend: plant, address: 0}}\n  \
+             d: {{type: ao, backend: plant, address: 0}}\n"
+        )
+    };
+    let cell = good(&io("{type: di, output: c, filter: 2 ms}"));
+    assert_eq!(cell.machine.global.virtual_inputs, [VirtualInput { input: 1, output: 2 }]);
+    assert_eq!(cell.machine.global.filters, [FilterConfig { input: 1, time_ns: 2_000_000 }]);
+    let wired = "is for an input with a terminal; this one reads an output, leave it out";
+    for (text, sentence) in [
+        ("{type: di, output: ^a}", "output is `a`, which is a di; a do is allowed"),
+        ("{type: di, output: ^b}", "output is `b`, which is a di; a do is allowed"),
+        ("{type: di, output: ^d}", "output is `d`, which is an ao; a do is allowed"),
+        ("{type: di, output: ^plant}", "output is `plant`, which is a backend; input or output is allowed"),
+        ("{type: di, output: ^cc}", "output is `cc`; no input or output has that name, there are a, b, c, d"),
+        ("{type: do, output: ^c}", "output is for type di; this one is do, leave it out"),
+        ("{type: di, output: c, backend: ^plant}", &format!("backend {wired}")),
+        ("{type: di, output: c, address: ^1}", &format!("address {wired}")),
+        (
+            "{type: di, output: c, latch: ^true}",
+            "latch is true for an input that reads an output; only the edges at a terminal are latched",
+        ),
+    ] {
+        assert_said(&io(text), sentence);
+    }
+    let contact = format!("{}safety: {{estop: ^b}}\n", io("{type: di, output: c}"));
+    let sentence =
+        "estop is `b`, which reads an output of the machine itself; a di with a backend and an address is allowed";
+    assert_said(&contact, sentence);
+}
+
 #[test]
 fn memory_holds_what_its_type_does() {
     for (text, sentence) in [

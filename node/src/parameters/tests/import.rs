@@ -48,15 +48,16 @@ fn proftime_may_be_in_microseconds_in_a_file() {
     }
 }
 
-/// A controller tells 255 once it has been homed; what is kept of that is that homing is compulsory.
+/// A controller tells 255 once it has been homed; it acts as 1, and is shown as it stands in the file.
 ///
 /// Proves: MACS-HOME-09
 #[test]
 fn compulsory_and_done_is_compulsory_in_a_file() {
-    for (text, required) in [("0", false), ("1", true), ("255", true)] {
-        assert_eq!(read(&format!("x.HOME_FORCE: {text}")).unwrap().homing.required, required, "{text}");
+    for (force, required) in [(0, false), (1, true), (255, true)] {
+        let read = read(&format!("x.HOME_FORCE: {force}")).unwrap();
+        assert_eq!((read.homing.required, read.home_force()), (required, force));
     }
-    assert_eq!(refused("x.HOME_FORCE: 2"), "p:1:15: home_force is 2; 0 to 1 is allowed\n");
+    assert_eq!(refused("x.HOME_FORCE: 2"), "p:1:15: home_force is 2; 0 to 1, 255 is allowed\n");
 }
 
 /// the spellings of the manual.

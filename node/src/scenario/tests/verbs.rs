@@ -427,3 +427,33 @@ fn setpoints_move_an_axis_for_as_long_as_they_come_or_were_asked_for() {
         assert!(bad(arguments).contains(sentence), "{}", bad(arguments));
     }
 }
+
+/// An output that is set shows at the input that reads it a cycle later, and there it is a limit switch.
+///
+/// Proves: MACS-LIM-07
+#[test]
+fn an_input_that_reads_an_output_follows_set_output_and_nothing_else() {
+    let text = CELL.replace("  level:", "  stop: {type: di, output: lamp}\n  level:");
+    let text = text.replace("max_following_error: 10 mm", "endswmod: 1, i_poslimitsw: 3, max_following_error: 10 mm");
+    let cell = Cell::parse("cell.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+    let scenario = "scenario: s\ncycles: 1000\nsteps:\n- {at: 0, do: {enable: {axes: [x]}}}\n\
+                    - {at: 100, do: {move_axis: {axis: x, mode: velocity, velocity: 10 mm/s}}}\n\
+                    - {at: 500, do: {set_output: {lamp: 1}}}\nexpect:\n\
+                    - {signal: lamp, at: 500, is: 1}\n- {signal: stop, at: 500, is: 0}\n- {signal: stop, at: 501, is: 1}\n\
+                    - {signal: x.state, at: 500, is: CONTINUOUS_MOTION}\n- {signal: x.error, at: 501, is: 10221}\n";
+    let scenario = Scenario::parse("s.yaml", scenario, &cell).unwrap_or_else(|problems| panic!("{problems}"));
+    let report = simulate(&cell, &scenario, &Options::default()).unwrap();
+    assert!(report.passed(), "{report}");
+    for (section, item, sentence) in [
+        (
+            "steps",
+            "{at: 0, do: {inject: {input: {stop: 1}}}}",
+            "stop reads an output of the machine; an input with a terminal is allowed, set that output",
+        ),
+        ("drive", "{signal: stop, values: [1]}", "stop reads an output of the machine and cannot be driven; inputs,"),
+    ] {
+        let text = format!("{{scenario: s, cycles: 9, {section}: [{item}]}}");
+        let problems = Scenario::parse("s.yaml", &text, &cell).expect_err("it cannot be set").to_string();
+        assert!(problems.contains(sentence), "{problems}");
+    }
+}

@@ -234,7 +234,7 @@ fn nothing_else_moves_an_axis_that_homes() {
     assert_eq!(rig.refusal(sequence), under_way);
     let sequence = rig
         .give(Action::SetPosition(crate::command::SetPosition { axis: X, position: crate::command::Length::whole(0) }));
-    assert_eq!(rig.refusal(sequence), "x: the axis is still stopping");
+    assert_eq!(rig.refusal(sequence), "x: the axis is not at rest; wait until it stands");
     rig.stream(X, 1_000.0);
     assert_eq!(rig.state("x"), "HOMING");
     assert!(rig.events.iter().any(|event| event.code == Code::HOMING_UNDER_WAY && event.command == 0));
@@ -251,7 +251,12 @@ fn what_homing_lacks_is_refused_with_a_sentence() {
             "homing.velocity is 0; give one above 0, or below 0 for the other direction",
         ),
         ("home_vel", Value::Int(0), -1, "homing.velocity is 0; give one above 0, or below 0 for the other direction"),
-        ("i_refswitch", Value::Int(0), -1, "i_refswitch is 0; a homing sequence of MACS needs the input of its switch"),
+        (
+            "i_refswitch",
+            Value::Int(0),
+            -1,
+            "i_refswitch is 0, and home_type 0 needs a reference switch; n or -n, the n-th digital input, is allowed",
+        ),
         ("revers", Value::Int(2), 3, "velocity -10 mm/s leads backwards, which revers forbids; 0 or more is allowed"),
     ];
     for (key, value, method, sentence) in cases {
@@ -279,7 +284,7 @@ fn what_homing_lacks_is_refused_with_a_sentence() {
     let sequence = rig.give(Action::HomeAxis(line));
     assert_eq!(
         rig.refusal(sequence),
-        "line: the axis is virtual; it has no switches and no index, only methods 35 and 37"
+        "line: the axis is virtual, without switches and index for homing method 3; 35 and 37 are allowed"
     );
 }
 

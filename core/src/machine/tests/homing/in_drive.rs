@@ -73,7 +73,8 @@ fn what_the_drive_does_not_find_is_an_error() {
 fn a_sequence_of_macs_is_none_of_a_drive() {
     let mut rig = in_drive(0, 0);
     let sequence = home(&mut rig, -1);
-    assert_eq!(rig.refusal(sequence), "x: homing.in_drive is true, and the drive cannot run a sequence of MACS");
+    let sentence = "x: homing.in_drive is true, and the drive has no home_type 0; methods of CiA 402 are allowed";
+    assert_eq!(rig.refusal(sequence), sentence);
 }
 
 /// The axis takes over from the motion of its drive, and brakes it.

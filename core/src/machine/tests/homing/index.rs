@@ -107,7 +107,7 @@ fn absolute_encoders_have_none() {
     config.axes[usize::from(X)].parameters.encoder.encodertype = 1;
     let mut rig = rig_with(config, Model::Ideal, way(START, NOWHERE));
     let sequence = rig.give(index(2_500, 0));
-    let sentence = "x: encodertype says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position";
+    let sentence = "x: encodertype 1 says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position";
     assert_eq!(rig.refusal(sequence), sentence);
 }
 

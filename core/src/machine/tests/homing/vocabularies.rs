@@ -366,5 +366,8 @@ fn a_zero_is_not_set_while_the_drive_homes_for_a_vocabulary() {
     rig.run(100);
     let zero = crate::command::SetPosition { axis: X, position: crate::command::Length::whole(1_000) };
     let refused = rig.give(Action::SetPosition(zero));
-    assert_eq!((rig.refusal(refused), rig.state("x")), ("x: the axis is still stopping".to_owned(), "HOMING"));
+    assert_eq!(
+        (rig.refusal(refused), rig.state("x")),
+        ("x: the axis is not at rest; wait until it stands".to_owned(), "HOMING")
+    );
 }

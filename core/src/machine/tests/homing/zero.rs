@@ -61,6 +61,37 @@ fn forced_homing_comes_before_every_motion() {
     assert!(refused.clone().count() == 4 && refused.into_iter().all(|event| event.code.0 == 6), "error 6 of MACS");
 }
 
+/// What a controller shows that has homed may be set: it is shown again, and does what 1 does.
+///
+/// Proves: MACS-HOME-09
+#[test]
+fn compulsory_and_done_is_shown_as_it_was_set_and_acts_as_1() {
+    let mut rig = rig(way(START, (5_000, FAR)));
+    let shown = |rig: &Rig| {
+        let p = rig.machine.parameters(X).copied().unwrap();
+        ["home_force", "homing.required"].map(|key| crate::parameter::Row::find(key).unwrap().1.value(&p))
+    };
+    let given = set(&mut rig, "home_force", Value::Int(255));
+    assert!(rig.was_accepted(given));
+    assert_eq!(shown(&rig), [Value::Int(255), Value::Int(1)]);
+    let refused = rig.give(Action::Move(to(X, 1_000)));
+    assert_eq!(rig.refusal(refused), "x: homing is required and has not been done; home the axis first");
+    let sequence = home(&mut rig, 3);
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+    // By each of its names the same is asked for, so that the zero is kept.
+    for (key, value, force) in
+        [("home_force", 1, 1), ("home_force", 255, 255), ("homing.required", 1, 1), ("home_force", 255, 255)]
+    {
+        set(&mut rig, key, Value::Int(value));
+        rig.run(2);
+        assert_eq!((shown(&rig), rig.int("x.homed")), ([Value::Int(force), Value::Int(1)], 1), "{key} {value}");
+    }
+    set(&mut rig, "home_force", Value::Int(0));
+    assert_eq!(shown(&rig), [Value::Int(0), Value::Int(0)]);
+    let refused = set(&mut rig, "home_force", Value::Int(2));
+    assert_eq!(rig.refusal(refused), "x: home_force is 2; 0 to 1, 255 is allowed");
+}
+
 /// Proves: MACS-HOME-09
 #[test]
 fn a_change_of_what_the_zero_depends_on_asks_for_it_again() {
@@ -255,6 +286,30 @@ fn a_latched_edge_is_exact_at_any_velocity() {
     assert_eq!(latched.map(|(_, velocity)| velocity), Some(10_000.0), "at speed");
     assert_eq!(zero(&rig, 0), 3_000, "{latched:?}");
     assert_eq!(homed_events(&rig), [Number::Position(3_000)]);
+}
+
+/// HOME_TYPE 3 across a switch that is shorter than the way to brake: its far edge is passed at speed, and latched.
+#[test]
+fn a_latched_far_edge_is_exact_while_the_axis_still_brakes() {
+    let (from, to) = (4_000, 4_011);
+    let mut rig = rig_with(cell(0), Model::Ideal, Fixtures { home: None, ..way(0, (0, 0)) });
+    let sequence = home(&mut rig, -4);
+    let mut passed_at = None;
+    while rig.done(sequence).is_empty() {
+        // The ideal drive is in the next cycle where the command is now.
+        let (now, next) = (rig.int("x.actual.position"), rig.int("x.command.position"));
+        if passed_at.is_none() && now <= to && next > to {
+            let age_ns = ((next - to) * 1_000_000 / (next - now)) as u32;
+            let latch = Latch { object: Object::Io(0), edge: Edge::Falling, age_ns: Some(age_ns), position: None };
+            assert!(rig.plant.add_latch(latch));
+            passed_at = Some(rig.real("x.command.velocity"));
+        }
+        rig.plant.set_digital(0, passed_at.is_none() && next >= from);
+        rig.run(1);
+    }
+    assert_eq!(rig.done(sequence)[0].code, Code::NONE);
+    assert!(passed_at.is_some_and(|velocity| velocity > 9_000.0), "some inc a cycle: {passed_at:?}");
+    assert_eq!((zero(&rig, 0), homed_events(&rig)), (to, vec![Number::Position(to)]));
 }
 
 /// What the rows say: i_refswitch, i_poslimitsw, i_neglimitsw, homing.required act in the cycle in which they are set.

@@ -134,7 +134,7 @@ fn commands_while_the_brake_moves() {
     rig.give(Action::Disable(x()));
     rig.run(5);
     let refused = rig.give(Action::Enable(x()));
-    assert_eq!(rig.refusal(refused), "x: the axis is still stopping");
+    assert_eq!(rig.refusal(refused), "x: the axis is not at rest; wait until it stands");
     rig.run(100);
     assert_eq!((rig.state("x"), rig.int("x.actual.position")), ("DISABLED", 0));
     // Deactivated and powered off, it waits for the brake.
