@@ -236,7 +236,7 @@ codes! {
     ENCODER_NO_RATE = 10332;
     /// MD16 is no parity.
     WF_NO_PARITY = 10333;
-    /// I_BREAK ended the goal.
+    /// I_BREAK ended the goal, an enable or a reset.
     INTERRUPTED = 10341;
     /// A parameter names a digital input that the cell has not.
     NO_SUCH_INPUT = 10342;
@@ -265,7 +265,7 @@ codes! {
     HALTED = 10102;
     /// The client cancelled the goal.
     CANCELLED = 10103;
-    /// quick_stop ended the goal.
+    /// quick_stop ended the goal, an enable or a reset.
     QUICK_STOP = 10104;
     /// disable ended the goal.
     DISABLED = 10105;

@@ -40,11 +40,21 @@ pub(super) struct Holding {
     pub(super) interrupted: bool,
     /// An abort has stopped it.
     pub(super) aborted: bool,
+    /// When a stop that locks came last, and which.
+    pub(super) locked: Option<(u64, Code)>,
 }
 
 impl Default for Holding {
     fn default() -> Self {
-        Self { closed: true, closed_at: 0, edges: Edges::default(), clears: false, interrupted: false, aborted: false }
+        Self {
+            closed: true,
+            closed_at: 0,
+            edges: Edges::default(),
+            clears: false,
+            interrupted: false,
+            aborted: false,
+            locked: None,
+        }
     }
 }
 
@@ -144,14 +154,13 @@ impl Axis {
         }
         if edges.interrupts {
             self.stop_simulated_master(cx);
-        }
-        if edges.interrupts && self.is_on() {
             self.interrupt(cx);
         }
         if self.state != AxisState::Stopping {
             self.holding.interrupted = false;
         }
-        if edges.resumes && self.holding.interrupted && self.rests() && self.error.is_none() {
+        let is_new = self.locked_in(cx.cycle).is_some();
+        if edges.resumes && self.holding.interrupted && !is_new && self.rests() && self.error.is_none() {
             self.holding.interrupted = false;
             self.clear_error(cx);
         }
@@ -164,11 +173,10 @@ impl Axis {
 
     /// Ends what runs, stops, and locks the axis until it is resumed or reset.
     fn interrupt(&mut self, cx: &mut Context<'_>) {
-        self.abandon(cx, Code::INTERRUPTED);
         // What is locked already stays so: nothing but reset_errors lets it go on.
-        if !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
-            self.brake_to_rest(cx, &self.stop_limits());
-            self.lock(cx, Code::INTERRUPTED);
+        let is_locked = matches!(self.state, AxisState::ErrorStop | AxisState::Stopping);
+        self.stop_and_lock(cx, Code::INTERRUPTED);
+        if self.is_on() && !is_locked {
             self.holding.interrupted = true;
             // As after an error: the brake closes with ERRCOND 1 and 3, once the axis stands.
             self.judge.after_stop = if matches!(self.parameters.error_reaction, 1 | 3) { 3 } else { -1 };

@@ -112,14 +112,22 @@ impl Axis {
 
     /// On, without error and without lock.
     pub(super) fn check_ready(&self) -> Result<(), Refusal> {
-        match (self.state, self.power) {
-            (AxisState::ErrorStop, _) => Err(self.refuse(Code::IN_ERROR)),
-            (AxisState::Stopping, _) if self.is_interrupted() => Err(self.refuse(Code::INTERRUPTED)),
-            (AxisState::Stopping, _) if self.holding.aborted => Err(self.refuse(Code::ABORTED)),
-            (AxisState::Stopping, _) => Err(self.refuse(Code::QUICK_STOPPED)),
+        self.check_lock()?;
+        match self.power {
             _ if !self.active => Err(self.refuse(Code::NOT_ACTIVE)),
-            (_, Power::On) => self.check_contacts(),
+            Power::On => self.check_contacts(),
             _ => Err(self.refuse(Code::NOT_ENABLED)),
+        }
+    }
+
+    /// Without error, and without the lock of a stop.
+    pub(super) fn check_lock(&self) -> Result<(), Refusal> {
+        match self.state {
+            AxisState::ErrorStop => Err(self.refuse(Code::IN_ERROR)),
+            AxisState::Stopping if self.is_interrupted() => Err(self.refuse(Code::INTERRUPTED)),
+            AxisState::Stopping if self.holding.aborted => Err(self.refuse(Code::ABORTED)),
+            AxisState::Stopping => Err(self.refuse(Code::QUICK_STOPPED)),
+            _ => Ok(()),
         }
     }
 

@@ -328,6 +328,7 @@ impl Axis {
         self.step_vocabularies(cx);
         self.follow_stream(cx);
         self.obey_inputs(cx);
+        self.heed_stop(cx);
         self.judge(cx);
         self.switch_drive(cx);
         self.work_brake(cx.cycle);

@@ -257,7 +257,8 @@ impl Axis {
     pub(super) fn switch_off(&mut self, cx: &mut Context<'_>) {
         self.power = Power::Off;
         self.generator = Generator::Rest;
-        if self.state != AxisState::ErrorStop {
+        // Off and on again unlocks nothing.
+        if !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
             self.set_state(cx, AxisState::Disabled);
         }
     }

@@ -92,6 +92,10 @@ impl Axis {
         }
         if matches!(action, Action::Enable(_)) {
             match self.power {
+                Power::Off => {
+                    self.check_lock()?;
+                    self.check_contacts()?;
+                }
                 _ if self.state == AxisState::ErrorStop => return refuse(Code::IN_ERROR),
                 Power::SwitchingOff | Power::Closing { .. } => return refuse(Code::NOT_AT_STANDSTILL),
                 _ => self.check_contacts()?,
@@ -113,8 +117,8 @@ impl Axis {
     }
 
     pub(super) fn enable(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        // A deactivation of the same cycle wins over it: the wait ends at once then.
-        if self.power == Power::Off && self.active {
+        // A deactivation, or a stop that locks, wins over it in its cycle: the wait ends at once then.
+        if self.power == Power::Off && self.active && self.locked_in(cx.cycle).is_none() {
             // An abort has closed it while the axis was off.
             self.brake = false;
             self.holding.aborted = false;
@@ -161,43 +165,61 @@ impl Axis {
     }
 
     pub(super) fn quick_stop(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        self.abandon(cx, Code::QUICK_STOP);
         // From here on it is a quick stop that locks it.
         self.holding.interrupted = false;
         self.holding.aborted = false;
-        if self.is_on() && self.state != AxisState::ErrorStop {
-            self.brake_to_rest(cx, &self.stop_limits());
-            self.lock(cx, Code::QUICK_STOP);
-        }
+        self.stop_and_lock(cx, Code::QUICK_STOP);
         self.wait(cx, sequence, Until::Standstill);
     }
 
-    /// Nothing moves it until it is reset: a reset that waits was meant for what was there before.
-    pub(super) fn lock(&mut self, cx: &mut Context<'_>, code: Code) {
-        self.waiting.fail(cx.events, self.setup.index, code, Until::Healthy);
-        self.set_state(cx, AxisState::Stopping);
+    /// Ends all that runs. An axis under power stops, and nothing moves it until it is reset, off and on again neither; an error
+    /// keeps its own lock. I_BREAK leaves an axis without power as it is, what else stops locks that as well.
+    /// [`heed_stop`](Self::heed_stop) does the rest once all commands of the cycle are known.
+    pub(super) fn stop_and_lock(&mut self, cx: &mut Context<'_>, code: Code) {
+        self.abandon(cx, code);
+        self.holding.locked = Some((cx.cycle, code));
+        if self.state == AxisState::ErrorStop {
+            return;
+        }
+        if self.is_on() {
+            self.brake_to_rest(cx, &self.stop_limits());
+        }
+        if self.is_on() || code != Code::INTERRUPTED {
+            self.set_state(cx, AxisState::Stopping);
+        }
+    }
+
+    /// The code of the stop that locks in that cycle.
+    pub(super) fn locked_in(&self, cycle: u64) -> Option<Code> {
+        self.holding.locked.filter(|(locked, _)| *locked == cycle).map(|(_, code)| code)
+    }
+
+    /// What was to let the axis go on was meant for what was there before the stop of this cycle, also where it comes behind it:
+    /// commands come in the order of their lanes. An axis that switches on is off again.
+    pub(super) fn heed_stop(&mut self, cx: &mut Context<'_>) {
+        let Some(code) = self.locked_in(cx.cycle) else { return };
+        self.waiting.fail(cx.events, self.setup.index, code, Until::Enabled);
+        if matches!(self.power, Power::SwitchingOn { .. }) {
+            self.switch_off(cx);
+        }
+        // Without power and lock a reset lets nothing go on.
+        if self.is_on() || self.state == AxisState::Stopping {
+            self.waiting.fail(cx.events, self.setup.index, code, Until::Healthy);
+            self.holding.clears = false;
+        }
     }
 
     /// Stops and locks the axis; a brake closes once it stands, or at once where nothing holds it (MACS-ERR-09, A-49).
     pub(super) fn abort(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        self.abandon(cx, Code::ABORTED);
         self.holding.interrupted = false;
+        self.stop_and_lock(cx, Code::ABORTED);
         let has_brake = self.own_brake().is_some() || self.parameters.outputs.brake != 0;
-        if self.is_on() {
-            if self.state != AxisState::ErrorStop {
-                self.brake_to_rest(cx, &self.stop_limits());
-                self.lock(cx, Code::ABORTED);
-                self.holding.aborted = true;
-            }
-            if has_brake {
-                // What an error has left to do is done as well.
-                self.judge.after_stop = if matches!(self.judge.after_stop, 0 | 1 | 4) { 1 } else { 3 };
-            }
-        } else {
-            if matches!(self.power, Power::SwitchingOn { .. }) {
-                self.switch_off(cx);
-            }
+        self.holding.aborted = self.state == AxisState::Stopping;
+        if !self.is_on() {
             self.brake |= has_brake;
+        } else if has_brake {
+            // What an error has left to do is done as well.
+            self.judge.after_stop = if matches!(self.judge.after_stop, 0 | 1 | 4) { 1 } else { 3 };
         }
         self.wait(cx, sequence, Until::Standstill);
     }

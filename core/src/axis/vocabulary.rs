@@ -86,7 +86,8 @@ impl Axis {
             let refusal = Refusal { parameter: Some(place), ..refusal.with(number, Number::None) };
             row.assign(&mut parameters, value).map_err(|_| refusal)?;
         }
-        let (mut saia, mut outcome) = self.ask_saia(cx, &parameters, request, None)?;
+        let barred = self.check_locks(cx.cycle).err();
+        let (mut saia, mut outcome) = self.ask_saia(cx, &parameters, request, barred)?;
         if let Some(order) = outcome.order
             && let Err(refusal) = self.obey(cx, Owner::Saia, order)
         {
@@ -169,6 +170,7 @@ impl Axis {
             }
             self.saia = saia;
         }
+        self.awake.wf |= self.wf.wakes(&self.parameters.wf);
         if self.awake.wf {
             let mut wf = self.wf;
             let order = wf.step(&self.view(cx.cycle, Owner::Wf, cx.leads, cx.latches));
@@ -270,6 +272,11 @@ impl Axis {
         Some(refusal)
     }
 
+    /// Nothing lets the axis go on in the cycle of a stop that locks.
+    fn check_locks(&self, cycle: u64) -> Result<(), Refusal> {
+        self.locked_in(cycle).map_or(Ok(()), |code| Err(Refusal::new(code, self.object())))
+    }
+
     /// Switches the axis off: at once, but one that stands leaves its load to its brake first.
     fn let_go(&mut self, cx: &mut Context<'_>) {
         if matches!(self.power, Power::Closing { .. }) {
@@ -293,6 +300,7 @@ impl Axis {
                     return Err(Refusal::new(Code::NOT_ACTIVE, self.object()));
                 }
                 if self.power == Power::Off && !self.is_virtual() {
+                    self.check_lock()?;
                     self.power = Power::SwitchingOn { since: cx.cycle };
                 }
             }
@@ -380,6 +388,7 @@ impl Axis {
             }
             Order::Reset => {
                 if self.error.is_alarm() {
+                    self.check_locks(cx.cycle)?;
                     if !self.rests() {
                         return Err(Refusal::new(Code::NOT_AT_STANDSTILL, self.object()));
                     }

@@ -219,18 +219,18 @@ impl Panel {
     /// Lets the functions of outputs follow the axes. Those that share a number show that one of them is active.
     pub(super) fn follow(&mut self, axes: &[Axis]) {
         let outputs = &mut self.outputs;
-        let mut active = Active::default();
-        active.add(self.parameters.o_error, axes.iter().any(|axis| !axis.error().is_none()));
-        axes.iter().for_each(|axis| active.add(axis.parameters.outputs.axmove, axis.is_commanded()));
+        let failing = axes.iter().any(|axis| !axis.error().is_none());
+        let mut moving = Moving::default();
+        axes.iter().for_each(|axis| moving.add(axis.parameters.outputs.axmove, axis.is_commanded()));
         // First all of those that are not assigned any more: another function may be new there.
-        release(outputs, self.error, self.parameters.o_error, active);
+        release(outputs, self.error, self.parameters.o_error, false);
         for (axis, moves) in axes.iter().zip(&self.moves) {
-            release(outputs, *moves, axis.parameters.outputs.axmove, active);
+            release(outputs, *moves, axis.parameters.outputs.axmove, moving.has(moves.number));
         }
-        show(outputs, &mut self.error, self.parameters.o_error, active);
+        show(outputs, &mut self.error, self.parameters.o_error, failing);
         for (axis, (brake, moves)) in axes.iter().zip(self.brakes.iter_mut().zip(&mut self.moves)) {
             let assigned = axis.parameters.outputs;
-            show(outputs, moves, assigned.axmove, active);
+            show(outputs, moves, assigned.axmove, moving.has(assigned.axmove));
             for (output, on) in axis.sign_outputs().into_iter().flatten() {
                 put(outputs, output.into(), on);
             }
@@ -278,17 +278,17 @@ fn check(config: &MachineConfig, OutputValue { index, value }: OutputValue) -> R
     }
 }
 
-/// Numbers of the output functions that are active; they are within +-8, so each has a bit.
+/// Numbers of O_AXMOVE, which axes may share, where one of them has a motion command; they are within +-8, so each has a bit.
 #[derive(Clone, Copy, Debug, Default)]
-struct Active(u64);
+struct Moving(u64);
 
-impl Active {
+impl Moving {
     fn mask(number: i64) -> u64 {
         u32::try_from(number.saturating_add(31)).ok().and_then(|bit| 1_u64.checked_shl(bit)).unwrap_or(0)
     }
 
-    fn add(&mut self, number: i64, is_active: bool) {
-        self.0 |= if is_active { Self::mask(number) } else { 0 };
+    fn add(&mut self, number: i64, is_commanded: bool) {
+        self.0 |= if is_commanded { Self::mask(number) } else { 0 };
     }
 
     fn has(self, number: i64) -> bool {
@@ -296,16 +296,16 @@ impl Active {
     }
 }
 
-/// An output that is not assigned any more goes back to inactive, unless the same function of another axis shows there.
-fn release(outputs: &mut [u64], shown: Shown, number: i64, active: Active) {
+/// An output that is not assigned any more goes back to inactive, unless the same function of another axis is active there.
+fn release(outputs: &mut [u64], shown: Shown, number: i64, elsewhere: bool) {
     if shown.number != number {
-        put(outputs, shown.number, active.has(shown.number));
+        put(outputs, shown.number, elsewhere);
     }
 }
 
 /// Writes an output whose function has changed.
-fn show(outputs: &mut [u64], shown: &mut Shown, number: i64, active: Active) {
-    let now = Shown { number, active: active.has(number) };
+fn show(outputs: &mut [u64], shown: &mut Shown, number: i64, active: bool) {
+    let now = Shown { number, active };
     if std::mem::replace(shown, now) != now {
         put(outputs, number, now.active);
     }

@@ -333,7 +333,11 @@ const TABLE: &[Line] = &[
     (Code::REPLACED, "A newer command took the axis over.", "Nothing, if that was meant."),
     (Code::HALTED, "halt ended the goal.", "Give a new goal."),
     (Code::CANCELLED, "The client cancelled the goal.", "Give a new goal."),
-    (Code::QUICK_STOP, "quick_stop ended the goal.", "reset_errors, then give a new goal."),
+    (
+        Code::QUICK_STOP,
+        "quick_stop ended what ran or was to begin: a goal, an enable, a reset.",
+        "reset_errors where the axis is locked, enable where it is off; then give the goal again.",
+    ),
     (Code::DISABLED, "disable ended the goal.", "Enable the axis, then give a new goal."),
     (Code::NOT_REACHED, "The goal before it did not reach its end.", "See how that one ended."),
     (Code::PROBE_MISSED, "No mark came until the end of the search.", "Check the sensor; search longer."),
@@ -435,8 +439,8 @@ const TABLE: &[Line] = &[
     ),
     (
         Code::ABORTED,
-        "abort, the Esc of MACS, ended what ran and has locked all axes.",
-        "reset_errors, which opens the brake of the axis; open one that o_brake names with set_output. Then give the goal again.",
+        "abort, the Esc of MACS, ended what ran or was to begin, and has locked all axes that are on.",
+        "reset_errors, which opens the brake of the axis; open one that o_brake names with set_output; enable what is off. Then give the goal again.",
     ),
     (
         Code::IN_POSITION_TIMEOUT,
@@ -515,7 +519,7 @@ const TABLE: &[Line] = &[
     ),
     (
         Code::INTERRUPTED,
-        "The input of i_break ended the goal.",
+        "The input of i_break ended what ran or was to begin: a goal, an enable, a reset.",
         "Give the edge of i_continue, or reset_errors; then give the goal again.",
     ),
     (

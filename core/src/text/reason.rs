@@ -281,7 +281,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::REPLACED => fixed("a newer command took the axis over"),
         Code::HALTED => fixed("halt ended the goal"),
         Code::CANCELLED => fixed("the goal was cancelled"),
-        Code::QUICK_STOP => fixed("quick_stop ended the goal"),
+        Code::QUICK_STOP => fixed("quick_stop has stopped the axis"),
         Code::DISABLED => fixed("the axis was switched off"),
         Code::FOLLOWING_ERROR => format!("following error {} lies beyond max_following_error {}", asked(), limit()),
         Code::SOFTWARE_LIMIT_POSITIVE => format!("stopped at max_position {}", limit_of(event, config)),

@@ -5,6 +5,7 @@ mod brake;
 mod brake_first;
 mod brake_meets;
 mod functions;
+mod one_cycle;
 mod virtual_inputs;
 
 use super::rig::{LINE, Rig, X, Y, at, config, to};

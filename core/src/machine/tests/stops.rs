@@ -3,6 +3,8 @@ use crate::code::Code;
 use crate::command::{Action, Command, Commands, Source};
 use crate::event::Kind;
 use crate::object::AxisSet;
+use crate::parameter::Value;
+use crate::vocabulary::{saia, wf};
 
 fn x() -> AxisSet {
     AxisSet::one(X)
@@ -84,6 +86,62 @@ fn quick_stop_uses_the_largest_deceleration_and_locks_until_reset() {
     assert_eq!(rig.refusal(refused), "x: quick_stop has locked the axis; reset_errors first");
     let reset = rig.give(Action::ResetErrors(x()));
     assert_eq!((rig.state("x"), rig.done(reset).len()), ("STANDSTILL", 1));
+}
+
+/// Off and on again, or the start of another vocabulary, is no way round reset_errors: on the way down, at rest, or off already
+/// when the stop came.
+#[test]
+fn a_lock_outlives_the_power_of_its_axis() {
+    let saia = |commands: &[saia::Command]| {
+        let commands = saia::Commands::from_iter(commands.iter().copied());
+        let request = saia::Request { axis: X, commands, ..Default::default() };
+        let request = request.with(saia::Register::Accel, Value::Int(200_000));
+        let request = request.with(saia::Register::Veloc, Value::Int(20_000));
+        Action::Saia(Box::new(request.with(saia::Register::DestP, Value::Int(50_000))))
+    };
+    let wf = || Action::Wf(Box::new(wf::Request { axis: X, enable: Some(true), ..Default::default() }));
+    use saia::Command::{Initialise, LoadDestination, MotorOff, Start};
+    let stops = [
+        (Action::QuickStop(x()), "x: quick_stop has locked the axis; reset_errors first"),
+        (Action::Abort, "x: abort has stopped the axis; reset_errors lets it go on"),
+    ];
+    let offs = [Action::Disable(x()), saia(&[Initialise]), saia(&[MotorOff])];
+    for (stop, sentence) in stops {
+        for off in &offs {
+            for (before, after) in [(0, 0), (300, 0), (300, 1), (300, 150)] {
+                let mut rig = if before == 0 { Rig::new() } else { Rig::enabled() };
+                if before > 0 {
+                    rig.give(Action::Move(at(X, 100_000.0)));
+                }
+                rig.run(before);
+                if after == 0 {
+                    rig.give_all(vec![off.clone(), stop.clone()]);
+                } else {
+                    rig.give(stop.clone());
+                    rig.run(after);
+                    rig.give(off.clone());
+                }
+                rig.run(400);
+                assert_eq!((rig.state("x"), rig.int("x.enabled")), ("STOPPING", 0), "{off:?} {before} {after}");
+                for on in [Action::Enable(x()), Action::Move(to(X, 0))] {
+                    let refused = rig.give(on);
+                    assert_eq!(rig.refusal(refused), sentence);
+                }
+                let place = rig.int("x.command.position");
+                for on in [wf(), saia(&[Initialise]), saia(&[LoadDestination, Start])] {
+                    rig.give(on);
+                    rig.run(100);
+                }
+                assert_eq!((rig.state("x"), rig.int("x.output.control")), ("STOPPING", 0), "{off:?} {before} {after}");
+                assert_eq!(rig.int("x.command.position"), place);
+                let reset = rig.give(Action::ResetErrors(x()));
+                assert_eq!((rig.state("x"), rig.done(reset)[0].code), ("DISABLED", Code::NONE));
+                rig.give(Action::Enable(x()));
+                rig.run(50);
+                assert_eq!(rig.state("x"), "STANDSTILL");
+            }
+        }
+    }
 }
 
 #[test]

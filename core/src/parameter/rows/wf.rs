@@ -333,7 +333,7 @@ pub(super) const ROWS: &[Row] = &[
         range: DISTANCE,
         default_text: "no alarm",
         applies: Applies::Drive,
-        description: "Set position minus actual position beyond which alarm 10 (in travel) or 11 (at standstill) comes.",
+        description: "Set position minus actual position beyond which alarm 10 (in travel) or 11 (at standstill) comes: in closed loop, from enable on, whoever moves the axis.",
         source: "WF-MD-22, WF-MON-04, W13",
         get: |p| p.wf.max_following_error.map_or(Value::Unset, Value::Int),
         set: |p, v| p.wf.max_following_error = int(v),

@@ -7,7 +7,7 @@
 //! Source   WF-CLC-01, WF-CLC-02, WF-SET-03; the change on the fly of section 8 is told for open loops, this is its like here
 
 use super::request::{Mode, Speed};
-use super::{State, Wf, direction};
+use super::{State, Wf, direction, is_open};
 use crate::axis::Reference;
 use crate::code::Code;
 use crate::profile::{self, Limits};
@@ -46,9 +46,6 @@ impl Wf {
     }
 
     pub(super) fn step_closed(&mut self, view: &View<'_>) -> Option<Order> {
-        if let Some(order) = self.watch_following_error(view) {
-            return Some(order);
-        }
         if !self.is_running() {
             return self.settle(view);
         }
@@ -130,9 +127,13 @@ impl Wf {
         sign * (slowed.end() - now.position).to_f64() >= left
     }
 
-    /// Alarm 10 in travel, 11 at standstill (WF-MON-04, W13).
-    fn watch_following_error(&mut self, view: &View<'_>) -> Option<Order> {
-        let allowed = view.parameters.wf.max_following_error?;
+    /// Alarm 10 in travel, 11 at standstill (WF-MON-04, W13), whoever moves the axis: the module watches its axis from enable
+    /// on. In open loop the way to the end of a block is no error.
+    pub(super) fn watch_following_error(&mut self, view: &View<'_>) -> Option<Order> {
+        let allowed = view.parameters.wf.max_following_error.filter(|_| !is_open(view))?;
+        if !view.on || !view.error.is_none() || self.state == State::Alarm {
+            return None;
+        }
         let error = self.following_error(view);
         if error.unsigned_abs() <= allowed.unsigned_abs() {
             return None;

@@ -199,6 +199,11 @@ impl Wf {
         self.synchronized = false;
     }
 
+    /// Is anything asked of an axis that no verb has named yet?
+    pub(crate) fn wakes(&self, p: &Parameters) -> bool {
+        p.max_following_error.is_some()
+    }
+
     /// One step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Option<Order> {
         let order = self.step_block(view);
@@ -210,6 +215,9 @@ impl Wf {
         self.reset = std::mem::take(&mut self.resets);
         if std::mem::take(&mut self.failed) && view.owns {
             return Some(self.standstill(view));
+        }
+        if let Some(order) = self.watch_following_error(view) {
+            return Some(order);
         }
         match self.state {
             State::Idle => return None,

@@ -111,8 +111,9 @@ fn every_abort_closes_the_brake() {
         for _ in 0..2 {
             put(&mut rig, P, 1.0);
             rig.give(Action::Abort);
-            assert_eq!((rig.int("p"), rig.state("x")), (0, "DISABLED"), "{errcond}");
+            assert_eq!((rig.int("p"), rig.state("x")), (0, "STOPPING"), "{errcond}");
         }
+        rig.give(Action::ResetErrors(AxisSet::one(X)));
         let enable = rig.give(Action::Enable(AxisSet::one(X)));
         rig.run(50);
         assert_eq!((rig.done(enable)[0].code, rig.state("x"), rig.int("p")), (Code::NONE, "STANDSTILL", 0));
@@ -155,8 +156,8 @@ fn an_abort_among_other_stops() {
     rig.run(3);
     let enable = rig.give_all(vec![Action::Enable(AxisSet::one(X)), Action::Abort]) - 1;
     rig.run(50);
-    assert_eq!((rig.state("x"), rig.int("x.enabled")), ("DISABLED", 0));
-    assert_eq!(rig.done(enable)[0].code, Code::DISABLED);
+    assert_eq!((rig.state("x"), rig.int("x.enabled")), ("STOPPING", 0));
+    assert_eq!(rig.done(enable)[0].code, Code::ABORTED);
     rig.give(Action::ResetErrors(AxisSet::first(3)));
     rig.enable();
     rig.give(Action::Move(at(X, 50_000.0)));
@@ -169,7 +170,8 @@ fn an_abort_among_other_stops() {
     rig.give(Action::Abort);
     let disable = rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(10);
-    assert_eq!((rig.done(disable).len(), rig.state("x")), (1, "DISABLED"));
+    assert_eq!((rig.done(disable).len(), rig.state("x"), rig.int("x.enabled")), (1, "STOPPING", 0));
+    rig.give(Action::ResetErrors(AxisSet::one(X)));
     rig.enable();
     assert_eq!(rig.state("x"), "STANDSTILL");
 }

@@ -162,7 +162,7 @@ fn a_brake_has_its_output_alone() {
     assert_eq!(parameters().outputs.brake, 0);
 }
 
-/// i_break has closed the brake (error_reaction 3); who switches the axis off and on again finds it open.
+/// i_break has closed the brake (error_reaction 3); who switches the axis off, resets it and switches it on finds it open.
 #[test]
 fn a_brake_that_i_break_has_closed_opens_with_the_next_enable() {
     let x = || [X].into_iter().collect::<AxisSet>();
@@ -176,6 +176,10 @@ fn a_brake_that_i_break_has_closed_opens_with_the_next_enable() {
     assert_eq!((rig.state("x"), rig.int("x.brake")), ("STOPPING", 1));
     rig.give(Action::Disable(x()));
     rig.run(100);
+    let refused = rig.give(Action::Enable(x()));
+    assert_eq!(rig.refusal(refused), "x: i_break has stopped the axis; i_continue or reset_errors lets it go on");
+    assert_eq!((rig.state("x"), rig.int("x.enabled")), ("STOPPING", 0));
+    rig.give(Action::ResetErrors(x()));
     assert_eq!(rig.state("x"), "DISABLED");
     rig.give(Action::Enable(x()));
     rig.run_until("x.state", 1);

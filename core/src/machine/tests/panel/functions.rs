@@ -127,3 +127,27 @@ fn an_output_that_changes_its_function_shows_the_new_one() {
         assert_eq!((rig.int("p"), rig.int("x.brake")), (i64::from(to > 0), 1), "{of} {to}");
     }
 }
+
+/// Functions that change places in one set: each shows where it is now.
+///
+/// Proves: MACS-IO-06, MACS-IO-07
+#[test]
+fn functions_change_places_in_one_set() {
+    for (error, moves, shown) in [(1, 2, [0, 1]), (-1, 2, [1, 1]), (1, -2, [0, 0])] {
+        let mut rig = Rig::of(with_io());
+        rig.enable();
+        rig.give(changes(&[(MACHINE, "o_error", error), (X, "o_axmove", moves)]));
+        rig.give(Action::Move(to(X, 50_000)));
+        assert_eq!([rig.int("p"), rig.int("q")], shown);
+        let (error, moves) = (error * 2, moves / 2);
+        let swapped = rig.give(changes(&[(MACHINE, "o_error", error), (X, "o_axmove", moves)]));
+        assert!(rig.was_accepted(swapped));
+        let level = |number: i64, active: bool| i64::from((number > 0) == active);
+        assert_eq!([rig.int("p"), rig.int("q")], [level(moves, true), level(error, false)]);
+        rig.plant.drive(1).unwrap().inject_fault(0x8611);
+        rig.run(3);
+        assert_eq!(rig.int("q"), level(error, true));
+        rig.give(set(MACHINE, "o_error", 0));
+        assert_eq!(rig.int("q"), level(error, false), "who leaves is inactive");
+    }
+}

@@ -3,7 +3,7 @@
 use super::bench::{by, reset, start, to};
 use super::rig::{Rig, config};
 use crate::code::Code;
-use crate::command::Action;
+use crate::command::{Action, BufferMode, Direction, Length, Move, MoveMode, SetPosition};
 use crate::object::AxisSet;
 use crate::vocabulary::wf::{Block, Jog, Mode, Request, Speed};
 
@@ -172,6 +172,90 @@ fn alarm_10_comes_in_travel_and_alarm_11_at_standstill() {
     rig.act(Action::ResetErrors(AxisSet::first(1)));
     rig.run(2);
     assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0));
+}
+
+fn watched(allowed: Option<i64>) -> Rig {
+    let mut config = config();
+    config.axes[0].parameters.wf.max_following_error = allowed;
+    config.axes[0].parameters.max_following_error = 100_000;
+    Rig::of(config)
+}
+
+fn velocity(velocity: f64) -> Action {
+    Action::Move(Move {
+        axis: 0,
+        mode: MoveMode::Velocity,
+        target: Length::default(),
+        velocity,
+        acceleration: 0.0,
+        deceleration: 0.0,
+        jerk: 0.0,
+        direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
+    })
+}
+
+/// Without any verb, at rest and moved by a goal, in each cycle in which the axis is on; an axis that is not given the limit
+/// is left alone, and so is one that is off.
+///
+/// Proves: WF-MON-04, WF-MON-06
+#[test]
+fn the_following_error_is_watched_without_a_verb() {
+    for allowed in [None, Some(600), Some(599)] {
+        let mut rig = watched(allowed);
+        rig.run(10);
+        rig.plant.drive(0).unwrap().jump(600);
+        rig.run(1);
+        let alarm = if allowed == Some(599) { 11 } else { 0 };
+        assert_eq!(rig.int("x.wf.alarm"), alarm, "{allowed:?}");
+        assert_eq!(rig.int("x.error"), if alarm == 0 { 0 } else { 1011 });
+    }
+    // A goal of the axis at 50 mm/s is 50 inc behind by the cycle of its drive.
+    for (allowed, alarm) in [(None, 0), (Some(650), 0), (Some(649), 10)] {
+        let mut rig = watched(allowed);
+        rig.act(velocity(50_000.0));
+        rig.run(1_000);
+        rig.mirror();
+        rig.plant.drive(0).unwrap().jump(-600);
+        rig.run(1);
+        assert_eq!(
+            (rig.int("x.wf.alarm"), rig.int("x.error")),
+            (alarm, if alarm == 0 { 0 } else { 1010 }),
+            "{allowed:?}"
+        );
+    }
+    let mut rig = watched(Some(500));
+    rig.act(Action::Disable(AxisSet::first(1)));
+    rig.run(5);
+    rig.plant.drive(0).unwrap().jump(60_000);
+    rig.run(5);
+    rig.act(Action::Enable(AxisSet::first(1)));
+    rig.run(40);
+    assert_eq!((rig.int("x.state"), rig.int("x.wf.alarm"), rig.errors()), (1, 0, vec![]));
+    // A new zero is no error.
+    rig.act(Action::SetPosition(SetPosition { axis: 0, position: Length::whole(5_000_000) }));
+    rig.run(5);
+    assert_eq!((rig.int("x.actual.position"), rig.int("x.wf.alarm")), (5_000_000, 0));
+    // A quick stop does not end it; acknowledged while the cause is there it comes again.
+    rig.act(Action::QuickStop(AxisSet::first(1)));
+    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::Wf(Box::new(reset()))] {
+        rig.plant.drive(0).unwrap().jump(600);
+        rig.run(1);
+        assert_eq!((rig.int("x.state"), rig.int("x.wf.alarm"), rig.int("x.wf.enable")), (7, 11, 0));
+        rig.run(1);
+        rig.act(acknowledge);
+        rig.run(2);
+        assert_eq!((rig.int("x.state"), rig.int("x.wf.alarm"), rig.int("x.wf.enable")), (1, 0, 1));
+    }
+    for _ in 0..2 {
+        rig.plant.drive(0).unwrap().jump(600);
+        rig.run(1);
+        rig.plant.drive(0).unwrap().jump(600);
+        rig.act(Action::Wf(Box::new(reset())));
+        rig.plant.drive(0).unwrap().jump(600);
+        rig.run(1);
+        assert_eq!((rig.int("x.state"), rig.int("x.wf.alarm")), (7, 11));
+    }
 }
 
 /// Proves: WF-IF-02, WF-IF-03
