@@ -306,7 +306,8 @@ impl MachineConfig {
     /// What the reference selector of an axis has to know of it.
     pub fn selector(&self, axis: &AxisConfig) -> amc::Setting {
         let unit = axis.increments_per_unit();
-        amc::Setting { modulo: axis.modulo, unit, cycle_ns: self.cycle_ns, wiring: axis.amc }
+        let is_virtual = axis.drive.is_none();
+        amc::Setting { modulo: axis.modulo, unit, cycle_ns: self.cycle_ns, wiring: axis.amc, is_virtual }
     }
 
     /// Any reference selector may couple its axis at any time: no chain of masters may close.

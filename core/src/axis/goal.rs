@@ -95,6 +95,13 @@ impl Axis {
         Refusal::new(code, self.object())
     }
 
+    /// Why a command for an axis at rest is refused, with what the axis does; without it, it is stopping.
+    pub fn not_at_standstill(&self) -> Refusal {
+        let state = if self.is_virtual() || self.power == Power::On { Some(self.state) } else { None };
+        let number = state.map_or(Number::None, |state| Number::Count(state as i64));
+        self.refuse(Code::NOT_AT_STANDSTILL).with(number, Number::None)
+    }
+
     /// A motion command needs an axis that is ready, knows its zero where it must, and does not look for it.
     pub(super) fn check_free(&self) -> Result<(), Refusal> {
         self.check_ready()?;

@@ -109,7 +109,8 @@ pub struct AxisSetup {
 impl AxisSetup {
     /// What the reference selector has to know of it.
     pub fn selector(&self) -> amc::Setting {
-        amc::Setting { modulo: self.modulo, unit: self.unit, cycle_ns: self.cycle_ns, wiring: self.amc }
+        let is_virtual = self.drive.is_none();
+        amc::Setting { modulo: self.modulo, unit: self.unit, cycle_ns: self.cycle_ns, wiring: self.amc, is_virtual }
     }
 }
 

@@ -77,8 +77,14 @@ impl Axis {
     /// Runs the drive at a speed (inc/s), or switches it off.
     ///
     /// # Errors
-    /// A speed that is none or too high, a limit ahead, an axis that is not free or closes a position loop.
+    /// A speed that is none or too high, a limit ahead, an axis that is not free or closes a position loop; never 0 in open loop.
     pub(super) fn set_speed(&mut self, cx: &mut Context<'_>, velocity: f64) -> Result<(), Refusal> {
+        if velocity == 0.0 && self.is_open_loop() {
+            // A stop is never refused, whatever the axis does, and ends reference travel as well.
+            self.abandon(cx, Code::REPLACED);
+            self.switch_speed_off(cx);
+            return Ok(());
+        }
         self.check_free()?;
         let refuse = |code, limit| Err(Refusal::new(code, self.object()).with(Number::Velocity(velocity), limit));
         if !self.is_open_loop() {
@@ -94,10 +100,6 @@ impl Axis {
         self.check_velocity_switches(velocity)?;
         if let Some(limit) = self.limit_ahead(velocity) {
             return refuse(Code::LIMIT_VIOLATION, Number::Position(limit));
-        }
-        if velocity == 0.0 {
-            self.switch_speed_off(cx);
-            return Ok(());
         }
         self.reference = Reference::Speed;
         self.generator = Generator::Open { velocity };

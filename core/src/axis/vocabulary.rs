@@ -350,11 +350,16 @@ impl Axis {
             }
             Order::Stop { limits } => {
                 self.abandon(cx, Code::REPLACED);
-                if self.power == Power::On {
+                // What a quick stop or an error stops already is not to stop more softly.
+                let stops = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop);
+                if self.power == Power::On && !stops {
                     self.brake_to_rest(cx, &limits);
                 }
             }
-            Order::StandOnActual if self.is_open_loop() => self.switch_speed_off(cx),
+            Order::StandOnActual if self.is_open_loop() => {
+                self.abandon(cx, Code::REPLACED);
+                self.switch_speed_off(cx);
+            }
             Order::StandOnActual => {
                 self.abandon(cx, Code::REPLACED);
                 self.reference = Reference::Stop;
@@ -390,7 +395,11 @@ impl Axis {
                 if self.error.is_alarm() {
                     self.check_locks(cx.cycle)?;
                     if !self.rests() {
-                        return Err(Refusal::new(Code::NOT_AT_STANDSTILL, self.object()));
+                        return Err(self.not_at_standstill());
+                    }
+                    // WF-MON-06: after its cause is removed. The others last only as long as what they stop.
+                    if self.error == Code::WF_ENCODER_CABLE && self.source_failure().is_some() {
+                        return Err(Refusal::new(Code::WF_ENCODER_CABLE, self.object()));
                     }
                     self.clear_error(cx);
                 }
@@ -421,7 +430,8 @@ impl Axis {
         let first = first.plus(SaiaSignal::COUNT);
         if all || wf {
             let view = View { owns: self.owner == Owner::Wf, ..view };
-            self.wf.publish(&view, board.block(first, WfSignal::COUNT));
+            let switching = self.allowed(self.wf.switching());
+            self.wf.publish(&view, switching, board.block(first, WfSignal::COUNT));
         }
     }
 }

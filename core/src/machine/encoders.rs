@@ -140,7 +140,7 @@ impl Machine {
     fn check_users(&self, encoder: u16, except: Option<usize>) -> Result<(), Refusal> {
         let mut moving = self.users(encoder).filter(|(other, axis)| Some(*other) != except && !axis.stands_idle());
         match moving.next() {
-            Some((_, axis)) => Err(Refusal::new(Code::NOT_AT_STANDSTILL, axis.object())),
+            Some((_, axis)) => Err(axis.not_at_standstill()),
             None => Ok(()),
         }
     }

@@ -61,7 +61,7 @@ const TABLE: &[Line] = &[
     (
         Code::WF_ENCODER_CABLE,
         "Alarm 7: the encoder gives no value: its cable is cut, missing or bent, or the encoder is dead.",
-        "Check cable and encoder, then wf {reset: true}.",
+        "Mend cable or encoder, then wf {reset: true}; before, it is refused.",
     ),
     (
         Code::WF_PULSES,
@@ -205,7 +205,7 @@ const TABLE: &[Line] = &[
     (Code::BAD_REQUEST, "A request was not understood.", "Compare it with docs/interfaces.md."),
     (
         Code::NOT_AT_STANDSTILL,
-        "The axis moves, and the command needs it at rest.",
+        "The axis moves or stops, and the command needs it at rest.",
         "Wait for its end, or halt it first.",
     ),
     (Code::RATE_TOO_LOW, "A velocity or acceleration is so low that the move would not end.", "Ask for more."),

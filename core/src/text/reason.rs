@@ -5,6 +5,7 @@ use super::set::{
     reverse_forbidden,
 };
 use super::{number_text, plain, row};
+use crate::axis::AxisState;
 use crate::code::Code;
 use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number};
@@ -205,7 +206,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         }
         Code::PROBE_MISSED => fixed("nothing latched until the end of the search"),
         Code::NOT_REACHED => fixed("the goal before it did not reach its end"),
-        Code::NOT_AT_STANDSTILL => fixed("the axis is not at rest; wait until it stands"),
+        Code::NOT_AT_STANDSTILL => not_at_standstill(event.asked),
         Code::NOT_ACTIVE => fixed("the machine is inactive; activate it first"),
         Code::OPEN_LOOP => fixed("the axis runs in open loop; only commands of `wf` move it"),
         Code::CLOSED_LOOP => fixed("the axis closes a position loop; a speed without one is for interface open_loop"),
@@ -253,10 +254,12 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         }
         Code::HOMING_UNDER_WAY => fixed("the axis is homing; wait for its end, or cancel it"),
         Code::HOMING_NO_METHOD => fixed("homing.method is 0: give the axis a method, or name one in the command"),
-        Code::HOMING_UNKNOWN_METHOD => format!(
-            "homing method {} does not exist; 1 to 14, 17 to 30, 33, 34, 35 and 37 of CiA 402 and 0 to 3 of MACS do",
-            asked()
-        ),
+        Code::HOMING_UNKNOWN_METHOD if event.limit == Number::None => {
+            format!("scheme cia402 has no homing method {}; 1 to 14, 17 to 30, 33, 34, 35 and 37 are allowed", asked())
+        }
+        Code::HOMING_UNKNOWN_METHOD => {
+            format!("scheme macs has no homing method {}; 0 to {}, its home_type, are allowed", asked(), limit())
+        }
         Code::HOMING_NO_VELOCITY => fixed("homing.velocity is 0; give one above 0, or below 0 for the other direction"),
         Code::HOMING_NO_SWITCH => format!(
             "i_refswitch is 0, and {} needs a reference switch; n or -n, the n-th digital input, is allowed",
@@ -349,6 +352,25 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code(number) if number >= Code::DRIVE_FAULT => format!("drive fault {:04X}h", number - Code::DRIVE_FAULT),
         Code(number) => format!("code {number}"),
     }
+}
+
+/// What an axis does that has to stand first, by the number of its state.
+fn not_at_standstill(state: Number) -> String {
+    use AxisState::{ContinuousMotion, DiscreteMotion, Homing, SynchronizedMotion};
+    let is = |known: AxisState| state == Number::Count(known as i64);
+    if is(Homing) {
+        return "the axis is homing; wait for its end, or halt it first".to_owned();
+    }
+    if is(ContinuousMotion) {
+        return "the axis runs at a velocity (CONTINUOUS_MOTION); halt it first".to_owned();
+    }
+    if is(SynchronizedMotion) {
+        return "the axis is coupled (SYNCHRONIZED_MOTION); halt it first".to_owned();
+    }
+    if is(DiscreteMotion) {
+        return "the axis moves (DISCRETE_MOTION); wait for its end, or halt it first".to_owned();
+    }
+    "the axis is not at rest; wait until it stands".to_owned()
 }
 
 /// A method of homing, by the numbers of parameter `homing.method`.

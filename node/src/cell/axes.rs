@@ -97,7 +97,8 @@ fn axis<'d>(
     let modulo = map.optional("modulo").map(|value| modulo(&value, &travel));
     let sim = map.optional("sim");
     let reads = if drive == Some(Drive::Virtual) { Reads::Nothing(name) } else { Reads::Something };
-    let wired = encoders::feedback(&mut map, reads, &travel, cx);
+    let feedback = map.optional("feedback");
+    let wired = encoders::feedback(feedback.as_ref(), reads, &travel, cx);
     let mut sections = parameters::Sections::open(&mut map);
     let brake = brake::read(&mut map, drive == Some(Drive::Virtual), cx, io, outputs);
     let wiring = amc::wiring(place, &mut map, &mut sections, cx, io, masters);
@@ -151,7 +152,7 @@ fn axis<'d>(
     let open_loop = open_loop?;
     let config = AxisConfig::new(name.to_owned(), travel.scale?, drive, parameters);
     let config = AxisConfig { modulo, interface, open_loop, brake: brake?, amc: wiring?, wired: wired?, ..config };
-    check_source(&config, &entry.key, &given, cx);
+    check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     amc::check(&config, &given, cx.cycle_ns);
     Some((config, simulated, hardware))
 }
@@ -165,7 +166,7 @@ pub(super) enum Reads<'a> {
 }
 
 /// Refuses a source that is not there, or that its drive does not close its loop with.
-fn check_source(axis: &AxisConfig, name: &Value<'_>, given: &parameters::Given<'_>, cx: &Context<'_>) {
+fn check_source(axis: &AxisConfig, feedback: &Value<'_>, given: &parameters::Given<'_>, cx: &Context<'_>) {
     let encoders = cx.names.section(Section::Encoders).len();
     let interface = axis.drive.map(|_| axis.interface);
     // Numbers that there are not were refused with the other parameters.
@@ -179,7 +180,7 @@ fn check_source(axis: &AxisConfig, name: &Value<'_>, given: &parameters::Given<'
         }
         None => {
             let sentence = "names an encoder that a drive with interface position does not close its loop with";
-            name.refuse(format!("feedback of axis {} {sentence}", quote(&axis.name)), None);
+            feedback.refuse(format!("feedback of axis {} {sentence}", quote(&axis.name)), None);
         }
     }
 }

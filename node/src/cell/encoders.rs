@@ -110,8 +110,13 @@ fn increments(value: &Value<'_>, travel: &Travel) -> Option<i64> {
 }
 
 /// Key `feedback` of an axis: an entry of section `encoders`, or what its drive tells.
-pub(super) fn feedback<'d>(map: &mut Map<'d>, reads: Reads<'_>, travel: &Travel, cx: &Context<'d>) -> Option<Wired> {
-    let Some(value) = map.optional("feedback") else { return Some(Wired::default()) };
+pub(super) fn feedback<'d>(
+    value: Option<&Value<'d>>,
+    reads: Reads<'_>,
+    travel: &Travel,
+    cx: &Context<'d>,
+) -> Option<Wired> {
+    let Some(value) = value else { return Some(Wired::default()) };
     if let Reads::Nothing(axis) = reads {
         value.refuse(
             format!("feedback is for axes with a drive; axis {axis} is virtual"),

@@ -227,7 +227,7 @@ impl Axis {
             return Err(self.refuse(Code::HOMING_UNDER_WAY));
         }
         if !self.rests() || self.goal.is_some() {
-            return Err(self.refuse(Code::NOT_AT_STANDSTILL));
+            return Err(self.not_at_standstill());
         }
         Ok(())
     }
@@ -297,13 +297,16 @@ impl Axis {
     /// The method by the numbers of parameter `homing.method`: of CiA 402, and -1 - HOME_TYPE of MACS.
     fn homing_method(&self, method: HomingMethod) -> Result<i64, Refusal> {
         let unknown =
-            |number: i8| Err(self.refuse(Code::HOMING_UNKNOWN_METHOD).with(Number::Count(number.into()), Number::None));
+            |number: i8, most| Err(self.refuse(Code::HOMING_UNKNOWN_METHOD).with(Number::Count(number.into()), most));
         match method {
-            HomingMethod::Configured if self.parameters.homing.method == 0 => Err(self.refuse(Code::HOMING_NO_METHOD)),
+            HomingMethod::Configured if self.parameters.homing.method == 0 => {
+                Err(self.refuse(if self.is_virtual() { Code::HOMING_NEEDS_DRIVE } else { Code::HOMING_NO_METHOD }))
+            }
             HomingMethod::Configured => Ok(self.parameters.homing.method),
             HomingMethod::Cia402(number @ (1..=14 | 17..=30 | 33 | 34 | 35 | 37)) => Ok(number.into()),
             HomingMethod::Macs(number @ 0..=3) => Ok(-1 - i64::from(number)),
-            HomingMethod::Cia402(number) | HomingMethod::Macs(number) => unknown(number),
+            HomingMethod::Cia402(number) => unknown(number, Number::None),
+            HomingMethod::Macs(number) => unknown(number, Number::Count(3)),
         }
     }
 

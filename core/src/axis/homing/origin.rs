@@ -17,7 +17,7 @@ impl Axis {
         position: Length,
     ) -> Result<(), Refusal> {
         if self.is_on() && !self.stands_idle() {
-            return Err(self.refuse(Code::NOT_AT_STANDSTILL));
+            return Err(self.not_at_standstill());
         }
         self.check_zero_moves()?;
         let by = position.nearest.saturating_sub(self.command.position.nearest());

@@ -248,7 +248,7 @@ fn a_hard_zero_waits_for_the_other_users() {
     rig.give(Action::Move(at(Y, 1_000.0)));
     rig.run(10);
     let refused = rig.give(zero(X, 5));
-    assert_eq!(rig.refusal(refused), "y: the axis is not at rest; wait until it stands");
+    assert_eq!(rig.refusal(refused), "y: the axis runs at a velocity (CONTINUOUS_MOTION); halt it first");
     let before = rig.int("x.actual.position");
     // In one cycle with the start of the other: only the axis itself has the new zero, and that is told.
     let mut rig = Rig::of(shared_config());
@@ -537,5 +537,6 @@ fn a_restored_machine_reads_on() {
     assert_eq!((error(&rig), rig.int("x.encoder.errors")), (0, 60));
 }
 
+mod cable;
 mod marks;
 mod words;

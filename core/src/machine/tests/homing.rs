@@ -6,6 +6,7 @@ mod in_drive;
 mod index;
 mod matrix;
 mod meetings;
+mod travel;
 mod vocabularies;
 mod zero;
 

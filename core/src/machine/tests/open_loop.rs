@@ -210,6 +210,29 @@ fn speeds_that_are_none_change_nothing() {
     assert_eq!(rig.order(X, speed(1.0)).unwrap_err().code, Code::NOT_ENABLED);
 }
 
+/// Whatever has locked the axis, or asks it to home first: no speed is always to be had.
+///
+/// Proves: WF-OST-10
+#[test]
+fn no_speed_is_never_refused() {
+    let x = || AxisSet::one(X);
+    for action in [Action::QuickStop(x()), Action::Abort, Action::Disable(x()), Action::Halt(x())] {
+        let mut rig = running(20_000.0);
+        rig.give(action);
+        let state = rig.state("x");
+        assert_eq!(rig.order(X, speed(0.0)), Ok(()));
+        assert_eq!(rig.state("x"), state);
+    }
+    let mut rig = running(20_000.0);
+    let (row, _) = crate::parameter::Row::find("homing.required").unwrap();
+    let change = crate::parameter::Change { axis: X, row, value: crate::parameter::Value::Int(1) };
+    rig.give(Action::SetParameters(Box::new([change])));
+    assert_eq!(rig.order(X, speed(10_000.0)).unwrap_err().code, Code::HOMING_REQUIRED);
+    assert_eq!(rig.order(X, speed(0.0)), Ok(()));
+    rig.run(1);
+    assert_eq!(rig.real("x.output.velocity"), 0.0);
+}
+
 /// An encoder that never shows rest must not keep an axis for ever: after 5 s it counts as standing.
 #[test]
 fn after_five_seconds_a_coasting_axis_counts_as_at_rest() {

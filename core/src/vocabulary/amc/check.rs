@@ -19,6 +19,8 @@ pub struct Setting {
     pub cycle_ns: u64,
     /// What it is wired to.
     pub wiring: Wiring,
+    /// It is virtual: without switches and index there is no way to home.
+    pub is_virtual: bool,
 }
 
 /// A parameter whose value the rest of the axis does not allow.
@@ -59,6 +61,7 @@ fn check_select(key: &'static str, select: i64, method: i64, setting: &Setting) 
     let refuse = |code| Err(Problem { key, code, asked: Number::Count(select), limit: Number::None });
     match select {
         CAM => refuse(Code::NOT_BUILT),
+        HOME if method == 0 && setting.is_virtual => refuse(Code::HOMING_NEEDS_DRIVE),
         HOME if method == 0 => refuse(Code::HOMING_NO_METHOD),
         GEAR if setting.wiring.master.is_none() => refuse(Code::AMC_NO_MASTER),
         _ => Ok(()),

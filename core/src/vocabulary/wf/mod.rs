@@ -176,10 +176,11 @@ impl Wf {
         if request.jog.is_some() || request.fixed_speed.is_some() {
             self.jog = request.jog.unwrap_or(self.jog);
             self.fixed_speed = request.fixed_speed.unwrap_or(self.fixed_speed).clamp(1, FIXED_SPEEDS);
-            if self.mode == Mode::Reference {
+            // Without the enable they are taken as they are, and run nothing: what takes it is not refused for their sake.
+            if request.enable != Some(false) && self.mode == Mode::Reference {
                 order = self.travel(view).map_err(|refusal| refusal.of(request.axis))?.or(order);
             }
-            if self.mode == Mode::Jog {
+            if request.enable != Some(false) && self.mode == Mode::Jog {
                 order = self.jog(view).map_err(|refusal| refusal.of(request.axis))?.or(order);
             }
         }
@@ -265,20 +266,19 @@ impl Wf {
         self.cam
     }
 
-    /// What the outputs show in this cycle.
+    /// What it asks of the outputs in this cycle.
     pub(crate) fn switching(&self) -> Switching {
         self.switching
     }
 
-    /// Writes its signals: one word for each of [`WfSignal`].
-    pub(crate) fn publish(&self, view: &View<'_>, words: &mut [u64]) {
+    /// Writes its signals: one word for each of [`WfSignal`]. `switching` is what the axis lets through of what it asks.
+    pub(crate) fn publish(&self, view: &View<'_>, switching: Switching, words: &mut [u64]) {
         use WfSignal as S;
         let mut set = |signal: WfSignal, word: u64| {
             if let Some(place) = words.get_mut(signal as usize) {
                 *place = word;
             }
         };
-        let switching = self.switching();
         let enabled = enable(!self.withdrawn, view.on, self.reset, self.alarm);
         let has_block = !matches!(self.state, State::Idle) && !self.has_no_blocks();
         set(S::Active, view.owns.into());
@@ -356,6 +356,10 @@ impl Wf {
     fn stop(&mut self, view: &View<'_>) -> Option<Order> {
         self.end = self.end.min(self.active + 1);
         if !self.is_running() && self.state != State::Settle {
+            return None;
+        }
+        // The travel was done at the mark, and its speed is off already (WF-REF-09).
+        if self.mode == Mode::Reference && self.state == State::Settle {
             return None;
         }
         Some(self.standstill(view))
@@ -443,6 +447,8 @@ impl Wf {
         let actual = view.actual.position.floor();
         let has_end = match self.state {
             State::Idle => false,
+            // In reference mode the set position follows the actual one (WF-SET-01).
+            _ if self.mode == Mode::Reference => false,
             State::Run => !self.has_no_blocks(),
             _ => true,
         };

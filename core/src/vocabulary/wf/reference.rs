@@ -4,6 +4,7 @@
 //!          point. There the position is MD16. Open loop: the speed is switched off at the zero mark, where the position is MD16.
 //!          MD7 is the side of the cam on which that happens: 0 the one that JOG leads to, 1 plus, 2 minus; for the side that it
 //!          comes from it turns round on the cam
+//!          Open loop: once the speed is off, by the mark, JOG or the enable, it coasts; only before the mark that ends it without a zero
 //! Reads    MD15: the reference switch, or the cam bit of the verbs; the index of the axis
 //! Writes   one order; the axis does the rest as homing; the speed value and the direction are those of the way under way
 //! Refuses  speeds that are 0 or too high; without a zero mark in a revolution: alarm 9
@@ -11,7 +12,7 @@
 
 use super::program::check_speed;
 use super::request::{FULL_SPEED, Speed};
-use super::{Objection, State, Wf, is_moved};
+use super::{Objection, State, Wf, is_moved, is_open};
 use crate::axis::Travel;
 use crate::code::Code;
 use crate::vocabulary::{Order, View};
@@ -20,7 +21,9 @@ impl Wf {
     /// Does what the inputs say now.
     pub(super) fn travel(&mut self, view: &View<'_>) -> Result<Option<Order>, Objection> {
         let direction = self.jog.direction();
-        if self.is_running() && direction == self.direction {
+        // Open loop: behind the mark the travel is done, as far as JOG goes.
+        let is_under_way = self.is_running() || self.state == State::Settle;
+        if is_under_way && direction == self.direction {
             return Ok(None);
         }
         if direction == 0 || self.is_running() {
@@ -61,6 +64,9 @@ impl Wf {
         if !self.is_running() || self.ending {
             return None;
         }
+        if is_open(view) {
+            return Some(self.standstill(view));
+        }
         self.ending = true;
         let p = view.parameters;
         Some(Order::Stop { limits: p.wf.limits(p.max_velocity, view.largest_limits()) })
@@ -81,6 +87,11 @@ impl Wf {
             // WF-REF-05
             self.take_zero();
             self.leave();
+        } else if view.search_speed == 0.0 && is_open(view) {
+            // WF-OLC-09: the mark was found.
+            if self.is_running() {
+                self.switch_off(view);
+            }
         } else if view.search_speed != 0.0 {
             // As it was programmed: what the conversion to increments has added to it is taken off.
             let speed = view.search_speed.abs() / view.parameters.max_velocity * FULL_SPEED;

@@ -83,6 +83,7 @@ fn sources_that_an_axis_cannot_read() {
             "encodertype: ^20",
             "encodertype 20 names an entry of section encoders that the cell does not have: 10 is the first one".to_owned(),
         ),
+        ("position", "feedback: ^{encoder: belt}", format!("feedback of axis `x` names {own}")),
         ("velocity", "encodertype: ^7", "encodertype 7 is no type of encoder".to_owned()),
         (
             "velocity",

@@ -1,12 +1,12 @@
 //! Homing under what else holds for the axis: the override, the shape of its ramps, inverted counts, contacts of the cell.
 
-use super::super::rig::{Rig, X};
+use super::super::rig::{Rig, X, at, couple, to};
 use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, set, way, zero};
 use crate::axis::Safety;
 use crate::code::Code;
-use crate::command::Action;
+use crate::command::{Action, HomeAxis, HomingMethod, Length, SetPosition};
 use crate::config::{IoConfig, IoKind};
-use crate::object::AxisSet;
+use crate::object::{AxisSet, Leader};
 use crate::parameter::Value;
 use crate::sim::Model;
 
@@ -141,5 +141,48 @@ fn a_contact_that_opens_ends_it() {
         let sequence = home(&mut rig, 3);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
         assert_eq!(rig.int("x.homed"), 1);
+    }
+}
+
+/// What asks for an axis at rest says what it does instead.
+#[test]
+fn an_axis_that_does_not_stand_is_told_as_what_it_does() {
+    let moving: [(Action, &str); 3] = [
+        (Action::Move(at(X, 1_000.0)), "the axis runs at a velocity (CONTINUOUS_MOTION); halt it first"),
+        (
+            Action::Synchronize(couple(X, Leader::AxisCommand(0), 1, 1)),
+            "the axis is coupled (SYNCHRONIZED_MOTION); halt it first",
+        ),
+        (Action::Move(to(X, 9_000)), "the axis moves (DISCRETE_MOTION); wait for its end, or halt it first"),
+    ];
+    for (action, sentence) in moving {
+        let mut rig = rig(way(START, (5_000, 7_000)));
+        rig.give(action);
+        rig.run(20);
+        let zero = Action::SetPosition(SetPosition { axis: X, position: Length::whole(0) });
+        let refused = [home(&mut rig, 3), rig.give(zero)];
+        assert_eq!(refused.map(|sequence| rig.refusal(sequence)), [format!("x: {sentence}"), format!("x: {sentence}")]);
+        rig.give(Action::QuickStop(AxisSet::one(X)));
+        let zero = Action::SetPosition(SetPosition { axis: X, position: Length::whole(0) });
+        let refused = rig.give(zero);
+        if rig.state("x") == "STOPPING" && rig.real("x.command.velocity") != 0.0 {
+            assert_eq!(rig.refusal(refused), "x: the axis is not at rest; wait until it stands");
+        }
+    }
+}
+
+/// Each scheme has numbers of its own.
+#[test]
+fn a_method_that_a_scheme_does_not_have_is_told_with_those_that_it_has() {
+    let mut rig = rig(way(START, (5_000, 7_000)));
+    for (method, sentence) in [
+        (HomingMethod::Macs(4), "scheme macs has no homing method 4; 0 to 3, its home_type, are allowed"),
+        (
+            HomingMethod::Cia402(15),
+            "scheme cia402 has no homing method 15; 1 to 14, 17 to 30, 33, 34, 35 and 37 are allowed",
+        ),
+    ] {
+        let refused = rig.give(Action::HomeAxis(HomeAxis { axis: X, method }));
+        assert_eq!(rig.refusal(refused), format!("x: {sentence}"));
     }
 }

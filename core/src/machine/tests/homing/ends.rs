@@ -234,7 +234,7 @@ fn nothing_else_moves_an_axis_that_homes() {
     assert_eq!(rig.refusal(sequence), under_way);
     let sequence = rig
         .give(Action::SetPosition(crate::command::SetPosition { axis: X, position: crate::command::Length::whole(0) }));
-    assert_eq!(rig.refusal(sequence), "x: the axis is not at rest; wait until it stands");
+    assert_eq!(rig.refusal(sequence), "x: the axis is homing; wait for its end, or halt it first");
     rig.stream(X, 1_000.0);
     assert_eq!(rig.state("x"), "HOMING");
     assert!(rig.events.iter().any(|event| event.code == Code::HOMING_UNDER_WAY && event.command == 0));
@@ -275,7 +275,7 @@ fn what_homing_lacks_is_refused_with_a_sentence() {
     assert!(rig.was_accepted(sequence));
     let mut rig = Rig::enabled();
     let sequence = home(&mut rig, 0);
-    assert!(rig.refusal(sequence).contains("homing method 0 does not exist"));
+    assert!(rig.refusal(sequence).contains("scheme cia402 has no homing method 0; 1 to 14, "));
     rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(10);
     let sequence = home(&mut rig, 3);

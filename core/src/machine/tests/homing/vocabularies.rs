@@ -3,16 +3,16 @@
 use super::super::rig::{Rig, X};
 use super::{FAR, assign, cell, place, rig_with, set, way, zero};
 use crate::code::Code;
-use crate::command::Action;
+use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::MachineConfig;
 use crate::drive::Interface;
 use crate::event::Kind;
 use crate::object::AxisSet;
-use crate::parameter::{Row, Value};
+use crate::parameter::{Change, Row, Value};
 use crate::sim::{Fixtures, Model, VelocityLag};
 use crate::vocabulary::wf::{Jog, Mode, Request};
 
-const START: i64 = -12_000;
+pub(super) const START: i64 = -12_000;
 
 fn amc() -> Rig {
     let mut config = cell(0);
@@ -64,10 +64,17 @@ fn reference_5_without_a_method_is_refused() {
     let sequence = set(&mut rig, "amc.reference_select", Value::Int(5));
     let sentence = "x: homing.method is 0: give the axis a method, or name one in the command";
     assert_eq!(rig.refusal(sequence), sentence);
+    // A virtual axis has nothing that most of them look for.
+    let (row, _) = Row::find("amc.reference_select").unwrap();
+    let change = Change { axis: 0, row, value: Value::Int(5) };
+    let select = rig.give(Action::SetParameters(Box::new([change])));
+    let home = rig.give(Action::HomeAxis(HomeAxis { axis: 0, method: HomingMethod::Configured }));
+    let sentence = "line: the axis is virtual; it has no switches and no index, only methods 35 and 37";
+    assert_eq!([select, home].map(|sequence| rig.refusal(sequence)), [sentence; 2]);
 }
 
 /// Cam from 5000 to 7000, zero marks at 300 + 2000 n: behind it to the right 8300, to the left 4300.
-fn wf(start: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
+pub(super) fn wf(start: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
     let mut config = cell(0);
     let p = &mut config.axes[usize::from(X)].parameters;
     for (key, value) in [
@@ -85,7 +92,7 @@ fn wf(start: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
     rig_with(config, if is_open { Model::Velocity(lag) } else { Model::Ideal }, way(start, (5_000, 7_000)))
 }
 
-fn jog(rig: &mut Rig, jog: Jog) -> u64 {
+pub(super) fn jog(rig: &mut Rig, jog: Jog) -> u64 {
     let request = Request { axis: X, mode: Some(Mode::Reference), jog: Some(jog), ..Request::default() };
     rig.give(Action::Wf(Box::new(request)))
 }
@@ -368,6 +375,6 @@ fn a_zero_is_not_set_while_the_drive_homes_for_a_vocabulary() {
     let refused = rig.give(Action::SetPosition(zero));
     assert_eq!(
         (rig.refusal(refused), rig.state("x")),
-        ("x: the axis is not at rest; wait until it stands".to_owned(), "HOMING")
+        ("x: the axis is homing; wait for its end, or halt it first".to_owned(), "HOMING")
     );
 }

@@ -140,9 +140,9 @@ fn a_hard_zero_of_the_master_waits_for_the_users() {
     rig.give(Action::Move(to(X, 50_000)));
     rig.run(50);
     let refused = rig.give(master(Y, 0));
-    assert_eq!(rig.refusal(refused), "x: the axis is not at rest; wait until it stands");
+    assert_eq!(rig.refusal(refused), "x: the axis moves (DISCRETE_MOTION); wait for its end, or halt it first");
     let refused = rig.give(encoder(0));
-    assert_eq!(rig.refusal(refused), "x: the axis is not at rest; wait until it stands");
+    assert_eq!(rig.refusal(refused), "x: the axis moves (DISCRETE_MOTION); wait for its end, or halt it first");
     // In one cycle with the start: only y has its new zero, and that is told.
     let mut rig = shared(0);
     rig.enable();

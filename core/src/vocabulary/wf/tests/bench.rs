@@ -122,7 +122,7 @@ impl Bench {
     pub(super) fn give(&mut self, request: &Request) -> Result<(), Refusal> {
         let mut wf = self.wf;
         let order = wf.run(request, &self.view())?;
-        if matches!(order, Some(Order::Speed { .. })) && !self.view().free {
+        if matches!(order, Some(Order::Speed { velocity }) if velocity != 0.0) && !self.view().free {
             // As the axis does.
             return Err(Refusal::new(Code::NOT_ENABLED, Object::Machine));
         }
@@ -143,7 +143,7 @@ impl Bench {
         }
         self.wf = wf;
         let mut words = self.words;
-        self.wf.publish(&self.view(), &mut words);
+        self.wf.publish(&self.view(), self.wf.switching(), &mut words);
         self.cycle = self.cycle.wrapping_mul(3);
     }
 
@@ -157,7 +157,7 @@ impl Bench {
         }
         let mut words = self.words;
         let view = View { cycle: 0, ..self.view() };
-        self.wf.publish(&view, &mut words);
+        self.wf.publish(&view, self.wf.switching(), &mut words);
         self.words = words;
         self.cycle += 1;
     }
