@@ -371,7 +371,11 @@ impl Axis {
             // As with a zero of its own: what a vocabulary was up to was meant in the coordinate of before.
             self.owner = Owner::Native;
         }
-        self.moved += std::mem::take(&mut self.sensor.moved);
+        let moved = std::mem::take(&mut self.sensor.moved);
+        if moved != Position::ZERO {
+            self.saia.take_shift(moved.floor());
+        }
+        self.moved += moved;
     }
 
     /// A new zero: the encoder itself is moved for all of its users, unless the zero is soft (MACS-ENC-11).

@@ -43,9 +43,11 @@ impl Axis {
             // Not before its brake is open, and no more once that closes.
             on: matches!(self.power, Power::On | Power::SwitchingOff),
             closing: matches!(self.power, Power::Closing { .. }),
-            locked: matches!(self.state, AxisState::ErrorStop | AxisState::Stopping),
+            locked: matches!(self.state, AxisState::ErrorStop | AxisState::Stopping)
+                || self.power == Power::On && !self.open_contact.is_none(),
             in_error: self.state == AxisState::ErrorStop,
             error: self.error,
+            contact: self.open_contact,
             homing: self.homing.is_running(),
             search_speed: self.search_speed(),
             homed: self.knows_zero(),
@@ -68,6 +70,7 @@ impl Axis {
             parameters: p,
             leads,
             latches,
+            index: self.index_of_cycle(),
         }
     }
 
@@ -299,6 +302,7 @@ impl Axis {
                 if !self.active {
                     return Err(Refusal::new(Code::NOT_ACTIVE, self.object()));
                 }
+                self.check_contacts()?;
                 if self.power == Power::Off && !self.is_virtual() {
                     self.check_lock()?;
                     self.power = Power::SwitchingOn { since: cx.cycle };

@@ -69,12 +69,14 @@ pub struct View<'a> {
     pub on: bool,
     /// Its brake closes; then it is switched off.
     pub closing: bool,
-    /// An error or a quick stop holds the axis until reset_errors.
+    /// An error or a quick stop holds the axis until reset_errors, or an open contact one that is on.
     pub locked: bool,
     /// An error stopped the axis.
     pub in_error: bool,
     /// The error that stopped it.
     pub error: Code,
+    /// The contact of the cell that is open: nothing may be switched on or begin.
+    pub contact: Code,
     /// Homing is under way.
     pub homing: bool,
     /// At which homing looks for its reference, signed by the way (inc/s); 0 where it does not.
@@ -111,6 +113,8 @@ pub struct View<'a> {
     pub leads: &'a Leads,
     /// The latches of this cycle.
     pub latches: &'a [Latched],
+    /// Where the index of its encoder came in this cycle.
+    pub index: Option<Position>,
 }
 
 impl View<'_> {

@@ -372,6 +372,7 @@ impl Axis {
 
     /// The raw coordinate of the drive was set anew: what was known of it does not hold any more, but where homing did that.
     pub(super) fn note_new_coordinate(&mut self) {
+        self.saia.note_jump();
         if !self.homing.is_in_drive() {
             self.homing.forget();
             self.homing.broken = self.homing.is_running();

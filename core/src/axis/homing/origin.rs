@@ -94,6 +94,7 @@ impl Axis {
         self.actual.position += shift;
         self.index.1 += shift;
         self.judge.shift(by);
+        self.saia.take_shift(by);
         self.moved += shift;
     }
 

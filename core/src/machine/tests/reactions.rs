@@ -1,12 +1,14 @@
 //! What errors do to an axis and to the others, the target window, and the contacts of the cell.
 
-use super::rig::{LINE, Rig, X, Y, at, config, to};
+use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
 use crate::axis::Safety;
 use crate::code::Code;
-use crate::command::Action;
+use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::event::{Event, Kind};
-use crate::object::{AxisSet, Object};
+use crate::object::{AxisSet, Leader, Object};
+use crate::parameter::{Change, Row, Value};
+use crate::vocabulary::{saia, saia::Register, wf};
 
 const MS: i64 = 1_000_000;
 
@@ -338,6 +340,67 @@ fn with_an_open_contact_nothing_is_switched_on_or_begins() {
     rig.plant.set_digital(2, true);
     rig.run(1);
     rig.enable();
+}
+
+/// Whatever begins a motion, on an axis that needs no enable.
+#[test]
+fn with_an_open_contact_every_word_that_moves_is_refused() {
+    let fast = [(Register::Veloc, 50_000), (Register::Accel, 1_000_000), (Register::DestP, 1_000)];
+    let command = |name| saia::Command::find(name).unwrap();
+    let commands = ["axinit", "fldda", "fstart"].map(command).into_iter().collect();
+    let start = saia::Request { axis: LINE, commands, ..saia::Request::default() };
+    let start = fast.into_iter().fold(start, |start, (register, value)| start.with(register, Value::Int(value)));
+    let jog = wf::Request { axis: LINE, mode: Some(wf::Mode::Jog), jog: Some(wf::Jog::Plus), ..Default::default() };
+    let words = [
+        Action::Move(at(LINE, 1_000.0)),
+        Action::Move(to(LINE, 1_000)),
+        Action::Synchronize(couple(LINE, Leader::AxisCommand(Y), 1, 1)),
+        Action::HomeAxis(HomeAxis { axis: LINE, method: HomingMethod::Cia402(35) }),
+        Action::Saia(Box::new(start)),
+        Action::Wf(Box::new(jog)),
+    ];
+    for (contact, sentence) in [(1, "line: the emergency stop is open"), (2, "line: the interlock is open")] {
+        for word in &words {
+            let mut rig = closed();
+            let (row, _) = Row::find("wf.fixed_speed_1").unwrap();
+            rig.give(Action::SetParameters([Change { axis: LINE, row, value: Value::Real(50.0) }].into()));
+            rig.plant.set_digital(contact, false);
+            rig.run(1);
+            let answer = rig.give(word.clone());
+            assert_eq!(rig.refusal(answer), sentence, "{word:?}");
+            rig.plant.set_digital(contact, true);
+            rig.run(50);
+            assert_eq!((rig.state("line"), rig.int("line.command.position")), ("STANDSTILL", 0), "{word:?}");
+            let answer = rig.give(word.clone());
+            assert!(!rig.events.iter().any(|event| event.command == answer && event.kind == Kind::Refused), "{word:?}");
+        }
+    }
+}
+
+/// A virtual axis at rest has no error by an open contact: its selector is set back, and closing starts nothing.
+#[test]
+fn with_an_open_contact_no_reference_is_selected() {
+    let change = |key: &str, value| {
+        let (row, _) = Row::find(key).unwrap();
+        Action::SetParameters([Change { axis: LINE, row, value: Value::Int(value) }].into())
+    };
+    let mut rig = closed();
+    rig.give(change("amc.reference_select", 1));
+    rig.run(5);
+    assert_eq!((rig.int("line.amc.select"), rig.state("line")), (1, "STANDSTILL"));
+    rig.plant.set_digital(2, false);
+    rig.run(2);
+    assert_eq!((rig.int("line.amc.select"), rig.state("line"), rig.int("line.error")), (0, "STANDSTILL", 0));
+    rig.give(change("amc.position_reference", 5_000));
+    let select = rig.give(change("amc.reference_select", 1));
+    assert_eq!(rig.refusal(select), "line: the interlock is open");
+    rig.plant.set_digital(2, true);
+    rig.run(100);
+    assert_eq!((rig.int("line.command.position"), rig.state("line")), (0, "STANDSTILL"));
+    let select = rig.give(change("amc.reference_select", 1));
+    assert!(rig.done(select).is_empty());
+    rig.run(500);
+    assert_eq!(rig.int("line.command.position"), 5_000);
 }
 
 #[test]

@@ -145,7 +145,7 @@ pub(super) const ROWS: &[Row] = &[
         unit: "units/s^2",
         default: Value::Unset,
         default_text: "as default_acceleration",
-        description: "Acceleration [units/s^2], for fldaa and fldar.",
+        description: "Acceleration [units/s^2], for fldaa and fldar; one left out is cut to the velocity register of the start.",
         source: "SAIA-REG-10",
         get: |p| saia(p).accel.map_or(Value::Unset, |accel| Value::Int(accel.into())),
         set: |p, v| p.saia.accel = word(v),

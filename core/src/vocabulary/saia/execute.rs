@@ -126,6 +126,8 @@ impl Saia {
             }
             Command::SetZero => {
                 self.zero = self.place(self.position(view));
+                self.shares_zero = false;
+                self.note_jump();
                 Ok(())
             }
             Command::LoadBreak => self.load_break(view, false),

@@ -72,9 +72,11 @@ impl Saia {
     pub(super) fn power_up(&mut self, view: &View<'_>) {
         let p = &view.parameters.saia;
         let position = super::actual(view).0.floor();
+        let shares_zero = (LOWEST..=HIGHEST).contains(&position);
         let mut fresh = Self {
             phase: Phase::Hold,
-            zero: if (LOWEST..=HIGHEST).contains(&position) { 0 } else { position },
+            zero: if shares_zero { 0 } else { position },
+            shares_zero,
             pwm: p.imode == 5,
             error_limit: LARGEST_ERROR,
             acceleration_pending: true,
@@ -190,7 +192,8 @@ impl Saia {
         let base = self.base(Register::BrkP, relative, self.working.destination)?;
         let change = position(Register::BrkP, Scaling::of(p).counts(p.brkp))?;
         let position = position(Register::BrkP, base.saturating_add(change))?;
-        self.breaks = Some(Break { position, side: self.position(view).saturating_sub(position).signum() });
+        let side = self.position(view).saturating_sub(position).signum();
+        self.breaks = Some(Break { position, side: Some(side) });
         Ok(())
     }
 

@@ -68,7 +68,7 @@ struct Load {
     velocity: i64,
     /// (2^-16 counts per sample^2)
     acceleration: i64,
-    /// The acceleration is the usual one of the axis, which no register has given: the bounds of registers are not for it.
+    /// The acceleration is the usual one of the axis, which no register has given: a start takes no more of it than it may.
     usual: bool,
     /// Velocity control.
     by_velocity: bool,
@@ -86,8 +86,7 @@ impl Load {
 
     /// Can registers of that size be started (SAIA-EXT-03)?
     fn is_startable(&self) -> bool {
-        let most = if self.usual { HIGHEST } else { self.velocity };
-        self.velocity > 0 && (1..=most).contains(&self.acceleration)
+        (1..=self.velocity).contains(&self.acceleration)
     }
 }
 
@@ -96,8 +95,8 @@ impl Load {
 struct Break {
     /// From the vocabulary's zero (counts).
     position: i64,
-    /// Sign of actual minus break position when it was loaded.
-    side: i64,
+    /// Sign of actual minus break position when it was loaded; none where the actual position has jumped since.
+    side: Option<i64>,
 }
 
 /// The five status flags, latched.
@@ -147,6 +146,8 @@ pub struct Saia {
     phase: Phase,
     /// Its zero in the coordinate of the axis (inc).
     zero: i64,
+    /// Which is that of the axis itself, wherever it goes: nothing has given it one of its own.
+    shares_zero: bool,
     buffer: Load,
     working: Load,
     /// The working destination is the end of the range, to be reached by no one: `fforw`, `fbackw`.
@@ -322,9 +323,9 @@ impl Saia {
 
     /// Could its state have come about? One that was read from outside may hold anything.
     pub(crate) fn is_sound(&self) -> bool {
-        let breaks = self
-            .breaks
-            .is_none_or(|breaks| (LOWEST..=HIGHEST).contains(&breaks.position) && (-1..=1).contains(&breaks.side));
+        let breaks = self.breaks.is_none_or(|breaks| {
+            (LOWEST..=HIGHEST).contains(&breaks.position) && breaks.side.is_none_or(|side| (-1..=1).contains(&side))
+        });
         breaks
             && self.buffer.is_sound()
             && self.working.is_sound()

@@ -91,13 +91,17 @@ impl Saia {
         if view.in_error {
             return Err(Fault::new(Code::IN_ERROR));
         }
-        self.check_rates(view, &load)?;
+        if !view.contact.is_none() {
+            return Err(Fault::new(view.contact));
+        }
+        let acceleration = self.acceleration_of(&load);
+        self.check_rates(view, &Load { acceleration, ..load })?;
         let by_velocity = load.by_velocity && jogs.is_none();
         if !by_velocity && jogs != Some(true) {
             self.check_target(view, load.destination)?;
         }
         self.buffer = load;
-        self.working = Load { by_velocity, ..load };
+        self.working = Load { by_velocity, acceleration, ..load };
         self.jogs = jogs == Some(true);
         self.phase = if by_velocity { Phase::Velocity } else { Phase::Position };
         (self.stop_latch, self.acceleration_pending, self.profile_done) = (false, false, false);
@@ -105,6 +109,16 @@ impl Saia {
         self.starting.waits = true;
         *deed = Deed { start: true, ramp: false, ..*deed };
         Ok(())
+    }
+
+    /// The acceleration that a start takes over. One that no register has given is no more than the velocity (SAIA-EXT-03), and
+    /// that of a motion under way stays (SAIA-PRF-03).
+    fn acceleration_of(&self, load: &Load) -> i64 {
+        match self.working.acceleration {
+            _ if !load.usual => load.acceleration,
+            present if self.phase.moves() && present > 0 => present,
+            _ => load.acceleration.min(load.velocity),
+        }
     }
 
     /// Software limits hold as for any goal, also where the drive has to switch on first.

@@ -33,7 +33,7 @@ pub struct Parameters {
     pub brkp: i32,
     /// Velocity (units/s).
     pub veloc: i32,
-    /// Acceleration (units/s^2); left out: the usual one of the axis.
+    /// Acceleration (units/s^2); left out: the usual one of the axis, within what a start may take.
     pub accel: Option<i32>,
     /// Status flags that `fressf` keeps.
     pub stafrr: i32,

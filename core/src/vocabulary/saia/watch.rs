@@ -51,9 +51,23 @@ impl Saia {
         let turns = position.saturating_sub(LOWEST).div_euclid(RANGE);
         self.zero = self.zero.saturating_add(turns.saturating_mul(RANGE));
         self.flags.wrapped |= self.working.by_velocity;
-        let position = self.position(view);
+        self.note_jump();
+    }
+
+    /// The coordinate of the axis has moved: every place is `by` more (inc). No edge was counted, so that a zero of its own
+    /// keeps its place, and with it the break position.
+    pub(crate) fn take_shift(&mut self, by: i64) {
+        match self.phase {
+            Phase::Power => {}
+            _ if self.shares_zero => self.note_jump(),
+            _ => self.zero = self.zero.saturating_add(by),
+        }
+    }
+
+    /// The actual position has another number, and nothing has moved: that passes no break position.
+    pub(crate) fn note_jump(&mut self) {
         if let Some(breaks) = &mut self.breaks {
-            breaks.side = position.saturating_sub(breaks.position).signum();
+            breaks.side = None;
         }
     }
 
@@ -62,10 +76,8 @@ impl Saia {
         if self.armed.is_none_or(|since| since == view.cycle) {
             return;
         }
-        let mine = view.latches.iter().filter(|latch| latch.object == view.object && latch.rising);
-        if let Some(first) = mine.max_by_key(|latch| latch.age_ns) {
-            let index = first.position.floor().saturating_sub(self.zero);
-            self.index = index.clamp(LOWEST, HIGHEST);
+        if let Some(place) = view.index {
+            self.index = place.floor().saturating_sub(self.zero).clamp(LOWEST, HIGHEST);
             self.flags.index = true;
             self.armed = None;
         }
@@ -74,11 +86,9 @@ impl Saia {
     /// Once, when the actual position reaches the break position or has changed sides (A21).
     fn watch_break(&mut self, view: &View<'_>) {
         let position = self.position(view);
-        let passed = self.breaks.is_some_and(|breaks| {
-            let side = position.saturating_sub(breaks.position).signum();
-            side == 0 || side != breaks.side
-        });
-        if passed {
+        let Some(breaks) = &mut self.breaks else { return };
+        let side = position.saturating_sub(breaks.position).signum();
+        if side == 0 || side != *breaks.side.get_or_insert(side) {
             self.breaks = None;
             self.flags.passed = true;
         }

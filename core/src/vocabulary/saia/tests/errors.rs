@@ -157,6 +157,33 @@ fn an_acceleration_above_the_velocity_cannot_be_started() {
     }
 }
 
+/// No accel, and 10 m/s^2 by the axis: half of that is 5e6 counts/s^2, 38 177 in the register; 1000 counts/s are 22 370.
+///
+/// Proves: SAIA-EXT-03, SAIA-PRF-03
+#[test]
+fn an_acceleration_that_nobody_gave_is_cut_to_the_velocity() {
+    let registers = |rig: &Rig| (rig.int("x.saia.velocity_register"), rig.int("x.saia.acceleration_register"));
+    let mut config = super::rig::config();
+    config.axes[usize::from(X)].parameters.max_acceleration = 1e7;
+    let mut rig = Rig::of(config);
+    rig.run(5);
+    rig.does(&[("veloc", 1000.0)], "axinit");
+    rig.does(&[("destp", 2000.0)], "fldda fstart");
+    assert_eq!(registers(&rig), (22_370, 22_370));
+    rig.run_until("x.command.velocity", 999.9);
+    // A motion keeps its own; the next one takes what it may.
+    rig.does(&[("veloc", 5000.0)], "fldva fstart");
+    assert_eq!(registers(&rig), (111_848, 22_370));
+    rig.run_until("x.saia.ondest", 1.0);
+    rig.does(&[("destp", 0.0)], "fldda fstart");
+    assert_eq!(registers(&rig), (111_848, 38_177));
+    rig.run_until("x.saia.ondest", 1.0);
+    // The same by a register is refused, and so is 0.
+    let sentence = "the acceleration register is 38177; 1 to the velocity register, 22370, is allowed";
+    rig.refuses(&[("accel", 5e6), ("veloc", 1000.0)], "fldaa fldva fstart", sentence);
+    rig.refuses(&[("accel", 0.0)], "fldaa fstart", "the acceleration register is 0");
+}
+
 /// Proves: SAIA-HND-02, SAIA-HND-06
 #[test]
 fn a_verb_is_acknowledged_in_its_cycle_and_an_empty_one_does_nothing() {

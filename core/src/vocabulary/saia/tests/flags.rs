@@ -5,6 +5,7 @@ use super::takeover::Bench;
 use crate::object::Object;
 use crate::parameter::Value;
 use crate::position::Position;
+use crate::sim::{Fixtures, Index};
 use crate::vocabulary::{Latched, Order};
 
 const FLAG_ONLY: (&str, f64) = ("mcw", 0x41B as f64);
@@ -123,43 +124,51 @@ fn a_break_position_at_the_actual_position_is_passed() {
     assert_eq!(rig.int("x.saia.brkpos"), 1);
 }
 
+/// Each 4000 inc from 1500. A latch of the axis is that of its touch probe, and no index.
+///
 /// Proves: SAIA-CMD-28, SAIA-DET-12, SAIA-STA-02, SAIA-CMD-23, SAIA-REG-17, SAIA-SIG-00
 #[test]
 fn one_index_is_caught_after_fsetip() {
-    let mut rig = Rig::moving();
-    rig.latch(0);
-    rig.run(5);
+    let mut rig = Rig::ready(FAST);
+    let index = Some(Index { every: 4000, at: 1500 });
+    rig.plant.drive(0).unwrap().fit(Fixtures { index, ..Fixtures::default() });
+    rig.does(&[("destp", 100_000.0)], "fldda fstart");
+    rig.run_until("x.index.count", 1.0);
     assert_eq!(rig.int("x.saia.ipuls"), 0, "nobody waits");
     rig.does(&[], "fsetip");
-    assert_eq!(rig.int("x.saia.index_armed"), 1);
-    // Half a cycle before the cycle: 25 counts back; a second one in the same cycle comes too late.
     rig.latch(500_000);
-    rig.latch(100_000);
-    rig.run(1);
-    assert_eq!((rig.int("x.saia.ipuls"), rig.int("x.saia.index_armed")), (1, 0));
-    let position = rig.int("x.saia.position");
     rig.run(3);
-    rig.latch(0);
-    rig.run(2);
-    rig.does(&[], "frdip");
-    assert_eq!(rig.int("x.saia.rindp"), position - 25);
+    assert_eq!((rig.int("x.saia.ipuls"), rig.int("x.saia.index_armed")), (0, 1));
+    rig.run_until("x.index.count", 2.0);
+    assert_eq!((rig.int("x.saia.ipuls"), rig.int("x.saia.index_armed")), (1, 0));
+    assert!(rig.int("x.saia.position") > 5500);
+    rig.run_until("x.index.count", 3.0);
+    rig.does(&[("mcfac", 1.0)], "frdip");
+    assert_eq!(rig.int("x.saia.rindp"), 5500);
+    // From the zero as it is then, and kept where that moves.
+    rig.does(&[], "fsetip fsetzp");
+    let zero = rig.int("x.actual.position");
+    rig.run_until("x.index.count", 4.0);
+    rig.does(&[], "fsetzp frdip");
+    assert_eq!(rig.int("x.saia.rindp"), 13_500 - zero);
 }
 
 #[test]
-fn an_index_of_another_axis_or_from_before_the_command_does_not_count() {
+fn a_latch_or_an_index_from_before_the_command_does_not_count() {
     let mut bench = Bench::new();
     let mut saia = bench.moving_state();
-    let index = |object, rising| Latched { object, rising, age_ns: 0, captured: None, position: Position::whole(9) };
     bench.run(&mut saia, "fsetip");
-    bench.latches = vec![index(Object::Axis(X), true)];
+    bench.index = Some(Position::whole(9));
     saia.step(&bench.view());
     assert!(saia.armed.is_some(), "it came before t_k");
-    for latch in [index(Object::Axis(X + 1), true), index(Object::Encoder(0), true), index(Object::Axis(X), false)] {
-        bench.latches = vec![latch];
+    bench.index = None;
+    for rising in [true, false] {
+        let (object, position) = (Object::Axis(X), Position::whole(9));
+        bench.latches = vec![Latched { object, rising, age_ns: 0, captured: None, position }];
         bench.step(&mut saia);
         assert!(saia.armed.is_some());
     }
-    bench.latches = vec![index(Object::Axis(X), true)];
+    bench.index = Some(Position::whole(9));
     bench.step(&mut saia);
     assert_eq!((saia.armed, saia.index, saia.flags.index), (None, 9, true));
 }

@@ -1,6 +1,8 @@
 //! The module as its program sees it.
 
 mod anything;
+mod contacts;
+mod coordinate;
 mod errors;
 mod flags;
 mod loads;

@@ -59,13 +59,14 @@ fn enable_stands_for_axinit_and_the_axis_stays_on() {
     let mut rig = Rig::new();
     rig.on();
     assert_eq!(rig.state(), "PWR");
-    // No accel: that of the axis, half of its maximum.
+    // No accel: that of the axis, half of its maximum, cut to the velocity.
     rig.does(&[("destp", 1000.0), ("veloc", 500.0)], "fldda fldva fstart");
     assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.enabled")), ("POS", 0, 1));
-    assert_eq!(rig.int("x.saia.velocity_register"), 11_185);
+    assert_eq!((rig.int("x.saia.velocity_register"), rig.int("x.saia.acceleration_register")), (11_185, 11_185));
     rig.does(&[("destp", -1.0)], "flddr");
-    // A lower velocity in motion: no register asks for an acceleration, so none is above it.
-    rig.does(&[("veloc", 1.0)], "fldva fstart");
+    // In motion it stays what it is.
+    let sentence = "the acceleration register is 11185; 1 to the velocity register, 22, is allowed";
+    rig.refuses(&[("veloc", 1.0)], "fldva fstart", sentence);
     rig.does(&[("veloc", 5_000.0), ("destp", 1000.0)], "fldda fldva fstart");
     rig.run_until("x.saia.ondest", 1.0);
     assert_eq!((rig.int("x.command.position"), rig.state()), (1000, "HOLD"));

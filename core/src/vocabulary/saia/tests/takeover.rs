@@ -26,6 +26,7 @@ pub(super) struct Bench {
     pub actual: i64,
     pub following_error: i64,
     pub latches: Vec<Latched>,
+    pub index: Option<Position>,
     pub interface: Option<Interface>,
     leads: Leads,
 }
@@ -43,6 +44,7 @@ impl Bench {
             actual: 0,
             following_error: 0,
             latches: Vec::new(),
+            index: None,
             interface: Some(Interface::Position),
             leads: Leads::default(),
         }
@@ -64,7 +66,8 @@ impl Bench {
             closing: false,
             locked: self.in_error,
             in_error: self.in_error,
-            error: crate::code::Code::NONE,
+            error: Code::NONE,
+            contact: Code::NONE,
             homing: false,
             search_speed: 0.0,
             homed: false,
@@ -83,6 +86,7 @@ impl Bench {
             parameters: &self.parameters,
             leads: &self.leads,
             latches: &self.latches,
+            index: self.index,
         }
     }
 

@@ -79,6 +79,7 @@ impl Bench {
             locked: self.in_error,
             in_error: self.in_error,
             error: crate::code::Code::NONE,
+            contact: crate::code::Code::NONE,
             homing: false,
             search_speed: 0.0,
             homed: false,
@@ -97,6 +98,7 @@ impl Bench {
             parameters: &self.parameters,
             leads: &self.leads,
             latches: &[],
+            index: None,
         }
     }
 

@@ -1,0 +1,79 @@
+//! The zero of the vocabulary and its break position where a coordinate is set anew: nothing moves by that.
+
+use super::rig::{FAST, Rig, X};
+use crate::command::{Action, HomeAxis, HomingMethod, Length, SetPosition};
+
+fn set_position(rig: &mut Rig, position: i64) {
+    rig.give(vec![Action::SetPosition(SetPosition { axis: X, position: Length::whole(position) })]).unwrap();
+}
+
+fn home(rig: &mut Rig) {
+    rig.give(vec![Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(35) })]).unwrap();
+}
+
+/// The count is one of edges, and none came: position, break position and destination stay where they are in the world.
+///
+/// Proves: SAIA-DET-14, SAIA-ENC-01
+#[test]
+fn a_new_position_of_the_axis_leaves_those_of_the_vocabulary() {
+    for (axis_is, set) in [(500_000, true), (-500_000, true), (0, false)] {
+        for brake in [7000.0, 400.0] {
+            let mut rig = Rig::holding();
+            rig.does(&[("brkp", brake)], "fldbpa fressf");
+            if set {
+                set_position(&mut rig, axis_is)
+            } else {
+                home(&mut rig)
+            };
+            rig.run(3);
+            assert_eq!((rig.int("x.actual.position"), rig.int("x.saia.position")), (axis_is, 1000));
+            assert_eq!(rig.int("x.saia.brkpos"), 0, "{axis_is}: nothing has moved");
+            let end: i64 = if brake > 1000.0 { 9000 } else { 0 };
+            rig.does(&[("destp", end as f64)], "fldda fstart");
+            rig.run_until("x.saia.brkpos", 1.0);
+            let past = (rig.int("x.saia.position") - brake as i64) * (end - 1000).signum();
+            assert!((0..=50).contains(&past), "{axis_is}: {past}");
+            rig.run_until("x.saia.ondest", 1.0);
+            assert_eq!(rig.int("x.command.position"), axis_is + end - 1000);
+        }
+    }
+}
+
+/// DET-13 leaves the break register unshifted: it is a place of the new frame then.
+///
+/// Proves: SAIA-DET-13, SAIA-DET-14
+#[test]
+fn a_new_zero_passes_no_break_position() {
+    let mut rig = Rig::holding();
+    rig.does(&[("brkp", 400.0)], "fldbpa fressf");
+    rig.does(&[], "fsetzp");
+    rig.run(3);
+    assert_eq!((rig.int("x.saia.position"), rig.int("x.saia.brkpos")), (0, 0));
+    rig.does(&[("destp", 1000.0)], "fldda fstart");
+    rig.run_until("x.saia.brkpos", 1.0);
+    assert!((400..=450).contains(&rig.int("x.saia.position")));
+    // On it the axis has reached it, as where it is loaded there.
+    let mut rig = Rig::holding();
+    rig.does(&[("brkp", 0.0)], "fldbpa fressf");
+    rig.does(&[], "fsetzp");
+    assert_eq!(rig.int("x.saia.brkpos"), 1);
+}
+
+/// Where enable stood for axinit the zero is that of the axis, wherever that goes.
+#[test]
+fn a_zero_that_is_that_of_the_axis_goes_with_it() {
+    for own in [false, true] {
+        let mut rig = Rig::new();
+        rig.on();
+        rig.does(FAST, "fldva fldbpa");
+        rig.does(&[("destp", 1000.0), ("brkp", 300_000.0), ("stafrr", 0.0)], "fldda fldbpa fressf fstart");
+        rig.run_until("x.saia.ondest", 1.0);
+        if own {
+            rig.does(&[], "fsetzp");
+        }
+        set_position(&mut rig, 500_000);
+        rig.run(3);
+        let here = if own { 0 } else { 500_000 };
+        assert_eq!((rig.int("x.saia.position"), rig.int("x.saia.brkpos")), (here, 0), "{own}");
+    }
+}
