@@ -1,6 +1,6 @@
 //! What moves an axis in a cycle, and what keeps it within its limits.
 
-use super::course::{Aim, Course};
+use super::course::{self, Aim, Course};
 use super::{Axis, AxisState, Context, Reference, Rule};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
@@ -70,8 +70,9 @@ impl Axis {
         // Without one, the axis stops already.
         if let Some(base) = base {
             let next = self.superimpose(cx, base);
+            let is_added = next.position != base.position;
             let next = self.forward(cx, next);
-            if !self.stop_at_switch(cx, next) && !self.stop_at_limit(cx, next) {
+            if !self.stop_at_switch(cx, next) && !self.stop_at_limit(cx, next, is_added) {
                 self.command = next;
             }
         }
@@ -163,25 +164,26 @@ impl Axis {
     }
 
     /// Would `next` leave no way to stop before a limit? Then the axis stops at it instead, from its last motion, and
-    /// that is an error. A motion to a target was checked as a whole when it was planned.
-    fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion) -> bool {
+    /// that is an error. A motion to a target was checked as a whole when it was planned, but for what is added to it since.
+    fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion, is_added: bool) -> bool {
         let watched = match &self.generator {
             // One that passes its target was checked with the goal behind it.
             Generator::Plan(course) => course.end_velocity() != 0.0 && course.pass == 0.0,
             Generator::Follow(_) | Generator::Track(_) => true,
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
         };
-        if !watched {
-            return false;
-        }
-        let Some(up) = self.passed_limit(next) else { return false };
+        let crossed = self.crossed_limit(next, is_added).filter(|_| watched || is_added);
+        let Some(up) = crossed.or_else(|| self.passed_limit(next).filter(|_| watched)) else { return false };
         let limit = Position::whole(self.limit(up));
-        let ahead = if up { self.command.velocity > 0.0 } else { self.command.velocity < 0.0 };
+        let ahead = is_towards(up, self.command.velocity);
         let is_within = if up { self.command.position < limit } else { self.command.position > limit };
         // The motion before kept the rule, so it can stop in time; it started a cycle ago.
         let before = Motion { acceleration: self.present().acceleration, ..self.command };
         let limits = self.sharpened(before, self.stop_limits());
-        let plan = if ahead && is_within {
+        let stop = profile::stop(before, &limits, self.setup.cycle_ns).duration() + 2.0 * self.cycle_s();
+        // One that hardly moves yet would creep there for long: it stops where it is.
+        let is_near = (limit - before.position).to_f64().abs() <= before.velocity.abs() * stop;
+        let plan = if ahead && is_within && is_near {
             self.plan_stop_at(self.eased(before, limit, &limits), limit, &limits)
         } else {
             self.plan_stop(before, &limits)
@@ -210,6 +212,26 @@ impl Axis {
         let most = (2.0 * limits.deceleration * (limit - before.position).to_f64().abs()).sqrt();
         let speed = if in_steps { before.velocity.abs().min(most) } else { before.velocity.abs() };
         Motion { velocity: speed.copysign(before.velocity), ..before }
+    }
+
+    /// Which limit `next` itself lies beyond, further out than the last motion: true for the upper one. What is slow enough stops
+    /// within a cycle, and no way to stop would tell of it. A plan that ends or turns back was checked as a whole, and so was a
+    /// trajectory that is met exactly: but for rounding, and for what is added.
+    fn crossed_limit(&self, next: Motion, is_added: bool) -> Option<bool> {
+        let is_exact = |up: bool| match &self.generator {
+            Generator::Plan(course) if is_added => course.end_velocity() != 0.0,
+            Generator::Plan(course) => is_towards(up, course.end_velocity()),
+            Generator::Follow(_) => true,
+            Generator::Track(_) => !self.tracker().is_some_and(|tracker| tracker.is_exact()),
+            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
+        };
+        [true, false].into_iter().find(|up| {
+            let outwards = |place: Position| if *up { place } else { -place };
+            let limit = outwards(Position::whole(self.limit(*up)));
+            let (now, next) = (outwards(self.command.position), outwards(next.position));
+            let bound = limit + Position::from_f64(course::ROUNDING);
+            next > now && if is_exact(*up) { next > limit } else { next > bound && now <= bound }
+        })
     }
 
     /// Which limit a stop after `next` would lead beyond: true for the upper one. A stop whose acceleration has to run out
@@ -359,9 +381,13 @@ impl Axis {
         let plan = profile::stop(from, limits, self.setup.cycle_ns);
         let Some(up) = self.passed_by(&plan, from) else { return plan };
         let sharpest = self.sharpened(from, self.stop_limits());
-        let ahead = if up { from.velocity > 0.0 } else { from.velocity < 0.0 };
-        if ahead {
-            return self.plan_stop_at(from, Position::whole(self.limit(up)), &sharpest);
+        let limit = Position::whole(self.limit(up));
+        if is_towards(up, from.velocity) && from.position == limit {
+            // There is no way left; it was so slow that none was kept.
+            return profile::stop(Motion::at_rest(limit), limits, self.setup.cycle_ns);
+        }
+        if is_towards(up, from.velocity) {
+            return self.plan_stop_at(from, limit, &sharpest);
         }
         // Its acceleration would swing it back, beyond the limit behind it: one that ends at once does not.
         let plan = profile::stop(from, &Limits { shape: Shape::Trapezoid, ..sharpest }, self.setup.cycle_ns);
@@ -376,8 +402,8 @@ impl Axis {
         let (low, high) = plan.extent();
         let (lowest, highest) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
         match () {
-            () if high > highest && from.position < highest => Some(true),
-            () if low < lowest && from.position > lowest => Some(false),
+            () if high > highest && from.position <= highest => Some(true),
+            () if low < lowest && from.position >= lowest => Some(false),
             () => None,
         }
     }
@@ -408,6 +434,11 @@ impl Axis {
             _ => self.parameters.usual_limits(),
         }
     }
+}
+
+/// Does a velocity lead up, or down?
+fn is_towards(up: bool, velocity: f64) -> bool {
+    if up { velocity > 0.0 } else { velocity < 0.0 }
 }
 
 /// From the lowest to the highest of both.

@@ -282,7 +282,10 @@ impl Axis {
             run.time_ns(cx.cycle),
         ));
         let lead = Lead { position: sample.position, change, velocity: sample.velocity, counted: false, valid: true };
-        let slave = Motion { velocity: tracker.moved, ..self.command };
+        // What rounding has put beyond a limit was not commanded; it is not to stay behind for that.
+        let held = (follower.target() - self.command.position).to_f64().abs() <= ROUNDING && tracker.exact;
+        let position = if held { follower.target() } else { self.command.position };
+        let slave = Motion { position, velocity: tracker.moved, ..self.command };
         let rule = if self.reverses_alone() { Rule::Always } else { Rule::Never };
         let next = follower.step(slave, lead, self.cycle_s(), Reserve::default(), rule);
         tracker.moved = next.velocity;
@@ -295,7 +298,19 @@ impl Axis {
         self.keep(tracker);
         self.generator = Generator::Track(follower);
         // Where it is on the spline, its velocity is that of the spline now, not its mean since the last cycle.
-        Some(if tracker.exact { Motion { position: next.position, ..sample } } else { next })
+        let position = self.unrounded(next.position);
+        Some(if tracker.exact { Motion { position, ..sample } } else { Motion { position, ..next } })
+    }
+
+    /// Without what rounding puts it beyond a limit.
+    fn unrounded(&self, position: Position) -> Position {
+        let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
+        let (now, rounding) = (self.command.position, Position::from_f64(ROUNDING));
+        match () {
+            () if now <= high && position > high && position <= high + rounding => high,
+            () if now >= low && position < low && position >= low - rounding => low,
+            () => position,
+        }
     }
 
     /// Trajectory minus command (inc); none without one.

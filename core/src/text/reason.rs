@@ -268,12 +268,14 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::HOMING_SWITCH_MISSED => format!("the switch did not change within homing.max_distance {}", limit()),
         Code::HOMING_INDEX_MISSED => format!("no index pulse came within homing.index_distance {}", limit()),
         Code::HOMING_AT_LIMIT => fixed("a limit switch ended the search for the reference"),
-        Code::HOMING_NEEDS_DRIVE => {
-            format!(
-                "the axis is virtual, without switches and index for {}; 35 and 37 are allowed",
-                method(event.asked)
-            )
-        }
+        Code::HOMING_NEEDS_DRIVE => match event.asked {
+            Number::None => {
+                "the axis is virtual, without switches and index: it needs homing method 35 or 37".to_owned()
+            }
+            asked => {
+                format!("the axis is virtual, without switches and index for {}; 35 and 37 are allowed", method(asked))
+            }
+        },
         Code::HOMING_IN_DRIVE_FAILED => fixed("the drive did not find its zero"),
         Code::HOMING_IN_DRIVE_TIMEOUT => fixed("the drive did not take up mode 6, homing, within 5 s"),
         Code::HOMING_NOT_IN_DRIVE => format!(

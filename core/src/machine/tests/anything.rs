@@ -1,6 +1,7 @@
 //! Any commands in any order, with faults and slips between them.
 
 mod cell;
+mod limits;
 
 use super::rig::{Rig, at, cases, config, to};
 use crate::axis::{HomingPhase, Modulo};
@@ -17,6 +18,7 @@ use crate::position::Position;
 use crate::trajectory::{Tolerance, Track, Trajectory};
 use crate::vocabulary::{Order, saia, wf};
 use cell::{fixtures, interface, model, output, posdrct, terminals};
+use limits::{limits_are_kept, places};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -80,8 +82,8 @@ fn setting() -> impl Strategy<Value = Action> {
     let share =
         prop_oneof![Just(0.0), Just(100.0), 0.0..100.0_f64].prop_map(|share| ("velocity_override", Value::Real(share)));
     let shape = (0_i64..3).prop_map(|shape| ("profile", Value::Int(shape)));
-    let low = (-60_000_i64..0).prop_map(|low| ("min_position", Value::Int(low)));
-    let high = (1_i64..60_000).prop_map(|high| ("max_position", Value::Int(high)));
+    let low = prop_oneof![-60_000_i64..0, -300_i64..0].prop_map(|low| ("min_position", Value::Int(low)));
+    let high = prop_oneof![1_i64..60_000, 1_i64..300].prop_map(|high| ("max_position", Value::Int(high)));
     let open = prop::sample::select(vec![("min_position", Value::Unset), ("max_position", Value::Unset)]);
     let choices = vec!["homing.required", "endswmod", "homing.in_drive"];
     let choice = (prop::sample::select(choices), 0_i64..2).prop_map(|(key, value)| (key, Value::Int(value)));
@@ -147,7 +149,7 @@ fn vocabulary() -> impl Strategy<Value = Action> {
 }
 
 fn running() -> impl Strategy<Value = Action> {
-    let velocity = prop_oneof![Just(0.0), -100_000.0..100_000.0_f64];
+    let velocity = prop_oneof![Just(0.0), -100_000.0..100_000.0_f64, -2_000.0..2_000.0_f64];
     (axis(), velocity, rate(), rate(), buffer_mode()).prop_map(
         |(axis, velocity, acceleration, deceleration, buffer_mode)| {
             Action::Move(Move { acceleration, deceleration, buffer_mode, ..at(axis, velocity) })
@@ -396,7 +398,7 @@ proptest! {
         rig.give(Action::Enable(AxisSet::first(3)));
         rig.run(80);
         let (mut given, mut goals, mut waiting) = (Vec::new(), Vec::new(), Vec::new());
-        let mut before = motions(&rig);
+        let (mut before, mut stood) = (motions(&rig), places(&rig));
         for (happening, together) in happenings {
             match happening {
                 Happening::Command(action) => waiting.push(action),
@@ -412,7 +414,8 @@ proptest! {
                 }
                 Happening::Stream(axis, velocity) => {
                     rig.stream(axis, velocity);
-                    before = motions(&rig);
+                    limits_are_kept(&rig, stood)?;
+                    (before, stood) = (motions(&rig), places(&rig));
                 }
                 Happening::Input(input, on) => rig.plant.set_digital(input, on),
                 Happening::Switch(drive, mask, on) => rig.plant.drive(drive).unwrap().stick(mask, if on { mask } else { 0 }),
@@ -433,6 +436,10 @@ proptest! {
                         let now = motions(&rig);
                         // A new zero is no motion.
                         let is_homed = rig.events[told..].iter().any(|event| event.kind == Kind::Homed);
+                        if !is_homed {
+                            limits_are_kept(&rig, stood)?;
+                        }
+                        stood = places(&rig);
                         for (name, (now, before)) in AXES.iter().zip(now.iter().zip(&before)) {
                             let (Some(now), Some(before)) = (now, before) else { continue };
                             // 1e6 inc/s^2 in a cycle; where a stop ends, it may end between two increments. One that followed
@@ -462,7 +469,7 @@ proptest! {
                 given.push((number, action.clone()));
             }
             rig.give_all(std::mem::take(&mut waiting));
-            before = motions(&rig);
+            (before, stood) = (motions(&rig), places(&rig));
         }
         rig.run(3_000);
         rig.give(Action::Halt(AxisSet::first(3)));

@@ -1,3 +1,5 @@
+mod coupled;
+
 use super::rig::{LINE, Rig, X, at, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, Move};

@@ -69,8 +69,11 @@ fn reference_5_without_a_method_is_refused() {
     let change = Change { axis: 0, row, value: Value::Int(5) };
     let select = rig.give(Action::SetParameters(Box::new([change])));
     let home = rig.give(Action::HomeAxis(HomeAxis { axis: 0, method: HomingMethod::Configured }));
-    let sentence = "line: the axis is virtual; it has no switches and no index, only methods 35 and 37";
-    assert_eq!([select, home].map(|sequence| rig.refusal(sequence)), [sentence; 2]);
+    let refusals = [select, home].map(|sequence| rig.refusal(sequence));
+    for refusal in refusals {
+        assert!(refusal.starts_with("line: the axis is virtual, without switches and index"), "{refusal}");
+        assert!(refusal.contains("35") && refusal.contains("37"), "{refusal}");
+    }
 }
 
 /// Cam from 5000 to 7000, zero marks at 300 + 2000 n: behind it to the right 8300, to the left 4300.

@@ -1,0 +1,321 @@
+//! What follows something, however slowly, never passes a software limit.
+
+use super::super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
+use crate::code::Code;
+use crate::command::{Action, Disengage, Length, Move, MoveMode, SyncMode, Synchronize};
+use crate::event::Kind;
+use crate::object::{AxisSet, Leader};
+use crate::parameter::{Change, Row, Value};
+use proptest::prelude::*;
+
+/// Where the limits of x are (inc).
+const LOW: i64 = -700;
+const HIGH: i64 = 1_000;
+
+fn cell(cycle_ms: u64, rate: f64, posdrct: i64) -> Rig {
+    braking(cycle_ms, rate, posdrct, None)
+}
+
+fn braking(cycle_ms: u64, rate: f64, posdrct: i64, deceleration: Option<f64>) -> Rig {
+    let mut config = config(0);
+    config.cycle_ns = cycle_ms * 1_000_000;
+    // The line jumps.
+    config.axes[usize::from(LINE)].parameters.max_acceleration = 1e9;
+    let p = &mut config.axes[usize::from(X)].parameters;
+    (p.min_position, p.max_position) = (Some(LOW), Some(HIGH));
+    (p.max_acceleration, p.max_jerk, p.macs.posdrct) = (rate, Some(rate * 20.0), posdrct);
+    p.max_deceleration = deceleration;
+    p.encoder.mencodertype = 6;
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig
+}
+
+fn place(rig: &Rig) -> f64 {
+    rig.int("x.command.position") as f64 + rig.real("x.command.fraction")
+}
+
+fn set(rig: &mut Rig, axis: u16, key: &str, value: Value) -> u64 {
+    rig.give(Action::SetParameters([Change { axis, row: Row::find(key).unwrap().0, value }].into()))
+}
+
+fn go_to(rig: &mut Rig, position: i64) {
+    rig.give(Action::Move(to(X, position)));
+    rig.run_until("x.state", 1);
+}
+
+fn errors(rig: &Rig) -> Vec<Code> {
+    let found = rig.events.iter().filter(|event| event.kind == Kind::Error);
+    found.map(|event| event.code).collect()
+}
+
+/// At 1 inc in each cycle, of which it may change 1 a cycle, the 1000th inc is the last one: the 1001st is an error.
+///
+/// Proves: MACS-LIM-04
+#[test]
+fn a_coupling_of_an_increment_a_cycle_ends_on_the_limit() {
+    for (way, limit, code) in [(1, HIGH, Code::SOFTWARE_LIMIT_POSITIVE), (-1, -LOW, Code::SOFTWARE_LIMIT_NEGATIVE)] {
+        for posdrct in [1, -1] {
+            let mut rig = cell(1, 1e6, posdrct);
+            rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 1)));
+            rig.run(2);
+            for _ in 0..limit {
+                rig.plant.jump_encoder(0, way);
+                rig.run(1);
+                assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+            }
+            assert_eq!((place(&rig), errors(&rig)), ((way * limit) as f64, vec![]));
+            rig.plant.jump_encoder(0, way);
+            rig.run(1);
+            assert_eq!((rig.state("x"), place(&rig)), ("ERROR_STOP", (way * limit) as f64));
+            rig.run(100);
+            assert_eq!((errors(&rig), place(&rig)), (vec![code], (way * limit) as f64));
+            assert_eq!(rig.real("x.command.velocity"), 0.0);
+        }
+    }
+}
+
+/// What stands at its limit stays there when its leader leads on, however fast, and follows it away.
+///
+/// Proves: MACS-LIM-04, MACS-LIM-05
+#[test]
+fn from_its_limit_an_axis_is_led_away_and_nowhere_else() {
+    for speed in [1e-3, 100.0, 1_000.0, 90_000.0] {
+        let mut rig = cell(1, 2e6, 1);
+        go_to(&mut rig, HIGH);
+        rig.give(Action::Move(at(LINE, speed)));
+        rig.run(200);
+        rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
+        rig.run(1);
+        assert_eq!((rig.state("x"), place(&rig)), ("ERROR_STOP", HIGH as f64), "at {speed} inc/s");
+        assert_eq!(errors(&rig), [Code::SOFTWARE_LIMIT_POSITIVE]);
+        rig.give(Action::Move(at(LINE, -speed)));
+        rig.run(200);
+        rig.give(Action::ResetErrors(AxisSet::one(X)));
+        rig.run(1);
+        rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
+        rig.run(5);
+        assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+        assert!(place(&rig) < HIGH as f64);
+    }
+}
+
+/// Each is done in one cycle: 3 inc of a limit that is 1 away.
+///
+/// Proves: MACS-LIM-04
+#[test]
+fn a_superimposed_way_of_one_cycle_ends_at_the_limit() {
+    let mut rig = cell(20, 1e6, 1);
+    go_to(&mut rig, HIGH - 1);
+    rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
+    rig.run(5);
+    rig.give(Action::Move(Move { mode: MoveMode::Superimposed, ..to(X, 3) }));
+    rig.run(20);
+    assert_eq!((rig.state("x"), errors(&rig)), ("ERROR_STOP", vec![Code::SOFTWARE_LIMIT_POSITIVE]));
+    assert!(((HIGH - 1) as f64..=HIGH as f64).contains(&place(&rig)), "{}", place(&rig));
+}
+
+/// At 0.001 inc/s the 30 inc to the limit would take more than eight hours.
+#[test]
+fn what_hardly_moves_before_it_would_pass_the_limit_does_not_creep_there() {
+    let mut rig = cell(20, 1e6, 1);
+    go_to(&mut rig, HIGH - 30);
+    rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
+    rig.give(Action::Move(at(LINE, 1e-3)));
+    rig.run(5);
+    rig.give(Action::Move(Move { mode: MoveMode::Superimposed, ..to(X, 45) }));
+    rig.run(5);
+    assert_eq!((errors(&rig), rig.real("x.command.velocity")), (vec![Code::SOFTWARE_LIMIT_POSITIVE], 0.0));
+    assert!((place(&rig) - (HIGH - 30) as f64).abs() < 0.1, "{}", place(&rig));
+}
+
+/// A halt of what came to the limit as slowly as a cycle may stop keeps it there.
+///
+/// Proves: MACS-LIM-04
+#[test]
+fn a_halt_on_the_limit_stands_there() {
+    let mut rig = cell(1, 2e6, 1);
+    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 1)));
+    rig.run(2);
+    for _ in 1..HIGH / 2 {
+        rig.plant.jump_encoder(0, 2);
+        rig.run(1);
+    }
+    assert_eq!((place(&rig), rig.real("x.command.velocity")), ((HIGH - 2) as f64, 2_000.0));
+    rig.plant.jump_encoder(0, 2);
+    rig.give(Action::Halt(AxisSet::one(X)));
+    rig.run(20);
+    assert_eq!((rig.state("x"), place(&rig), errors(&rig)), ("STANDSTILL", HIGH as f64, vec![]));
+}
+
+/// A thousandth of an increment in a cycle.
+///
+/// Proves: MACS-LIM-04
+#[test]
+fn a_velocity_of_an_increment_in_many_cycles_ends_at_the_limit() {
+    for (start, velocity, limit) in [(HIGH - 1, 1.3, HIGH), (LOW + 1, -1.3, LOW)] {
+        let mut rig = cell(1, 2e6, 1);
+        go_to(&mut rig, start);
+        let goal = rig.give(Action::Move(at(X, velocity)));
+        for _ in 0..2_000 {
+            rig.run(1);
+            assert!((LOW as f64..=HIGH as f64).contains(&place(&rig)), "{}", place(&rig));
+        }
+        assert_eq!((rig.state("x"), place(&rig), rig.done(goal).len()), ("ERROR_STOP", limit as f64, 1));
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Happening {
+    Couple {
+        leader: usize,
+        velocity_only: bool,
+        keeps: bool,
+        ratio: (i64, i64),
+        offset: i64,
+    },
+    /// The line, the simulated master of x, or x itself at a velocity.
+    Line(f64),
+    Simulated(f64),
+    Velocity(f64),
+    Stream(f64, u64),
+    Position(i64),
+    Add(i64),
+    Override(f64),
+    /// Counts of the belt in each of so many cycles.
+    Belt(i64, u64),
+    Cancel,
+    Halt,
+    Reset,
+    Run(u64),
+}
+
+fn speed() -> impl Strategy<Value = f64> {
+    let size = prop_oneof![1e-3..5.0_f64, 5.0..3_000.0_f64, Just(1_000.0), Just(2_000.0), 3_000.0..100_000.0_f64];
+    (size, any::<bool>()).prop_map(|(size, down)| if down { -size } else { size })
+}
+
+fn happening() -> impl Strategy<Value = Happening> {
+    use Happening::*;
+    let couple = (0_usize..4, any::<bool>(), any::<bool>(), (-5_i64..6, 1_i64..4), -20_i64..20);
+    let couple = couple.prop_map(|(leader, velocity_only, keeps, ratio, offset)| Couple {
+        leader,
+        velocity_only,
+        keeps,
+        ratio: if ratio.0 == 0 { (1, 1) } else { ratio },
+        offset,
+    });
+    prop_oneof![
+        6 => couple,
+        4 => speed().prop_map(Line),
+        2 => speed().prop_map(Simulated),
+        1 => speed().prop_map(Velocity),
+        1 => (speed(), 1_u64..50).prop_map(|(speed, cycles)| Stream(speed, cycles)),
+        2 => prop_oneof![Just(LOW), Just(HIGH), Just(LOW + 1), Just(HIGH - 1), LOW..=HIGH].prop_map(Position),
+        3 => (-30_i64..30).prop_map(Add),
+        1 => prop_oneof![Just(0.0), Just(100.0), 0.0..100.0_f64].prop_map(Override),
+        2 => (-4_i64..5, 1_u64..60).prop_map(|(by, cycles)| Belt(by, cycles)),
+        1 => Just(Cancel),
+        1 => Just(Halt),
+        4 => Just(Reset),
+        6 => (1_u64..300).prop_map(Run),
+    ]
+}
+
+fn is_kept(rig: &Rig) -> Result<(), TestCaseError> {
+    let here = place(rig);
+    prop_assert!((LOW as f64..=HIGH as f64).contains(&here), "x is at {} as {}", here, rig.state("x"));
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(150))]
+
+    /// Any leader, as slow or fast as it likes, engaged anywhere, with whatever is added to it.
+    ///
+    /// Proves: MACS-LIM-02, MACS-LIM-04
+    #[test]
+    fn nothing_that_follows_ever_passes_a_limit(
+        cycle_ms in prop::sample::select(vec![1_u64, 2, 4, 20]),
+        rate in 1e5..5e6_f64,
+        deceleration in prop::option::of(0.1..3.0_f64),
+        posdrct in prop::sample::select(vec![1_i64, -1]),
+        profile in 0_i64..3,
+        happenings in prop::collection::vec(happening(), 1..40),
+    ) {
+        let mut rig = braking(cycle_ms, rate, posdrct, deceleration.map(|share| rate * share));
+        set(&mut rig, X, "profile", Value::Int(profile));
+        let mut goal = 0;
+        for happening in happenings {
+            match happening {
+                Happening::Couple { leader, velocity_only, keeps, ratio, offset } => {
+                    let leader = [
+                        Leader::AxisCommand(LINE), Leader::AxisActual(Y), Leader::Encoder(0), Leader::Simulated(X),
+                    ][leader];
+                    goal = rig.give(Action::Synchronize(Synchronize {
+                        mode: if velocity_only { SyncMode::Velocity } else { SyncMode::Position },
+                        disengage: if keeps { Disengage::KeepVelocity } else { Disengage::Stop },
+                        offset: Length::whole(offset),
+                        ..couple(X, leader, ratio.0, ratio.1)
+                    }));
+                }
+                Happening::Line(velocity) => {
+                    rig.give_all(vec![Action::Move(at(LINE, velocity)), Action::Move(at(Y, velocity))]);
+                }
+                Happening::Simulated(velocity) => {
+                    set(&mut rig, X, "master_simulation_velocity", Value::Real(velocity));
+                }
+                Happening::Velocity(velocity) => goal = rig.give(Action::Move(at(X, velocity))),
+                Happening::Stream(velocity, cycles) => {
+                    for _ in 0..cycles {
+                        rig.stream(X, velocity);
+                        is_kept(&rig)?;
+                    }
+                }
+                Happening::Position(position) => goal = rig.give(Action::Move(to(X, position))),
+                Happening::Add(way) => {
+                    rig.give(Action::Move(Move { mode: MoveMode::Superimposed, ..to(X, way) }));
+                }
+                Happening::Override(share) => {
+                    set(&mut rig, X, "velocity_override", Value::Real(share));
+                }
+                Happening::Belt(by, cycles) => {
+                    for _ in 0..cycles {
+                        rig.plant.jump_encoder(0, by);
+                        rig.run(1);
+                        is_kept(&rig)?;
+                    }
+                }
+                Happening::Cancel => {
+                    rig.give(Action::Cancel { goal });
+                }
+                Happening::Halt => {
+                    rig.give(Action::Halt(AxisSet::one(X)));
+                }
+                Happening::Reset => {
+                    rig.give(Action::ResetErrors(AxisSet::one(X)));
+                }
+                Happening::Run(cycles) => {
+                    for _ in 0..cycles {
+                        rig.run(1);
+                        is_kept(&rig)?;
+                    }
+                }
+            }
+            is_kept(&rig)?;
+        }
+        let limits = [Code::SOFTWARE_LIMIT_POSITIVE, Code::SOFTWARE_LIMIT_NEGATIVE];
+        for code in errors(&rig) {
+            prop_assert!(limits.contains(&code), "error {:?}", code);
+        }
+        // What stands there, or is stopped there, comes back.
+        rig.give(Action::Halt(AxisSet::first(3)));
+        rig.run(2_000);
+        rig.give(Action::ResetErrors(AxisSet::first(3)));
+        rig.run(2);
+        set(&mut rig, X, "velocity_override", Value::Real(100.0));
+        let back = rig.give(Action::Move(to(X, 0)));
+        rig.run(3_000);
+        prop_assert_eq!((rig.done(back).len(), place(&rig)), (1, 0.0), "{} {:?}", rig.state("x"), rig.events.last());
+    }
+}
