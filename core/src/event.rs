@@ -249,6 +249,14 @@ impl EventQueue {
         }
     }
 
+    /// The last event of this cycle gives way to another one, if it is `outdated`; else that comes behind it.
+    pub fn push_over(&mut self, event: Event, outdated: impl Fn(&Event) -> bool) {
+        match self.events.last_mut().filter(|last| outdated(last)) {
+            Some(last) => *last = Event { sequence: last.sequence, cycle: last.cycle, ..event },
+            None => self.push(event),
+        }
+    }
+
     /// The number of the next event.
     pub fn next(&self) -> u64 {
         self.next

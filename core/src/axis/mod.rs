@@ -353,7 +353,10 @@ impl Axis {
             Action::Disable(axes) if axes.contains(self.setup.index) => return self.disable(cx, sequence),
             Action::Halt(axes) if axes.contains(self.setup.index) => return self.halt(cx, sequence),
             Action::Deactivate => return self.begin_disable(cx),
-            Action::Abort => return self.abort(cx, sequence),
+            Action::Abort => {
+                self.stop_simulated_master(cx);
+                return self.abort(cx, sequence);
+            }
             Action::QuickStop(axes) if axes.contains(self.setup.index) => return self.quick_stop(cx, sequence),
             Action::ResetErrors(axes) if axes.contains(self.setup.index) => return self.reset(cx, sequence),
             Action::Move(request) if request.axis == self.setup.index => self.start_move(cx, sequence, request),
@@ -466,13 +469,16 @@ impl Axis {
         self.setup.cycle_ns as f64 / 1e9
     }
 
-    /// Changes the state and tells it.
+    /// Changes the state and tells it. What a stop that locks the axis has just gone through was no state of its own.
     fn set_state(&mut self, cx: &mut Context<'_>, state: AxisState) {
         if self.state != state {
             self.state = state;
-            let event = Event::new(Severity::Info, Kind::State, self.object(), Code::NONE);
-            let position = self.command.position;
-            cx.events.push(Event { position, ..event.with(Number::Count(state as i64), Number::None) });
+            let object = self.object();
+            let event = Event::new(Severity::Info, Kind::State, object, Code::NONE);
+            let event = event.with(Number::Count(state as i64), Number::None);
+            let locks = matches!(state, AxisState::Stopping | AxisState::ErrorStop);
+            let is_outdated = |last: &Event| locks && last.kind == Kind::State && last.source == object;
+            cx.events.push_over(Event { position: self.command.position, ..event }, is_outdated);
         }
     }
 

@@ -136,10 +136,15 @@ impl AxisParameters {
         self.homing.offset = if self.macs.posdrct < 0 { offset.saturating_neg() } else { offset };
     }
 
-    /// Was something changed that a zero found before does not outlive: encoder, sense of rotation, homing?
+    /// Was something changed that a zero found before does not outlive: encoder, its type, sense of rotation, homing? A soft
+    /// change of the type keeps the position, and so the zero (MACS-ENC-11).
     pub fn loses_zero_to(&self, new: &Self) -> bool {
         let homing = Homing { told_done: new.homing.told_done, ..self.homing };
-        homing != new.homing || self.macs.encoder != new.macs.encoder || self.macs.posdrct != new.macs.posdrct
+        let changes_type = self.encoder.encodertype != new.encoder.encodertype && new.encoder.enccontrol & 1 == 0;
+        homing != new.homing
+            || self.macs.encoder != new.macs.encoder
+            || self.macs.posdrct != new.macs.posdrct
+            || changes_type
     }
 }
 

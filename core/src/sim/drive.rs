@@ -68,6 +68,8 @@ pub struct SimDrive {
     origin: i64,
     /// Place of the last cycle.
     place: i64,
+    /// Place of the cycle before.
+    place_before: i64,
     /// Homing of its own.
     homing: InDrive,
     /// The index gives no pulses any more.
@@ -118,6 +120,7 @@ impl SimDrive {
             fixtures: Fixtures::default(),
             origin: 0,
             place: 0,
+            place_before: 0,
             homing: InDrive::default(),
             index_lost: false,
             stuck: (0, 0),
@@ -160,7 +163,7 @@ impl SimDrive {
     /// Puts switches and an index along its way, and the axis to its start: its counts are 0 there.
     pub fn fit(&mut self, fixtures: Fixtures) {
         self.origin = fixtures.start.wrapping_sub(self.count);
-        self.place = fixtures.start;
+        (self.place, self.place_before) = (fixtures.start, fixtures.start);
         self.fixtures = fixtures;
     }
 
@@ -204,6 +207,23 @@ impl SimDrive {
         self.fixtures.inputs(self.place) & !mask | value
     }
 
+    /// What a switch, a bit of those inputs, has done on the way of this cycle, in its order: how long ago (ns), and whether it is
+    /// actuated since then.
+    pub(super) fn switched(&self, switch: u32) -> [Option<(u32, bool)>; 2] {
+        if self.stuck.0 & switch != 0 {
+            return [None; 2];
+        }
+        // Places beyond all machines are none that a switch stands at.
+        let way = self.place.saturating_sub(self.place_before) as f64;
+        let newest = self.cycle_ns.saturating_sub(1).min(u64::from(u32::MAX)) as u32;
+        self.fixtures.edges_passed(switch, self.place_before, self.place).map(|edge| {
+            let (place, is_on) = edge?;
+            let share = self.place.saturating_sub(place) as f64 / way;
+            // The cast saturates; an age is below a cycle.
+            Some((((share * self.cycle_ns as f64).round() as u32).min(newest), is_on))
+        })
+    }
+
     /// Puts the drive into fault with a code of object 603Fh.
     pub fn inject_fault(&mut self, code: u16) {
         self.fault = code;
@@ -237,6 +257,7 @@ impl SimDrive {
             state.shift(jump);
         }
         let before = std::mem::replace(&mut self.place, self.count.wrapping_add(self.origin));
+        self.place_before = before;
         let passed = self.fixtures.index_passed(before, self.place).filter(|_| !self.index_lost);
         DriveInput {
             count: self.word.tell(self.count),

@@ -33,10 +33,31 @@ pub struct Fixtures {
 impl Fixtures {
     /// The digital inputs of the drive (60FDh) at a place.
     pub(super) fn inputs(&self, place: i64) -> u32 {
-        let bit = |on: bool, bit: u32| if on { bit } else { 0 };
-        bit(self.negative.is_some_and(|end| place <= end), inputs::NEGATIVE_LIMIT)
-            | bit(self.positive.is_some_and(|end| place >= end), inputs::POSITIVE_LIMIT)
-            | bit(self.home.is_some_and(|(from, to)| (from..=to).contains(&place)), inputs::HOME)
+        let bit = |bit: u32| match self.range(bit) {
+            Some((from, to)) if (from..=to).contains(&place) => bit,
+            _ => 0,
+        };
+        bit(inputs::NEGATIVE_LIMIT) | bit(inputs::POSITIVE_LIMIT) | bit(inputs::HOME)
+    }
+
+    /// From where to where a switch, a bit of those inputs, is actuated, both included.
+    fn range(&self, switch: u32) -> Option<(i64, i64)> {
+        match switch {
+            inputs::NEGATIVE_LIMIT => self.negative.map(|end| (i64::MIN, end)),
+            inputs::POSITIVE_LIMIT => self.positive.map(|end| (end, i64::MAX)),
+            inputs::HOME => self.home,
+            _ => None,
+        }
+    }
+
+    /// The edges of a switch on the way from one place to another, in their order: the outermost place at which it is actuated,
+    /// and whether it is so from there on.
+    pub(super) fn edges_passed(&self, switch: u32, from: i64, to: i64) -> [Option<(i64, bool)>; 2] {
+        let Some((low, high)) = self.range(switch).filter(|(low, high)| low <= high) else { return [None; 2] };
+        let (near, far) = if to > from { (low, high) } else { (high, low) };
+        let enters = if to > from { from < near && near <= to } else { from > near && near >= to };
+        let leaves = if to > from { from <= far && far < to } else { from >= far && far > to };
+        [enters.then_some((near, true)), leaves.then_some((far, false))]
     }
 
     /// The last index pulse on the way from one place, which is left out, to another, which belongs to it.
@@ -63,6 +84,28 @@ mod tests {
         let passed = [(0, 29), (0, 30), (30, 31), (31, 30), (30, 29), (0, 230), (130, -70), (29, 31), (31, 29), (5, 5)];
         let expected = [None, Some(30), None, Some(30), None, Some(230), Some(-70), Some(30), Some(30), None];
         assert_eq!(passed.map(|(from, to)| fixtures.index_passed(from, to)), expected);
+    }
+
+    #[test]
+    fn an_edge_lies_at_the_outermost_place_that_is_actuated() {
+        let fixtures = Fixtures { home: Some((10, 20)), negative: Some(-5), positive: Some(50), ..Fixtures::default() };
+        let (on, off) = (|place| Some((place, true)), |place| Some((place, false)));
+        for (switch, from, to, expected) in [
+            (inputs::HOME, 9, 10, [on(10), None]),
+            (inputs::HOME, 10, 20, [None, None]),
+            (inputs::HOME, 20, 21, [None, off(20)]),
+            (inputs::HOME, 0, 30, [on(10), off(20)]),
+            (inputs::HOME, 30, 0, [on(20), off(10)]),
+            (inputs::HOME, 15, 9, [None, off(10)]),
+            (inputs::HOME, 15, 15, [None, None]),
+            (inputs::NEGATIVE_LIMIT, -9, -2, [None, off(-5)]),
+            (inputs::NEGATIVE_LIMIT, -2, -9, [on(-5), None]),
+            (inputs::POSITIVE_LIMIT, 40, 60, [on(50), None]),
+            (inputs::POSITIVE_LIMIT, 60, 40, [None, off(50)]),
+        ] {
+            assert_eq!(fixtures.edges_passed(switch, from, to), expected, "{switch}: {from} to {to}");
+        }
+        assert_eq!(Fixtures::default().edges_passed(inputs::HOME, 0, 30), [None; 2]);
     }
 
     #[test]

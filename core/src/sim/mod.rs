@@ -23,7 +23,8 @@ pub use second_order::{ModelError, SecondOrder};
 
 use crate::axis::Source;
 use crate::config::{AxisConfig, IoKind, MachineConfig};
-use crate::drive::{Backend, Capabilities, Inputs, Interface, Latch, MAX_LATCHES, Outputs, set_bit};
+use crate::drive::{Backend, Capabilities, Edge, Inputs, Interface, Latch, MAX_LATCHES, Outputs, set_bit};
+use crate::object::Object;
 use encoder::SimEncoder;
 
 /// How a simulated drive follows its setpoint.
@@ -76,6 +77,8 @@ pub struct Plant {
     latches: Vec<Latch>,
     /// Switches that are wired to digital inputs, and whose drive they belong to.
     wires: Vec<(usize, Wire)>,
+    /// By place among the digital inputs: the entry of `io` that latches, if it does.
+    latching: Vec<Option<u16>>,
 }
 
 impl Plant {
@@ -89,6 +92,8 @@ impl Plant {
             let reads = |axis: &&AxisConfig| matches!(source(axis), Some(Source::Encoder(place)) if usize::from(place) == encoder);
             drives.iter().position(reads)
         };
+        let inputs = config.io.iter().enumerate().filter(|(_, io)| io.kind == IoKind::DigitalInput);
+        let latching = inputs.map(|(entry, io)| u16::try_from(entry).ok().filter(|_| io.latch)).collect();
         let encoders = config.encoders.iter().enumerate();
         let encoders = encoders.map(|(place, encoder)| SimEncoder::new(encoder, turned_by(place))).collect();
         let drives = drives
@@ -109,6 +114,7 @@ impl Plant {
             analog: vec![0.0; config.count_io(IoKind::AnalogInput)],
             latches: Vec::with_capacity(MAX_LATCHES),
             wires: Vec::new(),
+            latching,
         }
     }
 
@@ -211,10 +217,19 @@ impl Backend for Plant {
                 *input = drive.read();
             }
         }
+        inputs.latch.clear();
+        inputs.latches_lost = 0;
         for place in 0..self.wires.len() {
             let (drive, wire) = self.wires[place];
-            let actuated = self.drives.get(drive).and_then(Option::as_ref).map_or(0, SimDrive::actuated);
-            self.put_digital(wire.input, wire.level(actuated));
+            let drive = self.drives.get(drive).and_then(Option::as_ref);
+            let actuated = drive.map_or(0, SimDrive::actuated);
+            set_bit(&mut self.digital, wire.input, wire.level(actuated));
+            let (Some(drive), Some(Some(entry))) = (drive, self.latching.get(wire.input)) else { continue };
+            for (age, is_on) in drive.switched(wire.switch).into_iter().flatten() {
+                let edge = if is_on != wire.normally_closed { Edge::Rising } else { Edge::Falling };
+                let latch = Latch { object: Object::Io(*entry), edge, age_ns: Some(age), position: None };
+                inputs.add_latch(latch);
+            }
         }
         for (input, encoder) in inputs.encoder.iter_mut().zip(&mut self.encoders) {
             let drive = encoder.drive().and_then(|place| self.drives.get(place)).and_then(Option::as_ref);
@@ -225,8 +240,6 @@ impl Backend for Plant {
         }
         inputs.digital.copy_from_slice(&self.digital);
         inputs.analog.copy_from_slice(&self.analog);
-        inputs.latch.clear();
-        inputs.latches_lost = 0;
         for latch in self.latches.drain(..) {
             inputs.add_latch(latch);
         }

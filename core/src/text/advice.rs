@@ -247,7 +247,11 @@ const TABLE: &[Line] = &[
         "posdrct would invert the velocity loop alone, which does not exist yet.",
         "Use a value that inverts both.",
     ),
-    (Code::NO_REVERSING_OUTPUTS, "revers asks for outputs or a node, which do not exist yet.", "Use revers 0 to 2."),
+    (
+        Code::NO_REVERSING_OUTPUTS,
+        "revers names a node on a bus, which does not exist yet.",
+        "Use revers below 100: a rule, and outputs where the interface is velocity or open_loop.",
+    ),
     (
         Code::TRAJECTORY_PATH_TOLERANCE,
         "An axis left the path of its trajectory by more than its tolerance.",
@@ -306,7 +310,11 @@ const TABLE: &[Line] = &[
         "Homing ran onto a limit switch that its method has no use for.",
         "Check the reference switch, choose a method that turns round at the limit switches, then reset_errors and home again.",
     ),
-    (Code::HOMING_NEEDS_DRIVE, "Homing of a virtual axis was asked for, which has no switches.", "Use set_position."),
+    (
+        Code::HOMING_NEEDS_DRIVE,
+        "Homing of a virtual axis was asked for, which has no switches, by another method than 35 and 37.",
+        "Use set_position.",
+    ),
     (
         Code::HOMING_IN_DRIVE_FAILED,
         "The drive homes by itself and told that it failed.",

@@ -15,11 +15,13 @@ use crate::document::{Allowed, Map, Value};
 use lineshaft_core::axis::{Modulo, may_read, may_tell_sign};
 use lineshaft_core::config::{AxisConfig, IoConfig};
 use lineshaft_core::drive::Interface;
+use lineshaft_core::encoder::source::Master;
 use lineshaft_core::object::MAX_AXES;
 use lineshaft_core::sim::{Mechanics, Model};
 use lineshaft_core::text::not_built_here;
 use lineshaft_core::unit::{Dimension, ScaleKind};
 use lineshaft_core::vocabulary::wf::Wiring;
+use std::cmp::Ordering;
 
 /// For the ranges of a model while the cycle has a problem.
 const SOME_CYCLE_NS: u64 = 1_000_000;
@@ -153,6 +155,7 @@ fn axis<'d>(
     let config = AxisConfig::new(name.to_owned(), travel.scale?, drive, parameters);
     let config = AxisConfig { modulo, interface, open_loop, brake: brake?, amc: wiring?, wired: wired?, ..config };
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
+    check_master(&config, place, &given, cx);
     amc::check(&config, &given, cx.cycle_ns);
     Some((config, simulated, hardware))
 }
@@ -184,6 +187,33 @@ fn check_source(axis: &AxisConfig, feedback: &Value<'_>, given: &parameters::Giv
         }
     }
 }
+
+/// Refuses a `mencodertype` that names what the cell has not, or the axis itself.
+fn check_master(axis: &AxisConfig, place: usize, given: &parameters::Given<'_>, cx: &Context<'_>) {
+    let Some((key, value)) = given.iter().find(|(key, _)| *key == "mencodertype") else { return };
+    let (axes, encoders) = (cx.names.section(Section::Axes).len(), cx.names.section(Section::Encoders).len());
+    let (number, own) = (axis.parameters.encoder.mencodertype, place + 1);
+    let wrong = match Master::decode(number) {
+        Some(Master::Axis(named)) if usize::from(named) == own => "is the axis itself".to_owned(),
+        Some(Master::Axis(named)) if usize::from(named) > axes => format!("is axis {named}, and the cell has {axes}"),
+        Some(Master::Terminal(named)) if usize::from(named) > encoders => {
+            format!("is entry {named} of encoders, and the cell has {encoders}")
+        }
+        _ => return,
+    };
+    let range = |from: usize, to: usize| match from.cmp(&to) {
+        Ordering::Less => Some(format!("-{from} to -{to}")),
+        Ordering::Equal => Some(format!("-{from}")),
+        Ordering::Greater => None,
+    };
+    let others = [range(1, place), range(own + 1, axes)].into_iter().flatten();
+    let terminals = (1..=encoders.min(TERMINALS)).map(|terminal| format!("{terminal}0"));
+    let allowed: Vec<_> = ["0, 1, 2, 5, 6".to_owned()].into_iter().chain(others).chain(terminals).collect();
+    value.refuse(format!("{key} {number} {wrong}; {} are allowed", allowed.join(", ")), None);
+}
+
+/// Encoders that MENCODERTYPE has numbers for.
+const TERMINALS: usize = 3;
 
 fn interface_of(drive: Option<Drive>) -> Option<Interface> {
     match drive {

@@ -4,7 +4,6 @@ use super::{CheckArgs, Exit, say};
 use crate::cell::Cell;
 use crate::scenario::Scenario;
 use lineshaft_core::config::AxisConfig;
-use lineshaft_core::encoder::source::Master;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
     let cell = match Cell::load(&args.cell) {
@@ -50,7 +49,6 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
         )
     }));
     warnings.extend(one_edge_for_two(cell));
-    warnings.extend(cell.machine.axes.iter().filter_map(|axis| no_master(axis, cell)));
     warnings.extend(crossed_switches(cell));
     warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));
     warnings
@@ -84,23 +82,6 @@ fn one_edge_for_two(cell: &Cell) -> Option<String> {
              {} is its other edge",
             number.unsigned_abs(),
             number.saturating_neg()
-        )
-    })
-}
-
-/// `mencodertype` that names what the cell has not.
-fn no_master(axis: &AxisConfig, cell: &Cell) -> Option<String> {
-    let number = axis.parameters.encoder.mencodertype;
-    let (what, count, place) = match Master::decode(number)? {
-        Master::Axis(place) => ("axis", cell.machine.axes.len(), usize::from(place)),
-        Master::Terminal(place) => ("encoder", cell.machine.encoders.len(), usize::from(place)),
-        _ => return None,
-    };
-    (place > count).then(|| {
-        format!(
-            "{}: mencodertype {number} is {what} {place}, and the cell has {count}; \
-             synchronize without a master will be refused",
-            axis.name
         )
     })
 }
@@ -180,17 +161,6 @@ mod tests {
             assert!(told.iter().all(|told| told.starts_with(&begin)), "{told:?}");
         }
         assert_eq!(warned(&format!("{MM}, error_reaction: 0")), [""; 0]);
-    }
-
-    #[test]
-    fn a_master_that_the_cell_has_not_is_warned_of() {
-        let warned = |number: i64| warned(&format!("{MM}, mencodertype: {number}"));
-        for number in [0, 5, 6, -1] {
-            assert_eq!(warned(number), [""; 0], "{number}");
-        }
-        let refused = "synchronize without a master will be refused";
-        assert_eq!(warned(-9), [format!("x: mencodertype -9 is axis 9, and the cell has 1; {refused}")]);
-        assert_eq!(warned(20), [format!("x: mencodertype 20 is encoder 2, and the cell has 0; {refused}")]);
     }
 
     #[test]

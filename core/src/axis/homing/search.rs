@@ -105,15 +105,18 @@ impl Axis {
         // While it still turns round, what it passes belongs to the leg before.
         let goes = self.command.velocity * f64::from(way) > 0.0;
         let change = along(self.actual.change, way);
+        // Not so an edge that its encoder passes the way of this leg: an axis that stands beside one trembles across it, and
+        // another one would not come.
+        let passes = change > Position::ZERO || goes && change == Position::ZERO;
         let is_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         let was_on = std::mem::replace(&mut search.was_on, is_on);
         run.stage = Stage::Search(search);
         self.homing.run = Some(run);
-        if goes && change >= Position::ZERO {
+        if passes {
             match leg.until {
                 Until::On(switch) if !was_on && is_on => return self.pass_edge(cx, switch, true),
                 Until::Off(switch) if was_on && !is_on => return self.pass_edge(cx, switch, false),
-                Until::Index => {
+                Until::Index if goes => {
                     if let Some(place) = self.index_ahead(&search, way) {
                         return self.find(cx, place);
                     }

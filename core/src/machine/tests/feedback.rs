@@ -308,6 +308,29 @@ fn a_soft_change_of_the_source_keeps_the_position() {
     }
 }
 
+/// Another type cancels homing, also of the same source; a soft change keeps the position, and so its zero.
+///
+/// Proves: MACS-HOME-09, MACS-ENC-11
+#[test]
+fn another_type_of_encoder_cancels_homing() {
+    for (control, homed) in [(0, 0), (1, 1)] {
+        let mut config = velocity_config();
+        config.axes[1].parameters.encoder.enccontrol = control;
+        let mut rig = Rig::of(config);
+        rig.enable();
+        let method = crate::command::HomingMethod::Cia402(37);
+        rig.give(Action::HomeAxis(crate::command::HomeAxis { axis: X, method }));
+        rig.run(3);
+        assert_eq!(rig.int("x.homed"), 1);
+        off(&mut rig, X);
+        set(&mut rig, &[("encodertype", 5)]);
+        rig.run(2);
+        assert_eq!(rig.int("x.homed"), homed, "enccontrol {control}");
+        let warned = rig.events.iter().filter(|event| event.code == Code::HOMING_LOST).count();
+        assert_eq!(warned as i64, 1 - homed, "enccontrol {control}");
+    }
+}
+
 /// The command is the position, whatever the drive does; off, it is where the drive stands.
 ///
 /// Proves: MACS-ENC-13

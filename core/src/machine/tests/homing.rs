@@ -1,6 +1,7 @@
 //! Homing on a way with switches and an index.
 
 mod conditions;
+mod edges;
 mod ends;
 mod in_drive;
 mod index;

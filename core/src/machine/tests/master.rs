@@ -104,6 +104,32 @@ fn it_changes_while_the_axis_is_disabled_and_only_to_what_there_is() {
 /// Proves: MACS-ENC-14, MACS-ENC-16
 #[test]
 fn the_simulated_master_runs_with_its_velocity_until_an_abort() {
+    let by_input = |rig: &mut Rig| rig.plant.set_digital(0, true);
+    stops_by(Code::INTERRUPTED, by_input);
+}
+
+/// The abort of the program stops it, too; a quick stop is none.
+///
+/// Proves: MACS-ENC-16, MACS-ERR-09
+#[test]
+fn an_abort_stops_the_simulated_master_and_a_quick_stop_does_not() {
+    stops_by(Code::ABORTED, |rig| {
+        rig.give(Action::Abort);
+    });
+    let mut rig = rig(6);
+    set(&mut rig, X, &[("master_simulation_velocity", Value::Real(1_000.0))]);
+    rig.give(Action::QuickStop(AxisSet::first(3)));
+    rig.run(10);
+    assert_eq!((rig.state("x"), rig.real("x.master.velocity")), ("STOPPING", 1_000.0));
+    // Who is off is told, too.
+    rig.give(Action::Disable(AxisSet::first(3)));
+    rig.run(100);
+    rig.give(Action::Abort);
+    rig.run(2);
+    assert_eq!((rig.int("x.enabled"), rig.real("x.master.velocity")), (0, 0.0));
+}
+
+fn stops_by(code: Code, abort: impl Fn(&mut Rig)) {
     let mut rig = rig(6);
     let velocity = |value| [("master_simulation_velocity", Value::Real(value))];
     let accepted = set(&mut rig, X, &velocity(-2_500.0));
@@ -120,12 +146,12 @@ fn the_simulated_master_runs_with_its_velocity_until_an_abort() {
     let position = rig.real("x.master.position");
     assert_eq!((rig.int("x.in_sync"), rig.int("x.command.position") as f64), (1, 2.0 * (position + 250.0)));
     assert_eq!(rig.int("x.sync.error"), 0);
-    rig.plant.set_digital(0, true);
+    abort(&mut rig);
     rig.run(2);
     let position = rig.real("x.master.position");
     rig.run(500);
     assert_eq!((rig.real("x.master.velocity"), rig.real("x.master.position")), (0.0, position));
-    assert_eq!(rig.done(sequence)[0].code, Code::INTERRUPTED);
+    assert_eq!(rig.done(sequence)[0].code, code);
     assert_eq!(rig.machine.parameters(X).unwrap().encoder.master_velocity, 0.0);
     assert_eq!(rig.machine.parameters(Y).unwrap().encoder.master_velocity, 0.0);
 }

@@ -329,3 +329,25 @@ fn more_waiting_commands_than_there_is_room_are_all_answered() {
     }
     assert_eq!(rig.done(last)[0].code, Code::TOO_MANY_WAITING);
 }
+
+/// A stop that locks tells the state that it leads to, and none on the way there.
+#[test]
+fn a_stop_that_locks_is_one_change_of_state() {
+    let home = crate::command::HomeAxis { axis: X, method: crate::command::HomingMethod::Cia402(34) };
+    for motion in [Action::HomeAxis(home), Action::Move(at(X, 20_000.0))] {
+        for (stop, state) in [(Action::QuickStop(x()), 6), (Action::Abort, 6)] {
+            let mut rig = Rig::enabled();
+            let goal = rig.give(motion.clone());
+            assert!(rig.was_accepted(goal));
+            rig.run(20);
+            let before = rig.events.len();
+            rig.give(stop);
+            let told: Vec<_> = rig.events[before..]
+                .iter()
+                .filter(|event| event.kind == Kind::State && event.source == crate::object::Object::Axis(X))
+                .map(|event| event.asked)
+                .collect();
+            assert_eq!(told, [crate::event::Number::Count(state)]);
+        }
+    }
+}

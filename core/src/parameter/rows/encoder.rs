@@ -10,7 +10,7 @@ const SIMULATED: Row = Row {
     default: Value::Real(0.0),
     storage: Storage::Volatile,
     applies: Applies::Drive,
-    description: "Velocity of the simulated master that mencodertype 6 asks for, in increments of the axis; i_break stops it. Where \
+    description: "Velocity of the simulated master that mencodertype 6 asks for, in increments of the axis; i_break and abort stop it. Where \
                   it is, x.master.position shows.",
     source: "MACS-ENC-16, MACS-ERR-09",
     get: |p| Value::Real(p.encoder.master_velocity),

@@ -109,3 +109,26 @@ fn sources_that_an_axis_cannot_read() {
     let text = format!("{HEAD}axes:\n  v: {{{SCALE}, drive: virtual, {REST}, feedback: ^{{bits: 8}}}}\n");
     assert_said(&text, "feedback is for axes with a drive; axis v is virtual, leave it out");
 }
+
+/// Proves: MACS-ENC-14
+#[test]
+fn a_master_that_the_cell_has_not_or_that_is_the_axis_itself() {
+    let axes = |keys: &str| {
+        let virtual_axis = |name: &str| format!("  {name}: {{{SCALE}, drive: virtual, {REST}}}\n");
+        let drive = "drive: {backend: plant, address: 0, interface: position}";
+        let belt = format!("encoders: {{belt: {{backend: plant, address: 0, {SCALE}}}}}\n");
+        let y = format!("  y: {{{SCALE}, {drive}, {REST}, mencodertype: {keys}}}\n");
+        format!("{HEAD}{belt}axes:\n{}{y}{}", virtual_axis("x"), virtual_axis("z"))
+    };
+    for number in [0, 1, 2, 5, 6, -1, -3, 10] {
+        assert_eq!(good(&axes(&number.to_string())).machine.axes[1].parameters.encoder.mencodertype, number);
+    }
+    let allowed = "0, 1, 2, 5, 6, -1, -3, 10 are allowed";
+    for (number, wrong) in [
+        (-2, "is the axis itself"),
+        (-4, "is axis 4, and the cell has 3"),
+        (20, "is entry 2 of encoders, and the cell has 1"),
+    ] {
+        assert_said(&axes(&format!("^{number}")), &format!("mencodertype {number} {wrong}; {allowed}"));
+    }
+}

@@ -37,6 +37,22 @@ expcet: []
 }
 
 #[test]
+fn what_is_wrong_with_a_place_is_told_there() {
+    for (marked, sentence) in [
+        ("set_position: {axis: x, position: ^5 deg}", "`5 deg` is an angle"),
+        ("set_position: {axis: x, position: ^1e300}", "1e300"),
+        ("set_position: {axis: ^z, position: 0}", "no axis is called `z`"),
+        ("set_position: {axis: ^z.master, position: 0}", "no axis is called `z`"),
+        ("home_axis: {axis: ^z}", "no axis is called `z`"),
+    ] {
+        let line = format!("steps: [{{at: 1, do: {{{marked}}}}}]");
+        let col = line.find('^').map_or(0, |before| before + 1);
+        let said = problems(&format!("scenario: s\ncycles: 9\n{}", line.replace('^', "")));
+        assert!(said.starts_with(&format!("3:{col}: ")) && said.contains(sentence), "{marked}: {said}");
+    }
+}
+
+#[test]
 fn what_is_no_scenario_is_told() {
     assert_eq!(
         problems(""),

@@ -1,9 +1,9 @@
 //! Verbs `home_axis` and `set_position` (contract section 7).
 
-use super::{Deed, Reader, UNITS, number, optional_amount};
+use super::{Deed, Reader, UNITS, amount, number};
 use crate::document::Value;
 use lineshaft_core::command::Action;
-use lineshaft_core::request::{HomeRequest, SetPositionRequest, Units};
+use lineshaft_core::request::{Amount, HomeRequest, RequestError, SetPositionRequest, Units};
 use lineshaft_core::unit::Scale;
 
 const SCHEMES: [(&str, u8); 3] = [("configured", 0), ("cia402", 1), ("macs", 2)];
@@ -17,8 +17,11 @@ impl Reader<'_> {
         let method = map.optional("method").map_or(Some(0), |method| method.integer(i8::MIN..=i8::MAX));
         map.finish();
         let deed = (|| {
-            let request = HomeRequest { axis: axis?.text()?.to_owned(), scheme: scheme?, method: method? };
-            self.settle(value, self.names.config.resolve_home(&request).map(Action::HomeAxis))
+            let axis = axis?;
+            let request = HomeRequest { axis: axis.text()?.to_owned(), scheme: scheme?, method: method? };
+            let result = self.names.config.resolve_home(&request).map(Action::HomeAxis);
+            let at = if matches!(result, Err(RequestError::UnknownAxis { .. })) { &axis } else { value };
+            self.settle(at, result)
         })();
         (deed, id.flatten())
     }
@@ -28,14 +31,23 @@ impl Reader<'_> {
         let axis = map.required("axis");
         let scale = axis.as_ref().and_then(|axis| self.zero_scale(axis.peek()?));
         let units = number(&mut map, "units", &UNITS);
-        let position = optional_amount(&mut map, "position", 0, scale.as_ref(), units == Some(2));
+        let given = map.optional("position");
+        let read = |value| amount(value, 0, scale.as_ref(), units == Some(2));
+        let position = given.as_ref().map_or(Some(Amount::default()), read);
         map.finish();
         let units = match Units::from_number(units?) {
             Ok(units) => units,
             Err(error) => return self.settle(value, Err(error)),
         };
-        let request = SetPositionRequest { axis: axis?.text()?.to_owned(), position: position?, units };
-        self.settle(value, self.names.config.resolve_set_position(&request))
+        let axis = axis?;
+        let request = SetPositionRequest { axis: axis.text()?.to_owned(), position: position?, units };
+        let result = self.names.config.resolve_set_position(&request);
+        let at = match &result {
+            Err(RequestError::UnknownAxis { .. }) => &axis,
+            Err(RequestError::BadValue { .. }) => given.as_ref().unwrap_or(value),
+            _ => value,
+        };
+        self.settle(at, result)
     }
 
     /// The scale of what has a position that can be set.

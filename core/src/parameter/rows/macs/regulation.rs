@@ -209,7 +209,8 @@ pub(in super::super) const ROWS: &[Row] = &[
         description: "May the axis move backwards? 0 always, 1 only while its master does, 2 never.",
         source: "MACS-DIR-05, MACS-DIR-06",
         note: "A-08: the printed range leaves out samples of the text; rule 0 to 2, output 0 to 9, node 0 to 127 and -10, -20 to \
-               -90 are taken. Outputs and node do not exist yet: values above 2 and below 0 are refused.",
+               -90 are taken. Outputs are for interface velocity and open_loop; a node does not exist yet: values of 100 \
+               and above are refused.",
         get: |p| Value::Int(p.macs.revers),
         set: |p, v| p.macs.revers = int(v).unwrap_or(p.macs.revers),
         ..REGULATION_ROW
