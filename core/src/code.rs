@@ -210,6 +210,8 @@ codes! {
     HOMING_NOT_IN_DRIVE = 10312;
     /// What the zero depends on was changed.
     HOMING_LOST = 10313;
+    /// A selection has ended homing.
+    HOMING_LEFT = 10314;
     /// ENCODERTYPE or MENCODERTYPE has no such number.
     ENCODER_UNKNOWN_TYPE = 10321;
     /// ENCODERTYPE or MENCODERTYPE names a node of a bus, which does not exist yet.

@@ -21,7 +21,7 @@ pub use set::{cell_has, not_built_here};
 
 use reason::reason;
 
-/// Warnings that only streamed setpoints have.
+/// Warnings that streamed setpoints have, and beside them only what names a parameter: the reference selector.
 const STREAMED: &[Code] = &[
     Code::HOMING_REQUIRED,
     Code::HOMING_UNDER_WAY,
@@ -51,7 +51,7 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
         }
         Kind::Reset => format!("reset after: {}", reason(event, config)),
         Kind::Done if event.code.is_none() => "done".to_owned(),
-        Kind::Warning if STREAMED.contains(&event.code) => {
+        Kind::Warning if STREAMED.contains(&event.code) && event.parameter.is_none() => {
             format!("streamed setpoints are not followed: {}", reason(event, config))
         }
         _ => reason(event, config),

@@ -15,7 +15,6 @@ use crate::encoder::{Absolute, Encoder, Form, Lead, PulseCheck, Pulses, Reader, 
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
-use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
 /// What the cell says of it.
@@ -368,8 +367,7 @@ impl Axis {
             let by = self.turn_counts(pending);
             self.move_coordinate(by);
             self.shift_limits(cx, by);
-            // As with a zero of its own: what a vocabulary was up to was meant in the coordinate of before.
-            self.owner = Owner::Native;
+            self.leave_vocabulary();
         }
         let moved = std::mem::take(&mut self.sensor.moved);
         if moved != Position::ZERO {

@@ -331,6 +331,7 @@ impl Axis {
         self.obey_inputs(cx);
         self.heed_stop(cx);
         self.judge(cx);
+        self.settle_selector(cx);
         self.switch_drive(cx);
         self.work_brake(cx.cycle);
         self.settle_waiting(cx);

@@ -54,6 +54,7 @@ impl Axis {
             command: self.command,
             present: self.present(),
             rests: self.rests(),
+            idle: self.stands_idle(),
             has_end: self.course_end().is_some(),
             target: match &self.generator {
                 Generator::Follow(follower) => follower.target(),
@@ -194,12 +195,34 @@ impl Axis {
             cx.events.push(Event { parameter, ..event.with(problem.asked, problem.limit) });
         }
         let failed = self.try_order(cx, Owner::Amc, step.order).is_some();
-        let select = if failed { amc.take_back(&before) } else { step.select };
+        let select = match step.order {
+            Some(Order::Home) if failed && before.waits() => amc.give_up_homing(),
+            _ if failed => amc.take_back(&before),
+            _ => step.select,
+        };
         // What the order made of the target.
         amc.follow_input(&self.view(cx.cycle, Owner::Amc, cx.leads, cx.latches));
         if self.owner == Owner::Amc {
             self.reference = Reference::selected(select);
         }
+        self.write_selection(cx, select);
+    }
+
+    /// Once its homing is done, the selector shows what it stands at now in that very cycle.
+    pub(super) fn settle_selector(&mut self, cx: &mut Context<'_>) {
+        let has_homed = self.awake.amc && self.amc.homes() && !self.homing.is_running();
+        if !has_homed || self.owner != Owner::Amc || self.state != AxisState::Standstill {
+            return;
+        }
+        let mut amc = self.amc;
+        let order = amc.end_homing(&self.view(cx.cycle, Owner::Amc, cx.leads, cx.latches));
+        self.try_order(cx, Owner::Amc, Some(order));
+        self.amc = amc;
+        self.write_selection(cx, 0);
+    }
+
+    /// 34.007 as it is from now on.
+    fn write_selection(&mut self, cx: &mut Context<'_>, select: i64) {
         if self.parameters.amc.reference_select != select {
             self.parameters.amc.reference_select = select;
             let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
@@ -236,11 +259,29 @@ impl Axis {
             return Err(refuse(problem));
         }
         match step.order {
-            Some(Order::Position { target, .. }) => self.check_target(target, candidate),
-            Some(Order::Gear { .. }) => self.gear_of_selector(leads).map(|_| ()),
-            Some(Order::Home) => self.check_configured_homing(cycle, candidate),
+            Some(Order::Home) => self.check_configured_homing(cycle, candidate, false),
+            Some(_) if amc.waits() => self.check_configured_homing(cycle, candidate, true),
+            Some(Order::Position { target, .. }) => {
+                self.check_selectable()?;
+                self.check_target(target, candidate)
+            }
+            Some(Order::Velocity { .. }) => self.check_selectable(),
+            Some(Order::Gear { .. }) => {
+                self.check_selectable()?;
+                self.gear_of_selector(leads).map(|_| ())
+            }
             _ => Ok(()),
         }
+    }
+
+    /// May the selector move the axis? Its own homing, which any other reference ends, does not keep it from that.
+    fn check_selectable(&self) -> Result<(), Refusal> {
+        if self.homes_for(Owner::Amc) { self.check_zero() } else { self.check_free() }
+    }
+
+    /// Is it the homing of this vocabulary that is under way?
+    fn homes_for(&self, owner: Owner) -> bool {
+        self.owner == owner && self.homing.is_running()
     }
 
     /// The coupling that reference 4 begins.
@@ -271,7 +312,10 @@ impl Axis {
     fn try_order(&mut self, cx: &mut Context<'_>, owner: Owner, order: Option<Order>) -> Option<Refusal> {
         let refusal = self.obey(cx, owner, order?).err()?;
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
-        cx.events.push(Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) });
+        let event = Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) };
+        // By it the sentence is told from that of a setpoint.
+        let parameter = if owner == Owner::Amc { Row::find("amc.reference_select") } else { None };
+        cx.events.push(Event { parameter: parameter.map(|(row, _)| row), ..event });
         Some(refusal)
     }
 
@@ -297,6 +341,24 @@ impl Axis {
     /// # Errors
     /// What limits or state forbid; nothing is changed then.
     pub(crate) fn obey(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
+        let moves = matches!(order, Order::Position { .. } | Order::Velocity { .. } | Order::Gear { .. });
+        if !moves || owner != Owner::Amc || !self.homes_for(owner) {
+            return self.carry_out(cx, owner, order);
+        }
+        // Another reference ends homing (AMC-FSM-02..07): limits hold for it as they do beside homing.
+        let homing = self.homing;
+        self.homing.leave();
+        let result = self.carry_out(cx, owner, order);
+        if result.is_ok() {
+            let left = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LEFT);
+            cx.events.push(Event { position: self.command.position, ..left });
+        } else {
+            self.homing = homing;
+        }
+        result
+    }
+
+    fn carry_out(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
         match order {
             Order::SwitchOn => {
                 if !self.active {

@@ -118,6 +118,8 @@ impl Machine {
                 self.accept(command, object);
                 Ok(false)
             }
+            // An output may let go what the axes are not to move.
+            Action::SetOutputs(_) if !self.state.active => Err(Refusal::new(Code::NOT_ACTIVE, Object::Machine)),
             Action::SetOutputs(values) => {
                 self.state.panel.set(&self.config, values)?;
                 self.accept(command, if let [one] = **values { Object::Io(one.index) } else { Object::Machine });

@@ -335,6 +335,11 @@ const TABLE: &[Line] = &[
         "The zero is not known any more: the drive counts anew, or a parameter of encoder, sense or homing was changed.",
         "Home the axis.",
     ),
+    (
+        Code::HOMING_LEFT,
+        "While reference 5 of the selector homed the axis, another reference was selected.",
+        "Nothing, if that was meant; else select 5 again.",
+    ),
     (Code::NOT_ACTIVE, "The machine is inactive.", "Activate it first."),
     (Code::STREAM_BUSY, "Streamed setpoints come for an axis that something else moves.", "Halt it, then stream."),
     (Code::SETPOINT_NO_NUMBER, "A streamed setpoint is NaN or infinite.", "Send finite numbers."),

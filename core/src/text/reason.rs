@@ -283,6 +283,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             method(event.asked)
         ),
         Code::HOMING_LOST => fixed("the zero is no longer known; home the axis again"),
+        Code::HOMING_LEFT => fixed("another reference was selected, and that ended homing: the axis has no new zero"),
         Code::REPLACED => fixed("a newer command took the axis over"),
         Code::HALTED => fixed("halt ended the goal"),
         Code::CANCELLED => fixed("the goal was cancelled"),

@@ -89,6 +89,8 @@ pub struct View<'a> {
     pub present: Motion,
     /// Nothing moves the command.
     pub rests: bool,
+    /// It stands, with nothing to do.
+    pub idle: bool,
     /// A profile moves the command, and it ends at rest.
     pub has_end: bool,
     /// Where the motion under way ends; where the gear wants a coupled axis; else the command position.

@@ -63,7 +63,7 @@ impl Reader<'_> {
             let optional = map.optional("optional").and_then(|value| value.boolean());
             let refused = map.optional("refused").and_then(|value| value.text());
             if let Some(verbs) = map.required("do") {
-                let mut reader = verb::Reader { names: self.names, ids: &mut self.ids, refused };
+                let mut reader = verb::Reader { names: self.names, ids: &mut self.ids, refused, recorded: false };
                 let acts = reader.read(&verbs);
                 self.acts.extend(acts);
             }

@@ -143,6 +143,8 @@ pub(super) struct Reader<'a> {
     pub ids: &'a mut Ids,
     /// The step expects its commands to be refused, with this part of the sentence.
     pub refused: Option<&'a str>,
+    /// What was recorded was a command already: it is read also where it asks for nothing.
+    pub recorded: bool,
 }
 
 impl Reader<'_> {
@@ -367,6 +369,17 @@ impl Reader<'_> {
         let place = self.ids.place(id.text()?);
         self.ids.open.push((place, id.place()));
         Some(Deed::Cancel(place))
+    }
+
+    /// Refuses a verb that asks for nothing, whose success would say that something was done; false for one that was recorded,
+    /// and where a key that is not one of `known` tells what was meant.
+    fn refuse_nothing(&self, value: &Value<'_>, verb: &str, known: &[&str]) -> bool {
+        let is_meant = |key: &Value<'_>| key.peek().is_none_or(|key| !known.contains(&key));
+        if self.recorded || value.entries().is_none_or(|entries| entries.iter().any(|(key, _)| is_meant(key))) {
+            return false;
+        }
+        value.refuse(format!("{verb} asks for nothing; keys beside `axis` are expected"), None);
+        true
     }
 
     fn set_parameters(&self, value: &Value<'_>) -> Option<Deed> {

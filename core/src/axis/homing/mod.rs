@@ -129,6 +129,12 @@ impl Homing {
         self.ends |= self.run.take().is_some();
     }
 
+    /// Ends what is under way, without a zero, for a motion that takes its place.
+    pub(super) fn leave(&mut self) {
+        self.run = None;
+        self.ends = false;
+    }
+
     /// Does the axis only brake since something has ended its homing?
     pub(super) fn is_ending(&self) -> bool {
         self.ends
@@ -214,18 +220,27 @@ impl Axis {
         Ok(())
     }
 
-    /// May a vocabulary have the axis home as these parameters say?
-    pub(super) fn check_configured_homing(&self, cycle: u64, p: &AxisParameters) -> Result<(), Refusal> {
-        self.check_homing()?;
+    /// May a vocabulary have the axis home as these parameters say? Where it `stops` first, the axis need not stand yet.
+    pub(super) fn check_configured_homing(&self, cycle: u64, p: &AxisParameters, stops: bool) -> Result<(), Refusal> {
+        self.check_may_home()?;
+        if !stops {
+            self.check_stands()?;
+        }
         self.homing_run(cycle, p.homing.method, p).map(|_| ())
     }
 
     fn check_homing(&self) -> Result<(), Refusal> {
+        self.check_may_home()?;
+        self.check_stands()
+    }
+
+    fn check_may_home(&self) -> Result<(), Refusal> {
         self.check_zero_moves()?;
         self.check_ready()?;
-        if self.homing.is_running() {
-            return Err(self.refuse(Code::HOMING_UNDER_WAY));
-        }
+        if self.homing.is_running() { Err(self.refuse(Code::HOMING_UNDER_WAY)) } else { Ok(()) }
+    }
+
+    fn check_stands(&self) -> Result<(), Refusal> {
         if !self.rests() || self.goal.is_some() {
             return Err(self.not_at_standstill());
         }

@@ -1,6 +1,6 @@
 //! The coordinate of an axis set anew: nothing moves, and nobody who follows it does.
 
-use super::super::{Axis, Context};
+use super::super::{Axis, Context, Reference};
 use crate::code::Code;
 use crate::command::Length;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -32,8 +32,7 @@ impl Axis {
         cx.events.push(event.of_command(sequence));
         self.move_coordinate(by);
         self.shift_limits(cx, by);
-        // What a vocabulary was up to was meant in the coordinate of before.
-        self.owner = Owner::Native;
+        self.leave_vocabulary();
         self.note_zero();
         self.share_shift(by);
         Ok(())
@@ -95,7 +94,15 @@ impl Axis {
         self.index.1 += shift;
         self.judge.shift(by);
         self.saia.take_shift(by);
+        self.amc.shift(shift);
         self.moved += shift;
+    }
+
+    /// What a vocabulary was up to was meant in a coordinate that is not that of the axis any more.
+    pub(in super::super) fn leave_vocabulary(&mut self) {
+        if std::mem::take(&mut self.owner) != Owner::Native {
+            self.reference = Reference::Stop;
+        }
     }
 
     /// By how much the coordinate was moved since this was asked last.

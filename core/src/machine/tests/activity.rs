@@ -1,6 +1,9 @@
 use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, parameters, to};
 use crate::code::Code;
-use crate::command::{Action, Command, Commands, Move, MoveMode, Probe, ProbeEdge, Setpoint, Setpoints, Source};
+use crate::command::{
+    Action, Command, Commands, Move, MoveMode, OutputValue, Probe, ProbeEdge, Setpoint, Setpoints, Source,
+};
+use crate::config::{IoConfig, IoKind};
 use crate::drive::{Interface, control};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader, Object};
@@ -250,6 +253,25 @@ fn a_stale_setpoint_does_not_move_anything_after_activation() {
         rig.cycle(Commands::default());
     }
     assert_eq!(rig.real("line.command.velocity"), 0.0);
+}
+
+/// An output may move what no axis does; nothing of a refused verb is switched.
+#[test]
+fn an_inactive_machine_switches_no_outputs() {
+    let mut config = config(0);
+    let entry = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
+    config.io = vec![entry("lamp", IoKind::DigitalOutput), entry("speed", IoKind::AnalogOutput)];
+    let mut rig = Rig::of(config);
+    let both = Action::SetOutputs([(0, 1.0), (1, 2.5)].map(|(index, value)| OutputValue { index, value }).into());
+    rig.give(Action::Deactivate);
+    let refused = rig.give(both.clone());
+    assert_eq!(rig.refusal(refused), REFUSED);
+    assert_eq!((rig.int("lamp"), rig.real("speed")), (0, 0.0));
+    let given = rig.give_all(vec![Action::Activate, both]);
+    assert!(rig.was_accepted(given));
+    rig.give(Action::Deactivate);
+    rig.run(5);
+    assert_eq!((rig.int("lamp"), rig.real("speed")), (1, 2.5), "what was set for good stays");
 }
 
 proptest! {

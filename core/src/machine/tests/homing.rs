@@ -7,6 +7,7 @@ mod in_drive;
 mod index;
 mod matrix;
 mod meetings;
+mod selector;
 mod travel;
 mod vocabularies;
 mod zero;

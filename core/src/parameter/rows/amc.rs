@@ -75,7 +75,8 @@ pub(super) const ROWS: &[Row] = &[
         range: Range::Int(0, 7),
         description: "What commands the axis: 0 stop, 1 absolute position, 2 speed, 3 cam, 4 gear, 5 home, 6 relative \
                       position, 7 the last target position. The machine writes it back where it \
-                      changes by itself: 0 when anything else takes the axis; disable leaves it for the next enable.",
+                      changes by itself: 0 when anything else takes the axis, and at any end of homing; disable leaves others \
+                      for the next enable.",
         source: "AMC-PAR-07, AMC-SEL-00..09",
         get: |p| Value::Int(p.amc.reference_select),
         set: |p, v| p.amc.reference_select = int(v).unwrap_or(p.amc.reference_select),

@@ -12,7 +12,10 @@
 //!
 //! What takes the axis from the selector (a goal, halt, quick_stop, an error, another vocabulary) sets 34.007 to 0 without
 //! its stop: the axis is not the selector's any more. `disable` leaves 34.007 as it is, and it is in force again, as a change
-//! to its value, when the axis is on (M08).
+//! to its value, when the axis is on (M08). But one that it ends is homing, and that writes 0 (M14): nothing homes by itself
+//! because it did so before.
+//!
+//! Reference 5 stops an axis that moves, and homes it once it stands; every other reference ends its homing (AMC-FSM-02..08).
 
 mod check;
 mod orders;
@@ -53,6 +56,8 @@ pub struct Amc {
     stop: Position,
     /// A software limit overrides the speed reference.
     limited: bool,
+    /// Reference 5 is in force, and its homing begins once the axis stands.
+    waits: bool,
 }
 
 /// What a step asks.
@@ -96,24 +101,25 @@ impl Amc {
         let written = if self.trigger == before.trigger { p.reference_select } else { self.trigger };
         let is_taken = view.free && before.select != STOP && !view.owns;
         if view.locked || is_taken {
-            self.select = STOP;
-            return Step::idle(STOP);
+            return self.rest(STOP);
         }
         if !view.free {
-            self.select = STOP;
-            return Step::idle(written);
+            // M14: so much for homing, which has ended before its time.
+            let ends = before.select == HOME && written == HOME;
+            return self.rest(if ends { STOP } else { written });
         }
         self.follow_input(view);
         let mut step = Step::idle(written);
         let past = self.take_event(view, &mut step);
         // M14: at its end homing gives the axis back.
-        if before.select == HOME && step.select == HOME && !view.homing {
+        if before.homes() && step.select == HOME && !view.homing {
             step.select = STOP;
         }
         if step.select != STOP && self.stops_by_error(view) {
             step.select = STOP;
         }
         self.select = step.select;
+        self.waits &= self.select == HOME;
         match self.refer(view, &before, past) {
             Ok(order) => step.order = order,
             Err(problem) => {
@@ -131,7 +137,40 @@ impl Amc {
     /// is past. Gives 34.007 as it is then.
     pub(crate) fn take_back(&mut self, before: &Self) -> i64 {
         (self.select, self.input, self.stop, self.limited) = (before.select, before.input, before.stop, before.limited);
+        self.waits = before.waits;
         self.select
+    }
+
+    /// Nothing is in force; gives a step that leaves 34.007 at `written`.
+    fn rest(&mut self, written: i64) -> Step {
+        (self.select, self.waits) = (STOP, false);
+        Step::idle(written)
+    }
+
+    /// Is homing under way because reference 5 is in force?
+    pub(crate) fn homes(&self) -> bool {
+        self.select == HOME && !self.waits
+    }
+
+    /// Does reference 5 wait for the axis to stand?
+    pub(crate) fn waits(&self) -> bool {
+        self.waits
+    }
+
+    /// M14: homing is done, and the axis stands at its end; 34.007 is 0 from now on.
+    pub(crate) fn end_homing(&mut self, view: &View<'_>) -> Order {
+        self.rest(STOP);
+        self.begin_stop(view)
+    }
+
+    /// Homing that waited for the axis to stand is not to be, or is given up; gives 34.007 as it is then.
+    pub(crate) fn give_up_homing(&mut self) -> i64 {
+        self.rest(STOP).select
+    }
+
+    /// Every place is `by` more from now on; the target follows by itself.
+    pub(crate) fn shift(&mut self, by: Position) {
+        self.stop += by;
     }
 
     /// M09: where the selector does not give the target itself, PIP is what the profile or the gear puts out.
@@ -198,7 +237,14 @@ impl Amc {
             POSITION_PROFILE if enters => Ok(self.go(view)),
             SPEED => Ok(self.run(view, enters || self.speed != before.speed)),
             GEAR if enters => Ok(Some(Order::Gear { past })),
-            HOME if enters => Ok(Some(Order::Home)),
+            HOME if enters && !view.idle && !view.homing => {
+                self.waits = true;
+                Ok(Some(Order::Stop { limits: view.largest_limits() }))
+            }
+            HOME if enters || self.waits && view.idle => {
+                self.waits = false;
+                Ok(Some(Order::Home))
+            }
             _ => Ok(None),
         }
     }
@@ -225,7 +271,8 @@ impl Amc {
 
     /// Could its state have come about? One that was read from outside may hold anything.
     pub(crate) fn is_sound(&self) -> bool {
-        (0..=POSITION_PROFILE).contains(&self.select) && self.input.is_sound() && self.speed.is_finite()
+        let waits = !self.waits || self.select == HOME;
+        (0..=POSITION_PROFILE).contains(&self.select) && waits && self.input.is_sound() && self.speed.is_finite()
     }
 }
 

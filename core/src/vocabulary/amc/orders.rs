@@ -72,7 +72,9 @@ impl Amc {
     /// To PIP; nothing where that is the end of what is under way.
     pub(super) fn go(&self, view: &View<'_>) -> Option<Order> {
         let target = Circle::new(view.modulo).nearest(self.input);
-        if view.owns && Position::whole(view.target.floor()) == target && (view.rests || view.has_end) {
+        let is_there = Position::whole(view.target.floor()) == target && (view.rests || view.has_end);
+        // A leg of homing has an end of its own.
+        if view.owns && !view.homing && is_there {
             return None;
         }
         let reference = match self.select {

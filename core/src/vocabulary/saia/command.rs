@@ -113,6 +113,11 @@ impl Commands {
         is_new
     }
 
+    /// Is none set?
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
     /// Is there one that needs the module initialised?
     pub(super) fn wakes(self) -> bool {
         self.0 != 0 && self.0 & 1 << Command::Initialise as u8 == 0

@@ -26,6 +26,11 @@ impl Request {
         self
     }
 
+    /// Neither registers nor flags?
+    pub fn asks_nothing(&self) -> bool {
+        self.commands.is_empty() && self.set.iter().all(Option::is_none)
+    }
+
     /// The registers that are set, with their values.
     pub fn registers(&self) -> impl Iterator<Item = (Register, Value)> + '_ {
         std::iter::zip(Register::ALL, &self.set).filter_map(|((register, _), value)| Some((register, (*value)?)))

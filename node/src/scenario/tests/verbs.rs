@@ -374,7 +374,6 @@ fn saia_sets_registers_and_runs_commands() {
     passes(&format!(
         "scenario: s\ncycles: 600\nsteps:\n- {{at: 5, do: [{x}, {line}]}}\n\
          - {{at: 20, do: {{saia: {{axis: x, commands: [fldda, fstart]}}}}}}\n- {{at: 100, do: [{go_x}, {go_line}]}}\n\
-         - {{at: 90, do: {{saia: {{axis: x}}}}}}\n\
          - {{at: 50, refused: saia.poser is 40000, do: {{saia: {{axis: x, set: {{poser: 40000}}, commands: [fsetpe]}}}}}}\n\
          - {{at: 60, refused: a whole number, do: {{saia: {{axis: x, set: {{poser: 4e12}}}}}}}}\n\
          expect:\n- {{signal: x.saia.state, at: 99, is: HOLD}}\n\

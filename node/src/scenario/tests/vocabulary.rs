@@ -32,13 +32,14 @@ fn the_axis_beside_the_arguments_is_the_axis_of_the_verb() {
         Ok(Action::Wf(request)) => request.axis,
         other => panic!("{other:?}"),
     };
-    for verb in ["saia", "wf"] {
-        for arguments in ["", "{}", "~", "{axis: x}", "axis: x\n", "axis: 'x'"] {
-            assert_eq!(axis_of(read("x", verb, arguments)), X, "{verb} {arguments}");
+    for (verb, asked) in [("saia", "commands: [fstart]"), ("wf", "start: true")] {
+        for axis in ["", "axis: x, ", "axis: 'x', "] {
+            assert_eq!(axis_of(read("x", verb, &format!("{{{axis}{asked}}}"))), X, "{verb} {axis}");
         }
-        let sentence = refused("x", verb, "{axis: turret}");
+        assert_eq!(axis_of(read("x", verb, &format!("axis: x\n{asked}\n"))), X, "{verb}");
+        let sentence = refused("x", verb, &format!("{{axis: turret, {asked}}}"));
         assert_eq!(sentence, "arguments:1:8: axis is `turret`; `x` was given beside, leave it out");
-        let sentence = refused("x", verb, "\naxis: [x]");
+        let sentence = refused("x", verb, &format!("\naxis: [x]\n{asked}"));
         assert_eq!(sentence, "arguments:2:7: axis is a list; a text is expected");
     }
 }
@@ -63,6 +64,27 @@ fn parameters_are_named_without_the_axis_in_flow_or_block() {
     assert!(refused("x", "set_parameters", "").starts_with("arguments:1:1: set_parameters is empty"));
 }
 
+/// Success would say that something was done.
+#[test]
+fn a_verb_that_asks_for_nothing_is_refused() {
+    for (verb, given) in [
+        ("saia", &["", "{}", "~", "{axis: x}", "axis: x\n", "{set: {}, commands: []}"][..]),
+        ("wf", &["", "{}", "~", "{axis: x}", "axis: x\n", "{start: false}", "{reset: false}"]),
+    ] {
+        for arguments in given {
+            let sentence = format!("arguments:1:1: {verb} asks for nothing; keys beside `axis` are expected");
+            assert_eq!(refused("x", verb, arguments), sentence, "{arguments}");
+        }
+    }
+    let text =
+        "scenario: s\ncycles: 10\nsteps:\n  - {at: 0, do: {wf: {axis: x}}}\n  - {at: 1, do: {saia: {axis: x}}}\n";
+    let told = crate::scenario::tests::problems(text);
+    assert!(
+        told.contains("4:") && told.contains("wf asks for nothing") && told.contains("saia asks for nothing"),
+        "{told}"
+    );
+}
+
 #[test]
 fn what_is_wrong_is_one_sentence_with_its_place() {
     for (axis, verb, arguments, sentence) in [
@@ -75,7 +97,7 @@ fn what_is_wrong_is_one_sentence_with_its_place() {
         ("x", "saia", "[1]", "arguments:1:1: saia is a list; a mapping is expected"),
         ("x", "wf", "fast", "arguments:1:1: wf is `fast`; a mapping is expected"),
         ("x", "wf", "{zzz: 1, yyy: 2}", "arguments:1:2: unknown key `zzz` in wf"),
-        ("x", "wf", "{}\n---\n{}", "arguments:2:1: a second document starts here; a file holds one"),
+        ("x", "wf", "{start: true}\n---\n{}", "arguments:2:1: a second document starts here; a file holds one"),
         ("x", "set_parameters", "[a]", "arguments:1:1: set_parameters is a list; a mapping is expected"),
     ] {
         let told = refused(axis, verb, arguments);

@@ -36,7 +36,8 @@ impl Reader<'_> {
         for flag in &flags {
             take(self.saia_command(flag, &mut request));
         }
-        if !is_good {
+        let is_empty = is_good && refused.is_none() && request.asks_nothing();
+        if !is_good || is_empty && self.refuse_nothing(value, "saia", &["axis", "set", "commands"]) {
             return None;
         }
         refused.unwrap_or_else(|| Some(Deed::Command(Action::Saia(Box::new(request)))))

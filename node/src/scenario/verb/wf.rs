@@ -61,6 +61,11 @@ impl Reader<'_> {
             Err(error) => return self.settle(&axis, Err(error)),
         };
         match request {
+            Ok(request)
+                if request == Request::default() && self.refuse_nothing(value, "wf", &["axis", "start", "reset"]) =>
+            {
+                None
+            }
             Ok(request) => self.settle(value, Ok(Action::Wf(Box::new(Request { axis: index, ..request })))),
             Err(Trouble::Told(error)) => self.settle(value, Err(error)),
             Err(Trouble::Noted) => None,

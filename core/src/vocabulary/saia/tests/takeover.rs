@@ -74,6 +74,7 @@ impl Bench {
             command: self.command,
             present: self.command,
             rests: self.rests,
+            idle: self.rests,
             has_end: false,
             target: self.command.position,
             actual: Lead { position, valid: true, counted: true, ..Lead::default() },

@@ -86,6 +86,7 @@ impl Bench {
             command: Motion { velocity: self.velocity, ..Motion::at_rest(position) },
             present: Motion { velocity: self.velocity, ..Motion::at_rest(position) },
             rests: self.velocity == 0.0,
+            idle: self.velocity == 0.0,
             has_end: false,
             target: position,
             actual: Lead { position, valid: true, counted: true, ..Lead::default() },
