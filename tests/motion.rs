@@ -165,9 +165,15 @@ fn the_verbs_of_old_controllers_are_accepted_or_refused_with_their_place() {
             (format!("{set} {{max_velocity: 0}}"), "x: max_velocity is 0"),
             (format!("{set} {{max_speed: 1}}"), "arguments:1:13: no parameter is called `x.max_speed`"),
             (format!("{set} {{max_velocity: [1"), "arguments:"),
-            ("vocabulary /lineshaft x saia {axis: y}".to_owned(), "arguments:1:8: axis is `y`; `x` was given beside"),
+            (
+                "vocabulary /lineshaft x saia {axis: y, commands: [axinit]}".to_owned(),
+                "arguments:1:8: axis is `y`; `x` was given beside",
+            ),
             ("vocabulary /lineshaft x wf {zzz: 1}".to_owned(), "arguments:1:2: unknown key `zzz` in wf"),
-            ("vocabulary /lineshaft q saia {}".to_owned(), "no axis is called `q`; there are line, x, y, turret"),
+            (
+                "vocabulary /lineshaft q saia {commands: [axinit]}".to_owned(),
+                "no axis is called `q`; there are line, x, y, turret",
+            ),
             ("vocabulary /lineshaft x halt {}".to_owned(), "verb is `halt`; saia, wf, set_parameters are allowed"),
         ] {
             let error = peer.fails(&request);

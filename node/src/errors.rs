@@ -59,7 +59,8 @@ safety: {estop: estop_ok, interlock: door_closed} # entries of io, type di, that
 
 One that reads 0, also because its wire is broken, stops all axes in that cycle. `estop`: they stop with `max_deceleration`, then
 their brakes close and their power goes, that of an axis with a section `brake` its `engage_delay` later. `interlock`: they stop and
-hold. While one is open nothing can be enabled or moved. Closing it resets nothing. This is no safety function: the contacts must act on the power of the drives as well (safe torque off).
+hold. While one is open nothing can be enabled or moved: a start of `saia`, which would switch the drive on, is a command error, and
+the reference selector of a virtual axis at rest, which has no error by it, is set back to 0. Closing it resets nothing. This is no safety function: the contacts must act on the power of the drives as well (safe torque off).
 ";
 
 /// The ranges with their headings.

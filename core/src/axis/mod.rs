@@ -188,6 +188,8 @@ pub struct Axis {
     override_seen: f64,
     waiting: Waiting,
     judge: Judge,
+    /// How it stands beyond a software limit, while it follows.
+    beyond: Option<motion::Beyond>,
     error: Code,
     /// Why nothing may move: the contact of the cell that is open.
     open_contact: Code,
@@ -251,6 +253,7 @@ impl Axis {
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
             judge: Judge::new(delay),
+            beyond: None,
             error: Code::NONE,
             open_contact: Code::NONE,
             fault: Fault::default(),
@@ -278,7 +281,7 @@ impl Axis {
     /// Is it switched off, or does it stand without a goal where it cannot be?
     pub fn is_idle(&self) -> bool {
         match self.state {
-            AxisState::Disabled => self.power == Power::Off,
+            AxisState::Disabled | AxisState::Stopping => self.power == Power::Off && !self.is_virtual(),
             AxisState::Standstill => self.is_virtual(),
             _ => false,
         }
@@ -288,6 +291,7 @@ impl Axis {
     pub fn may_lose_power(&self) -> bool {
         let is_off = match self.state {
             AxisState::Disabled | AxisState::ErrorStop => self.power == Power::Off || self.is_virtual(),
+            AxisState::Stopping => self.power == Power::Off && !self.is_virtual(),
             AxisState::Standstill => self.is_virtual(),
             _ => false,
         };

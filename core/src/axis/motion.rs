@@ -42,6 +42,17 @@ impl Generator {
     }
 }
 
+/// An axis that follows and stands beyond a software limit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Beyond {
+    /// When it was seen there last.
+    cycle: u64,
+    /// Beyond the upper one.
+    up: bool,
+    /// Next to the limit, since then without a break.
+    inmost: Position,
+}
+
 impl Axis {
     /// The command position of this cycle.
     pub(super) fn advance(&mut self, cx: &mut Context<'_>) {
@@ -172,6 +183,7 @@ impl Axis {
             Generator::Follow(_) | Generator::Track(_) => true,
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
         };
+        self.watch_beyond(cx.cycle);
         let crossed = self.crossed_limit(next, is_added).filter(|_| watched || is_added);
         let Some(up) = crossed.or_else(|| self.passed_limit(next).filter(|_| watched)) else { return false };
         let limit = Position::whole(self.limit(up));
@@ -230,8 +242,32 @@ impl Axis {
             let limit = outwards(Position::whole(self.limit(*up)));
             let (now, next) = (outwards(self.command.position), outwards(next.position));
             let bound = limit + Position::from_f64(course::ROUNDING);
-            next > now && if is_exact(*up) { next > limit } else { next > bound && now <= bound }
+            if !is_exact(*up) {
+                return next > now && next > bound && now <= bound;
+            }
+            // One that is led back from beyond may tremble with its leader, but not creep on.
+            let inmost = self.beyond.filter(|beyond| beyond.up == *up).map(|beyond| outwards(beyond.inmost));
+            let uneven = match &self.generator {
+                Generator::Follow(follower) | Generator::Track(follower) => follower.uneven(),
+                _ => 0.0,
+            };
+            let bound = inmost.map_or(limit, |inmost| inmost + Position::from_f64(1.0 + uneven));
+            next > now && next > bound
         })
+    }
+
+    /// Keeps how far in an axis beyond a limit has come, from cycle to cycle.
+    fn watch_beyond(&mut self, cycle: u64) {
+        let now = self.command.position;
+        let up = [true, false].into_iter().find(|up| {
+            let limit = Position::whole(self.limit(*up));
+            if *up { now > limit } else { now < limit }
+        });
+        let before = self.beyond.filter(|beyond| Some(beyond.up) == up && beyond.cycle.saturating_add(1) == cycle);
+        self.beyond = up.map(|up| {
+            let inmost = before.map_or(now, |beyond| if up { beyond.inmost.min(now) } else { beyond.inmost.max(now) });
+            Beyond { cycle, up, inmost }
+        });
     }
 
     /// Which limit a stop after `next` would lead beyond: true for the upper one. A stop whose acceleration has to run out
@@ -378,14 +414,16 @@ impl Axis {
 
     /// A plan to rest with `limits`, or as much more as it takes to stay within the limit.
     pub(super) fn plan_stop(&self, from: Motion, limits: &Limits) -> Plan {
+        let is_up = from.velocity > 0.0;
+        let ends_here = from.velocity.abs() <= self.stop_limits().deceleration * self.cycle_s();
+        if from.velocity != 0.0 && ends_here && from.position == Position::whole(self.limit(is_up)) {
+            // There is no way left, and none was kept as it was so slow.
+            return profile::stop(Motion::at_rest(from.position), limits, self.setup.cycle_ns);
+        }
         let plan = profile::stop(from, limits, self.setup.cycle_ns);
         let Some(up) = self.passed_by(&plan, from) else { return plan };
         let sharpest = self.sharpened(from, self.stop_limits());
         let limit = Position::whole(self.limit(up));
-        if is_towards(up, from.velocity) && from.position == limit {
-            // There is no way left; it was so slow that none was kept.
-            return profile::stop(Motion::at_rest(limit), limits, self.setup.cycle_ns);
-        }
         if is_towards(up, from.velocity) {
             return self.plan_stop_at(from, limit, &sharpest);
         }
@@ -402,8 +440,8 @@ impl Axis {
         let (low, high) = plan.extent();
         let (lowest, highest) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
         match () {
-            () if high > highest && from.position <= highest => Some(true),
-            () if low < lowest && from.position >= lowest => Some(false),
+            () if high > highest && from.position < highest => Some(true),
+            () if low < lowest && from.position > lowest => Some(false),
             () => None,
         }
     }

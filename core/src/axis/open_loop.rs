@@ -142,7 +142,9 @@ impl Axis {
     /// Whatever ends the speed ends the axis output and the voltage in the same cycle, and an error or somebody else's
     /// command the direction as well.
     pub(crate) fn allowed(&self, asked: Switching) -> Switching {
-        let commanded = self.owner == Owner::Wf && self.power == Power::On && self.state != AxisState::ErrorStop;
+        let commanded = self.owner == Owner::Wf
+            && self.power == Power::On
+            && !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping);
         let runs = commanded && self.speed() != 0.0;
         Switching {
             forward: asked.forward && commanded,

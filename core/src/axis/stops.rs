@@ -206,6 +206,9 @@ impl Axis {
         if self.is_on() || self.state == AxisState::Stopping {
             self.waiting.fail(cx.events, self.setup.index, code, Until::Healthy);
             self.holding.clears = false;
+            if matches!(self.power, Power::Resetting { .. }) {
+                self.power = Power::Off;
+            }
         }
     }
 

@@ -297,3 +297,29 @@ fn the_state_of_homing_can_be_restored() {
     rig.mirror();
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
 }
+
+/// Limits do not hold while homing looks for its zero: a stop that begins just where one stands has its ramp all the same.
+#[test]
+fn a_stop_of_homing_on_a_software_limit_has_its_ramp() {
+    for ahead in [0, 10] {
+        let place = 1_000;
+        let mut cell = cell(0);
+        let p = &mut cell.axes[usize::from(X)].parameters;
+        (p.min_position, p.max_position) = (Some(-50_000), Some(place + ahead));
+        let mut rig = rig_with(cell, Model::Ideal, way(-10_000, (5_000, FAR)));
+        home(&mut rig, 19);
+        rig.run_until("x.command.position", place);
+        let before = rig.real("x.command.velocity");
+        assert_eq!((before, rig.real("x.command.fraction")), (10_000.0, 0.0));
+        rig.give(Action::QuickStop([X].into_iter().collect()));
+        let mut last = before;
+        while last != 0.0 {
+            let now = rig.real("x.command.velocity");
+            // 1e6 inc/s^2.
+            assert!((now - last).abs() < 1_001.0, "{ahead}: {last} to {now}");
+            last = now;
+            rig.run(1);
+        }
+        assert_eq!(rig.state("x"), "STOPPING");
+    }
+}

@@ -100,6 +100,30 @@ fn from_its_limit_an_axis_is_led_away_and_nowhere_else() {
     }
 }
 
+/// Beyond its limit it may be led back by a leader that trembles, but a leader that creeps outwards does not take it along.
+#[test]
+fn led_back_from_beyond_its_limit_it_may_tremble_but_not_creep() {
+    let mut rig = cell(1, 2e6, 1);
+    go_to(&mut rig, HIGH);
+    let lowered = set(&mut rig, X, "max_position", Value::Int(HIGH - 500));
+    assert!(rig.was_accepted(lowered));
+    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 1)));
+    for change in [0, 1, -1, 0, -2, -4, -6, -5, -3, -1, 1, -1, -1, 1, 0, 0] {
+        rig.plant.jump_encoder(0, change);
+        rig.run(1);
+        assert_eq!((rig.state("x"), errors(&rig)), ("SYNCHRONIZED_MOTION", vec![]), "{change}");
+    }
+    rig.run(5);
+    let inmost = place(&rig);
+    assert!(inmost < HIGH as f64 - 20.0, "{inmost}");
+    for _ in 0..20 {
+        rig.plant.jump_encoder(0, 1);
+        rig.run(10);
+    }
+    assert_eq!((rig.state("x"), errors(&rig)), ("ERROR_STOP", vec![Code::SOFTWARE_LIMIT_POSITIVE]));
+    assert!(place(&rig) <= inmost + 4.0, "{} from {inmost}", place(&rig));
+}
+
 /// Each is done in one cycle: 3 inc of a limit that is 1 away.
 ///
 /// Proves: MACS-LIM-04

@@ -432,3 +432,26 @@ fn halt_and_disable_with_a_reset_in_one_cycle() {
         assert_eq!((rig.state("x"), rig.int("x.actual.position")), ("DISABLED", 0), "{first}");
     }
 }
+
+/// The stop ends a reset that already works on the drive; off and locked, the axis can be set up as one that is disabled.
+#[test]
+fn a_stop_ends_a_reset_of_a_drive_in_fault() {
+    for stop in [Stop::Quick, Stop::Abort] {
+        let mut rig = Rig::of(with_inputs());
+        rig.run(3);
+        rig.plant.drive(0).unwrap().inject_fault(0x8611);
+        rig.run(5);
+        let reset = rig.give(Action::ResetErrors(x()));
+        stop.give(&mut rig, true, &[]);
+        assert_eq!(codes(&rig, reset), [stop.code()]);
+        rig.run(100);
+        assert_eq!(rig.state("x"), "STOPPING", "{stop:?}");
+        let enable = rig.give(Action::Enable(x()));
+        assert!(rig.refusal(enable).contains("reset_errors"), "{stop:?}");
+        let turned = rig.give(set(X, "posdrct", -1));
+        assert!(rig.was_accepted(turned), "{stop:?}");
+        let again = rig.give(Action::ResetErrors(x()));
+        rig.run(50);
+        assert_eq!((rig.state("x"), codes(&rig, again)), ("DISABLED", vec![Code::NONE]), "{stop:?}");
+    }
+}
