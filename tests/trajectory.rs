@@ -124,7 +124,8 @@ fn a_goal_is_reached_and_says_so_as_the_controller_does() {
         }
     }
     let last = feedback.last().unwrap();
-    assert!(last["desired"]["positions"][0].as_f64().unwrap() <= 0.05 + 1e-9, "{last}");
+    // Linear between its points, it comes to the last one with 0.03 m/s: at 8 m/s^2 it stands 57 um later, and comes back.
+    assert!(last["desired"]["positions"][0].as_f64().unwrap() <= 0.05 + 60e-6, "{last}");
 }
 
 #[test]
