@@ -121,7 +121,6 @@ impl Axis {
         if self.power == Power::Off && self.active && self.locked_in(cx.cycle).is_none() {
             // An abort has closed it while the axis was off.
             self.brake = false;
-            self.holding.aborted = false;
             // Who has just switched it off has what it wanted, though it does not last.
             self.waiting.end(cx.events, self.setup.index, Until::Disabled, Code::NONE, self.command.position);
             self.power = Power::SwitchingOn { since: cx.cycle };

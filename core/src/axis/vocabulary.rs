@@ -90,7 +90,7 @@ impl Axis {
             let refusal = Refusal { parameter: Some(place), ..refusal.with(number, Number::None) };
             row.assign(&mut parameters, value).map_err(|_| refusal)?;
         }
-        let barred = self.check_locks(cx.cycle).err();
+        let barred = self.check_stop_of(cx.cycle).err();
         let (mut saia, mut outcome) = self.ask_saia(cx, &parameters, request, barred)?;
         if let Some(order) = outcome.order
             && let Err(refusal) = self.obey(cx, Owner::Saia, order)
@@ -320,7 +320,7 @@ impl Axis {
     }
 
     /// Nothing lets the axis go on in the cycle of a stop that locks.
-    fn check_locks(&self, cycle: u64) -> Result<(), Refusal> {
+    fn check_stop_of(&self, cycle: u64) -> Result<(), Refusal> {
         self.locked_in(cycle).map_or(Ok(()), |code| Err(Refusal::new(code, self.object())))
     }
 
@@ -459,7 +459,7 @@ impl Axis {
             }
             Order::Reset => {
                 if self.error.is_alarm() {
-                    self.check_locks(cx.cycle)?;
+                    self.check_stop_of(cx.cycle)?;
                     if !self.rests() {
                         return Err(self.not_at_standstill());
                     }

@@ -10,11 +10,11 @@ use crate::drive::{Backend, Inputs, Outputs};
 use crate::event::{Event, Kind, Refusal};
 use crate::machine::Machine;
 use crate::object::{AxisSet, Leader, Object};
-use crate::parameter::AxisParameters;
+use crate::parameter::{self, AxisParameters};
 use crate::signal::Value;
 use crate::sim::{Model, Plant};
 use crate::unit::{Fraction, Quantity, Scale, Unit};
-use crate::vocabulary::{Order, Owner};
+use crate::vocabulary::{Order, Owner, saia};
 
 pub(super) const LINE: u16 = 0;
 pub(super) const X: u16 = 1;
@@ -41,6 +41,15 @@ fn scale() -> Scale {
 /// 1000 inc/mm; 100 mm/s, 1 m/s^2.
 pub(super) fn parameters() -> AxisParameters {
     AxisParameters { error_reaction: 2, ..AxisParameters::new(100_000.0, 1_000_000.0) }
+}
+
+/// The verb `saia` on x: to 50 mm with 20 mm/s and 200 mm/s^2, as far as the commands load it.
+pub(super) fn saia_verb(commands: &[saia::Command]) -> Action {
+    let commands = saia::Commands::from_iter(commands.iter().copied());
+    let request = saia::Request { axis: X, commands, ..Default::default() };
+    let request = request.with(saia::Register::DestP, parameter::Value::Int(50_000));
+    let request = request.with(saia::Register::Veloc, parameter::Value::Int(20_000));
+    Action::Saia(Box::new(request.with(saia::Register::Accel, parameter::Value::Int(200_000))))
 }
 
 pub(super) fn config(delay: u32) -> MachineConfig {

@@ -1,9 +1,8 @@
-use super::rig::{LINE, Rig, X, Y, at, config, to};
+use super::rig::{LINE, Rig, X, Y, at, config, saia_verb, to};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, Source};
 use crate::event::Kind;
 use crate::object::AxisSet;
-use crate::parameter::Value;
 use crate::vocabulary::{saia, wf};
 
 fn x() -> AxisSet {
@@ -92,20 +91,13 @@ fn quick_stop_uses_the_largest_deceleration_and_locks_until_reset() {
 /// when the stop came.
 #[test]
 fn a_lock_outlives_the_power_of_its_axis() {
-    let saia = |commands: &[saia::Command]| {
-        let commands = saia::Commands::from_iter(commands.iter().copied());
-        let request = saia::Request { axis: X, commands, ..Default::default() };
-        let request = request.with(saia::Register::Accel, Value::Int(200_000));
-        let request = request.with(saia::Register::Veloc, Value::Int(20_000));
-        Action::Saia(Box::new(request.with(saia::Register::DestP, Value::Int(50_000))))
-    };
     let wf = || Action::Wf(Box::new(wf::Request { axis: X, enable: Some(true), ..Default::default() }));
     use saia::Command::{Initialise, LoadDestination, MotorOff, Start};
     let stops = [
         (Action::QuickStop(x()), "x: quick_stop has locked the axis; reset_errors first"),
         (Action::Abort, "x: abort has stopped the axis; reset_errors lets it go on"),
     ];
-    let offs = [Action::Disable(x()), saia(&[Initialise]), saia(&[MotorOff])];
+    let offs = [Action::Disable(x()), saia_verb(&[Initialise]), saia_verb(&[MotorOff])];
     for (stop, sentence) in stops {
         for off in &offs {
             for (before, after) in [(0, 0), (300, 0), (300, 1), (300, 150)] {
@@ -128,7 +120,7 @@ fn a_lock_outlives_the_power_of_its_axis() {
                     assert_eq!(rig.refusal(refused), sentence);
                 }
                 let place = rig.int("x.command.position");
-                for on in [wf(), saia(&[Initialise]), saia(&[LoadDestination, Start])] {
+                for on in [wf(), saia_verb(&[Initialise]), saia_verb(&[LoadDestination, Start])] {
                     rig.give(on);
                     rig.run(100);
                 }

@@ -1,13 +1,12 @@
 //! A stop that locks, and what lets an axis go on, in one cycle: the stop wins, in any order.
 
-use super::super::rig::{LINE, Rig, X, Y, at, to};
+use super::super::rig::{LINE, Rig, X, Y, at, saia_verb, to};
 use super::brake::vertical_of;
 use super::{set, with_io};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, Source};
 use crate::config::MachineConfig;
 use crate::object::AxisSet;
-use crate::parameter::Value;
 use crate::sim::Model;
 use crate::vocabulary::{saia, wf};
 
@@ -182,19 +181,12 @@ fn a_stop_while_the_brake_opens_locks_the_axis() {
 #[test]
 fn a_stop_ends_a_start_that_switches_on() {
     use saia::Command::{Initialise, LoadAcceleration, LoadDestination, LoadVelocity, Start};
-    let verb = |commands: &[saia::Command]| {
-        let commands = saia::Commands::from_iter(commands.iter().copied());
-        let request = saia::Request { axis: X, commands, ..Default::default() };
-        let request = request.with(saia::Register::DestP, Value::Int(50_000));
-        let request = request.with(saia::Register::Veloc, Value::Int(20_000));
-        Action::Saia(Box::new(request.with(saia::Register::Accel, Value::Int(200_000))))
-    };
-    let start = || verb(&[LoadAcceleration, LoadVelocity, LoadDestination, Start]);
+    let start = || saia_verb(&[LoadAcceleration, LoadVelocity, LoadDestination, Start]);
     for stop in STOPS {
         for after in 0..4 {
             let mut rig = Rig::of(with_inputs());
             rig.run(3);
-            rig.give(verb(&[Initialise]));
+            rig.give(saia_verb(&[Initialise]));
             rig.run(2);
             if after == 0 {
                 stop.give(&mut rig, false, &[start()]);
@@ -213,7 +205,7 @@ fn a_stop_ends_a_start_that_switches_on() {
     }
     let mut rig = Rig::of(with_inputs());
     rig.run(3);
-    rig.give(verb(&[Initialise]));
+    rig.give(saia_verb(&[Initialise]));
     rig.run(2);
     let started = Stop::Quick.give(&mut rig, true, &[start()]);
     assert_eq!(rig.refusal(started), "x: quick_stop has stopped the axis");
