@@ -117,8 +117,9 @@ impl Axis {
     }
 
     pub(super) fn enable(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        // A deactivation, or a stop that locks, wins over it in its cycle: the wait ends at once then.
-        if self.power == Power::Off && self.active && self.locked_in(cx.cycle).is_none() {
+        // A deactivation, an error or a stop that locks wins over it in its cycle: the wait ends at once then.
+        let is_free = self.check_lock().is_ok() && self.locked_in(cx.cycle).is_none();
+        if self.power == Power::Off && self.active && is_free {
             // An abort has closed it while the axis was off.
             self.brake = false;
             // Who has just switched it off has what it wanted, though it does not last.

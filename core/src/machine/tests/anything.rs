@@ -282,8 +282,9 @@ fn velocities_are_kept(rig: &Rig, interfaces: [Interface; 2]) -> Result<(), Test
             prop_assert_eq!(position("command"), position("actual"));
             prop_assert_eq!(rig.int(&format!("{name}.following_error")), 0);
         } else if interface == Interface::Velocity {
-            // While its brake opens, the drive holds it already.
-            let holds = rig.int(&format!("{name}.output.control")) == i64::from(control::ENABLE);
+            // While its brake opens, the drive holds it already; while it homes in the drive, the word tells that as well.
+            let enable = i64::from(control::ENABLE);
+            let holds = rig.int(&format!("{name}.output.control")) & enable == enable;
             prop_assert!(holds || asked == 0.0, "{} is off and asked for {}", name, asked);
         }
     }

@@ -20,6 +20,31 @@ fn code(code: Code) -> i64 {
     i64::from(code.0)
 }
 
+/// The command was checked while the axis was sound: the error of its cycle comes between.
+///
+/// Proves: MACS-ERR-03
+#[test]
+fn an_enable_in_the_cycle_of_an_error_switches_nothing_on() {
+    use crate::drive::inputs;
+    for reaction in 0..6 {
+        let mut config = config(0);
+        config.axes[1].parameters.error_reaction = reaction;
+        let mut rig = Rig::of(config);
+        rig.enable();
+        rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        let enable = rig.give(Action::Enable(AxisSet::one(X)));
+        assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", 10_221), "{reaction}");
+        let powerless = reaction < 2;
+        for _ in 0..20 {
+            assert_eq!(rig.outputs().drive[0].control == 0, powerless, "{reaction}");
+            rig.run(1);
+            assert_eq!(rig.state("x"), "ERROR_STOP", "{reaction}");
+        }
+        let done = rig.done(enable);
+        assert_eq!((done.len(), done[0].code), (1, Code::HARDWARE_LIMIT_POSITIVE), "{reaction}");
+    }
+}
+
 /// Proves: MACS-ERR-05
 #[test]
 fn a_following_error_stops_all_axes_each_by_its_own_reaction_in_the_same_cycle() {
