@@ -1,7 +1,7 @@
 //! Writing an axis' signals.
 
 use super::course::Aim;
-use super::{Axis, Generator};
+use super::{Axis, AxisState, Generator};
 use crate::position::Position;
 use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
@@ -74,7 +74,8 @@ impl Axis {
         set(State, self.state as u64);
         set(DriveState, self.drive_state as u64);
         set(Reference, self.reference as u64);
-        set(Enabled, bit(self.is_on() && !self.is_opening()));
+        // Taken off again while its brake opened, it never was.
+        set(Enabled, bit(self.is_on() && !self.is_opening() && self.state != AxisState::Disabled));
         set(ModeOfOperation, int(self.mode.into()));
         set(Homed, bit(self.knows_zero()));
         set(InPosition, bit(self.judge.in_position));
