@@ -213,16 +213,17 @@ impl Axis {
     }
 
     /// The motion with which a stop at `limit` begins. The velocity of a coupled axis is that of its last step: at the end of the
-    /// step it may be half of what a cycle may change less, and so the deceleration need not be larger than its limit. The first
-    /// step alone, as whole cycles stop within a shorter way, may be that of a deceleration larger by 1 in 8 n, n cycles long.
+    /// step it may be half of what a cycle may change less, and so the deceleration need not be larger than its limit. What a single
+    /// count adds to the speed of its leader is none.
     fn eased(&self, before: Motion, limit: Position, limits: &Limits) -> Motion {
-        let in_steps = match &self.generator {
-            Generator::Follow(_) => true,
-            Generator::Track(_) => !self.tracker().is_some_and(|tracker| tracker.is_exact()),
-            _ => false,
+        let ripple = match &self.generator {
+            Generator::Follow(follower) => follower.ripple(before.velocity),
+            Generator::Track(_) if !self.tracker().is_some_and(|tracker| tracker.is_exact()) => 0.0,
+            _ => return before,
         };
         let most = (2.0 * limits.deceleration * (limit - before.position).to_f64().abs()).sqrt();
-        let speed = if in_steps { before.velocity.abs().min(most) } else { before.velocity.abs() };
+        let least = before.velocity.abs() - ripple / self.cycle_s() - limits.deceleration * self.cycle_s() / 2.0;
+        let speed = before.velocity.abs().min(most.max(least));
         Motion { velocity: speed.copysign(before.velocity), ..before }
     }
 
@@ -247,13 +248,17 @@ impl Axis {
             }
             // One that is led back from beyond may tremble with its leader, but not creep on.
             let inmost = self.beyond.filter(|beyond| beyond.up == *up).map(|beyond| outwards(beyond.inmost));
-            let uneven = match &self.generator {
-                Generator::Follow(follower) | Generator::Track(follower) => follower.uneven(),
-                _ => 0.0,
-            };
-            let bound = inmost.map_or(limit, |inmost| inmost + Position::from_f64(1.0 + uneven));
+            let bound = inmost.map_or(limit, |inmost| inmost + Position::from_f64(1.0 + self.uneven()));
             next > now && next > bound
         })
+    }
+
+    /// By how much a step of this cycle may differ from another one at the same speed of its leader (inc).
+    fn uneven(&self) -> f64 {
+        match &self.generator {
+            Generator::Follow(follower) | Generator::Track(follower) => follower.uneven(),
+            _ => 0.0,
+        }
     }
 
     /// Keeps how far in an axis beyond a limit has come, from cycle to cycle.
@@ -312,7 +317,7 @@ impl Axis {
     }
 
     /// The signed way that it takes to stop after `next`. A profile stops in continuous time; a coupled axis makes whole
-    /// steps, of which one may be a count more than its leader's speed.
+    /// steps, of which one may be a count more than its leader's speed: it counts for no more than the leader surely has.
     fn stopping_way(&self, next: Motion) -> f64 {
         let limits = self.stop_limits();
         match &self.generator {
@@ -321,10 +326,12 @@ impl Axis {
             }
             Generator::Follow(follower) | Generator::Track(follower) => {
                 let cycle_s = self.cycle_s();
-                let step = (next.velocity.abs() * cycle_s - follower.uneven()).max(0.0);
                 let less = limits.deceleration * cycle_s * cycle_s;
+                let step = (next.velocity.abs() * cycle_s - follower.excess(next.velocity, less)).max(0.0);
                 let steps = (step / less * (1.0 + 1e-9)).floor();
-                (steps * step - less * steps * (steps + 1.0) / 2.0) * next.velocity.signum()
+                // Where the leader itself is on its way is exact to a count as well.
+                let way = (steps * step - less * steps * (steps + 1.0) / 2.0 - follower.uneven()).max(0.0);
+                way * next.velocity.signum()
             }
             _ => profile::stopping_way(next, &limits),
         }
@@ -415,7 +422,8 @@ impl Axis {
     /// A plan to rest with `limits`, or as much more as it takes to stay within the limit.
     pub(super) fn plan_stop(&self, from: Motion, limits: &Limits) -> Plan {
         let is_up = from.velocity > 0.0;
-        let ends_here = from.velocity.abs() <= self.stop_limits().deceleration * self.cycle_s();
+        let cycle_s = self.cycle_s();
+        let ends_here = from.velocity.abs() <= self.stop_limits().deceleration * cycle_s + self.uneven() / cycle_s;
         if from.velocity != 0.0 && ends_here && from.position == Position::whole(self.limit(is_up)) {
             // There is no way left, and none was kept as it was so slow.
             return profile::stop(Motion::at_rest(from.position), limits, self.setup.cycle_ns);

@@ -86,14 +86,16 @@ pub struct Follower {
     counted: bool,
     /// Error up to which it counts as accurate (inc); negative: the error is shown with its sign.
     accuracy: i64,
-    /// The geared leader's change of the last cycle (inc).
-    last: f64,
+    /// The geared leader's changes of the last cycles (inc), the newest first.
+    recent: [f64; RECENT],
     /// The same, smoothed.
     mean: f64,
 }
 
 /// Cycles over which the speed of a counted leader is smoothed.
 const MEAN_CYCLES: f64 = 64.0;
+/// Cycles from which the least speed of a counted leader is told.
+const RECENT: usize = 8;
 
 impl Follower {
     /// Could it have come about? One that was read from outside may hold anything.
@@ -115,8 +117,8 @@ impl Follower {
     ) -> Self {
         let counted = !matches!(leader, Leader::AxisCommand(_) | Leader::Simulated(_));
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
-        let halt = None;
-        Self { leader, disengage, mode, gear, phase, target, halt, bounds, counted, accuracy: 0, last: 0.0, mean: 0.0 }
+        let (halt, recent) = (None, [0.0; RECENT]);
+        Self { leader, disengage, mode, gear, phase, target, halt, bounds, counted, accuracy: 0, recent, mean: 0.0 }
     }
 
     /// The same, exactly on its leader from the first cycle on, as far as its limits allow.
@@ -161,6 +163,26 @@ impl Follower {
         if self.counted { self.gear.ratio().to_f64().abs() } else { 0.0 }
     }
 
+    /// By how much the leader's last change may exceed its speed in the direction of `way` (inc), if that falls by no more than
+    /// `rate` (inc per cycle) a cycle. Over n cycles its counts make a way that is exact to one of them.
+    pub fn excess(&self, way: f64, rate: f64) -> f64 {
+        let (uneven, [last, ..]) = (self.uneven(), self.recent);
+        let sign = way.signum();
+        let mut sum = 0.0;
+        let mut least = f64::NEG_INFINITY;
+        for (cycles, change) in (1_u8..).map(f64::from).zip(self.recent) {
+            sum += change * sign;
+            least = least.max((sum - uneven) / cycles - rate * (cycles - 1.0) / 2.0);
+        }
+        (last * sign - least).max(0.0).min(uneven)
+    }
+
+    /// By how much the leader's last change exceeds its mean of the last cycles, in the direction of `way` (inc).
+    pub fn ripple(&self, way: f64) -> f64 {
+        let mean = self.recent.iter().sum::<f64>() / RECENT as f64;
+        ((self.recent[0] - mean) * way.signum()).max(0.0).min(self.uneven())
+    }
+
     /// The velocity with which the slave would go on without its leader (inc/s), given its present one: that of a counted
     /// leader is smoothed, as its single changes say little.
     pub fn steady_velocity(&self, present: f64, cycle_s: f64) -> f64 {
@@ -187,7 +209,7 @@ impl Follower {
 
     /// Did the leader's last change, geared, lead backwards?
     pub fn leader_reverses(&self) -> bool {
-        self.last < 0.0
+        self.recent[0] < 0.0
     }
 
     /// One cycle: the slave's next motion, with what `reserve` leaves of the bounds. Where the rule forbids to go backwards, the
@@ -201,8 +223,9 @@ impl Follower {
         let before = slave.velocity * cycle_s;
         // A counted leader is uneven by one increment even at constant speed: that much of its change, where it did
         // change, is no acceleration.
-        let uneven = self.uneven().min((geared - self.last).abs());
-        self.last = geared;
+        let uneven = self.uneven().min((geared - self.recent[0]).abs());
+        self.recent.rotate_right(1);
+        self.recent[0] = geared;
         self.mean += (geared - self.mean) / MEAN_CYCLES;
         let forward_only = match rule {
             Rule::Always => false,

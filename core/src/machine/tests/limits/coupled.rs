@@ -153,6 +153,84 @@ fn what_hardly_moves_before_it_would_pass_the_limit_does_not_creep_there() {
     assert!((place(&rig) - (HIGH - 30) as f64).abs() < 0.1, "{}", place(&rig));
 }
 
+/// Two increments to a count: a cycle may not change what one count makes of the velocity, and the axis still ends on its limit.
+///
+/// Proves: MACS-LIM-04
+#[test]
+fn counts_that_are_larger_than_a_cycle_may_stop_end_on_the_limit() {
+    for (way, limit) in [(1, HIGH), (-1, LOW)] {
+        for halts in [false, true] {
+            let mut rig = cell(1, 1.5e6, 1);
+            rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 2, 1)));
+            rig.run(2);
+            for _ in 0..limit.abs() / 2 {
+                rig.plant.jump_encoder(0, way);
+                rig.run(1);
+            }
+            assert_eq!((place(&rig), errors(&rig)), (limit as f64, vec![]));
+            rig.plant.jump_encoder(0, way);
+            if halts {
+                rig.give(Action::Halt(AxisSet::one(X)));
+            }
+            rig.run(100);
+            assert_eq!((errors(&rig).len(), place(&rig)), (1, limit as f64));
+        }
+    }
+}
+
+/// Four increments to a count, one count in each cycle: 4000 inc/s, of which a cycle may take 100.
+///
+/// Proves: MACS-LIM-04
+#[test]
+fn coarse_counts_leave_the_way_that_a_stop_takes() {
+    let mut rig = cell(1, 1e5, 1);
+    rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 4, 1)));
+    rig.run(2);
+    let mut before = 0.0;
+    for cycle in 0..400 {
+        rig.plant.jump_encoder(0, 1);
+        rig.run(1);
+        let velocity = rig.real("x.command.velocity");
+        // In 8 cycles it went 32 inc, but for one count, and not more than 0.35 of 3.5 inc a cycle may be gone since: a stop from
+        // 3.15 inc takes 48 inc, of which a count may be gone. 4^2 / (2 * 44) inc a cycle, and 0.05 at the end of a step.
+        assert!(cycle < 8 || before - velocity < 235.0, "{} in cycle {cycle}", before - velocity);
+        before = velocity;
+    }
+    assert_eq!((rig.state("x"), errors(&rig)), ("ERROR_STOP", vec![Code::SOFTWARE_LIMIT_POSITIVE]));
+    assert_eq!((place(&rig), before), (HIGH as f64, 0.0));
+}
+
+/// The same speed, but the leader itself slows down, by as much as the axis may: it ends on the limit, and nothing is wrong.
+#[test]
+fn coarse_counts_of_a_leader_that_stops_in_time_are_no_error() {
+    for (share, start) in [(0.99_f64, 0.0_f64), (0.99, 1.7), (0.5, 0.3), (0.1, 2.9)] {
+        let mut rig = cell(1, 1e5, 1);
+        // From 4 inc a cycle with this share of 0.1 inc a cycle each: to the limit, in whole counts.
+        let rate = 0.1 * share;
+        let way = 16.0 / (2.0 * rate);
+        let counts = ((way + start) / 4.0).floor() as i64;
+        let before = 40;
+        go_to(&mut rig, HIGH - 4 * (counts + before));
+        rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 4, 1)));
+        rig.run(2);
+        for _ in 0..before {
+            rig.plant.jump_encoder(0, 1);
+            rig.run(1);
+        }
+        let mut shown = 0;
+        for cycle in 1..=(4.0 / rate) as i64 + 1 {
+            let time = (cycle as f64).min(4.0 / rate);
+            let place = ((start + 4.0 * time - rate * time * time / 2.0) / 4.0).floor() as i64;
+            rig.plant.jump_encoder(0, place - shown);
+            shown = place;
+            rig.run(1);
+            assert_eq!((rig.state("x"), errors(&rig)), ("SYNCHRONIZED_MOTION", vec![]), "{share} {start} {cycle}");
+        }
+        rig.run(5);
+        assert_eq!((place(&rig), shown), (HIGH as f64, counts));
+    }
+}
+
 /// A halt of what came to the limit as slowly as a cycle may stop keeps it there.
 ///
 /// Proves: MACS-LIM-04
