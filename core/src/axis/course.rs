@@ -199,11 +199,14 @@ impl Axis {
             // A sine runs its acceleration out first, and so might pass the target: then the old plan, which slows down
             // already, is kept, and asked again in the next cycle. So is one that passes its target into the next goal, where
             // there is no room left to slow down before.
-            let now = self.command;
+            let (now, here) = (self.base(), self.command.position);
             let brakes = now.velocity * now.acceleration < 0.0 && now.velocity.abs() <= self.override_velocity();
             let keeps = course.pass != 0.0 || brakes && course.end_velocity() == 0.0;
-            let turns = keeps && course.aim_is_passed(&next, now.position);
-            if turns || self.check_course(&next, self.base(), course.limits).is_err() {
+            let turns = keeps && course.aim_is_passed(&next, here);
+            let ((low, high), (down, up)) = (next.extent_from(here), self.overlay_ahead());
+            // One without end is watched in each cycle.
+            let fits = next.end_velocity() != 0.0 || self.check_range(low + down, high + up).is_ok();
+            if turns || !fits || self.check_course(&next, now, course.limits).is_err() {
                 return;
             }
             self.generator = super::Generator::Plan(next);

@@ -84,12 +84,21 @@ impl Axis {
             let is_added = next.position != base.position;
             let next = self.forward(cx, next);
             if !self.stop_at_switch(cx, next) && !self.stop_at_limit(cx, next, is_added) {
-                self.command = next;
+                let is_planned = matches!(self.generator, Generator::Plan(_)) && !is_added;
+                self.command = if is_planned { self.rounded(next) } else { next };
             }
         }
         if self.command.velocity != 0.0 {
             self.last_direction = self.command.velocity;
         }
+    }
+
+    /// What a plan goes beyond a limit by nothing but its rounding stays on it: the whole increment below it would not.
+    fn rounded(&self, next: Motion) -> Motion {
+        let [low, high] = [false, true].map(|up| Position::whole(self.limit(up)));
+        let within = next.position.max(low).min(high);
+        let is_rounding = (next.position - within).to_f64().abs() <= course::ROUNDING;
+        Motion { position: if is_rounding { within } else { next.position }, ..next }
     }
 
     /// The motion of this cycle by the course under way; at its end, what comes next begins.
@@ -422,10 +431,13 @@ impl Axis {
     /// A plan to rest with `limits`, or as much more as it takes to stay within the limit.
     pub(super) fn plan_stop(&self, from: Motion, limits: &Limits) -> Plan {
         let is_up = from.velocity > 0.0;
-        let cycle_s = self.cycle_s();
-        let ends_here = from.velocity.abs() <= self.stop_limits().deceleration * cycle_s + self.uneven() / cycle_s;
+        // (inc per cycle)
+        let less = self.stop_limits().deceleration * self.cycle_s() * self.cycle_s();
+        let uneven = self.uneven();
+        let most = less + uneven + (2.0 * uneven * less).sqrt() + ROUNDING;
+        let ends_here = from.velocity.abs() * self.cycle_s() <= most;
         if from.velocity != 0.0 && ends_here && from.position == Position::whole(self.limit(is_up)) {
-            // There is no way left, and none was kept as it was so slow.
+            // There is no way left, and none was kept as it was so slow, or as its counts are so coarse.
             return profile::stop(Motion::at_rest(from.position), limits, self.setup.cycle_ns);
         }
         let plan = profile::stop(from, limits, self.setup.cycle_ns);

@@ -267,6 +267,34 @@ fn a_velocity_of_an_increment_in_many_cycles_ends_at_the_limit() {
     }
 }
 
+/// The override comes back while the axis brakes, and is asked again in each cycle, until the new plan fits. That what is
+/// superimposed speeds the axis up meanwhile changes nothing: the way below it and the rest of what is added count together.
+#[test]
+fn an_override_that_comes_back_below_a_superimposed_motion_keeps_the_limit() {
+    let mut rig = cell(1, 155_020.447_424_407_32, 1);
+    set(&mut rig, X, "profile", Value::Int(1));
+    set(&mut rig, X, "velocity_override", Value::Real(21.637_311_118_131_63));
+    rig.give(Action::Move(at(LINE, 1_000.0)));
+    rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 3, 2)));
+    rig.run(13);
+    rig.give(Action::Move(Move { mode: MoveMode::Superimposed, ..to(X, -26) }));
+    rig.run(365);
+    rig.give(Action::Move(to(X, LOW + 1)));
+    rig.run(1);
+    rig.give(Action::Move(to(X, LOW)));
+    set(&mut rig, X, "velocity_override", Value::Real(100.0));
+    rig.run(201);
+    let added = rig.give(Action::Move(Move { mode: MoveMode::Superimposed, ..to(X, 24) }));
+    assert!(rig.was_accepted(added));
+    let mut highest = LOW as f64;
+    for _ in 0..2_000 {
+        rig.run(1);
+        highest = highest.max(place(&rig));
+    }
+    assert!(highest < HIGH as f64, "{highest}");
+    assert_eq!((rig.state("x"), errors(&rig)), ("STANDSTILL", vec![]));
+}
+
 #[derive(Clone, Debug)]
 enum Happening {
     Couple {
