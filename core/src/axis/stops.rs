@@ -254,6 +254,7 @@ impl Axis {
         }
         self.holding.aborted = false;
         let before = std::mem::replace(&mut self.error, Code::NONE);
+        self.wf.take_reset();
         let was_braked = std::mem::take(&mut self.brake);
         if matches!(self.power, Power::DriveStops { .. }) {
             self.power = Power::Off;

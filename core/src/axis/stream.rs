@@ -4,7 +4,8 @@
 //!          that has had none for longer than `setpoint_timeout` stops, and says so; one whose setpoint was asked for so
 //!          long and no longer stops then, and is free for the next one on its way
 //! Refuses  what it may not follow: told once by a warning with the reason, and again when that changes or the stream was silent
-//!          between. A setpoint of 0 asks for nothing that anybody would miss, and is not told of
+//!          between. A setpoint of 0 asks for nothing that anybody would miss, and is not told of. Where the newest one leads
+//!          into a limit, or backwards against REVERS, the one before is asked for no more: the axis stops
 
 use super::course::Aim;
 use super::goal::NO_NUMBERS;
@@ -65,22 +66,34 @@ impl Axis {
     }
 
     fn take_setpoint(&mut self, cx: &mut Context<'_>, Setpoint { velocity, duration }: Setpoint) {
-        match self.check_setpoint(velocity) {
-            Ok(true) => {
-                self.streamed = Streamed { age: 0, duration, silence: 0, told: Code::NONE };
-                if velocity != 0.0 || !self.rests() {
-                    self.stream_at(cx, velocity);
+        let mut told = Code::NONE;
+        let velocity = match self.check_setpoint(velocity) {
+            Ok(true) => velocity,
+            Ok(false) => return,
+            Err(refusal) => {
+                if velocity != 0.0 && self.streamed.told != refusal.code {
+                    self.streamed.told = refusal.code;
+                    let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
+                    cx.events.push(event.with(refusal.asked, refusal.limit));
                 }
+                let is_barred = matches!(refusal.code, Code::LIMIT_VIOLATION | Code::REVERSE_FORBIDDEN);
+                if !(is_barred && self.streams()) {
+                    // One that is not followed is no sign of life.
+                    return;
+                }
+                told = refusal.code;
+                0.0
             }
-            Ok(false) => {}
-            // One that is not followed is no sign of life.
-            Err(refusal) if velocity != 0.0 && self.streamed.told != refusal.code => {
-                self.streamed.told = refusal.code;
-                let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
-                cx.events.push(event.with(refusal.asked, refusal.limit));
-            }
-            Err(_) => {}
+        };
+        self.streamed = Streamed { age: 0, duration, silence: 0, told };
+        if velocity != 0.0 || !self.rests() {
+            self.stream_at(cx, velocity);
         }
+    }
+
+    /// Does a setpoint move it?
+    fn streams(&self) -> bool {
+        self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream
     }
 
     /// May the axis follow it? Not yet, where it comes to rest by itself.
@@ -92,8 +105,7 @@ impl Axis {
             return Err(Refusal::new(Code::SETPOINT_NO_NUMBER, self.object()));
         }
         self.check_free()?;
-        let streams = self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream;
-        if !streams && self.state != AxisState::Standstill {
+        if !self.streams() && self.state != AxisState::Standstill {
             let stops = matches!(&self.generator, Generator::Plan(course) if course.aim == Aim::Stop);
             return if stops { Ok(false) } else { refuse(Code::STREAM_BUSY, Number::None) };
         }

@@ -8,7 +8,7 @@ use crate::command::{Disengage, SyncMode};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::{AxisParameters, Change, Row};
 use crate::position::Position;
-use crate::profile::Motion;
+use crate::profile::{Limits, Motion};
 use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
 use crate::sync::Leads;
@@ -43,8 +43,7 @@ impl Axis {
             // Not before its brake is open, and no more once that closes.
             on: matches!(self.power, Power::On | Power::SwitchingOff),
             closing: matches!(self.power, Power::Closing { .. }),
-            locked: matches!(self.state, AxisState::ErrorStop | AxisState::Stopping)
-                || self.power == Power::On && !self.open_contact.is_none(),
+            locked: self.is_locked(),
             in_error: self.state == AxisState::ErrorStop,
             error: self.error,
             contact: self.open_contact,
@@ -73,6 +72,12 @@ impl Axis {
             latches,
             index: self.index_of_cycle(),
         }
+    }
+
+    /// An error or a quick stop holds it, or an open contact while it is on.
+    fn is_locked(&self) -> bool {
+        matches!(self.state, AxisState::ErrorStop | AxisState::Stopping)
+            || self.power == Power::On && !self.open_contact.is_none()
     }
 
     pub(super) fn run_saia(
@@ -137,9 +142,16 @@ impl Axis {
     pub(super) fn run_wf(&mut self, cx: &mut Context<'_>, sequence: u64, request: &wf::Request) -> Result<(), Refusal> {
         self.awake.wf = true;
         let mut wf = self.wf;
-        let order = wf.run(request, &self.view(cx.cycle, Owner::Wf, cx.leads, cx.latches))?;
-        if let Some(order) = order {
-            self.obey(cx, Owner::Wf, order)?;
+        let asked = wf.run(request, &self.view(cx.cycle, Owner::Wf, cx.leads, cx.latches));
+        let done = asked.and_then(|order| order.map_or(Ok(()), |order| self.obey(cx, Owner::Wf, order)));
+        if let Err(refusal) = done {
+            // What cannot begin keeps nothing running that was let go (WF-SET-02).
+            wf = self.wf;
+            let Some(stop) = wf.release(request, &self.view(cx.cycle, Owner::Wf, cx.leads, cx.latches)) else {
+                return Err(refusal);
+            };
+            self.obey(cx, Owner::Wf, stop)?;
+            self.warn_of(cx, Owner::Wf, refusal);
         }
         self.wf = wf;
         self.accepted(cx, sequence);
@@ -194,11 +206,18 @@ impl Axis {
             let parameter = Row::find(problem.key).map(|(row, _)| row);
             cx.events.push(Event { parameter, ..event.with(problem.asked, problem.limit) });
         }
-        let failed = self.try_order(cx, Owner::Amc, step.order).is_some();
+        let failed = self.try_order(cx, Owner::Amc, step.order);
         let select = match step.order {
-            Some(Order::Home) if failed && before.waits() => amc.give_up_homing(),
-            _ if failed => amc.take_back(&before),
-            _ => step.select,
+            Some(Order::Home) if failed.is_some() && before.waits() => amc.give_up(),
+            _ => match failed {
+                Some(refusal) => {
+                    let view = self.view(cx.cycle, Owner::Amc, cx.leads, cx.latches);
+                    let (select, stop) = amc.order_failed(&before, &view, refusal.code);
+                    self.try_order(cx, Owner::Amc, stop);
+                    select
+                }
+                None => step.select,
+            },
         };
         // What the order made of the target.
         amc.follow_input(&self.view(cx.cycle, Owner::Amc, cx.leads, cx.latches));
@@ -208,8 +227,12 @@ impl Axis {
         self.write_selection(cx, select);
     }
 
-    /// Once its homing is done, the selector shows what it stands at now in that very cycle.
+    /// Once its homing is done, the selector shows what it stands at now in that very cycle; so it does once the axis is locked.
     pub(super) fn settle_selector(&mut self, cx: &mut Context<'_>) {
+        if self.awake.amc && self.is_locked() {
+            let select = self.amc.give_up();
+            return self.write_selection(cx, select);
+        }
         let has_homed = self.awake.amc && self.amc.homes() && !self.homing.is_running();
         if !has_homed || self.owner != Owner::Amc || self.state != AxisState::Standstill {
             return;
@@ -261,16 +284,36 @@ impl Axis {
         match step.order {
             Some(Order::Home) => self.check_configured_homing(cycle, candidate, false),
             Some(_) if amc.waits() => self.check_configured_homing(cycle, candidate, true),
-            Some(Order::Position { target, .. }) => {
+            Some(Order::Position { target, .. }) if amc.keeps_speed(&self.amc) => {
                 self.check_selectable()?;
                 self.check_target(target, candidate)
             }
-            Some(Order::Velocity { .. }) => self.check_selectable(),
+            Some(Order::Position { target, limits, .. }) => {
+                self.check_selectable()?;
+                self.check_target(target, candidate)?;
+                self.check_selected_way(cycle, Aim::Target(Position::whole(target.nearest())), limits)
+            }
+            // One that stays selected is overridden, not refused (AMC-SEL-09).
+            Some(Order::Velocity { .. }) if amc.keeps_speed(&self.amc) => self.check_selectable(),
+            Some(Order::Velocity { velocity, limits }) => {
+                self.check_selectable()?;
+                self.check_selected_way(cycle, Aim::velocity(velocity), limits)
+            }
             Some(Order::Gear { .. }) => {
                 self.check_selectable()?;
                 self.gear_of_selector(leads).map(|_| ())
             }
             _ => Ok(()),
+        }
+    }
+
+    /// May a reference that is selected lead this way? Its target and the software limits are checked by themselves.
+    fn check_selected_way(&self, cycle: u64, aim: Aim, limits: Limits) -> Result<(), Refusal> {
+        let course = self.course(cycle, self.present(), aim, limits);
+        self.check_course_forward(&course, self.present())?;
+        match aim {
+            Aim::Velocity(velocity) => self.check_velocity_switches(velocity),
+            _ => self.check_course_switches(&course, self.present()),
         }
     }
 
@@ -311,12 +354,16 @@ impl Axis {
     /// Does an order that no command waits for; what the axis refuses is told.
     fn try_order(&mut self, cx: &mut Context<'_>, owner: Owner, order: Option<Order>) -> Option<Refusal> {
         let refusal = self.obey(cx, owner, order?).err()?;
+        self.warn_of(cx, owner, refusal);
+        Some(refusal)
+    }
+
+    fn warn_of(&self, cx: &mut Context<'_>, owner: Owner, refusal: Refusal) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
         let event = Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) };
         // By it the sentence is told from that of a setpoint.
         let parameter = if owner == Owner::Amc { Row::find("amc.reference_select") } else { None };
         cx.events.push(Event { parameter: parameter.map(|(row, _)| row), ..event });
-        Some(refusal)
     }
 
     /// Nothing lets the axis go on in the cycle of a stop that locks.
@@ -341,13 +388,14 @@ impl Axis {
     /// # Errors
     /// What limits or state forbid; nothing is changed then.
     pub(crate) fn obey(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
-        let moves = matches!(order, Order::Position { .. } | Order::Velocity { .. } | Order::Gear { .. });
-        if !moves || owner != Owner::Amc || !self.homes_for(owner) {
+        if owner != Owner::Amc || !self.homes_for(owner) {
             return self.carry_out(cx, owner, order);
         }
-        // Another reference ends homing (AMC-FSM-02..07): limits hold for it as they do beside homing.
+        // Another reference ends homing (AMC-FSM-01..07): limits hold for it as they do beside homing.
         let homing = self.homing;
-        self.homing.leave();
+        if matches!(order, Order::Position { .. } | Order::Velocity { .. } | Order::Gear { .. }) {
+            self.homing.leave();
+        }
         let result = self.carry_out(cx, owner, order);
         if result.is_ok() {
             let left = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LEFT);

@@ -31,3 +31,4 @@ mod superimposed;
 mod synchronize;
 mod together;
 mod trajectory;
+mod turned;

@@ -199,12 +199,16 @@ impl Axis {
     pub(super) fn start_reference_travel(&mut self, cx: &mut Context<'_>, travel: &Travel) -> Result<(), Refusal> {
         self.check_homing()?;
         let way = f64::from(travel.direction);
-        self.check_forward(way)?;
-        if travel.back {
-            self.check_forward(-way)?;
-        }
-        let [fast, ..] = travel.speeds;
+        let [fast, reduced, _] = travel.speeds;
         let is_open = self.is_open_loop();
+        self.check_forward(way * fast)?;
+        if travel.back {
+            self.check_forward(-way * reduced)?;
+        }
+        // From the mark back to the reference point.
+        if !is_open && travel.shift < 0 {
+            self.check_forward(-fast)?;
+        }
         let run = Run {
             method: if travel.back { methods::REFERENCE_TRAVEL_BACK } else { methods::REFERENCE_TRAVEL },
             sense: travel.direction.signum(),

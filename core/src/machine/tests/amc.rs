@@ -325,6 +325,24 @@ fn holding_after_a_speed_or_a_goal_stays_where_the_profile_was() {
     assert_eq!(rig.int("y.command.position"), rig.int("y.amc.profile_input_position"));
 }
 
+/// Whatever locks the axis takes the reference in its cycle: a following error, also one of another axis that stops all.
+#[test]
+fn an_error_takes_the_reference_in_its_cycle() {
+    let mut config = wired();
+    config.axes[usize::from(X)].parameters.supervision.following_error_stops_all = 1;
+    let mut rig = enabled(config);
+    for axis in [X, Y] {
+        set(&mut rig, axis, &[("reference_select", 2)]);
+    }
+    rig.run(10);
+    rig.plant.drive(0).unwrap().jump(-5_000);
+    rig.run_until("x.state", 7);
+    for (axis, name) in [(X, "x"), (Y, "y")] {
+        assert_eq!((rig.state(name), rig.int(&format!("{name}.amc.select"))), ("ERROR_STOP", 0));
+        assert_eq!(rig.machine.parameters(axis).unwrap().amc.reference_select, 0, "{name}");
+    }
+}
+
 /// The gear's stop without a profile, and what `synchronize` takes away.
 #[test]
 fn a_gear_is_left_at_once_and_taken_by_a_coupling() {

@@ -218,6 +218,32 @@ fn a_break_stops_all_until_continue() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
+/// The selector is without a reference from the cycle of the edge on, as after a quick stop: the cycle behind it refuses every
+/// selection, also that of what was in force.
+///
+/// Proves: MACS-IO-08
+#[test]
+fn a_break_takes_the_reference_of_the_selector_in_its_cycle() {
+    let mut cell = with_io();
+    cell.global.parameters.i_break = 1;
+    let mut rig = ready(cell);
+    for axis in [LINE, X] {
+        let selected = rig.give(set(axis, "amc.reference_select", 2));
+        assert!(rig.was_accepted(selected));
+    }
+    rig.run(10);
+    rig.plant.set_digital(0, true);
+    rig.run(1);
+    for axis in [LINE, X] {
+        let name = if axis == X { "x" } else { "line" };
+        assert_eq!((rig.state(name), rig.int(&format!("{name}.amc.select"))), ("STOPPING", 0));
+        assert_eq!(rig.machine.parameters(axis).unwrap().amc.reference_select, 0, "{name}");
+    }
+    let x = rig.give_all(vec![set(LINE, "amc.reference_select", 2), set(X, "amc.reference_select", 2)]);
+    let why = "i_break has stopped the axis; i_continue or reset_errors lets it go on";
+    assert_eq!((rig.refusal(x - 1), rig.refusal(x)), (format!("line: {why}"), format!("x: {why}")));
+}
+
 /// A quick stop keeps its lock: a break on top of it is nothing that I_CONTINUE could take back.
 ///
 /// Proves: MACS-IO-08, MACS-IO-09

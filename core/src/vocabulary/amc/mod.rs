@@ -56,6 +56,8 @@ pub struct Amc {
     stop: Position,
     /// A software limit overrides the speed reference.
     limited: bool,
+    /// The axis may not go where the speed reference leads: it stands until that changes.
+    barred: bool,
     /// Reference 5 is in force, and its homing begins once the axis stands.
     waits: bool,
 }
@@ -123,7 +125,7 @@ impl Amc {
         match self.refer(view, &before, past) {
             Ok(order) => step.order = order,
             Err(problem) => {
-                step.select = self.take_back(&before);
+                (step.select, step.order) = self.order_failed(&before, view, problem.code);
                 step.problem = Some(problem);
             }
         }
@@ -133,17 +135,36 @@ impl Amc {
         step
     }
 
-    /// The axis could not do what the step asked, or the step itself could not: what was in force stays so, and the change
-    /// is past. Gives 34.007 as it is then.
-    pub(crate) fn take_back(&mut self, before: &Self) -> i64 {
-        (self.select, self.input, self.stop, self.limited) = (before.select, before.input, before.stop, before.limited);
-        self.waits = before.waits;
-        self.select
+    /// The axis could not do what the step asked, or the step itself could not. A reference that was to come into force does
+    /// not, and the one before goes on. A speed that was in force already leads elsewhere now, and what it was before is not
+    /// asked for any more: the axis stops, and the speed stays selected (AMC-SEL-09). A place before has an end, and stays in
+    /// force where only the way to the new one is not there. Gives 34.007 as it is then, and the stop.
+    pub(crate) fn order_failed(&mut self, before: &Self, view: &View<'_>, code: Code) -> (i64, Option<Order>) {
+        if self.select != before.select {
+            // What has changed of the reference before is seen by the next step.
+            *self = Self { trigger: self.trigger, ..*before };
+            return (self.select, None);
+        }
+        if self.select == SPEED {
+            (self.limited, self.barred) = (false, true);
+            return (SPEED, Some(Order::Stop { limits: view.largest_limits() }));
+        }
+        if matches!(code, Code::LIMIT_VIOLATION | Code::REVERSE_FORBIDDEN) {
+            self.rest(STOP);
+            return (STOP, Some(self.begin_stop(view)));
+        }
+        (self.input, self.stop) = (before.input, before.stop);
+        (self.select, None)
+    }
+
+    /// Did this speed reference stay in force since that one?
+    pub(crate) fn keeps_speed(&self, before: &Self) -> bool {
+        self.select == SPEED && before.select == SPEED
     }
 
     /// Nothing is in force; gives a step that leaves 34.007 at `written`.
     fn rest(&mut self, written: i64) -> Step {
-        (self.select, self.waits) = (STOP, false);
+        (self.select, self.waits, self.barred) = (STOP, false, false);
         Step::idle(written)
     }
 
@@ -163,8 +184,9 @@ impl Amc {
         self.begin_stop(view)
     }
 
-    /// Homing that waited for the axis to stand is not to be, or is given up; gives 34.007 as it is then.
-    pub(crate) fn give_up_homing(&mut self) -> i64 {
+    /// Nothing is in force any more: the axis is locked, or the homing that waited for it to stand is not to be. Gives 34.007
+    /// as it is then.
+    pub(crate) fn give_up(&mut self) -> i64 {
         self.rest(STOP).select
     }
 
@@ -221,6 +243,8 @@ impl Amc {
         if self.select != SPEED || enters {
             self.limited = false;
         }
+        let turns = self.select != SPEED || enters || self.speed != before.speed;
+        self.barred &= !turns;
         let circle = Circle::new(view.modulo);
         match self.select {
             STOP if enters => Ok(Some(self.begin_stop(view))),
@@ -235,7 +259,8 @@ impl Amc {
             }
             POSITION_RELATIVE if changed => self.add(view, circle.exact(Position::whole(self.reference)), enters),
             POSITION_PROFILE if enters => Ok(self.go(view)),
-            SPEED => Ok(self.run(view, enters || self.speed != before.speed)),
+            SPEED if self.barred => Ok(None),
+            SPEED => Ok(self.run(view, turns)),
             GEAR if enters => Ok(Some(Order::Gear { past })),
             HOME if enters && !view.idle && !view.homing => {
                 self.waits = true;
@@ -271,8 +296,8 @@ impl Amc {
 
     /// Could its state have come about? One that was read from outside may hold anything.
     pub(crate) fn is_sound(&self) -> bool {
-        let waits = !self.waits || self.select == HOME;
-        (0..=POSITION_PROFILE).contains(&self.select) && waits && self.input.is_sound() && self.speed.is_finite()
+        let kept = (!self.waits || self.select == HOME) && (!self.barred || self.select == SPEED);
+        (0..=POSITION_PROFILE).contains(&self.select) && kept && self.input.is_sound() && self.speed.is_finite()
     }
 }
 

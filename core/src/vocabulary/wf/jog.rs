@@ -5,7 +5,7 @@
 //! Source   WF-SET-01, WF-SET-02, WF-LIM-02, WF-LIM-03
 
 use super::program::check_speed;
-use super::request::{FULL_SPEED, Speed};
+use super::request::{FULL_SPEED, Mode, Request, Speed};
 use super::steps::Steps;
 use super::{Objection, State, Wf, is_moved, is_open};
 use crate::code::Code;
@@ -42,6 +42,17 @@ impl Wf {
         self.speed = programmed;
         let limits = p.wf.limits(velocity, view.largest_limits());
         Ok(Some(Order::Velocity { velocity: f64::from(direction) * velocity, limits }))
+    }
+
+    /// The stop of an axis that ran by an input which the verb releases; none where that ran nothing.
+    pub(crate) fn release(&mut self, request: &Request, view: &View<'_>) -> Option<Order> {
+        let jog = request.jog?;
+        let runs = self.mode == Mode::Jog && view.owns && self.is_running() && !self.ending;
+        if !runs || jog.direction() == self.direction {
+            return None;
+        }
+        self.jog = jog;
+        self.stop(view)
     }
 
     fn jog_open(&mut self, view: &View<'_>, programmed: i64) -> Result<Order, Objection> {

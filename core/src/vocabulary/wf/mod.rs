@@ -120,8 +120,6 @@ pub struct Wf {
     switched_off: u64,
     speed_valid: bool,
     alarm: u8,
-    /// The axis has been seen in the error that the alarm made.
-    was_in_error: bool,
     /// Zero of the programmed positions (actual value preset).
     preset: Position,
     synchronized: bool,
@@ -220,17 +218,8 @@ impl Wf {
         if let Some(order) = self.watch_following_error(view) {
             return Some(order);
         }
-        match self.state {
-            State::Idle => return None,
-            State::Alarm => {
-                // reset_errors acknowledges the alarm with the error that it made.
-                if self.was_in_error && !view.in_error {
-                    self.clear_alarm();
-                }
-                self.was_in_error = view.in_error;
-                return None;
-            }
-            _ => {}
+        if matches!(self.state, State::Idle | State::Alarm) {
+            return None;
         }
         if self.mode == Mode::Reference {
             self.step_travel(view);
@@ -347,6 +336,13 @@ impl Wf {
         Some(Order::Reset)
     }
 
+    /// The error of the axis is cleared: that acknowledges the alarm as well, whether it has stopped the axis or not.
+    pub(crate) fn take_reset(&mut self) {
+        if self.alarm != 0 {
+            self.clear_alarm();
+        }
+    }
+
     fn clear_alarm(&mut self) {
         self.alarm = 0;
         self.leave();
@@ -392,7 +388,6 @@ impl Wf {
         self.leave();
         self.state = State::Alarm;
         self.alarm = alarm;
-        self.was_in_error = false;
         Some(Order::Fail { code, found: Number::Position(found), allowed: Number::Position(allowed) })
     }
 
@@ -401,7 +396,6 @@ impl Wf {
         self.leave();
         self.state = State::Alarm;
         self.alarm = alarm;
-        self.was_in_error = true;
     }
 
     /// SETTLE and DONE: position reached and held (WF-PEH-01 to 03).

@@ -76,7 +76,7 @@ impl Wf {
     pub(super) fn step_travel(&mut self, view: &View<'_>) {
         if view.error == Code::WF_NO_ZERO_MARK {
             self.leave();
-            (self.state, self.alarm, self.was_in_error) = (State::Alarm, 9, true);
+            (self.state, self.alarm) = (State::Alarm, 9);
         } else if !view.owns || !view.free {
             self.leave();
         } else if self.ending {

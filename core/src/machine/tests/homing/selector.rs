@@ -99,6 +99,35 @@ fn another_reference_ends_homing_and_says_so() {
     }
 }
 
+/// Reference 0 ends it as the others do: written, triggered, or selected by a following error. The axis stops.
+///
+/// Proves: AMC-FSM-01, AMC-STP-06
+#[test]
+fn reference_0_ends_homing_and_says_so() {
+    for (key, number) in [("reference_select", 0), ("reference_select_trigger", 0), ("following_error_window", 1)] {
+        for stop_mode in 0..4 {
+            let trigger = i64::from(key == "reference_select_trigger") * 5;
+            let mut rig = amc_with(3, |cell| cell.axes[usize::from(X)].parameters.amc.stop_mode = stop_mode);
+            select(&mut rig, &[("reference_select_trigger", Value::Int(trigger)), ("reference_select", Value::Int(5))]);
+            rig.run(200);
+            assert_eq!((rig.state("x"), warnings(&rig).len()), ("HOMING", 0));
+            select(&mut rig, &[(key, Value::Int(number))]);
+            let jumps = key == "following_error_window";
+            if jumps {
+                rig.tamper = |inputs| inputs.drive.iter_mut().for_each(|drive| drive.count -= 5);
+            }
+            rig.run(3);
+            if jumps && stop_mode < 2 {
+                assert_eq!((rig.state("x"), warnings(&rig).len()), ("HOMING", 0), "stop mode {stop_mode}");
+                continue;
+            }
+            assert_eq!(warnings(&rig), [LEFT], "{key}, stop mode {stop_mode}");
+            rig.run(100);
+            assert_eq!((shown(&rig), rig.int("x.homed"), rig.real("x.command.velocity")), ((0, 0, 0), 0, 0.0));
+        }
+    }
+}
+
 /// Nothing else is to begin while a goal homes the axis: refused at the door, and nothing is changed.
 #[test]
 fn a_selection_waits_for_the_homing_of_a_goal() {

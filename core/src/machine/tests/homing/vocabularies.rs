@@ -6,7 +6,6 @@ use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::MachineConfig;
 use crate::drive::Interface;
-use crate::event::Kind;
 use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
 use crate::sim::{Fixtures, Model, VelocityLag};
@@ -180,15 +179,32 @@ fn a_side_of_the_cam_that_there_is_not_is_refused() {
 
 #[test]
 fn an_axis_that_may_not_go_back_does_not_turn_round_on_the_cam() {
-    for (side, accepted) in [(0, true), (1, true), (2, false)] {
+    let cases = [
+        (0, 0, Jog::Plus, None),
+        (1, 0, Jog::Plus, None),
+        // At the speed of the way that leads back: 4 and 10 hundredths of 100 mm/s.
+        (2, 0, Jog::Plus, Some("-4")),
+        (0, 0, Jog::Minus, Some("-10")),
+        // The reference point lies behind the mark.
+        (0, -120, Jog::Plus, Some("-10")),
+        (0, 120, Jog::Plus, None),
+    ];
+    for (side, shift, direction, refused) in cases {
         let mut rig = wf(START, |cell| {
             let p = &mut cell.axes[usize::from(X)].parameters;
             assign(p, "wf.md7", Value::Int(side));
+            assign(p, "wf.md17", Value::Int(shift));
             assign(p, "revers", Value::Int(2));
         });
-        let sequence = jog(&mut rig, Jog::Plus);
-        let refusals = rig.events.iter().filter(|event| event.command == sequence && event.kind == Kind::Refused);
-        assert_eq!(refusals.count() == 0, accepted, "side {side}");
+        let sequence = jog(&mut rig, direction);
+        match refused {
+            None => assert!(rig.was_accepted(sequence), "side {side}, md17 {shift}"),
+            Some(speed) => {
+                let sentence =
+                    format!("x: velocity {speed} mm/s leads backwards, which revers forbids; 0 or more is allowed");
+                assert_eq!(rig.refusal(sequence), sentence, "side {side}, md17 {shift}");
+            }
+        }
     }
 }
 

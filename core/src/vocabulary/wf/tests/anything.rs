@@ -106,6 +106,9 @@ impl Bench {
             Happening::Off(off) => (self.on, self.velocity) = (!off, if *off { 0.0 } else { self.velocity }),
             Happening::Error(error) => {
                 (self.in_error, self.velocity) = (*error, if *error { 0.0 } else { self.velocity });
+                if !*error {
+                    self.wf.take_reset();
+                }
             }
             Happening::Offset(offset) => self.parameters.wf.zero_offset = (*offset).clamp(-MM * 1000, MM * 1000),
         }

@@ -170,8 +170,39 @@ fn alarm_10_comes_in_travel_and_alarm_11_at_standstill() {
     rig.run(2);
     assert_eq!((rig.int("x.wf.alarm"), rig.int("x.error")), (11, 1011));
     rig.act(Action::ResetErrors(AxisSet::first(1)));
-    rig.run(2);
-    assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0));
+    assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0), "in one cycle");
+    assert_eq!(rig.give(&start(Mode::Mdi, &[at(50, 50.0)])), None);
+}
+
+/// With error_reaction 5 an alarm stops nothing. What clears the error acknowledges it all the same, in that cycle, and the
+/// next one is told again.
+///
+/// Proves: WF-MON-04, WF-MON-06
+#[test]
+fn an_alarm_that_stops_nothing_is_acknowledged_with_its_error() {
+    let mut config = config();
+    config.axes[0].parameters.wf.max_following_error = Some(500);
+    config.axes[0].parameters.max_following_error = 100_000;
+    config.axes[0].parameters.error_reaction = 5;
+    let mut rig = Rig::of(config);
+    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::Wf(Box::new(reset()))] {
+        let told = rig.errors().len();
+        rig.plant.drive(0).unwrap().jump(-600);
+        rig.run(2);
+        assert_eq!((rig.int("x.wf.alarm"), rig.int("x.error"), rig.int("x.state")), (11, 1011, 1));
+        assert_eq!(rig.errors().len(), told + 1);
+        assert_eq!(rig.give(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::WF_ALARM_WAITS));
+        assert_eq!(rig.act(acknowledge.clone()), None);
+        assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0));
+        assert_eq!(rig.give(&start(Mode::Mdi, &[at(if told == 0 { 100 } else { 0 }, 50.0)])), None);
+        rig.run(1000);
+        rig.plant.drive(0).unwrap().jump(-600);
+        rig.run(2);
+        assert_eq!((rig.int("x.wf.alarm"), rig.int("x.error"), rig.errors().len()), (10, 1010, told + 2));
+        rig.run_until("x.state", 1);
+        assert_eq!(rig.act(acknowledge), None);
+        assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0));
+    }
 }
 
 fn watched(allowed: Option<i64>) -> Rig {

@@ -177,6 +177,7 @@ fn reset_acknowledges_the_alarm_and_so_does_reset_errors() {
     let mut bench = done();
     bench.at(510 * MM).wait(3);
     bench.in_error = false;
+    bench.wf.take_reset();
     bench.wait(1);
     assert_eq!((bench.state(), bench.int(WfSignal::Alarm)), ("IDLE", 0));
 }
