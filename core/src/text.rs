@@ -2,8 +2,7 @@
 //!
 //! Every sentence names the object, what was asked or found, and what is allowed, in the axis' own units.
 
-use crate::axis::AXIS_STATES;
-use crate::code::Code;
+use crate::axis::{AXIS_STATES, STREAM};
 use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
@@ -21,21 +20,6 @@ pub use set::{cell_has, not_built_here};
 
 use reason::reason;
 
-/// Warnings that streamed setpoints have, and beside them only what names a parameter: the reference selector.
-const STREAMED: &[Code] = &[
-    Code::HOMING_REQUIRED,
-    Code::HOMING_UNDER_WAY,
-    Code::NOT_ENABLED,
-    Code::IN_ERROR,
-    Code::QUICK_STOPPED,
-    Code::INTERRUPTED,
-    Code::ABORTED,
-    Code::VELOCITY_TOO_HIGH,
-    Code::LIMIT_VIOLATION,
-    Code::STREAM_BUSY,
-    Code::SETPOINT_NO_NUMBER,
-];
-
 /// The sentence of an event.
 pub fn sentence(event: &Event, config: &MachineConfig) -> String {
     let name = config.name(event.source);
@@ -51,7 +35,7 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
         }
         Kind::Reset => format!("reset after: {}", reason(event, config)),
         Kind::Done if event.code.is_none() => "done".to_owned(),
-        Kind::Warning if STREAMED.contains(&event.code) && event.parameter.is_none() => {
+        Kind::Warning if row(event).is_some_and(|row| row.key == STREAM) => {
             format!("streamed setpoints are not followed: {}", reason(event, config))
         }
         _ => reason(event, config),
@@ -148,6 +132,7 @@ fn plain(number: Number) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::code::Code;
     use crate::event::{Event, Severity};
 
     #[test]

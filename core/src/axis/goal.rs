@@ -105,6 +105,11 @@ impl Axis {
     /// A motion command needs an axis that is ready, knows its zero where it must, and does not look for it.
     pub(super) fn check_free(&self) -> Result<(), Refusal> {
         self.check_ready()?;
+        self.check_settled()
+    }
+
+    /// It knows its zero where it must, and does not look for it.
+    pub(super) fn check_settled(&self) -> Result<(), Refusal> {
         if self.homing.is_running() {
             return Err(self.refuse(Code::HOMING_UNDER_WAY));
         }

@@ -41,6 +41,7 @@ pub use modulo::Modulo;
 pub use reaction::{Class, class, stops_all};
 pub use safety::{Fault, Safety};
 pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, HOMING_PHASES, HomingPhase, REFERENCES, Reference};
+pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
 pub use track::{Run, Violation};

@@ -12,9 +12,13 @@ use super::goal::NO_NUMBERS;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
+use crate::parameter::Row;
 use crate::vocabulary::Owner;
 use crate::{command::Setpoint, event::Refusal};
 use serde::{Deserialize, Serialize};
+
+/// The parameter by which warnings of streams are told from those of what else moves an axis.
+pub(crate) const STREAM: &str = "setpoint_timeout";
 
 /// What an axis knows of its setpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,7 +78,8 @@ impl Axis {
                 if velocity != 0.0 && self.streamed.told != refusal.code {
                     self.streamed.told = refusal.code;
                     let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
-                    cx.events.push(event.with(refusal.asked, refusal.limit));
+                    let parameter = Row::find(STREAM).map(|(row, _)| row);
+                    cx.events.push(Event { parameter, ..event.with(refusal.asked, refusal.limit) });
                 }
                 let is_barred = matches!(refusal.code, Code::LIMIT_VIOLATION | Code::REVERSE_FORBIDDEN);
                 if !(is_barred && self.streams()) {

@@ -1,12 +1,14 @@
 //! The vocabularies on an axis: their verbs and steps, and what their orders do.
 
-use super::course::Aim;
+mod saia;
+
+use super::course::{Aim, Course};
 use super::power::Power;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::command::{Disengage, SyncMode};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::parameter::{AxisParameters, Change, Row};
+use crate::parameter::{AxisParameters, Row};
 use crate::position::Position;
 use crate::profile::{Limits, Motion};
 use crate::signal::Board;
@@ -15,7 +17,7 @@ use crate::sync::Leads;
 use crate::sync::follower::{Bounds, Follower};
 use crate::sync::gear::{Gear, Ratio};
 use crate::vocabulary::amc::{self, Amc, AmcSignal};
-use crate::vocabulary::saia::{self, SaiaSignal};
+use crate::vocabulary::saia::SaiaSignal;
 use crate::vocabulary::wf::{self, WfSignal};
 use crate::vocabulary::{Latched, Order, Owner, View};
 use serde::{Deserialize, Serialize};
@@ -80,65 +82,6 @@ impl Axis {
             || self.power == Power::On && !self.open_contact.is_none()
     }
 
-    pub(super) fn run_saia(
-        &mut self,
-        cx: &mut Context<'_>,
-        sequence: u64,
-        request: &saia::Request,
-    ) -> Result<(), Refusal> {
-        self.awake.saia = true;
-        let mut parameters = self.parameters;
-        for (register, value) in request.registers() {
-            let Some((place, row)) = register.row() else { continue };
-            let refusal = Refusal::new(Code::PARAMETER_OUT_OF_RANGE, self.object());
-            let number = Change { axis: self.setup.index, row: place, value }.number();
-            let refusal = Refusal { parameter: Some(place), ..refusal.with(number, Number::None) };
-            row.assign(&mut parameters, value).map_err(|_| refusal)?;
-        }
-        let barred = self.check_stop_of(cx.cycle).err();
-        let (mut saia, mut outcome) = self.ask_saia(cx, &parameters, request, barred)?;
-        if let Some(order) = outcome.order
-            && let Err(refusal) = self.obey(cx, Owner::Saia, order)
-        {
-            if parameters.saia.refuses() {
-                return Err(refusal);
-            }
-            // The start fails, what stands beside it does not.
-            (saia, outcome) = self.ask_saia(cx, &parameters, request, Some(refusal))?;
-            if let Some(order) = outcome.order {
-                self.obey(cx, Owner::Saia, order)?;
-            }
-        }
-        self.saia = saia;
-        self.parameters = parameters;
-        self.accepted(cx, sequence);
-        for (register, value) in request.registers() {
-            let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE).of_command(sequence);
-            let Some((row, _)) = register.row() else { continue };
-            let number = Change { axis: self.setup.index, row, value }.number();
-            cx.events.push(Event { parameter: Some(row), ..event.with(number, Number::None) });
-        }
-        for refusal in outcome.errors.iter().flatten() {
-            let event = Event { kind: Kind::Warning, ..refusal.event(sequence) };
-            cx.events.push(Event { position: self.command.position, ..event });
-        }
-        Ok(())
-    }
-
-    /// What the verb does to a copy of the vocabulary, with these parameters.
-    fn ask_saia(
-        &self,
-        cx: &Context<'_>,
-        parameters: &AxisParameters,
-        request: &saia::Request,
-        barred: Option<Refusal>,
-    ) -> Result<(saia::Saia, saia::Outcome), Refusal> {
-        let mut saia = self.saia;
-        let view = View { parameters, ..self.view(cx.cycle, Owner::Saia, cx.leads, cx.latches) };
-        let outcome = saia.run(request, &view, barred)?;
-        Ok((saia, outcome))
-    }
-
     pub(super) fn run_wf(&mut self, cx: &mut Context<'_>, sequence: u64, request: &wf::Request) -> Result<(), Refusal> {
         self.awake.wf = true;
         let mut wf = self.wf;
@@ -151,7 +94,7 @@ impl Axis {
                 return Err(refusal);
             };
             self.obey(cx, Owner::Wf, stop)?;
-            self.warn_of(cx, Owner::Wf, refusal);
+            self.warn_of(cx, refusal);
         }
         self.wf = wf;
         self.accepted(cx, sequence);
@@ -354,16 +297,13 @@ impl Axis {
     /// Does an order that no command waits for; what the axis refuses is told.
     fn try_order(&mut self, cx: &mut Context<'_>, owner: Owner, order: Option<Order>) -> Option<Refusal> {
         let refusal = self.obey(cx, owner, order?).err()?;
-        self.warn_of(cx, owner, refusal);
+        self.warn_of(cx, refusal);
         Some(refusal)
     }
 
-    fn warn_of(&self, cx: &mut Context<'_>, owner: Owner, refusal: Refusal) {
+    fn warn_of(&self, cx: &mut Context<'_>, refusal: Refusal) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
-        let event = Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) };
-        // By it the sentence is told from that of a setpoint.
-        let parameter = if owner == Owner::Amc { Row::find("amc.reference_select") } else { None };
-        cx.events.push(Event { parameter: parameter.map(|(row, _)| row), ..event });
+        cx.events.push(Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) });
     }
 
     /// Nothing lets the axis go on in the cycle of a stop that locks.
@@ -406,6 +346,20 @@ impl Axis {
         result
     }
 
+    /// The course of a vocabulary to a target that the axis may go to.
+    fn admit_position(&self, cycle: u64, from: Motion, target: Position, limits: Limits) -> Result<Course, Refusal> {
+        self.check_target(target, &self.parameters)?;
+        let course = self.course(cycle, from, Aim::Target(Position::whole(target.nearest())), limits);
+        self.check_course(&course, from, limits).map(|()| course)
+    }
+
+    /// The same at a velocity, without end.
+    fn admit_velocity(&self, cycle: u64, from: Motion, velocity: f64, limits: Limits) -> Result<Course, Refusal> {
+        self.check_velocity(velocity)?;
+        let course = self.course(cycle, from, Aim::velocity(velocity), limits);
+        self.check_course(&course, from, limits).map(|()| course)
+    }
+
     fn carry_out(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
         match order {
             Order::SwitchOn => {
@@ -438,10 +392,7 @@ impl Axis {
             Order::Position { target, limits, reference } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
-                self.check_target(target, &self.parameters)?;
-                let aim = Aim::Target(Position::whole(target.nearest()));
-                let course = self.course(cx.cycle, self.present(), aim, limits);
-                self.check_course(&course, self.present(), limits)?;
+                let course = self.admit_position(cx.cycle, self.present(), target, limits)?;
                 self.abandon(cx, Code::REPLACED);
                 self.judge.rested_at = None;
                 self.reference = reference;
@@ -451,10 +402,7 @@ impl Axis {
             Order::Velocity { velocity, limits } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
-                self.check_velocity(velocity)?;
-                let aim = Aim::velocity(velocity);
-                let course = self.course(cx.cycle, self.present(), aim, limits);
-                self.check_course(&course, self.present(), limits)?;
+                let course = self.admit_velocity(cx.cycle, self.present(), velocity, limits)?;
                 self.abandon(cx, Code::REPLACED);
                 self.judge.rested_at = None;
                 self.reference = Reference::Speed;

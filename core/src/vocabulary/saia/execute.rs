@@ -39,7 +39,7 @@ impl Saia {
         }
         self.wrap(view);
         let policy = view.parameters.saia.command_error;
-        let mut outcome = Outcome { order: None, errors: [None; MOST] };
+        let mut outcome = Outcome { order: None, coming: None, errors: [None; MOST] };
         let mut places = outcome.errors.iter_mut();
         let (mut deed, mut first) = (Deed::default(), None);
         for command in request.commands.iter() {
@@ -61,6 +61,7 @@ impl Saia {
             }
             _ => self.order(view, deed),
         };
+        outcome.coming = (deed.start && self.starting.waits).then(|| self.motion_order(view));
         Ok(outcome)
     }
 

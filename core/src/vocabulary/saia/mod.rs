@@ -188,6 +188,8 @@ const MOST: usize = Command::ALL.len();
 pub struct Outcome {
     /// What it asks of the axis.
     pub order: Option<Order>,
+    /// The motion of its start, where that waits for the drive.
+    pub coming: Option<Order>,
     /// The command errors of those that were not done, in their order.
     pub errors: [Option<Refusal>; MOST],
 }

@@ -152,7 +152,8 @@ impl Saia {
         Some(Order::SwitchOn)
     }
 
-    fn motion_order(&self, view: &View<'_>) -> Order {
+    /// The motion of the working registers.
+    pub(super) fn motion_order(&self, view: &View<'_>) -> Order {
         let limits = self.limits(view);
         let end = self.place(self.working.destination);
         let up = self.working.destination > 0;

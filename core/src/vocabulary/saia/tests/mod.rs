@@ -5,6 +5,7 @@ mod contacts;
 mod coordinate;
 mod errors;
 mod flags;
+mod judged;
 mod loads;
 mod regulator;
 mod rig;
