@@ -33,14 +33,20 @@ The reaction is one of:
 | 4 | is left to the quick stop of its drive |
 | 5 | goes on; the error is told, and of a following error again every second while it lasts |
 
+A following error that 5 has told, and that lasts or comes again after another value was set, is answered as that says. A brake that
+`o_brake` names closes with 1 and 3 also where a fault takes the power at once.
+
 Column *reaction* of the tables says what applies to a code; where it is empty, the code is no error of an axis, but a refusal, the
 end of a goal, a warning or a notice. (With `saia.command_error` motor_off whatever refuses a command of `saia` switches the drive
 off as an error, also where the code is one of ours. Nothing raises 89 and 99 yet.) Where an axis says `following_error_stops_all: 1`, its following error
 stops all axes with a drive, each by its own `error_reaction`, as MACS does (MACS-ERR-05).
 
 `~/reset_errors` waits until the axis rests, resets the fault of the drive and takes the error back. An error whose cause persists
-comes back, and the reset ends with its code: an open contact at once, a drive that does not leave its fault after 5 s.
-A brake that the error has closed under power opens with it: the reset ends once the axis takes goals.
+comes back, and the reset ends with its code: an open contact or a following error at once, a drive that does not leave its fault after
+5 s. Without power the axis rests once its encoder has gone no further than 2 counts, or than 0.1 % of `max_velocity`, for 5 ms; one that
+does not come to rest is waited for 5 s, one whose drive is lost not at all.
+A brake that the error has closed under power opens with it: the reset ends once the axis takes goals. If it held a following error,
+the axis begins where it stands.
 
 ## Limit switches
 

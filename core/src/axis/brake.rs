@@ -36,6 +36,14 @@ pub(super) struct Holding {
     edges: Edges,
     /// I_ERRCLR waits for the axis to stand.
     pub(super) clears: bool,
+    /// I_CONTINUE does.
+    pub(super) resumes: bool,
+    /// Since when a reset waits for an axis without power to stand.
+    pub(super) coasts_since: Option<u64>,
+    /// The axis had power when this cycle began.
+    pub(super) had_power: bool,
+    /// Something of this cycle asks for the brake.
+    pub(super) asks_anew: bool,
     /// I_BREAK has stopped it.
     pub(super) interrupted: bool,
     /// An abort has stopped it.
@@ -51,6 +59,10 @@ impl Default for Holding {
             closed_at: 0,
             edges: Edges::default(),
             clears: false,
+            resumes: false,
+            coasts_since: None,
+            had_power: false,
+            asks_anew: false,
             interrupted: false,
             aborted: false,
             locked: None,
@@ -72,6 +84,17 @@ impl Axis {
     /// Asks its error reaction, or an abort, for the brake?
     pub fn asks_for_brake(&self) -> bool {
         self.brake
+    }
+
+    /// Does it ask in this cycle, whatever it asked before?
+    pub fn asks_anew(&self) -> bool {
+        self.holding.asks_anew
+    }
+
+    /// An error asks for the brake, or what it has left to do: also where somebody has opened it since it was asked for last.
+    pub(super) fn ask_for_brake(&mut self, asks: bool) {
+        self.brake |= asks;
+        self.holding.asks_anew |= asks;
     }
 
     /// Is the brake closed, as far as the axis itself knows?
@@ -141,6 +164,14 @@ impl Axis {
         self.holding.closed = !holds;
     }
 
+    /// A reset `is_due`: does no motor coast any more that it would let go, or has it coasted for as long as it is waited for?
+    pub(super) fn may_reset(&mut self, cycle: u64, is_due: bool) -> bool {
+        let coasts = is_due && self.power == Power::Off && !self.is_virtual() && self.turns(cycle);
+        let since = self.holding.coasts_since.unwrap_or(cycle);
+        self.holding.coasts_since = coasts.then_some(since);
+        is_due && (!coasts || self.has_timed_out(cycle, since))
+    }
+
     /// Does its encoder stand still?
     pub(super) fn encoder_stands(&self) -> bool {
         self.actual.velocity == 0.0 && self.actual.change == Position::ZERO
@@ -159,11 +190,8 @@ impl Axis {
         if self.state != AxisState::Stopping {
             self.holding.interrupted = false;
         }
-        let is_new = self.locked_in(cx.cycle).is_some();
-        if edges.resumes && self.holding.interrupted && !is_new && self.rests() && self.error.is_none() {
-            self.holding.interrupted = false;
-            self.clear_error(cx);
-        }
+        self.holding.resumes |= edges.resumes;
+        self.holding.resumes &= self.holding.interrupted && self.error.is_none();
     }
 
     /// Has I_BREAK stopped it?

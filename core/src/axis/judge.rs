@@ -1,7 +1,7 @@
 //! Judging a cycle: following error, arrival, and what an error does to the axis.
 
 use super::goal::NO_NUMBERS;
-use super::power::Power;
+use super::power::{MAX_STALE_CYCLES, Power};
 use super::{Axis, AxisState, Context, MAX_DELAY};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
@@ -15,6 +15,8 @@ const PAST: usize = MAX_DELAY as usize + 1;
 const TURN_NS: u64 = 20_000_000;
 /// An error that only is reported is told that often (ns).
 const REPEAT_NS: u64 = 1_000_000_000;
+/// An encoder without power that has not moved for so long stands (ns).
+const STILL_NS: u64 = 5_000_000;
 /// In [`Judge::waits_since`]: it was told.
 const TOLD: u64 = u64::MAX;
 
@@ -32,8 +34,8 @@ pub(super) struct Judge {
     exceeded_since: Option<u64>,
     /// Round robin: how often it was found exceeded, in succession.
     exceeded_times: u64,
-    /// An error that only was reported was told in that cycle.
-    told: u64,
+    /// A following error was told in that cycle.
+    told: Option<u64>,
     inside_since: Option<u64>,
     /// In the target window: the actual position, and the cycle in which it was read.
     reading: Option<(u64, i64)>,
@@ -41,6 +43,10 @@ pub(super) struct Judge {
     waits_since: Option<u64>,
     /// At rest at the target, within the window for long enough.
     pub in_position: bool,
+    /// Without power: how far the encoder has gone since it was found to go on.
+    drift: Position,
+    /// When that was last.
+    drifted: Option<u64>,
     /// Error reaction that waits for the end of a stop; below 0 for none.
     pub after_stop: i64,
     /// Where the last goal rested, before rounding to whole increments.
@@ -56,7 +62,9 @@ impl Judge {
             following_error: 0,
             exceeded_since: None,
             exceeded_times: 0,
-            told: 0,
+            told: None,
+            drift: Position::ZERO,
+            drifted: None,
             inside_since: None,
             reading: None,
             waits_since: None,
@@ -109,9 +117,20 @@ impl Judge {
         (self.inside_since, self.reading) = (None, None);
     }
 
-    pub(super) fn forget(&mut self) {
-        self.keep_within();
+    /// An error was reset: of its following error nothing is left, unless that lasts.
+    pub(super) fn forget(&mut self, lasts: bool) {
+        if !lasts {
+            self.keep_within();
+        }
         self.after_stop = -1;
+    }
+
+    /// Notes a step of the encoder; what stays within `most` from where it began is none.
+    fn note_step(&mut self, cycle: u64, step: Position, most: Position) {
+        self.drift += step;
+        if self.drift > most || self.drift < -most {
+            (self.drift, self.drifted) = (Position::ZERO, Some(cycle));
+        }
     }
 
     /// Keeps the command of this cycle and gives the one that the actual position answers.
@@ -125,12 +144,14 @@ impl Axis {
     pub(super) fn judge(&mut self, cx: &mut Context<'_>) {
         let answered = self.judge.exchange(self.asked());
         if !self.is_on() {
+            self.judge.note_step(cx.cycle, self.actual.change, self.slack());
             self.judge.following_error = 0;
             self.judge.leave_window();
             self.judge.waits_since = None;
             self.judge.in_position = false;
             return;
         }
+        (self.judge.drift, self.judge.drifted) = (Position::ZERO, None);
         self.judge_jump(cx);
         if !self.is_on() {
             return;
@@ -162,13 +183,48 @@ impl Axis {
             1 => self.is_found_in_turn(cx.cycle, is_within),
             _ => self.exceeds_for_long(cx.cycle, is_within),
         };
+        if !lasts || self.state == AxisState::ErrorStop {
+            return;
+        }
         let (error, allowed) = (Number::Position(error), Number::Position(self.parameters.max_following_error));
-        if lasts && self.error.is_none() {
-            self.judge.told = cx.cycle;
-            self.react(cx, Code::FOLLOWING_ERROR, error, allowed);
-        } else if lasts && self.error == Code::FOLLOWING_ERROR && self.state != AxisState::ErrorStop {
+        if self.error.is_none() || !self.only_reports(Code::FOLLOWING_ERROR) {
+            // Since it was reported error_reaction has become one that stops the axis: it is an error anew.
+            if self.error == Code::FOLLOWING_ERROR {
+                self.error = Code::NONE;
+            }
+            self.tell_following_error(cx, error, allowed);
+        } else {
             self.repeat(cx, error, allowed);
         }
+    }
+
+    /// The reaction to a following error.
+    pub(super) fn tell_following_error(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
+        self.judge.told = Some(cx.cycle);
+        self.react(cx, Code::FOLLOWING_ERROR, found, allowed);
+    }
+
+    /// The following error that there still is, beyond what is tolerated.
+    pub(super) fn lasting_following_error(&self, cycle: u64) -> Option<(Number, Number)> {
+        let lasts = match self.parameters.supervision.following_error_check {
+            1 => self.judge.exceeded_times > self.tolerated_times(),
+            _ => self.judge.exceeded_since.is_some_and(|since| self.is_too_long(cycle, since)),
+        };
+        let error = Number::Position(self.judge.following_error);
+        (lasts && self.is_on()).then_some((error, Number::Position(self.parameters.max_following_error)))
+    }
+
+    /// How far an encoder that stands may tremble or creep in [`STILL_NS`]: two counts, or a thousandth of the highest speed.
+    fn slack(&self) -> Position {
+        Position::from_f64((self.parameters.max_velocity / 1000.0 * STILL_NS as f64 / 1e9).max(2.0))
+    }
+
+    /// Does its encoder move without power, as far as it shows? A drive that is lost shows nothing; one that has nothing new in
+    /// this cycle is waited for.
+    pub(super) fn turns(&self, cycle: u64) -> bool {
+        let age = |drifted| cycle.saturating_sub(drifted).saturating_mul(self.setup.cycle_ns);
+        (1..=MAX_STALE_CYCLES).contains(&self.stale_cycles)
+            || self.judge.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
     }
 
     /// Longer than it may? In each cycle anew.
@@ -178,9 +234,19 @@ impl Axis {
             return false;
         }
         let since = *self.judge.exceeded_since.get_or_insert(cycle);
+        self.is_too_long(cycle, since)
+    }
+
+    fn is_too_long(&self, cycle: u64, since: u64) -> bool {
         let time = cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
         let tolerated = self.parameters.following_error_time.unsigned_abs();
         tolerated == 0 || time > tolerated
+    }
+
+    /// How often in succession it may be found exceeded when it is looked at in turn.
+    fn tolerated_times(&self) -> u64 {
+        let count = u64::from(self.setup.round.1.max(1));
+        self.parameters.following_error_time.unsigned_abs() / count.saturating_mul(TURN_NS)
     }
 
     /// Found more often in succession than it may be? Looked at when it is this axis' turn (MACS-ERR-07).
@@ -192,15 +258,16 @@ impl Axis {
             return false;
         }
         self.judge.exceeded_times = if is_within { 0 } else { self.judge.exceeded_times.saturating_add(1) };
-        let tolerated = self.parameters.following_error_time.unsigned_abs() / (count * TURN_NS);
-        self.judge.exceeded_times > tolerated
+        self.judge.exceeded_times > self.tolerated_times()
     }
 
-    /// An error that stops nothing is told again as long as it lasts (MACS-ERR-03).
+    /// A following error that stops nothing is told again as long as it lasts (MACS-ERR-03), also beside another error.
     fn repeat(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
-        if cx.cycle.saturating_sub(self.judge.told).saturating_mul(self.setup.cycle_ns) >= REPEAT_NS {
-            self.judge.told = cx.cycle;
-            let event = Event::new(Severity::Error, Kind::Error, self.object(), self.error).with(found, allowed);
+        let age = self.judge.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
+        if age.is_none_or(|age| age >= REPEAT_NS) {
+            self.judge.told = Some(cx.cycle);
+            let event = Event::new(Severity::Error, Kind::Error, self.object(), Code::FOLLOWING_ERROR);
+            let event = event.with(found, allowed);
             cx.events.push(Event { position: self.actual.position, ..event });
         }
     }

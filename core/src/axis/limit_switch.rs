@@ -40,7 +40,8 @@ impl Axis {
         let barred = [(up, true), (down, false)].into_iter().find(|(moves, way)| *moves && self.switch(*way).0);
         match barred.filter(|_| self.limits_apply()) {
             Some((_, way)) => {
-                let switch = Number::Count(i64::from(self.switch_code(way).0));
+                let code = if self.switch(!way).0 { Code::BOTH_LIMIT_SWITCHES } else { self.switch_code(way) };
+                let switch = Number::Count(i64::from(code.0));
                 Err(self.refuse(Code::LIMIT_VIOLATION).with(switch, Number::None))
             }
             None => Ok(()),
@@ -88,6 +89,16 @@ impl Axis {
             generator => matches!(generator, Generator::Rest),
         };
         stops && self.overlay.is_none()
+    }
+
+    /// What a switch has to tell while an error stops the axis already: it stands beside that.
+    pub(super) fn tell_switches(&self, cx: &mut Context<'_>) {
+        let [(upper, upper_edge), (lower, lower_edge)] = [true, false].map(|up| self.switch(up));
+        if self.state != AxisState::ErrorStop || !(upper_edge || lower_edge) {
+            return;
+        }
+        let code = if upper && lower { Code::BOTH_LIMIT_SWITCHES } else { self.switch_code(upper) };
+        self.tell_beside(cx, code, Number::None, Number::None);
     }
 
     /// The error that the switches make of a motion in this direction (0 at rest).

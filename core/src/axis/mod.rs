@@ -320,8 +320,10 @@ impl Axis {
         self.take_shifts(cx);
         self.supervise_source(cx);
         self.stops_others = false;
+        (self.holding.had_power, self.holding.asks_anew) = (self.is_on(), false);
         self.watch_contacts(cx);
         self.supervise(cx);
+        self.tell_switches(cx);
         self.advance(cx);
         self.take_mark(cx);
         self.step_homing(cx);

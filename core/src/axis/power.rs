@@ -1,6 +1,6 @@
 //! Switching a drive on and off (CiA 402 state machine, seen from the master).
 
-use super::reaction::{Class, class};
+use super::reaction::{Class, class, closes_brake};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::drive::{DriveInput, DriveOutput, DriveState, Interface, control};
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// How long a drive may take to switch on, and to leave its fault (ns).
 const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
 /// Cycles without new data from a drive until it counts as lost.
-const MAX_STALE_CYCLES: u32 = 10;
+pub(super) const MAX_STALE_CYCLES: u32 = 10;
 
 /// What the axis wants of its drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -218,6 +218,8 @@ impl Axis {
         if code.is_alarm() && self.error == code {
             self.note_alarm((code.0 % 100) as u8);
         }
+        // Nothing stops it any more: a brake that was to close once it stands closes now (MACS-IO-04).
+        self.ask_for_brake(closes_brake(self.parameters.error_reaction) || closes_brake(self.judge.after_stop));
         self.power = Power::Off;
         self.generator = Generator::Rest;
         self.command = Motion::at_rest(self.actual.position);

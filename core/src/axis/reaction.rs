@@ -115,6 +115,11 @@ pub fn class(code: Code) -> Option<Class> {
     }
 }
 
+/// Is the brake closed in the end, by this number of error_reaction (MACS-IO-04)?
+pub(super) fn closes_brake(reaction: i64) -> bool {
+    matches!(reaction, 1 | 3)
+}
+
 /// Does an error of this code stop all axes (MACS-ERR-05)?
 pub fn stops_all(code: Code) -> bool {
     code == Code::FOLLOWING_ERROR
@@ -162,10 +167,15 @@ impl Axis {
             Class::SoftwareLimit => Deed::Stop { then: reaction },
             Class::Feedback if self.closes_loop_here() => Deed::Off { brake: reaction != 0 },
             Class::Feedback => by_parameter.ending(),
-            Class::Drive | Class::Command => Deed::Off { brake: false },
+            Class::Drive | Class::Command => Deed::Off { brake: closes_brake(reaction) },
             Class::Interlock => Deed::Stop { then: if reaction == 3 { 3 } else { 2 } },
             Class::EmergencyStop => Deed::Stop { then: 1 },
         }
+    }
+
+    /// Does an error of this code stop nothing?
+    pub(super) fn only_reports(&self, code: Code) -> bool {
+        self.deed(code) == Deed::Report
     }
 
     /// The reaction to an error that leaves the drive in operation. A motion ends from the command of this cycle on.
@@ -179,7 +189,7 @@ impl Axis {
         match deed {
             Deed::Off { brake } if !self.is_virtual() => {
                 self.power = Power::Off;
-                self.brake = brake;
+                self.ask_for_brake(brake || closes_brake(self.judge.after_stop));
                 self.stand_on_actual();
             }
             // While it is being switched off it only stops, and then is.
@@ -194,7 +204,13 @@ impl Axis {
             }
             _ => {
                 self.brake_to_rest(cx, &self.stop_limits());
-                self.judge.after_stop = self.after_stop_of(code);
+                let then = self.after_stop_of(code);
+                // A brake that an abort was to close is closed all the same.
+                self.judge.after_stop = match then {
+                    2 | 5 if closes_brake(self.judge.after_stop) => 3,
+                    0 | 4 if closes_brake(self.judge.after_stop) => 1,
+                    _ => then,
+                };
             }
         }
         self.set_state(cx, AxisState::ErrorStop);
@@ -248,7 +264,7 @@ impl Axis {
         matches!(self.setup.interface, Velocity | Torque)
     }
 
-    fn stand_on_actual(&mut self) {
+    pub(super) fn stand_on_actual(&mut self) {
         self.generator = Generator::Rest;
         self.command = Motion::at_rest(self.actual.position);
     }
@@ -260,9 +276,9 @@ impl Axis {
         match reaction {
             0 | 1 if has_drive => {
                 self.give_to_brake(cycle);
-                self.brake = reaction == 1;
+                self.ask_for_brake(reaction == 1);
             }
-            3 => self.brake = true,
+            3 => self.ask_for_brake(true),
             4 if has_drive && self.is_at_work() => self.power = Power::DriveStops { since: cycle, then_off: false },
             _ => {}
         }

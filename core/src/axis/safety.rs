@@ -95,9 +95,11 @@ impl Axis {
     }
 
     /// After a reset: an error whose cause persists comes back (MACS-ERR-04).
-    pub(super) fn return_error(&mut self, cx: &mut Context<'_>, before: Code) {
+    pub(super) fn return_error(&mut self, cx: &mut Context<'_>, before: Code, lasting: Option<(Number, Number)>) {
         if !self.open_contact.is_none() && before == self.open_contact {
             self.react(cx, before, Number::None, Number::None);
+        } else if let Some((found, allowed)) = lasting {
+            self.tell_following_error(cx, found, allowed);
         }
     }
 

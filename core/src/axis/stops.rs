@@ -202,10 +202,10 @@ impl Axis {
         if matches!(self.power, Power::SwitchingOn { .. }) {
             self.switch_off(cx);
         }
-        // Without power and lock a reset lets nothing go on.
-        if self.is_on() || self.state == AxisState::Stopping {
+        // Without power and lock a reset lets nothing go on. Who takes the power in this cycle does not make it one that counts.
+        if self.is_on() || self.holding.had_power || self.state == AxisState::Stopping {
             self.waiting.fail(cx.events, self.setup.index, code, Until::Healthy);
-            self.holding.clears = false;
+            (self.holding.clears, self.holding.resumes) = (false, false);
             if matches!(self.power, Power::Resetting { .. }) {
                 self.power = Power::Off;
             }
@@ -256,18 +256,25 @@ impl Axis {
         let before = std::mem::replace(&mut self.error, Code::NONE);
         self.wf.take_reset();
         let was_braked = std::mem::take(&mut self.brake);
+        let mut lasting = self.lasting_following_error(cx.cycle).filter(|_| before == Code::FOLLOWING_ERROR);
         if matches!(self.power, Power::DriveStops { .. }) {
             self.power = Power::Off;
         } else if was_braked && matches!(self.power, Power::On | Power::Opening { .. }) {
+            if lasting.is_some() && self.own_brake().is_some() {
+                // The brake holds it away from its command: it begins where it is, as with enable.
+                self.stand_on_actual();
+                self.judge.fill(self.asked());
+                lasting = None;
+            }
             // Its own brake opens again, from the next cycle on, and takes its time.
             self.power = self.power_is_on(cx.cycle.saturating_add(1));
         }
-        self.judge.forget();
+        self.judge.forget(lasting.is_some());
         if matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
             let state = if self.power == Power::On { AxisState::Standstill } else { AxisState::Disabled };
             self.set_state(cx, state);
         }
-        self.return_error(cx, before);
+        self.return_error(cx, before, lasting);
     }
 
     /// Ends a goal of this axis with a controlled stop; the active one lives until the axis stands. False for another's.
@@ -337,7 +344,8 @@ impl Axis {
 
     /// Tells those who wait, once what they wait for is there or cannot come any more.
     pub(super) fn settle_waiting(&mut self, cx: &mut Context<'_>) {
-        if self.waiting.0.iter().all(Option::is_none) && !self.holding.clears {
+        if self.waiting.0.iter().all(Option::is_none) && !self.holding.clears && !self.holding.resumes {
+            self.holding.coasts_since = None;
             return;
         }
         let stands = self.rests();
@@ -351,9 +359,15 @@ impl Axis {
             _ => false,
         };
         let clears = self.holding.clears || self.waiting.waits_for(Until::Healthy);
-        if stands && locked && !is_going && clears {
-            self.holding.clears = false;
-            self.begin_reset(cx);
+        let resumes = self.holding.resumes && self.error.is_none();
+        let is_due = stands && locked && !is_going && (clears || resumes);
+        if self.may_reset(cx.cycle, is_due) {
+            (self.holding.clears, self.holding.resumes) = (false, false);
+            if clears {
+                self.begin_reset(cx);
+            } else {
+                self.clear_error(cx);
+            }
         }
         self.holding.clears &= locked;
         let position = self.command.position;

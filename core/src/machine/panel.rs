@@ -227,6 +227,7 @@ impl Panel {
         for (axis, moves) in axes.iter().zip(&self.moves) {
             release(outputs, *moves, axis.parameters.outputs.axmove, moving.has(moves.number));
         }
+        let is_new = failing && !self.error.active;
         show(outputs, &mut self.error, self.parameters.o_error, failing);
         for (axis, (brake, moves)) in axes.iter().zip(self.brakes.iter_mut().zip(&mut self.moves)) {
             let assigned = axis.parameters.outputs;
@@ -237,12 +238,16 @@ impl Panel {
             let now = Shown { number: assigned.brake, active: axis.asks_for_brake() };
             let before = std::mem::replace(brake, now);
             // Nothing but set_output opens it (MACS-IO-05).
-            if now.active && now != before {
+            if now.active && (now != before || axis.asks_anew()) {
                 put(outputs, now.number, true);
             }
         }
         if let Some((esccond, outputs)) = self.aborts.take() {
             self.set_for_abort(axes, esccond, outputs);
+            // An error of the same cycle shows all the same (MACS-IO-07).
+            if is_new {
+                put(&mut self.outputs, self.parameters.o_error, true);
+            }
         }
     }
 

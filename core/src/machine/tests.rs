@@ -24,6 +24,7 @@ mod panel;
 mod parameters;
 mod probe;
 mod reactions;
+mod resets;
 mod state;
 mod stops;
 mod stream;

@@ -24,12 +24,14 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             format!("alarm 9: no zero mark within {} after the cam", limit())
         }
         Code::LIMIT_VIOLATION if event.limit == Number::None && event.kind == Kind::Refused => {
-            let which = if event.asked == Number::Count(Code::HARDWARE_LIMIT_NEGATIVE.0.into()) {
-                "negative"
-            } else {
-                "positive"
-            };
-            format!("the {which} limit switch is actuated; only the way back is open")
+            let is = |code: Code| event.asked == Number::Count(code.0.into());
+            match () {
+                () if is(Code::BOTH_LIMIT_SWITCHES) => fixed("both limit switches are actuated; neither way is open"),
+                () if is(Code::HARDWARE_LIMIT_NEGATIVE) => {
+                    fixed("the negative limit switch is actuated; only the way back is open")
+                }
+                () => fixed("the positive limit switch is actuated; only the way back is open"),
+            }
         }
         Code::LIMIT_VIOLATION if event.limit == Number::None => fixed("motion towards an actuated limit switch"),
         Code::HARDWARE_LIMIT_POSITIVE => fixed("the positive limit switch was reached"),

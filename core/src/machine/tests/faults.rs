@@ -128,7 +128,10 @@ fn expected(fault: Fault, errcond: i64, endswmod: i64) -> (Shown, Shown) {
         Fault::VelocityIntoLimit | Fault::LedIntoLimit => {
             (shown(true, false), by_errcond(if errcond == 5 { 2 } else { errcond }).1)
         }
-        Fault::Cut | Fault::Drive | Fault::Lost => (shown(false, false), shown(false, false)),
+        Fault::Cut | Fault::Drive | Fault::Lost => {
+            let brake = matches!(errcond, 1 | 3);
+            (shown(false, brake), shown(false, brake))
+        }
         Fault::Switch | Fault::Both if endswmod == 1 || errcond == 5 => by_errcond(2),
         Fault::Switch | Fault::Both => by_errcond(errcond),
         Fault::Door => by_errcond(if errcond == 3 { 3 } else { 2 }),

@@ -181,7 +181,7 @@ fn both_switches_at_once_stop_any_motion_and_leave_no_way() {
     rig.give(Action::ResetErrors(AxisSet::one(X)));
     for velocity in [-1.0, 1.0] {
         let refused = rig.give(Action::Move(at(X, velocity)));
-        assert!(rig.refusal(refused).contains("limit switch is actuated"));
+        assert_eq!(rig.refusal(refused), "x: both limit switches are actuated; neither way is open");
     }
 }
 
@@ -296,6 +296,32 @@ proptest! {
             if rig.int("x.limit.positive") == 1 {
                 prop_assert_eq!(rig.state("x"), "ERROR_STOP");
             }
+        }
+    }
+}
+
+/// What a switch tells while an error stops the axis is told beside that; with both of them no way is open.
+///
+/// Proves: MACS-LIM-09
+#[test]
+fn a_second_switch_is_told() {
+    for rests in [false, true] {
+        let mut rig = rig_of(|x| x.supervision.endswmod = 1);
+        run_into(&mut rig);
+        rig.run(if rests { 100 } else { 10 });
+        rig.events.clear();
+        rig.plant.drive(0).unwrap().stick(inputs::NEGATIVE_LIMIT, inputs::NEGATIVE_LIMIT);
+        rig.run(10);
+        let told: Vec<Code> =
+            rig.events.iter().filter(|event| event.kind == Kind::Error).map(|event| event.code).collect();
+        assert_eq!((told, error(&rig)), (vec![Code::BOTH_LIMIT_SWITCHES], code(Code::HARDWARE_LIMIT_POSITIVE)));
+        rig.run(100);
+        rig.give(Action::ResetErrors(AxisSet::one(X)));
+        rig.run(2);
+        assert_eq!(rig.state("x"), "STANDSTILL");
+        for velocity in [10_000.0, -10_000.0] {
+            let refused = rig.give(Action::Move(at(X, velocity)));
+            assert_eq!(rig.refusal(refused), "x: both limit switches are actuated; neither way is open");
         }
     }
 }

@@ -175,3 +175,20 @@ fn an_abort_among_other_stops() {
     rig.enable();
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
+
+/// An error that is found in the cycle of the abort shows, though that sets all outputs to 0.
+///
+/// Proves: MACS-IO-07
+#[test]
+fn an_error_in_the_cycle_of_an_abort_shows() {
+    let mut cell = with_io();
+    cell.global.parameters.o_error = 2;
+    cell.axes[1].parameters.supervision.esccond = 1;
+    let mut rig = ready(cell);
+    put(&mut rig, R, 1.0);
+    rig.plant.drive(0).unwrap().inject_fault(0x8611);
+    rig.give(Action::Abort);
+    assert_eq!((rig.state("x"), rig.int("q"), rig.int("r")), ("ERROR_STOP", 1, 0));
+    rig.run(10);
+    assert_eq!(rig.int("q"), 1);
+}

@@ -4,6 +4,7 @@ use super::super::rig::{Rig, X, at, parameters, to};
 use super::{P, R, set, with_io};
 use crate::command::Action;
 use crate::config::{BrakeConfig, MachineConfig};
+use crate::drive::inputs;
 use crate::object::AxisSet;
 use crate::sim::{Fixtures, Mechanics, Model, SimBrake};
 
@@ -238,5 +239,97 @@ fn o_brake_goes_low_by_errcond() {
             seen.push(rig.int("p"));
         }
         assert_eq!((rig.int("x.error"), seen), (10_201, vec![at_once, before_rest, at_rest]), "{errcond}");
+    }
+}
+
+/// What leaves nothing to stop the axis is an error as any other: with ERRCOND 1 and 3 O_BRAKE is active in its cycle, also where
+/// it was to be once the axis stands.
+///
+/// Proves: MACS-IO-04
+#[test]
+fn o_brake_closes_with_an_error_that_takes_the_power() {
+    for errcond in 0..6 {
+        for (lost, stops) in [(false, false), (true, false), (false, true), (true, true)] {
+            let mut cell = with_io();
+            cell.axes[1].parameters.outputs.brake = -1;
+            cell.axes[1].parameters.error_reaction = errcond;
+            cell.axes[1].parameters.supervision.endswmod = 0;
+            let mut rig = Rig::of(cell);
+            rig.give(Action::set_output(P, 1.0));
+            rig.enable();
+            rig.give(Action::Move(at(X, 50_000.0)));
+            rig.run(1_000);
+            let drive = rig.plant.drive(0).unwrap();
+            if stops {
+                drive.stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+                rig.run(10);
+            }
+            assert_eq!(rig.int("p"), if stops && errcond == 1 { 0 } else { 1 });
+            let drive = rig.plant.drive(0).unwrap();
+            if lost {
+                drive.lose();
+            } else {
+                drive.inject_fault(0x8611);
+            }
+            rig.run(1);
+            let open = i64::from(!matches!(errcond, 1 | 3));
+            assert_eq!((rig.state("x"), rig.int("p")), ("ERROR_STOP", open), "{errcond} {lost} {stops}");
+            rig.run(200);
+            assert_eq!(rig.int("p"), open, "{errcond} {lost} {stops}");
+        }
+    }
+}
+
+/// A brake that an abort has closed and a program has opened closes with the next error.
+///
+/// Proves: MACS-IO-04
+#[test]
+fn o_brake_closes_anew_with_an_error_after_an_abort() {
+    for (errcond, closed) in [(1, 0), (2, 1), (3, 0)] {
+        let mut cell = with_io();
+        cell.axes[1].parameters.outputs.brake = -1;
+        cell.axes[1].parameters.error_reaction = errcond;
+        let mut rig = Rig::of(cell);
+        rig.enable();
+        rig.give(Action::Abort);
+        rig.run(10);
+        assert_eq!((rig.state("x"), rig.int("p")), ("STOPPING", 0));
+        rig.give(Action::set_output(P, 1.0));
+        rig.run(10);
+        assert_eq!(rig.int("p"), 1);
+        rig.plant.drive(0).unwrap().inject_fault(0x8611);
+        rig.run(1);
+        assert_eq!((rig.state("x"), rig.int("p")), ("ERROR_STOP", closed), "{errcond}");
+    }
+}
+
+/// An error while an abort stops the axis leaves the abort its brake.
+///
+/// Proves: MACS-ERR-09
+#[test]
+fn an_error_in_an_abort_leaves_it_its_brake() {
+    for errcond in 0..4 {
+        for fails in [false, true] {
+            let mut cell = with_io();
+            cell.axes[1].parameters.outputs.brake = -1;
+            cell.axes[1].parameters.error_reaction = errcond;
+            let mut rig = Rig::of(cell);
+            rig.give(Action::set_output(P, 1.0));
+            rig.enable();
+            rig.give(Action::Move(at(X, 50_000.0)));
+            rig.run(1_000);
+            rig.give(Action::Abort);
+            rig.run(10);
+            let drive = rig.plant.drive(0).unwrap();
+            if fails {
+                drive.inject_fault(0x8611);
+            } else {
+                drive.jump(5_000);
+            }
+            rig.run(1);
+            assert_eq!((rig.state("x"), rig.int("p")), ("ERROR_STOP", i64::from(!fails && errcond > 1)), "{errcond}");
+            rig.run(60);
+            assert_eq!(rig.int("p"), 0, "{errcond} {fails}");
+        }
     }
 }
