@@ -8,7 +8,7 @@ pub use error::ConfigError;
 pub use functions::{Function, OutputShared, Switcher};
 pub use numbers::{IoCounts, NoSuchIo};
 
-use crate::axis::{AxisSetup, MAX_DELAY, Modulo, Safety, Wired, may_read, may_tell_sign, may_turn_loop};
+use crate::axis::{AxisSetup, MAX_DELAY, Modulo, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop};
 use crate::code::Code;
 use crate::drive::{Backend, Interface};
 use crate::encoder::{Form, PulseCheck};
@@ -245,7 +245,7 @@ impl MachineConfig {
                 return Err(ConfigError::TooMany { what, count, most });
             }
         }
-        for axis in &self.axes {
+        for (place, axis) in self.axes.iter().enumerate() {
             let name = || axis.name.clone();
             if let Some(delay) = axis.drive.filter(|&delay| delay > MAX_DELAY) {
                 return Err(ConfigError::Delay { axis: name(), delay });
@@ -261,6 +261,7 @@ impl MachineConfig {
                     Contradiction::NotBuilt(key, code) => ConfigError::NotBuilt { axis: name(), key, code },
                 })?;
                 may_read(axis.wired, self.encoders.len(), axis.drive.map(|_| axis.interface), &parameters)
+                    .and_then(|()| may_name(place, self.axes.len(), self.encoders.len(), &parameters))
                     .map_err(|(key, code)| ConfigError::NotBuilt { axis: name(), key, code })?;
                 if !may_turn_loop(axis.drive.map(|_| axis.interface), &parameters) {
                     return Err(ConfigError::NotBuilt { axis: name(), key: "posdrct", code: Code::LOOP_IN_DRIVE });

@@ -3,6 +3,7 @@
 use crate::code::Code;
 use crate::object::Object;
 use crate::position::Position;
+use serde::{Deserialize, Serialize};
 
 /// How much it matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -71,7 +72,7 @@ impl Kind {
 }
 
 /// A number with its meaning, for the sentence of an event.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub enum Number {
     /// Nothing to say.
     #[default]

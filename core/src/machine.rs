@@ -57,6 +57,8 @@ pub struct Machine {
     digital_inputs: Vec<u16>,
     /// A coupling was asked for in this cycle.
     couples: bool,
+    /// The last command of this cycle that has set each encoder, or 0.
+    set_by: Vec<u64>,
     /// Room for the inputs as the machine sees them.
     seen: Inputs,
 }
@@ -77,6 +79,7 @@ impl Machine {
             .collect();
         let encoders: Vec<Encoder> =
             config.encoders.iter().map(|encoder| Encoder::new(encoder.form, encoder.check)).collect();
+        let set_by = vec![0; encoders.len()];
         let leads = Leads {
             command: vec![Lead { valid: true, ..Lead::default() }; axes.len()],
             actual: axes.iter().map(Axis::actual).collect(),
@@ -110,6 +113,7 @@ impl Machine {
             latched: Vec::with_capacity(MAX_LATCHES),
             digital_inputs: config.digital_inputs().collect(),
             couples: false,
+            set_by,
             seen: Inputs::default(),
             first: state.clone(),
             state,

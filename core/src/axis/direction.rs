@@ -227,10 +227,14 @@ impl Axis {
     /// be mirrored as well.
     pub fn take_parameters(&mut self, parameters: AxisParameters) -> bool {
         let before = self.turned().units;
+        let had_fixed_zero = self.has_fixed_zero();
         if self.parameters.loses_zero_to(&parameters) {
             self.homing.forget();
         }
         self.parameters = parameters;
+        if had_fixed_zero && !self.knows_zero() {
+            self.homing.forget_told();
+        }
         let turns = before != self.turned().units;
         if turns {
             self.turn_over();

@@ -13,7 +13,7 @@ use crate::code::Code;
 use crate::drive::{DriveInput, EncoderInput, Interface};
 use crate::encoder::{Absolute, Encoder, Form, Lead, PulseCheck, Pulses, Reader, WordCode, source};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::parameter::AxisParameters;
+use crate::parameter::{AxisParameters, Row};
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +91,15 @@ impl Source {
         }
     }
 
+    /// Does it read the same words as another one? How large a step may be only judges them.
+    fn reads_as(self, other: Self) -> bool {
+        let read = |source| match source {
+            Self::Drive(Form::Absolute(encoder)) => Self::Drive(Form::Absolute(Absolute { max_step: None, ..encoder })),
+            other => other,
+        };
+        read(self) == read(other)
+    }
+
     /// Form of the words that the drive tells.
     fn form(self) -> Form {
         match self {
@@ -143,8 +152,26 @@ pub(super) struct Sensor {
     moved: Position,
     /// Others who share the encoder have moved its value by so much (inc, in the sense of the drive).
     pending: i64,
-    /// By how much the encoder itself is to be moved (inc, in its sense).
-    shared: i64,
+    /// The new zero of this cycle.
+    claim: Option<Claim>,
+}
+
+/// A new zero of one cycle: of an encoder, or of a master that is one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Claim {
+    /// Number of the command that has set it: of several of one encoder the last one stands.
+    pub sequence: u64,
+    /// By how much its axis has moved what it shows (inc, in the sense of the encoder).
+    pub by: i64,
+    /// It is one of the axis alone (MACS-ENC-11).
+    pub is_soft: bool,
+}
+
+impl Claim {
+    /// The same behind one of the same cycle, if there is one.
+    pub fn after(self, before: Option<Self>) -> Self {
+        Self { by: before.map_or(0, |before| before.by).saturating_add(self.by), ..self }
+    }
 }
 
 /// What supervision finds, to be told when events may be.
@@ -168,7 +195,7 @@ impl Sensor {
             found: None,
             moved: Position::ZERO,
             pending: 0,
-            shared: 0,
+            claim: None,
         }
     }
 
@@ -187,7 +214,9 @@ impl Axis {
     fn choose_source(&mut self) {
         let chosen = Source::of(self.setup.wired, self.setup.encoders, &self.parameters);
         let Ok(source) = chosen else { return };
-        if source == self.sensor.source {
+        if source.reads_as(self.sensor.source) {
+            self.sensor.source = source;
+            self.counter.judge_by(source.form());
             return;
         }
         let soft = self.parameters.encoder.enccontrol & 1 == 1;
@@ -201,6 +230,25 @@ impl Axis {
         if !soft {
             self.homing.forget();
         }
+    }
+
+    /// May it have these parameters now?
+    ///
+    /// # Errors
+    /// They would make another source of ENCODER, which is the size of an absolute encoder: an axis that is on loses its place.
+    /// What else chooses a source is refused by its row.
+    pub fn admits_source(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
+        let source = |p| Source::of(self.setup.wired, self.setup.encoders, p);
+        let stays = match (source(&self.parameters), source(candidate)) {
+            (Ok(before), Ok(after)) => after.reads_as(before),
+            _ => true,
+        };
+        if stays || self.is_virtual() || self.is_idle() {
+            return Ok(());
+        }
+        let asked = Number::Count(candidate.macs.encoder);
+        let refusal = self.refuse(Code::NOT_DISABLED).with(asked, Number::None);
+        Err(Refusal { parameter: Row::find("encoder").map(|(row, _)| row), ..refusal })
     }
 
     /// Reads its source. Inputs of all axes are read before any axis moves.
@@ -377,9 +425,10 @@ impl Axis {
     }
 
     /// A new zero: the encoder itself is moved for all of its users, unless the zero is soft (MACS-ENC-11).
-    pub(super) fn share_shift(&mut self, by: i64) {
-        if self.shares().is_some() {
-            self.sensor.shared = self.sensor.shared.wrapping_add(self.turn_counts(by));
+    pub(super) fn share_shift(&mut self, sequence: u64, by: i64) {
+        if matches!(self.sensor.source, Source::Encoder(_)) {
+            let claim = Claim { sequence, by: self.turn_counts(by), is_soft: self.shares().is_none() };
+            self.sensor.claim = Some(claim.after(self.sensor.claim));
         }
     }
 
@@ -396,10 +445,25 @@ impl Axis {
         self.sensor.source == Source::Encoder(encoder)
     }
 
-    /// By how much the encoder that it reads is to be moved for all (inc).
-    pub fn take_shared(&mut self) -> Option<(u16, i64)> {
-        let by = std::mem::take(&mut self.sensor.shared);
-        self.shares().filter(|_| by != 0).map(|place| (place, by))
+    /// The new zeros of this cycle that concern an encoder: that of its own position, and that of its master.
+    pub fn claims(&self, encoder: u16) -> [Option<Claim>; 2] {
+        [self.sensor.claim.filter(|_| self.reads(encoder)), self.master_claim(encoder)]
+    }
+
+    /// They are done.
+    pub fn forget_claims(&mut self) {
+        self.sensor.claim = None;
+        self.forget_master_claim();
+    }
+
+    /// By how much its coordinate is to move yet, where the encoder that it reads moves by so much for the command `last` (inc, in
+    /// the sense of the encoder).
+    pub fn left_of_shift(&self, by: i64, last: u64) -> i64 {
+        match self.sensor.claim {
+            Some(claim) if !claim.is_soft => by.saturating_sub(claim.by),
+            Some(claim) if claim.sequence > last => 0,
+            _ => by,
+        }
     }
 
     /// Can its position and its limits go with the encoder (inc, in its sense)?

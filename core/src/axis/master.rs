@@ -10,13 +10,14 @@
 //! Refuses  numbers that name no master here; a new value of what is lost, or of an absolute encoder
 //! Source   MACS-ENC-10, -11, -14, -15, -16, A-13, MACS-CMD-17, MACS-UNIT-09, MACS-ERR-09
 
+use super::feedback::Claim;
 use super::{Axis, Context, Generator};
 use crate::code::Code;
 use crate::command::MasterPosition;
 use crate::encoder::{Lead, source::Master};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{Leader, Object};
-use crate::parameter::{Change, Row};
+use crate::parameter::{AxisParameters, Change, Row};
 use crate::position::Position;
 use crate::sync::Leads;
 use serde::{Deserialize, Serialize};
@@ -30,8 +31,22 @@ pub(super) struct Sight {
     offset: Position,
     /// What it showed last (inc).
     last: Position,
-    /// By how much the encoder that leads is to be moved for all (inc).
-    shared: i64,
+    /// The new zero of this cycle, where an encoder leads.
+    claim: Option<Claim>,
+}
+
+/// May the parameters of an axis, its place among so many, name their master, where the cell has so many encoders?
+///
+/// # Errors
+/// MENCODERTYPE names the axis itself, or what the cell does not have (MACS-ENC-14, A-13).
+pub fn may_name(own: usize, axes: usize, encoders: usize, p: &AxisParameters) -> Result<(), (&'static str, Code)> {
+    let wrong = match Master::decode(p.encoder.mencodertype) {
+        Some(Master::Axis(number)) if usize::from(number) == own.saturating_add(1) => Code::LEADER_LOOP,
+        Some(Master::Axis(number)) if usize::from(number) > axes => Code::NO_MASTER,
+        Some(Master::Terminal(number)) if usize::from(number) > encoders => Code::ENCODER_NO_TERMINAL,
+        _ => return Ok(()),
+    };
+    Err(("mencodertype", wrong))
 }
 
 /// What an axis shows of its master, in increments or master units.
@@ -92,7 +107,7 @@ impl Axis {
         if self.sight.leader != Some(leader) {
             let is_soft = self.sight.leader.is_some() && self.parameters.encoder.menccontrol & 1 == 1;
             let offset = if is_soft { self.sight.last - lead.position } else { Position::ZERO };
-            self.sight = Sight { leader: Some(leader), offset, shared: 0, ..self.sight };
+            self.sight = Sight { leader: Some(leader), offset, claim: None, ..self.sight };
         }
         self.sight.last = lead.position + self.sight.offset;
         // Multiplied first: whole turns of the master stay whole units.
@@ -147,19 +162,20 @@ impl Axis {
         self.watch_master(cx.leads);
         let by = wanted - self.sight.last;
         self.sight.offset += by;
-        if self.shares_master(axes).is_some() {
-            self.sight.shared = self.sight.shared.saturating_add(by.floor());
+        if encoder.is_some() {
+            let claim = Claim { sequence, by: by.floor(), is_soft: self.shares_master(axes).is_none() };
+            self.sight.claim = Some(claim.after(self.sight.claim));
         }
         Ok(())
     }
 
-    /// By how much the encoder that leads it is to be moved for all (inc).
-    pub fn take_shared_master(&mut self) -> Option<(u16, i64)> {
-        let by = std::mem::take(&mut self.sight.shared);
-        match self.sight.leader {
-            Some(Leader::Encoder(place)) if by != 0 => Some((place, by)),
-            _ => None,
-        }
+    /// Its new zero of this cycle, where that encoder leads it.
+    pub(super) fn master_claim(&self, encoder: u16) -> Option<Claim> {
+        self.sight.claim.filter(|_| self.sight.leader == Some(Leader::Encoder(encoder)))
+    }
+
+    pub(super) fn forget_master_claim(&mut self) {
+        self.sight.claim = None;
     }
 
     /// The encoder that leads it was moved: what it shows stays.

@@ -34,9 +34,10 @@ mod vocabulary;
 
 pub use brake::Edges;
 pub use direction::{Polarity, Reversing, Rule, Sense, may_tell_sign, may_turn_loop};
-pub use feedback::{Source, Wired, may_read};
+pub use feedback::{Claim, Source, Wired, may_read};
 pub use homing::Travel;
 pub(crate) use homing::methods as homing_methods;
+pub use master::may_name;
 pub use modulo::Modulo;
 pub use reaction::{Class, class, stops_all};
 pub use safety::{Fault, Safety};
@@ -192,6 +193,8 @@ pub struct Axis {
     /// How it stands beyond a software limit, while it follows.
     beyond: Option<motion::Beyond>,
     error: Code,
+    /// What was found, and is allowed, when it came.
+    error_numbers: goal::Numbers,
     /// Why nothing may move: the contact of the cell that is open.
     open_contact: Code,
     /// How it stood when its last error came.
@@ -256,6 +259,7 @@ impl Axis {
             judge: Judge::new(delay),
             beyond: None,
             error: Code::NONE,
+            error_numbers: goal::NO_NUMBERS,
             open_contact: Code::NONE,
             fault: Fault::default(),
             stops_others: false,

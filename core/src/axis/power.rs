@@ -229,10 +229,10 @@ impl Axis {
     /// Records the first error and tells it.
     pub(super) fn report(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
         if self.error.is_none() {
-            self.error = code;
+            (self.error, self.error_numbers) = (code, (found, allowed));
             self.capture(cx.cycle, code);
             // A reset that waits was meant for what was there before.
-            self.waiting.fail(cx.events, self.setup.index, code, super::stops::Until::Healthy);
+            self.waiting.fail_with(cx.events, self.setup.index, code, super::stops::Until::Healthy, (found, allowed));
             let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
             cx.events.push(Event { position: self.actual.position, ..event });
         } else if self.state != AxisState::ErrorStop {

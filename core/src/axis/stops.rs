@@ -2,7 +2,7 @@
 //! their end.
 
 use super::course::Aim;
-use super::goal::NO_NUMBERS;
+use super::goal::{NO_NUMBERS, Numbers};
 use super::power::Power;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
@@ -53,12 +53,30 @@ impl Waiting {
 
     /// Ends all that wait for `until`, with `code`.
     fn end(&mut self, events: &mut EventQueue, axis: u16, until: Until, code: Code, position: Position) {
+        self.end_with(events, until, Event::done(Object::Axis(axis), 0, code, position));
+    }
+
+    /// The same with an event, which lacks only the command.
+    fn end_with(&mut self, events: &mut EventQueue, until: Until, done: Event) {
         for place in &mut self.0 {
             if let Some((sequence, _)) = place.filter(|(_, waits)| *waits == until) {
-                events.push(Event::done(Object::Axis(axis), sequence, code, position));
+                events.push(done.of_command(sequence));
                 *place = None;
             }
         }
+    }
+
+    /// As [`fail`](Self::fail), with what was found and what is allowed.
+    pub(super) fn fail_with(
+        &mut self,
+        events: &mut EventQueue,
+        axis: u16,
+        code: Code,
+        until: Until,
+        (found, allowed): Numbers,
+    ) {
+        let done = Event::done(Object::Axis(axis), 0, code, Position::ZERO);
+        self.end_with(events, until, done.with(found, allowed));
     }
 
     /// Ends all that wait for `until` without success.
@@ -249,8 +267,9 @@ impl Axis {
     /// Leaves ERROR_STOP and STOPPING.
     pub(super) fn clear_error(&mut self, cx: &mut Context<'_>) {
         if !self.error.is_none() {
-            let event = Event::new(Severity::Info, Kind::Reset, self.object(), self.error);
-            cx.events.push(event);
+            let (found, allowed) = self.error_numbers;
+            let event = Event::new(Severity::Info, Kind::Reset, self.object(), self.error).with(found, allowed);
+            cx.events.push(Event { position: Position::whole(self.fault.actual), ..event });
         }
         self.holding.aborted = false;
         let before = std::mem::replace(&mut self.error, Code::NONE);
@@ -373,7 +392,12 @@ impl Axis {
         let position = self.command.position;
         let failed = if self.error.is_none() { None } else { Some(self.error) };
         let (axis, opens) = (self.setup.index, self.is_opening());
-        let mut end = |until, code| self.waiting.end(cx.events, axis, until, code, position);
+        let (found, allowed) = self.error_numbers;
+        let mut end = |until, code| {
+            let done = Event::done(Object::Axis(axis), 0, code, position);
+            let done = if Some(code) == failed { done.with(found, allowed) } else { done };
+            self.waiting.end_with(cx.events, until, done);
+        };
         match self.power {
             Power::On => {
                 // An error that stopped it while its brake opened.

@@ -91,6 +91,13 @@ impl Reader {
         self.form
     }
 
+    /// Its words are judged by this form from now on; what they stand for stays.
+    pub fn judge_by(&mut self, form: Form) {
+        if form.circle() == self.form.circle() {
+            self.form = form;
+        }
+    }
+
     /// Could its state have come about?
     pub fn is_sound(&self) -> bool {
         let form = match self.form {

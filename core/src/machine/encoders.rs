@@ -1,7 +1,7 @@
 //! Encoders that several axes use: what they tell, and zeros that are set for all of them.
 
 use super::Machine;
-use crate::axis::Axis;
+use crate::axis::{Axis, Claim};
 use crate::code::Code;
 use crate::command::{Action, Commands, SetEncoderPosition};
 use crate::encoder::Told;
@@ -52,6 +52,7 @@ impl Machine {
 
     /// New values of an encoder, in the cycle in which it has been read. What its users were before is what they are judged by.
     pub(super) fn set_encoder(&mut self, index: usize, commands: Commands<'_>, admitted: u64) {
+        self.set_by[index] = 0;
         for (_, command) in super::live(commands, admitted) {
             let Action::SetEncoderPosition(request) = &command.action else { continue };
             if usize::from(request.encoder) != index {
@@ -60,7 +61,8 @@ impl Machine {
             match self.zero_of_encoder(request) {
                 Ok(by) => {
                     self.accept(command, Object::Encoder(request.encoder));
-                    self.move_encoder(request.encoder, by, None);
+                    self.move_encoder(request.encoder, by, |_| by);
+                    self.set_by[index] = command.sequence;
                 }
                 Err(refusal) => self.events.push(refusal.event(command.sequence)),
             }
@@ -88,37 +90,72 @@ impl Machine {
     }
 
     /// Moves encoders as their users have set new zeros (MACS-ENC-11): the values of the encoder and of its other users follow in
-    /// the next cycle, before any command of it.
+    /// the next cycle, before any command of it. Of several of one cycle the last one stands, as if each had been shared before the
+    /// next.
     pub(super) fn share_shifts(&mut self) {
-        for index in 0..self.state.axes.len() {
-            if let Some((encoder, by)) = self.state.axes[index].take_shared() {
-                self.share(index, encoder, by, Some(index));
+        for encoder in 0..self.state.encoders.len() {
+            self.share(encoder as u16);
+        }
+        self.state.axes.iter_mut().for_each(Axis::forget_claims);
+    }
+
+    fn share(&mut self, encoder: u16) {
+        let Some(mut last) = self.hard_claims(encoder).max_by_key(|claim| claim.sequence) else { return };
+        let set_by = self.set_by.get(usize::from(encoder)).copied().unwrap_or_default();
+        if set_by > last.sequence {
+            // The encoder itself was set behind all of them, and has that value already.
+            last = Claim { sequence: set_by, by: 0, ..last };
+        }
+        if let Err(number) = self.may_share(encoder, last) {
+            // Each axis alone has its new zero.
+            for index in 0..self.state.axes.len() {
+                for _ in self.state.axes[index].claims(encoder).into_iter().flatten().filter(|claim| !claim.is_soft) {
+                    let object = Object::Axis(index as u16);
+                    let event = Event::new(Severity::Warn, Kind::Warning, object, Code::ENCODER_NOT_SHARED);
+                    self.events.push(event.with(number, Number::None));
+                }
             }
-            if let Some((encoder, by)) = self.state.axes[index].take_shared_master()
-                && self.share(index, encoder, by, None)
-            {
-                self.state.axes[index].share_master(by);
+            return;
+        }
+        self.move_encoder(encoder, last.by, |axis| axis.left_of_shift(last.by, last.sequence));
+        for axis in &mut self.state.axes {
+            let [_, of_master] = axis.claims(encoder);
+            // What it shows of its master has that zero already.
+            match of_master {
+                Some(claim) if !claim.is_soft => axis.share_master(claim.by),
+                Some(claim) if claim.sequence > last.sequence => axis.share_master(last.by),
+                _ => {}
             }
         }
     }
 
-    /// True where the encoder has moved; else only the axis has its new zero, and that is told.
-    fn share(&mut self, index: usize, encoder: u16, by: i64, except: Option<usize>) -> bool {
-        let fits = |(other, axis): (usize, &Axis)| Some(other) == except || axis.follows_encoder(by);
+    /// The new zeros of this cycle that are of the encoder itself.
+    fn hard_claims(&self, encoder: u16) -> impl Iterator<Item = Claim> {
+        let claims = self.state.axes.iter().flat_map(move |axis| axis.claims(encoder));
+        claims.flatten().filter(|claim| !claim.is_soft)
+    }
+
+    /// May the encoder be moved so?
+    ///
+    /// # Errors
+    /// The axis that moves; nothing where a position or limit would leave its range.
+    fn may_share(&self, encoder: u16, last: Claim) -> Result<(), Number> {
         let own = self.state.encoders.get(usize::from(encoder)).map(|encoder| encoder.lead().position);
-        let is_legal = own.is_some_and(|own| (own + Position::whole(by)).is_legal());
-        let moves = is_legal && self.users(encoder).all(fits) && self.check_users(encoder, except).is_ok();
-        if moves {
-            self.move_encoder(encoder, by, except);
-        } else {
-            let object = Object::Axis(index as u16);
-            self.events.push(Event::new(Severity::Warn, Kind::Warning, object, Code::ENCODER_NOT_SHARED));
+        let is_legal = own.is_some_and(|own| (own + Position::whole(last.by)).is_legal());
+        for (index, axis) in self.users(encoder) {
+            let left = axis.left_of_shift(last.by, last.sequence);
+            if left != 0 && !axis.stands_idle() {
+                return Err(Number::Count(index as i64));
+            }
+            if left != 0 && !axis.follows_encoder(left) {
+                return Err(Number::None);
+            }
         }
-        moves
+        if is_legal { Ok(()) } else { Err(Number::None) }
     }
 
-    /// The value of an encoder is `by` more, and so are those of its users but one.
-    fn move_encoder(&mut self, encoder: u16, by: i64, except: Option<usize>) {
+    /// The value of an encoder is `by` more; each of its users is moved by what it lacks.
+    fn move_encoder(&mut self, encoder: u16, by: i64, left: impl Fn(&Axis) -> i64) {
         let place = usize::from(encoder);
         if let (Some(shifted), Some(lead)) =
             (self.state.encoders.get_mut(place), self.state.leads.encoder.get_mut(place))
@@ -126,9 +163,9 @@ impl Machine {
             shifted.shift(by);
             lead.position += Position::whole(by);
         }
-        let users = self.state.axes.iter_mut().enumerate();
-        let others = users.filter(|(other, axis)| Some(*other) != except && axis.reads(encoder));
-        others.for_each(|(_, axis)| axis.shift_with_encoder(by));
+        for axis in self.state.axes.iter_mut().filter(|axis| axis.reads(encoder)) {
+            axis.shift_with_encoder(left(axis));
+        }
     }
 
     /// The axes that read an encoder.

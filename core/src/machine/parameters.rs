@@ -6,6 +6,7 @@
 //! Source   MACS-STO-02..08
 
 use super::Machine;
+use crate::axis::may_name;
 use crate::code::Code;
 use crate::command::Command;
 use crate::config::{IoCounts, NoSuchIo, OutputShared, highest_velocity};
@@ -270,6 +271,8 @@ impl Machine {
         self.state.axes[index].admits_selector(&self.candidates[index], self.state.cycle, &self.state.leads)?;
         let candidate = &self.candidates[index];
         self.state.axes[index].admits_sense(candidate)?;
+        self.state.axes[index].admits_source(candidate)?;
+        self.check_named(index)?;
         self.state.axes[index].admits_zero(candidate)?;
         IoCounts::of(&self.config).check_axis(candidate).map_err(|missing| no_such_io(index as u16, missing))?;
         let of_axis = || changes.iter().filter(|change| usize::from(change.axis) == index);
@@ -343,6 +346,8 @@ impl Machine {
         }
         axis.admits_selector(candidate, self.state.cycle, &self.state.leads)?;
         axis.admits_sense(candidate)?;
+        axis.admits_source(candidate)?;
+        self.check_named(index)?;
         axis.admits_zero(candidate)?;
         match self.left_out(index) {
             Some(place) => {
@@ -353,6 +358,15 @@ impl Machine {
             }
             None => Ok(()),
         }
+    }
+
+    /// Is the master that it names one that the cell has?
+    fn check_named(&self, index: usize) -> Result<(), Refusal> {
+        let candidate = &self.candidates[index];
+        may_name(index, self.state.axes.len(), self.state.encoders.len(), candidate).map_err(|(key, code)| {
+            let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
+            blame(&Change { value: value_of(&change, candidate), ..change }, code)
+        })
     }
 
     /// A place that the motion under way reaches and new limits would leave out.

@@ -43,6 +43,8 @@ pub struct HomingParts {
 
 /// HOME_FORCE of a controller on which homing is compulsory, and was done.
 const TOLD_DONE: i64 = 255;
+/// Two names of one rate may differ so much in their last digits, as a part of it.
+const SAME: f64 = 1e-12;
 /// Share of the maxima that homing takes where nothing is given (HOME_VEL, HOMEZEROVEL and HOME_RAMP begin with 10 of 100).
 const USUAL_SHARE: f64 = 0.1;
 
@@ -139,11 +141,35 @@ impl AxisParameters {
     /// Was something changed that a zero found before does not outlive: encoder, its type, sense of rotation, homing? A soft
     /// change of the type keeps the position, and so the zero (MACS-ENC-11).
     pub fn loses_zero_to(&self, new: &Self) -> bool {
-        let homing = Homing { told_done: new.homing.told_done, ..self.homing };
+        // A rate that is given by another name may be the same.
+        let rest = |p: &Self| Homing {
+            velocity: None,
+            index_velocity: None,
+            acceleration: None,
+            parts: HomingParts::default(),
+            told_done: false,
+            ..p.homing
+        };
+        let rates = |p: &Self| {
+            let (parts, own) = (p.homing.parts, p.homing);
+            [
+                (parts.velocity, own.velocity, p.homing_velocity()),
+                (parts.index_velocity, own.index_velocity, p.homing_slow()),
+                (parts.acceleration, own.acceleration, p.homing_ramp()),
+            ]
+        };
+        let changes_rate = std::iter::zip(rates(self), rates(new)).any(|(before, after)| {
+            let is_given_so = match (before.0, after.0) {
+                (None, None) => before.1 == after.1,
+                (before, after) => before == after,
+            };
+            !is_given_so && (before.2 - after.2).abs() > before.2.abs() * SAME
+        });
         let changes_type = self.encoder.encodertype != new.encoder.encodertype && new.encoder.enccontrol & 1 == 0;
-        homing != new.homing
+        rest(self) != rest(new)
+            || changes_rate
             || self.macs.encoder != new.macs.encoder
-            || self.macs.posdrct != new.macs.posdrct
+            || self.sense() != new.sense()
             || changes_type
     }
 }

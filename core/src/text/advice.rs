@@ -178,7 +178,11 @@ const TABLE: &[Line] = &[
         "With this deceleration the axis would pass min_position on its way.",
         "Ask for more deceleration, or for less velocity before.",
     ),
-    (Code::LEADER_LOOP, "The axis would follow itself, directly or through others.", "Choose another leader."),
+    (
+        Code::LEADER_LOOP,
+        "The axis would follow itself, directly or through others, or mencodertype names it.",
+        "Choose another leader.",
+    ),
     (
         Code::BAD_RATIO,
         "A ratio with denominator 0, or one part 0 and the other not.",
@@ -462,7 +466,7 @@ const TABLE: &[Line] = &[
     ),
     (
         Code::NO_MASTER,
-        "synchronize names no master, and neither does mencodertype of the axis.",
+        "synchronize names no master, and neither does mencodertype of the axis; or mencodertype names an axis that there is not.",
         "Name a master, or set mencodertype.",
     ),
     (
@@ -482,7 +486,7 @@ const TABLE: &[Line] = &[
     ),
     (
         Code::ENCODER_NO_TERMINAL,
-        "encodertype names an entry of encoders that the cell does not have.",
+        "encodertype or mencodertype names an entry of encoders that the cell does not have.",
         "Add the entry, or choose 10, 20 or 30 as there are entries.",
     ),
     (
@@ -527,7 +531,7 @@ const TABLE: &[Line] = &[
     ),
     (
         Code::ENCODER_NOT_SHARED,
-        "A new zero was to move an encoder with several users, and one of them began to move in the same cycle.",
+        "A new zero was to move an encoder with several users, and one of them began to move in the same cycle, or would leave its range.",
         "Stand still with all users of the encoder, then set the position again.",
     ),
     (

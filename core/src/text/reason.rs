@@ -38,7 +38,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::HARDWARE_LIMIT_NEGATIVE => fixed("the negative limit switch was reached"),
         Code::BOTH_LIMIT_SWITCHES => fixed("both limit switches are actuated: a broken cable, or an open stop contact"),
         Code::STOPPED_WITH_OTHER => match event.asked {
-            Number::Count(axis) if event.kind == Kind::Error => {
+            Number::Count(axis) if matches!(event.kind, Kind::Error | Kind::Reset) => {
                 let other = u16::try_from(axis).map_or("another axis", |axis| config.name(Object::Axis(axis)));
                 format!("stopped, because {other} has a following error")
             }
@@ -147,12 +147,20 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::BAD_NUMBER => {
             format!("{} {} is not allowed; a finite number that is not negative is", measured(event.asked), asked())
         }
+        Code::POSITION_OUT_OF_RANGE if event.limit != Number::None => format!(
+            "at position {} a software limit would be {}, which does not lie within +-2^62 increments",
+            asked(),
+            limit()
+        ),
         Code::POSITION_OUT_OF_RANGE => format!("target {} does not lie within +-2^62 increments", asked()),
         Code::CANNOT_STOP_BEFORE_MAX_POSITION => {
             format!("with deceleration {} it would reach {}, beyond max_position, on its way", asked(), limit())
         }
         Code::CANNOT_STOP_BEFORE_MIN_POSITION => {
             format!("with deceleration {} it would reach {}, beyond min_position, on its way", asked(), limit())
+        }
+        Code::LEADER_LOOP | Code::NO_MASTER if event.parameter.is_some() => {
+            format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
         Code::LEADER_LOOP => fixed("the axis would follow itself"),
         Code::BAD_RATIO => {
@@ -338,9 +346,16 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
              30 (an entry of encoders) or 6 (a simulated one)",
             plain(event.asked)
         ),
-        Code::ENCODER_NOT_SHARED => {
-            fixed("another axis that uses the encoder began to move, so that only this axis has its new zero")
-        }
+        Code::ENCODER_NOT_SHARED => match event.asked {
+            Number::Count(axis) => {
+                let other = u16::try_from(axis).map_or("another axis", |axis| config.name(Object::Axis(axis)));
+                format!("{other}, which reads the same encoder, began to move, so that only this axis has its new zero")
+            }
+            _ => fixed(
+                "with its new zero a position or limit of the encoder or of an axis that reads it would leave +-2^62 increments, \
+                 so that only this axis has it",
+            ),
+        },
         Code::SYNC_LOST => fixed("the leader is faster than the axis may be; it lags and catches up"),
         Code::RESET_FAILED => fixed("the drive did not leave its fault within 5 s"),
         Code::EVENTS_LOST => format!("{} events of this cycle had no room", plain(event.asked)),

@@ -48,6 +48,8 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::ENCODER_NO_TERMINAL => {
             "names an entry of section encoders that the cell does not have: 10 is the first one"
         }
+        Code::LEADER_LOOP => "names the axis itself; another one is allowed",
+        Code::NO_MASTER => "names an axis that the cell does not have: -1 is the first one",
         Code::ENCODER_LOOP_IN_DRIVE => {
             "names an encoder that a drive with interface position does not close its loop with; 0, 1, 2, 5 and 9 are allowed"
         }

@@ -152,6 +152,11 @@ impl Homing {
         self.done = false;
     }
 
+    /// The encoder that told it is gone.
+    pub(super) fn forget_told(&mut self) {
+        self.lost = true;
+    }
+
     /// Everything is mirrored from now on.
     pub(super) fn turn_over(&mut self) {
         self.limit_shift = self.limit_shift.saturating_neg();
@@ -334,7 +339,7 @@ impl Axis {
         if std::mem::take(&mut self.homing.unsure) {
             self.wf.lose_zero();
         }
-        if std::mem::take(&mut self.homing.lost) {
+        if std::mem::take(&mut self.homing.lost) && !self.has_fixed_zero() {
             cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LOST));
         }
         if std::mem::take(&mut self.homing.broken) && self.homing.is_running() {

@@ -26,7 +26,8 @@ impl Axis {
             return Err(self.refuse(Code::POSITION_OUT_OF_RANGE).with(asked, Number::None));
         }
         if let Some(limit) = self.limit_out_of_range(by) {
-            return Err(self.refuse(Code::POSITION_OUT_OF_RANGE).with(Number::Position(limit), Number::None));
+            let asked = Number::Position(position.nearest);
+            return Err(self.refuse(Code::POSITION_OUT_OF_RANGE).with(asked, Number::Position(limit)));
         }
         let event = Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE);
         cx.events.push(event.of_command(sequence));
@@ -34,7 +35,7 @@ impl Axis {
         self.shift_limits(cx, by);
         self.leave_vocabulary();
         self.note_zero();
-        self.share_shift(by);
+        self.share_shift(sequence, by);
         Ok(())
     }
 

@@ -257,7 +257,9 @@ fn a_hard_zero_waits_for_the_other_users() {
     assert_eq!((before, rig.int("x.actual.position")), (0, 500));
     rig.run(1);
     assert_eq!(rig.int("belt.position"), 0);
-    assert!(rig.events.iter().any(|event| event.code == Code::ENCODER_NOT_SHARED));
+    let told = rig.events.iter().find(|event| event.code == Code::ENCODER_NOT_SHARED).unwrap();
+    let sentence = "x: y, which reads the same encoder, began to move, so that only this axis has its new zero";
+    assert_eq!(crate::text::sentence(told, rig.machine.config()), sentence);
 }
 
 /// Who follows a shared encoder does not follow its new zero.
@@ -561,5 +563,7 @@ fn a_restored_machine_reads_on() {
 }
 
 mod cable;
+mod kept;
 mod marks;
 mod words;
+mod zeros;

@@ -62,12 +62,12 @@ fn a_terminal_is_an_entry_of_encoders() {
     assert_eq!(rig.machine.state.axes[usize::from(X)].leader(), Some(Leader::Encoder(0)));
 }
 
-/// The default names none; neither does a number beyond the axes or encoders of the cell. Who is named is followed all the same.
+/// The default names none. Who is named is followed all the same.
 ///
 /// Proves: MACS-ENC-14
 #[test]
 fn numbers_that_name_nothing_are_refused_with_what_would() {
-    for kind in [0, 1, 2, 5, -4, -999, 20, 30] {
+    for kind in [0, 1, 2, 5] {
         let mut rig = rig(kind);
         let sequence = follow(&mut rig);
         let sentence = format!(
@@ -78,10 +78,41 @@ fn numbers_that_name_nothing_are_refused_with_what_would() {
         let sequence = rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
         assert!(rig.was_accepted(sequence));
     }
-    // Itself, which is axis 2.
-    let mut rig = rig(-2);
-    let sequence = follow(&mut rig);
-    assert!(rig.refusal(sequence).contains("itself"), "{}", rig.refusal(sequence));
+}
+
+/// A number beyond the axes or encoders of the cell, and the axis itself, which is axis 2: when it is set, and where a machine is to
+/// begin with what was saved.
+///
+/// Proves: MACS-ENC-14
+#[test]
+fn numbers_that_name_what_is_not_there_are_refused_when_they_are_set() {
+    let none = "names an axis that the cell does not have: -1 is the first one";
+    let terminal = "names an entry of section encoders that the cell does not have: 10 is the first one";
+    let mut rig = rig(0);
+    rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(50);
+    for (kind, why) in [
+        (-2, "names the axis itself; another one is allowed"),
+        (-4, none),
+        (-999, none),
+        (20, terminal),
+        (30, terminal),
+    ] {
+        let refused = set(&mut rig, X, &[("mencodertype", Value::Int(kind))]);
+        assert_eq!(rig.refusal(refused), format!("x: mencodertype {kind} {why}"));
+        let mut cell = config(0);
+        let x = &mut cell.axes[usize::from(X)];
+        x.saved = Some(x.parameters);
+        assert!(crate::machine::Machine::new(cell.clone()).is_ok());
+        let saved = cell.axes[usize::from(X)].saved.as_mut().unwrap();
+        saved.encoder.mencodertype = kind;
+        let error = crate::machine::Machine::new(cell).unwrap_err();
+        assert_eq!(error.to_string(), format!("x: mencodertype {why}"));
+    }
+    for kind in [-3, 10, 6] {
+        let accepted = set(&mut rig, X, &[("mencodertype", Value::Int(kind))]);
+        assert!(rig.was_accepted(accepted), "{kind}");
+    }
 }
 
 #[test]

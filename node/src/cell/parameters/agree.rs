@@ -46,7 +46,10 @@ pub(crate) fn contradictions(parameters: &AxisParameters, given: Given<'_, '_>, 
     while let Err(contradiction) = checked.check() {
         let key = match contradiction {
             Contradiction::Above(low, high) => {
-                file.refuse_pair(&checked, low, high);
+                // What was made harmless here is nothing that anybody wrote.
+                if !is_made_here(parameters, &checked, low, high) {
+                    file.refuse_pair(parameters, low, high);
+                }
                 low
             }
             Contradiction::OutOfRange(key) => {
@@ -69,6 +72,20 @@ pub(crate) fn contradictions(parameters: &AxisParameters, given: Given<'_, '_>, 
             return;
         }
     }
+}
+
+/// Does a pair contradict only since one of the two was made harmless?
+fn is_made_here(parameters: &AxisParameters, checked: &AxisParameters, low: &str, high: &str) -> bool {
+    let value = |key, of| Row::find(key).map(|(_, row)| row.value(of));
+    let number = |key| match value(key, parameters) {
+        Some(parameter::Value::Int(number)) => number as f64,
+        Some(parameter::Value::Real(number)) => number,
+        _ => f64::NAN,
+    };
+    let is_changed = [low, high].iter().any(|key| value(key, parameters) != value(key, checked));
+    // Only limits of the way contradict where they are the same.
+    let (below, above) = (number(low), number(high));
+    is_changed && (below < above || below == above && low != "min_position")
 }
 
 /// The keys of an axis in a file, and its scale.

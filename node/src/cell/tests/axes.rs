@@ -212,6 +212,30 @@ fn keys_that_an_axis_must_have_or_does_not_know() {
     assert_eq!(said(&axis(&[("dirve", "virtual")])), "8:5: unknown key `dirve` in axis `x`");
 }
 
+/// A line that is refused is compared with nothing that nobody wrote.
+#[test]
+fn steps_that_do_not_fall_are_told_with_what_stands_in_the_cell() {
+    let said = |steps: &str| -> Vec<String> {
+        let drive = "drive: {backend: plant, address: 0, interface: open_loop}, wf";
+        let rest = "max_velocity: 100 mm/s, max_acceleration: 1 m/s^2";
+        let scale = "type: linear, unit: mm, scale: {increments: 1000, per: 1 mm}";
+        let said = super::said_of(&format!("axes:\n  x: {{{scale}, {rest}, {drive}: {{{steps}}}}}\n"));
+        said.lines().filter_map(|line| line.split_once(": ")).map(|(_, sentence)| sentence.to_owned()).collect()
+    };
+    assert_eq!(
+        said("md42: 10, md43: 20, md44: 30, md45: 1, md46: 2, md47: 3, md48: 4"),
+        [
+            "wf.md43 20 lies above wf.md42 10",
+            "wf.md44 30 lies above wf.md43 20",
+            "wf.md46 2 mm lies above wf.md45 1 mm",
+            "wf.md47 3 mm lies above wf.md46 2 mm",
+            "wf.md48 4 mm lies above wf.md47 3 mm",
+        ]
+    );
+    assert_eq!(said("md42: 10, md43: 20, md44: 15"), ["wf.md43 20 lies above wf.md42 10"]);
+    assert_eq!(said("md42: 10, md43: 20, md44: 20"), ["wf.md43 20 lies above wf.md42 10"]);
+}
+
 #[test]
 fn contradictions_stand_at_the_key_that_is_too_high() {
     let keys = [

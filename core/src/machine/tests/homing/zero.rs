@@ -103,6 +103,13 @@ fn a_change_of_what_the_zero_depends_on_asks_for_it_again() {
         ("homing.velocity", Value::Real(5_000.0), false),
         ("homing.required", Value::Int(1), false),
         ("max_velocity", Value::Real(50_000.0), true),
+        // What is in force by another name, in parts of 100; the tens digit is that of the other loop.
+        ("home_vel", Value::Int(10), true),
+        ("homezerovel", Value::Int(1), true),
+        ("home_ramp", Value::Int(10), true),
+        ("posdrct", Value::Int(11), true),
+        ("home_vel", Value::Int(9), false),
+        ("homezerovel", Value::Int(9), false),
         ("velocity_override", Value::Real(50.0), true),
         ("max_position", Value::Int(9_000), true),
     ] {
