@@ -192,6 +192,8 @@ pub struct Axis {
     judge: Judge,
     /// How it stands beyond a software limit, while it follows.
     beyond: Option<motion::Beyond>,
+    /// The software limit that has stopped it, the upper one or not, until it leaves that.
+    stopped_at: Option<bool>,
     error: Code,
     /// What was found, and is allowed, when it came.
     error_numbers: goal::Numbers,
@@ -258,6 +260,7 @@ impl Axis {
             waiting: Waiting::default(),
             judge: Judge::new(delay),
             beyond: None,
+            stopped_at: None,
             error: Code::NONE,
             error_numbers: goal::NO_NUMBERS,
             open_contact: Code::NONE,

@@ -215,7 +215,14 @@ impl Axis {
         self.reference = Reference::Stop;
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
-        self.raise(cx, code, Number::None, Number::Position(limit.floor()));
+        let place = Number::Position(limit.floor());
+        if self.stopped_at == Some(up) {
+            // It has not left it since: that is a new attempt (MACS-LIM-05).
+            self.raise(cx, Code::LIMIT_VIOLATION, Number::Velocity(next.velocity), place);
+        } else {
+            self.raise(cx, code, Number::None, place);
+        }
+        self.stopped_at = Some(up);
         self.judge.after_stop = self.after_stop_of(code);
         self.set_state(cx, AxisState::ErrorStop);
         true
@@ -270,9 +277,14 @@ impl Axis {
         }
     }
 
-    /// Keeps how far in an axis beyond a limit has come, from cycle to cycle.
+    /// Keeps how far in an axis beyond a limit has come, from cycle to cycle, and whether it still is where one has stopped it.
     fn watch_beyond(&mut self, cycle: u64) {
         let now = self.command.position;
+        let is_left = |up: bool| {
+            let limit = Position::whole(self.limit(up));
+            if up { now < limit } else { now > limit }
+        };
+        self.stopped_at = self.stopped_at.filter(|up| !is_left(*up));
         let up = [true, false].into_iter().find(|up| {
             let limit = Position::whole(self.limit(*up));
             if *up { now > limit } else { now < limit }

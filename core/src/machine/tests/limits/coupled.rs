@@ -89,6 +89,18 @@ fn from_its_limit_an_axis_is_led_away_and_nowhere_else() {
         rig.run(1);
         assert_eq!((rig.state("x"), place(&rig)), ("ERROR_STOP", HIGH as f64), "at {speed} inc/s");
         assert_eq!(errors(&rig), [Code::SOFTWARE_LIMIT_POSITIVE]);
+        // A new attempt, and another one.
+        for attempt in 1..3 {
+            rig.give(Action::ResetErrors(AxisSet::one(X)));
+            rig.run(1);
+            rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
+            rig.run(1);
+            assert_eq!((rig.state("x"), place(&rig)), ("ERROR_STOP", HIGH as f64), "at {speed} inc/s");
+            assert_eq!(errors(&rig)[attempt], Code::LIMIT_VIOLATION);
+        }
+        let last = rig.events.iter().rfind(|event| event.kind == Kind::Error).unwrap();
+        let sentence = crate::text::sentence(last, rig.machine.config());
+        assert!(sentence.ends_with("mm/s leads further into the limit at 1 mm"), "{sentence}");
         rig.give(Action::Move(at(LINE, -speed)));
         rig.run(200);
         rig.give(Action::ResetErrors(AxisSet::one(X)));
@@ -434,7 +446,7 @@ proptest! {
             }
             is_kept(&rig)?;
         }
-        let limits = [Code::SOFTWARE_LIMIT_POSITIVE, Code::SOFTWARE_LIMIT_NEGATIVE];
+        let limits = [Code::SOFTWARE_LIMIT_POSITIVE, Code::SOFTWARE_LIMIT_NEGATIVE, Code::LIMIT_VIOLATION];
         for code in errors(&rig) {
             prop_assert!(limits.contains(&code), "error {:?}", code);
         }
