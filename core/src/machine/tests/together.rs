@@ -424,6 +424,35 @@ proptest! {
     }
 }
 
+/// These goals make a plan that rounding leads 4e-5 inc beyond the limit: below the lower one that would be a whole increment.
+#[test]
+fn rounding_leads_nothing_beyond_a_limit() {
+    for way in [1, -1] {
+        let mut config = config(0);
+        let p = &mut config.axes[usize::from(X)].parameters;
+        (p.max_jerk, p.profile) = (Some(2e7), 2);
+        (p.min_position, p.max_position) = (Some(-20_000), Some(20_000));
+        let mut rig = Rig::of(config);
+        rig.enable();
+        let back = Move {
+            mode: MoveMode::Additive,
+            velocity: 76_753.132_905_642_91,
+            jerk: 2_181_706.284_522_271,
+            ..to(X, -107 * way)
+        };
+        rig.give(after(BufferMode::Buffered, to(X, 0)));
+        rig.give(after(BufferMode::Buffered, to(X, 20_000 * way)));
+        rig.give(after(BufferMode::Buffered, back));
+        let last = rig.give(after(BufferMode::BlendingPrevious, to(X, -20_000 * way)));
+        for _ in 0..6_000 {
+            rig.run(1);
+            assert!(position(&rig).abs() <= 20_000.0, "{}", position(&rig));
+            assert!(rig.int("x.output.position").abs() <= 20_000);
+        }
+        assert_eq!(codes(&rig, last), vec![Code::NONE]);
+    }
+}
+
 /// Passing at the edge of all positions.
 #[test]
 fn goals_pass_into_each_other_at_the_end_of_all_positions() {

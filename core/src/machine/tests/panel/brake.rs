@@ -23,6 +23,22 @@ pub(super) fn vertical_of(mut cell: MachineConfig, release_ns: u64, engage_ns: u
     rig
 }
 
+/// Its brake takes 50 ms to open; the axis is taken off again after 20.
+#[test]
+fn an_axis_that_is_disabled_while_its_brake_opens_is_never_shown_as_enabled() {
+    let mut rig = vertical(50_000_000, 35_000_000, Model::Ideal);
+    rig.run(20);
+    rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run_until("r", 1);
+    rig.run(20);
+    let disabled = rig.give(Action::Disable(AxisSet::one(X)));
+    for _ in 0..60 {
+        assert_eq!((rig.int("x.enabled"), rig.state("x")), (0, "DISABLED"));
+        rig.run(1);
+    }
+    assert_eq!((rig.done(disabled).len(), rig.int("x.output.control"), rig.int("x.brake")), (1, 0, 1));
+}
+
 /// With delays that fit its brake a hanging load does not move by one increment when it is switched on and off, nor when its
 /// drive fails at rest... until the brake has closed, which no controller can shorten.
 ///
