@@ -233,20 +233,26 @@ fn the_error_of_another_axis_closes_the_brake_in_its_cycle() {
     assert_eq!((rig.int("x.output.control"), rig.int("x.brake"), rig.int("r")), (0, 1, 0));
 }
 
+/// x at 50 mm/s, with O_BRAKE -1 at an output that reads 1.
+fn rolling(errcond: i64) -> Rig {
+    let mut cell = with_io();
+    cell.axes[1].parameters.outputs.brake = -1;
+    cell.axes[1].parameters.error_reaction = errcond;
+    let mut rig = Rig::of(cell);
+    rig.give(Action::set_output(P, 1.0));
+    rig.enable();
+    rig.give(Action::Move(at(X, 50_000.0)));
+    rig.run(1_000);
+    rig
+}
+
 /// O_BRAKE -1: with ERRCOND 1 output 1 is low at once, with 3 after the stop, with 0 it is as it was.
 ///
 /// Proves: MACS-O-73, MACS-ERR-02, MACS-IO-04
 #[test]
 fn o_brake_goes_low_by_errcond() {
     for (errcond, at_once, before_rest, at_rest) in [(1, 0, 0, 0), (3, 1, 1, 0), (0, 1, 1, 1)] {
-        let mut cell = with_io();
-        cell.axes[1].parameters.outputs.brake = -1;
-        cell.axes[1].parameters.error_reaction = errcond;
-        let mut rig = Rig::of(cell);
-        rig.give(Action::set_output(P, 1.0));
-        rig.enable();
-        rig.give(Action::Move(at(X, 50_000.0)));
-        rig.run(1_000);
+        let mut rig = rolling(errcond);
         rig.plant.drive(0).unwrap().jump(5_000);
         let mut seen = Vec::new();
         // 50 mm/s with 1 m/s^2: it stands after 50 ms.
@@ -266,15 +272,7 @@ fn o_brake_goes_low_by_errcond() {
 fn o_brake_closes_with_an_error_that_takes_the_power() {
     for errcond in 0..6 {
         for (lost, stops) in [(false, false), (true, false), (false, true), (true, true)] {
-            let mut cell = with_io();
-            cell.axes[1].parameters.outputs.brake = -1;
-            cell.axes[1].parameters.error_reaction = errcond;
-            cell.axes[1].parameters.supervision.endswmod = 0;
-            let mut rig = Rig::of(cell);
-            rig.give(Action::set_output(P, 1.0));
-            rig.enable();
-            rig.give(Action::Move(at(X, 50_000.0)));
-            rig.run(1_000);
+            let mut rig = rolling(errcond);
             let drive = rig.plant.drive(0).unwrap();
             if stops {
                 drive.stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
@@ -326,14 +324,7 @@ fn o_brake_closes_anew_with_an_error_after_an_abort() {
 fn an_error_in_an_abort_leaves_it_its_brake() {
     for errcond in 0..4 {
         for fails in [false, true] {
-            let mut cell = with_io();
-            cell.axes[1].parameters.outputs.brake = -1;
-            cell.axes[1].parameters.error_reaction = errcond;
-            let mut rig = Rig::of(cell);
-            rig.give(Action::set_output(P, 1.0));
-            rig.enable();
-            rig.give(Action::Move(at(X, 50_000.0)));
-            rig.run(1_000);
+            let mut rig = rolling(errcond);
             rig.give(Action::Abort);
             rig.run(10);
             let drive = rig.plant.drive(0).unwrap();
