@@ -47,6 +47,7 @@ use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
 pub use robot::Robot;
 use std::path::Path;
+use std::time::Duration;
 
 /// The format that this program reads.
 const FORMAT: &str = "1";
@@ -95,6 +96,19 @@ pub struct RosOptions {
     pub robot_description: Option<String>,
     /// Network interfaces by name or address; empty: as the environment says.
     pub interfaces: Vec<String>,
+    /// What the machine does when its ROS side is lost.
+    pub on_loss: OnLoss,
+    /// How old a request may be that is carried out, 0.1 s to 1 h.
+    pub request_timeout: Duration,
+}
+
+/// What the machine does when nobody can reach it through ROS any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnLoss {
+    /// It halts all axes.
+    Halt,
+    /// It goes on.
+    None,
 }
 
 impl Default for RosOptions {
@@ -107,6 +121,8 @@ impl Default for RosOptions {
             autostart: true,
             robot_description: None,
             interfaces: Vec::new(),
+            on_loss: OnLoss::Halt,
+            request_timeout: Duration::from_secs(2),
         }
     }
 }

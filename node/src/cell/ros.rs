@@ -1,9 +1,10 @@
 //! Section `ros`.
 
-use super::RosOptions;
+use super::{OnLoss, RosOptions};
 use super::names::quote;
 use crate::document::Value;
 use lineshaft_core::unit::Dimension;
+use std::time::Duration;
 
 /// Longest node name, and longest namespace.
 const LONGEST: usize = 245;
@@ -18,6 +19,8 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
     let autostart = map.optional("autostart").map(|value| value.boolean());
     let robot_description = map.optional("robot_description").map(|value| file_name(&value));
     let interfaces = map.optional("interfaces").map(|value| interfaces(&value));
+    let on_loss = map.optional("on_loss").map(|value| on_loss(&value));
+    let request_timeout = map.optional("request_timeout").map(|value| request_timeout(&value));
     map.finish();
     Some(RosOptions {
         name: name.unwrap_or(Some(usual.name))?,
@@ -27,7 +30,30 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
         autostart: autostart.unwrap_or(Some(usual.autostart))?,
         robot_description: robot_description.map_or(Some(None), |file| file.map(Some))?,
         interfaces: interfaces.unwrap_or(Some(usual.interfaces))?,
+        on_loss: on_loss.unwrap_or(Some(usual.on_loss))?,
+        request_timeout: request_timeout.unwrap_or(Some(usual.request_timeout))?,
     })
+}
+
+fn on_loss(value: &Value<'_>) -> Option<OnLoss> {
+    match value.text()? {
+        "halt" => Some(OnLoss::Halt),
+        "none" => Some(OnLoss::None),
+        text => {
+            value.refuse(format!("on_loss is {}; halt or none is allowed", quote(text)), None);
+            None
+        }
+    }
+}
+
+fn request_timeout(value: &Value<'_>) -> Option<Duration> {
+    let seconds = value.quantity(&[Dimension::Time], &crate::document::Allowed::Any)?.si();
+    if (0.1..=3600.0).contains(&seconds) {
+        return Some(Duration::from_secs_f64(seconds));
+    }
+    let given = quote(value.peek().unwrap_or_default());
+    value.refuse(format!("{} is {given}; 0.1 s..3600 s is allowed", value.label()), None);
+    None
 }
 
 fn node_name(value: &Value<'_>) -> Option<String> {

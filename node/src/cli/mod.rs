@@ -23,7 +23,7 @@ use crate::run::recorder::MOST_SECONDS;
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use lineshaft_core::parameter::System;
-use lineshaft_ros::layer::RosArguments;
+use lineshaft_ros::layer::{RosArguments, Side};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -411,6 +411,11 @@ fn bag_duration(text: &str) -> Result<u64, String> {
 
 /// Runs the program with these arguments, the first one being its own name.
 pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
+    let arguments: Vec<String> = arguments.into_iter().collect();
+    // Of no use to a user, and so not in the help.
+    if arguments.get(1).is_some_and(|command| command == Side::COMMAND) {
+        return lineshaft_ros::side::main();
+    }
     let (ros, rest) = match RosArguments::take(arguments) {
         Ok(taken) => taken,
         Err(error) => {

@@ -6,17 +6,22 @@ use self::running::{Given, Prepared, Recording, Running, stop_machine};
 use super::check::{summary, warnings};
 use super::logging::Logging;
 use super::{Exit, RunArgs, complain, say, store};
-use crate::cell::Cell;
+use crate::cell::{Cell, OnLoss};
+use crate::run::bridge::Handle;
 use crate::scenario::{Report, Scenario};
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
+use lineshaft_core::object::AxisSet;
 use lineshaft_core::text;
-use lineshaft_ros::layer::{CreateError, Environment, Interface, Networks, Node, NodeOptions, RosArguments};
+use lineshaft_ros::layer::{
+    self, CreateError, Environment, Interface, Networks, Node, NodeOptions, RosArguments, Side, SideOptions,
+};
 use lineshaft_ros::surface::host::{Host, StampedEvent};
 use lineshaft_ros::surface::{Rates, Surface, check_names, start_command};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use tokio::signal::unix::{Signal as UnixSignal, SignalKind, signal};
 use tokio::sync::mpsc::UnboundedReceiver;
@@ -108,7 +113,31 @@ fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOpt
     if let Some(enclave) = &ros.enclave {
         tracing::debug!("enclave {enclave} is not used: DDS security does not exist here");
     }
-    Ok(NodeOptions { names, overrides: ros.overrides(&name), rosout: ros.rosout_logs, loggers })
+    let side = SideOptions { side: Side::of_this_program(), participants: store::participants_folder(), ..Default::default() };
+    Ok(NodeOptions { names, overrides: ros.overrides(&name), rosout: ros.rosout_logs, loggers, side, request_timeout: cell.ros.request_timeout })
+}
+
+/// What the machine does when its ROS side is lost; `is_final` is set where there will be no other.
+fn on_loss(handle: Arc<Handle>, on_loss: OnLoss, is_final: Arc<AtomicBool>) -> layer::OnLoss {
+    Arc::new(move |loss| {
+        let next = if loss.is_final { "it is not started again, the program ends" } else { "it is started again" };
+        let reaction = match on_loss {
+            OnLoss::Halt => "all axes halt",
+            OnLoss::None => "the axes go on (on_loss: none)",
+        };
+        tracing::error!("the ROS side {}: {reaction}; {next}", loss.reason);
+        if loss.is_final {
+            is_final.store(true, Ordering::Release);
+        }
+        if on_loss == OnLoss::Halt && handle.takes_commands() {
+            let all = AxisSet::first(handle.config().axes.len());
+            let asked = Instant::now();
+            // The lane of stops empties within a cycle.
+            while handle.submit_as(Source::Machine, Action::Halt(all)).is_err() && asked.elapsed() < SAME_SIGNAL {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+    })
 }
 
 /// Would the machine take this as its first command? A cycle of another one that is the same tells.
@@ -151,8 +180,10 @@ async fn serve(
     events: UnboundedReceiver<StampedEvent>,
     signals: Signals,
 ) -> Result<Exit, String> {
-    let Start { args, cell, options, environment, logging } = start;
+    let Start { args, cell, mut options, environment, logging } = start;
     let host: Arc<dyn Host> = prepared.handle.clone();
+    let is_lost = Arc::<AtomicBool>::default();
+    options.side.on_loss = on_loss(prepared.handle.clone(), cell.ros.on_loss, Arc::clone(&is_lost));
     let rates = Rates { joint_states: cell.ros.joint_states_rate, axis_states: cell.ros.axis_states_rate };
     let name = options.names.node().clone();
     let surface = Node::with(options, environment).map_err(CreateError::from).and_then(|node| {
@@ -176,7 +207,7 @@ async fn serve(
         Networks::Only(addresses) => addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     };
     tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
-    let why = wait_for_end(&running, signals).await;
+    let why = wait_for_end(&running, &is_lost, signals).await;
     stop_machine(&running).await;
     logging.show_on(None);
     drop(surface);
@@ -186,7 +217,7 @@ async fn serve(
             say(&report);
             if report.passed() { exit } else { Exit::Failed }
         }
-        (_, Ended::ThreadFailed) => Exit::Failed,
+        (_, Ended::ThreadFailed | Ended::WithoutRos) => Exit::Failed,
     })
 }
 
@@ -220,11 +251,12 @@ enum Ended {
     BySignal,
     ScenarioOver(Box<Report>),
     ThreadFailed,
+    WithoutRos,
 }
 
 /// Waits for a signal, for the end of the scenario, or for a thread to fail. From a first signal on a second one ends the
 /// process.
-async fn wait_for_end(running: &Running, mut signals: Signals) -> Ended {
+async fn wait_for_end(running: &Running, is_lost: &AtomicBool, mut signals: Signals) -> Ended {
     let mut look = tokio::time::interval(Duration::from_millis(100));
     let mut records = true;
     loop {
@@ -240,6 +272,9 @@ async fn wait_for_end(running: &Running, mut signals: Signals) -> Ended {
                 }
                 if running.cycle.is_finished() || running.bridge.is_finished() {
                     return Ended::ThreadFailed;
+                }
+                if is_lost.load(Ordering::Acquire) {
+                    return Ended::WithoutRos;
                 }
             }
         }

@@ -69,12 +69,23 @@ fn usual_name(cell: Option<&Path>) -> String {
     stem.map_or_else(|| "parameters.yaml".to_owned(), |stem| format!("parameters.{}.yaml", stem.to_string_lossy()))
 }
 
-/// Where the ROS tools keep what belongs to a user, and there what belongs to this node: in `$ROS_HOME`, else `~/.ros`.
-pub(super) fn node_folder(name: &NodeName) -> Option<PathBuf> {
+/// Where the ROS tools keep what belongs to a user, and there what belongs to all nodes of this program: in `$ROS_HOME`, else
+/// `~/.ros`.
+fn folder() -> Option<PathBuf> {
     let given = |variable| std::env::var_os(variable).filter(|value| !value.is_empty()).map(PathBuf::from);
     let home = given("ROS_HOME").or_else(|| Some(given("HOME")?.join(".ros")))?;
+    Some(home.join("lineshaft"))
+}
+
+/// Likewise, what belongs to this node.
+pub(super) fn node_folder(name: &NodeName) -> Option<PathBuf> {
     let node = name.to_string();
-    Some(home.join("lineshaft").join(node.trim_start_matches('/').replace('/', "_")))
+    Some(folder()?.join(node.trim_start_matches('/').replace('/', "_")))
+}
+
+/// Where it is written down which DDS participants live. No node has such a name.
+pub(super) fn participants_folder() -> Option<PathBuf> {
+    Some(folder()?.join(".participants"))
 }
 
 #[cfg(test)]

@@ -1,29 +1,27 @@
 //! Endpoints that the node's graph knows, and what they need of their node.
 
-use std::ops::Deref;
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
+use std::time::Duration;
 
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 
 use super::arguments::Names;
 use super::clock::Clock;
-use super::dds::{DdsError, Participant, Reader, Writer};
-use super::graph::{Graph, Kind};
-use super::guid::Guid;
-use super::matches::Matches;
-use super::qos::Qos;
+use crate::link::protocol::monotonic_ns;
+use crate::link::qos::Qos;
+use crate::link::{LinkError, Opener, Reader, Writer};
 
 /// What endpoints keep of their node. None of it keeps the node in the graph.
 #[derive(Clone)]
 pub(super) struct Context {
-    pub(super) participant: Weak<Participant>,
-    pub(super) graph: Arc<Graph>,
-    pub(super) matches: Arc<Matches>,
+    pub(super) opener: Opener,
     pub(super) runtime: Handle,
     pub(super) names: Arc<Names>,
     /// What stamps show.
     pub(super) clock: Clock,
+    /// How old a request may be that is carried out.
+    pub(super) request_timeout: Duration,
     /// Fails to change once the node is gone.
     pub(super) closed: watch::Receiver<()>,
     /// All that was ever opened on the wire.
@@ -36,28 +34,39 @@ pub(super) struct Context {
 pub(crate) type Opened = Arc<std::sync::Mutex<Vec<(bool, String, String, Qos)>>>;
 
 impl Context {
-    pub(super) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Registered<Writer>, CreateError> {
+    pub(super) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Writer {
         #[cfg(test)]
         self.note(true, topic, type_name, qos);
-        let writer = self.participant()?.writer(topic, type_name, qos)?;
-        Ok(Registered::new(self, Kind::Writer, writer.guid(), writer))
+        self.opener.writer(topic, type_name, qos)
     }
 
-    pub(super) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Registered<Reader>, CreateError> {
+    pub(super) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Reader {
         #[cfg(test)]
         self.note(false, topic, type_name, qos);
-        let reader = self.participant()?.reader(topic, type_name, qos)?;
-        Ok(Registered::new(self, Kind::Reader, reader.guid(), reader))
+        self.opener.reader(topic, type_name, qos)
     }
 
     #[cfg(test)]
     fn note(&self, writes: bool, topic: &str, type_name: &str, qos: Qos) {
         self.opened.lock().unwrap().push((writes, topic.to_owned(), type_name.to_owned(), qos));
     }
+}
 
-    fn participant(&self) -> Result<Arc<Participant>, CreateError> {
-        self.participant.upgrade().ok_or(CreateError::Closed)
-    }
+/// How long ago a sample came: it may have waited in a program that was frozen.
+pub(super) fn age(came_ns: u64) -> Duration {
+    Duration::from_nanos(monotonic_ns().saturating_sub(came_ns))
+}
+
+/// Why a sample of that age is not carried out, if it is too old.
+pub(super) fn late(came_ns: u64, timeout: Duration) -> Option<String> {
+    let age = age(came_ns);
+    (age > timeout).then(|| {
+        format!(
+            "it has waited for {:.1} s and is not carried out any more (request_timeout of the cell is {} s)",
+            age.as_secs_f64(),
+            timeout.as_secs_f64()
+        )
+    })
 }
 
 /// Something of a node could not be made.
@@ -66,60 +75,10 @@ pub enum CreateError {
     /// Its name is not allowed.
     #[error(transparent)]
     Name(#[from] super::name::NameError),
-    /// The DDS library refused.
+    /// There is no ROS side.
     #[error(transparent)]
-    Dds(#[from] DdsError),
+    Link(#[from] LinkError),
     /// A parameter that was given at the start, in one sentence.
     #[error("{0}")]
     Given(String),
-    /// The node is gone.
-    #[error("the node is closed")]
-    Closed,
-}
-
-/// A reader or writer that the graph shows for as long as it lives.
-pub(super) struct Registered<E> {
-    // Before the entry: fields are dropped in their order.
-    endpoint: E,
-    entry: Entry,
-}
-
-impl<E> Registered<E> {
-    fn new(context: &Context, kind: Kind, guid: Guid, endpoint: E) -> Self {
-        context.graph.add(kind, guid);
-        let entry = Entry { kind, guid, graph: context.graph.clone(), matches: context.matches.clone() };
-        Self { endpoint, entry }
-    }
-
-    /// Readers that are matched with this writer now.
-    pub(super) fn matched(&self) -> usize {
-        self.entry.matches.count(self.entry.guid)
-    }
-}
-
-impl<E> Deref for Registered<E> {
-    type Target = E;
-    fn deref(&self) -> &E {
-        &self.endpoint
-    }
-}
-
-impl<E> std::ops::DerefMut for Registered<E> {
-    fn deref_mut(&mut self) -> &mut E {
-        &mut self.endpoint
-    }
-}
-
-struct Entry {
-    kind: Kind,
-    guid: Guid,
-    graph: Arc<Graph>,
-    matches: Arc<Matches>,
-}
-
-impl Drop for Entry {
-    fn drop(&mut self) {
-        self.graph.remove(self.kind, self.guid);
-        self.matches.forget(self.guid);
-    }
 }

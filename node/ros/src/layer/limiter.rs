@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use super::guid::Prefix;
+use crate::link::guid::Prefix;
 
 /// Between two lines about the same caller.
 const PAUSE: Duration = Duration::from_secs(5);

@@ -1,11 +1,11 @@
 //! What the program should let through of the DDS library's log.
 
-use super::dds;
+use crate::side::NOISE;
 
 /// Directives for a log filter (`EnvFilter` of `tracing-subscriber`): `level` for everything, warnings of the DDS
 /// library, and not those of it that repeat themselves where nothing is wrong.
 pub fn log_filter(level: &str) -> String {
-    let noise = dds::NOISE.iter().map(|(target, level)| format!(",{target}={level}"));
+    let noise = NOISE.iter().map(|(target, level)| format!(",{target}={level}"));
     format!("{level},rustdds=warn{}", noise.collect::<String>())
 }
 

@@ -1,24 +1,18 @@
 //! The ROS 2 layer: what rcl is to other nodes, made of a DDS library and of the wire formats of ROS 2 Jazzy.
 //!
-//! Only `dds` knows the DDS library. Nothing here knows axes.
+//! The DDS library is at the other end of `link`. Nothing here knows it, or axes.
 
 mod action;
 mod arguments;
 mod clock;
-mod dds;
 mod endpoint;
 mod environment;
-mod graph;
-mod guid;
-mod latched;
 mod limiter;
 mod log;
 mod loggers;
-mod matches;
 mod name;
 mod node;
 mod publisher;
-mod qos;
 mod qos_overrides;
 mod rosout;
 mod service;
@@ -30,19 +24,19 @@ pub use self::action::{
 };
 pub use self::arguments::{ArgumentError, Given, Names, Overrides, RosArguments};
 pub use self::clock::{Clock, now};
-pub use self::dds::DdsError;
 pub use self::endpoint::CreateError;
 pub use self::environment::{Environment, EnvironmentError, Interface, Networks};
 pub use self::log::log_filter;
 pub use self::loggers::{Level, Loggers};
 pub use self::name::{FullName, NameError, NodeName};
-pub use self::node::{Node, NodeHandle, NodeOptions};
+pub use self::node::{Node, NodeHandle, NodeOptions, OnLoss, SideOptions};
 pub use self::publisher::{PublishError, Publisher};
-pub use self::qos::Qos;
 pub use self::rosout::{Rosout, Severity, Source, TOLD};
-pub use self::service::{Reply, ReplyError, Request, ServiceServer};
+pub use self::service::{Refusal, Reply, ReplyError, Request, ServiceServer};
 pub use self::subscription::Subscription;
 pub use self::time_source::TimeSource;
+pub use crate::link::qos::Qos;
+pub use crate::link::{LinkError, Loss, Side};
 
 #[cfg(any(test, feature = "fuzz"))]
 pub use self::service::any_request;

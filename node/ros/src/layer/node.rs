@@ -1,9 +1,9 @@
 //! A ROS node: the one member of the DDS domain that this process is.
 
-use std::future::poll_fn;
 use std::ops::Deref;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
-use std::task::Poll;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{Log, ParameterValue};
 use lineshaft_msgs::{Action, Message, Service};
@@ -13,23 +13,40 @@ use tokio::sync::watch;
 use super::action::{ActionOptions, ActionServer};
 use super::arguments::{Names, Overrides};
 use super::clock::Clock;
-use super::dds::{Barrier, DdsError, Discovery, Participant};
 use super::endpoint::{Context, CreateError};
 use super::environment::Environment;
-use super::graph::Graph;
 use super::loggers::Loggers;
-use super::matches::Matches;
 use super::name::NodeName;
 use super::publisher::Publisher;
-use super::qos::Qos;
 use super::qos_overrides::QosOverrides;
 use super::rosout::Rosout;
 use super::service::ServiceServer;
 use super::subscription::Subscription;
 use super::time_source::TimeSource;
+use crate::link::qos::Qos;
+use crate::link::{Link, LinkError, Loss, Settings, Side};
+
+/// What is told of a loss of the ROS side.
+pub type OnLoss = Arc<dyn Fn(&Loss) + Send + Sync>;
+
+/// The ROS side of a node.
+#[derive(Clone)]
+pub struct SideOptions {
+    /// What it runs in.
+    pub side: Side,
+    /// Where it is written down which participants live, so that a good-bye can be said for those that were killed; nothing: nowhere.
+    pub participants: Option<PathBuf>,
+    /// Told of each loss, on a thread of its own, before another side starts.
+    pub on_loss: OnLoss,
+}
+
+impl Default for SideOptions {
+    fn default() -> Self {
+        Self { side: Side::Thread, participants: None, on_loss: Arc::new(|_| {}) }
+    }
+}
 
 /// What a node is given at its start.
-#[derive(Debug)]
 pub struct NodeOptions {
     /// Its name, and how it calls its topics, services and actions.
     pub names: Names,
@@ -39,24 +56,31 @@ pub struct NodeOptions {
     pub rosout: bool,
     /// Levels of its loggers.
     pub loggers: Loggers,
+    /// Its ROS side.
+    pub side: SideOptions,
+    /// How old a request may be that is carried out; default 2 s.
+    pub request_timeout: Duration,
 }
+
+/// Default of [`NodeOptions::request_timeout`].
+const REQUEST_TIMEOUT: Duration = Duration::from_secs(2);
 
 impl NodeOptions {
     /// A node of that name to which nothing was given.
     pub fn plain(name: NodeName) -> Self {
         let (names, overrides) = (Names::plain(name), Overrides::default());
-        Self { names, overrides, rosout: true, loggers: Loggers::default() }
+        Self { names, overrides, rosout: true, loggers: Loggers::default(), side: SideOptions::default(), request_timeout: REQUEST_TIMEOUT }
     }
 }
 
 /// A node in the ROS graph.
 ///
-/// Dropping it takes it from the graph at once; it waits for the threads of the DDS library to end. What was made of it
+/// Dropping it takes it from the graph at once; it waits for its ROS side to end. What was made of it
 /// stays harmless: servers have no next request, publishers refuse. Drop those first, where it matters.
 pub struct Node {
     // Before all others: it tells them.
     _open: watch::Sender<()>,
-    _participant: Arc<Participant>,
+    _link: Link,
     handle: NodeHandle,
 }
 
@@ -87,11 +111,11 @@ impl Node {
     /// Joins the ROS graph. Its tasks run on the present runtime.
     ///
     /// # Errors
-    /// The DDS library cannot.
+    /// There is no ROS side.
     ///
     /// # Panics
     /// Outside of a tokio runtime.
-    pub fn new(name: NodeName, environment: &Environment) -> Result<Self, DdsError> {
+    pub fn new(name: NodeName, environment: &Environment) -> Result<Self, LinkError> {
         Self::with(NodeOptions::plain(name), environment)
     }
 
@@ -102,22 +126,26 @@ impl Node {
     ///
     /// # Panics
     /// Likewise.
-    pub fn with(options: NodeOptions, environment: &Environment) -> Result<Self, DdsError> {
-        let NodeOptions { names, mut overrides, rosout, loggers } = options;
+    pub fn with(options: NodeOptions, environment: &Environment) -> Result<Self, LinkError> {
+        let NodeOptions { names, mut overrides, rosout, loggers, side, request_timeout } = options;
         let runtime = Handle::current();
-        let participant = Arc::new(Participant::new(environment.domain, environment.networks.addresses())?);
-        let matches = Arc::new(Matches::new());
-        runtime.spawn(follow(Arc::downgrade(&participant), participant.barrier()?, matches.clone()));
-        let graph = Arc::new(Graph::new(&runtime, &participant, names.node())?);
+        let link = Link::start(Settings {
+            side: side.side,
+            domain: environment.domain,
+            networks: environment.networks.addresses().map(<[_]>::to_vec),
+            namespace: names.node().namespace().to_owned(),
+            name: names.node().name().to_owned(),
+            participants: side.participants,
+            on_loss: side.on_loss,
+        })?;
         let (open, closed) = watch::channel(());
         let (names, clock) = (Arc::new(names), Clock::default());
         let context = Context {
-            participant: Arc::downgrade(&participant),
-            graph,
-            matches,
+            opener: link.opener(),
             runtime,
             names,
             clock,
+            request_timeout,
             closed,
             #[cfg(test)]
             opened: super::endpoint::Opened::default(),
@@ -125,7 +153,7 @@ impl Node {
         let qos = QosOverrides::new(&mut overrides);
         let (overrides, made) = (Mutex::new(overrides), Mutex::default());
         let given = AtStart { overrides, qos, has_rosout: rosout, rosout: made, loggers };
-        Ok(Self { _open: open, _participant: participant, handle: NodeHandle { context, given: Arc::new(given) } })
+        Ok(Self { _open: open, _link: link, handle: NodeHandle { context, given: Arc::new(given) } })
     }
 }
 
@@ -148,11 +176,11 @@ impl NodeHandle {
     /// Publishes the topic `name`, which is expanded and remapped as [`Names`] say, with the QoS that was given for it.
     ///
     /// # Errors
-    /// The name, the QoS that was given, or the DDS library.
+    /// The name, or the QoS that was given.
     pub fn publisher<M: Message>(&self, name: &str, qos: Qos) -> Result<Publisher<M>, CreateError> {
         let topic = self.context.names.topic(name)?;
         let qos = self.given.qos.apply(&topic, "publisher", qos).map_err(CreateError::Given)?;
-        Publisher::new(&self.context, topic, qos)
+        Ok(Publisher::new(&self.context, topic, qos))
     }
 
     /// Reads the topic `name`.
@@ -162,15 +190,15 @@ impl NodeHandle {
     pub fn subscription<M: Message>(&self, name: &str, qos: Qos) -> Result<Subscription<M>, CreateError> {
         let topic = self.context.names.topic(name)?;
         let qos = self.given.qos.apply(&topic, "subscription", qos).map_err(CreateError::Given)?;
-        Subscription::new(&self.context, topic, qos)
+        Ok(Subscription::new(&self.context, topic, qos))
     }
 
     /// Serves `name`, with [`Qos::SERVICE`] or [`Qos::PARAMETERS`].
     ///
     /// # Errors
-    /// The name, or the DDS library.
+    /// The name.
     pub fn service<S: Service>(&self, name: &str, qos: Qos) -> Result<ServiceServer<S>, CreateError> {
-        ServiceServer::new(&self.context, self.context.names.service(name)?, qos)
+        Ok(ServiceServer::new(&self.context, self.context.names.service(name)?, qos))
     }
 
     /// Serves the action `name`.
@@ -178,7 +206,7 @@ impl NodeHandle {
     /// # Errors
     /// Likewise.
     pub fn action<A: Action>(&self, name: &str, options: ActionOptions) -> Result<ActionServer<A>, CreateError> {
-        ActionServer::new(&self.context, self.context.names.action(name)?, options)
+        Ok(ActionServer::new(&self.context, self.context.names.action(name)?, options))
     }
 
     /// What sets the clock by the topic `name`, once it is switched on.
@@ -197,7 +225,7 @@ impl NodeHandle {
     /// Publishes log lines of the node on `/rosout`; all that ask get the same publisher.
     ///
     /// # Errors
-    /// The DDS library cannot.
+    /// Never: its name is allowed.
     pub fn rosout(&self) -> Result<Rosout, CreateError> {
         let mut made = self.given.rosout.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(rosout) = made.as_ref() {
@@ -205,9 +233,9 @@ impl NodeHandle {
         }
         let context = &self.context;
         let topic = context.names.topic("/rosout")?.topic();
-        let writer = self.given.has_rosout.then(|| context.writer(&topic, Log::DDS_NAME, Qos::ROSOUT)).transpose()?;
+        let writer = self.given.has_rosout.then(|| context.writer(&topic, Log::DDS_NAME, Qos::ROSOUT));
         let (clock, loggers) = (self.clock().clone(), self.loggers().clone());
-        let rosout = Rosout::start(&context.runtime, writer, self.name().logger(), clock, loggers);
+        let rosout = Rosout::new(writer, self.name().logger(), clock, loggers);
         *made = Some(rosout.clone());
         Ok(rosout)
     }
@@ -236,30 +264,5 @@ impl NodeHandle {
     #[cfg(test)]
     pub(super) fn context(&self) -> &Context {
         &self.context
-    }
-}
-
-/// Notes all matches for as long as the participant lives, each once the library is ready for samples to that reader.
-async fn follow(participant: Weak<Participant>, barrier: Barrier, matches: Arc<Matches>) {
-    while let Some(changes) = poll_fn(|context| poll_changes(&participant, context)).await {
-        if changes.iter().any(|change| matches!(change, Discovery::Matched { .. })) {
-            barrier.pass().await;
-        }
-        changes.into_iter().for_each(|change| matches.note(change));
-    }
-}
-
-/// All changes up to now, at least one; `None`: the participant is gone.
-fn poll_changes(participant: &Weak<Participant>, context: &mut std::task::Context<'_>) -> Poll<Option<Vec<Discovery>>> {
-    // Only for the moment of each poll does it hold the participant: that goes with its node.
-    let Some(participant) = participant.upgrade() else { return Poll::Ready(None) };
-    let mut changes = Vec::new();
-    loop {
-        match participant.poll_discovery(context) {
-            Poll::Ready(Some(change)) => changes.push(change),
-            Poll::Pending if changes.is_empty() => return Poll::Pending,
-            Poll::Ready(None) if changes.is_empty() => return Poll::Ready(None),
-            Poll::Pending | Poll::Ready(None) => return Poll::Ready(Some(changes)),
-        }
     }
 }

@@ -6,16 +6,16 @@ use lineshaft_msgs::{Message, cdr};
 use serde::Serialize;
 use tokio::sync::watch;
 
-use super::dds::{WriteFailure, Writer};
-use super::endpoint::{Context, CreateError, Registered};
+use super::endpoint::Context;
 use super::name::FullName;
-use super::qos::Qos;
+use crate::link::qos::Qos;
+use crate::link::{Unwritten, Writer};
 
 /// A message that was not published.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PublishError {
-    /// A reader holds up too many; the message is lost, the next may pass.
-    #[error("{topic}: a reader does not keep up, the message was dropped")]
+    /// Too many wait; the message is lost, the next may pass.
+    #[error("{topic}: the ROS side does not keep up, the message was dropped")]
     Full {
         /// Full name of the topic.
         topic: FullName,
@@ -26,14 +26,6 @@ pub enum PublishError {
         /// Full name of the topic.
         topic: FullName,
     },
-    /// The DDS library failed.
-    #[error("{topic}: not published: {reason}")]
-    Dds {
-        /// Full name of the topic.
-        topic: FullName,
-        /// What it says.
-        reason: String,
-    },
 }
 
 /// Publishes messages of one topic; dropping it takes the topic from the node.
@@ -43,11 +35,11 @@ pub struct Publisher<M> {
 }
 
 impl<M: Message> Publisher<M> {
-    pub(super) fn new(context: &Context, topic: FullName, qos: Qos) -> Result<Self, CreateError> {
-        Ok(Self { inner: Untyped::new(context, topic, M::DDS_NAME, qos)?, message: PhantomData })
+    pub(super) fn new(context: &Context, topic: FullName, qos: Qos) -> Self {
+        Self { inner: Untyped::new(context, topic, M::DDS_NAME, qos), message: PhantomData }
     }
 
-    /// Publishes a message, stamped with the present time. Never waits, but allocates and makes a system call.
+    /// Publishes a message, stamped with the present time. Never waits, but allocates.
     pub fn publish(&self, message: &M) -> Result<(), PublishError> {
         self.inner.publish(message)
     }
@@ -65,15 +57,15 @@ impl<M: Message> Publisher<M> {
 
 /// A publisher that leaves the type to its caller.
 pub(super) struct Untyped {
-    writer: Registered<Writer>,
+    writer: Writer,
     topic: FullName,
     closed: watch::Receiver<()>,
 }
 
 impl Untyped {
-    pub(super) fn new(context: &Context, topic: FullName, type_name: &str, qos: Qos) -> Result<Self, CreateError> {
-        let writer = context.writer(&topic.topic(), type_name, qos)?;
-        Ok(Self { writer, topic, closed: context.closed.clone() })
+    pub(super) fn new(context: &Context, topic: FullName, type_name: &str, qos: Qos) -> Self {
+        let writer = context.writer(&topic.topic(), type_name, qos);
+        Self { writer, topic, closed: context.closed.clone() }
     }
 
     pub(super) fn publish(&self, message: &impl Serialize) -> Result<(), PublishError> {
@@ -83,8 +75,8 @@ impl Untyped {
             return Err(PublishError::Closed { topic: topic() });
         }
         self.writer.write(cdr::encode(message)).map_err(|failure| match failure {
-            WriteFailure::Full => PublishError::Full { topic: topic() },
-            WriteFailure::Broken(reason) => PublishError::Dds { topic: topic(), reason },
+            Unwritten::Full => PublishError::Full { topic: topic() },
+            Unwritten::Closed => PublishError::Closed { topic: topic() },
         })
     }
 }

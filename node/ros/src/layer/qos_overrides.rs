@@ -7,7 +7,7 @@ use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterType, ParameterValue
 
 use super::arguments::{Given, Overrides};
 use super::name::FullName;
-use super::qos::Qos;
+use crate::link::qos::Qos;
 
 const PREFIX: &str = "qos_overrides.";
 

@@ -1,25 +1,27 @@
 //! Topics that the node reads.
 
 use std::marker::PhantomData;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use lineshaft_msgs::{Message, cdr};
 use tokio::sync::watch;
 
-use super::dds::Reader;
-use super::endpoint::{Context, CreateError, Registered};
+use super::endpoint::{Context, age};
 use super::limiter::{Limiter, more};
 use super::name::FullName;
-use super::qos::Qos;
+use crate::link::Reader;
+use crate::link::protocol::Sample;
+use crate::link::qos::Qos;
 
 /// Reads the messages of one topic; dropping it takes the topic from the node.
 ///
 /// Messages that are not exactly of the topic's form, or were written before the subscription was there, are refused, logged
 /// and never handed out.
 pub struct Subscription<M> {
-    samples: Registered<Reader>,
+    samples: Reader,
     topic: FullName,
     latched: bool,
+    timeout: Duration,
     closed: watch::Receiver<()>,
     refused: Limiter,
     unread: Limiter,
@@ -27,16 +29,17 @@ pub struct Subscription<M> {
 }
 
 impl<M: Message> Subscription<M> {
-    pub(super) fn new(context: &Context, topic: FullName, qos: Qos) -> Result<Self, CreateError> {
-        Ok(Self {
-            samples: context.reader(&topic.topic(), M::DDS_NAME, qos)?,
+    pub(super) fn new(context: &Context, topic: FullName, qos: Qos) -> Self {
+        Self {
+            samples: context.reader(&topic.topic(), M::DDS_NAME, qos),
             topic,
             latched: qos.latched,
+            timeout: context.request_timeout,
             closed: context.closed.clone(),
             refused: Limiter::default(),
             unread: Limiter::default(),
             message: PhantomData,
-        })
+        }
     }
 
     /// Full name of the topic.
@@ -56,7 +59,10 @@ impl<M: Message> Subscription<M> {
                 Ok(sample) if sample.is_stale && !self.latched => {
                     (sample.id.writer, "it is older than this node".to_owned())
                 }
-                Ok(sample) => match cdr::decode(&sample.bytes, sample.endian) {
+                Ok(Sample { id, came_ns, .. }) if !self.latched && age(came_ns) > self.timeout => {
+                    (id.writer, format!("it has waited for {:.1} s", age(came_ns).as_secs_f64()))
+                }
+                Ok(sample) => match cdr::decode(&sample.bytes, sample.endian()) {
                     Ok(message) => return Some(message),
                     Err(error) => (sample.id.writer, error.to_string()),
                 },

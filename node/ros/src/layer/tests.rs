@@ -13,9 +13,8 @@ use lineshaft_msgs::srv::{AxesCommand, AxesCommandRequest, AxesCommandResponse};
 use lineshaft_msgs::{GetResult, GetResultRequest, GetResultResponse, SendGoal, SendGoalRequest, Service};
 use tokio::time::{sleep, timeout};
 
-use super::dds::{Reader, Writer};
-use super::endpoint::Registered;
 use super::*;
+use crate::link::{Reader, Writer};
 
 /// Far more than anything here takes.
 const LONG: Duration = Duration::from_secs(20);
@@ -31,9 +30,9 @@ fn node(name: &str) -> Node {
 }
 
 /// Writes requests, as soon as there is a server.
-async fn requests<S: Service>(node: &Node, name: &str) -> Registered<Writer> {
+async fn requests<S: Service>(node: &Node, name: &str) -> Writer {
     let topic = node.name().expand(name).unwrap().request();
-    let requests = node.context().writer(&topic, S::REQUEST_DDS_NAME, Qos::SERVICE).unwrap();
+    let requests = node.context().writer(&topic, S::REQUEST_DDS_NAME, Qos::SERVICE);
     let matched = async {
         while requests.matched() == 0 {
             sleep(Duration::from_millis(2)).await;
@@ -44,8 +43,8 @@ async fn requests<S: Service>(node: &Node, name: &str) -> Registered<Writer> {
 }
 
 struct Client<S> {
-    requests: Registered<Writer>,
-    replies: Registered<Reader>,
+    requests: Writer,
+    replies: Reader,
     service: PhantomData<S>,
 }
 
@@ -53,7 +52,7 @@ impl<S: Service> Client<S> {
     /// Returns when it sees the server.
     async fn new(node: &Node, name: &str) -> Self {
         let reply = node.name().expand(name).unwrap().reply();
-        let replies = node.context().reader(&reply, S::RESPONSE_DDS_NAME, Qos::SERVICE).unwrap();
+        let replies = node.context().reader(&reply, S::RESPONSE_DDS_NAME, Qos::SERVICE);
         Self { replies, requests: requests::<S>(node, name).await, service: PhantomData }
     }
 
@@ -63,8 +62,8 @@ impl<S: Service> Client<S> {
 
     async fn receive(&mut self) -> S::Response {
         let sample = timeout(LONG, self.replies.next()).await.expect("a reply").unwrap();
-        assert_eq!(sample.related.unwrap().guid, self.requests.guid());
-        decode(&sample.bytes, sample.endian).unwrap()
+        assert!(sample.related.is_some(), "the client knows its reply by it");
+        decode(&sample.bytes, sample.endian()).unwrap()
     }
 
     async fn call(&mut self, request: &S::Request) -> S::Response {
@@ -118,71 +117,6 @@ async fn a_client_that_reads_no_replies_holds_up_nobody() {
     assert_eq!(client.receive().await.message, "done");
     let error = timeout(LONG, waiting).await.unwrap().unwrap().unwrap_err();
     assert_eq!(error.to_string(), "/patience/enable: the client that asked is not there to read the reply");
-}
-
-/// A client waits for ever for a reply that is not sent: the operator reads why, and not once for each try.
-#[tokio::test]
-async fn a_reply_that_fails_is_told_with_a_limit() {
-    let log = Log::default();
-    let subscriber = tracing_subscriber::fmt().with_max_level(tracing::Level::WARN).with_ansi(false);
-    let guard = tracing::subscriber::set_default(subscriber.with_writer(log.clone()).finish());
-    let (serving, asking) = (node("telling"), node("telling_client"));
-    let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
-    let mut client = Client::<AxesCommand>::new(&asking, "/telling/enable").await;
-    let mut answer = async |message: String| {
-        client.send(&axes("x"));
-        let request = timeout(LONG, server.next()).await.unwrap().unwrap();
-        let sent = request.reply.send(AxesCommandResponse { success: true, message: message.clone() }).await;
-        if sent.is_ok() {
-            assert_eq!(client.receive().await.message, message);
-        }
-        sent
-    };
-    answer("short".to_owned()).await.unwrap();
-    assert_eq!(log.lines(), 0);
-    for _ in 0..3 {
-        let error = answer("x".repeat(70_000)).await.unwrap_err();
-        assert!(matches!(&error, ReplyError::TooLong { length, .. } if *length > 70_000), "{error}");
-    }
-    drop(guard);
-    let text = log.text();
-    assert_eq!(log.lines(), 1, "{text}");
-    let sentence = "WARN lineshaft_ros::layer::service::replies: /telling/enable: the reply of 70009 bytes is not sent: 65000 bytes";
-    assert!(text.contains(sentence) && text.contains("(participant "), "{text}");
-}
-
-/// What is logged.
-#[derive(Clone, Default)]
-struct Log(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
-
-impl Log {
-    fn text(&self) -> String {
-        String::from_utf8(self.0.lock().unwrap().clone()).unwrap()
-    }
-
-    /// How many tell of a reply.
-    fn lines(&self) -> usize {
-        self.text().lines().filter(|line| line.contains("reply")).count()
-    }
-}
-
-impl std::io::Write for Log {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.lock().unwrap().extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-impl<'a> tracing_subscriber::fmt::MakeWriter<'a> for Log {
-    type Writer = Self;
-
-    fn make_writer(&'a self) -> Self {
-        self.clone()
-    }
 }
 
 /// The library gives the requests of the client with the lowest number before all others.

@@ -25,6 +25,7 @@ mod one_command;
 mod parameters;
 mod probe_axis;
 mod record;
+mod refusing;
 mod robot_description;
 mod set_output;
 mod set_position;

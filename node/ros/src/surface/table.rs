@@ -1,8 +1,9 @@
 //! Everything that the node offers in ROS 2, once: the surface opens its endpoints by this table, and docs/interfaces.md is
 //! made of it.
 
+use super::refusing::Refusing;
 use crate::layer::{
-    ActionOptions, ActionServer, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
+    ActionOptions, ActionServer, CreateError, NodeHandle, Publisher, Qos, Refusal, ServiceServer, Subscription, TimeSource,
 };
 use lineshaft_msgs::action::{HomeAxis, MoveAxis, ProbeAxis, Synchronize};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectory;
@@ -75,7 +76,10 @@ pub struct ParameterRow {
 /// A topic of type `M`.
 pub struct Topic<M>(pub Row, PhantomData<fn(M)>);
 /// A service of type `S`.
-pub struct Served<S>(pub Row, PhantomData<fn(S)>);
+///
+/// Beside it what a request is answered that has waited too long; nothing where asking costs nothing, and where a stop is asked for: that
+/// is never too late.
+pub struct Served<S: Service>(pub Row, Option<Refusal<S>>);
 /// An action of type `A`.
 pub struct Acted<A>(pub Row, PhantomData<fn(A)>);
 
@@ -114,11 +118,19 @@ impl Topic<Clock> {
 
 impl<S: Service> Served<S> {
     const fn new(name: &'static str, qos: Qos, text: &'static str) -> Self {
-        Self(Row { kind: Kind::Service, name, interface: S::NAME, qos, text }, PhantomData)
+        Self(Row { kind: Kind::Service, name, interface: S::NAME, qos, text }, None)
+    }
+
+    /// The same, whose requests are commands.
+    const fn in_time(self) -> Self
+    where
+        S::Response: Refusing<S::Request>,
+    {
+        Self(self.0, Some(<S::Response as Refusing<S::Request>>::refusing))
     }
 
     pub(super) fn server(&self, node: &NodeHandle) -> Result<ServiceServer<S>, CreateError> {
-        node.service(self.0.name, self.0.qos)
+        Ok(node.service(self.0.name, self.0.qos)?.refusing_late(self.1))
     }
 }
 
@@ -171,7 +183,7 @@ pub(super) const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::published(
 pub(super) const CYCLE_STATISTICS: Topic<CycleStatistics> =
     Topic::published("~/cycle_statistics", Qos::STREAM, "how well the cycle keeps its time, once a second");
 pub(super) const CHANGE_STATE: Served<ChangeState> =
-    Served::new("~/change_state", Qos::SERVICE, "makes a transition of the life cycle; answers when it is made");
+    Served::new("~/change_state", Qos::SERVICE, "makes a transition of the life cycle; answers when it is made").in_time();
 pub(super) const GET_STATE: Served<GetState> =
     Served::new("~/get_state", Qos::SERVICE, "the present state of the life cycle");
 pub(super) const GET_AVAILABLE_STATES: Served<GetAvailableStates> =
@@ -187,27 +199,27 @@ pub(super) const SETPOINTS: Topic<Setpoints> = Topic::subscribed(
     Qos::STREAM,
     "velocities for axes, from a machine, until they stop coming; see below",
 );
-pub(super) const ENABLE: Served<AxesCommand> = axes("~/enable", "switches axes on");
+pub(super) const ENABLE: Served<AxesCommand> = axes("~/enable", "switches axes on").in_time();
 pub(super) const DISABLE: Served<AxesCommand> = axes("~/disable", "stops axes, then switches them off");
 pub(super) const HALT: Served<AxesCommand> = axes("~/halt", "stops axes; a new goal may follow at once");
 pub(super) const QUICK_STOP: Served<AxesCommand> =
     axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`");
-pub(super) const RESET_ERRORS: Served<AxesCommand> = axes("~/reset_errors", "clears errors and locks");
+pub(super) const RESET_ERRORS: Served<AxesCommand> = axes("~/reset_errors", "clears errors and locks").in_time();
 pub(super) const HOME: Served<AxesCommand> = Served::new(
     "~/home",
     Qos::SERVICE,
     "starts homing of axes, an empty list: of all that have a method; answers at once, when each has accepted or refused; see [homing.md](homing.md)",
-);
+).in_time();
 pub(super) const SET_POSITION: Served<SetPosition> = Served::new(
     "~/set_position",
     Qos::SERVICE,
     "the present position of an axis that stands gets a new value, or that of an encoder, or of a master (`x.master`); nothing moves; see [homing.md](homing.md) and [encoders.md](encoders.md)",
-);
+).in_time();
 pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
     "~/set_output",
     Qos::SERVICE,
     "sets digital outputs (0, 1) and analog ones (V) for good, all of a request in one cycle, or none; see [io.md](io.md)",
-);
+).in_time();
 pub(super) const ABORT: Served<Trigger> = Served::new(
     "~/abort",
     Qos::SERVICE,
@@ -217,17 +229,17 @@ pub(super) const RECORD: Served<Record> = Served::new(
     "~/record",
     Qos::SERVICE,
     "STATUS, START a bag, STOP it, SAVE what the flight recorder holds; see [recording.md](recording.md)",
-);
+).in_time();
 pub(super) const VOCABULARY: Served<Vocabulary> = Served::new(
     "~/vocabulary",
     Qos::SERVICE,
     "a verb of an old controller for one axis; answers when the machine has accepted or refused it; see below",
-);
+).in_time();
 pub(super) const GET_PARAMETERS: Served<GetParameters> = parameters("~/get_parameters", "values of parameters");
 pub(super) const GET_PARAMETER_TYPES: Served<GetParameterTypes> = parameters("~/get_parameter_types", "their types");
-pub(super) const SET_PARAMETERS: Served<SetParameters> = parameters("~/set_parameters", "sets each by itself");
+pub(super) const SET_PARAMETERS: Served<SetParameters> = parameters("~/set_parameters", "sets each by itself").in_time();
 pub(super) const SET_PARAMETERS_ATOMICALLY: Served<SetParametersAtomically> =
-    parameters("~/set_parameters_atomically", "sets all of them, or none");
+    parameters("~/set_parameters_atomically", "sets all of them, or none").in_time();
 pub(super) const LIST_PARAMETERS: Served<ListParameters> = parameters("~/list_parameters", "their names");
 pub(super) const DESCRIBE_PARAMETERS: Served<DescribeParameters> =
     parameters("~/describe_parameters", "their descriptions, units and ranges");
@@ -236,18 +248,18 @@ pub(super) const GET_LOGGER_LEVELS: Served<GetLoggerLevels> =
 pub(super) const SET_LOGGER_LEVELS: Served<SetLoggerLevels> =
     Served::new("~/set_logger_levels", Qos::SERVICE, "sets them, in force at once");
 pub(super) const SAVE_PARAMETERS: Served<AxesCommand> =
-    axes("~/save_parameters", "keeps what is in force beyond the power; answers when it is stored");
+    axes("~/save_parameters", "keeps what is in force beyond the power; answers when it is stored").in_time();
 pub(super) const DELETE_PARAMETERS: Served<AxesCommand> =
-    axes("~/delete_parameters", "forgets what was kept; answers when that is stored");
+    axes("~/delete_parameters", "forgets what was kept; answers when that is stored").in_time();
 pub(super) const RESET_PARAMETERS: Served<ResetParameters> = Served::new(
     "~/reset_parameters",
     Qos::SERVICE,
     "brings layer USER (what was saved) or INIT (the cell) back into force",
-);
+).in_time();
 pub(super) const EXPORT_PARAMETERS: Served<ExportParameters> =
     Served::new("~/export_parameters", Qos::SERVICE, "parameters in force as text");
 pub(super) const IMPORT_PARAMETERS: Served<ImportParameters> =
-    Served::new("~/import_parameters", Qos::SERVICE, "parameters from text, all or none; at most 1 MiB");
+    Served::new("~/import_parameters", Qos::SERVICE, "parameters from text, all or none; at most 1 MiB").in_time();
 pub(super) const MOVE_AXIS: Acted<MoveAxis> =
     Acted::new("~/move_axis", "positioning; mode VELOCITY stays open until it is cancelled, halted or replaced");
 pub(super) const PROBE_AXIS: Acted<ProbeAxis> = Acted::new("~/probe_axis", "touch probe to position; see below");

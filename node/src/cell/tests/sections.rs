@@ -1,8 +1,10 @@
 //! The sections around the axes, problem by problem.
 
 use super::{HEAD, RosOptions, assert_said, good, said, said_of};
+use crate::cell::OnLoss;
 use lineshaft_core::config::{IoKind, MemoryKind};
 use lineshaft_core::encoder::Form;
+use std::time::Duration;
 
 #[test]
 fn contacts_are_digital_inputs_by_their_place_among_them() {
@@ -61,7 +63,8 @@ fn format_and_cycle() {
 #[test]
 fn ros_options() {
     let text = "ros: {name: Press_2, namespace: /cell_1/left, joint_states_rate: 1, axis_states_rate: 1 kHz,\n  \
-                autostart: false, robot_description: a/r.urdf, interfaces: [lo, 192.168.0.1]}\n";
+                autostart: false, robot_description: a/r.urdf, interfaces: [lo, 192.168.0.1],\n  \
+                on_loss: none, request_timeout: 500 ms}\n";
     assert_eq!(
         good(&format!("{HEAD}{text}")).ros,
         RosOptions {
@@ -72,6 +75,8 @@ fn ros_options() {
             autostart: false,
             robot_description: Some("a/r.urdf".into()),
             interfaces: vec!["lo".into(), "192.168.0.1".into()],
+            on_loss: OnLoss::None,
+            request_timeout: Duration::from_millis(500),
         }
     );
     assert_eq!(good(&format!("{HEAD}ros:\n")).ros, RosOptions::default());
@@ -83,13 +88,16 @@ fn ros_options() {
         ("namespace: ^/a-b", &format!("namespace is `/a-b`; {namespace}")),
         ("axis_states_rate: ^1001 Hz", "axis_states_rate is `1001 Hz`; 1 Hz..1000 Hz is allowed"),
         ("axis_states_rate: ^10 ms", "axis_states_rate: `10 ms` is a time; a frequency such as `10 Hz` is expected"),
+        ("on_loss: ^stop", "on_loss is `stop`; halt or none is allowed"),
+        ("request_timeout: ^99 ms", "request_timeout is `99 ms`; 0.1 s..3600 s is allowed"),
+        ("request_timeout: ^3601", "request_timeout is `3601`; 0.1 s..3600 s is allowed"),
         ("autostart: ^yes", "autostart is `yes`; true or false is allowed, write `true`"),
         ("robot_description: ^''", "robot_description is ``; the name of a URDF file is expected"),
         ("interfaces: [^'', lo]", "interfaces[0] is ``; a network interface such as eth0 or its address is allowed"),
         (
             "^domain: 3",
             "unknown key `domain` in ros, known are name, namespace, joint_states_rate, axis_states_rate, autostart, \
-             robot_description, interfaces",
+             robot_description, interfaces, on_loss, request_timeout",
         ),
     ] {
         assert_said(&format!("{HEAD}ros: {{{text}}}"), sentence);

@@ -13,12 +13,12 @@ use tokio::task::JoinHandle;
 use super::goals::{Asked, End, GoalId, Goals, Shown, Stamp};
 use super::requests::{CancelRequest, GoalRequest};
 use crate::layer::clock::Clock;
-use crate::layer::endpoint::{Context, CreateError};
-use crate::layer::latched::Latched;
+use crate::layer::endpoint::{Context, late};
 use crate::layer::name::FullName;
 use crate::layer::publisher::{PublishError, Untyped};
-use crate::layer::qos::Qos;
 use crate::layer::service::{Reply, Request, ServiceServer};
+use crate::link::Writer;
+use crate::link::qos::Qos;
 
 /// Events that wait for the application; with more, goals and cancel requests are rejected.
 const WAITING: usize = 256;
@@ -67,26 +67,24 @@ pub struct ActionServer<A: Action> {
 }
 
 impl<A: Action> ActionServer<A> {
-    pub(in crate::layer) fn new(
-        context: &Context,
-        name: FullName,
-        options: ActionOptions,
-    ) -> Result<Self, CreateError> {
+    pub(in crate::layer) fn new(context: &Context, name: FullName, options: ActionOptions) -> Self {
         let service = |part: &str| context.names.remapped_service(name.action_part(part));
         let services = Services {
-            goals: ServiceServer::new(context, service("send_goal"), Qos::SERVICE)?,
-            results: ServiceServer::new(context, service("get_result"), Qos::SERVICE)?,
-            cancels: ServiceServer::new(context, service("cancel_goal"), Qos::SERVICE)?,
+            goals: ServiceServer::new(context, service("send_goal"), Qos::SERVICE),
+            results: ServiceServer::new(context, service("get_result"), Qos::SERVICE),
+            cancels: ServiceServer::new(context, service("cancel_goal"), Qos::SERVICE),
         };
         let feedback = context.names.remapped_topic(name.action_part("feedback"));
-        let feedback = Untyped::new(context, feedback, A::FEEDBACK_MESSAGE_DDS_NAME, Qos::STREAM)?;
-        let status = status(context, &name)?;
+        let feedback = Untyped::new(context, feedback, A::FEEDBACK_MESSAGE_DDS_NAME, Qos::STREAM);
+        let status = context.names.remapped_topic(name.action_part("status")).topic();
+        let status = context.writer(&status, GoalStatusArray::DDS_NAME, Qos::STATUS);
         let goals = Mutex::new(Goals::new(options.result_timeout, options.kept_goals));
         let shared = Arc::new(Shared { goals, status, feedback, name, clock: context.clock.clone() });
         let (sender, events) = mpsc::channel(WAITING);
-        let dispatch = Dispatch { shared: shared.clone(), events: sender, cancels: options.cancels };
+        let request_timeout = context.request_timeout;
+        let dispatch = Dispatch { shared: shared.clone(), events: sender, cancels: options.cancels, request_timeout };
         let task = context.runtime.spawn(dispatch.run(services));
-        Ok(Self { events, shared, task })
+        Self { events, shared, task }
     }
 
     /// Full name of the action.
@@ -106,21 +104,13 @@ impl<A: Action> Drop for ActionServer<A> {
     }
 }
 
-fn status(context: &Context, name: &FullName) -> Result<Latched, CreateError> {
-    let topic = context.names.remapped_topic(name.action_part("status")).topic();
-    let first = context.writer(&topic, GoalStatusArray::DDS_NAME, Qos::STATUS)?;
-    let again = context.clone();
-    let make = move || again.writer(&topic, GoalStatusArray::DDS_NAME, Qos::STATUS).ok();
-    Ok(Latched::start(&context.runtime, Duration::ZERO, first, make))
-}
-
 /// Somebody who waits for a result.
 type Asker<A> = Reply<GetResultResponse<<A as Action>::Result>>;
 
 /// What the server's task and the handles of its goals have in common.
 pub(super) struct Shared<A: Action> {
     goals: Mutex<Goals<A::Result, Asker<A>>>,
-    status: Latched,
+    status: Writer,
     feedback: Untyped,
     pub(super) name: FullName,
     pub(super) clock: Clock,
@@ -135,7 +125,9 @@ impl<A: Action> Shared<A> {
     /// Publishes the status of all goals. They are locked, so that arrays go out in the order of the changes.
     pub(super) fn show(&self, goals: &Goals<A::Result, Asker<A>>) {
         let status = |shown: Shown| GoalStatus { goal_info: goal_info(shown), status: shown.status as i8 };
-        self.status.set(cdr::encode(&GoalStatusArray { status_list: goals.shown().map(status).collect() }));
+        let status = GoalStatusArray { status_list: goals.shown().map(status).collect() };
+        // What is latched is refused only once the node is gone.
+        let _ = self.status.write(cdr::encode(&status));
     }
 
     /// Ends a goal and answers all who wait for it.
@@ -169,6 +161,7 @@ struct Dispatch<A: Action> {
     shared: Arc<Shared<A>>,
     events: Sender<ActionEvent<A>>,
     cancels: Cancels,
+    request_timeout: Duration,
 }
 
 impl<A: Action> Dispatch<A> {
@@ -195,6 +188,10 @@ impl<A: Action> Dispatch<A> {
 
     fn goal(&self, Request { message, reply }: Request<SendGoal<A>>) {
         let id = GoalId(message.goal_id.uuid);
+        if let Some(sentence) = late(reply.came_ns(), self.request_timeout) {
+            tracing::warn!("{}: goal {id} was rejected: {sentence}", self.shared.name);
+            return reply.send_soon(SendGoalResponse::default());
+        }
         if !self.shared.goals().offer(id, Instant::now()) {
             tracing::warn!("{}: goal {id} was rejected: its id is in use", self.shared.name);
             return reply.send_soon(SendGoalResponse::default());

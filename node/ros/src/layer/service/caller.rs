@@ -18,8 +18,7 @@ use lineshaft_msgs::cdr::{self, DecodeError};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::super::dds::{Related, Sample, SampleId};
-use super::super::guid::Guid;
+use crate::link::protocol::{Place, Related, Sample, SampleId};
 
 /// Length of rmw_cyclonedds' header; a multiple of 8, so that the message behind it is aligned as without it.
 pub(super) const HEADER: usize = 16;
@@ -44,15 +43,6 @@ pub(super) enum Refusal {
         "{length} bytes can be read with and without rmw_cyclonedds' header of {HEADER} bytes, and nothing tells which is right"
     )]
     Ambiguous { length: usize },
-}
-
-/// Where the client reads its replies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
-    /// With this reader.
-    Reader(Guid),
-    /// On the participant of this writer, which is the client's.
-    Beside(Guid),
 }
 
 /// A client that waits for a reply.
@@ -84,10 +74,10 @@ pub(super) fn read<Q: DeserializeOwned>(sample: &Sample) -> Result<(Caller, Q), 
         return Err(Refusal::Stale);
     }
     if let Some(related) = sample.related {
-        return Ok((marked(sample.id, related), cdr::decode(&sample.bytes, sample.endian)?));
+        return Ok((marked(sample.id, related), cdr::decode(&sample.bytes, sample.endian())?));
     }
     let beside = Caller { place: Place::Beside(sample.id.writer), answers: sample.id, header: None };
-    let plain = || cdr::decode::<Q>(&sample.bytes, sample.endian);
+    let plain = || cdr::decode::<Q>(&sample.bytes, sample.endian());
     let ambiguous = Err(Refusal::Ambiguous { length: sample.bytes.len() });
     if sample.id.writer.is_cyclone() {
         let (header, message) = headed(sample)?;
@@ -107,7 +97,7 @@ fn marked(request: SampleId, related: Related) -> Caller {
 fn headed<Q: DeserializeOwned>(sample: &Sample) -> Result<(Header, Q), Refusal> {
     let length = sample.bytes.len();
     let (header, message) = sample.bytes.split_at_checked(HEADER).ok_or(Refusal::NoHeader { length })?;
-    Ok((cdr::decode(header, sample.endian)?, cdr::decode(message, sample.endian)?))
+    Ok((cdr::decode(header, sample.endian())?, cdr::decode(message, sample.endian())?))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 use lineshaft_msgs::action::{HomeAxisGoal, MoveAxisGoal, ProbeAxisGoal, SynchronizeGoal};
-use lineshaft_msgs::cdr::{self, Endian};
+use lineshaft_msgs::cdr;
 use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalRequest;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{
     DescribeParametersRequest, ListParametersRequest, SetParametersRequest,
@@ -19,8 +19,8 @@ use serde::de::DeserializeOwned;
 
 use super::caller::{HEADER, read};
 use crate::fuzz::LONGEST_SENTENCE;
-use crate::layer::dds::{Related, Sample, SampleId};
-use crate::layer::guid::Guid;
+use crate::link::guid::Guid;
+use crate::link::protocol::{Related, Sample, SampleId};
 
 /// The first two bytes choose the sender; the others are the sample.
 ///
@@ -63,7 +63,8 @@ fn sample(form: u8, bytes: &[u8]) -> Sample {
         id: SampleId { writer: guid(3), number: 42 },
         related,
         is_stale: form >> 4 & 7 == 7,
-        endian: if form & 0x80 == 0 { Endian::Little } else { Endian::Big },
+        came_ns: 0,
+        is_big_endian: form & 0x80 != 0,
         bytes: bytes.to_vec().into(),
     }
 }
@@ -80,8 +81,8 @@ fn law<Q: DeserializeOwned + Serialize + Debug>(sample: &Sample) {
     let (used, given) = (header + cdr::encode(&message).len(), sample.bytes.len());
     assert!(used <= given && given <= used + cdr::MAX_PADDING, "{used} of {given} bytes are {message:?}");
     if sample.related.is_none() {
-        let plain = cdr::decode::<Q>(&sample.bytes, sample.endian).is_ok();
-        let headed = sample.bytes.get(HEADER..).is_some_and(|bytes| cdr::decode::<Q>(bytes, sample.endian).is_ok());
+        let plain = cdr::decode::<Q>(&sample.bytes, sample.endian()).is_ok();
+        let headed = sample.bytes.get(HEADER..).is_some_and(|bytes| cdr::decode::<Q>(bytes, sample.endian()).is_ok());
         assert!(plain != headed, "{message:?} can be read in both forms");
         assert_eq!(headed, header == HEADER);
     }

@@ -11,7 +11,7 @@ pub use laws::any_request;
 use std::collections::VecDeque;
 use std::marker::PhantomData;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use futures::FutureExt;
 use lineshaft_msgs::Service;
@@ -20,11 +20,12 @@ use tokio::sync::watch;
 
 use self::caller::Caller;
 use self::replies::Replies;
-use super::dds::{LONGEST_ON_LOOPBACK, Reader, Sample};
-use super::endpoint::{Context, CreateError, Registered};
+use super::endpoint::{Context, late};
 use super::limiter::{Limiter, more};
 use super::name::FullName;
-use super::qos::Qos;
+use crate::link::Reader;
+use crate::link::protocol::Sample;
+use crate::link::qos::Qos;
 
 /// Requests that wait for the server, in the library and again in its line; more than the 10 of ROS, because clients of all kinds
 /// share them. Not more than a burst needs, because the library keeps as many that were taken, however long they are.
@@ -45,19 +46,6 @@ pub enum ReplyError {
         /// Full name of the service.
         service: FullName,
     },
-    /// A client of rmw_fastrtps cannot be sent that much.
-    #[error(
-        "{service}: the reply of {length} bytes is not sent: {longest} bytes reach a client of rmw_fastrtps {}; ask for less in one \
-         request (fewer names), or use rmw_cyclonedds", networks(*.longest)
-    )]
-    TooLong {
-        /// Full name of the service.
-        service: FullName,
-        /// Of the reply (bytes).
-        length: usize,
-        /// That can be sent (bytes).
-        longest: usize,
-    },
     /// The DDS library failed.
     #[error("{service}: no reply: {reason}")]
     Dds {
@@ -68,27 +56,31 @@ pub enum ReplyError {
     },
 }
 
-/// Where so much can be sent, and where more.
-fn networks(longest: usize) -> &'static str {
-    if longest < LONGEST_ON_LOOPBACK {
-        "on this network (65000 where both have ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST)"
-    } else {
-        "on the loopback"
-    }
-}
-
 /// Takes the requests of one service; dropping it takes the service from the node.
 ///
 /// Requests that are not exactly of the service's form are refused, logged and never handed out.
 pub struct ServiceServer<S: Service> {
-    requests: Registered<Reader>,
+    requests: Reader,
     /// Read, and not handed out yet. The library alone would be unfair: it gives the requests of one client before those of the
     /// next, and drops the oldest, so that a busy client would keep the others waiting until theirs are gone.
-    line: VecDeque<(Caller, S::Request)>,
+    line: VecDeque<Waiting<S>>,
     replies: Arc<Replies>,
     closed: watch::Receiver<()>,
     refused: Limiter,
     unread: Limiter,
+    request_timeout: Duration,
+    /// What a request that is too old is answered; nothing: it is never too old.
+    late: Option<Refusal<S>>,
+}
+
+/// Makes the answer to a request that is refused, with the sentence that says why.
+pub type Refusal<S> = fn(&<S as Service>::Request, String) -> <S as Service>::Response;
+
+/// A request in the line.
+struct Waiting<S: Service> {
+    caller: Caller,
+    message: S::Request,
+    came_ns: u64,
 }
 
 /// A request, and the way to answer it. Any number may be open at a time.
@@ -100,18 +92,26 @@ pub struct Request<S: Service> {
 }
 
 impl<S: Service> ServiceServer<S> {
-    pub(super) fn new(context: &Context, name: FullName, qos: Qos) -> Result<Self, CreateError> {
+    pub(super) fn new(context: &Context, name: FullName, qos: Qos) -> Self {
         let requests = Qos { depth: WAITING, ..qos };
-        let requests = context.reader(&name.request(), S::REQUEST_DDS_NAME, requests)?;
-        let writer = context.writer(&name.reply(), S::RESPONSE_DDS_NAME, qos)?;
-        Ok(Self {
+        let requests = context.reader(&name.request(), S::REQUEST_DDS_NAME, requests);
+        let writer = context.writer(&name.reply(), S::RESPONSE_DDS_NAME, qos);
+        Self {
             requests,
             line: VecDeque::new(),
             replies: Arc::new(Replies::new(context, writer, name)),
             closed: context.closed.clone(),
             refused: Limiter::default(),
             unread: Limiter::default(),
-        })
+            request_timeout: context.request_timeout,
+            late: None,
+        }
+    }
+
+    /// The same, whose requests are refused when they have waited too long: a program that was frozen does not do afterwards what
+    /// was asked of it meanwhile.
+    pub fn refusing_late(self, late: Option<Refusal<S>>) -> Self {
+        Self { late, ..self }
     }
 
     /// Full name of the service.
@@ -127,8 +127,11 @@ impl<S: Service> ServiceServer<S> {
             {
                 self.enter(taken);
             }
-            if let Some((caller, message)) = self.line.pop_front() {
-                return Some(Request { message, reply: Reply::new(self.replies.clone(), caller) });
+            if let Some(waiting) = self.line.pop_front() {
+                if let Some(request) = self.in_time(waiting) {
+                    return Some(request);
+                }
+                continue;
             }
             let taken = tokio::select! {
                 taken = self.requests.next() => taken,
@@ -138,11 +141,23 @@ impl<S: Service> ServiceServer<S> {
         }
     }
 
+    /// The request, unless it is too old and refused.
+    fn in_time(&mut self, Waiting { caller, message, came_ns }: Waiting<S>) -> Option<Request<S>> {
+        let late = self.late.and_then(|refusal| Some((refusal, late(came_ns, self.request_timeout)?)));
+        let reply = Reply::new(self.replies.clone(), caller, came_ns);
+        let Some((refusal, sentence)) = late else { return Some(Request { message, reply }) };
+        if let Some(before) = self.refused.say(caller.answers.writer.prefix(), Instant::now()) {
+            tracing::warn!("{}: a request was refused: {sentence}{}", self.name(), more(before));
+        }
+        reply.send_soon(refusal(&message, format!("the request was refused: {sentence}")));
+        None
+    }
+
     /// Puts a request into the line, if it is one.
     fn enter(&mut self, taken: Result<Sample, String>) {
         match taken {
             Ok(sample) => match caller::read::<S::Request>(&sample) {
-                Ok(request) => self.line.push_back(request),
+                Ok((caller, message)) => self.line.push_back(Waiting { caller, message, came_ns: sample.came_ns }),
                 Err(refusal) => self.refuse(&sample, &refusal),
             },
             Err(reason) => {
@@ -166,16 +181,22 @@ pub struct Reply<P> {
     replies: Arc<Replies>,
     /// `None` once it is answered.
     caller: Option<Caller>,
+    came_ns: u64,
     response: PhantomData<fn(P)>,
 }
 
 impl<P: Serialize> Reply<P> {
-    fn new(replies: Arc<Replies>, caller: Caller) -> Self {
-        Self { replies, caller: Some(caller), response: PhantomData }
+    fn new(replies: Arc<Replies>, caller: Caller, came_ns: u64) -> Self {
+        Self { replies, caller: Some(caller), came_ns, response: PhantomData }
     }
 
-    /// Answers. Waits until the client's reader is matched, at most 1 s; replies to other clients do not wait for
-    /// it.
+    /// When its request came, by the monotonic clock of the host (ns).
+    pub(in crate::layer) fn came_ns(&self) -> u64 {
+        self.came_ns
+    }
+
+    /// Answers. Waits until the client's reader is matched, at most 1 s, after a new start of the ROS side 10 s;
+    /// replies to other clients do not wait for it.
     pub async fn send(mut self, response: P) -> Result<(), ReplyError> {
         match self.caller.take() {
             Some(caller) => self.replies.send(&caller, caller.reply(&response)).await,

@@ -1,9 +1,10 @@
-use lineshaft_msgs::cdr::{Endian, encode};
+use lineshaft_msgs::cdr::encode;
 use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
 use lineshaft_msgs::srv::{AxesCommandRequest, SetPositionRequest};
 use lineshaft_msgs::{GetResultRequest, foreign::unique_identifier_msgs::msg::UUID};
 
 use super::*;
+use crate::link::guid::Guid;
 
 const CYCLONE: [u8; 2] = [0x01, 0x10];
 const FAST: [u8; 2] = [0x01, 0x0f];
@@ -15,7 +16,7 @@ fn guid(vendor: [u8; 2], kind: u8) -> Guid {
 
 fn sample(vendor: [u8; 2], bytes: Vec<u8>) -> Sample {
     let id = SampleId { writer: guid(vendor, 3), number: 42 };
-    Sample { id, related: None, is_stale: false, endian: Endian::Little, bytes: bytes.into() }
+    Sample { id, related: None, is_stale: false, came_ns: 0, is_big_endian: false, bytes: bytes.into() }
 }
 
 /// As rmw_fastrtps sends it.
@@ -85,7 +86,7 @@ fn a_big_endian_caller_gets_its_header_back_in_little_endian() {
     let mut bytes = 5u64.to_be_bytes().to_vec();
     bytes.extend(6i64.to_be_bytes());
     bytes.extend([0, 0, 0, 1, 0, 0, 0, 2, b'x', 0]);
-    let sample = Sample { endian: Endian::Big, ..sample(CYCLONE, bytes) };
+    let sample = Sample { is_big_endian: true, ..sample(CYCLONE, bytes) };
     let (caller, message) = read::<AxesCommandRequest>(&sample).unwrap();
     assert_eq!(message, axes(&["x"]));
     assert_eq!(caller.reply(&0u8), encode(&(5u64, 6i64, 0u8)));

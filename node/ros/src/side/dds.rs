@@ -3,14 +3,13 @@
 //! Samples pass as bytes. Writing never blocks the caller; what does not fit is refused.
 
 use std::convert::Infallible;
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::pin::pin;
 use std::task::{Context, Poll};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bytes::Bytes;
 use futures::{Stream, StreamExt};
-use lineshaft_msgs::cdr::Endian;
 use rustdds::no_key::{
     self, DataWriter, Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter, SimpleDataReader,
 };
@@ -20,11 +19,12 @@ use rustdds::{
     StatusEvented, Timestamp, Topic, TopicKind, WriteOptionsBuilder, policy,
 };
 
-use super::guid::{Guid, Prefix};
-use super::qos::Qos;
+use crate::link::guid::{Guid, Prefix};
+use crate::link::protocol::{Related, ReplyFailure, SampleId};
+use crate::link::qos::Qos;
 
 /// Log targets of the library that repeat themselves where nothing is wrong, and the level to keep of each.
-pub(super) const NOISE: &[(&str, &str)] = &[
+pub(crate) const NOISE: &[(&str, &str)] = &[
     // On loopback without multicast: 30 lines a second about the participant itself.
     ("rustdds::rtps::writer", "error"),
     ("rustdds::network", "error"),
@@ -41,7 +41,7 @@ pub(super) const NOISE: &[(&str, &str)] = &[
 /// The library refused to make something.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("DDS cannot make {what}: {reason}")]
-pub struct DdsError {
+pub(super) struct DdsError {
     what: String,
     reason: String,
 }
@@ -52,47 +52,27 @@ impl DdsError {
     }
 }
 
-/// Why a sample was not written.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum WriteFailure {
-    /// No room now.
-    Full,
-    /// The library failed.
-    Broken(String),
-}
-
-/// A sample's name: who wrote it, and the how manyth of that writer it was.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct SampleId {
-    pub(super) writer: Guid,
-    pub(super) number: i64,
-}
-
-/// The `related_sample_identity` that came with a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Related {
-    pub(super) guid: Guid,
-    /// `None`: unknown to the writer.
-    pub(super) number: Option<i64>,
-}
-
-/// A sample as it came.
+/// A sample as the library hands it out.
 #[derive(Clone, Debug)]
-pub(super) struct Sample {
+pub(super) struct Taken {
     pub(super) id: SampleId,
     pub(super) related: Option<Related>,
-    /// Written before the reader was there, for one of a node that ran before: the library asks a writer for all that it still
-    /// has. Known only where both have one clock.
-    pub(super) is_stale: bool,
-    pub(super) endian: Endian,
+    /// By the clock of its writer; ticks of 2^-32 s since 1970.
+    pub(super) written: Option<u64>,
+    pub(super) is_big_endian: bool,
     pub(super) bytes: Bytes,
 }
 
 /// What discovery says about matches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Discovery {
+    /// A writer of ours and a reader.
     Matched { writer: Guid, reader: Guid },
+    /// A reader of ours and a writer.
+    Heard { writer: Guid, reader: Guid },
     Lost { reader: Guid },
+    Silent { writer: Guid },
+    Found { participant: Prefix },
     Gone { participant: Prefix },
 }
 
@@ -102,9 +82,6 @@ pub(super) struct Participant {
     subscriber: rustdds::Subscriber,
     listener: DomainParticipantStatusListener,
     participant: DomainParticipant,
-    longest_identified: usize,
-    /// All others are on this host.
-    has_one_clock: bool,
 }
 
 impl Participant {
@@ -122,8 +99,6 @@ impl Participant {
             subscriber: participant.create_subscriber(&defaults).map_err(fail)?,
             listener: participant.status_listener(),
             participant,
-            longest_identified: longest_identified(networks),
-            has_one_clock: is_loopback(networks),
         })
     }
 
@@ -140,7 +115,7 @@ impl Participant {
     pub(super) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Writer, DdsError> {
         let made = self.topic(topic, type_name, &policies(qos, qos.window))?;
         match self.publisher.create_datawriter_no_key(&made, None) {
-            Ok(inner) => Ok(Writer { inner, longest_identified: self.longest_identified }),
+            Ok(inner) => Ok(Writer { inner }),
             Err(error) => Err(DdsError::new(format!("a writer of {topic}"), error)),
         }
     }
@@ -149,7 +124,7 @@ impl Participant {
         // Of a reader the library keeps so many samples, also those that were taken: without a limit all of its life.
         let made = self.topic(topic, type_name, &policies(qos, i32::from(qos.depth)))?;
         match self.subscriber.create_simple_datareader_no_key(&made, None) {
-            Ok(inner) => Ok(Reader { inner, since: self.has_one_clock.then(Instant::now) }),
+            Ok(inner) => Ok(Reader { inner }),
             Err(error) => Err(DdsError::new(format!("a reader of {topic}"), error)),
         }
     }
@@ -185,6 +160,36 @@ impl Participant {
         Ok(Barrier { writer })
     }
 
+    /// Where it is told of other participants: its own socket, on the loopback.
+    pub(super) fn discovery_address(&self) -> SocketAddrV4 {
+        self.own_address(10)
+    }
+
+    /// Where its readers read, likewise.
+    pub(super) fn data_address(&self) -> SocketAddrV4 {
+        self.own_address(11)
+    }
+
+    /// RTPS 2.5, 9.6.2.3.
+    fn own_address(&self, offset: u16) -> SocketAddrV4 {
+        let port = 7400 + 250 * self.participant.domain_id() + offset + 2 * self.participant.participant_id();
+        SocketAddrV4::new(Ipv4Addr::LOCALHOST, port)
+    }
+
+    /// Where a remote reader reads.
+    pub(super) fn addresses_of_reader(&self, reader: Guid) -> Vec<SocketAddrV4> {
+        let readers = self.participant.discovered_readers().into_iter();
+        let found = readers.map(|r| r.reader_proxy).find(|proxy| Guid::from(proxy.remote_reader_guid) == reader);
+        ipv4(found.map(|proxy| proxy.unicast_locator_list.into_iter().map(Into::into).collect()))
+    }
+
+    /// Where a remote writer listens.
+    pub(super) fn addresses_of_writer(&self, writer: Guid) -> Vec<SocketAddrV4> {
+        let writers = self.participant.discovered_writers().into_iter();
+        let found = writers.map(|w| w.writer_proxy).find(|proxy| Guid::from(proxy.remote_writer_guid) == writer);
+        ipv4(found.map(|proxy| proxy.unicast_locator_list.into_iter().map(Into::into).collect()))
+    }
+
     /// Readers of `topic` on the participant of `client`, which is a writer: those with the same user data when it has
     /// some (rmw_cyclonedds marks the two ends of a client by it), else all of them.
     pub(super) fn readers_beside(&self, client: Guid, topic: &str) -> Vec<Guid> {
@@ -204,6 +209,14 @@ impl Participant {
     }
 }
 
+fn ipv4(addresses: Option<Vec<SocketAddr>>) -> Vec<SocketAddrV4> {
+    let address = |address| match address {
+        SocketAddr::V4(address) => Some(address),
+        SocketAddr::V6(_) => None,
+    };
+    addresses.unwrap_or_default().into_iter().filter_map(address).collect()
+}
+
 /// Tells when the library's thread has done all that it had begun.
 ///
 /// The library (0.15.1) reports a match of a writer in the middle of it: what it still does is a heartbeat to the reader
@@ -218,21 +231,23 @@ impl Barrier {
     /// Far more than the library's thread ever takes, where it is alive.
     const PATIENCE: Duration = Duration::from_millis(500);
 
-    /// Returns as soon as whatever the library's thread does now is done.
-    pub(super) async fn pass(&self) {
+    /// Returns as soon as whatever the library's thread does now is done; false where it does nothing any more.
+    pub(super) async fn pass(&self) -> bool {
         // The thread sends the first sample after that, and without it there is no room for the second.
         let both = async {
             for _ in 0..2 {
-                let sample = Raw { endian: Endian::Little, bytes: Bytes::new() };
+                let sample = Raw { is_big_endian: false, bytes: Bytes::new() };
                 let options = WriteOptionsBuilder::new().best_effort_may_block(true).build();
                 if let Err(error) = self.writer.async_write_with_options(sample, options).await {
                     tracing::debug!("the DDS library is not waited for: {}", error.forget_data());
                 }
             }
         };
-        if tokio::time::timeout(Self::PATIENCE, both).await.is_err() {
+        let is_alive = tokio::time::timeout(Self::PATIENCE, both).await.is_ok();
+        if !is_alive {
             tracing::debug!("the DDS library does not do anything for {:?}", Self::PATIENCE);
         }
+        is_alive
     }
 }
 
@@ -246,7 +261,14 @@ fn discovery(event: &DomainParticipantStatusEvent) -> Option<Discovery> {
         DomainParticipantStatusEvent::RemoteReaderMatched { local_writer, remote_reader } => {
             Some(Discovery::Matched { writer: (*local_writer).into(), reader: (*remote_reader).into() })
         }
+        DomainParticipantStatusEvent::RemoteWriterMatched { local_reader, remote_writer } => {
+            Some(Discovery::Heard { writer: (*remote_writer).into(), reader: (*local_reader).into() })
+        }
         DomainParticipantStatusEvent::ReaderLost { guid, .. } => Some(Discovery::Lost { reader: (*guid).into() }),
+        DomainParticipantStatusEvent::WriterLost { guid, .. } => Some(Discovery::Silent { writer: (*guid).into() }),
+        DomainParticipantStatusEvent::ParticipantDiscovered { dpd } => {
+            Some(Discovery::Found { participant: Guid::from(dpd.guid).prefix() })
+        }
         DomainParticipantStatusEvent::ParticipantLost { id, reason } => {
             let mut prefix = [0; 12];
             prefix.copy_from_slice(id.as_ref());
@@ -289,14 +311,13 @@ fn policies(qos: Qos, most: i32) -> QosPolicies {
 /// Writes samples of one topic.
 pub(super) struct Writer {
     inner: DataWriter<Raw, Raw>,
-    longest_identified: usize,
 }
 
 /// To whom a reply goes, and what it answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Address {
     pub(super) reader: Guid,
-    /// For clients that know their reply by it (`related_sample_identity`); no longer than [`Writer::longest_identified`].
+    /// For clients that know their reply by it (`related_sample_identity`); no longer than [`LONGEST_IDENTIFIED`].
     pub(super) answers: Option<SampleId>,
 }
 
@@ -305,18 +326,13 @@ impl Writer {
         self.inner.guid().into()
     }
 
-    /// Longest sample that may be written with what it answers (bytes).
-    pub(super) fn longest_identified(&self) -> usize {
-        self.longest_identified
-    }
-
-    /// Writes to all matched readers.
-    pub(super) fn write(&self, bytes: impl Into<Bytes>) -> Result<(), WriteFailure> {
+    /// Writes to all matched readers; the sample's number.
+    pub(super) fn write(&self, bytes: impl Into<Bytes>) -> Result<i64, ReplyFailure> {
         self.write_with(bytes.into(), WriteOptionsBuilder::new())
     }
 
     /// Writes to one reader, which must be matched.
-    pub(super) fn write_to(&self, bytes: impl Into<Bytes>, address: Address) -> Result<(), WriteFailure> {
+    pub(super) fn write_to(&self, bytes: impl Into<Bytes>, address: Address) -> Result<i64, ReplyFailure> {
         let (bytes, options) = (bytes.into(), WriteOptionsBuilder::new().to_single_reader(address.reader.into()));
         let Some(answers) = address.answers else { return self.write_with(bytes, options) };
         let answers = SampleIdentity {
@@ -326,36 +342,25 @@ impl Writer {
         self.write_with(bytes, options.related_sample_identity(answers))
     }
 
-    fn write_with(&self, bytes: Bytes, options: WriteOptionsBuilder) -> Result<(), WriteFailure> {
+    fn write_with(&self, bytes: Bytes, options: WriteOptionsBuilder) -> Result<i64, ReplyFailure> {
         let (options, bytes) = (options.source_timestamp(Timestamp::now()).build(), padded(bytes));
-        match self.inner.write_with_options(Raw { endian: Endian::Little, bytes }, options) {
-            Ok(_) => Ok(()),
-            Err(rustdds::dds::WriteError::WouldBlock { .. }) => Err(WriteFailure::Full),
-            Err(error) => Err(WriteFailure::Broken(error.forget_data().to_string())),
+        match self.inner.write_with_options(Raw { is_big_endian: false, bytes }, options) {
+            Ok(written) => Ok(written.sequence_number.into()),
+            Err(rustdds::dds::WriteError::WouldBlock { .. }) => Err(ReplyFailure::Full),
+            Err(error) => Err(ReplyFailure::Broken(error.forget_data().to_string())),
         }
     }
 }
 
-/// Longest sample with a `related_sample_identity` (bytes) on networks of these addresses: what goes out in one piece. In fragments
-/// of such a sample the library (0.15.1) writes one byte too many before the inline QoS: receivers cannot read them, and in a
-/// debug build the library's thread panics.
-fn longest_identified(networks: Option<&[Ipv4Addr]>) -> usize {
-    if is_loopback(networks) { LONGEST_ON_LOOPBACK } else { LONGEST_ELSEWHERE }
-}
-
-fn is_loopback(networks: Option<&[Ipv4Addr]>) -> bool {
-    networks.is_some_and(|addresses| addresses.iter().all(Ipv4Addr::is_loopback))
-}
-
-/// A datagram of the loopback holds it.
-pub(super) const LONGEST_ON_LOOPBACK: usize = 65_000;
-/// The library cuts what does not fit the network's datagrams, of which it keeps 48 bytes for headers below it, 32 for a
-/// heartbeat, 48 for headers of its own; 4 are the encapsulation. Ethernet carries 1500, tunnels 1280 at least.
-const LONGEST_ELSEWHERE: usize = 1280 - 48 - 32 - 48 - 4;
+/// Longest sample with a `related_sample_identity` (bytes) that goes out in one piece on every network. In fragments of such a
+/// sample the library (0.15.1) writes one byte too many before the inline QoS: receivers cannot read them, and in a debug build the
+/// library's thread panics. It cuts what does not fit the network's datagrams, of which it keeps 48 bytes for headers below it, 32
+/// for a heartbeat, 48 for headers of its own; 4 are the encapsulation. Ethernet carries 1500, tunnels 1280 at least.
+pub(super) const LONGEST_IDENTIFIED: usize = 1280 - 48 - 32 - 48 - 4;
 
 /// As it stands on the wire: to the next multiple of 4 bytes, which readers expect. The library pads whole samples itself, but
 /// not the last fragment of a long one, so that what follows it in the same datagram is not aligned.
-fn padded(bytes: Bytes) -> Bytes {
+pub(super) fn padded(bytes: Bytes) -> Bytes {
     let length = bytes.len().next_multiple_of(4);
     if length == bytes.len() {
         return bytes;
@@ -368,8 +373,6 @@ fn padded(bytes: Bytes) -> Bytes {
 /// Reads samples of one topic.
 pub(super) struct Reader {
     inner: SimpleDataReader<Raw, Raw>,
-    /// When it was made, where all writers have the clock of this host.
-    since: Option<Instant>,
 }
 
 impl Reader {
@@ -378,10 +381,10 @@ impl Reader {
     }
 
     /// The next sample, or why it could not be read. Nothing is lost when the future is dropped.
-    pub(super) async fn next(&mut self) -> Result<Sample, String> {
+    pub(super) async fn next(&mut self) -> Result<Taken, String> {
         let mut samples = pin!(self.inner.as_async_stream());
         match samples.next().await {
-            Some(Ok(change)) => Ok(sample(&change, self.since)),
+            Some(Ok(change)) => Ok(taken(&change)),
             Some(Err(error)) => Err(error.to_string()),
             // The library's streams never end; should one do, there is nothing more to read.
             None => std::future::pending().await,
@@ -389,26 +392,23 @@ impl Reader {
     }
 }
 
-fn sample(change: &no_key::DeserializedCacheChange<Raw>, since: Option<Instant>) -> Sample {
+fn taken(change: &no_key::DeserializedCacheChange<Raw>) -> Taken {
     let related = change.related_sample_identity().map(|related| Related {
         guid: related.writer_guid.into(),
         number: Some(related.sequence_number).filter(|n| *n != SequenceNumber::UNKNOWN).map(i64::from),
     });
-    Sample {
+    Taken {
         id: SampleId { writer: change.writer_guid.into(), number: change.sequence_number.into() },
         related,
-        is_stale: is_stale(change.source_timestamp(), Timestamp::now(), since.map(|since| since.elapsed())),
-        endian: change.sample.endian,
+        written: change.source_timestamp().map(|written| written.to_ticks()),
+        is_big_endian: change.sample.is_big_endian,
         bytes: change.sample.bytes.clone(),
     }
 }
 
-/// Is a sample older than its reader? Ages are compared, so that a clock that is set anew does not matter.
-fn is_stale(written: Option<Timestamp>, now: Timestamp, age_of_reader: Option<Duration>) -> bool {
-    let (Some(written), Some(age_of_reader)) = (written, age_of_reader) else { return false };
-    // Ticks of 2^-32 s.
-    let age = now.to_ticks().saturating_sub(written.to_ticks());
-    u128::from(age) * 1_000_000_000 > age_of_reader.as_nanos() << 32
+/// The time of this host's clock, as writers stamp their samples: ticks of 2^-32 s since 1970.
+pub(super) fn now_ticks() -> u64 {
+    Timestamp::now().to_ticks()
 }
 
 impl From<GUID> for Guid {
@@ -426,7 +426,7 @@ impl From<Guid> for GUID {
 /// Bytes that pass the library unchanged, and the adapter that lets them.
 #[derive(Clone, Debug)]
 struct Raw {
-    endian: Endian,
+    is_big_endian: bool,
     bytes: Bytes,
 }
 
@@ -452,8 +452,8 @@ impl DefaultDecoder<Raw> for Raw {
 impl Decode<'_, Raw> for Pass {
     type Error = Infallible;
     fn decode_bytes(self, bytes: &[u8], encoding: RepresentationIdentifier) -> Result<Raw, Infallible> {
-        let big = encoding == RepresentationIdentifier::CDR_BE;
-        Ok(Raw { endian: if big { Endian::Big } else { Endian::Little }, bytes: Bytes::copy_from_slice(bytes) })
+        let is_big_endian = encoding == RepresentationIdentifier::CDR_BE;
+        Ok(Raw { is_big_endian, bytes: Bytes::copy_from_slice(bytes) })
     }
 }
 
@@ -470,33 +470,6 @@ impl SerializerAdapter<Raw> for Raw {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_identified_sample_is_as_long_as_the_smallest_datagram_of_its_networks() {
-        let (loopback, ethernet) = (Ipv4Addr::LOCALHOST, Ipv4Addr::new(192, 168, 1, 9));
-        assert_eq!(longest_identified(Some(&[loopback])), 65_000);
-        for networks in [None, Some([ethernet].as_slice()), Some(&[loopback, ethernet])] {
-            assert_eq!(longest_identified(networks), 1148, "{networks:?}");
-        }
-    }
-
-    #[test]
-    fn what_was_written_before_its_reader_was_there_is_stale() {
-        let at = |seconds: u64| Timestamp::from_ticks(seconds << 32);
-        let age = |seconds| Some(Duration::from_secs(seconds));
-        assert!(is_stale(Some(at(99)), at(110), age(10)));
-        for (written, now, age) in [
-            (Some(at(100)), at(110), age(10)),
-            (Some(at(109)), at(110), age(10)),
-            // The clock was set back, or the writer's is ahead.
-            (Some(at(115)), at(110), age(10)),
-            (None, at(110), age(10)),
-            // Clocks of other hosts.
-            (Some(at(1)), at(110), None),
-        ] {
-            assert!(!is_stale(written, now, age), "{written:?} {now:?} {age:?}");
-        }
-    }
 
     #[test]
     fn samples_end_at_a_multiple_of_four_bytes() {

@@ -3,34 +3,57 @@
 use std::fmt;
 
 use lineshaft_msgs::foreign::rmw_dds_common::msg::Gid;
+use serde::{Deserialize, Serialize};
 
+/// Vendor of eProsima Fast DDS, likewise.
+const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 /// Vendor of Eclipse Cyclone DDS, as RTPS participants announce it and as its GUIDs begin.
 const CYCLONE: [u8; 2] = [0x01, 0x10];
 
 /// GUID of a DDS participant or endpoint: 12 bytes of the participant, 3 of the endpoint, 1 of its kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Guid(pub(super) [u8; 16]);
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub(crate) struct Guid(pub(crate) [u8; 16]);
 
 /// The participant's part of a [`Guid`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Prefix(pub(super) [u8; 12]);
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub(crate) struct Prefix(pub(crate) [u8; 12]);
 
 impl Guid {
     /// Which participant it is, or belongs to.
-    pub(super) fn prefix(self) -> Prefix {
+    pub(crate) fn prefix(self) -> Prefix {
         let mut prefix = [0; 12];
         prefix.copy_from_slice(&self.0[..12]);
         Prefix(prefix)
     }
 
     /// Whether it is a reader; RTPS 2.5, table 9.1: all kinds of readers have this bit, no kind of writer has it.
-    pub(super) fn is_reader(self) -> bool {
+    pub(crate) fn is_reader(self) -> bool {
         self.0[15] & 0x04 != 0
     }
 
+    /// Whether it belongs to a participant of eProsima Fast DDS.
+    pub(crate) fn is_fast_dds(self) -> bool {
+        self.0[..2] == FAST_DDS
+    }
+
     /// Whether it belongs to a participant of Eclipse Cyclone DDS.
-    pub(super) fn is_cyclone(self) -> bool {
+    pub(crate) fn is_cyclone(self) -> bool {
         self.0[..2] == CYCLONE
+    }
+}
+
+impl Prefix {
+    /// As it is displayed: 24 hexadecimal digits.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        let digits = text.as_bytes();
+        if digits.len() != 24 || !digits.iter().all(u8::is_ascii_hexdigit) {
+            return None;
+        }
+        let mut prefix = [0; 12];
+        for (place, byte) in prefix.iter_mut().enumerate() {
+            *byte = u8::from_str_radix(&text[2 * place..2 * place + 2], 16).ok()?;
+        }
+        Some(Self(prefix))
     }
 }
 

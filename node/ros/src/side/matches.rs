@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use tokio::sync::watch;
 
 use super::dds::Discovery;
-use super::guid::Guid;
+use crate::link::guid::Guid;
 
 /// A writer of ours and a reader.
 type Pairs = HashSet<(Guid, Guid)>;
@@ -28,6 +28,7 @@ impl Matches {
             }
             Discovery::Lost { reader } => pairs.retain(|pair| pair.1 != reader),
             Discovery::Gone { participant } => pairs.retain(|pair| pair.1.prefix() != participant),
+            Discovery::Heard { .. } | Discovery::Silent { .. } | Discovery::Found { .. } => {}
         });
     }
 
@@ -39,6 +40,11 @@ impl Matches {
     /// Readers that are matched with this writer now.
     pub(super) fn count(&self, writer: Guid) -> usize {
         self.pairs.borrow().iter().filter(|pair| pair.0 == writer).count()
+    }
+
+    /// Who they are.
+    pub(super) fn readers(&self, writer: Guid) -> HashSet<Guid> {
+        self.pairs.borrow().iter().filter(|pair| pair.0 == writer).map(|pair| pair.1).collect()
     }
 
     /// Whether the two are matched now.

@@ -1,0 +1,119 @@
+//! Which participants of ours live, and which ended without a good-bye: a file for each, locked while it lives.
+//!
+//! Clients keep for a dead participant what they sent it, until its lease is over (50 s), and rmw_cyclonedds gives it to the
+//! readers of the next one. So the next one says the good-bye that is missing.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::net::Ipv4Addr;
+use std::path::{Path, PathBuf};
+
+use super::guid::Prefix;
+use super::protocol::Departed;
+
+/// Files of the dead that are read; a folder with more was filled by something else.
+const MOST: usize = 64;
+/// Longest file.
+const LONGEST: u64 = 4096;
+
+/// The file of a participant that lives.
+pub(super) struct Entry {
+    path: PathBuf,
+    /// Keeps the lock.
+    _file: File,
+}
+
+impl Entry {
+    /// Writes down who lives now.
+    pub(super) fn write(folder: &Path, who: &Departed) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        let path = folder.join(who.prefix.to_string());
+        let mut file = OpenOptions::new().write(true).create(true).truncate(true).open(&path)?;
+        file.lock()?;
+        file.write_all(text(who).as_bytes())?;
+        Ok(Self { path, _file: file })
+    }
+
+    /// It has said good-bye itself.
+    pub(super) fn remove(self) {
+        // Found by the next node, it costs a good-bye too many.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Participants whose file nobody locks, with their files.
+pub(super) fn dead(folder: &Path) -> Vec<(Departed, PathBuf)> {
+    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
+    let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).take(MOST).collect();
+    paths.sort();
+    paths.into_iter().filter_map(|path| Some((read(&path)?, path))).collect()
+}
+
+fn read(path: &Path) -> Option<Departed> {
+    if !fs::symlink_metadata(path).ok()?.is_file() {
+        return None;
+    }
+    let file = File::open(path).ok()?;
+    // Another program's, which lives.
+    file.try_lock().ok()?;
+    let mut text = String::new();
+    file.take(LONGEST).read_to_string(&mut text).ok()?;
+    parse(&text)
+}
+
+fn text(who: &Departed) -> String {
+    let networks = who.networks.as_ref().map_or("all".to_owned(), |addresses| {
+        addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+    });
+    format!("{} {} {networks}\n", who.prefix, who.domain)
+}
+
+fn parse(text: &str) -> Option<Departed> {
+    let mut words = text.strip_suffix('\n')?.split(' ');
+    let (prefix, domain) = (Prefix::parse(words.next()?)?, words.next()?.parse().ok()?);
+    let rest: Vec<&str> = words.collect();
+    let networks: Option<Vec<Ipv4Addr>> = match rest.as_slice() {
+        ["all"] => None,
+        addresses => Some(addresses.iter().map(|address| address.parse().ok()).collect::<Option<_>>()?),
+    };
+    Some(Departed { prefix, domain, networks })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn departed(prefix: u8, networks: Option<Vec<Ipv4Addr>>) -> Departed {
+        Departed { prefix: Prefix([prefix; 12]), domain: 7, networks }
+    }
+
+    #[test]
+    fn only_those_that_nobody_keeps_are_dead() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("participants");
+        assert!(dead(&folder).is_empty(), "without a folder");
+        let networks = [None, Some(vec![Ipv4Addr::LOCALHOST, Ipv4Addr::new(10, 0, 0, 7)]), Some(vec![])];
+        let all: Vec<_> = (1..).zip(networks).map(|(n, networks)| departed(n, networks)).collect();
+        let mut entries: Vec<_> = all.iter().map(|who| Entry::write(&folder, who).unwrap()).collect();
+        assert!(dead(&folder).is_empty(), "all live");
+        drop(entries.remove(1));
+        drop(entries.remove(0));
+        let found: Vec<_> = dead(&folder).into_iter().map(|(who, _)| who).collect();
+        assert_eq!(found, all[..2]);
+        entries.remove(0).remove();
+        assert_eq!(dead(&folder).len(), 2);
+    }
+
+    #[test]
+    fn anything_else_in_the_folder_is_nobody() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+        write("a", "");
+        write("b", "0102 7 all\n");
+        write("c", &format!("{} 70000 all\n", Prefix([1; 12])));
+        write("d", &format!("{} 7 all", Prefix([1; 12])));
+        write("e", &format!("{} 7 10.0.0.x\n", Prefix([1; 12])));
+        fs::create_dir(folder.path().join("f")).unwrap();
+        assert_eq!(dead(folder.path()), []);
+    }
+}

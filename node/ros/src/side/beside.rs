@@ -1,0 +1,41 @@
+//! A socket of our own, for what is said beside the DDS library.
+
+use std::io;
+use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
+
+/// Sends datagrams; what comes back is not read.
+pub(super) struct Beside {
+    socket: UdpSocket,
+    address: SocketAddrV4,
+}
+
+impl Beside {
+    /// To anywhere.
+    pub(super) fn new() -> io::Result<Self> {
+        let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
+        let address = SocketAddrV4::new(Ipv4Addr::LOCALHOST, socket.local_addr()?.port());
+        Ok(Self { socket, address })
+    }
+
+    /// On one network, which its datagrams to groups take, too.
+    pub(super) fn on(network: Ipv4Addr) -> io::Result<Self> {
+        let socket = UdpSocket::bind((network, 0))?;
+        let address = SocketAddrV4::new(network, socket.local_addr()?.port());
+        Ok(Self { socket, address })
+    }
+
+    /// Where it is reached on this host.
+    pub(super) fn address(&self) -> SocketAddrV4 {
+        self.address
+    }
+
+    /// Sends, where there is a way: a datagram may get lost in any case.
+    pub(super) fn send(&self, datagram: &[u8], to: SocketAddrV4) {
+        // A closed port comes back as an error of the next datagram.
+        for _ in 0..2 {
+            if self.socket.send_to(datagram, to).is_ok() {
+                return;
+            }
+        }
+    }
+}

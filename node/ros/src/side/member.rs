@@ -1,0 +1,317 @@
+//! A member of the DDS domain: does the program's orders, and tells what it hears.
+
+use std::collections::HashMap;
+use std::future::poll_fn;
+use std::net::Ipv4Addr;
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::task::Poll;
+use std::time::{Duration, Instant};
+
+use bytes::Bytes;
+use tokio::runtime::Handle;
+use tokio::sync::Semaphore;
+use tokio::task::JoinHandle;
+
+use super::age::{Known, is_stale};
+use super::beside::Beside;
+use super::dds::{Discovery, Participant, Reader, Taken, Writer, now_ticks};
+use super::graph::Graph;
+use super::latched::{self, Latched};
+use super::matches::Matches;
+use super::nudge::nudge;
+use super::probe::Probe;
+use super::replies::Replies;
+use crate::link::guid::Guid;
+use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
+
+/// What the tasks of a member have in common.
+pub(super) struct Shared {
+    pub(super) participant: Arc<Participant>,
+    pub(super) matches: Arc<Matches>,
+    pub(super) beside: Beside,
+    reports: Mutex<Sender<Report>>,
+    /// Writers of the program, to tell how many readers each has.
+    writers: Mutex<HashMap<Guid, (Endpoint, u32)>>,
+    /// Remote writers that are matched.
+    heard: Mutex<HashMap<Guid, Heard>>,
+    /// Addresses of this host, on which all have one clock.
+    own: Vec<Ipv4Addr>,
+}
+
+/// A remote writer.
+#[derive(Clone, Copy)]
+struct Heard {
+    since: Instant,
+    /// On this host.
+    is_local: bool,
+}
+
+impl Shared {
+    pub(super) fn report(&self, report: Report) {
+        // Without a program there is nobody to tell.
+        let _ = self.reports.lock().unwrap_or_else(PoisonError::into_inner).send(report);
+    }
+
+    /// Tells of each writer whose number of readers has changed.
+    fn tell_matches(&self) {
+        let mut writers = self.writers.lock().unwrap_or_else(PoisonError::into_inner);
+        for (writer, (endpoint, told)) in writers.iter_mut() {
+            let count = u32::try_from(self.matches.count(*writer)).unwrap_or(u32::MAX);
+            if count != *told {
+                *told = count;
+                self.report(Report::Matched(*endpoint, count));
+            }
+        }
+    }
+
+    fn heard(&self) -> MutexGuard<'_, HashMap<Guid, Heard>> {
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn sample(&self, taken: Taken, since: Instant) -> Sample {
+        let Taken { id, related, written, is_big_endian, bytes } = taken;
+        let heard = self.heard().get(&id.writer).copied();
+        // Reported a moment later.
+        let heard = heard.unwrap_or_else(|| Heard { since: Instant::now(), is_local: self.is_local(id.writer) });
+        let known = Known {
+            written,
+            now: now_ticks(),
+            reader: since.elapsed(),
+            matched: heard.since.elapsed(),
+            is_local: heard.is_local,
+        };
+        Sample { id, related, is_stale: is_stale(known), came_ns: monotonic_ns(), is_big_endian, bytes }
+    }
+
+    /// Is it on this host?
+    fn is_local(&self, writer: Guid) -> bool {
+        let addresses = self.participant.addresses_of_writer(writer);
+        !addresses.is_empty() && addresses.iter().all(|a| a.ip().is_loopback() || self.own.contains(a.ip()))
+    }
+}
+
+/// The participant with its endpoints.
+pub(super) struct Member {
+    // Before the participant, which waits for the library's threads.
+    endpoints: HashMap<Endpoint, Open>,
+    graph: Graph,
+    probe: Arc<Probe>,
+    tasks: Vec<JoinHandle<()>>,
+    shared: Arc<Shared>,
+    runtime: Handle,
+    departed: Departed,
+}
+
+enum Open {
+    Writer { writer: Arc<Writer>, replies: Arc<Replies> },
+    Latched { guid: Guid, latched: Latched },
+    Reader { guid: Guid, credit: Arc<Semaphore>, task: JoinHandle<()> },
+}
+
+impl Member {
+    /// Joins the domain.
+    pub(super) fn join(join: &Join, reports: Sender<Report>, runtime: Handle) -> Result<Self, String> {
+        let inside = runtime.enter();
+        let participant = Participant::new(join.domain, join.networks.as_deref()).map_err(|error| error.to_string())?;
+        let beside = Beside::new().map_err(|error| format!("no socket: {error}"))?;
+        let matches = Arc::new(Matches::new());
+        let barrier = participant.barrier().map_err(|error| error.to_string())?;
+        let probe = Arc::new(Probe::new(&participant).map_err(|error| error.to_string())?);
+        let prefix = participant.guid().prefix();
+        let shared = Arc::new(Shared {
+            participant: Arc::new(participant),
+            matches,
+            beside,
+            reports: Mutex::new(reports),
+            writers: Mutex::default(),
+            heard: Mutex::default(),
+            own: super::farewell::of_host(),
+        });
+        let graph = Graph::new(&runtime, &shared, join).map_err(|error| error.to_string())?;
+        let follow = follow(Arc::downgrade(&shared), barrier, Arc::clone(&probe), runtime.clone());
+        let tasks = vec![runtime.spawn(follow)];
+        shared.report(Report::Joined(prefix));
+        drop(inside);
+        let departed = Departed { prefix, domain: join.domain, networks: join.networks.clone() };
+        Ok(Self { endpoints: HashMap::new(), graph, probe, tasks, shared, runtime, departed })
+    }
+
+    /// Who leaves when this is dropped.
+    pub(super) fn departed(&self) -> Departed {
+        self.departed.clone()
+    }
+
+    /// Does an order.
+    pub(super) fn follow(&mut self, order: Order) {
+        match order {
+            // The one that made this.
+            Order::Join(_) => {}
+            Order::Open(endpoint, spec) => {
+                if let Err(error) = self.open(endpoint, &spec) {
+                    self.shared.report(Report::Failed(error));
+                }
+            }
+            Order::Close(endpoint) => self.close(endpoint),
+            Order::Write(endpoint, bytes) => self.write(endpoint, bytes),
+            Order::Reply(endpoint, reply) => match self.endpoints.get(&endpoint) {
+                Some(Open::Writer { replies, .. }) => {
+                    let (replies, shared) = (Arc::clone(replies), Arc::clone(&self.shared));
+                    self.runtime.spawn(async move {
+                        let token = reply.token;
+                        let outcome = replies.send(&shared, reply).await;
+                        shared.report(Report::Replied(token, outcome));
+                    });
+                }
+                // The service was closed meanwhile.
+                _ => self.shared.report(Report::Replied(reply.token, Err(ReplyFailure::NoReader))),
+            },
+            Order::More(endpoint, count) => {
+                if let Some(Open::Reader { credit, .. }) = self.endpoints.get(&endpoint) {
+                    credit.add_permits(count as usize);
+                }
+            }
+            Order::Probe(number) => {
+                let (probe, shared) = (Arc::clone(&self.probe), Arc::clone(&self.shared));
+                self.runtime.spawn(async move {
+                    if probe.works(&shared).await {
+                        shared.report(Report::Alive(number));
+                    }
+                });
+            }
+        }
+    }
+
+    fn open(&mut self, endpoint: Endpoint, spec: &Spec) -> Result<(), String> {
+        let Spec { kind, topic, type_name, qos } = spec;
+        let participant = &self.shared.participant;
+        let fail = |error: super::dds::DdsError| error.to_string();
+        let (guid, open) = match kind {
+            Kind::Writer => {
+                let writer = participant.writer(topic, type_name, *qos).map_err(fail)?;
+                let guid = writer.guid();
+                let mut writers = self.shared.writers.lock().unwrap_or_else(PoisonError::into_inner);
+                writers.insert(guid, (endpoint, 0));
+                drop(writers);
+                if qos.latched {
+                    let (target, matches) = (latched::Beside { writer, shared: Arc::clone(&self.shared) }, &self.shared.matches);
+                    let latched = Latched::start(&self.runtime, target, matches, *qos, Duration::ZERO);
+                    (guid, Open::Latched { guid, latched })
+                } else {
+                    let writer = Arc::new(writer);
+                    let replies = Arc::new(Replies::new(Arc::clone(&writer), topic.clone()));
+                    (guid, Open::Writer { writer, replies })
+                }
+            }
+            Kind::Reader(credit) => {
+                let reader = participant.reader(topic, type_name, *qos).map_err(fail)?;
+                let guid = reader.guid();
+                let credit = Arc::new(Semaphore::new(*credit as usize));
+                let task = self.runtime.spawn(read(reader, endpoint, Arc::clone(&credit), Arc::clone(&self.shared)));
+                (guid, Open::Reader { guid, credit, task })
+            }
+        };
+        self.graph.add(guid);
+        self.endpoints.insert(endpoint, open);
+        Ok(())
+    }
+
+    fn close(&mut self, endpoint: Endpoint) {
+        let Some(open) = self.endpoints.remove(&endpoint) else { return };
+        let guid = match &open {
+            Open::Writer { writer, .. } => writer.guid(),
+            Open::Latched { guid, .. } => *guid,
+            Open::Reader { guid, task, .. } => {
+                // The reader goes with its task.
+                task.abort();
+                *guid
+            }
+        };
+        self.graph.remove(guid);
+        self.shared.writers.lock().unwrap_or_else(PoisonError::into_inner).remove(&guid);
+        self.shared.matches.forget(guid);
+    }
+
+    fn write(&self, endpoint: Endpoint, bytes: Bytes) {
+        match self.endpoints.get(&endpoint) {
+            Some(Open::Writer { writer, .. }) => match writer.write(bytes) {
+                Ok(_) => {}
+                Err(ReplyFailure::Broken(reason)) => tracing::error!("a message was not published: {reason}"),
+                Err(ReplyFailure::Full | ReplyFailure::NoReader) => {
+                    tracing::warn!("a reader does not keep up, a message was dropped");
+                }
+            },
+            Some(Open::Latched { latched, .. }) => latched.set(bytes),
+            Some(Open::Reader { .. }) | None => {}
+        }
+    }
+}
+
+impl Drop for Member {
+    fn drop(&mut self) {
+        self.tasks.iter().for_each(JoinHandle::abort);
+        for open in self.endpoints.values() {
+            if let Open::Reader { task, .. } = open {
+                task.abort();
+            }
+        }
+    }
+}
+
+/// Passes samples on, as many as are taken.
+async fn read(mut reader: Reader, endpoint: Endpoint, credit: Arc<Semaphore>, shared: Arc<Shared>) {
+    let since = Instant::now();
+    loop {
+        // Never closed.
+        let Ok(permit) = credit.acquire().await else { return };
+        let taken = reader.next().await;
+        permit.forget();
+        shared.report(Report::Taken(endpoint, taken.map(|taken| shared.sample(taken, since))));
+    }
+}
+
+/// Notes all matches for as long as the member lives, each once the library is ready for samples to that reader.
+async fn follow(shared: Weak<Shared>, barrier: super::dds::Barrier, probe: Arc<Probe>, runtime: Handle) {
+    while let Some(changes) = poll_fn(|context| poll_changes(&shared, context)).await {
+        let Some(shared) = shared.upgrade() else { return };
+        for change in &changes {
+            match *change {
+                Discovery::Heard { writer, reader } => {
+                    let is_local = shared.is_local(writer);
+                    shared.heard().insert(writer, Heard { since: Instant::now(), is_local });
+                    if writer.is_fast_dds() {
+                        let shared = Arc::clone(&shared);
+                        runtime.spawn(async move { nudge(&shared, reader, writer).await });
+                    }
+                }
+                Discovery::Silent { writer } => drop(shared.heard().remove(&writer)),
+                Discovery::Gone { participant } => {
+                    shared.heard().retain(|writer, _| writer.prefix() != participant);
+                    probe.gone(participant);
+                }
+                Discovery::Found { participant } => probe.found(participant),
+                Discovery::Matched { .. } | Discovery::Lost { .. } => {}
+            }
+        }
+        if changes.iter().any(|change| matches!(change, Discovery::Matched { .. })) {
+            barrier.pass().await;
+        }
+        changes.into_iter().for_each(|change| shared.matches.note(change));
+        shared.tell_matches();
+    }
+}
+
+/// All changes up to now, at least one; `None`: the member is gone.
+fn poll_changes(shared: &Weak<Shared>, context: &mut std::task::Context<'_>) -> Poll<Option<Vec<Discovery>>> {
+    // Only for the moment of each poll does it hold the participant: that goes with its member.
+    let Some(shared) = shared.upgrade() else { return Poll::Ready(None) };
+    let mut changes = Vec::new();
+    loop {
+        match shared.participant.poll_discovery(context) {
+            Poll::Ready(Some(change)) => changes.push(change),
+            Poll::Pending if changes.is_empty() => return Poll::Pending,
+            Poll::Ready(None) if changes.is_empty() => return Poll::Ready(None),
+            Poll::Pending | Poll::Ready(None) => return Poll::Ready(Some(changes)),
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Answers that refuse a request before it becomes a command.
+
+use lineshaft_msgs::foreign::lifecycle_msgs::srv::{ChangeStateRequest, ChangeStateResponse};
+use lineshaft_msgs::foreign::rcl_interfaces::msg::SetParametersResult;
+use lineshaft_msgs::foreign::rcl_interfaces::srv::{
+    SetParametersAtomicallyRequest, SetParametersAtomicallyResponse, SetParametersRequest, SetParametersResponse,
+};
+use lineshaft_msgs::srv::{
+    AxesCommandRequest, AxesCommandResponse, ImportParametersRequest, ImportParametersResponse, RecordRequest,
+    RecordResponse, ResetParametersRequest, ResetParametersResponse, SetOutputRequest, SetOutputResponse,
+    SetPositionRequest, SetPositionResponse, VocabularyRequest, VocabularyResponse,
+};
+
+/// An answer to requests of type `Q`.
+pub(super) trait Refusing<Q> {
+    /// The one that says why nothing was done.
+    fn refusing(request: &Q, sentence: String) -> Self;
+}
+
+macro_rules! with_a_message {
+    ($($request:ident, $response:ident;)*) => {$(
+        impl Refusing<$request> for $response {
+            fn refusing(_: &$request, message: String) -> Self {
+                Self { success: false, message, ..Self::default() }
+            }
+        }
+    )*};
+}
+
+with_a_message! {
+    AxesCommandRequest, AxesCommandResponse;
+    ImportParametersRequest, ImportParametersResponse;
+    RecordRequest, RecordResponse;
+    ResetParametersRequest, ResetParametersResponse;
+    SetOutputRequest, SetOutputResponse;
+    SetPositionRequest, SetPositionResponse;
+    VocabularyRequest, VocabularyResponse;
+}
+
+impl Refusing<ChangeStateRequest> for ChangeStateResponse {
+    /// ROS has no place for the reason, which stands in the log.
+    fn refusing(_: &ChangeStateRequest, _: String) -> Self {
+        Self { success: false }
+    }
+}
+
+impl Refusing<SetParametersRequest> for SetParametersResponse {
+    fn refusing(request: &SetParametersRequest, reason: String) -> Self {
+        let refused = SetParametersResult { successful: false, reason };
+        Self { results: vec![refused; request.parameters.len()] }
+    }
+}
+
+impl Refusing<SetParametersAtomicallyRequest> for SetParametersAtomicallyResponse {
+    fn refusing(_: &SetParametersAtomicallyRequest, reason: String) -> Self {
+        Self { result: SetParametersResult { successful: false, reason } }
+    }
+}
