@@ -1,4 +1,6 @@
 """Samples that no ROS 2 program would send, to everything that a node reads."""
+import os
+import socket
 import struct
 import time
 
@@ -147,3 +149,44 @@ def many_requests(peer, a):
     for _ in range(a.count):
         c.call(rw.NamesRequest(names))
     show(requests=a.count, seconds=time.monotonic() - start)
+
+
+def forge(peer, a):
+    """Datagrams in the name of a writer of ours that the node has matched, which claim what no writer has."""
+    client = peer.axes(a.node, "reset_errors")
+    client.call(AxesRequest([a.axis]))
+    known = BuiltinDataReader(peer.dp, BuiltinTopicDcpsSubscription)
+    topic = f"rq{a.node}/reset_errorsRequest"
+    readers = [e.key.bytes for e in known.read(10_000) if e.sample_info.valid_data and e.topic_name == topic]
+    port = 7400 + 250 * int(os.environ["ROS_DOMAIN_ID"]) + 11
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        for reader in readers:
+            datagram = forged(a.kind, client.w.guid.bytes, reader)
+            for program in range(32):
+                out.sendto(datagram, ("127.0.0.1", port + 2 * program))
+    show(kind=a.kind, readers=len(readers))
+
+
+def forged(kind, writer, reader):
+    ends = reader[12:] + writer[12:]
+    number = lambda n: struct.pack("<iI", n >> 32, n & 0xffffffff)  # noqa: E731
+    sub, body = {
+        "heartbeat": (0x07, ends + number(1) + number(2 ** 62) + struct.pack("<I", 1 << 20)),
+        "gap": (0x08, ends + number(1) + number(2 ** 62) + struct.pack("<I", 0)),
+        "fragment": (0x16, struct.pack("<HH", 0, 28) + ends + number(77) + struct.pack("<IHHI", 1, 1, 0xffff, 0xffffffff)
+                     + bytes(64)),
+    }[kind]
+    to = b"\x0e\x01\x0c\x00" + reader[:12]
+    return b"RTPS\x02\x01\x01\x10" + writer[:12] + to + struct.pack("<BBH", sub, 1, len(body)) + body
+
+
+def answered(peer, a):
+    """How long it takes until the node answers, whatever has become of its participant."""
+    client, start = peer.axes(a.node, "reset_errors"), time.monotonic()
+    while time.monotonic() - start < a.seconds:
+        try:
+            client.call(AxesRequest([a.axis]), 0.3)
+        except TimeoutError:
+            continue
+        return show(answered_s=time.monotonic() - start)
+    raise Failure(f"no answer within {a.seconds} s")

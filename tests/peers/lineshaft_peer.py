@@ -338,6 +338,8 @@ def parser():
     command("join", watch.join, count=10, axis="x", depth=10)
     command("everything-read", hostile.everything_read, axis="x", megabytes=10, least=20)
     command("many-requests", hostile.many_requests, count=2000)
+    command("forge", hostile.forge, axis="x", kind="heartbeat")
+    command("answered", hostile.answered, axis="x", seconds=5.0)
     command("long-strings", hostile.long_strings, axis="x", megabytes=10)
     command("bad-requests", checks.bad_requests, axis="x", other="turret")
     p = command("random-goals", goals.random_goals, seconds=5.0, seed=1)

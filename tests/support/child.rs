@@ -124,9 +124,25 @@ impl Captured {
         }
     }
 
-    /// What the system says of it; `None` once it has ended.
+    /// What the system says of it and its children; `None` once it has ended.
     pub(super) fn figures(&self) -> Option<Figures> {
-        Figures::of(self.child.id())
+        let own = Figures::of(self.child.id())?;
+        let children = self.children().into_iter().filter_map(|child| Figures::of(child.unsigned_abs()));
+        Some(
+            children.fold(own, |sum, child| Figures {
+                memory: sum.memory + child.memory,
+                worked: sum.worked + child.worked,
+            }),
+        )
+    }
+
+    /// The processes that it has started.
+    pub(super) fn children(&self) -> Vec<i32> {
+        let tasks = fs::read_dir(format!("/proc/{}/task", self.child.id())).into_iter().flatten().flatten();
+        // Each belongs to the thread that has started it.
+        let children = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
+        let children: Vec<String> = children.collect();
+        children.iter().flat_map(|line| line.split_whitespace()).filter_map(|child| child.parse().ok()).collect()
     }
 
     /// Waits for the process to end by itself; its status and all that it wrote.

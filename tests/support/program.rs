@@ -5,7 +5,7 @@ use std::{
     time::Duration,
 };
 
-use rustix::process::Signal;
+use rustix::process::{Pid, Signal, kill_process};
 
 use super::{
     child::{Captured, Figures},
@@ -43,7 +43,39 @@ impl Program {
         self.0.signal(Signal::KILL);
     }
 
-    /// What it takes of the machine now; panics when it has ended.
+    /// Stops it where it is, as Ctrl-Z does, or a debugger.
+    #[track_caller]
+    pub(crate) fn freeze(&self) {
+        self.0.signal(Signal::STOP);
+    }
+
+    /// Lets it go on.
+    #[track_caller]
+    pub(crate) fn thaw(&self) {
+        self.0.signal(Signal::CONT);
+    }
+
+    /// Ends it and its ROS side at once, as a power cut would: nobody is left to say good-bye.
+    #[track_caller]
+    pub(crate) fn kill_both(&self) {
+        let side = self.ros_side();
+        // So that it does not notice that the program is gone.
+        kill_process(side, Signal::STOP).expect("a child of the program");
+        self.kill();
+        kill_process(side, Signal::KILL).expect("it is frozen");
+    }
+
+    /// Its ROS side, which is a process of its own; panics when there is none.
+    #[track_caller]
+    pub(crate) fn ros_side(&self) -> Pid {
+        let children = self.0.children();
+        match children.as_slice() {
+            [side] => Pid::from_raw(*side).expect("the number of a process"),
+            _ => panic!("one ROS side is expected, not {children:?}; {}", self.log()),
+        }
+    }
+
+    /// What it takes of the machine now, with its ROS side; panics when it has ended.
     #[track_caller]
     pub(crate) fn figures(&self) -> Figures {
         match self.0.figures() {

@@ -1,7 +1,7 @@
 //! Section `ros`.
 
-use super::{OnLoss, RosOptions};
 use super::names::quote;
+use super::{OnLoss, RosOptions};
 use crate::document::Value;
 use lineshaft_core::unit::Dimension;
 use std::time::Duration;

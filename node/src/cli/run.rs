@@ -113,8 +113,16 @@ fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOpt
     if let Some(enclave) = &ros.enclave {
         tracing::debug!("enclave {enclave} is not used: DDS security does not exist here");
     }
-    let side = SideOptions { side: Side::of_this_program(), participants: store::participants_folder(), ..Default::default() };
-    Ok(NodeOptions { names, overrides: ros.overrides(&name), rosout: ros.rosout_logs, loggers, side, request_timeout: cell.ros.request_timeout })
+    let side =
+        SideOptions { side: Side::of_this_program(), participants: store::participants_folder(), ..Default::default() };
+    Ok(NodeOptions {
+        names,
+        overrides: ros.overrides(&name),
+        rosout: ros.rosout_logs,
+        loggers,
+        side,
+        request_timeout: cell.ros.request_timeout,
+    })
 }
 
 /// What the machine does when its ROS side is lost; `is_final` is set where there will be no other.

@@ -32,7 +32,7 @@ pub use self::name::{FullName, NameError, NodeName};
 pub use self::node::{Node, NodeHandle, NodeOptions, OnLoss, SideOptions};
 pub use self::publisher::{PublishError, Publisher};
 pub use self::rosout::{Rosout, Severity, Source, TOLD};
-pub use self::service::{Refusal, Reply, ReplyError, Request, ServiceServer};
+pub use self::service::{Care, Refusal, Reply, ReplyError, Request, ServiceServer};
 pub use self::subscription::Subscription;
 pub use self::time_source::TimeSource;
 pub use crate::link::qos::Qos;

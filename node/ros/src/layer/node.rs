@@ -69,7 +69,14 @@ impl NodeOptions {
     /// A node of that name to which nothing was given.
     pub fn plain(name: NodeName) -> Self {
         let (names, overrides) = (Names::plain(name), Overrides::default());
-        Self { names, overrides, rosout: true, loggers: Loggers::default(), side: SideOptions::default(), request_timeout: REQUEST_TIMEOUT }
+        Self {
+            names,
+            overrides,
+            rosout: true,
+            loggers: Loggers::default(),
+            side: SideOptions::default(),
+            request_timeout: REQUEST_TIMEOUT,
+        }
     }
 }
 

@@ -62,9 +62,10 @@ fn read(path: &Path) -> Option<Departed> {
 }
 
 fn text(who: &Departed) -> String {
-    let networks = who.networks.as_ref().map_or("all".to_owned(), |addresses| {
-        addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
-    });
+    let networks = who
+        .networks
+        .as_ref()
+        .map_or("all".to_owned(), |addresses| addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(" "));
     format!("{} {} {networks}\n", who.prefix, who.domain)
 }
 

@@ -119,7 +119,9 @@ impl Registry {
             return Err(Unwritten::Closed);
         }
         let is_latched = match state.endpoints.get_mut(&endpoint) {
-            Some(Known { spec, more: More::Writer { kept, .. } }) if spec.qos.latched && spec.qos.lifespan.is_none() => {
+            Some(Known { spec, more: More::Writer { kept, .. } })
+                if spec.qos.latched && spec.qos.lifespan.is_none() =>
+            {
                 if kept.len() >= usize::from(spec.qos.depth) {
                     kept.pop_front();
                 }
@@ -206,7 +208,8 @@ impl Registry {
     pub(super) fn told(&self, order: &Order) {
         let size = size(order);
         // Of an earlier side: the count began anew with this one.
-        let _ = self.queued.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |queued| Some(queued.saturating_sub(size)));
+        let _ =
+            self.queued.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |queued| Some(queued.saturating_sub(size)));
     }
 
     pub(super) fn order(&self, order: Order) {

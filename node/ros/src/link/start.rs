@@ -44,7 +44,11 @@ impl Side {
             }
             Self::Process(program) => {
                 let mut command = Command::new(program);
-                command.arg0("lineshaft").arg(Self::COMMAND).stdin(Stdio::from(OwnedFd::from(theirs))).stdout(Stdio::null());
+                command
+                    .arg0("lineshaft")
+                    .arg(Self::COMMAND)
+                    .stdin(Stdio::from(OwnedFd::from(theirs)))
+                    .stdout(Stdio::null());
                 // Ctrl-Z and Ctrl-C of a terminal are meant for the program: frozen even for a moment, the DDS library
                 // would never work again, and before its good-bye the program has to stop the axes.
                 command.process_group(0);

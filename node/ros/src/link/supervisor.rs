@@ -1,6 +1,6 @@
 //! Keeps a ROS side: starts it, watches it, and starts another one when it fails.
 //!
-//! Law      a side is good while it answers probes, each of which goes through its DDS library, within 0.9 s. One that is not is
+//! Law      a side is good while it answers probes, each of which goes through its DDS library, within 0.7 s. One that is not is
 //!          killed; the loss is told at once, and the next one starts with all that the registry knows
 //! Refuses  a side that cannot join at the first start; five in a row that never answered a probe end it for good
 
@@ -25,7 +25,7 @@ use super::start::Side;
 /// Between two probes.
 const PROBES: Duration = Duration::from_millis(100);
 /// Longest time without an answer.
-const SILENCE: Duration = Duration::from_millis(900);
+const SILENCE: Duration = Duration::from_millis(700);
 /// Longest time from the start of a side to its first answer: it says good-bye for the dead first.
 const START: Duration = Duration::from_secs(5);
 /// How long a side may take to say good-bye; and one that has failed, until the system tells how it ended.
@@ -141,7 +141,10 @@ struct Supervisor {
 enum End {
     /// It was to.
     Closed,
-    Lost { reason: String, has_answered: bool },
+    Lost {
+        reason: String,
+        has_answered: bool,
+    },
 }
 
 /// What is heard of a side.
@@ -309,7 +312,10 @@ struct Life {
 }
 
 fn silence(error: &io::Error) -> String {
-    if error.kind() == io::ErrorKind::UnexpectedEof { "has ended".to_owned() } else { format!("is not understood: {error}") }
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof | io::ErrorKind::ConnectionReset => "has ended".to_owned(),
+        _ => format!("is not understood: {error}"),
+    }
 }
 
 fn write_orders(mut stream: UnixStream, orders: &Receiver<Order>, registry: &Registry) {

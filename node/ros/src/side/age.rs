@@ -12,7 +12,7 @@
 use std::time::Duration;
 
 /// A writer gives all that it has within this time of its match.
-const MOMENT: Duration = Duration::from_secs(2);
+const MOMENT: Duration = Duration::from_secs(1);
 /// A dead participant of the library is kept by others for its lease (50 s), and a little.
 const LEASE: Duration = Duration::from_secs(60);
 /// Two clocks of a network that is in order differ by less, with the way of a sample.
@@ -60,7 +60,13 @@ mod tests {
 
     fn known(written: u64, now: u64) -> Known {
         let time = Duration::from_secs(10);
-        Known { written: Some(seconds(written)), now: seconds(now), reader: time, matched: Duration::ZERO, is_local: true }
+        Known {
+            written: Some(seconds(written)),
+            now: seconds(now),
+            reader: time,
+            matched: Duration::ZERO,
+            is_local: true,
+        }
     }
 
     #[test]

@@ -67,13 +67,27 @@ pub(super) struct Taken {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Discovery {
     /// A writer of ours and a reader.
-    Matched { writer: Guid, reader: Guid },
+    Matched {
+        writer: Guid,
+        reader: Guid,
+    },
     /// A reader of ours and a writer.
-    Heard { writer: Guid, reader: Guid },
-    Lost { reader: Guid },
-    Silent { writer: Guid },
-    Found { participant: Prefix },
-    Gone { participant: Prefix },
+    Heard {
+        writer: Guid,
+        reader: Guid,
+    },
+    Lost {
+        reader: Guid,
+    },
+    Silent {
+        writer: Guid,
+    },
+    Found {
+        participant: Prefix,
+    },
+    Gone {
+        participant: Prefix,
+    },
 }
 
 /// A member of the DDS domain. Dropping it says good-bye to all others.

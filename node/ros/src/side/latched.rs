@@ -190,13 +190,7 @@ fn done(written: Result<i64, ReplyFailure>, last: &mut i64) -> bool {
     }
 }
 
-async fn run(
-    mut values: UnboundedReceiver<Bytes>,
-    target: impl Target,
-    matches: &Matches,
-    qos: Qos,
-    gather: Duration,
-) {
+async fn run(mut values: UnboundedReceiver<Bytes>, target: impl Target, matches: &Matches, qos: Qos, gather: Duration) {
     let mut changes = matches.changes();
     let mut keeper = Keeper {
         target,

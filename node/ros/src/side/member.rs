@@ -194,7 +194,8 @@ impl Member {
                 writers.insert(guid, (endpoint, 0));
                 drop(writers);
                 if qos.latched {
-                    let (target, matches) = (latched::Beside { writer, shared: Arc::clone(&self.shared) }, &self.shared.matches);
+                    let (target, matches) =
+                        (latched::Beside { writer, shared: Arc::clone(&self.shared) }, &self.shared.matches);
                     let latched = Latched::start(&self.runtime, target, matches, *qos, Duration::ZERO);
                     (guid, Open::Latched { guid, latched })
                 } else {

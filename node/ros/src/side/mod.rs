@@ -37,7 +37,7 @@ use member::Member;
 pub(crate) use dds::NOISE;
 
 /// Memory that the process may fill (bytes): requests that the DDS library keeps take it, 256 of each topic.
-const MEMORY: u64 = 1 << 30;
+const MEMORY: u64 = 2 << 30;
 /// How long the DDS library may take for its good-bye.
 const GOOD_BYE: Duration = Duration::from_secs(1);
 

@@ -5,6 +5,7 @@ use lineshaft_msgs::foreign::rcl_interfaces::msg::SetParametersResult;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{
     SetParametersAtomicallyRequest, SetParametersAtomicallyResponse, SetParametersRequest, SetParametersResponse,
 };
+use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
 use lineshaft_msgs::srv::{
     AxesCommandRequest, AxesCommandResponse, ImportParametersRequest, ImportParametersResponse, RecordRequest,
     RecordResponse, ResetParametersRequest, ResetParametersResponse, SetOutputRequest, SetOutputResponse,
@@ -34,6 +35,7 @@ with_a_message! {
     ResetParametersRequest, ResetParametersResponse;
     SetOutputRequest, SetOutputResponse;
     SetPositionRequest, SetPositionResponse;
+    TriggerRequest, TriggerResponse;
     VocabularyRequest, VocabularyResponse;
 }
 

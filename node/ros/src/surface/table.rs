@@ -3,7 +3,7 @@
 
 use super::refusing::Refusing;
 use crate::layer::{
-    ActionOptions, ActionServer, CreateError, NodeHandle, Publisher, Qos, Refusal, ServiceServer, Subscription, TimeSource,
+    ActionOptions, ActionServer, Care, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
 };
 use lineshaft_msgs::action::{HomeAxis, MoveAxis, ProbeAxis, Synchronize};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectory;
@@ -77,9 +77,8 @@ pub struct ParameterRow {
 pub struct Topic<M>(pub Row, PhantomData<fn(M)>);
 /// A service of type `S`.
 ///
-/// Beside it what a request is answered that has waited too long; nothing where asking costs nothing, and where a stop is asked for: that
-/// is never too late.
-pub struct Served<S: Service>(pub Row, Option<Refusal<S>>);
+/// Beside it which requests are refused before they are looked at.
+pub struct Served<S: Service>(pub Row, Care<S>);
 /// An action of type `A`.
 pub struct Acted<A>(pub Row, PhantomData<fn(A)>);
 
@@ -118,7 +117,7 @@ impl Topic<Clock> {
 
 impl<S: Service> Served<S> {
     const fn new(name: &'static str, qos: Qos, text: &'static str) -> Self {
-        Self(Row { kind: Kind::Service, name, interface: S::NAME, qos, text }, None)
+        Self(Row { kind: Kind::Service, name, interface: S::NAME, qos, text }, Care::Asks)
     }
 
     /// The same, whose requests are commands.
@@ -126,11 +125,19 @@ impl<S: Service> Served<S> {
     where
         S::Response: Refusing<S::Request>,
     {
-        Self(self.0, Some(<S::Response as Refusing<S::Request>>::refusing))
+        Self(self.0, Care::Commands(<S::Response as Refusing<S::Request>>::refusing))
+    }
+
+    /// The same, whose requests are stops.
+    const fn at_any_time(self) -> Self
+    where
+        S::Response: Refusing<S::Request>,
+    {
+        Self(self.0, Care::Stops(<S::Response as Refusing<S::Request>>::refusing))
     }
 
     pub(super) fn server(&self, node: &NodeHandle) -> Result<ServiceServer<S>, CreateError> {
-        Ok(node.service(self.0.name, self.0.qos)?.refusing_late(self.1))
+        Ok(node.service(self.0.name, self.0.qos)?.with_care(self.1))
     }
 }
 
@@ -183,7 +190,8 @@ pub(super) const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::published(
 pub(super) const CYCLE_STATISTICS: Topic<CycleStatistics> =
     Topic::published("~/cycle_statistics", Qos::STREAM, "how well the cycle keeps its time, once a second");
 pub(super) const CHANGE_STATE: Served<ChangeState> =
-    Served::new("~/change_state", Qos::SERVICE, "makes a transition of the life cycle; answers when it is made").in_time();
+    Served::new("~/change_state", Qos::SERVICE, "makes a transition of the life cycle; answers when it is made")
+        .in_time();
 pub(super) const GET_STATE: Served<GetState> =
     Served::new("~/get_state", Qos::SERVICE, "the present state of the life cycle");
 pub(super) const GET_AVAILABLE_STATES: Served<GetAvailableStates> =
@@ -200,10 +208,10 @@ pub(super) const SETPOINTS: Topic<Setpoints> = Topic::subscribed(
     "velocities for axes, from a machine, until they stop coming; see below",
 );
 pub(super) const ENABLE: Served<AxesCommand> = axes("~/enable", "switches axes on").in_time();
-pub(super) const DISABLE: Served<AxesCommand> = axes("~/disable", "stops axes, then switches them off");
-pub(super) const HALT: Served<AxesCommand> = axes("~/halt", "stops axes; a new goal may follow at once");
+pub(super) const DISABLE: Served<AxesCommand> = axes("~/disable", "stops axes, then switches them off").at_any_time();
+pub(super) const HALT: Served<AxesCommand> = axes("~/halt", "stops axes; a new goal may follow at once").at_any_time();
 pub(super) const QUICK_STOP: Served<AxesCommand> =
-    axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`");
+    axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`").at_any_time();
 pub(super) const RESET_ERRORS: Served<AxesCommand> = axes("~/reset_errors", "clears errors and locks").in_time();
 pub(super) const HOME: Served<AxesCommand> = Served::new(
     "~/home",
@@ -224,20 +232,23 @@ pub(super) const ABORT: Served<Trigger> = Served::new(
     "~/abort",
     Qos::SERVICE,
     "the Esc of MACS: stops all axes as fast as they can, closes brakes, sets outputs as `esccond` says, and locks the axes until `~/reset_errors`; answers when all stand; see [io.md](io.md)",
-);
+).at_any_time();
 pub(super) const RECORD: Served<Record> = Served::new(
     "~/record",
     Qos::SERVICE,
     "STATUS, START a bag, STOP it, SAVE what the flight recorder holds; see [recording.md](recording.md)",
-).in_time();
+)
+.in_time();
 pub(super) const VOCABULARY: Served<Vocabulary> = Served::new(
     "~/vocabulary",
     Qos::SERVICE,
     "a verb of an old controller for one axis; answers when the machine has accepted or refused it; see below",
-).in_time();
+)
+.in_time();
 pub(super) const GET_PARAMETERS: Served<GetParameters> = parameters("~/get_parameters", "values of parameters");
 pub(super) const GET_PARAMETER_TYPES: Served<GetParameterTypes> = parameters("~/get_parameter_types", "their types");
-pub(super) const SET_PARAMETERS: Served<SetParameters> = parameters("~/set_parameters", "sets each by itself").in_time();
+pub(super) const SET_PARAMETERS: Served<SetParameters> =
+    parameters("~/set_parameters", "sets each by itself").in_time();
 pub(super) const SET_PARAMETERS_ATOMICALLY: Served<SetParametersAtomically> =
     parameters("~/set_parameters_atomically", "sets all of them, or none").in_time();
 pub(super) const LIST_PARAMETERS: Served<ListParameters> = parameters("~/list_parameters", "their names");
@@ -255,7 +266,8 @@ pub(super) const RESET_PARAMETERS: Served<ResetParameters> = Served::new(
     "~/reset_parameters",
     Qos::SERVICE,
     "brings layer USER (what was saved) or INIT (the cell) back into force",
-).in_time();
+)
+.in_time();
 pub(super) const EXPORT_PARAMETERS: Served<ExportParameters> =
     Served::new("~/export_parameters", Qos::SERVICE, "parameters in force as text");
 pub(super) const IMPORT_PARAMETERS: Served<ImportParameters> =

@@ -13,7 +13,7 @@ use tokio::task::JoinHandle;
 use super::goals::{Asked, End, GoalId, Goals, Shown, Stamp};
 use super::requests::{CancelRequest, GoalRequest};
 use crate::layer::clock::Clock;
-use crate::layer::endpoint::{Context, late};
+use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
 use crate::layer::publisher::{PublishError, Untyped};
 use crate::layer::service::{Reply, Request, ServiceServer};
@@ -188,7 +188,7 @@ impl<A: Action> Dispatch<A> {
 
     fn goal(&self, Request { message, reply }: Request<SendGoal<A>>) {
         let id = GoalId(message.goal_id.uuid);
-        if let Some(sentence) = late(reply.came_ns(), self.request_timeout) {
+        if let Some(sentence) = reply.origin().refused(Some(self.request_timeout)) {
             tracing::warn!("{}: goal {id} was rejected: {sentence}", self.shared.name);
             return reply.send_soon(SendGoalResponse::default());
         }
@@ -211,6 +211,14 @@ impl<A: Action> Dispatch<A> {
     }
 
     fn cancel(&self, Request { message, reply }: Request<CancelGoal>) {
+        // A cancel of all goals is meant for those of its time.
+        if let Some(sentence) = reply.origin().refused(None) {
+            tracing::warn!("{}: a cancel request was refused: {sentence}", self.shared.name);
+            return reply.send_soon(CancelGoalResponse {
+                return_code: CancelGoalResponse::ERROR_REJECTED,
+                ..Default::default()
+            });
+        }
         let GoalInfo { goal_id, stamp } = message.goal_info;
         let selection = self.shared.goals().select(GoalId(goal_id.uuid), Stamp::from(&stamp), Instant::now());
         if selection.code != CancelGoalResponse::ERROR_NONE {

@@ -12,7 +12,7 @@
 //! Law      with a `related_sample_identity`: plain. Else from Cyclone DDS: with the 16 bytes. Else (clients that follow
 //!          DDS-RPC): plain, answered by writer and number of the sample. In the two cases without a mark the message must
 //!          not fit the other form as well, so that one RMW's request is never taken for the other's
-//! Refuses  what was written before the server was there; what the strict CDR reader refuses, more than 3 bytes left over among it; what fits both forms
+//! Refuses  what the strict CDR reader refuses, more than 3 bytes left over among it; what fits both forms
 
 use lineshaft_msgs::cdr::{self, DecodeError};
 use serde::de::DeserializeOwned;
@@ -33,8 +33,6 @@ struct Header {
 /// A request that is not handed out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Refusal {
-    #[error("it was written before this node was there; one that has to be done is asked for again")]
-    Stale,
     #[error("{0}")]
     Decode(#[from] DecodeError),
     #[error("{length} bytes are too short for rmw_cyclonedds, whose header alone has {HEADER}")]
@@ -70,9 +68,6 @@ impl Caller {
 
 /// The caller of a request and its message.
 pub(super) fn read<Q: DeserializeOwned>(sample: &Sample) -> Result<(Caller, Q), Refusal> {
-    if sample.is_stale {
-        return Err(Refusal::Stale);
-    }
     if let Some(related) = sample.related {
         return Ok((marked(sample.id, related), cdr::decode(&sample.bytes, sample.endian())?));
     }

@@ -69,9 +69,26 @@ pub struct ServiceServer<S: Service> {
     refused: Limiter,
     unread: Limiter,
     request_timeout: Duration,
-    /// What a request that is too old is answered; nothing: it is never too old.
-    late: Option<Refusal<S>>,
+    care: Care<S>,
 }
+
+/// Which requests a server refuses, and how.
+pub enum Care<S: Service> {
+    /// None: they only ask.
+    Asks,
+    /// Those of another life of the node: a stop is never too late.
+    Stops(Refusal<S>),
+    /// Those, and what has waited for too long.
+    Commands(Refusal<S>),
+}
+
+impl<S: Service> Clone for Care<S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: Service> Copy for Care<S> {}
 
 /// Makes the answer to a request that is refused, with the sentence that says why.
 pub type Refusal<S> = fn(&<S as Service>::Request, String) -> <S as Service>::Response;
@@ -80,7 +97,28 @@ pub type Refusal<S> = fn(&<S as Service>::Request, String) -> <S as Service>::Re
 struct Waiting<S: Service> {
     caller: Caller,
     message: S::Request,
+    origin: Origin,
+}
+
+/// When a request was made.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::layer) struct Origin {
+    /// When it came, by the monotonic clock of the host (ns).
     came_ns: u64,
+    /// It was written for another life of the node.
+    is_stale: bool,
+}
+
+impl Origin {
+    /// Why it is not carried out, if it must not be.
+    pub(in crate::layer) fn refused(self, request_timeout: Option<Duration>) -> Option<String> {
+        if self.is_stale {
+            let sentence =
+                "it was written before this node was there, or by a clock that differs from the node's; ask again";
+            return Some(sentence.to_owned());
+        }
+        late(self.came_ns, request_timeout?)
+    }
 }
 
 /// A request, and the way to answer it. Any number may be open at a time.
@@ -104,14 +142,14 @@ impl<S: Service> ServiceServer<S> {
             refused: Limiter::default(),
             unread: Limiter::default(),
             request_timeout: context.request_timeout,
-            late: None,
+            care: Care::Asks,
         }
     }
 
-    /// The same, whose requests are refused when they have waited too long: a program that was frozen does not do afterwards what
-    /// was asked of it meanwhile.
-    pub fn refusing_late(self, late: Option<Refusal<S>>) -> Self {
-        Self { late, ..self }
+    /// The same, which refuses what must not be carried out any more: a node does not do what another one was asked, nor afterwards what
+    /// it was asked while it was frozen.
+    pub fn with_care(self, care: Care<S>) -> Self {
+        Self { care, ..self }
     }
 
     /// Full name of the service.
@@ -141,11 +179,15 @@ impl<S: Service> ServiceServer<S> {
         }
     }
 
-    /// The request, unless it is too old and refused.
-    fn in_time(&mut self, Waiting { caller, message, came_ns }: Waiting<S>) -> Option<Request<S>> {
-        let late = self.late.and_then(|refusal| Some((refusal, late(came_ns, self.request_timeout)?)));
-        let reply = Reply::new(self.replies.clone(), caller, came_ns);
-        let Some((refusal, sentence)) = late else { return Some(Request { message, reply }) };
+    /// The request, unless it is refused.
+    fn in_time(&mut self, Waiting { caller, message, origin }: Waiting<S>) -> Option<Request<S>> {
+        let reply = Reply::new(self.replies.clone(), caller, origin);
+        let (refusal, timeout) = match self.care {
+            Care::Asks => return Some(Request { message, reply }),
+            Care::Stops(refusal) => (refusal, None),
+            Care::Commands(refusal) => (refusal, Some(self.request_timeout)),
+        };
+        let Some(sentence) = origin.refused(timeout) else { return Some(Request { message, reply }) };
         if let Some(before) = self.refused.say(caller.answers.writer.prefix(), Instant::now()) {
             tracing::warn!("{}: a request was refused: {sentence}{}", self.name(), more(before));
         }
@@ -157,7 +199,10 @@ impl<S: Service> ServiceServer<S> {
     fn enter(&mut self, taken: Result<Sample, String>) {
         match taken {
             Ok(sample) => match caller::read::<S::Request>(&sample) {
-                Ok((caller, message)) => self.line.push_back(Waiting { caller, message, came_ns: sample.came_ns }),
+                Ok((caller, message)) => {
+                    let origin = Origin { came_ns: sample.came_ns, is_stale: sample.is_stale };
+                    self.line.push_back(Waiting { caller, message, origin });
+                }
                 Err(refusal) => self.refuse(&sample, &refusal),
             },
             Err(reason) => {
@@ -181,18 +226,18 @@ pub struct Reply<P> {
     replies: Arc<Replies>,
     /// `None` once it is answered.
     caller: Option<Caller>,
-    came_ns: u64,
+    origin: Origin,
     response: PhantomData<fn(P)>,
 }
 
 impl<P: Serialize> Reply<P> {
-    fn new(replies: Arc<Replies>, caller: Caller, came_ns: u64) -> Self {
-        Self { replies, caller: Some(caller), came_ns, response: PhantomData }
+    fn new(replies: Arc<Replies>, caller: Caller, origin: Origin) -> Self {
+        Self { replies, caller: Some(caller), origin, response: PhantomData }
     }
 
-    /// When its request came, by the monotonic clock of the host (ns).
-    pub(in crate::layer) fn came_ns(&self) -> u64 {
-        self.came_ns
+    /// When its request was made.
+    pub(in crate::layer) fn origin(&self) -> Origin {
+        self.origin
     }
 
     /// Answers. Waits until the client's reader is matched, at most 1 s, after a new start of the ROS side 10 s;
@@ -220,6 +265,34 @@ impl<P> Drop for Reply<P> {
     fn drop(&mut self) {
         if self.caller.is_some() {
             tracing::warn!("{}: a request was dropped without an answer", self.replies.service());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::protocol::monotonic_ns;
+
+    #[test]
+    fn what_is_for_another_life_or_has_waited_too_long_is_refused() {
+        let timeout = Some(Duration::from_secs(2));
+        let origin = |age: Duration, is_stale| Origin {
+            came_ns: monotonic_ns().saturating_sub(age.as_nanos() as u64),
+            is_stale,
+        };
+        let fresh = Duration::ZERO;
+        assert_eq!(origin(fresh, false).refused(timeout), None);
+        assert_eq!(origin(Duration::from_millis(1900), false).refused(timeout), None);
+        let late = origin(Duration::from_millis(2500), false).refused(timeout).unwrap();
+        assert_eq!(
+            late,
+            "it has waited for 2.5 s and is not carried out any more (request_timeout of the cell is 2 s)"
+        );
+        assert_eq!(origin(Duration::from_secs(9), false).refused(None), None, "a stop is never too late");
+        for timeout in [timeout, None] {
+            let stale = origin(fresh, true).refused(timeout).unwrap();
+            assert!(stale.starts_with("it was written before this node was there"), "{stale}");
         }
     }
 }

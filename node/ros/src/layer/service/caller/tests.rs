@@ -55,14 +55,6 @@ fn rmw_fastrtps_is_answered_by_its_reader_and_the_number_of_the_sample() {
 }
 
 #[test]
-fn a_request_for_the_node_before_this_one_is_refused_in_every_form() {
-    for form in [fast(encode(&axes(&["x"]))), cyclone(&axes(&["x"])), sample(OTHER, encode(&axes(&["x"])))] {
-        assert!(read::<AxesCommandRequest>(&form).is_ok());
-        assert_eq!(refusal::<AxesCommandRequest>(&Sample { is_stale: true, ..form }), Refusal::Stale);
-    }
-}
-
-#[test]
 fn an_identity_with_a_number_and_a_writer_is_kept() {
     let related = Some(Related { guid: guid(FAST, 3), number: Some(7) });
     let sample = Sample { related, ..sample(FAST, encode(&axes(&[]))) };

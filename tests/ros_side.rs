@@ -1,0 +1,162 @@
+//! What becomes of the machine, its clients and its goals when the ROS side is frozen, killed or attacked.
+
+mod support;
+
+use std::{
+    path::PathBuf,
+    thread,
+    time::{Duration, Instant},
+};
+
+use rustix::process::{Signal, kill_process};
+use serde_json::Value;
+use support::{domain::Domain, peer::Peer, program::Program};
+
+/// Within this time a client has its answer again.
+const AGAIN: &str = "answered /lineshaft --seconds 5";
+
+fn seconds(seconds: f64) -> Duration {
+    Duration::from_secs_f64(seconds)
+}
+
+/// The demo cell, with what `ros` says beside it.
+fn cell(folder: &tempfile::TempDir, ros: &str) -> String {
+    let demo = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
+    let demo = std::fs::read_to_string(demo).expect("the demo cell");
+    let changed = demo.replace("  joint_states_rate: 100 ", &format!("  {ros}\n  joint_states_rate: 100 "));
+    assert_ne!(demo, changed);
+    let path = folder.path().join("cell.yaml");
+    std::fs::write(&path, changed).expect("a folder of this test");
+    path.to_str().expect("a name of this test").to_owned()
+}
+
+#[track_caller]
+fn wait_for(program: &Program, line: &str, limit: Duration) -> Duration {
+    let begun = Instant::now();
+    while !program.log().contains(line) {
+        assert!(begun.elapsed() < limit, "no `{line}` within {limit:?}: {}", program.log());
+        thread::sleep(seconds(0.005));
+    }
+    begun.elapsed()
+}
+
+fn axis(peer: &mut Peer, name: &str) -> Value {
+    peer.run("axis-states /lineshaft").all().last().expect("a sample")["axes"][name].clone()
+}
+
+/// An axis runs at a velocity, and its ROS side stops: nobody could halt it any more.
+#[test]
+fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
+    let domain = Domain::take();
+    let program = Program::start(&["run"], &domain);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run("axes /lineshaft enable turret");
+    peer.run("move /lineshaft --axis turret --mode velocity --velocity 0.5");
+    thread::sleep(seconds(1.0));
+    let side = program.ros_side();
+    kill_process(side, Signal::STOP).expect("a child of the program");
+    let told = wait_for(&program, "all axes halt", seconds(5.0));
+    println!("told after {told:?}");
+    peer.run(AGAIN);
+    assert_ne!(program.ros_side(), side, "the frozen one is gone");
+    let mut late = Peer::cyclone(&domain);
+    let turret = axis(&mut late, "turret");
+    assert_eq!((&turret["state"], &turret["command_velocity"]), (&"STANDSTILL".into(), &0.0.into()), "{turret}");
+    late.run("move /lineshaft --axis turret --mode relative --units increments --position 5000 --wait");
+    Peer::fastdds(&domain).run("axes /lineshaft disable turret");
+}
+
+/// `on_loss: none`: the goal goes on, and the client that has given it gets its result from the next participant.
+#[test]
+fn goals_outlive_the_ros_side_where_the_cell_says_so() {
+    let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("a folder"));
+    let program = Program::start(&["run", &cell(&folder, "on_loss: none")], &domain);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run("axes /lineshaft enable turret");
+    let target = 20_000;
+    peer.tell(&format!("move /lineshaft --axis turret --units increments --position {target} --velocity 4000 --wait"));
+    thread::sleep(seconds(1.5));
+    kill_process(program.ros_side(), Signal::KILL).expect("a child of the program");
+    let (seen, error) = peer.answer();
+    assert_eq!(error, None, "{seen:?}; {}", program.log());
+    let mut late = Peer::cyclone(&domain);
+    assert_eq!(axis(&mut late, "turret")["command_increments"], target);
+    assert!(program.log().contains("the axes go on (on_loss: none)"), "{}", program.log());
+}
+
+/// Ctrl-Z and fg, strace, a debugger: ROS goes on, and what was asked meanwhile is not done afterwards.
+#[test]
+fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
+    let domain = Domain::take();
+    let program = Program::start(&["run"], &domain);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run("axes /lineshaft disable x");
+    peer.run("axes /lineshaft enable y");
+    for pause in [0.001, 0.1, 1.0] {
+        program.freeze();
+        thread::sleep(seconds(pause));
+        program.thaw();
+        peer.run("axes /lineshaft reset_errors x");
+    }
+    program.freeze();
+    peer.tell("axes /lineshaft enable x");
+    thread::sleep(seconds(2.5));
+    program.thaw();
+    let (_, error) = peer.answer();
+    let error = error.expect("it is refused");
+    assert!(error.contains("request_timeout of the cell is 2 s"), "{error}");
+    assert_eq!(axis(&mut peer, "x")["state"], "DISABLED");
+    // A stop is never too late.
+    program.freeze();
+    peer.tell("axes /lineshaft disable y");
+    thread::sleep(seconds(2.5));
+    program.thaw();
+    assert_eq!(peer.answer().1, None);
+    assert_eq!(axis(&mut peer, "y")["state"], "DISABLED");
+    assert!(!program.log().contains("ROS side"), "it was lost for nothing: {}", program.log());
+}
+
+/// Both processes are killed, and with them nobody is left to say good-bye: the next one says it.
+#[test]
+fn what_a_dead_node_was_asked_is_not_done_by_the_next_one() {
+    let (domain, home) = (Domain::take(), tempfile::tempdir().expect("a folder"));
+    let start = || {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+        command.args(["run", "--store", "none"]).env("ROS_HOME", home.path());
+        Program::start_by(command, &domain)
+    };
+    let mut peer = Peer::cyclone(&domain);
+    for _ in 0..2 {
+        let program = start();
+        peer.run("answered /lineshaft --seconds 10");
+        peer.run("axes /lineshaft enable x");
+        peer.run("move /lineshaft --axis x --units increments --position 1000 --wait");
+        program.kill_both();
+    }
+    let program = start();
+    peer.run("answered /lineshaft --seconds 10");
+    thread::sleep(seconds(1.0));
+    let x = axis(&mut peer, "x");
+    assert_eq!((&x["state"], &x["command_increments"]), (&"DISABLED".into(), &0.into()), "{}", program.log());
+}
+
+/// One datagram used to fill the memory of the process, or to keep its thread for ever.
+#[test]
+fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
+    let domain = Domain::take();
+    let program = Program::start(&["run"], &domain);
+    for kind in ["heartbeat", "gap", "fragment"] {
+        // The node never hears that client again where its samples were said to be irrelevant.
+        let mut peer = Peer::cyclone(&domain);
+        peer.run(AGAIN);
+        let begun = Instant::now();
+        peer.run(&format!("forge /lineshaft --kind {kind}"));
+        thread::sleep(seconds(0.2));
+        Peer::cyclone(&domain).run(AGAIN);
+        let memory = program.figures().memory;
+        println!("{kind}: answered after {:?}, {memory:.0} MiB", begun.elapsed());
+        assert!(memory < 1300.0, "{memory} MiB after {kind}");
+    }
+    let lines = program.log().lines().count();
+    assert!(lines < 60, "{lines} lines of log: {}", program.log());
+}
