@@ -3,6 +3,8 @@
 //! native name the value is absolute, and stays that. So no order of sets matters.
 
 use super::{AxisParameters, Row, Value};
+use crate::encoder::source::AbsoluteSources;
+use crate::position::Position;
 use crate::unit::{MLONG, MacsFactors};
 use serde::{Deserialize, Serialize};
 
@@ -61,10 +63,18 @@ impl Default for Macs {
     }
 }
 
-impl Macs {
-    /// Counts of all edges per revolution of the encoder (inc) (MACS-ENC-01).
-    fn revolution(&self) -> f64 {
-        self.encoder as f64 * 4.0
+impl AxisParameters {
+    /// A revolution of the encoder (inc): counts of all edges of its lines, values of an absolute one 1:1 (MACS-ENC-01).
+    pub fn revolution(&self) -> i64 {
+        if self.encoder.is_absolute() { self.macs.encoder } else { self.macs.encoder.saturating_mul(4) }
+    }
+
+    /// The same in a cell whose sources are these.
+    #[must_use]
+    pub fn reading(mut self, sources: AbsoluteSources) -> Self {
+        self.encoder.absolute = sources;
+        self.derive();
+        self
     }
 }
 
@@ -72,8 +82,9 @@ impl AxisParameters {
     /// Computes what follows from the values that MACS gives.
     pub(super) fn derive(&mut self) {
         let macs = &self.macs;
+        let revolution = self.revolution() as f64;
         if let Some(rpm) = macs.velmax {
-            self.max_velocity = rpm * macs.revolution() / 60.0;
+            self.max_velocity = rpm * revolution / 60.0;
         }
         if let Some(time) = macs.rampmin {
             self.max_acceleration = self.max_velocity / seconds(time);
@@ -93,7 +104,7 @@ impl AxisParameters {
 
     /// VELMAX (rpm) (MACS-PROF-01).
     pub fn velmax(&self) -> f64 {
-        self.macs.velmax.unwrap_or(self.max_velocity * 60.0 / self.macs.revolution())
+        self.macs.velmax.unwrap_or(self.max_velocity * 60.0 / self.revolution() as f64)
     }
 
     /// RAMPMIN (ns), nearest (MACS-PROF-03).

@@ -3,7 +3,7 @@
 use super::rig::{Rig, X, Y, at, config, couple, to};
 use crate::axis::Wired;
 use crate::code::Code;
-use crate::command::{Action, Length, SetPosition};
+use crate::command::{Action, HomeAxis, HomingMethod, Length, Move, MoveMode, SetPosition};
 use crate::config::{ConfigError, MachineConfig};
 use crate::drive::Interface;
 use crate::encoder::{Absolute, Form, PulseCheck, WordCode};
@@ -89,6 +89,53 @@ fn an_axis_runs_on_an_absolute_encoder_and_over_its_seam() {
     rig.give(Action::Move(to(X, -1)));
     rig.run(200);
     assert_eq!(rig.int("x.actual.count"), 39_999 ^ 39_999 >> 1);
+}
+
+/// VELMAX 600 rpm of 4096 steps are 40960 inc/s, whichever way the cell says that the encoder is absolute; of lines it is four
+/// times that.
+///
+/// Proves: MACS-ENC-01, MACS-PROF-02
+#[test]
+fn an_axis_on_an_absolute_encoder_keeps_velmax() {
+    let absolute = Form::Absolute(Absolute { turns: 4096, ..Absolute::single_turn(4096) });
+    let lines = Form::Incremental(64);
+    let runs = |rig: &mut Rig, fastest: f64, what: &str| {
+        rig.enable();
+        let too_fast = rig.give(Action::Move(Move { velocity: fastest + 1.0, ..to(X, 0) }));
+        assert!(rig.refusal(too_fast).contains("velocity"), "{what}: {}", rig.refusal(too_fast));
+        rig.give(Action::Move(Move { velocity: fastest, mode: MoveMode::Velocity, ..to(X, 0) }));
+        rig.run(2_000);
+        assert_eq!((rig.real("x.command.velocity"), error(rig)), (fastest, 0), "{what}");
+        rig.give(Action::Halt(AxisSet::one(X)));
+        rig.run(2_000);
+    };
+    for (wired, belt, kind, fastest) in [
+        (Wired::Drive(lines), lines, 0, 163_840.0),
+        (Wired::Drive(lines), lines, 1, 40_960.0),
+        (Wired::Drive(lines), lines, 10, 163_840.0),
+        (Wired::Drive(lines), absolute, 10, 40_960.0),
+        (Wired::Drive(absolute), lines, 0, 40_960.0),
+        (Wired::Drive(absolute), absolute, 3, 40_960.0),
+        (Wired::Encoder(0), lines, 0, 163_840.0),
+        (Wired::Encoder(0), absolute, 0, 40_960.0),
+    ] {
+        let mut config = velocity_config();
+        config.encoders[0].form = belt;
+        config.axes[1].wired = wired;
+        let p = &mut config.axes[1].parameters;
+        let given =
+            [("encoder", Value::Int(4096)), ("velmax", Value::Real(600.0)), ("rampmin", Value::Int(500_000_000))];
+        for (key, value) in given.into_iter().chain([("encodertype", Value::Int(kind))]) {
+            assert_eq!(Row::find(key).unwrap().1.assign(p, value), Ok(()), "{key}");
+        }
+        let mut rig = Rig::of(config);
+        runs(&mut rig, fastest, &format!("{wired:?} {belt:?} {kind}"));
+        if (kind, belt) == (1, lines) {
+            off(&mut rig, X);
+            set(&mut rig, &[("encodertype", 0)]);
+            assert_eq!(rig.machine.parameters(X).unwrap().max_velocity, 163_840.0, "counts from now on");
+        }
+    }
 }
 
 /// A drive of 16 bits that closes its own loop: the setpoint goes over the seam with it.
