@@ -471,6 +471,38 @@ fn monitored() -> Rig {
     rig
 }
 
+/// Homed by its index it rests on a mark. From there it goes off by less than a turn and comes back, from either side: nothing is
+/// missing. Then pulses are, and it is told.
+///
+/// Proves: WF-MON-02
+#[test]
+fn an_axis_that_rests_on_its_mark_goes_back_and_forth() {
+    let mut config = velocity_config();
+    let p = &mut config.axes[1].parameters;
+    (p.encoder.md41, p.encoder.md34, p.max_velocity) = (1, 250, 20_000.0);
+    let mut rig = Rig::of(config);
+    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
+    rig.enable();
+    let home = rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(34) }));
+    rig.run(3_000);
+    assert_eq!((rig.done(home)[0].code, rig.int("x.homed")), (Code::NONE, 1));
+    rig.mirror();
+    for target in
+        [-400, 0, 400, 0, -1, 0, 1, 0, -1, 1, 0, -2_500, 1_000, 999, 1_000, 1_001, 999, -1_000, -1_500, -1_000, 0]
+    {
+        rig.give(Action::Move(to(X, target)));
+        rig.run(1_200);
+        assert_eq!((rig.int("x.actual.position"), error(&rig)), (target, 0));
+    }
+    rig.plant.drive(0).unwrap().jump(-25);
+    rig.run(100);
+    rig.give(Action::Move(to(X, -400)));
+    rig.run(300);
+    rig.give(Action::Move(to(X, 400)));
+    rig.run(300);
+    assert_eq!(error(&rig), i64::from(Code::WF_PULSES.0));
+}
+
 /// Proves: WF-MON-02, WF-MON-06, WF-MON-07, WF-MD-16, WF-MD-18
 #[test]
 fn pulses_that_are_too_many_or_missing_are_alarm_8_at_the_next_mark() {
