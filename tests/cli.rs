@@ -322,3 +322,33 @@ fn params_shows_the_catalogue_and_a_cell_and_checks_a_file() {
     }
     assert_eq!(code(&run(&["--export"])), 2);
 }
+
+/// A named pipe that nobody writes into, a folder or a device in the place of a file keeps nobody waiting.
+#[test]
+fn what_is_no_regular_file_is_refused_and_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(Command::new("mkfifo").arg(folder.path().join("pipe")).status().unwrap().success());
+    std::fs::create_dir(folder.path().join("folder")).unwrap();
+    let demo = std::fs::read_to_string(root("launch-configs/demo.yaml")).unwrap();
+    std::fs::write(folder.path().join("demo.yaml"), &demo).unwrap();
+    let described = demo.replacen("# robot_description: demo.urdf", "robot_description: pipe", 1);
+    std::fs::write(folder.path().join("described.yaml"), described).unwrap();
+    for (name, what) in [("pipe", "a named pipe"), ("folder", "a folder"), ("/dev/null", "a device")] {
+        for arguments in [
+            &["check", name][..],
+            &["check", "demo.yaml", "--scenario", name],
+            &["sim", "demo.yaml", "--scenario", name],
+            &["params", "demo.yaml", "--import", name],
+            &["run", name],
+            &["run", "demo.yaml", "--store", "none", "--ros-args", "--params-file", name],
+        ] {
+            let output = lineshaft(folder.path(), arguments);
+            let said = text(&output.stderr);
+            assert_eq!(code(&output), 2, "{arguments:?}: {said}");
+            assert!(said.contains(&format!("it is {what}; a regular file is expected")), "{arguments:?}: {said}");
+        }
+    }
+    let output = lineshaft(folder.path(), &["check", "described.yaml"]);
+    let said = "pipe:1:1: robot_description: cannot read the file: it is a named pipe; a regular file is expected\n";
+    assert_eq!((code(&output), text(&output.stderr).as_str()), (2, said));
+}

@@ -278,6 +278,16 @@ impl MachineConfig {
         self.check_masters()
     }
 
+    /// Tells the parameters of each axis which of its sources are absolute.
+    pub(crate) fn tell_sources(&mut self) {
+        for axis in &mut self.axes {
+            let entry = |place| self.encoders.get(usize::from(place)).map(|encoder: &EncoderConfig| encoder.form);
+            let sources = axis.wired.absolute_sources(entry);
+            axis.parameters = axis.parameters.reading(sources);
+            axis.saved = axis.saved.map(|saved| saved.reading(sources));
+        }
+    }
+
     /// Contacts of section safety, and inputs that read an output.
     fn check_inputs(&self) -> Result<(), ConfigError> {
         let count = self.count_io(IoKind::DigitalInput);

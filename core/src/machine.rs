@@ -68,7 +68,8 @@ impl Machine {
     ///
     /// # Errors
     /// What the config lacks.
-    pub fn new(config: MachineConfig) -> Result<Self, ConfigError> {
+    pub fn new(mut config: MachineConfig) -> Result<Self, ConfigError> {
+        config.tell_sources();
         config.check()?;
         let mut directory = Directory::default();
         let signals = Signals::new(&mut directory, &config);

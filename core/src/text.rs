@@ -7,7 +7,7 @@ use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
 use crate::parameter::{ROWS, Row, Value};
-use crate::unit::Scale;
+use crate::unit::{Scale, number_to_text};
 
 mod advice;
 mod parameter;
@@ -122,10 +122,10 @@ fn plain(number: Number) -> String {
         Number::Position(value) => format!("{value} inc"),
         Number::Count(value) => value.to_string(),
         Number::Time(value) => format!("{} ms", value as f64 / 1e6),
-        Number::Velocity(value) => format!("{value} inc/s"),
-        Number::Acceleration(value) => format!("{value} inc/s^2"),
-        Number::Jerk(value) => format!("{value} inc/s^3"),
-        Number::Real(value) => value.to_string(),
+        Number::Velocity(value) => format!("{} inc/s", number_to_text(value)),
+        Number::Acceleration(value) => format!("{} inc/s^2", number_to_text(value)),
+        Number::Jerk(value) => format!("{} inc/s^3", number_to_text(value)),
+        Number::Real(value) => number_to_text(value),
     }
 }
 

@@ -18,7 +18,8 @@ mod scale;
 
 pub use error::{UnitError, excerpt};
 pub use fraction::{
-    Fraction, fraction_from_f64, fraction_to_f64, fraction_to_text, parse_decimal, parse_fraction, round,
+    Fraction, fraction_from_f64, fraction_to_f64, fraction_to_text, number_to_text, parse_decimal, parse_fraction,
+    round,
 };
 pub use macs::{MLONG, MacsFactors};
 pub use names::{Dimension, Unit};

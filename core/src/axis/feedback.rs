@@ -11,6 +11,7 @@
 use super::{Axis, AxisState, Context};
 use crate::code::Code;
 use crate::drive::{DriveInput, EncoderInput, Interface};
+use crate::encoder::source::AbsoluteSources;
 use crate::encoder::{Absolute, Encoder, Form, Lead, PulseCheck, Pulses, Reader, WordCode, source};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::{AxisParameters, Row};
@@ -24,6 +25,18 @@ pub enum Wired {
     Drive(Form),
     /// An entry of section `encoders`.
     Encoder(u16),
+}
+
+impl Wired {
+    /// Which sources of an axis that is wired so are absolute, where the entries of section `encoders` have these forms.
+    pub fn absolute_sources(self, entry: impl Fn(u16) -> Option<Form>) -> AbsoluteSources {
+        let is_absolute = |form| matches!(form, Some(Form::Absolute(_)));
+        let own = match self {
+            Self::Drive(form) => is_absolute(Some(form)),
+            Self::Encoder(place) => is_absolute(entry(place)),
+        };
+        AbsoluteSources { own, terminals: [0, 1, 2].map(|place| is_absolute(entry(place))) }
+    }
 }
 
 impl Default for Wired {

@@ -242,9 +242,11 @@ impl Axis {
                 let way = profile::stopping_way(from, &self.sharpened(from, limits));
                 // A passage may lie on the last place from which it can stop: its rounding is no turn.
                 let certain = (way.abs() - ROUNDING).clamp(0.0, Position::LIMIT as f64).copysign(way);
+                // At rest it stands for where its goal ended, though half an increment beside it.
+                let now = if from.velocity == 0.0 { rest_of_goal } else { now };
                 let stop = now + Position::from_f64(certain);
                 let direction = if from.velocity == 0.0 { self.last_direction } else { from.velocity };
-                Position::whole(modulo.target(request.target.exact(), now, stop, request.direction, direction))
+                modulo.target(request.target.exact(), now, stop, request.direction, direction)
             }
             _ => request.target.exact(),
         }

@@ -49,6 +49,22 @@ pub fn may_name(own: usize, axes: usize, encoders: usize, p: &AxisParameters) ->
     Err(("mencodertype", wrong))
 }
 
+/// The decimal that a value means of which only multiples of `step` exist: what a position of 2^-32 inc has lost of a number that was
+/// given is no part of it, and neither is what the last digits of an f64 have.
+fn decimal(value: f64, step: f64) -> f64 {
+    /// All powers of ten up to here are exact.
+    const MOST: f64 = 1e22;
+    /// Rounding of the few operations that made the value.
+    const DIGITS: f64 = 4.0 * f64::EPSILON;
+    let step = step.abs().max(value.abs() * DIGITS);
+    let mut power = 1.0;
+    while power * 10.0 * step < 1.0 && power < MOST {
+        power *= 10.0;
+    }
+    // NaN fails the comparison.
+    if step < 1.0 && power < MOST { (value * power).round() / power } else { value }
+}
+
 /// What an axis shows of its master, in increments or master units.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shown {
@@ -113,7 +129,8 @@ impl Axis {
         // Multiplied first: whole turns of the master stay whole units.
         let (increments, units) = self.master_unit();
         let shown = |value: f64| value * units / increments;
-        Shown { position: shown(self.sight.last.to_f64()), velocity: shown(lead.velocity) }
+        let position = decimal(shown(self.sight.last.to_f64()), shown(Position::from_raw(1).to_f64()));
+        Shown { position, velocity: shown(lead.velocity) }
     }
 
     /// An axis has its coordinate anew, which is `by` more: who sees it as its master counts on (MACS-ENC-15).
@@ -204,5 +221,32 @@ impl Axis {
         let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
         let number = Change { axis: self.setup.index, row, value }.number();
         cx.events.push(Event { parameter: Some(row), ..event.with(number, Number::None) });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// A number of up to six decimals that went through 2^-32 inc of any unit of a master comes back as it was.
+        #[test]
+        fn what_was_given_is_shown(
+            digits in -1_000_000_000_i64..1_000_000_000, places in 0_u32..7, increments in 1_i64..100_000, units in 1_i64..100,
+        ) {
+            let given = digits as f64 / 10_f64.powi(places.cast_signed());
+            let (increments, units) = (increments as f64, units as f64);
+            let kept = Position::from_f64(given * increments / units).to_f64();
+            let step = Position::from_raw(1).to_f64() * units / increments;
+            prop_assert_eq!(decimal(kept * units / increments, step), given);
+        }
+
+        #[test]
+        fn no_value_is_moved_by_more_than_it_can_tell(value in any::<f64>(), step in any::<f64>()) {
+            let shown = decimal(value, step);
+            let tellable = step.abs().max(value.abs() * 4.0 * f64::EPSILON);
+            prop_assert!(value.is_nan() || shown == value || (shown - value).abs() <= 6.0 * tellable);
+        }
     }
 }

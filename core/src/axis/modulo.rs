@@ -43,16 +43,23 @@ impl Modulo {
         (turns as i64, Position::from_raw(within.div_euclid(denominator)))
     }
 
-    /// The target nearest to `now` in the given direction that shows as `wanted` within its turn, rounded to a whole
-    /// increment. `stop` is where the axis would come to rest: no direction asks it to turn back from there.
-    pub fn target(self, wanted: Position, now: Position, stop: Position, direction: Direction, last: f64) -> i64 {
+    /// The target nearest to `now` in the given direction that shows as `wanted` within its turn, to 2^-32 inc. `stop` is where
+    /// the axis would come to rest: no direction asks it to turn back from there. Of two ways that are equally short the one up is taken.
+    ///
+    /// A place within a turn may be no multiple of 2^-32 inc, so that `wanted` and `now` may each lie half of one beside it: what they
+    /// differ by no more than that is the same place, or half a turn.
+    pub fn target(self, wanted: Position, now: Position, stop: Position, direction: Direction, last: f64) -> Position {
         let denominator = i128::from(self.denominator);
+        let rounding = denominator;
         let wanted = (raw(wanted) * denominator).rem_euclid(self.turn());
-        let ahead = |from: Position| (wanted - raw(from) * denominator).rem_euclid(self.turn());
+        let ahead = |from: Position| {
+            let way = (wanted - raw(from) * denominator).rem_euclid(self.turn());
+            if way + rounding >= self.turn() && way != 0 { way - self.turn() } else { way }
+        };
         let up = |from: Position| raw(from) * denominator + ahead(from);
         let down = |from: Position| {
             let way = ahead(from);
-            raw(from) * denominator + if way == 0 { 0 } else { way - self.turn() }
+            raw(from) * denominator + if way <= rounding { way } else { way - self.turn() }
         };
         let scaled = match direction {
             Direction::Positive => up(stop.max(now)),
@@ -61,24 +68,16 @@ impl Modulo {
             Direction::Current if last < 0.0 => down(stop.min(now)),
             Direction::Shortest | Direction::Current => {
                 let way = ahead(now);
-                if 2 * way <= self.turn() { up(now) } else { down(now) }
+                if 2 * (way - rounding) <= self.turn() { up(now) } else { down(now) }
             }
         };
-        round(scaled, denominator)
+        Position::from_raw((scaled + denominator / 2).div_euclid(denominator))
     }
 }
 
 /// A position in units of 2^-32 inc, no further away than 2^63 inc: times a denominator below 2^31 it stays below 2^127.
 fn raw(position: Position) -> i128 {
     position.raw().clamp(-(1 << 95), 1 << 95)
-}
-
-/// Nearest whole increments of a value in units of 2^-32 inc / denominator, half away from zero.
-fn round(scaled: i128, denominator: i128) -> i64 {
-    let unit = denominator << 32;
-    let magnitude = (scaled.abs() + unit / 2) / unit;
-    let signed = if scaled < 0 { -magnitude } else { magnitude };
-    i64::try_from(signed).unwrap_or(if scaled < 0 { i64::MIN } else { i64::MAX })
 }
 
 #[cfg(test)]
@@ -88,7 +87,56 @@ mod tests {
 
     fn target(wanted: i64, now: i64, direction: Direction, last: f64) -> i64 {
         let now = Position::whole(now);
-        Modulo::new(36_000, 1).unwrap().target(Position::whole(wanted), now, now, direction, last)
+        Modulo::new(36_000, 1).unwrap().target(Position::whole(wanted), now, now, direction, last).nearest()
+    }
+
+    /// 2^-32 inc nearest to numerator / denominator, as a length of the border is.
+    fn part(numerator: i64, denominator: i64) -> Position {
+        let scaled = i128::from(numerator) << 33;
+        let twice = i128::from(denominator) * 2;
+        Position::from_raw((scaled + i128::from(denominator)).div_euclid(twice))
+    }
+
+    /// 333 1/3 inc, 1001 inc, 100 1/7 inc: half of it is no whole increment, of most no multiple of 2^-32 either. Exactly half a turn
+    /// goes up from wherever it is asked, and an increment more or less does not.
+    #[test]
+    fn half_a_turn_that_is_no_whole_increment_goes_up() {
+        for (numerator, denominator) in [(1_000, 3), (1_001, 1), (701, 7), (36_000, 1), (1_001, 4)] {
+            let modulo = Modulo::new(numerator, denominator).unwrap();
+            for turns in [0, 1, 2, 5, -1, -4, 1_000_003, -999_998] {
+                // n turns and n turns and a half, and between.
+                for twelfth in 0..12 {
+                    let now = part((turns * 12 + twelfth) * numerator, denominator * 12);
+                    let wanted = part((twelfth + 6) * numerator, denominator * 12);
+                    let end = modulo.target(wanted, now, now, Direction::Shortest, 0.0);
+                    let half = part((turns * 12 + twelfth + 6) * numerator, denominator * 12);
+                    assert!(
+                        (end - half).raw().abs() <= 2,
+                        "{numerator}/{denominator}: {twelfth}, turn {turns}: {end:?}"
+                    );
+                    let beyond = wanted + part(1, 1_000_000);
+                    let down = modulo.target(beyond, now, now, Direction::Shortest, 0.0);
+                    assert!(down < now, "{numerator}/{denominator}: a millionth of an increment more is the other way");
+                }
+            }
+        }
+    }
+
+    /// Whoever stands on a place as well as positions can say it, is there: no direction makes a turn of what rounding left out.
+    #[test]
+    fn a_place_within_rounding_is_no_turn_away() {
+        use Direction::*;
+        let modulo = Modulo::new(1_000, 3).unwrap();
+        for turns in [-7, 0, 1, 2, 3_000_001] {
+            for place in 0..12 {
+                let now = part((turns * 12 + place) * 1_000, 36);
+                let wanted = part(place * 1_000, 36);
+                for direction in [Shortest, Positive, Negative, Current] {
+                    let end = modulo.target(wanted, now, now, direction, 1.0);
+                    assert!((end - now).raw().abs() <= 2, "{direction:?} {turns} {place}");
+                }
+            }
+        }
     }
 
     #[test]
@@ -110,7 +158,7 @@ mod tests {
     fn an_axis_that_cannot_stop_before_the_target_takes_the_next_turn() {
         let modulo = Modulo::new(36_000, 1).unwrap();
         let (now, stop) = (Position::whole(100), Position::whole(300));
-        assert_eq!(modulo.target(Position::whole(200), now, stop, Direction::Positive, 1.0), 36_200);
+        assert_eq!(modulo.target(Position::whole(200), now, stop, Direction::Positive, 1.0), Position::whole(36_200));
     }
 
     #[test]
@@ -124,8 +172,8 @@ mod tests {
             let wanted = Position::ZERO;
             let next =
                 modulo.target(wanted, now + Position::whole(1), now + Position::whole(1), Direction::Positive, 0.0);
-            assert_eq!(next, (turn * 3001 * 2 + 3) / 6, "turn {turn}");
-            now = Position::whole(next);
+            assert_eq!(next.nearest(), (turn * 3001 * 2 + 3) / 6, "turn {turn}");
+            now = Position::whole(next.nearest());
         }
     }
 

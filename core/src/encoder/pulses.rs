@@ -1,8 +1,9 @@
 //! Supervision of the pulses of an incremental encoder by its index.
 //!
-//! Law      at each index pulse the count since the last one is one turn (same direction) or 0 (turned back): what is more or
-//!          less adds up, and beyond the tolerance pulses are lost or too many. An index that is overdue is judged as if it
-//!          came now: nobody waits for one that stays away
+//! Law      at each index pulse the count since the last one is one turn; where the encoder has turned back in between it is a turn
+//!          either way or 0, whichever is nearest: what is more or less adds up, and beyond the tolerance pulses are lost or too
+//!          many. An index that is overdue is judged as if it came now: nobody waits for one that stays away. An index that
+//!          comes again without one count has lost them
 //! Reads    position and change of the cycle, the position of its index pulse
 //! Source   WF-MON-02, WF-MON-07, W12
 
@@ -23,8 +24,35 @@ struct Mark {
     position: i64,
     /// Direction in which it was passed.
     forward: bool,
-    /// How far the encoder has gone on in that direction (inc).
-    beyond: i64,
+    /// The encoder has moved against that direction since: the next pulse may be the same one.
+    turned: bool,
+}
+
+/// How an encoder moved in a cycle.
+#[derive(Clone, Copy)]
+struct Way {
+    position: i64,
+    change: i64,
+}
+
+impl Way {
+    /// Did it go that way? Without a net change it went neither.
+    fn goes(self, forward: bool) -> bool {
+        if forward { self.change > 0 } else { self.change < 0 }
+    }
+
+    /// Was a mark in the cycle passed once, on a straight way? One that lies elsewhere was passed before the encoder turned back, all
+    /// within the cycle. One that it stood on was not reached by leaving it.
+    fn passes(self, mark: i64) -> bool {
+        let (ahead, before) =
+            (self.position.wrapping_sub(mark), self.change.wrapping_sub(self.position.wrapping_sub(mark)));
+        // `ahead` is what it moved behind the mark, `before` what it moved up to it.
+        match self.change {
+            0 => ahead == 0,
+            1.. => ahead >= 0 && before > 0,
+            _ => ahead <= 0 && before < 0,
+        }
+    }
 }
 
 /// What the index has shown so far.
@@ -40,10 +68,13 @@ impl Pulses {
     pub fn step(&mut self, check: &PulseCheck, position: i64, change: i64, mark: Option<i64>) -> Option<i64> {
         let PulseCheck { every, tolerance } = *check;
         let every = every.max(1);
-        let forward = change >= 0;
+        let way = Way { position, change };
+        if let Some(last) = &mut self.last {
+            last.turned |= way.goes(!last.forward) || mark.is_some_and(|mark| !way.passes(mark));
+        }
         let off = match (self.last, mark) {
             (Some(last), Some(mark)) => {
-                self.deviation = self.deviation.saturating_add(last.deviation(mark, forward, change, check));
+                self.deviation = self.deviation.saturating_add(last.deviation(mark, change, every));
                 self.deviation
             }
             (Some(last), None) => self.deviation.saturating_add(last.overdue(position, every)),
@@ -53,14 +84,10 @@ impl Pulses {
             *self = Self::default();
             return Some(off);
         }
-        match (mark, &mut self.last) {
-            (Some(mark), _) => {
-                let ahead = position.wrapping_sub(mark);
-                let beyond = if forward { ahead } else { 0_i64.wrapping_sub(ahead) };
-                self.last = Some(Mark { position: mark, forward, beyond: beyond.max(0) });
-            }
-            (None, Some(last)) => last.beyond = last.beyond.max(last.ahead(position)),
-            (None, None) => {}
+        if let Some(mark) = mark {
+            let forward = if change == 0 { self.last.is_none_or(|last| last.forward) } else { change > 0 };
+            // Passed and left again within the cycle, it may come again whichever way the encoder goes on.
+            self.last = Some(Mark { position: mark, forward, turned: !way.passes(mark) });
         }
         None
     }
@@ -86,21 +113,16 @@ impl Mark {
     }
 
     /// What the way to the next index pulse has too much.
-    fn deviation(&self, mark: i64, forward: bool, change: i64, check: &PulseCheck) -> i64 {
-        let PulseCheck { every, tolerance } = *check;
-        let every = every.max(1);
+    fn deviation(&self, mark: i64, change: i64, every: i64) -> i64 {
         let way = mark.wrapping_sub(self.position);
-        let turn = if forward { every } else { -every };
-        let expected = if forward != self.forward {
-            // Turned on the index itself, its pulse does not come again: the next one is that of the turn before.
-            let on_it = self.beyond <= tolerance && (way - turn).saturating_abs() < way.saturating_abs();
-            if on_it { turn } else { 0 }
-        } else if change.saturating_abs() >= every {
-            // Several turns in a cycle: only the last pulse of them is told.
-            let turns = way.saturating_add(way.signum().saturating_mul(every / 2)) / every;
+        // In a cycle of several turns only the last pulse of them is told.
+        let expected = if self.turned || change.saturating_abs() >= every {
+            let turns = way.saturating_add(every / 2).div_euclid(every);
             turns.saturating_mul(every)
+        } else if self.forward {
+            every
         } else {
-            turn
+            -every
         };
         way.saturating_sub(expected)
     }

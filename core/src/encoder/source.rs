@@ -5,6 +5,11 @@
 //! Refuses  numbers that the table does not have
 //! Source   MACS-ENC-04, -05, -06, -14, -15, A-10, A-13
 
+use serde::{Deserialize, Serialize};
+
+/// Device number of a CANopen encoder.
+const CANOPEN_ENCODER: u8 = 50;
+
 /// A position on a bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bus {
@@ -81,7 +86,7 @@ impl Bus {
             257..=383 if device == 1 => (id - 256, 3),
             _ => return None,
         };
-        let is_can = bus <= 1 && (1..=50).contains(&device);
+        let is_can = bus <= 1 && (1..=CANOPEN_ENCODER.into()).contains(&device);
         is_can.then_some(Self::Can { guarded, slave: bus == 1, device: device as u8, node: node as u8, pdo })
     }
 }
@@ -97,6 +102,38 @@ impl Feedback {
             10 | 20 | 30 => Self::Terminal((value / 10) as u8),
             _ => Self::Bus(Bus::decode(value)?),
         })
+    }
+}
+
+impl Bus {
+    /// Are its values those of an absolute encoder (MACS-ENC-07)?
+    fn is_absolute(self) -> bool {
+        matches!(self, Self::Can { device: CANOPEN_ENCODER, .. })
+    }
+}
+
+/// Which of the sources that an axis may read tell words of an absolute encoder, as the cell has them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AbsoluteSources {
+    /// What it reads with ENCODERTYPE 0 and 5.
+    pub own: bool,
+    /// Encoder terminals 1 to 3.
+    pub terminals: [bool; 3],
+}
+
+impl AbsoluteSources {
+    /// Does ENCODERTYPE choose an absolute one of them? The values of such are taken 1:1, those of others count four edges
+    /// (MACS-ENC-01); a sine has four, too.
+    pub fn chosen_by(self, encodertype: i64) -> bool {
+        match Feedback::decode(encodertype) {
+            Some(Feedback::Absolute { .. }) => true,
+            Some(Feedback::Incremental | Feedback::SineCosine) => self.own,
+            Some(Feedback::Terminal(number)) => {
+                usize::from(number).checked_sub(1).and_then(|place| self.terminals.get(place)).is_some_and(|is| *is)
+            }
+            Some(Feedback::Bus(bus)) => bus.is_absolute(),
+            Some(Feedback::Simulated) | None => false,
+        }
     }
 }
 

@@ -187,6 +187,130 @@ fn a_mark_that_stays_away_is_missed_as_soon_as_it_is_overdue() {
     assert_eq!(pulses(&[(100, Some(100)), (99, None), (-5, None), (-6, None)]), [None, None, None, Some(-6)]);
 }
 
+/// At rest on its mark, back by less than a turn and forward again: the same mark, with nothing missing. A count that is missing on
+/// the way is one.
+///
+/// Proves: WF-MON-02
+#[test]
+fn a_rest_on_the_mark_is_no_turn() {
+    let fine = |ways: &[(i64, Option<i64>)]| {
+        let told = pulses(ways);
+        assert!(told.iter().all(Option::is_none), "{ways:?}: {told:?}");
+    };
+    fine(&[(100, Some(100)), (40, None), (100, Some(100)), (150, None), (200, Some(200))]);
+    fine(&[(100, Some(100)), (99, None), (100, Some(100)), (99, None), (100, Some(100)), (101, None), (99, Some(100))]);
+    // The same from above, where it was reached on the way back.
+    fine(&[(150, None), (100, Some(100)), (160, None), (100, Some(100)), (101, None), (100, Some(100)), (0, Some(0))]);
+    // Through it from one side, to rest on it from the other.
+    fine(&[(130, Some(100)), (100, Some(100)), (120, None), (90, Some(100)), (100, Some(100)), (200, Some(200))]);
+    // Off it to the next one on either side, whose pulse comes first.
+    fine(&[(100, Some(100)), (60, None), (0, Some(0)), (50, None), (100, Some(100)), (200, Some(200))]);
+    // The pulse in the very cycle in which it turns back, ending before the mark, behind it and where it began.
+    fine(&[
+        (95, None),
+        (97, Some(100)),
+        (105, Some(100)),
+        (200, Some(200)),
+        (199, None),
+        (201, Some(200)),
+        (300, Some(300)),
+    ]);
+    fine(&[(101, Some(100)), (101, Some(100)), (200, Some(200)), (201, Some(200)), (100, Some(100)), (0, Some(0))]);
+    // Many counts are not seen on the second way.
+    assert_eq!(pulses(&[(100, Some(100)), (40, None), (93, Some(93))])[2], Some(-7));
+    assert_eq!(pulses(&[(100, Some(100)), (40, None), (96, Some(96)), (200, None), (202, Some(202))]), [None; 5]);
+    // Its counts are gone and the index goes on.
+    assert_eq!(pulses(&[(100, Some(100)), (100, Some(100))])[1], Some(-100));
+    assert_eq!(pulses(&[(-100, Some(-100)), (-100, None), (-100, Some(-100))])[2], Some(100));
+}
+
+/// An encoder with an index at multiples of `every`, that is told in the cycle in which it is reached, from whichever side, and of
+/// several in a cycle the last one.
+struct Plant {
+    every: i64,
+    place: i64,
+    missing: i64,
+}
+
+impl Plant {
+    /// Moves by these ways within one cycle; gives what supervision reads of it.
+    fn cycle(&mut self, ways: &[i64]) -> (i64, i64, Option<i64>) {
+        let before = self.place;
+        let mut mark = None;
+        for way in ways {
+            let (from, to) = (self.place, self.place + way);
+            let reached =
+                if to > from { to.div_euclid(self.every) } else { -(-to).div_euclid(self.every) } * self.every;
+            let is_reached = if to > from { reached > from } else { to != from && reached < from };
+            mark = if is_reached { Some(reached - self.missing) } else { mark };
+            self.place = to;
+        }
+        (self.place - self.missing, self.place - before, mark)
+    }
+}
+
+/// Ways of a cycle: small ones around the marks, any, several turns, and those that turn back within the cycle.
+fn ways() -> impl Strategy<Value = Vec<Vec<i64>>> {
+    let way = prop_oneof![4 => -2_i64..=2, 2 => -60_i64..=60, 1 => -400_i64..=400, 1 => Just(100), 1 => Just(-100), 1 => Just(-50), 1 => Just(50)];
+    prop::collection::vec(prop::collection::vec(way, 1..4), 1..200)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    /// With exact pulses nothing is ever told, however it moves, and nothing adds up.
+    ///
+    /// Proves: WF-MON-02
+    #[test]
+    fn exact_pulses_never_alarm(start in -150_i64..150, ways in ways()) {
+        let check = PulseCheck { every: 100, tolerance: 0 };
+        let mut plant = Plant { every: 100, place: start, missing: 0 };
+        let mut pulses = Pulses::default();
+        for way in ways {
+            let (position, change, mark) = plant.cycle(&way);
+            // Off the mark and on it again between two looks is what an encoder without counts looks like.
+            if change == 0 && mark == Some(position) {
+                plant.cycle(&[1]);
+                pulses.step(&check, position + 1, 1, None);
+                continue;
+            }
+            prop_assert_eq!(pulses.step(&check, position, change, mark), None, "{:?}", way);
+            prop_assert_eq!(pulses.deviation(), 0);
+        }
+    }
+
+    /// One missing count is told by the next mark, or by the one that stays away, wherever it was lost and however the encoder moved.
+    ///
+    /// Proves: WF-MON-02
+    #[test]
+    fn one_missing_pulse_is_told(start in -150_i64..150, ways in ways(), lost in any::<bool>(), forward in any::<bool>()) {
+        let check = PulseCheck { every: 100, tolerance: 0 };
+        let mut plant = Plant { every: 100, place: start, missing: 0 };
+        let mut pulses = Pulses::default();
+        // A mark is known from here on.
+        let (position, change, mark) = plant.cycle(&[200]);
+        prop_assert_eq!(pulses.step(&check, position, change, mark), None);
+        for way in ways {
+            let (position, change, mark) = plant.cycle(&way);
+            if change == 0 && mark == Some(position) {
+                plant.cycle(&[1]);
+                pulses.step(&check, position + 1, 1, None);
+                continue;
+            }
+            prop_assert_eq!(pulses.step(&check, position, change, mark), None);
+        }
+        plant.missing = if lost { 1 } else { -1 };
+        let step = if forward { 7 } else { -7 };
+        let mut before = plant.place;
+        let told = (0..40).find_map(|_| {
+            let (position, _, mark) = plant.cycle(&[step]);
+            let change = position - std::mem::replace(&mut before, position);
+            pulses.step(&check, position, change, mark)
+        });
+        prop_assert_eq!(told.map(i64::abs), Some(1), "{:?}", told);
+    }
+}
+
 #[test]
 fn several_turns_in_a_cycle_tell_the_last_mark_only() {
     assert_eq!(pulses(&[(100, Some(100)), (430, Some(400)), (760, Some(700)), (1090, Some(1007))])[3], Some(7));

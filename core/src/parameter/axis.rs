@@ -3,6 +3,7 @@
 use super::rows::ROWS;
 use super::{Assigned, AssignedOutputs, Encoders, Homing, Macs, Row, Supervision, Value};
 use crate::code::Code;
+use crate::position::Position;
 use crate::profile::{Jerks, Limits, Shape};
 use crate::vocabulary::{amc, saia, wf};
 use serde::{Deserialize, Serialize};
@@ -196,12 +197,14 @@ impl AxisParameters {
             ("home_vel", self.homing.parts.velocity.map(Value::Int)),
             ("homezerovel", self.homing.parts.index_velocity.map(Value::Int)),
             ("home_ramp", self.homing.parts.acceleration.map(Value::Int)),
-            ("neglimit", Some(Value::Int(macs.neglimit))),
-            ("poslimit", Some(Value::Int(macs.poslimit))),
         ];
+        // A new coordinate may have taken them beyond the numbers of MACS.
+        let is_place = |limit: i64| Position::whole(limit).is_legal();
         let takes = |key, value| Row::find(key).is_some_and(|(_, row)| row.check(value).is_ok());
         ROWS.iter().filter(|row| row.is_stored()).all(is_good)
             && given.into_iter().all(|(key, value)| value.is_none_or(|value| takes(key, value)))
+            && is_place(macs.neglimit)
+            && is_place(macs.poslimit)
             && self.is_derived()
             && self.check().is_ok()
     }

@@ -157,7 +157,7 @@ fn of_own_unit(measure: Measure, unit: Unit, quantity: &Quantity) -> Result<Valu
 
 fn text(input: &ParameterInput) -> String {
     match input {
-        ParameterInput::Number(value) => value.to_string(),
+        ParameterInput::Number(value) => crate::unit::number_to_text(*value),
         ParameterInput::Integer(value) => value.to_string(),
         ParameterInput::Quantity(value) => value.to_string(),
         ParameterInput::Text(value) => crate::unit::excerpt(value),

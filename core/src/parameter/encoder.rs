@@ -31,6 +31,8 @@ pub struct Encoders {
     pub md34: i64,
     /// MD41: encoder monitoring is on.
     pub md41: i64,
+    /// What the cell has for ENCODERTYPE to choose from.
+    pub absolute: source::AbsoluteSources,
 }
 
 impl Default for Encoders {
@@ -49,6 +51,7 @@ impl Default for Encoders {
             md7: 0,
             md34: 0,
             md41: 0,
+            absolute: source::AbsoluteSources::default(),
         }
     }
 }
@@ -68,6 +71,11 @@ impl Encoders {
         let max_step = (self.md34 > 0).then_some(self.md34);
         let omitted = u32::try_from(self.md7).unwrap_or(u32::MAX);
         Absolute { code: WordCode::Gray, parity, omitted, max_step, ..Absolute::single_turn(steps) }
+    }
+
+    /// Is what the axis reads an absolute encoder?
+    pub fn is_absolute(&self) -> bool {
+        self.md4 == 1 || self.absolute.chosen_by(self.encodertype)
     }
 
     /// Are the numbers ones that there are?

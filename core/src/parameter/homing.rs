@@ -75,7 +75,7 @@ impl AxisParameters {
 
     /// Longest way to an index pulse (inc) (MACS-HOME-05).
     pub fn homing_index_distance(&self) -> i64 {
-        self.homing.index_distance.unwrap_or(self.macs.encoder.saturating_mul(4))
+        self.homing.index_distance.unwrap_or_else(|| self.revolution())
     }
 
     /// Longest way of each search for a switch, as given or from the software limits (inc); none without them.

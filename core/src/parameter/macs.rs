@@ -3,8 +3,13 @@
 //! native name the value is absolute, and stays that. So no order of sets matters.
 
 use super::{AxisParameters, Row, Value};
+use crate::encoder::source::AbsoluteSources;
+use crate::position::Position;
 use crate::unit::{MLONG, MacsFactors};
 use serde::{Deserialize, Serialize};
+
+/// The largest position (inc).
+const LARGEST: i64 = Position::LIMIT - 1;
 
 /// What MACS has beside the native values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,19 +66,26 @@ impl Default for Macs {
     }
 }
 
-impl Macs {
-    /// Counts of all edges per revolution of the encoder (inc) (MACS-ENC-01).
-    fn revolution(&self) -> f64 {
-        self.encoder as f64 * 4.0
-    }
-}
-
 impl AxisParameters {
+    /// A revolution of the encoder (inc): counts of all edges of its lines, values of an absolute one 1:1 (MACS-ENC-01).
+    pub fn revolution(&self) -> i64 {
+        if self.encoder.is_absolute() { self.macs.encoder } else { self.macs.encoder.saturating_mul(4) }
+    }
+
+    /// The same in a cell whose sources are these.
+    #[must_use]
+    pub fn reading(mut self, sources: AbsoluteSources) -> Self {
+        self.encoder.absolute = sources;
+        self.derive();
+        self
+    }
+
     /// Computes what follows from the values that MACS gives.
     pub(super) fn derive(&mut self) {
+        let revolution = self.revolution() as f64;
         let macs = &self.macs;
         if let Some(rpm) = macs.velmax {
-            self.max_velocity = rpm * macs.revolution() / 60.0;
+            self.max_velocity = rpm * revolution / 60.0;
         }
         if let Some(time) = macs.rampmin {
             self.max_acceleration = self.max_velocity / seconds(time);
@@ -93,7 +105,7 @@ impl AxisParameters {
 
     /// VELMAX (rpm) (MACS-PROF-01).
     pub fn velmax(&self) -> f64 {
-        self.macs.velmax.unwrap_or(self.max_velocity * 60.0 / self.macs.revolution())
+        self.macs.velmax.unwrap_or(self.max_velocity * 60.0 / self.revolution() as f64)
     }
 
     /// RAMPMIN (ns), nearest (MACS-PROF-03).
@@ -153,18 +165,22 @@ impl AxisParameters {
     pub fn shift_limits(&mut self, by: i64) {
         let moved = |limit: Option<i64>| limit.map(|limit| limit.saturating_add(by));
         (self.min_position, self.max_position) = (moved(self.min_position), moved(self.max_position));
-        // Those that are switched off move, too.
+        // Those that are switched off move, too; none is cut at the largest number that MACS has, which would move its place.
         let by = if self.is_inverted() { by.saturating_neg() } else { by };
-        self.macs.neglimit = self.macs.neglimit.saturating_add(by).clamp(-MLONG, MLONG);
-        self.macs.poslimit = self.macs.poslimit.saturating_add(by).clamp(-MLONG, MLONG);
+        self.macs.neglimit = self.macs.neglimit.saturating_add(by).clamp(-LARGEST, LARGEST);
+        self.macs.poslimit = self.macs.poslimit.saturating_add(by).clamp(-LARGEST, LARGEST);
         self.keep_limits();
     }
 
     /// What NEGLIMIT and POSLIMIT are when they are switched off: the nearest number that MACS has for those in force.
     pub(super) fn keep_limits(&mut self) {
-        let of_macs = |limit: i64| limit.clamp(-MLONG, MLONG);
-        self.macs.neglimit = self.falling().map_or(self.macs.neglimit, of_macs);
-        self.macs.poslimit = self.rising().map_or(self.macs.poslimit, of_macs);
+        let of_macs = |limit: Option<i64>, kept: i64| match limit {
+            // A new coordinate has taken it there.
+            Some(limit) if limit != kept => limit.clamp(-MLONG, MLONG),
+            _ => kept,
+        };
+        self.macs.neglimit = of_macs(self.falling(), self.macs.neglimit);
+        self.macs.poslimit = of_macs(self.rising(), self.macs.poslimit);
     }
 
     /// Another POSDRCT: where its sign changes, the limits go on guarding the same places.

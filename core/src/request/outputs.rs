@@ -3,7 +3,7 @@
 use super::{RequestError, list};
 use crate::command::{Action, OutputValue};
 use crate::config::{IoKind, MachineConfig};
-use crate::unit::excerpt;
+use crate::unit::{excerpt, number_to_text};
 
 impl MachineConfig {
     /// Outputs by name, each with its value, as a command: 0 or 1 of a digital one, else in V.
@@ -26,7 +26,7 @@ impl MachineConfig {
                 _ => (*value == 0.0 || *value == 1.0, "0 or 1"),
             };
             if !fits {
-                let (name, value, allowed) = (name.to_owned(), value.to_string(), allowed.to_owned());
+                let (name, value, allowed) = (name.to_owned(), number_to_text(*value), allowed.to_owned());
                 return Err(RequestError::BadParameter { name, value, allowed });
             }
             // A digital output has no -0, which a recording would not keep.

@@ -267,7 +267,11 @@ impl Field<'_> {
             let value = self.rate(name, None, asked, order)?;
             if value < 0.0 {
                 let units = ["inc", "inc/s", "inc/s^2"];
-                let value = format!("{value} {}", units.get(usize::from(order)).unwrap_or(&"inc"));
+                let value = format!(
+                    "{} {}",
+                    crate::unit::number_to_text(value),
+                    units.get(usize::from(order)).unwrap_or(&"inc")
+                );
                 return Err(bad(self.named(name, None), value, "0 or more is expected".to_owned()));
             }
             Ok(Some(value))

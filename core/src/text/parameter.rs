@@ -1,7 +1,7 @@
 //! Parameters in sentences: one text of a value, of a range, of a refusal, for every door.
 
 use crate::parameter::{Measure, Range, Refused, Row, Storage, Value};
-use crate::unit::{Scale, ScaleKind};
+use crate::unit::{Scale, ScaleKind, number_to_text};
 
 /// Where the ranges of positions end (inc).
 const LARGEST_POSITION: i64 = (1 << 62) - 1;
@@ -20,7 +20,7 @@ pub fn value_text(row: &Row, value: Value, scale: &Scale) -> String {
         (Value::Real(value), Measure::Velocity) => scale.format_rate(value, 1),
         (Value::Real(value), Measure::Acceleration) => scale.format_rate(value, 2),
         (Value::Real(value), Measure::Jerk) => scale.format_rate(value, 3),
-        (Value::Real(value), _) => value.to_string(),
+        (Value::Real(value), _) => number_to_text(value),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Why a number, a unit or a scale is refused.
 
-use super::{Dimension, Fraction, Quantity, Unit, fraction_to_text};
+use super::{Dimension, Fraction, Quantity, Unit, fraction_to_text, number_to_text};
 use thiserror::Error;
 
 /// A refusal: what was given and what is allowed. [`UnitError::hint`] says how to write it instead.
@@ -20,7 +20,7 @@ pub enum UnitError {
         text: String,
     },
     /// NaN or infinite, or beyond 1e38.
-    #[error("{value} is not a finite number within +-1e38")]
+    #[error("{} is not a finite number within +-1e38", number_to_text(*.value))]
     NotFinite {
         /// The value as given.
         value: f64,

@@ -111,22 +111,30 @@ pub fn fraction_to_text(value: &Fraction) -> String {
     short_decimal(value).unwrap_or_else(|| nine_digits(fraction_to_f64(value)))
 }
 
-/// Nine significant digits of a measured or computed value, without trailing zeros and without an exponent.
+/// A number as people read it, no digit left out: with an exponent where it would have more than 20 digits, most of them zeros.
+pub fn number_to_text(value: f64) -> String {
+    let is_plain = (1e-9..1e20).contains(&value.abs()) || value == 0.0 || !value.is_finite();
+    if is_plain { value.to_string() } else { format!("{value:e}") }
+}
+
+/// Nine significant digits of a measured or computed value, without trailing zeros.
 pub(super) fn nine_digits(value: f64) -> String {
     // Through the text and back: what reads back from nine digits prints as at most nine digits.
     match format!("{value:.8e}").parse::<f64>() {
         Ok(0.0) => "0".to_owned(),
-        Ok(rounded) => rounded.to_string(),
-        Err(_) => value.to_string(),
+        Ok(rounded) => number_to_text(rounded),
+        Err(_) => number_to_text(value),
     }
 }
 
 fn short_decimal(value: &Fraction) -> Option<String> {
     const DIGITS: u32 = 15;
+    /// All of a 64-bit number.
+    const WHOLE: u32 = 20;
     // The smallest power of ten that the denominator divides, if any does.
     let places = (0..=DIGITS).find(|&n| 10_i128.pow(n) % value.denom() == 0)?;
     let scaled = value.numer().checked_mul(10_i128.pow(places) / value.denom())?.unsigned_abs();
-    if scaled >= 10_u128.pow(DIGITS) && places > 0 {
+    if scaled >= 10_u128.pow(if places > 0 { DIGITS } else { WHOLE }) {
         return None;
     }
     let width = places as usize + 1;
@@ -254,6 +262,32 @@ mod tests {
         {
             assert_eq!(parse_decimal(text), Err(UnitError::NotANumber { text: text.into() }), "{text}");
         }
+    }
+
+    /// 1e308 has 309 digits, of which one says something; 2^62 has 19, and all of them do.
+    #[test]
+    fn a_large_number_is_short_and_a_whole_one_exact() {
+        for (value, text) in [
+            (1e308, "1e308"),
+            (-1.25e-300, "-1.25e-300"),
+            (1e20, "1e20"),
+            (1e19, "10000000000000000000"),
+            (1e-9, "0.000000001"),
+            (5e-10, "5e-10"),
+            (4.611_686_018_427_388e18, "4611686018427388000"),
+            (0.0, "0"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(number_to_text(value), text);
+            assert!(value.is_nan() || text.parse() == Ok(value), "{text} reads back");
+        }
+        assert_eq!(nine_digits(1.234_567_891_234e300), "1.23456789e300");
+        assert_eq!(fraction_to_text(&fraction((1 << 62) - 1, 1)), "4611686018427387903");
+        assert_eq!(fraction_to_text(&fraction(10_i128.pow(38), 1)), "1e38");
+        assert_eq!(fraction_to_text(&fraction(-10_i128.pow(38), 3)), "-3.33333333e37");
+        let told = UnitError::NotFinite { value: 1e308 }.to_string();
+        assert_eq!(told, "1e308 is not a finite number within +-1e38");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::axis::{Modulo, may_read, may_tell_sign};
-use lineshaft_core::config::{AxisConfig, IoConfig};
+use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::encoder::source::Master;
 use lineshaft_core::object::MAX_AXES;
@@ -56,10 +56,11 @@ struct Onces<'d> {
     functions: machine::Functions<'d>,
 }
 
-/// The axes, none where one has problems. `io` are the entries of that section.
+/// The axes, none where one has problems. `io` and `coded` are the entries of sections `io` and `encoders`.
 pub(super) fn read<'d>(
     cx: &Context<'d>,
     io: &[Option<IoConfig>],
+    coded: &[Option<EncoderConfig>],
     functions: machine::Functions<'d>,
 ) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
@@ -72,7 +73,7 @@ pub(super) fn read<'d>(
         functions,
     };
     let axes = entries.iter().enumerate();
-    let axes = axes.map(|(place, entry)| axis(place, entry, cx, io, &mut once)).collect();
+    let axes = axes.map(|(place, entry)| axis(place, entry, cx, (io, coded), &mut once)).collect();
     machine::refuse_shared(&once.functions, io, &once.outputs);
     amc::refuse_loops(&once.masters, cx);
     axes
@@ -88,7 +89,7 @@ fn axis<'d>(
     place: usize,
     entry: &Entry<'d>,
     cx: &Context<'d>,
-    io: &[Option<IoConfig>],
+    (io, coded): (&[Option<IoConfig>], &[Option<EncoderConfig>]),
     once: &mut Onces<'d>,
 ) -> Option<Axis> {
     let Onces { taken, outputs, switches, masters, functions } = once;
@@ -105,7 +106,10 @@ fn axis<'d>(
     let brake = brake::read(&mut map, drive == Some(Drive::Virtual), cx, io, outputs);
     let wiring = amc::wiring(place, &mut map, &mut sections, cx, io, masters);
     let who = drive.map(|drive| interface_of(Some(drive)));
-    let (mut parameters, given) = parameters::read(&mut map, &mut sections, &travel, who, cx.cycle_ns);
+    let form = |place| Some(coded.get(usize::from(place))?.as_ref()?.form);
+    let absolute = wired.unwrap_or_default().absolute_sources(form);
+    let new = parameters::Axis { who, absolute, cycle_ns: cx.cycle_ns };
+    let (mut parameters, given) = parameters::read(&mut map, &mut sections, &travel, new);
     parameters.macs.scale = factors;
     machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_tell_sign(who, &parameters)));
     machine::note_functions(functions, &parameters.output_functions(), &given);

@@ -197,7 +197,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let parameters = machine::read(&mut map, &io, &mut functions);
     map.finish();
     let (memory, encoders) = (devices::memory(&cx), devices::encoders(&cx));
-    let axes = axes::read(&cx, &io, functions);
+    let axes = axes::read(&cx, &io, &encoders, functions);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
     functions::check(&cx, &io);
     let groups = groups::read(&cx);

@@ -10,6 +10,7 @@ use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
 use lineshaft_core::code::Code;
 use lineshaft_core::config::highest_velocity;
 use lineshaft_core::drive::Interface;
+use lineshaft_core::encoder::source::AbsoluteSources;
 use lineshaft_core::parameter::{
     self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Range, Refused, Row,
     Storage,
@@ -62,17 +63,24 @@ impl<'d> Sections<'d> {
     }
 }
 
-/// Reads all parameters of an axis; where one has a problem, its default stands. `who` is its interface, none of a virtual
-/// one, where that is known.
+/// What is known of an axis before its parameters are read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    /// Its interface, none of a virtual one, where that is known.
+    pub who: Option<Option<Interface>>,
+    pub absolute: AbsoluteSources,
+    pub cycle_ns: Option<u64>,
+}
+
+/// Reads all parameters of an axis; where one has a problem, its default stands.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     sections: &mut Sections<'d>,
     travel: &Travel,
-    who: Option<Option<Interface>>,
-    cycle_ns: Option<u64>,
+    Axis { who, absolute, cycle_ns }: Axis,
 ) -> (AxisParameters, Given<'d>) {
     // With no limit given, nothing else must seem to lie above it.
-    let mut parameters = AxisParameters::new(MOST, MOST);
+    let mut parameters = AxisParameters::new(MOST, MOST).reading(absolute);
     let mut given = Given::new();
     let mut set = Vec::new();
     for row in ROWS.iter().filter(|row| row.storage != Storage::Cell) {

@@ -6,9 +6,9 @@
 use crate::document::{Place, Problems};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::unit::{ScaleKind, excerpt};
+use lineshaft_ros::layer::open_file;
 use roxmltree::{Document, Node, TextPos};
 use std::collections::BTreeSet;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -67,7 +67,7 @@ impl Robot {
             Err(problems)
         };
         let mut bytes = Vec::new();
-        match File::open(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes)) {
+        match open_file(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes)) {
             Err(error) => failed(format!("robot_description: cannot read the file: {error}")),
             Ok(length) if length > MAX_BYTES => failed(format!("the file is longer than {MAX_BYTES} bytes")),
             Ok(_) => match String::from_utf8(bytes) {

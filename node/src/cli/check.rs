@@ -4,6 +4,7 @@ use super::{CheckArgs, Exit, say};
 use crate::cell::Cell;
 use crate::scenario::Scenario;
 use lineshaft_core::config::AxisConfig;
+use lineshaft_core::drive::Interface;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
     let cell = match Cell::load(&args.cell) {
@@ -51,7 +52,37 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(one_edge_for_two(cell));
     warnings.extend(crossed_switches(cell));
     warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));
+    warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
+    warnings.extend(unfiltered_master(cell));
     warnings
+}
+
+/// Gains of the SAIA module whose regulator commands no drive: it runs beside the loop of the axis (SAIA-EXT-06).
+fn idle_gains(axis: &AxisConfig) -> Option<String> {
+    let p = &axis.parameters.saia;
+    let gains = [("saia.kprop", p.kprop), ("saia.kint", p.kint), ("saia.kder", p.kder)];
+    let given: Vec<String> =
+        gains.iter().filter(|(_, gain)| *gain != 0).map(|(key, gain)| format!("{key} {gain}")).collect();
+    let closes_here = axis.drive.is_some() && axis.interface == Interface::Velocity;
+    (closes_here && !given.is_empty()).then(|| {
+        format!(
+            "{}: {} do not command the drive: with interface velocity the axis closes its loop with a gain of its own, and their \
+             regulator only shows in saia.output and saia.integral",
+            axis.name,
+            given.join(", ")
+        )
+    })
+}
+
+/// SYNCVFTIME 0 asks for a filter that there is not; without a counted master there is nothing that it could filter (MACS-SYNC-08).
+fn unfiltered_master(cell: &Cell) -> Option<String> {
+    let is_named = |axis: &AxisConfig| axis.parameters.encoder.mencodertype != 0;
+    let has_master = !cell.machine.encoders.is_empty() || cell.machine.axes.iter().any(is_named);
+    (has_master && !cell.machine.axes.is_empty()).then(|| {
+        "syncvftime is 0, which in MACS filters the velocity of a master by the table of mencoder; the filter does not exist yet, \
+         and synchronize follows the counts as they come"
+            .to_owned()
+    })
 }
 
 /// Limit switches that are none but outputs of the machine (MACS-LIM-07).
@@ -150,6 +181,55 @@ mod tests {
         ] {
             assert_eq!(warned(&format!("{MM}, {keys}")), [""; 0], "{keys}");
         }
+    }
+
+    #[test]
+    fn gains_that_command_nothing_are_warned_of() {
+        let warned = |interface: &str, saia: &str| {
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\n\
+                 axes: {{x: {{drive: {{backend: plant, address: 0, interface: {interface}}}, max_velocity: 1 m/s, {MM}, \
+                 max_acceleration: 1 m/s^2, saia: {{{saia}}}}}}}\n"
+            );
+            warnings(&Cell::parse("c.yaml", text).unwrap())
+        };
+        let behind = "do not command the drive: with interface velocity the axis closes its loop with a gain of its own, and their \
+                      regulator only shows in saia.output and saia.integral";
+        assert_eq!(warned("velocity", "kprop: 20, kder: -1"), [format!("x: saia.kprop 20, saia.kder -1 {behind}")]);
+        assert_eq!(warned("velocity", "kint: 3"), [format!("x: saia.kint 3 {behind}")]);
+        for (interface, saia) in
+            [("velocity", "kprop: 0, kint: 0, kder: 0"), ("velocity", ""), ("position", "kprop: 20")]
+        {
+            assert_eq!(warned(interface, saia), [""; 0], "{interface} {saia}");
+        }
+    }
+
+    /// Told once for the whole cell, where something is counted that may lead.
+    ///
+    /// Proves: MACS-SYNC-08
+    #[test]
+    fn a_default_that_filters_nothing_is_told_once() {
+        let warned = |sections: &str, keys: &str| {
+            let axis = |address: u8| {
+                format!(
+                    "{{drive: {{backend: plant, address: {address}}}, {MM}, max_velocity: 1 m/s, max_acceleration: 1 m/s^2, \
+                     {keys}}}"
+                )
+            };
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\n{sections}axes: {{x: {}, y: {}}}\n",
+                axis(0),
+                axis(1)
+            );
+            warnings(&Cell::parse("c.yaml", text).unwrap())
+        };
+        let told = "syncvftime is 0, which in MACS filters the velocity of a master by the table of mencoder; the filter does not \
+                    exist yet, and synchronize follows the counts as they come";
+        let belt = format!("encoders: {{belt: {{backend: plant, address: 0, {MM}}}}}\n");
+        assert_eq!(warned(&belt, "unit: mm"), [told]);
+        assert_eq!(warned(&belt, "syncvftime: 0"), [told]);
+        assert_eq!(warned("", "mencodertype: 6"), [told]);
+        assert_eq!(warned("", "unit: mm"), [""; 0]);
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub use map::Map;
 pub use problem::{Place, Problem, Problems};
 pub use value::{Allowed, Value};
 
-use std::fs::File;
+use lineshaft_ros::layer::open_file;
 use std::io::Read;
 use std::path::Path;
 
@@ -68,7 +68,7 @@ impl Document {
     pub fn read(path: &Path) -> Self {
         let name = path.display().to_string();
         let mut bytes = Vec::new();
-        let read = File::open(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes));
+        let read = open_file(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes));
         let failed = |place, sentence: String| {
             let problems = Problems::new(&name);
             problems.push(place, sentence, None);

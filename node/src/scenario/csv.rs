@@ -6,7 +6,7 @@ use super::ruler::Ruler;
 use crate::document::{Place, Problems, Value};
 use lineshaft_core::signal::{Type, Value as Number};
 use lineshaft_core::unit::excerpt;
-use std::fs::File;
+use lineshaft_ros::layer::open_file;
 use std::io::Read;
 use std::path::Path;
 
@@ -49,7 +49,7 @@ pub(super) fn read(value: &Value<'_>, folder: &Path, ruler: &Ruler, all: &Proble
 
 fn load(path: &Path) -> Result<String, String> {
     let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
+    let read = open_file(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
     read.map_err(|error| error.to_string())?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(format!("it is longer than {MAX_BYTES} bytes"));

@@ -8,7 +8,7 @@ use super::names::{Names, did_you_mean, nearest};
 use crate::document::{Allowed, Value};
 use lineshaft_core::code::Code;
 use lineshaft_core::signal::{Measure, Signal, Type, Value as Number};
-use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, excerpt, fraction_to_f64};
+use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, excerpt, fraction_to_f64, number_to_text};
 
 /// How the values of a signal, or of the difference of two, are read and written.
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +121,7 @@ impl Ruler {
                 return name.map_or_else(|| place.to_string(), |name| (*name).to_owned());
             }
             (Number::Int(value), _) => value.to_string(),
-            (Number::Real(value), _) => value.to_string(),
+            (Number::Real(value), _) => number_to_text(value),
         };
         if self.is_code {
             let name = Code::ALL.iter().find(|(_, code)| number == Number::Int(code.0.into())).map(|(name, _)| *name);

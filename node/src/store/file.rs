@@ -4,6 +4,7 @@
 
 use super::{StoreError, text};
 use crate::document::MAX_BYTES;
+use lineshaft_ros::layer::open_file;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -115,6 +116,16 @@ impl Files {
         Err(StoreError::Damaged { path: self.current.clone(), current, before })
     }
 
+    /// What the present file holds now; beside its text why it is no good one.
+    pub(super) fn again(&self) -> (Present, Result<String, String>) {
+        match look(&self.current) {
+            Ok(Look::Missing) => (Present::Missing, Err("it is not there".to_owned())),
+            Ok(Look::Good(text)) => (Present::Good, Ok(text)),
+            Ok(Look::Damaged(reason)) => (Present::Damaged, Err(reason)),
+            Err(error) => (Present::Damaged, Err(error.to_string())),
+        }
+    }
+
     /// Puts a new text in the place of the present file, which becomes the generation before if it is whole. `may` is asked
     /// before each step.
     ///
@@ -178,7 +189,7 @@ impl Files {
 
 fn look(path: &Path) -> Result<Look, StoreError> {
     let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes));
+    let read = open_file(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes));
     match read {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Look::Missing),
         // That is put right by who runs it.

@@ -197,6 +197,35 @@ impl Store {
         self.keep_while(config, (user, machine), &mut |_| Ok(()))
     }
 
+    /// What counts is what the file holds now: others may have written, damaged or taken away what was kept there.
+    fn look_again(&mut self) {
+        let (present, found) = self.files.again();
+        let path = self.path().display();
+        let known = self.found.as_ref().filter(|(path, _)| path == self.path()).map(|(_, text)| text);
+        match (present, found) {
+            (Present::Good, Ok(text)) if known == Some(&text) => {}
+            (_, Ok(text)) => {
+                tracing::warn!("{path}: somebody has put another set there; what is saved now takes its place");
+                self.generation = self.generation.max(text::generation_of(&text).unwrap_or(0));
+                self.body = text::body_of(&text).to_owned();
+                self.found = Some((self.path().to_owned(), text));
+            }
+            (Present::Missing, Err(_)) => {
+                if self.present != Present::Missing {
+                    tracing::warn!("{path}: somebody has taken it away; what is saved now is all that it holds");
+                }
+                (self.body, self.found) = (text::body(&[]), None);
+            }
+            (_, Err(reason)) => {
+                if self.present != Present::Damaged {
+                    tracing::warn!("{path}: somebody has damaged it: {reason}; what is saved now takes its place");
+                }
+                self.found = None;
+            }
+        }
+        self.present = present;
+    }
+
     /// `may` is asked before each step on the disk.
     fn keep_while(
         &mut self,
@@ -204,14 +233,7 @@ impl Store {
         (user, machine): (&[AxisParameters], &MachineParameters),
         may: &mut dyn FnMut(&'static str) -> io::Result<()>,
     ) -> Result<bool, StoreError> {
-        // A file that somebody took away holds nothing any more.
-        if self.present != Present::Missing && matches!(self.path().try_exists(), Ok(false)) {
-            tracing::warn!(
-                "{}: somebody has taken it away; what is saved now is all that it holds",
-                self.path().display()
-            );
-            (self.body, self.present) = (text::body(&[]), Present::Missing);
-        }
+        self.look_again();
         let sets: Vec<_> = std::iter::zip(&config.axes, user).collect();
         let body = text::body_with(&sets, (&config.global.parameters, machine));
         if body == self.body && self.present != Present::Damaged {
@@ -228,6 +250,7 @@ impl Store {
         }
         self.files.replace(&text, self.present, may).map_err(|error| StoreError::Write { path, error })?;
         (self.body, self.generation, self.present) = (body, generation, Present::Good);
+        self.found = Some((self.path().to_owned(), text));
         tracing::debug!("{}: generation {generation} is on the disk", self.path().display());
         Ok(true)
     }
@@ -243,6 +266,10 @@ fn gives(text: &str, config: &MachineConfig, user: &[AxisParameters], machine: &
 }
 
 fn lock(path: &Path) -> Result<File, TryLockError> {
+    // Whoever opens a pipe waits for its other end.
+    if path.exists() && !path.is_file() {
+        return Err(TryLockError::Error(io::Error::other("it is no file")));
+    }
     let file = File::options().create(true).truncate(false).write(true).open(path).map_err(TryLockError::Error)?;
     file.try_lock()?;
     Ok(file)

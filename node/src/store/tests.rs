@@ -326,6 +326,61 @@ fn two_programs_do_not_write_one_store() {
     assert_eq!(bench.loaded().unwrap(), Some(1));
 }
 
+/// What somebody did to the file while the program runs is found with the next save, also of an unchanged set: garbage, a part, the
+/// set of another machine, another kind of file, nothing.
+#[test]
+fn a_file_that_was_overwritten_from_outside_is_written_again() {
+    let bench = Bench::new();
+    let mut store = bench.open().unwrap();
+    assert!(store.keep(&bench.config, &bench.user(1)).unwrap());
+    assert!(store.keep(&bench.config, &bench.user(2)).unwrap());
+    let path = bench.path("p.yaml");
+    let good = fs::read_to_string(&path).unwrap();
+    for (what, text) in [("garbage", "garbage"), ("nothing", ""), ("a part", &good[..good.len() / 2])] {
+        fs::write(&path, text).unwrap();
+        assert!(store.keep(&bench.config, &bench.user(2)).unwrap(), "{what}");
+        assert!(!store.keep(&bench.config, &bench.user(2)).unwrap(), "once");
+        // What was damaged is no generation before.
+        let before = fs::read_to_string(bench.path("p.yaml.previous")).unwrap();
+        assert!(before.contains("generation: 1\n"), "{what}: {before}");
+    }
+    // A good set of somebody else is the generation before.
+    let other = Bench::new();
+    for n in 1..=40 {
+        other.save(n);
+    }
+    fs::copy(other.path("p.yaml"), &path).unwrap();
+    assert!(store.keep(&bench.config, &bench.user(2)).unwrap());
+    assert_eq!(store.generation(), 41);
+    assert_eq!(fs::read(bench.path("p.yaml.previous")).unwrap(), fs::read(other.path("p.yaml")).unwrap());
+    fs::remove_file(&path).unwrap();
+    assert!(store.keep(&bench.config, &bench.user(2)).unwrap());
+    // A folder cannot be replaced, which is told; a pipe can, and nobody waits for who writes into it.
+    fs::remove_file(&path).unwrap();
+    fs::create_dir(&path).unwrap();
+    let error = store.keep(&bench.config, &bench.user(2)).unwrap_err().to_string();
+    assert!(error.contains("p.yaml: parameters cannot be written: "), "{error}");
+    fs::remove_dir(&path).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    assert!(store.keep(&bench.config, &bench.user(2)).unwrap());
+    drop(store);
+    assert_eq!(bench.loaded().unwrap(), Some(2));
+}
+
+/// A generation before that is no file is none, and keeps nobody waiting.
+#[test]
+fn a_pipe_in_the_place_of_a_store_is_not_waited_for() {
+    let bench = Bench::new();
+    assert_eq!((bench.save(1), bench.save(2)), (1, 2));
+    fs::write(bench.path("p.yaml"), "garbage").unwrap();
+    fs::remove_file(bench.path("p.yaml.previous")).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(bench.path("p.yaml.previous")).status().unwrap().success());
+    let error = bench.open().unwrap_err().to_string();
+    assert!(error.contains("it is a named pipe; a regular file is expected"), "{error}");
+    fs::rename(bench.path("p.yaml.previous"), bench.path("p.yaml")).unwrap();
+    assert!(bench.open().unwrap_err().to_string().contains("p.yaml: it is no file"));
+}
+
 #[test]
 fn a_place_that_is_none_is_refused() {
     let bench = Bench::new();

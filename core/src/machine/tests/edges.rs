@@ -8,6 +8,7 @@ use crate::drive::{Edge, Latch};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Row, Value};
+use crate::position::Position;
 
 fn x() -> AxisSet {
     AxisSet::one(X)
@@ -240,6 +241,48 @@ fn numbers_that_no_machine_has_neither_jump_nor_panic() {
     rig.run(50);
     let weak = rig.give(Action::Move(Move { direction: Direction::Positive, deceleration: 1e-6, ..to(X, 5) }));
     assert!(rig.refusal(weak).contains("2^62"));
+}
+
+/// A turn of 333 1/3 inc, in thirds of an increment: half a turn is 166 2/3. SHORTEST goes up by it from wherever a goal has rested,
+/// though it rests on whole increments; and the place where a goal has rested is no turn away, whichever way is asked.
+#[test]
+fn half_a_turn_is_judged_before_rounding() {
+    let mut config = config(0);
+    config.axes[usize::from(X)].modulo = Modulo::new(1_000, 3);
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig.mirror();
+    let mut go = |thirds: i64, direction, end: i64| {
+        let exact = Position::from_raw(((i128::from(thirds) << 33) + 3).div_euclid(6));
+        let target = Length { nearest: exact.nearest(), rest: exact - Position::whole(exact.nearest()) };
+        let goal = rig.give(Action::Move(Move { direction, target, ..to(X, 0) }));
+        rig.run(150);
+        assert_eq!((rig.done(goal).len(), rig.int("x.actual.position")), (1, end), "{direction:?} {thirds}/3");
+    };
+    use Direction::{Negative, Positive, Shortest};
+    for (thirds, direction, end) in [
+        (500, Shortest, 167),
+        (0, Shortest, 333),
+        (500, Shortest, 500),
+        (0, Negative, 333),
+        (500, Negative, 167),
+        (500, Positive, 167),
+        (500, Negative, 167),
+        (0, Negative, 0),
+        (500, Negative, -167),
+        (500, Positive, -167),
+        (0, Shortest, 0),
+        (0, Positive, 0),
+        (499, Shortest, 166),
+        (0, Shortest, 0),
+        (501, Shortest, -166),
+    ] {
+        go(thirds, direction, end);
+    }
+    go(0, Shortest, 0);
+    for halves in 1..30 {
+        go(halves % 2 * 500, Shortest, (halves * 1_000 + 3).div_euclid(6));
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::rig::{Rig, X, Y, at, config, couple, to};
 use crate::axis::Wired;
 use crate::code::Code;
-use crate::command::{Action, Length, SetPosition};
+use crate::command::{Action, HomeAxis, HomingMethod, Length, Move, MoveMode, SetPosition};
 use crate::config::{ConfigError, MachineConfig};
 use crate::drive::Interface;
 use crate::encoder::{Absolute, Form, PulseCheck, WordCode};
@@ -89,6 +89,53 @@ fn an_axis_runs_on_an_absolute_encoder_and_over_its_seam() {
     rig.give(Action::Move(to(X, -1)));
     rig.run(200);
     assert_eq!(rig.int("x.actual.count"), 39_999 ^ 39_999 >> 1);
+}
+
+/// VELMAX 600 rpm of 4096 steps are 40960 inc/s, whichever way the cell says that the encoder is absolute; of lines it is four
+/// times that.
+///
+/// Proves: MACS-ENC-01, MACS-PROF-02
+#[test]
+fn an_axis_on_an_absolute_encoder_keeps_velmax() {
+    let absolute = Form::Absolute(Absolute { turns: 4096, ..Absolute::single_turn(4096) });
+    let lines = Form::Incremental(64);
+    let runs = |rig: &mut Rig, fastest: f64, what: &str| {
+        rig.enable();
+        let too_fast = rig.give(Action::Move(Move { velocity: fastest + 1.0, ..to(X, 0) }));
+        assert!(rig.refusal(too_fast).contains("velocity"), "{what}: {}", rig.refusal(too_fast));
+        rig.give(Action::Move(Move { velocity: fastest, mode: MoveMode::Velocity, ..to(X, 0) }));
+        rig.run(2_000);
+        assert_eq!((rig.real("x.command.velocity"), error(rig)), (fastest, 0), "{what}");
+        rig.give(Action::Halt(AxisSet::one(X)));
+        rig.run(2_000);
+    };
+    for (wired, belt, kind, fastest) in [
+        (Wired::Drive(lines), lines, 0, 163_840.0),
+        (Wired::Drive(lines), lines, 1, 40_960.0),
+        (Wired::Drive(lines), lines, 10, 163_840.0),
+        (Wired::Drive(lines), absolute, 10, 40_960.0),
+        (Wired::Drive(absolute), lines, 0, 40_960.0),
+        (Wired::Drive(absolute), absolute, 3, 40_960.0),
+        (Wired::Encoder(0), lines, 0, 163_840.0),
+        (Wired::Encoder(0), absolute, 0, 40_960.0),
+    ] {
+        let mut config = velocity_config();
+        config.encoders[0].form = belt;
+        config.axes[1].wired = wired;
+        let p = &mut config.axes[1].parameters;
+        let given =
+            [("encoder", Value::Int(4096)), ("velmax", Value::Real(600.0)), ("rampmin", Value::Int(500_000_000))];
+        for (key, value) in given.into_iter().chain([("encodertype", Value::Int(kind))]) {
+            assert_eq!(Row::find(key).unwrap().1.assign(p, value), Ok(()), "{key}");
+        }
+        let mut rig = Rig::of(config);
+        runs(&mut rig, fastest, &format!("{wired:?} {belt:?} {kind}"));
+        if (kind, belt) == (1, lines) {
+            off(&mut rig, X);
+            set(&mut rig, &[("encodertype", 0)]);
+            assert_eq!(rig.machine.parameters(X).unwrap().max_velocity, 163_840.0, "counts from now on");
+        }
+    }
 }
 
 /// A drive of 16 bits that closes its own loop: the setpoint goes over the seam with it.
@@ -422,6 +469,38 @@ fn monitored() -> Rig {
     rig.give(Action::Move(at(X, 10_000.0)));
     rig.run(500);
     rig
+}
+
+/// Homed by its index it rests on a mark. From there it goes off by less than a turn and comes back, from either side: nothing is
+/// missing. Then pulses are, and it is told.
+///
+/// Proves: WF-MON-02
+#[test]
+fn an_axis_that_rests_on_its_mark_goes_back_and_forth() {
+    let mut config = velocity_config();
+    let p = &mut config.axes[1].parameters;
+    (p.encoder.md41, p.encoder.md34, p.max_velocity) = (1, 250, 20_000.0);
+    let mut rig = Rig::of(config);
+    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
+    rig.enable();
+    let home = rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(34) }));
+    rig.run(3_000);
+    assert_eq!((rig.done(home)[0].code, rig.int("x.homed")), (Code::NONE, 1));
+    rig.mirror();
+    for target in
+        [-400, 0, 400, 0, -1, 0, 1, 0, -1, 1, 0, -2_500, 1_000, 999, 1_000, 1_001, 999, -1_000, -1_500, -1_000, 0]
+    {
+        rig.give(Action::Move(to(X, target)));
+        rig.run(1_200);
+        assert_eq!((rig.int("x.actual.position"), error(&rig)), (target, 0));
+    }
+    rig.plant.drive(0).unwrap().jump(-25);
+    rig.run(100);
+    rig.give(Action::Move(to(X, -400)));
+    rig.run(300);
+    rig.give(Action::Move(to(X, 400)));
+    rig.run(300);
+    assert_eq!(error(&rig), i64::from(Code::WF_PULSES.0));
 }
 
 /// Proves: WF-MON-02, WF-MON-06, WF-MON-07, WF-MD-16, WF-MD-18

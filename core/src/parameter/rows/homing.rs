@@ -113,7 +113,7 @@ pub(super) const ROWS: &[Row] = &[
         key: "homing.index_distance",
         measure: Measure::Distance,
         range: DISTANCE,
-        default_text: "a revolution of the encoder, 4 * encoder increments",
+        default_text: "a revolution of the encoder: 4 * encoder increments, encoder of an absolute one",
         description: "Longest way in which an index pulse must come; without one homing ends in an error.",
         source: "MACS-HOME-05",
         get: |p| whole(p.homing.index_distance),

@@ -106,8 +106,9 @@ fn is_nearest(whole: i64, exact: f64) -> bool {
 /// The views by the formulas of the specification (sections 7 to 9 and 1.1).
 fn agree(p: &AxisParameters) -> Result<(), TestCaseError> {
     let encoder = int(p, "encoder") as f64;
-    // MACS-PROF-02: RPM at the encoder, 4 increments a line.
-    let velmax = p.max_velocity * 60.0 / (4.0 * encoder);
+    // MACS-PROF-02: RPM at the encoder, 4 increments a line, of an absolute one 1.
+    let is_absolute = (1..=4).contains(&int(p, "encodertype")) || int(p, "wf.md4") == 1;
+    let velmax = p.max_velocity * 60.0 / (if is_absolute { 1.0 } else { 4.0 } * encoder);
     prop_assert!((real(p, "velmax") - velmax).abs() <= velmax * 1e-12, "VELMAX {} {velmax}", real(p, "velmax"));
     // MACS-PROF-03: RAMPMIN = VELMAX / largest acceleration; MACS-PROF-10: JERKMIN = largest acceleration / largest jerk.
     prop_assert!(is_nearest(int(p, "rampmin"), p.max_velocity / p.max_acceleration * 1e9));
@@ -202,6 +203,50 @@ fn velmaxqc_of_the_defaults_is_that_of_the_manual() {
     set(&mut p, "max_velocity", Value::Real(1000.0));
     assert_eq!(int(&p, "velmaxqc"), 65_536);
     assert_eq!(row("velmaxqc").change(&mut p, Value::Int(5)), Err(Refused::ReadOnly));
+}
+
+/// The values of an absolute encoder are taken 1:1: ENCODER 4096 at 1000 rpm is 1000 * 4096 / 60 inc/s, or 4096000 / 60000 * 65536
+/// in VELMAXQC. It follows the source, in whatever order both are given.
+///
+/// Proves: MACS-ENC-01, MACS-PROF-02
+#[test]
+fn an_absolute_encoder_drops_the_factor_4() {
+    const INCREMENTAL: i64 = 17_895_697;
+    const ABSOLUTE: i64 = 4_473_924;
+    let given = [("encoder", Value::Int(4096)), ("velmax", Value::Real(1000.0))];
+    let mut p = parameters();
+    given.iter().for_each(|(key, value)| set(&mut p, key, *value));
+    for (kind, velmaxqc, revolution) in [
+        (0, INCREMENTAL, 16_384),
+        (1, ABSOLUTE, 4096),
+        (2, ABSOLUTE, 4096),
+        (3, ABSOLUTE, 4096),
+        (4, ABSOLUTE, 4096),
+        (5, INCREMENTAL, 16_384),
+        (9, INCREMENTAL, 16_384),
+        (10, INCREMENTAL, 16_384),
+        // A CANopen encoder behaves as absolute, a drive on the bus as incremental (MACS-ENC-07).
+        (50_012, ABSOLUTE, 4096),
+        (-150_012, ABSOLUTE, 4096),
+        (1_005, INCREMENTAL, 16_384),
+    ] {
+        set(&mut p, "encodertype", Value::Int(kind));
+        assert_eq!((int(&p, "velmaxqc"), p.homing_index_distance()), (velmaxqc, revolution), "encodertype {kind}");
+        assert_eq!(real(&p, "velmax"), 1000.0, "encodertype {kind}");
+        let mut late = parameters();
+        set(&mut late, "encodertype", Value::Int(kind));
+        given.iter().rev().for_each(|(key, value)| set(&mut late, key, *value));
+        assert_eq!(late, p, "encodertype {kind}");
+    }
+    // Gray words of a positioning module are absolute, too.
+    set(&mut p, "encodertype", Value::Int(0));
+    set(&mut p, "wf.md4", Value::Int(1));
+    assert_eq!(int(&p, "velmaxqc"), ABSOLUTE);
+    // A velocity in increments stays what it is; what is shown of it in rpm follows.
+    set(&mut p, "max_velocity", Value::Real(68_266.0));
+    assert_eq!(real(&p, "velmax"), 68_266.0 * 60.0 / 4096.0);
+    set(&mut p, "wf.md4", Value::Int(0));
+    assert_eq!((p.max_velocity, real(&p, "velmax")), (68_266.0, 68_266.0 * 60.0 / 16_384.0));
 }
 
 /// Proves: MACS-O-10, MACS-PROF-10

@@ -137,6 +137,12 @@ impl Circle {
         self.turn.is_some_and(|turn| difference.0.abs() > turn.saturating_mul(i128::from(turns)))
     }
 
+    /// Half a turn as a change of references: those are whole increments, so that half a turn becomes the next one.
+    fn half(self, turn: i128) -> i128 {
+        let unit = self.denominator << 32;
+        (turn / 2 + turn % 2 + unit - 1).div_euclid(unit) * unit
+    }
+
     /// A: what is added to a profile input at `from` for the change `wanted`.
     pub(super) fn added(self, mode: Mode, wanted: Exact, from: Exact) -> Exact {
         let Some(turn) = self.turn else { return wanted };
@@ -147,8 +153,8 @@ impl Circle {
         Exact(match mode {
             Mode::Linear | Mode::MultiTurnDelta => wanted,
             // At exactly half a turn the sign stays (M04).
-            Mode::Shortest if 2 * rest > turn => rest - turn,
-            Mode::Shortest if 2 * rest < -turn => rest + turn,
+            Mode::Shortest if rest > self.half(turn) => rest - turn,
+            Mode::Shortest if rest < -self.half(turn) => rest + turn,
             Mode::Shortest => rest,
             Mode::Forward => forward,
             Mode::Reverse if rest > 0 => rest - turn,

@@ -111,7 +111,7 @@ impl Wf {
                     -1 => Direction::Negative,
                     _ => Direction::Shortest,
                 };
-                Position::whole(modulo.target(end, from, from, direction, 0.0))
+                modulo.target(end, from, from, direction, 0.0)
             }
             _ => end,
         };

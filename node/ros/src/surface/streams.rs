@@ -13,6 +13,7 @@ use lineshaft_core::command::{Setpoints, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::request::{Amount, SetpointRequest, Units};
+use lineshaft_core::unit::number_to_text;
 use lineshaft_msgs::Message;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use lineshaft_msgs::foreign::control_msgs::msg::JointJog;
@@ -80,7 +81,10 @@ fn jog(message: JointJog) -> Result<Asked, String> {
         ));
     }
     if !(duration.is_finite() && duration >= 0.0) {
-        return Err(format!("duration is {duration} s; 0 (until the next message) or more is allowed"));
+        return Err(format!(
+            "duration is {} s; 0 (until the next message) or more is allowed",
+            number_to_text(duration)
+        ));
     }
     // The cast saturates: 584 years. What is less than a nanosecond is one, not for ever.
     let ns = ((duration * 1e9).round() as u64).max(1);

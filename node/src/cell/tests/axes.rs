@@ -125,7 +125,7 @@ fn a_value_that_no_unit_fits_says_why() {
         (
             "max_position",
             "1e15 m",
-            "`1000000000000000 m` is 104857600000000000000000 increments; a position stays below 2^62 = 4611686018427387904 increments",
+            "`1000000000000000 m` is 1.048576e23 increments; a position stays below 2^62 = 4611686018427387904 increments",
         ),
         (
             "in_position_time",

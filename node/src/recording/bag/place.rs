@@ -2,9 +2,10 @@
 
 use super::BagError;
 use crate::recording::metadata;
+use lineshaft_ros::layer::open_file;
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// How metadata.yaml tells that it describes a bag of one file, as [`Place::kind`] has it.
@@ -53,8 +54,9 @@ impl Place {
     /// Bags of one file may share a folder, and metadata.yaml there tells of the newest. That of a bag which needs it stays.
     fn may_describe(&self) -> Result<(), BagError> {
         let description = self.folder().join(metadata::FILE_NAME);
-        match fs::read_to_string(&description) {
-            Ok(text) if !text.lines().any(|line| line.trim() == ONE_FILE) => {
+        let mut text = String::new();
+        match open_file(&description).and_then(|mut file| file.read_to_string(&mut text)) {
+            Ok(_) if !text.lines().any(|line| line.trim() == ONE_FILE) => {
                 let description = description.display();
                 Err(BagError::Refused(format!("{description} describes another bag; name a folder of its own")))
             }

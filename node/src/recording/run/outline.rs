@@ -3,8 +3,9 @@
 use super::error::{Cut, Damage, Reason, RunError};
 use super::fields::{Fields, MessageHead};
 use super::records::{Frame, HEAD, Records, op, what};
+use lineshaft_ros::layer::open_file;
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -89,7 +90,7 @@ impl Outline {
 fn check_start(path: &Path) -> Result<(), RunError> {
     const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
     let mut start = Vec::new();
-    let file = File::open(path).map_err(|error| RunError::Open { path: path.to_owned(), error })?;
+    let file = open_file(path).map_err(|error| RunError::Open { path: path.to_owned(), error })?;
     let read = file.take(16).read_to_end(&mut start);
     read.map_err(|error| RunError::Open { path: path.to_owned(), error })?;
     let path = path.to_owned();

@@ -4,6 +4,7 @@
 //! Refuses  lengths beyond the end of the file and beyond what memory is taken for
 
 use super::error::{Damage, RunError};
+use lineshaft_ros::layer::open_file;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -64,7 +65,7 @@ pub(super) struct Records {
 impl Records {
     /// Opens a file at its first byte; `end` is where the reading ends.
     pub(super) fn open(path: &Path, name: &str, end: u64, with_crc: bool) -> Result<Self, RunError> {
-        let file = File::open(path).map_err(|error| RunError::Open { path: path.to_owned(), error })?;
+        let file = open_file(path).map_err(|error| RunError::Open { path: path.to_owned(), error })?;
         let crc = with_crc.then(crc32fast::Hasher::new);
         let file = BufReader::with_capacity(1 << 16, file);
         Ok(Self { file, name: name.to_owned(), at: 0, end, crc, crc_before: None })

@@ -9,6 +9,7 @@ use crate::event::{Kind, Number};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Layer, Value};
 use crate::sim::{Fixtures, Model};
+use crate::unit::MLONG;
 
 const START: i64 = -12_000;
 
@@ -230,6 +231,54 @@ fn limits_keep_their_places_when_the_position_is_set_and_are_as_given_after_the_
     let sequence = home(&mut rig, 3);
     run_to_end(&mut rig, sequence);
     assert_eq!(limits(&rig), (Some(-10_000), Some(1_000)));
+}
+
+/// POSLIMIT and NEGLIMIT at the ends of their range guard the same places after DEFORIGIN, whether they were on or off, are switched
+/// off and on again there, and what is saved of them is what was given.
+///
+/// Proves: MACS-LIM-01, MACS-LIM-02
+#[test]
+fn limits_at_the_end_of_their_range_keep_their_places() {
+    let on = |rig: &mut Rig, value: i64| {
+        set(rig, "swposlimact", Value::Int(value));
+        set(rig, "swneglimact", Value::Int(value));
+    };
+    for (was_on, turned, by) in
+        [(1, 1, 1_000), (0, 1, 1_000), (1, 1, -1_000), (0, 1, -1_000), (0, -1, 1_000), (1, -1, -7)]
+    {
+        let mut config = cell(0);
+        let p = &mut config.axes[usize::from(X)].parameters;
+        assign(p, "posdrct", Value::Int(turned));
+        let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+        set(&mut rig, "poslimit", Value::Int(MLONG));
+        set(&mut rig, "neglimit", Value::Int(-MLONG));
+        on(&mut rig, was_on);
+        let here = rig.int("x.command.position");
+        set_position(&mut rig, here + by);
+        let limits = |rig: &Rig| {
+            let p = rig.machine.parameters(X).copied().unwrap();
+            (p.min_position, p.max_position)
+        };
+        let guarded = (Some(by - MLONG), Some(by + MLONG));
+        on(&mut rig, 1);
+        assert_eq!(limits(&rig), guarded, "{was_on} {turned} {by}");
+        // Another value of one leaves the place of the other.
+        set(&mut rig, "in_position_window", Value::Int(3));
+        on(&mut rig, 0);
+        set_position(&mut rig, here + by);
+        on(&mut rig, 1);
+        assert_eq!(limits(&rig), guarded, "{was_on} {turned} {by}: off and on");
+        rig.give(Action::SaveParameters(AxisSet::one(X)));
+        let saved = rig.machine.parameter_image().user[usize::from(X)];
+        assert_eq!((saved.min_position, saved.max_position), (Some(-MLONG), Some(MLONG)));
+        assert_eq!((saved.macs.neglimit, saved.macs.poslimit), (-MLONG, MLONG));
+        assert!(saved.is_sound() && rig.machine.parameters(X).unwrap().is_sound());
+        // Off when the zero is found: they are as they were given.
+        on(&mut rig, 0);
+        set_position(&mut rig, here);
+        let p = rig.machine.parameters(X).copied().unwrap();
+        assert_eq!((p.macs.neglimit, p.macs.poslimit), (-MLONG, MLONG));
+    }
 }
 
 /// Software limits of a zero that is not known yet stop nothing.

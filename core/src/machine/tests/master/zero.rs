@@ -100,6 +100,29 @@ fn a_new_value_is_in_master_units() {
     }
 }
 
+/// 1 MU of 2048 / 55 increments is no multiple of 2^-32 increments, and shows as 1 all the same, also behind whole turns.
+///
+/// Proves: MACS-CMD-17, MACS-UNIT-09
+#[test]
+fn a_master_unit_is_shown_as_it_was_given() {
+    for shown in [1.0, -1.0, 0.1, 44.7, 1e6, 123_456.789, 0.0] {
+        let mut cell = cell(-1, 0);
+        let p = &mut cell.axes[usize::from(X)].parameters;
+        (p.macs.mencoder, p.sync_slave, p.sync_master) = (-500, 55, 2_048);
+        let mut rig = Rig::of(cell);
+        rig.enable();
+        let position = MasterPosition::Shown(shown);
+        rig.give(Action::SetMasterPosition(SetMasterPosition { axis: X, position }));
+        assert_eq!(rig.real("x.master.position"), shown);
+        rig.give(Action::Move(to(LINE, 2_048)));
+        rig.run_until("line.state", 1);
+        rig.run(2);
+        assert!((rig.real("x.master.position") - (shown + 55.0)).abs() < 1e-9 * shown.abs().max(1.0));
+        rig.give(Action::SetMasterPosition(SetMasterPosition { axis: X, position }));
+        assert_eq!(rig.real("x.master.position"), shown, "set anew");
+    }
+}
+
 /// An encoder that leads: hard, its value is another one for all of its users, whose limits keep their places; soft, it is what
 /// one axis shows.
 ///

@@ -68,6 +68,27 @@ fn half_a_turn_keeps_its_sign_and_whole_turns_are_none() {
     }
 }
 
+/// Half of 1001 inc is 500.5, of 333 1/3 it is 166 2/3, of 250 1/4 it is 125 1/8: as differences of references up to 501, 167
+/// and 126.
+///
+/// Proves: AMC-ROT-10
+#[test]
+fn half_a_turn_keeps_its_sign_where_it_is_no_whole_increment() {
+    for (numerator, denominator, half) in [(1_001, 1, 501), (1_000, 3, 167), (1_001, 4, 126), (360, 1, 180)] {
+        let circle = Circle::new(Modulo::new(numerator, denominator));
+        let way = |increments| circle.exact(Position::whole(increments));
+        let added = |wanted| circle.added(Shortest, wanted, way(0));
+        for keeps in [half, half - 1, -half, 1 - half] {
+            assert_eq!(added(way(keeps)), way(keeps), "{keeps} of {numerator}/{denominator}");
+        }
+        // An increment more is the other way round, whatever is left of the turn.
+        for (beyond, sign) in [(half + 1, 1), (-half - 1, -1)] {
+            let rest = Exact(way(beyond).0 - sign * circle.turn.unwrap());
+            assert_eq!(added(way(beyond)), rest, "{beyond} of {numerator}/{denominator}");
+        }
+    }
+}
+
 /// Proves: AMC-ROT-11, AMC-ROT-12, AMC-ROT-14, AMC-ROT-15
 #[test]
 fn a_whole_turn_against_the_direction_moves_nothing() {
@@ -169,7 +190,8 @@ proptest! {
             prop_assert_eq!(circle.shown(end).0, reference.0.rem_euclid(turn), "{:?}", mode);
         }
         match mode {
-            Shortest => prop_assert!(2 * added.0.abs() <= turn),
+            // Up to the whole increment that half a turn is for references.
+            Shortest => prop_assert!(added.0.abs() <= turn / 2 + turn % 2 || added.0.abs() - turn / 2 < circle.denominator << 32),
             Forward => prop_assert!((0..turn).contains(&added.0)),
             Reverse => prop_assert!((0..turn).contains(&-added.0)),
             NoRollover => prop_assert_eq!(end.0.div_euclid(turn), from.0.div_euclid(turn), "never crosses"),

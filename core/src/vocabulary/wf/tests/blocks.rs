@@ -3,7 +3,8 @@
 use super::bench::{Bench, MM, again, by, load, start, to};
 use crate::axis::Modulo;
 use crate::command::Length;
-use crate::vocabulary::wf::{Block, Jog, Mode, Request, WfSignal};
+use crate::position::Position;
+use crate::vocabulary::wf::{Block, Jog, Mode, Request, Speed, WfSignal};
 
 fn going(blocks: &[Block]) -> Bench {
     let mut bench = Bench::new();
@@ -206,6 +207,20 @@ fn a_rotary_axis_goes_the_shortest_way_or_that_of_the_jog_inputs() {
     assert_eq!((190 + way(190, Jog::None, by(450, 80.0))) / 200, 3);
     assert_eq!(way(190, Jog::None, to(90, 80.0)), 100, "half a turn: plus (W15)");
     assert_eq!(way(790, Jog::Minus, to(10, 80.0)), -180);
+}
+
+/// A turn of 333 1/3 inc: half of it is 166 2/3 inc, which is reached at 167, and is half a turn all the same.
+#[test]
+fn half_a_turn_of_no_whole_increment_goes_plus() {
+    for (asked, way) in [(500, 167), (501, -166), (499, 166)] {
+        let mut bench = turntable(0);
+        bench.modulo = Modulo::new(1_000, 3);
+        // Thirds of an increment, as the border rounds them.
+        let position = Position::from_raw(((i128::from(asked) << 33) + 3).div_euclid(6));
+        let block = Block { position, speed: Speed::Value(10.0), absolute: true };
+        bench.give(&start(Mode::Mdi, &[block])).unwrap();
+        assert_eq!(bench.int(WfSignal::FollowingError), way, "{asked}/3");
+    }
 }
 
 /// The JOG inputs do not outlive their mode: an input left over must not start the axis.

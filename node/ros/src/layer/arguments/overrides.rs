@@ -1,12 +1,12 @@
 //! Parameters that are given to a node at its start: `-p` and `--params-file`.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
 
 use lineshaft_msgs::foreign::rcl_interfaces::msg::ParameterValue;
 
 use super::yaml::{self, Yaml};
+use crate::layer::file::open_file;
 use crate::layer::name::NodeName;
 
 /// The key below which a node's parameters stand in a file.
@@ -95,7 +95,7 @@ pub(super) fn parse(flag: &str, given: &str) -> Result<Override, String> {
 /// What is wrong, with its place.
 pub(super) fn read_file(path: &str) -> Result<Vec<Override>, String> {
     let mut text = String::new();
-    let opened = File::open(path).and_then(|file| file.take(yaml::LONGEST + 1).read_to_string(&mut text));
+    let opened = open_file(path.as_ref()).and_then(|file| file.take(yaml::LONGEST + 1).read_to_string(&mut text));
     match opened {
         Err(error) => Err(format!("--params-file {path}: {error}")),
         Ok(_) if text.len() as u64 > yaml::LONGEST => {

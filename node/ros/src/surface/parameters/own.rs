@@ -1,6 +1,7 @@
 //! Parameters of the node itself, beside those of the machine: they have no object, and nothing of the motion.
 
 use crate::layer::{CreateError, Given, NodeHandle, Overrides};
+use lineshaft_core::unit::number_to_text;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterType, ParameterValue};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -213,12 +214,13 @@ fn fitting(descriptor: &ParameterDescriptor, mut value: ParameterValue) -> Resul
         _ => &value.double_array_value[..],
     };
     if let Some(bad) = reals.iter().find(|number| !number.is_finite()) {
-        return Err(format!("{name} is {bad}; a finite number is needed"));
+        return Err(format!("{name} is {}; a finite number is needed", number_to_text(*bad)));
     }
     if let Some(range) = descriptor.floating_point_range.first()
         && let Some(bad) = reals.iter().find(|&&number| !(range.from_value..=range.to_value).contains(&number))
     {
-        return Err(format!("{name} is {bad}; {} to {} is allowed", range.from_value, range.to_value));
+        let [bad, from, to] = [*bad, range.from_value, range.to_value].map(number_to_text);
+        return Err(format!("{name} is {bad}; {from} to {to} is allowed"));
     }
     Ok(value)
 }
