@@ -192,8 +192,8 @@ pub struct Axis {
     judge: Judge,
     /// How it stands beyond a software limit, while it follows.
     beyond: Option<motion::Beyond>,
-    /// The software limit that has stopped it, the upper one or not, until it leaves that.
-    stopped_at: Option<bool>,
+    /// The software limit that has stopped it, until it leaves that.
+    stopped_at: Option<motion::Stopped>,
     error: Code,
     /// What was found, and is allowed, when it came.
     error_numbers: goal::Numbers,

@@ -53,6 +53,15 @@ pub(super) struct Beyond {
     inmost: Position,
 }
 
+/// The software limit that has stopped an axis, until it leaves that.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Stopped {
+    /// The upper one.
+    up: bool,
+    /// From where the stop ends to the limit: what has more than that has left it.
+    room: Position,
+}
+
 impl Axis {
     /// The command position of this cycle.
     pub(super) fn advance(&mut self, cx: &mut Context<'_>) {
@@ -216,13 +225,13 @@ impl Axis {
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
         let place = Number::Position(limit.floor());
-        if self.stopped_at == Some(up) {
+        if self.stopped_at.is_some_and(|stopped| stopped.up == up) {
             // It has not left it since: that is a new attempt (MACS-LIM-05).
             self.raise(cx, Code::LIMIT_VIOLATION, Number::Velocity(next.velocity), place);
         } else {
             self.raise(cx, code, Number::None, place);
         }
-        self.stopped_at = Some(up);
+        self.stopped_at = Some(Stopped { up, room: self.room(up, course.end()) });
         self.judge.after_stop = self.after_stop_of(code);
         self.set_state(cx, AxisState::ErrorStop);
         true
@@ -280,11 +289,13 @@ impl Axis {
     /// Keeps how far in an axis beyond a limit has come, from cycle to cycle, and whether it still is where one has stopped it.
     fn watch_beyond(&mut self, cycle: u64) {
         let now = self.command.position;
-        let is_left = |up: bool| {
-            let limit = Position::whole(self.limit(up));
-            if up { now < limit } else { now > limit }
-        };
-        self.stopped_at = self.stopped_at.filter(|up| !is_left(*up));
+        self.stopped_at = self.stopped_at.and_then(|stopped| match &self.generator {
+            // The stop is still under way, and ends closer to the limit than it is now, or elsewhere than it was to.
+            Generator::Plan(course) if self.state == AxisState::ErrorStop => {
+                Some(Stopped { room: self.room(stopped.up, course.end()), ..stopped })
+            }
+            _ => (self.room(stopped.up, now) <= stopped.room + self.slack()).then_some(stopped),
+        });
         let up = [true, false].into_iter().find(|up| {
             let limit = Position::whole(self.limit(*up));
             if *up { now > limit } else { now < limit }
@@ -313,6 +324,12 @@ impl Axis {
         };
         let first = next.velocity > 0.0;
         [first, !first].into_iter().find(|up| beyond(*up))
+    }
+
+    /// From `place` to the software limit in a direction.
+    fn room(&self, up: bool, place: Position) -> Position {
+        let limit = Position::whole(self.limit(up));
+        if up { limit - place } else { place - limit }
     }
 
     /// The software limit in a direction, or the end of all positions.
