@@ -213,12 +213,15 @@ impl Axis {
         let stop = profile::stop(before, &limits, self.setup.cycle_ns).duration() + 2.0 * self.cycle_s();
         // One that hardly moves yet would creep there for long: it stops where it is.
         let is_near = (limit - before.position).to_f64().abs() <= before.velocity.abs() * stop;
-        let plan = if ahead && is_within && is_near {
-            self.plan_stop_at(self.eased(before, limit, &limits), limit, &limits)
-        } else {
-            self.plan_stop(before, &limits)
+        let from = self.eased(before, limit, &limits);
+        let (plan, bound) = match ahead && is_within && is_near {
+            true if self.fits_in_steps(from, limit, &limits) => {
+                (profile::stop(from, &limits, self.setup.cycle_ns), Some((limit, up)))
+            }
+            true => (self.plan_stop_at(from, limit, &limits), None),
+            false => (self.plan_stop(before, &limits), None),
         };
-        let course = Course::new(plan, cx.cycle.saturating_sub(1), Aim::Stop, limits);
+        let course = Course::new(plan, cx.cycle.saturating_sub(1), Aim::Stop, limits).within(bound);
         self.command = course.at(cx.cycle);
         self.generator = Generator::Plan(course);
         self.reference = Reference::Stop;
@@ -250,6 +253,23 @@ impl Axis {
         let least = before.velocity.abs() - ripple / self.cycle_s() - limits.deceleration * self.cycle_s() / 2.0;
         let speed = before.velocity.abs().min(most.max(least));
         Motion { velocity: speed.copysign(before.velocity), ..before }
+    }
+
+    /// Stops it in whole steps before the limit with its deceleration, where continuous time has no room for that? Then it stops so:
+    /// with more, what follows it might not keep up. The way in steps is up to an eighth of what a cycle may change shorter.
+    fn fits_in_steps(&self, from: Motion, limit: Position, limits: &Limits) -> bool {
+        let steps_whole = match &self.generator {
+            Generator::Follow(_) => true,
+            Generator::Track(_) => !self.tracker().is_some_and(|tracker| tracker.is_exact()),
+            _ => false,
+        };
+        let way = (limit - from.position).to_f64().abs();
+        let less = limits.deceleration * self.cycle_s() * self.cycle_s();
+        // At the beginning of its last step, in what a cycle may change.
+        let step = from.velocity.abs() * self.cycle_s() / less + 0.5;
+        let steps = (step * (1.0 + 1e-9)).floor();
+        let in_steps = less * steps * (step - (steps + 1.0) / 2.0);
+        steps_whole && profile::stopping_way(from, limits).abs() > way && in_steps <= way + ROUNDING
     }
 
     /// Which limit `next` itself lies beyond, further out than the last motion: true for the upper one. What is slow enough stops

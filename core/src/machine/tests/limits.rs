@@ -1,3 +1,4 @@
+mod chain;
 mod coupled;
 mod stopped;
 
