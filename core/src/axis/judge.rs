@@ -133,23 +133,31 @@ impl Judge {
         }
     }
 
-    /// Keeps the command of this cycle and gives the one that the actual position answers.
-    fn exchange(&mut self, command: i64) -> i64 {
-        self.place = if self.place + 1 < self.length { self.place + 1 } else { 0 };
-        self.past.get_mut(self.place).map_or(command, |past| std::mem::replace(past, command))
+    /// The oldest command that is kept.
+    fn oldest(&self) -> usize {
+        if self.place + 1 < self.length { self.place + 1 } else { 0 }
+    }
+
+    /// The command that the actual position of this cycle answers.
+    fn answered(&self) -> i64 {
+        self.past.get(self.oldest()).copied().unwrap_or_default()
+    }
+
+    /// Keeps the command of this cycle.
+    fn keep(&mut self, command: i64) {
+        self.place = self.oldest();
+        if let Some(past) = self.past.get_mut(self.place) {
+            *past = command;
+        }
     }
 }
 
 impl Axis {
-    pub(super) fn judge(&mut self, cx: &mut Context<'_>) {
-        let answered = self.judge.exchange(self.asked());
+    /// The errors that the inputs of this cycle show: known before the commands of the cycle, and to the vocabularies.
+    pub(super) fn judge_errors(&mut self, cx: &mut Context<'_>) {
         self.judge.note_step(cx.cycle, self.actual.change, self.slack());
         if !self.is_on() {
-            self.holding.settles_since = None;
             self.judge.following_error = 0;
-            self.judge.leave_window();
-            self.judge.waits_since = None;
-            self.judge.in_position = false;
             return;
         }
         self.judge_jump(cx);
@@ -159,12 +167,20 @@ impl Axis {
         if self.is_open_loop() {
             self.judge.following_error = 0;
         } else if !self.is_virtual() {
-            self.judge_following(cx, answered);
+            self.judge_following(cx, self.judge.answered());
         }
+    }
+
+    /// Is it at its target? Once the commands of the cycle have had their say.
+    pub(super) fn judge_arrival(&mut self, cx: &mut Context<'_>) {
+        self.judge.keep(self.asked());
         if !self.is_on() {
-            return;
-        }
-        if self.rests() {
+            self.holding.settles_since = None;
+            self.judge.following_error = 0;
+            self.judge.leave_window();
+            self.judge.waits_since = None;
+            self.judge.in_position = false;
+        } else if self.rests() {
             self.judge_rest(cx);
         } else {
             self.holding.settles_since = None;
