@@ -153,18 +153,18 @@ impl Machine {
 
     /// One cycle. Allocates nothing, locks nothing, waits for nothing, cannot fail.
     pub fn cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
+        self.events.begin(self.state.cycle, self.state.next_event);
+        self.count_overruns(inputs);
+        let admitted = self.admit(commands);
         // Taking it leaves empty lists, which hold no memory.
         let mut room = std::mem::take(&mut self.seen);
         let read = self.signals.virtual_inputs(&self.state.board);
         let seen = self.state.panel.condition(inputs, &self.config, read, self.state.cycle, &mut room);
-        self.run_cycle(seen, commands, outputs);
+        self.run_cycle(seen, commands, admitted, outputs);
         self.seen = room;
     }
 
-    fn run_cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
-        self.events.begin(self.state.cycle, self.state.next_event);
-        self.count_overruns(inputs);
-        let admitted = self.admit(commands);
+    fn run_cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, admitted: u64, outputs: &mut Outputs) {
         self.read_inputs(inputs, commands, admitted);
         let mut answered = 0;
         match first_trajectory(commands, admitted) {

@@ -45,6 +45,8 @@ stops all axes with a drive, each by its own `error_reaction`, as MACS does (MAC
 comes back, and the reset ends with its code: an open contact or a following error at once, a drive that does not leave its fault after
 5 s. Without power the axis rests once its encoder has gone no further than 2 counts, or than 0.1 % of `max_velocity`, for 5 ms; one that
 does not come to rest is waited for 5 s, one whose drive is lost not at all.
+In the same way an axis that stops first and loses its power or closes its brake then is waited for: until it rests, and not only its
+command; for 5 s at most; and not where it goes away from its command, further than `max_following_error`.
 A brake that the error has closed under power opens with it: the reset ends once the axis takes goals. If it held a following error,
 the axis begins where it stands.
 

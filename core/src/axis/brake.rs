@@ -40,6 +40,8 @@ pub(super) struct Holding {
     pub(super) resumes: bool,
     /// Since when a reset waits for an axis without power to stand.
     pub(super) coasts_since: Option<u64>,
+    /// Since when the command of an axis stands that is to stand before its power goes or its brake closes.
+    pub(super) settles_since: Option<u64>,
     /// The axis had power when this cycle began.
     pub(super) had_power: bool,
     /// Something of this cycle asks for the brake.
@@ -61,6 +63,7 @@ impl Default for Holding {
             clears: false,
             resumes: false,
             coasts_since: None,
+            settles_since: None,
             had_power: false,
             asks_anew: false,
             interrupted: false,
@@ -170,6 +173,15 @@ impl Axis {
         let since = self.holding.coasts_since.unwrap_or(cycle);
         self.holding.coasts_since = coasts.then_some(since);
         is_due && (!coasts || self.has_timed_out(cycle, since))
+    }
+
+    /// Its command stands: does it, too, so that its power may go and its brake close? It is waited for as a reset waits for one that
+    /// coasts, and not at all where it runs away instead. A coast in open loop has been waited for already.
+    pub(super) fn has_come_to_rest(&mut self, cycle: u64) -> bool {
+        let since = *self.holding.settles_since.get_or_insert(cycle);
+        let is_led = !self.is_virtual() && !self.is_open_loop();
+        let settles = is_led && self.turns(cycle) && !self.runs_away();
+        !settles || self.has_timed_out(cycle, since)
     }
 
     /// Does its encoder stand still?

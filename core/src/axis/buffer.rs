@@ -110,13 +110,14 @@ impl Axis {
         if matches!(self.generator, Generator::Follow(_)) {
             return Err(Refusal::new(Code::NOTHING_TO_WAIT_FOR, self.object()));
         }
-        self.check_beside_overlay(&limits)?;
+        let next = Next { sequence, request: *request, limits };
+        let before = self.waiting_ends().last().unwrap_or(self.known_end());
+        let end = self.end_of(&next, before);
+        self.check_beside_overlay(&limits, before.zip(end).map(|(before, end)| end >= before))?;
         if request.mode == MoveMode::Velocity {
             self.check_forward(request.velocity)?;
         }
-        let next = Next { sequence, request: *request, limits };
-        let before = self.waiting_ends().last().unwrap_or(self.known_end());
-        if let Some(end) = self.end_of(&next, before) {
+        if let Some(end) = end {
             self.check_end_forward(before, end)?;
             self.check_target(end, &self.parameters)?;
             let (down, up) = self.overlay_ahead();

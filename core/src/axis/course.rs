@@ -37,6 +37,8 @@ pub(super) struct Course {
     start: u64,
     /// What a superimposed motion has added to it.
     shift: Position,
+    /// Where the last step of a stop in whole steps ends, and does it lead up there?
+    bound: Option<(Position, bool)>,
     /// What it is for.
     pub aim: Aim,
     /// What was asked for; the plan may use less of the velocity (override).
@@ -47,7 +49,21 @@ pub(super) struct Course {
 
 impl Course {
     pub(super) fn new(plan: Plan, start: u64, aim: Aim, limits: Limits) -> Self {
-        Self { plan, start, shift: Position::ZERO, aim, limits, pass: 0.0 }
+        Self { plan, start, shift: Position::ZERO, bound: None, aim, limits, pass: 0.0 }
+    }
+
+    /// It goes no further than there, its plan within a cycle does.
+    pub(super) fn within(self, bound: Option<(Position, bool)>) -> Self {
+        Self { bound, ..self }
+    }
+
+    /// A place of the plan, as far as it goes.
+    fn bounded(&self, place: Position) -> Position {
+        match self.bound {
+            Some((bound, true)) => place.min(bound),
+            Some((bound, false)) => place.max(bound),
+            None => place,
+        }
     }
 
     /// The next goal takes over at the target, with this velocity (inc/s).
@@ -66,7 +82,9 @@ impl Course {
     /// The motion of a cycle.
     pub(super) fn at(&self, cycle: u64) -> Motion {
         let motion = self.plan.at(cycle.saturating_sub(self.start));
-        Motion { position: motion.position + self.shift, ..motion }
+        let place = motion.position + self.shift;
+        let position = self.bounded(place);
+        if position == place { Motion { position, ..motion } } else { Motion::at_rest(position) }
     }
 
     /// The plan has come to its end.
@@ -81,7 +99,7 @@ impl Course {
 
     /// Where the plan ends.
     pub(super) fn end(&self) -> Position {
-        self.plan.end() + self.shift
+        self.bounded(self.plan.end() + self.shift)
     }
 
     /// The velocity with which the plan ends (inc/s).
@@ -102,6 +120,7 @@ impl Course {
     /// Moved as a whole.
     pub(super) fn shift(&mut self, by: Position) {
         self.shift += by;
+        self.bound = self.bound.map(|(bound, up)| (bound + by, up));
         if let Aim::Target(target) = &mut self.aim {
             *target += by;
         }
@@ -133,7 +152,7 @@ impl Course {
     /// Lowest and highest position from `now` to its end.
     pub(super) fn extent_from(&self, now: Position) -> (Position, Position) {
         let (low, high) = self.plan.extent_from(now - self.shift);
-        (low + self.shift, high + self.shift)
+        (self.bounded(low + self.shift), self.bounded(high + self.shift))
     }
 }
 

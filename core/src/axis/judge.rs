@@ -15,7 +15,7 @@ const PAST: usize = MAX_DELAY as usize + 1;
 const TURN_NS: u64 = 20_000_000;
 /// An error that only is reported is told that often (ns).
 const REPEAT_NS: u64 = 1_000_000_000;
-/// An encoder without power that has not moved for so long stands (ns).
+/// An encoder that has not moved for so long stands (ns).
 const STILL_NS: u64 = 5_000_000;
 /// In [`Judge::waits_since`]: it was told.
 const TOLD: u64 = u64::MAX;
@@ -43,7 +43,7 @@ pub(super) struct Judge {
     waits_since: Option<u64>,
     /// At rest at the target, within the window for long enough.
     pub in_position: bool,
-    /// Without power: how far the encoder has gone since it was found to go on.
+    /// How far the encoder has gone since it was found to go on.
     drift: Position,
     /// When that was last.
     drifted: Option<u64>,
@@ -133,25 +133,33 @@ impl Judge {
         }
     }
 
-    /// Keeps the command of this cycle and gives the one that the actual position answers.
-    fn exchange(&mut self, command: i64) -> i64 {
-        self.place = if self.place + 1 < self.length { self.place + 1 } else { 0 };
-        self.past.get_mut(self.place).map_or(command, |past| std::mem::replace(past, command))
+    /// The oldest command that is kept.
+    fn oldest(&self) -> usize {
+        if self.place + 1 < self.length { self.place + 1 } else { 0 }
+    }
+
+    /// The command that the actual position of this cycle answers.
+    fn answered(&self) -> i64 {
+        self.past.get(self.oldest()).copied().unwrap_or_default()
+    }
+
+    /// Keeps the command of this cycle.
+    fn keep(&mut self, command: i64) {
+        self.place = self.oldest();
+        if let Some(past) = self.past.get_mut(self.place) {
+            *past = command;
+        }
     }
 }
 
 impl Axis {
-    pub(super) fn judge(&mut self, cx: &mut Context<'_>) {
-        let answered = self.judge.exchange(self.asked());
+    /// The errors that the inputs of this cycle show: known before the commands of the cycle, and to the vocabularies.
+    pub(super) fn judge_errors(&mut self, cx: &mut Context<'_>) {
+        self.judge.note_step(cx.cycle, self.actual.change, self.slack());
         if !self.is_on() {
-            self.judge.note_step(cx.cycle, self.actual.change, self.slack());
             self.judge.following_error = 0;
-            self.judge.leave_window();
-            self.judge.waits_since = None;
-            self.judge.in_position = false;
             return;
         }
-        (self.judge.drift, self.judge.drifted) = (Position::ZERO, None);
         self.judge_jump(cx);
         if !self.is_on() {
             return;
@@ -159,14 +167,23 @@ impl Axis {
         if self.is_open_loop() {
             self.judge.following_error = 0;
         } else if !self.is_virtual() {
-            self.judge_following(cx, answered);
+            self.judge_following(cx, self.judge.answered());
         }
+    }
+
+    /// Is it at its target? Once the commands of the cycle have had their say.
+    pub(super) fn judge_arrival(&mut self, cx: &mut Context<'_>) {
+        self.judge.keep(self.asked());
         if !self.is_on() {
-            return;
-        }
-        if self.rests() {
+            self.holding.settles_since = None;
+            self.judge.following_error = 0;
+            self.judge.leave_window();
+            self.judge.waits_since = None;
+            self.judge.in_position = false;
+        } else if self.rests() {
             self.judge_rest(cx);
         } else {
+            self.holding.settles_since = None;
             self.judge.leave_window();
             self.judge.waits_since = None;
             self.judge.in_position = false;
@@ -204,6 +221,14 @@ impl Axis {
         self.react(cx, Code::FOLLOWING_ERROR, found, allowed);
     }
 
+    /// Does it go away from its command, further than it may be off?
+    pub(super) fn runs_away(&self) -> bool {
+        let (error, most) = (self.judge.following_error, self.parameters.max_following_error);
+        let leads_off =
+            if error > 0 { self.actual.change < Position::ZERO } else { self.actual.change > Position::ZERO };
+        error.unsigned_abs() > most.unsigned_abs() && leads_off
+    }
+
     /// The following error that there still is, beyond what is tolerated.
     pub(super) fn lasting_following_error(&self, cycle: u64) -> Option<(Number, Number)> {
         let lasts = match self.parameters.supervision.following_error_check {
@@ -215,11 +240,11 @@ impl Axis {
     }
 
     /// How far an encoder that stands may tremble or creep in [`STILL_NS`]: two counts, or a thousandth of the highest speed.
-    fn slack(&self) -> Position {
+    pub(super) fn slack(&self) -> Position {
         Position::from_f64((self.parameters.max_velocity / 1000.0 * STILL_NS as f64 / 1e9).max(2.0))
     }
 
-    /// Does its encoder move without power, as far as it shows? A drive that is lost shows nothing; one that has nothing new in
+    /// Does its encoder move, as far as it shows? A drive that is lost shows nothing; one that has nothing new in
     /// this cycle is waited for.
     pub(super) fn turns(&self, cycle: u64) -> bool {
         let age = |drifted| cycle.saturating_sub(drifted).saturating_mul(self.setup.cycle_ns);

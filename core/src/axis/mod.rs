@@ -1,6 +1,7 @@
 //! One axis: from its drive's inputs to its drive's outputs, once per cycle.
 //!
-//! Law      sense (all axes first) | supervise | advance the generator to t_k | take the mark searched for | apply this cycle's commands | judge | command the drive
+//! Law      sense (all axes first) | supervise | advance the generator to t_k | take the mark searched for | judge following error and encoder |
+//!          apply this cycle's commands | step the vocabularies | judge arrival | command the drive
 //! Reads    the drive's inputs, the leaders that stand earlier in the order, the commands that name the axis
 //! Writes   its signals, its drive's outputs, events
 //! Refuses  each command with a code and the numbers of its sentence; a refused command changes nothing
@@ -192,8 +193,8 @@ pub struct Axis {
     judge: Judge,
     /// How it stands beyond a software limit, while it follows.
     beyond: Option<motion::Beyond>,
-    /// The software limit that has stopped it, the upper one or not, until it leaves that.
-    stopped_at: Option<bool>,
+    /// The software limit that has stopped it, until it leaves that.
+    stopped_at: Option<motion::Stopped>,
     error: Code,
     /// What was found, and is allowed, when it came.
     error_numbers: goal::Numbers,
@@ -334,6 +335,7 @@ impl Axis {
         self.advance(cx);
         self.take_mark(cx);
         self.step_homing(cx);
+        self.judge_errors(cx);
     }
 
     /// The part of a cycle after its commands.
@@ -344,7 +346,7 @@ impl Axis {
         self.follow_stream(cx);
         self.obey_inputs(cx);
         self.heed_stop(cx);
-        self.judge(cx);
+        self.judge_arrival(cx);
         self.settle_selector(cx);
         self.switch_drive(cx);
         self.work_brake(cx.cycle);

@@ -53,6 +53,15 @@ pub(super) struct Beyond {
     inmost: Position,
 }
 
+/// The software limit that has stopped an axis, until it leaves that.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Stopped {
+    /// The upper one.
+    up: bool,
+    /// From where the stop ends to the limit: what has more than that has left it.
+    room: Position,
+}
+
 impl Axis {
     /// The command position of this cycle.
     pub(super) fn advance(&mut self, cx: &mut Context<'_>) {
@@ -204,25 +213,28 @@ impl Axis {
         let stop = profile::stop(before, &limits, self.setup.cycle_ns).duration() + 2.0 * self.cycle_s();
         // One that hardly moves yet would creep there for long: it stops where it is.
         let is_near = (limit - before.position).to_f64().abs() <= before.velocity.abs() * stop;
-        let plan = if ahead && is_within && is_near {
-            self.plan_stop_at(self.eased(before, limit, &limits), limit, &limits)
-        } else {
-            self.plan_stop(before, &limits)
+        let from = self.eased(before, limit, &limits);
+        let (plan, bound) = match ahead && is_within && is_near {
+            true if self.fits_in_steps(from, limit, &limits) => {
+                (profile::stop(from, &limits, self.setup.cycle_ns), Some((limit, up)))
+            }
+            true => (self.plan_stop_at(from, limit, &limits), None),
+            false => (self.plan_stop(before, &limits), None),
         };
-        let course = Course::new(plan, cx.cycle.saturating_sub(1), Aim::Stop, limits);
+        let course = Course::new(plan, cx.cycle.saturating_sub(1), Aim::Stop, limits).within(bound);
         self.command = course.at(cx.cycle);
         self.generator = Generator::Plan(course);
         self.reference = Reference::Stop;
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
         let place = Number::Position(limit.floor());
-        if self.stopped_at == Some(up) {
+        if self.stopped_at.is_some_and(|stopped| stopped.up == up) {
             // It has not left it since: that is a new attempt (MACS-LIM-05).
             self.raise(cx, Code::LIMIT_VIOLATION, Number::Velocity(next.velocity), place);
         } else {
             self.raise(cx, code, Number::None, place);
         }
-        self.stopped_at = Some(up);
+        self.stopped_at = Some(Stopped { up, room: self.room(up, course.end()) });
         self.judge.after_stop = self.after_stop_of(code);
         self.set_state(cx, AxisState::ErrorStop);
         true
@@ -241,6 +253,23 @@ impl Axis {
         let least = before.velocity.abs() - ripple / self.cycle_s() - limits.deceleration * self.cycle_s() / 2.0;
         let speed = before.velocity.abs().min(most.max(least));
         Motion { velocity: speed.copysign(before.velocity), ..before }
+    }
+
+    /// Stops it in whole steps before the limit with its deceleration, where continuous time has no room for that? Then it stops so:
+    /// with more, what follows it might not keep up. The way in steps is up to an eighth of what a cycle may change shorter.
+    fn fits_in_steps(&self, from: Motion, limit: Position, limits: &Limits) -> bool {
+        let steps_whole = match &self.generator {
+            Generator::Follow(_) => true,
+            Generator::Track(_) => !self.tracker().is_some_and(|tracker| tracker.is_exact()),
+            _ => false,
+        };
+        let way = (limit - from.position).to_f64().abs();
+        let less = limits.deceleration * self.cycle_s() * self.cycle_s();
+        // At the beginning of its last step, in what a cycle may change.
+        let step = from.velocity.abs() * self.cycle_s() / less + 0.5;
+        let steps = (step * (1.0 + 1e-9)).floor();
+        let in_steps = less * steps * (step - (steps + 1.0) / 2.0);
+        steps_whole && profile::stopping_way(from, limits).abs() > way && in_steps <= way + ROUNDING
     }
 
     /// Which limit `next` itself lies beyond, further out than the last motion: true for the upper one. What is slow enough stops
@@ -280,11 +309,13 @@ impl Axis {
     /// Keeps how far in an axis beyond a limit has come, from cycle to cycle, and whether it still is where one has stopped it.
     fn watch_beyond(&mut self, cycle: u64) {
         let now = self.command.position;
-        let is_left = |up: bool| {
-            let limit = Position::whole(self.limit(up));
-            if up { now < limit } else { now > limit }
-        };
-        self.stopped_at = self.stopped_at.filter(|up| !is_left(*up));
+        self.stopped_at = self.stopped_at.and_then(|stopped| match &self.generator {
+            // The stop is still under way, and ends closer to the limit than it is now, or elsewhere than it was to.
+            Generator::Plan(course) if self.state == AxisState::ErrorStop => {
+                Some(Stopped { room: self.room(stopped.up, course.end()), ..stopped })
+            }
+            _ => (self.room(stopped.up, now) <= stopped.room + self.slack()).then_some(stopped),
+        });
         let up = [true, false].into_iter().find(|up| {
             let limit = Position::whole(self.limit(*up));
             if *up { now > limit } else { now < limit }
@@ -313,6 +344,12 @@ impl Axis {
         };
         let first = next.velocity > 0.0;
         [first, !first].into_iter().find(|up| beyond(*up))
+    }
+
+    /// From `place` to the software limit in a direction.
+    fn room(&self, up: bool, place: Position) -> Position {
+        let limit = Position::whole(self.limit(up));
+        if up { limit - place } else { place - limit }
     }
 
     /// The software limit in a direction, or the end of all positions.

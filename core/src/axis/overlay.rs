@@ -1,10 +1,11 @@
 //! A superimposed motion: a way that is added to whatever else moves the axis (MC_MoveSuperimposed).
 //!
 //! Law      command = motion under way + superimposed motion; its velocity and acceleration are at most what the motion under
-//!          way leaves of the axis' limits, so that the sum stays within them
+//!          way leaves of the axis' limits, so that the sum stays within them. Where both go the same way throughout they share
+//!          acceleration and deceleration; else the one may slow down while the sum speeds up: then the lower limit holds, too
 //! Refuses  rates beyond what is left, an end beyond a limit
 
-use super::course::{ROUNDING, sharpen};
+use super::course::{Aim, ROUNDING, sharpen};
 use super::goal::{NO_NUMBERS, Numbers};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
@@ -13,6 +14,7 @@ use crate::event::{Event, Number, Refusal};
 use crate::position::Position;
 use crate::profile::{self, Jerks, Limits, Motion, Plan, Shape};
 use crate::sync::follower::Reserve;
+use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
 /// No override: what was planned with one is planned anew.
@@ -47,11 +49,46 @@ impl Overlay {
         (low.min(self.end).min(now) - now, high.max(self.end).max(now) - now)
     }
 
+    /// The way that it goes from now on without turning back: up, or down.
+    fn way(&self) -> Option<bool> {
+        let (low, high) = self.ahead();
+        one_way((low, high), self.end - self.shown.position)
+    }
+
     /// The same from this cycle on with another share of its velocity (%); without any it holds.
     fn planned(self, cycle: u64, share: f64, cycle_ns: u64) -> Self {
         let plan = plan(self.shown, self.end, &self.limits, share, cycle_ns);
         Self { plan, start: cycle, share, ..self }
     }
+}
+
+/// How two motions go that are added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ways {
+    /// Neither ever goes against the other.
+    Same,
+    /// Who knows.
+    Any,
+}
+
+impl Ways {
+    /// What one motion leaves to the other of acceleration and deceleration (inc/s^2).
+    fn left(self, most: &Limits, taken: &Limits) -> (f64, f64) {
+        let least = most.acceleration.min(most.deceleration);
+        let (up, down) = (most.acceleration - taken.acceleration, most.deceleration - taken.deceleration);
+        match self {
+            Self::Same => (up, down),
+            // One slows down, the other one speeds up against it: nobody knows what the sum does.
+            Self::Any => (up.min(least - taken.deceleration), down.min(least - taken.acceleration)),
+        }
+    }
+}
+
+/// The way to an end, up or down, if the lowest and the highest place on it lie nowhere else.
+fn one_way((low, high): (Position, Position), end: Position) -> Option<bool> {
+    let rounding = Position::from_f64(ROUNDING);
+    let is_straight = low >= end.min(Position::ZERO) - rounding && high <= end.max(Position::ZERO) + rounding;
+    (is_straight && end != Position::ZERO).then_some(end > Position::ZERO)
 }
 
 /// A plan from `shown` to `end` with a share of the velocity (%); without any it holds.
@@ -140,13 +177,18 @@ impl Axis {
         sequence: u64,
         request: &Move,
     ) -> Result<(), Refusal> {
-        let (limits, most) = self.remaining_limits(request)?;
         let shown = self.overlay.map_or(Motion::default(), |overlay| overlay.shown);
-        let limits = sharpen(shown, limits, most);
         let end = Position::whole(shown.position.nearest()) + Position::whole(request.target.exact().nearest());
         let share = self.parameters.velocity_override;
-        let plan = plan(shown, end, &limits, share, self.setup.cycle_ns);
-        let overlay = Overlay { sequence, plan, start: cx.cycle, limits, end, share, shown, ending: None };
+        let with = |ways: Ways| {
+            let (limits, most) = self.remaining_limits(request, ways)?;
+            let limits = sharpen(shown, limits, most);
+            let plan = plan(shown, end, &limits, share, self.setup.cycle_ns);
+            Ok(Overlay { sequence, plan, start: cx.cycle, limits, end, share, shown, ending: None })
+        };
+        let straight = self.way_of_motion().filter(|up| *up == (end > shown.position));
+        let beside = straight.and_then(|up| with(Ways::Same).ok().filter(|overlay| overlay.way() == Some(up)));
+        let overlay = beside.map_or_else(|| with(Ways::Any), Ok)?;
         self.check_overlay_forward(&overlay)?;
         self.check_sum(&overlay)?;
         self.end_overlay(cx, Code::REPLACED, NO_NUMBERS);
@@ -195,12 +237,44 @@ impl Axis {
         self.overlay.map_or(Ok(()), |overlay| self.check_sum(&overlay))
     }
 
-    /// A goal that will begin below a superimposed motion asks for no more than that leaves.
-    pub(super) fn check_beside_overlay(&self, limits: &Limits) -> Result<(), Refusal> {
+    /// The way that the motion under way and the goals that wait go without turning back: up, or down. None for what may turn at
+    /// any time: a leader, a stream, a vocabulary, a search.
+    fn way_of_motion(&self) -> Option<bool> {
+        let Generator::Plan(course) = &self.generator else { return None };
+        if self.goal.is_none() || self.owner != Owner::Native || self.searches() || self.probes() {
+            return None;
+        }
+        let here = self.command.position;
+        let (low, high) = course.extent_from(here);
+        let ahead = (low - here, high - here);
+        let up = match course.aim {
+            // What waits behind it may turn.
+            Aim::Velocity(_) if !self.buffer.is_empty() => None,
+            // Once it has its velocity, its plan lies behind it.
+            Aim::Velocity(velocity) => {
+                let (end, rounding) = (course.end(), Position::from_f64(ROUNDING));
+                let is_straight = low >= here.min(end) - rounding && high <= here.max(end) + rounding;
+                (is_straight && self.underlying().velocity * velocity >= 0.0).then_some(velocity > 0.0)
+            }
+            Aim::Target(target) => one_way(ahead, target - here),
+            Aim::Stop => one_way(ahead, course.end() - here),
+        }?;
+        let mut before = self.goal.and_then(|goal| goal.target);
+        let goes_on = self.waiting_ends().all(|end| {
+            let is_on = before.zip(end).is_some_and(|(before, end)| if up { end >= before } else { end <= before });
+            before = end;
+            is_on
+        });
+        goes_on.then_some(up)
+    }
+
+    /// A goal that will begin below a superimposed motion asks for no more than that leaves; it goes up, or down, if that is known.
+    pub(super) fn check_beside_overlay(&self, limits: &Limits, up: Option<bool>) -> Result<(), Refusal> {
         let Some(overlay) = &self.overlay else { return Ok(()) };
         let most = self.parameters.largest_limits();
-        let rate = most.acceleration.min(most.deceleration);
+        let is_same = up.is_some() && up == overlay.way() && up == self.way_of_motion();
         let (taken, code) = (overlay.limits, Code::SUPERIMPOSED_TOO_MUCH);
+        let (speeding, slowing) = if is_same { Ways::Same } else { Ways::Any }.left(&most, &taken);
         let check = |asked: f64, left: f64, number: fn(f64) -> Number| {
             // What is left was rounded.
             let fits = asked <= left * (1.0 + 1e-12);
@@ -208,8 +282,8 @@ impl Axis {
             if fits { Ok(()) } else { Err(refusal) }
         };
         check(limits.velocity, most.velocity - taken.velocity, Number::Velocity)?;
-        let steepest = limits.acceleration.max(limits.deceleration);
-        check(steepest, rate - taken.acceleration.max(taken.deceleration), Number::Acceleration)?;
+        check(limits.acceleration, speeding, Number::Acceleration)?;
+        check(limits.deceleration, slowing, Number::Acceleration)?;
         match least_jerk(most.shape) {
             Some(jerk) => check(most_jerk(limits.shape), jerk - most_jerk(taken.shape), Number::Jerk),
             None => Ok(()),
@@ -218,11 +292,16 @@ impl Axis {
 
     /// What the motion under way leaves of the axis' limits, and all the velocity that it leaves (inc/s); what is asked for
     /// must lie within.
-    fn remaining_limits(&self, request: &Move) -> Result<(Limits, f64), Refusal> {
+    fn remaining_limits(&self, request: &Move, ways: Ways) -> Result<(Limits, f64), Refusal> {
         let most = self.parameters.largest_limits();
+        let usual = self.parameters.usual_limits();
         let used = match &self.generator {
             Generator::Plan(course) => Some(course.limits),
-            Generator::Follow(_) | Generator::Track(_) => Some(self.parameters.usual_limits()),
+            // It keeps within what it is left; of what both can do, whichever way they go, it has the usual share.
+            Generator::Follow(_) | Generator::Track(_) => {
+                let rate = usual.acceleration.min(usual.deceleration);
+                Some(Limits { acceleration: rate, deceleration: rate, ..usual })
+            }
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => None,
         };
         // The goals that wait will move it beside this one too.
@@ -231,11 +310,12 @@ impl Axis {
             Some(Limits { velocity: used.velocity.max(next.velocity), ..used.at_least(&next) })
         });
         let left = |most: f64, used: f64| (most - used).max(0.0);
-        let (mut velocity, mut rate) = (most.velocity, most.acceleration.min(most.deceleration));
+        let (mut velocity, mut speeding, mut slowing) = (most.velocity, most.acceleration, most.deceleration);
         let mut jerk = least_jerk(most.shape);
         if let Some(used) = used {
             velocity = left(velocity, used.velocity.max(self.underlying().velocity.abs()));
-            rate = left(rate, used.acceleration.max(used.deceleration));
+            let (up, down) = ways.left(&most, &used);
+            (speeding, slowing) = (up.max(0.0), down.max(0.0));
             jerk = jerk.map(|jerk| left(jerk, most_jerk(used.shape)));
         }
         let choose = |asked: f64, left: f64, usual: f64, code, number: fn(f64) -> Number| {
@@ -246,7 +326,6 @@ impl Axis {
             }
             Ok(if asked > 0.0 { asked } else { usual.min(left) })
         };
-        let usual = self.parameters.usual_limits();
         let code = Code::SUPERIMPOSED_TOO_MUCH;
         let shape = match (most.shape, jerk) {
             (Shape::Jerk(_), Some(left)) => {
@@ -258,8 +337,8 @@ impl Axis {
         };
         let limits = Limits {
             velocity: choose(request.velocity, velocity, usual.velocity, code, Number::Velocity)?,
-            acceleration: choose(request.acceleration, rate, usual.acceleration, code, Number::Acceleration)?,
-            deceleration: choose(request.deceleration, rate, usual.deceleration, code, Number::Acceleration)?,
+            acceleration: choose(request.acceleration, speeding, usual.acceleration, code, Number::Acceleration)?,
+            deceleration: choose(request.deceleration, slowing, usual.deceleration, code, Number::Acceleration)?,
             shape,
         };
         Ok((limits, velocity))

@@ -267,7 +267,7 @@ impl Axis {
 
     /// Chooses the control word and fills in the drive's outputs.
     pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
-        if self.power == Power::SwitchingOff && self.rests() {
+        if self.power == Power::SwitchingOff && self.rests() && self.has_come_to_rest(cx.cycle) {
             self.give_to_brake(cx.cycle);
             if self.power == Power::Off {
                 self.switch_off(cx);

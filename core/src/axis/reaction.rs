@@ -269,8 +269,16 @@ impl Axis {
         self.command = Motion::at_rest(self.actual.position);
     }
 
-    /// What an error reaction leaves to do once the axis stands.
+    /// Is there something left to do for an error once the axis stands, which still moves?
+    pub(super) fn is_finishing_stop(&self) -> bool {
+        matches!(self.judge.after_stop, 0 | 1 | 3) && self.is_on()
+    }
+
+    /// What an error reaction leaves to do once the axis stands; its command does.
     pub(super) fn finish_stop(&mut self, cycle: u64) {
+        if self.is_finishing_stop() && !self.has_come_to_rest(cycle) {
+            return;
+        }
         let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
         let has_drive = !self.is_virtual();
         match reaction {

@@ -375,7 +375,7 @@ impl Axis {
         let is_going = match self.power {
             Power::Resetting { .. } | Power::Closing { .. } => true,
             Power::DriveStops { .. } => !self.drive_fails(cx) && !self.has_stopped_by_itself(cx.cycle),
-            _ => false,
+            _ => self.is_finishing_stop(),
         };
         let clears = self.holding.clears || self.waiting.waits_for(Until::Healthy);
         let resumes = self.holding.resumes && self.error.is_none();

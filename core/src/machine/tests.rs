@@ -20,6 +20,7 @@ mod meetings;
 mod moments;
 mod moves;
 mod open_loop;
+mod order;
 mod panel;
 mod parameters;
 mod probe;

@@ -314,8 +314,10 @@ fn episode(rig: &mut Rig, numbers: &mut Numbers) -> Fault {
 /// The axis shows the error and does what it asks for, from this cycle to rest.
 fn answers(rig: &mut Rig, code: Code, (at_once, at_rest): (Shown, Shown), text: &str) {
     assert_eq!(rig.int("x.error"), i64::from(code.0), "{text}");
-    // A stop that ends in its first cycle has done what comes behind it, too.
-    let stands = rig.real("x.command.velocity") == 0.0 && !at_once.goes_on;
+    // A stop that ends in its first cycle has done what comes behind it, too. Where the encoder has just gone, but not further than
+    // the following error may be, it is waited for.
+    let jumped = code == Code::ENCODER_JUMP && rig.int("x.following_error").abs() <= 1_000;
+    let stands = rig.real("x.command.velocity") == 0.0 && !at_once.goes_on && !jumped;
     check(rig, if stands { at_rest } else { at_once }, text);
     if at_once.on && !at_once.goes_on {
         // A command of this cycle was on its way already; the next one is that of the stop.

@@ -1,4 +1,6 @@
+mod chain;
 mod coupled;
+mod stopped;
 
 use super::rig::{LINE, Rig, X, at, config, couple, to};
 use crate::code::Code;

@@ -1,10 +1,11 @@
 //! Motion that is added to other motion, and the override.
 
-use super::rig::{LINE, Rig, X, at, couple, to};
+use super::rig::{LINE, Rig, X, at, cases, config, couple, to};
 use crate::code::Code;
-use crate::command::{Action, Move, MoveMode};
+use crate::command::{Action, BufferMode, Move, MoveMode};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
+use proptest::prelude::*;
 
 fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
     let (row, _) = Row::find(key).expect("a row");
@@ -189,4 +190,133 @@ fn the_override_changes_only_the_motion_below() {
     assert_eq!(before, 40_000.0);
     rig.run(2_000);
     assert_eq!(position(&rig), 93_000.0);
+}
+
+/// 1 m/s^2, and so much to slow down with.
+fn with_deceleration(deceleration: f64) -> Rig {
+    let mut config = config(0);
+    config.axes[usize::from(X)].parameters.max_deceleration = Some(deceleration);
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig
+}
+
+/// Runs until all is done; the sum speeds up with no more than 1 m/s^2, and slows down with no more than its limit.
+fn run_within(rig: &mut Rig, deceleration: f64, cycles: u64) -> Result<(), TestCaseError> {
+    for _ in 0..cycles {
+        rig.run(1);
+        let (velocity, rate) = (rig.real("x.command.velocity"), rig.real("x.command.acceleration"));
+        let most = if velocity * rate > 0.0 { 1e6 } else { deceleration };
+        prop_assert!(rate.abs() <= most * (1.0 + 1e-9), "{rate} at {velocity} inc/s");
+        prop_assert!(velocity.abs() <= 100_000.0 * (1.0 + 1e-9), "{velocity}");
+    }
+    Ok(())
+}
+
+/// A default goal has half of each limit, and so has what is superimposed by default and goes the same way: one speeds up with half
+/// of 1 m/s^2, and slows down with half of max_deceleration.
+#[test]
+fn defaults_share_acceleration_and_deceleration() {
+    for deceleration in [0.3e6, 0.5e6, 1e6, 1.5e6, 2e6, 5e6] {
+        for (way, velocity_goal, waits) in
+            [(1, false, 0), (-1, false, 0), (1, true, 0), (-1, true, 0), (1, false, 1), (-1, false, 2)]
+        {
+            let mut rig = with_deceleration(deceleration);
+            let base = if velocity_goal {
+                rig.give(Action::Move(at(X, 50_000.0 * way as f64)))
+            } else {
+                rig.give(Action::Move(to(X, 40_000 * way)))
+            };
+            let behind = |at: i64| Move { buffer_mode: BufferMode::BlendingHigh, ..to(X, at * way) };
+            let wait = (waits == 1).then(|| rig.give(Action::Move(behind(60_000))));
+            rig.run(300);
+            let added = rig.give(Action::Move(over(3_000 * way)));
+            assert!(rig.was_accepted(added), "{deceleration} {way} {velocity_goal} {waits}");
+            let wait = wait.or((waits == 2).then(|| rig.give(Action::Move(behind(60_000)))));
+            assert!(wait.is_none_or(|wait| rig.was_accepted(wait)), "{deceleration} {way}");
+            let k = rig.machine.next_cycle() - 1 - u64::from(waits == 2);
+            run_within(&mut rig, deceleration, 4_000).unwrap();
+            // Half of all: its way is that of a triangle, or to 50 mm/s.
+            let (up, down) = (0.5e6, deceleration / 2.0);
+            let top = (2.0 * 3_000.0 * up * down / (up + down)).sqrt().min(50_000.0);
+            let takes = top / up + top / down + (3_000.0 - top * top / 2.0 * (1.0 / up + 1.0 / down)) / top;
+            assert_eq!(rig.done(added)[0].cycle, k + (takes * 1_000.0 - 1e-6).ceil() as u64, "{deceleration} {way}");
+            if !velocity_goal {
+                let end = if wait.is_some() { 60_000 } else { 40_000 };
+                assert_eq!(rig.done(base)[0].code, Code::NONE);
+                assert!(position(&rig) == (end * way) as f64 || position(&rig) == ((end + 3_000) * way) as f64);
+            }
+        }
+    }
+}
+
+/// The other way the one may slow down while the sum speeds up already: of 1 m/s^2 a goal that slows down with 0.75 m/s^2 leaves
+/// 0.25, one that slows down with 1 m/s^2 nothing.
+#[test]
+fn against_the_motion_under_way_the_lower_limit_holds() {
+    let mut rig = with_deceleration(1.5e6);
+    rig.give(Action::Move(to(X, 40_000)));
+    rig.run(300);
+    let steep = rig.give(Action::Move(Move { acceleration: 260_000.0, ..over(-3_000) }));
+    assert!(rig.refusal(steep).ends_with("leaves: 250 mm/s^2"), "{}", rig.refusal(steep));
+    let steep = rig.give(Action::Move(Move { deceleration: 510_000.0, ..over(-3_000) }));
+    assert!(rig.refusal(steep).ends_with("leaves: 500 mm/s^2"), "{}", rig.refusal(steep));
+    let added = rig.give(Action::Move(over(-3_000)));
+    assert!(rig.was_accepted(added));
+    run_within(&mut rig, 1.5e6, 3_000).unwrap();
+    assert_eq!((position(&rig), rig.done(added)[0].code), (37_000.0, Code::NONE));
+    let mut rig = with_deceleration(2e6);
+    rig.give(Action::Move(to(X, 40_000)));
+    rig.run(300);
+    let against = rig.give(Action::Move(over(-3_000)));
+    assert!(rig.refusal(against).ends_with("leaves: 0 mm/s^2"), "{}", rig.refusal(against));
+    // A goal to the other side that would wait below it asks for too much as well.
+    let along = rig.give(Action::Move(over(3_000)));
+    assert!(rig.was_accepted(along));
+    let back = rig.give(Action::Move(Move { buffer_mode: BufferMode::Buffered, ..to(X, 0) }));
+    assert!(rig.refusal(back).contains("leaves: 0 mm/s^2"), "{}", rig.refusal(back));
+}
+
+/// A coupling keeps within what it is left: what is added has half of the lower limit by default.
+#[test]
+fn a_coupling_leaves_half_to_the_defaults() {
+    for deceleration in [0.4e6, 1e6, 2e6, 5e6] {
+        let mut rig = with_deceleration(deceleration);
+        rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
+        rig.give(Action::Move(Move { velocity: 20_000.0, acceleration: 2e5, deceleration: 2e5, ..to(LINE, 30_000) }));
+        rig.run(200);
+        let added = rig.give(Action::Move(over(500)));
+        assert!(rig.was_accepted(added), "{deceleration}");
+        run_within(&mut rig, deceleration, 3_000).unwrap();
+        assert_eq!((rig.done(added)[0].code, position(&rig)), (Code::NONE, 30_500.0), "{deceleration}");
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    /// Whatever is superimposed on goals, and whatever waits, the sum keeps the limits.
+    #[test]
+    fn the_sum_keeps_acceleration_and_deceleration(
+        deceleration in prop_oneof![0.2e6..6e6_f64, Just(1e6), Just(2e6)],
+        steps in prop::collection::vec((0_u8..4, -20_000_i64..20_000, 0.0..1.2_f64, 0.0..1.2_f64, 1_u64..400), 1..10),
+    ) {
+        let mut rig = with_deceleration(deceleration);
+        for (what, way, speeding, slowing, cycles) in steps {
+            let rates = |goal: Move| Move {
+                velocity: 40_000.0,
+                acceleration: if speeding < 0.4 { 0.0 } else { 1e6 * (speeding - 0.3) },
+                deceleration: if slowing < 0.4 { 0.0 } else { deceleration * (slowing - 0.3) },
+                ..goal
+            };
+            let waits = Move { buffer_mode: BufferMode::BlendingLow, ..to(X, way) };
+            match what {
+                0 if rig.state("x") == "STANDSTILL" => _ = rig.give(Action::Move(rates(to(X, way)))),
+                0 | 1 => _ = rig.give(Action::Move(rates(waits))),
+                _ => _ = rig.give(Action::Move(rates(over(way)))),
+            }
+            run_within(&mut rig, deceleration, cycles)?;
+        }
+        run_within(&mut rig, deceleration, 2_000)?;
+    }
 }

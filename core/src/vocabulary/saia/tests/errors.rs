@@ -87,7 +87,7 @@ fn a_regulator_load_out_of_range_leaves_the_old_parameters_in_force() {
     let output = |rig: &mut Rig| {
         // An error of 320 counts for one cycle.
         rig.plant.drive(0).unwrap().jump(-320);
-        rig.run(2);
+        rig.run(1);
         rig.int("x.saia.output")
     };
     assert_eq!(output(&mut rig), (3 * 320) >> 4);
