@@ -363,6 +363,16 @@ impl MachineConfig {
     /// # Errors
     /// A name that no parameter has, a value of the wrong type or unit; ranges are checked by the machine.
     pub fn resolve_parameter(&self, name: &str, input: &ParameterInput) -> Result<Change, RequestError> {
+        let (axis, row, entry, scale) = self.find_parameter(name)?;
+        let value = parameter::convert(entry, &scale, input).map_err(|error| error.named(name, entry, &scale))?;
+        Ok(Change { axis, row, value })
+    }
+
+    /// The parameter of that name, `axis.key`: its axis or [`MACHINE`], its row with its place, and the scale of the axis.
+    ///
+    /// # Errors
+    /// A name that no parameter has.
+    pub fn find_parameter(&self, name: &str) -> Result<(u16, u16, &'static Row, Scale), RequestError> {
         let unknown = |hint: String| RequestError::UnknownParameter { name: crate::unit::excerpt(name), hint };
         let (object, key) = name.split_once('.').ok_or_else(|| unknown("; parameters are written axis.key".into()))?;
         let is_machine = object == "machine";
@@ -373,8 +383,7 @@ impl MachineConfig {
             return Err(RequestError::NotApplicable { name: name.to_owned(), allowed: entry.applies.text() });
         }
         let scale = axis.map_or(Scale::increments(), |(_, axis)| axis.scale);
-        let value = parameter::convert(entry, &scale, input).map_err(|error| error.named(name, entry, &scale))?;
-        Ok(Change { axis: axis.map_or(MACHINE, |(index, _)| index), row, value })
+        Ok((axis.map_or(MACHINE, |(index, _)| index), row, entry, scale))
     }
 }
 

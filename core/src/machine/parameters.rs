@@ -154,6 +154,15 @@ impl Machine {
         }
     }
 
+    /// The value in force of the parameter at place `row` of [`ROWS`], of an axis or of [`MACHINE`]; none that is left out.
+    pub fn parameter(&self, axis: u16, row: u16) -> Value {
+        let Some(entry) = ROWS.get(usize::from(row)) else { return Value::Unset };
+        if axis == MACHINE {
+            return entry.machine_value(&self.state.panel.parameters);
+        }
+        self.state.axes.get(usize::from(axis)).map_or(Value::Unset, |axis| entry.value(&axis.parameters))
+    }
+
     /// Grows with every change of any parameter or layer.
     pub fn parameter_version(&self) -> u64 {
         self.state.parameter_version
