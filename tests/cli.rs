@@ -126,6 +126,36 @@ fn a_failed_expectation_ends_with_1_and_says_where() {
     assert!(report.contains("FAILED") && report.contains("s.yaml:4:") && report.contains("5 mm"), "{report}");
 }
 
+#[test]
+fn sim_prints_its_events_as_they_come() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = "scenario: refused and done\ncycles: 400\nsteps:\n  \
+                    - {at: 3, do: {move_axis: {axis: x, position: 5 mm}}, refused: {code: NOT_ENABLED}}\n  \
+                    - {at: 4, do: {move_axis: {axis: nobody}}, refused: {code: 10022}}\n  \
+                    - {at: 5, do: {move_axis: {axis: line, position: 1 um}}}\n";
+    std::fs::write(folder.path().join("s.yaml"), scenario).unwrap();
+    let cell = root("launch-configs/demo.yaml");
+    let sim = |more: &[&str]| {
+        let output =
+            lineshaft(folder.path(), &[&["sim", cell.to_str().unwrap(), "--scenario", "s.yaml"], more].concat());
+        assert_eq!(code(&output), 0, "{}{}", text(&output.stdout), text(&output.stderr));
+        text(&output.stdout)
+    };
+    let (plain, told) = (sim(&[]), sim(&["--events"]));
+    let (events, report) = told.split_once("scenario `").unwrap();
+    let without_pace = |report: &str| report.lines().filter(|line| !line.contains("real time")).collect::<String>();
+    assert_eq!(without_pace(&format!("scenario `{report}")), without_pace(&plain));
+    let lines: Vec<_> = events.lines().collect();
+    assert!(
+        lines.contains(&"cycle 3 (0.003 s) warn refused: x: the axis is not enabled; enable it first (code 10007)"),
+        "{events}"
+    );
+    let own = "cycle 4 (0.004 s) warn refused: no axis is called `nobody`; there are ";
+    assert!(lines.iter().any(|line| line.starts_with(own) && line.ends_with(" (code 10022)")), "{events}");
+    assert!(lines.iter().any(|line| line.starts_with("cycle 5 (0.005 s) info accepted: ")), "{events}");
+    assert!(lines.iter().any(|line| line.contains(" info done: ") && !line.contains("code")), "{events}");
+}
+
 /// Unknown keys, wrong units, duplicate names, a limit above its counterpart, a missing file, bad usage: each ends with 2
 /// and starts nothing.
 #[test]

@@ -29,6 +29,7 @@ from ruamel.yaml.error import YAMLError
 import bag_edit
 import bags
 from bag_compare import against_csv
+from bag_index import indexed
 from bag_layout import layout
 from report import Failure, show
 
@@ -165,6 +166,7 @@ def parser():
     command("mcap", mcap, "file")
     command("metadata", metadata, "folder")
     command("torn", torn, "file")
+    command("indexed", indexed, "file")
     p = command("against-csv", against_csv, "bag", "csv")
     p.add_argument("--scale", action="append", default=[], metavar="AXIS=SI",
                    help="m or rad per increment as a fraction, such as x=1/104857600 or turret=2pi/36000")

@@ -1,13 +1,17 @@
 //! What the tests of recordings share: a folder, the program at its prompt, and runs to record.
 
 use std::{
-    env, fs,
+    env,
+    ffi::OsStr,
+    fs,
     path::{Path, PathBuf},
     process::{Command, Output},
 };
 
 use serde_json::Value;
 use tempfile::TempDir;
+
+use super::support::bag_check::bag_check;
 
 /// A file of the workspace.
 pub(crate) fn root(path: &str) -> String {
@@ -117,6 +121,17 @@ impl Bench {
 
 /// Cycles of `tests/recording/scenario.yaml`.
 pub(crate) const CYCLES: u64 = 3000;
+
+/// Panics unless rosbag2 reads all of each file by its indexes, in the order of time; returns the number of messages.
+#[track_caller]
+pub(crate) fn reads_in_time_order<P: AsRef<OsStr>>(files: impl IntoIterator<Item = P>) -> u64 {
+    let read = |file: P| {
+        let seen = bag_check(["indexed".as_ref(), file.as_ref()]);
+        assert_eq!((&seen["finished"], &seen["in_order"]), (&true.into(), &true.into()), "{seen}");
+        count(&seen, &["messages"])
+    };
+    files.into_iter().map(read).sum()
+}
 
 /// A count in an observation, by its path of keys.
 #[track_caller]

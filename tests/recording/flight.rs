@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::bench::{Bench, count, demo};
+use super::bench::{Bench, count, demo, reads_in_time_order};
 use super::support::{bag_check::bag_check, domain::Domain, program::Program};
 
 /// A fault every two seconds, from the third second on.
@@ -42,6 +42,7 @@ fn a_fault_leaves_a_bag_that_replays() {
     assert!(bags[0].starts_with("flight_"), "{bags:?}");
     let bag = bench.path(&format!("flight/{}", bags[0]));
     let seen = bag_check(["rosbags", &bag]);
+    assert_eq!(reads_in_time_order(bench.bag_files(&bag)), count(&seen, &["messages"]));
     assert!(count(&seen, &["counts", "/lineshaft/inputs"]) >= 1000, "the second before the fault is in it: {seen}");
     bench.lineshaft(&["replay", &bag]).with(0);
 }

@@ -42,6 +42,10 @@ fn judge(bench: &Bench, file: &str) -> u64 {
     let left = bag_check(["torn", file]);
     assert_eq!(left["finished"], false, "{file} was finished before the kill: {left}");
     let cycles = count(&left, &["cycles"]);
+    // rosbag2 reads a file without an end in its own order, as it was written: that is the order of time.
+    let scanned = bag_check(["indexed", file]);
+    let messages: u64 = left["counts"].as_object().into_iter().flatten().filter_map(|(_, count)| count.as_u64()).sum();
+    assert_eq!((count(&scanned, &["messages"]), &scanned["in_order"]), (messages, &true.into()), "{file}");
     let info = bench.lineshaft(&["bag", "info", file]);
     let replay = bench.lineshaft(&["replay", file]);
     for ended in [&info, &replay] {

@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use super::bench::{Bench, count, is_long};
+use super::bench::{Bench, count, is_long, reads_in_time_order};
 use super::support::{bag_check::bag_check, domain::Domain, peer::Peer, program::Program};
 
 const EXIT: Duration = Duration::from_secs(30);
@@ -64,6 +64,7 @@ fn a_run_with_random_goals_replays_and_one_changed_bit_is_found() {
     demo.replays(&bag);
 
     let seen = bag_check(["mcap", &bag]);
+    assert_eq!(reads_in_time_order([&bag]), count(&seen, &["messages"]));
     let cycles = count(&seen, &["counts", "/lineshaft/inputs"]);
     assert!(cycles > 5000, "{cycles} cycles");
     assert!(count(&seen, &["counts", "/lineshaft/commands"]) > 10, "{seen}");
@@ -85,6 +86,7 @@ fn a_folder_is_split_by_time_and_rosbags_reads_all_of_it() {
     let parts: u64 =
         files.iter().map(|file| count(&bag_check(["mcap".as_ref(), file.as_os_str()]), &["messages"])).sum();
     assert_eq!(count(&seen, &["messages"]), parts);
+    assert_eq!(reads_in_time_order(&files), parts);
     demo.replays(&bag);
     // Each later file has the machine's state at its start.
     for file in &files[1..] {
@@ -99,7 +101,8 @@ fn a_folder_is_split_by_size() {
     demo.end();
     assert!(demo.bench.bag_files("bag").len() > 1, "{:?}", demo.bench.list("bag"));
     let bag = demo.bench.path("bag");
-    bag_check(["rosbags", &bag]);
+    let seen = bag_check(["rosbags", &bag]);
+    assert_eq!(reads_in_time_order(demo.bench.bag_files("bag")), count(&seen, &["messages"]));
     demo.replays(&bag);
 }
 
@@ -161,6 +164,8 @@ fn the_service_starts_and_stops_bags() {
     }
     bag_check(["rosbags", &demo.bench.path("one")]);
     bag_check(["mcap", &demo.bench.path("two.mcap")]);
+    reads_in_time_order(demo.bench.bag_files("one"));
+    reads_in_time_order([demo.bench.path("two.mcap")]);
     demo.end();
 }
 
@@ -191,7 +196,9 @@ fn the_service_saves_what_the_flight_recorder_holds() {
     let seen = demo.peer.run("record /lineshaft save");
     let bag = seen["path"].as_str().unwrap().to_owned();
     assert!(bag.starts_with(&demo.bench.path("flight/flight_")), "{seen:?}");
-    let cycles = count(&bag_check(["rosbags", &bag]), &["counts", "/lineshaft/inputs"]);
+    let seen = bag_check(["rosbags", &bag]);
+    assert_eq!(reads_in_time_order(demo.bench.bag_files(&bag)), count(&seen, &["messages"]));
+    let cycles = count(&seen, &["counts", "/lineshaft/inputs"]);
     // Two seconds, and up to one more until a state of the machine at its start.
     assert!((1000..=4000).contains(&cycles), "{cycles}");
     demo.replays(&bag);

@@ -8,7 +8,7 @@ use std::{
 
 use serde_json::{Value, json};
 
-use super::bench::{Bench, CYCLES, count, demo, root};
+use super::bench::{Bench, CYCLES, count, demo, reads_in_time_order, root};
 use super::support::{
     bag_check::{bag_check, bag_check_fails},
     setup::python,
@@ -110,6 +110,17 @@ fn rosbags_reads_every_message_by_the_metadata() {
         assert_eq!(seen["start_ns"], 0);
         assert_eq!(count(&seen, &["end_ns"]), (CYCLES - 1) * 1_000_000);
     }
+}
+
+#[test]
+fn rosbag2_reads_every_file_in_the_order_of_time() {
+    let bench = Bench::new();
+    let whole = reads_in_time_order([bench.record("run.mcap")]);
+    let bag = bench.path("bag");
+    let (cell, scenario) = (root("tests/recording/cell.yaml"), root("tests/recording/scenario.yaml"));
+    bench.lineshaft(&["sim", &cell, "--scenario", &scenario, "--record", &bag, "--max-bag-duration", "1"]).with(0);
+    let files = bench.bag_files("bag");
+    assert_eq!((files.len(), reads_in_time_order(&files)), (3, whole));
 }
 
 #[test]

@@ -154,6 +154,15 @@ impl Machine {
         }
     }
 
+    /// The value in force of the parameter at place `row` of [`ROWS`], of an axis or of [`MACHINE`]; none that is left out.
+    pub fn parameter(&self, axis: u16, row: u16) -> Value {
+        let Some(entry) = ROWS.get(usize::from(row)) else { return Value::Unset };
+        if axis == MACHINE {
+            return entry.machine_value(&self.state.panel.parameters);
+        }
+        self.state.axes.get(usize::from(axis)).map_or(Value::Unset, |axis| entry.value(&axis.parameters))
+    }
+
     /// Grows with every change of any parameter or layer.
     pub fn parameter_version(&self) -> u64 {
         self.state.parameter_version
@@ -211,7 +220,7 @@ impl Machine {
             let now = &self.state.axes[index].parameters;
             if is_new(index) { self.candidates[index].output_functions() } else { now.output_functions() }
         };
-        self.config.check_functions(o_error, of).map_err(shared_output)
+        self.config.check_functions(o_error, of, &is_new).map_err(shared_output)
     }
 
     /// Would each output have one function after a power cycle, too, if these axes save what they have?
@@ -223,7 +232,8 @@ impl Machine {
             let kept = if saves { &self.state.axes[index].parameters } else { &self.state.user[index] };
             kept.output_functions()
         };
-        self.config.check_functions(machine.o_error, of).map_err(shared_output)
+        let is_new = |index: usize| axes.contains(index as u16);
+        self.config.check_functions(machine.o_error, of, is_new).map_err(shared_output)
     }
 
     fn count_change(&mut self) {

@@ -299,6 +299,9 @@ struct SimArgs {
     /// Write the traced signals to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    /// Print every event as it comes: cycle, severity, kind, sentence and code
+    #[arg(long)]
+    events: bool,
     #[command(flatten)]
     record: RecordArgs,
     #[command(flatten)]

@@ -14,7 +14,8 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
         }
     };
     let Ok(store) = store::open(&args.store, &mut cell) else { return Exit::Usage };
-    let options = Options { csv: args.csv.clone(), record: args.record.options(), progress: true };
+    let (csv, record) = (args.csv.clone(), args.record.options());
+    let options = Options { csv, record, events: args.events, progress: true };
     match simulate_with(&cell, &scenario, &options, store) {
         Ok(report) => {
             say(&report);

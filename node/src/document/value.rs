@@ -52,6 +52,11 @@ impl<'d> Value<'d> {
         &self.label
     }
 
+    /// The same value, called something else in problems.
+    pub fn called(self, label: impl Into<String>) -> Self {
+        Self { label: label.into(), ..self }
+    }
+
     /// Notes a problem here.
     pub fn refuse(&self, sentence: impl Into<String>, hint: Option<String>) {
         self.problems.push(self.node.place, sentence, hint);

@@ -11,7 +11,7 @@ use super::{Cycle, Encoded, Topic, key_cycles};
 use super::{inputs, verb};
 use crate::cell::Cell;
 use lineshaft_core::code::Code;
-use lineshaft_core::command::Action;
+use lineshaft_core::command::{Action, Command};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Event;
 use lineshaft_core::signal::{Directory, Signal};
@@ -77,7 +77,7 @@ impl Encoder {
         encoded.push(Topic::Inputs, &self.inputs);
         let inputs_crc = encoded.messages().last().map_or(0, |(_, message)| crc32fast::hash(message));
         for event in cycle.events {
-            let text = self.sentence(event, cycle);
+            let text = sentence(event, cycle.commands, &self.config);
             encoded.push(Topic::Events, &messages::event(event, cycle.stamp_ns, &self.config, text));
         }
         self.note_changes(cycle, is_key, inputs_crc);
@@ -90,18 +90,6 @@ impl Encoder {
         }
         self.size = encoded.size();
         encoded
-    }
-
-    fn sentence(&self, event: &Event, cycle: &Cycle<'_>) -> String {
-        let refused = || {
-            let command = cycle.commands.iter().find(|command| command.sequence == event.command)?;
-            match &command.action {
-                Action::Refuse(sentence) => Some(sentence.to_string()),
-                _ => None,
-            }
-        };
-        let refused = if event.code == Code::BAD_REQUEST { refused() } else { None };
-        refused.unwrap_or_else(|| text::sentence(event, &self.config))
     }
 
     fn note_changes(&mut self, cycle: &Cycle<'_>, is_key: bool, inputs_crc: u32) {
@@ -121,6 +109,17 @@ impl Encoder {
             }
         }
     }
+}
+
+/// What an event says. A request that was refused in itself brings its sentence with it, among the commands of the cycle.
+pub fn sentence<'c>(event: &Event, commands: impl IntoIterator<Item = &'c Command>, config: &MachineConfig) -> String {
+    let refused = |command: &Command| match &command.action {
+        Action::Refuse(sentence) if command.sequence == event.command => Some(sentence.to_string()),
+        _ => None,
+    };
+    let is_bad = event.code == Code::BAD_REQUEST;
+    let refused = if is_bad { commands.into_iter().find_map(refused) } else { None };
+    refused.unwrap_or_else(|| text::sentence(event, config))
 }
 
 impl Encoded {

@@ -1,9 +1,12 @@
 //! Section `drive`: what replaces a signal, cycle by cycle.
 //!
 //! Law      n = cycle - at, from n = 0 on:
-//!          values, csv: row n; after the last one `then`: hold it, repeat from the first one, or release the signal
+//!          values, csv: row n; after the last one `then`: hold it, repeat from the first one, release the signal, or hold it
+//!          for N more cycles and then release it
 //!          ramp: from + n per_cycle, exact; whole signals show the floor. `until` is the value at which it ends and then
 //!          holds, repeats or releases; it is met exactly
+//!          the entry of a signal that started last has it, also once it has released it: what an earlier one held does not
+//!          come back
 //!          sine: mean + amplitude sin(2 pi n T / period); the phase is an exact fraction of the period, so that zeros and
 //!          peaks are met and nothing drifts; whole signals show the nearest, half away from zero
 //! Writes   inputs before the machine reads them; memory cells by commands
@@ -33,6 +36,8 @@ pub(super) struct Drive {
     pub kind: Type,
     pub target: Target,
     pub at: u64,
+    /// The cycle from which another entry has the signal.
+    end: u64,
     source: Source,
     then: Then,
 }
@@ -61,6 +66,8 @@ enum Then {
     Hold,
     Repeat,
     Release,
+    /// For so many more cycles; then release.
+    HoldFor(u64),
 }
 
 /// (start + n step) / denominator; the sums of a whole scenario fit.
@@ -116,9 +123,9 @@ impl Sine {
 }
 
 impl Drive {
-    /// The value of a cycle; none before it starts and after it has released the signal.
+    /// The value of a cycle; none before it starts, after it has released the signal and once another entry has it.
     pub(super) fn value(&self, cycle: u64) -> Option<Number> {
-        let n = cycle.checked_sub(self.at)?;
+        let n = cycle.checked_sub(self.at).filter(|_| cycle < self.end)?;
         let length = match &self.source {
             Source::Rows(rows) => rows.len() as u64,
             Source::Ramp(Ramp { end: Some((reached, _)), .. }) => reached.saturating_add(1),
@@ -128,7 +135,8 @@ impl Drive {
             _ if n < length => n,
             Then::Hold => length - 1,
             Then::Repeat => n % length,
-            Then::Release => return None,
+            Then::HoldFor(cycles) if n - length < cycles => length - 1,
+            Then::Release | Then::HoldFor(_) => return None,
         };
         match &self.source {
             Source::Rows(rows) => usize::try_from(n).ok().and_then(|n| rows.get(n)).copied(),
@@ -195,6 +203,13 @@ impl Reader<'_> {
             drives.push(drive);
         }
         drives.sort_by_key(|drive| drive.at);
+        for index in 0..drives.len() {
+            let (earlier, later) = drives.split_at_mut(index);
+            let [later, ..] = later else { continue };
+            for drive in earlier.iter_mut().filter(|drive| drive.signal == later.signal) {
+                drive.end = drive.end.min(later.at);
+            }
+        }
         drives
     }
 
@@ -213,7 +228,7 @@ impl Reader<'_> {
             Some((_, then)) => then?,
         };
         let (name, kind, place) = (entry.name.clone(), entry.kind, item.place());
-        Some(Drive { place, name, signal, kind, target, at: at?, source: source?, then })
+        Some(Drive { place, name, signal, kind, target, at: at?, end: u64::MAX, source: source?, then })
     }
 
     fn start(&self, value: &Value<'_>) -> Option<u64> {
@@ -296,7 +311,14 @@ impl Reader<'_> {
     }
 
     fn then(&self, value: &Value<'_>, source: Option<&Source>) -> Option<Then> {
-        let then = value.choice(&[("hold", Then::Hold), ("repeat", Then::Repeat), ("release", Then::Release)])?;
+        let then = if value.is_map() {
+            let mut map = value.map("then")?;
+            let cycles = map.required("hold").map(|value| positive_cycles(&value, self.cycle_ns));
+            map.finish();
+            Then::HoldFor(cycles??)
+        } else {
+            value.choice(&[("hold", Then::Hold), ("repeat", Then::Repeat), ("release", Then::Release)])?
+        };
         let endless = match source {
             Some(Source::Sine(_)) => "a sine",
             Some(Source::Ramp(Ramp { end: None, .. })) => "a ramp without until",

@@ -4,15 +4,17 @@
 //!          a condition holds in every cycle from..to (always), in one of them (eventually), in none (never); `at` is a
 //!          window of one cycle; without any of them the window is the whole scenario
 //!          events of a kind, source.. occur count times, or min to max times; without any of them at least once
-//!          `since: STEP` counts from the cycle in which that step fired first; `end` stays the last cycle
+//!          a mode says the same of events: eventually at least one, never none
+//!          `since: STEP` counts from the cycle in which that step fired first, also backwards; `end` stays the last cycle
 //! Source   contract section 5
 
 use super::drive::rows;
 use super::moment::{Moment, positive_cycles, text};
 use super::names::{Names, did_you_mean, nearest};
 use super::predicate::{Predicate, Probe};
+use super::refusal::contains;
 use super::ruler::{self, Ruler};
-use super::step::Step;
+use super::step::{Step, Trigger};
 use crate::document::{Map, Place, Value};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Event, Kind, Severity};
@@ -48,6 +50,8 @@ pub(super) enum Mode {
     Never,
 }
 
+const MODES: [(&str, Mode); 3] = [("always", Mode::Always), ("eventually", Mode::Eventually), ("never", Mode::Never)];
+
 /// Which events count.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Filter {
@@ -71,7 +75,7 @@ impl Filter {
             && self.code.is_none_or(|code| code == event.code.0)
             && self.age_ns.is_none_or(|age| age == event.age_ns)
             && self.increments.is_none_or(|increments| increments == event.position.floor())
-            && self.text.as_ref().is_none_or(|text| sentence(event, config).contains(text.as_str()))
+            && self.text.as_ref().is_none_or(|text| contains(&sentence(event, config), text))
     }
 }
 
@@ -108,6 +112,14 @@ impl Reader<'_> {
             Some(step) => Some(step?),
         };
         let (from, to) = window?;
+        if let Some(step) = since.and_then(|step| self.steps.get(step))
+            && let Trigger::At(cycle) = step.trigger
+            && let Some(back) = [from, to].map(Moment::back).into_iter().max().filter(|back| *back > cycle)
+        {
+            let (name, cycle) = (excerpt(step.name.as_deref().unwrap_or_default()), text(cycle, self.cycle_ns));
+            item.refuse(format!("{back} cycles before step `{name}` lies before cycle 0; it fires in {cycle}"), None);
+            return None;
+        }
         Some(Expectation { place: item.place(), since, from, to, claim: claim? })
     }
 
@@ -128,14 +140,12 @@ impl Reader<'_> {
         let to = if is_list { None } else { map.optional("to") };
         let from = map.optional("from");
         let read = |value: &Value<'_>| {
+            if is_relative {
+                return Moment::read_relative(value, self.cycle_ns);
+            }
             let moment = Moment::read(value, self.cycle_ns)?;
-            let is_inside = match moment {
-                Moment::Cycle(cycle) if !is_relative => {
-                    super::refuse_beyond_end(value, cycle, self.cycles, self.cycle_ns)
-                }
-                _ => true,
-            };
-            is_inside.then_some(moment)
+            let cycle = moment.after(0, self.cycles - 1);
+            super::refuse_beyond_end(value, cycle, self.cycles, self.cycle_ns).then_some(moment)
         };
         if let Some(at) = at {
             if let Some(other) = from.or(to) {
@@ -150,12 +160,17 @@ impl Reader<'_> {
             last = self.last_value(map, first, values.len() as u64, *every, is_relative)?;
         }
         let end = self.cycles - 1;
-        if let (false, Some(to)) = (is_relative && last == Moment::End, to)
-            && first.after(0, end) > last.after(0, end)
-        {
-            let (first, last) = (first.after(0, end), last.after(0, end));
-            to.refuse(format!("to is {}, before from {}", text(last, self.cycle_ns), text(first, self.cycle_ns)), None);
-            return None;
+        match (first, last, to) {
+            (Moment::Cycle(first), Moment::Cycle(last), Some(to)) if is_relative && first > last => {
+                to.refuse(format!("to is {last} cycles from the step, before from {first}"), None);
+                return None;
+            }
+            (first, last, Some(to)) if !is_relative && first.after(0, end) > last.after(0, end) => {
+                let [first, last] = [first, last].map(|moment| text(moment.after(0, end), self.cycle_ns));
+                to.refuse(format!("to is {last}, before from {first}"), None);
+                return None;
+            }
+            _ => {}
         }
         Some((first, last))
     }
@@ -165,13 +180,17 @@ impl Reader<'_> {
         if from == Moment::End && count == 1 {
             return Some(Moment::End);
         }
-        let last = from.after(0, end).saturating_add(every.saturating_mul(count - 1));
-        if last > end && !is_relative {
+        let way = every.saturating_mul(count - 1);
+        if let (true, Moment::Cycle(first)) = (is_relative, from) {
+            return Some(Moment::Cycle(first.saturating_add_unsigned(way)));
+        }
+        let last = from.after(0, end).saturating_add(way);
+        if last > end {
             let (last, end) = (text(last, self.cycle_ns), text(end, self.cycle_ns));
             map.refuse(format!("value {count} of {count} stands at {last}; the scenario ends with {end}"), None);
             return None;
         }
-        Some(Moment::Cycle(last))
+        Some(Moment::Cycle(i64::try_from(last).ok()?))
     }
 
     fn values(&self, map: &mut Map<'_>) -> Option<Claim> {
@@ -185,19 +204,34 @@ impl Reader<'_> {
 
     fn condition(&self, map: &mut Map<'_>) -> Option<Claim> {
         let predicate = Predicate::read(map, self.names);
-        let modes = [("always", Mode::Always), ("eventually", Mode::Eventually), ("never", Mode::Never)];
-        let mode = map.optional("mode").map_or(Some(Mode::Always), |value| value.choice(&modes));
+        let mode = map.optional("mode").map_or(Some(Mode::Always), |value| value.choice(&MODES));
         Some(Claim::Condition { predicate: predicate?, mode: mode? })
     }
 
     fn events(&self, map: &mut Map<'_>) -> Option<Claim> {
         let filter = map.optional("event").and_then(|value| self.filter(&value));
-        let [count, min, max] = ["count", "min", "max"].map(|key| map.optional(key));
+        let [count, min, max, mode] = ["count", "min", "max", "mode"].map(|key| map.optional(key));
         let read = |value: &Option<Value<'_>>| value.as_ref().map(|value| value.integer(0..=u64::MAX >> 1));
         let (exact, low, high) = (read(&count), read(&min), read(&max));
         if let (Some(_), Some(other)) = (&count, min.as_ref().or(max.as_ref())) {
             other.refuse(format!("count and {} stand side by side; one of them is expected", other.label()), None);
             return None;
+        }
+        if let Some(mode) = mode {
+            if let Some(other) = count.as_ref().or(min.as_ref()).or(max.as_ref()) {
+                mode.refuse(format!("mode and {} stand side by side; one of them is expected", other.label()), None);
+                return None;
+            }
+            let (min, max) = match mode.choice(&MODES)? {
+                Mode::Eventually => (1, None),
+                Mode::Never => (0, Some(0)),
+                Mode::Always => {
+                    let sentence = "mode is always, which has no meaning for an event: it has no length";
+                    mode.refuse(sentence, Some("eventually, never, or count, min and max have".to_owned()));
+                    return None;
+                }
+            };
+            return Some(Claim::Events { filter: filter?, min, max });
         }
         let (low, high) = match (exact, low, high) {
             (Some(count), _, _) => (count?, Some(count?)),

@@ -2,11 +2,11 @@
 
 use super::expect::{Claim, Expectation, Mode};
 use super::moment::text;
-use super::predicate::{Predicate, Probe};
+use super::predicate::{Predicate, Probe, same};
 use super::report::Failure;
-use lineshaft_core::config::MachineConfig;
-use lineshaft_core::event::Event;
-use lineshaft_core::signal::{Board, Value as Number};
+use lineshaft_core::machine::Machine;
+use lineshaft_core::signal::Value as Number;
+use std::collections::VecDeque;
 
 /// Cycles of events that a report lists.
 const LISTED: usize = 8;
@@ -25,14 +25,26 @@ pub(super) struct Record {
     /// The last cycle of the window so far.
     last: Option<(u64, String)>,
     listed: Vec<u64>,
+    /// The newest cycles, while the step that they may count from has not fired.
+    past: VecDeque<Sample>,
+    /// Memory for the cycle that is judged.
+    now: Sample,
+}
+
+/// What an expectation saw in a cycle.
+#[derive(Clone, Debug, Default)]
+struct Sample {
+    cycle: u64,
+    /// Of each test, or of the probe.
+    values: Vec<Number>,
+    /// Events that count.
+    events: u64,
 }
 
 /// A cycle that has run.
 pub(super) struct Seen<'a> {
     pub cycle: u64,
-    pub board: &'a Board,
-    pub events: &'a [Event],
-    pub config: &'a MachineConfig,
+    pub machine: &'a Machine,
     /// For each step, the cycle in which it fired first.
     pub fired: &'a [Option<u64>],
 }
@@ -48,18 +60,59 @@ pub(super) struct End<'a> {
 }
 
 impl Expectation {
-    /// First and last cycle; none while the step that they count from has not fired.
-    fn window(&self, fired: &[Option<u64>], last: u64) -> Option<(u64, u64)> {
-        let base = match self.since {
-            None => 0,
-            Some(step) => fired.get(step).copied().flatten()?,
-        };
-        Some((self.from.after(base, last), self.to.after(base, last)))
+    /// The cycle that its window counts from; none while its step has not fired.
+    fn base(&self, fired: &[Option<u64>]) -> Option<u64> {
+        self.since.map_or(Some(0), |step| fired.get(step).copied().flatten())
     }
 
-    /// Judges a cycle.
+    /// First and last cycle of the window.
+    fn window(&self, base: u64, last: u64) -> (u64, u64) {
+        (self.from.after(base, last), self.to.after(base, last))
+    }
+
+    /// How many cycles before its step the window begins.
+    fn back(&self) -> u64 {
+        self.from.back().max(self.to.back())
+    }
+
+    /// Judges a cycle; what lies before a step waits until it has fired.
     pub(super) fn judge(&self, record: &mut Record, seen: &Seen<'_>, last: u64) {
-        let Some((from, to)) = self.window(seen.fired, last) else { return };
+        let Some(base) = self.base(seen.fired) else {
+            if self.back() > 0 {
+                // The oldest one makes room: its values need no new memory.
+                let is_full = record.past.len() as u64 >= self.back();
+                let mut sample = if is_full { record.past.pop_front() } else { None }.unwrap_or_default();
+                self.look(seen, &mut sample);
+                record.past.push_back(sample);
+            }
+            return;
+        };
+        let window = self.window(base, last);
+        for sample in std::mem::take(&mut record.past) {
+            self.judge_sample(record, &sample, window, last);
+        }
+        if (window.0..=window.1).contains(&seen.cycle) {
+            let mut sample = std::mem::take(&mut record.now);
+            self.look(seen, &mut sample);
+            self.judge_sample(record, &sample, window, last);
+            record.now = sample;
+        }
+    }
+
+    fn look(&self, seen: &Seen<'_>, sample: &mut Sample) {
+        sample.cycle = seen.cycle;
+        sample.values.clear();
+        match &self.claim {
+            Claim::Values { probe, .. } => sample.values.push(probe.value(seen.machine)),
+            Claim::Condition { predicate, .. } => predicate.look(seen.machine, &mut sample.values),
+            Claim::Events { filter, .. } => {
+                let events = seen.machine.events().iter();
+                sample.events = events.filter(|event| filter.takes(event, seen.machine.config())).count() as u64;
+            }
+        }
+    }
+
+    fn judge_sample(&self, record: &mut Record, seen: &Sample, (from, to): (u64, u64), last: u64) {
         if !(from..=to).contains(&seen.cycle) {
             return;
         }
@@ -70,10 +123,9 @@ impl Expectation {
                     .ok()
                     .and_then(|row| values.get(row))
                     .filter(|_| n.is_multiple_of(*every));
-                let Some(row) = row else { return };
+                let (Some(row), Some(&found)) = (row, seen.values.first()) else { return };
                 record.judged += 1;
-                let found = probe.value(seen.board);
-                if found != *row {
+                if !same(found, *row) {
                     record.count += 1;
                     record.first.get_or_insert_with(|| (seen.cycle, probe.ruler.text(found)));
                 }
@@ -82,23 +134,25 @@ impl Expectation {
                 record.judged += 1;
                 judge_condition(predicate, *mode, record, seen);
                 if seen.cycle == to || seen.cycle == last {
-                    record.last = Some((seen.cycle, predicate.found(seen.board)));
+                    record.last = Some((seen.cycle, predicate.found(&seen.values)));
                 }
             }
-            Claim::Events { filter, .. } => {
-                for _ in seen.events.iter().filter(|event| filter.takes(event, seen.config)) {
-                    record.count += 1;
-                    if record.listed.len() < LISTED {
-                        record.listed.push(seen.cycle);
-                    }
-                }
+            Claim::Events { .. } => {
+                record.count += seen.events;
+                let room = LISTED - record.listed.len();
+                let times = usize::try_from(seen.events).unwrap_or(room).min(room);
+                record.listed.extend(std::iter::repeat_n(seen.cycle, times));
             }
         }
     }
 
     /// What is wrong in the end; none when nothing is, or nothing could be judged as an optional step never fired.
     pub(super) fn verdict(&self, record: &Record, end: &End<'_>) -> Option<Failure> {
-        let (from, to) = self.window(end.fired, end.last)?;
+        let base = self.base(end.fired)?;
+        if let Some(sentence) = self.before_start(base, end) {
+            return Some(Failure { place: self.place, sentence });
+        }
+        let (from, to) = self.window(base, end.last);
         let window = Window { from, to: to.min(end.last), end };
         let sentence = match &self.claim {
             Claim::Values { probe, values, every } => values_verdict(probe, values, *every, record, &window),
@@ -107,6 +161,13 @@ impl Expectation {
         };
         let sentence = sentence.or_else(|| self.unfinished(to, end))?;
         Some(Failure { place: self.place, sentence })
+    }
+
+    /// A window that begins before the scenario cannot be judged.
+    fn before_start(&self, base: u64, end: &End<'_>) -> Option<String> {
+        let back = self.back();
+        let fired = text(base, end.cycle_ns);
+        (back > base).then(|| format!("it reaches {back} cycles back, before cycle 0; the step fired in {fired}"))
     }
 
     /// A window that the scenario has not covered proves nothing, but where one cycle is enough.
@@ -121,23 +182,24 @@ impl Expectation {
     }
 }
 
-fn judge_condition(predicate: &Predicate, mode: Mode, record: &mut Record, seen: &Seen<'_>) {
-    let holds = predicate.holds(seen.board);
+fn judge_condition(predicate: &Predicate, mode: Mode, record: &mut Record, seen: &Sample) {
+    let holds = predicate.holds(&seen.values);
     let counts = match mode {
         Mode::Always => !holds,
         Mode::Eventually | Mode::Never => holds,
     };
     if counts {
         record.count += 1;
-        record.first.get_or_insert_with(|| (seen.cycle, predicate.found(seen.board)));
+        record.first.get_or_insert_with(|| (seen.cycle, predicate.found(&seen.values)));
     }
     if mode == Mode::Eventually
         && record.count == 0
-        && let Predicate::Test { probe, check } = predicate
-        && let Some(miss) = check.miss(probe.value(seen.board))
+        && let Predicate::Test { check, .. } = predicate
+        && let Some(&value) = seen.values.first()
+        && let Some(miss) = check.miss(value)
         && record.closest.is_none_or(|(closest, _, _)| miss < closest)
     {
-        record.closest = Some((miss, seen.cycle, probe.value(seen.board)));
+        record.closest = Some((miss, seen.cycle, value));
     }
 }
 

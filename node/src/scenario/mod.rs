@@ -30,6 +30,7 @@ mod names;
 mod outcome;
 mod player;
 mod predicate;
+mod refusal;
 mod report;
 mod ruler;
 mod simulate;

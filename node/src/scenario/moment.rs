@@ -1,7 +1,9 @@
 //! Cycles and times of a scenario.
 //!
 //! Law      an integer is a cycle; a time is the first cycle with t_k >= it, k = ceil(time / T); `end` is the last cycle
-//! Refuses  a bare number that is not whole (cycles or seconds?), negative ones, parts of a nanosecond
+//!          counted from a step, both may be negative: cycles before it
+//! Refuses  a bare number that is not whole (cycles or seconds?), negative ones where nothing is counted from, parts of a
+//!          nanosecond
 //! Source   contract section 5
 
 use crate::document::{Allowed, Value};
@@ -10,10 +12,14 @@ use lineshaft_core::unit::{Dimension, excerpt, parse_decimal};
 /// Longest scenario: 31 years of 1 ms.
 pub(super) const MAX_CYCLES: u64 = 1_000_000_000_000;
 
+/// How far before a step a moment may lie (cycles): what was seen until it fired is kept so long.
+pub(super) const MAX_BACK: u64 = 100_000;
+
 /// A cycle, as it may be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moment {
-    Cycle(u64),
+    /// Negative: before what it is counted from.
+    Cycle(i64),
     End,
 }
 
@@ -23,14 +29,54 @@ impl Moment {
         if value.peek() == Some("end") {
             return Some(Self::End);
         }
-        cycles(value, cycle_ns).map(Self::Cycle)
+        cycles(value, cycle_ns).map(Self::cycle)
     }
 
-    /// Its cycle, counted from `base`; `end` is `last` from everywhere.
-    pub(super) fn after(self, base: u64, last: u64) -> u64 {
+    /// The same, counted from a step: it may lie up to [`MAX_BACK`] cycles before it.
+    pub(super) fn read_relative(value: &Value<'_>, cycle_ns: u64) -> Option<Self> {
+        if !value.peek().is_some_and(|text| text.trim_start().starts_with('-')) {
+            return Self::read(value, cycle_ns);
+        }
+        let back = if value.is_integer() {
+            let least = -i64::try_from(MAX_CYCLES).unwrap_or(i64::MAX);
+            value.integer(least..=0).map(i64::unsigned_abs)?
+        } else {
+            // The first cycle with t_k >= -time: of a part of a cycle nothing is before.
+            let ns = time_ns(value, &Allowed::Any)?;
+            ns.unsigned_abs() / cycle_ns
+        };
+        if back > MAX_BACK {
+            let sentence = format!("{} is {back} cycles before the step; up to {MAX_BACK} are allowed", value.label());
+            value.refuse(sentence, None);
+            return None;
+        }
+        Some(Self::Cycle(-i64::try_from(back).ok()?))
+    }
+
+    fn cycle(cycle: u64) -> Self {
+        // No scenario has that many cycles.
+        Self::Cycle(i64::try_from(cycle).unwrap_or(i64::MAX))
+    }
+
+    /// Its cycle, counted from `base`; `end` is `last` from everywhere. None before cycle 0.
+    pub(super) fn from(self, base: u64, last: u64) -> Option<u64> {
         match self {
-            Self::Cycle(cycle) => base.saturating_add(cycle),
-            Self::End => last,
+            Self::Cycle(cycle) if cycle >= 0 => Some(base.saturating_add(cycle.unsigned_abs())),
+            Self::Cycle(cycle) => base.checked_sub(cycle.unsigned_abs()),
+            Self::End => Some(last),
+        }
+    }
+
+    /// As [`Moment::from`]; what lies before cycle 0 is cycle 0.
+    pub(super) fn after(self, base: u64, last: u64) -> u64 {
+        self.from(base, last).unwrap_or(0)
+    }
+
+    /// How many cycles before what it is counted from it lies.
+    pub(super) fn back(self) -> u64 {
+        match self {
+            Self::Cycle(cycle) if cycle < 0 => cycle.unsigned_abs(),
+            _ => 0,
         }
     }
 }
@@ -61,14 +107,18 @@ pub(super) fn positive_cycles(value: &Value<'_>, cycle_ns: u64) -> Option<u64> {
 
 /// A time in nanoseconds, not negative.
 pub(super) fn nanoseconds(value: &Value<'_>) -> Option<u64> {
+    time_ns(value, &Allowed::NotNegative).and_then(|ns| u64::try_from(ns).ok())
+}
+
+fn time_ns(value: &Value<'_>, allowed: &Allowed) -> Option<i64> {
     if let Some(text) = bare(value) {
         let sentence = format!("{} is {text}; a whole number of cycles, or a time with its unit", value.label());
         value.refuse(format!("{sentence} is allowed"), Some(format!("write `{text} s`")));
         return None;
     }
-    let quantity = value.quantity(&[Dimension::Time], &Allowed::NotNegative)?;
+    let quantity = value.quantity(&[Dimension::Time], allowed)?;
     match quantity.nanoseconds() {
-        Ok(ns) => u64::try_from(ns).ok(),
+        Ok(ns) => Some(ns),
         Err(error) => {
             value.refuse(format!("{}: {error}", value.label()), error.hint());
             None

@@ -3,6 +3,8 @@
 use crate::document::Value;
 use lineshaft_core::config::{IoKind, MachineConfig};
 use lineshaft_core::object::Object;
+use lineshaft_core::parameter::{ROWS, Row, Word};
+use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::unit::{Scale, excerpt};
 
@@ -41,6 +43,17 @@ impl Names<'_> {
         self.objects().find(|(known, _)| *known == name).map(|(_, object)| object)
     }
 
+    /// The parameter of that name: axis or machine, its row with its place, and the scale of the axis.
+    pub(super) fn parameter(&self, name: &str, value: &Value<'_>) -> Option<(u16, u16, &'static Row, Scale)> {
+        let found = self.config.find_parameter(name);
+        found
+            .map_err(|error| {
+                let is_unknown = matches!(error, RequestError::UnknownParameter { .. });
+                value.refuse(error.to_string(), is_unknown.then(|| meant_parameter(name)).flatten());
+            })
+            .ok()
+    }
+
     fn objects(&self) -> impl Iterator<Item = (&str, Object)> {
         let config = self.config;
         let io = config.io.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Io(index)));
@@ -76,6 +89,18 @@ impl Names<'_> {
         let entry = self.config.io.get(usize::from(index))?;
         Some((entry.kind, self.config.io_place(usize::from(index))))
     }
+}
+
+/// The parameter that a name without a parameter may mean.
+pub(super) fn meant_parameter(name: &str) -> Option<String> {
+    let (object, key) = name.split_once('.')?;
+    if key.starts_with(object) && key[object.len()..].starts_with('.') {
+        return Some(format!("`{}` stands twice", excerpt(object)));
+    }
+    // The sentence itself tells where a word of a source lives.
+    let near = nearest(key, ROWS.iter().map(|row| row.key));
+    let meant = near.filter(|_| Word::find(key).is_none())?;
+    Some(did_you_mean(&format!("{}.{meant}", excerpt(object))))
 }
 
 /// A hint.

@@ -2,6 +2,7 @@
 
 use super::Plan;
 use super::moment::text;
+use super::refusal::Refusal;
 use super::report::Failure;
 use super::verb::Deed;
 use crate::document::Place;
@@ -34,7 +35,7 @@ pub(super) struct Outcome {
 }
 
 /// Is the answer the one that the step expects?
-pub(super) fn is_expected(answer: &Answer, wanted: Option<&str>, deed: Option<&Deed>, plan: &Plan) -> bool {
+pub(super) fn is_expected(answer: &Answer, wanted: Option<&Refusal>, deed: Option<&Deed>, plan: &Plan) -> bool {
     match (answer, wanted) {
         (Answer::Accepted, None) => true,
         // The sentence was compared when the scenario was read.
@@ -44,14 +45,13 @@ pub(super) fn is_expected(answer: &Answer, wanted: Option<&str>, deed: Option<&D
     }
 }
 
-/// Is `wanted` part of the sentence, the name of the parameter or that of the code?
-fn names(event: &Event, wanted: &str, deed: Option<&Deed>, plan: &Plan) -> bool {
+/// Is what is wanted said by the sentence, by the parameter or by the code?
+fn names(event: &Event, wanted: &Refusal, deed: Option<&Deed>, plan: &Plan) -> bool {
     let row = event.parameter.and_then(|row| ROWS.get(usize::from(row)));
     let code = Code::ALL.iter().find(|(_, code)| *code == event.code);
-    sentence(event, &plan.config).contains(wanted)
-        || by_id(event, deed, plan).is_some_and(|said| said.contains(wanted))
-        || row.is_some_and(|row| row.key == wanted)
-        || code.is_some_and(|(name, _)| *name == wanted)
+    let names = [row.map_or("", |row| row.key), code.map_or("", |(name, _)| name)];
+    let by_id = by_id(event, deed, plan).unwrap_or_default();
+    wanted.fits(event.code, &[&sentence(event, &plan.config), &by_id], &names)
 }
 
 /// Whose outcome it is: an act of a step, or an entry of `drive`.
@@ -62,7 +62,7 @@ pub(super) struct Source<'a> {
     /// The sentence of a request that never became a command.
     refusal: Option<&'a str>,
     /// What the step expects.
-    wanted: Option<&'a str>,
+    wanted: Option<&'a Refusal>,
 }
 
 impl<'a> Source<'a> {
@@ -72,7 +72,7 @@ impl<'a> Source<'a> {
             Some(act) => {
                 let step = plan.steps.iter().find(|step| step.acts.contains(&index));
                 let refusal = if let Deed::Refused(sentence) = &act.deed { Some(sentence.as_str()) } else { None };
-                let wanted = step.and_then(|step| step.refused.as_deref());
+                let wanted = step.and_then(|step| step.refused.as_ref());
                 Self { place: act.place, verb: &act.verb, deed: Some(&act.deed), refusal, wanted }
             }
             None => {
@@ -104,16 +104,16 @@ impl Outcome {
     pub(super) fn failure(&self, source: &Source<'_>, plan: &Plan) -> Option<Failure> {
         let (cycle, answer) = self.wrong.as_ref()?;
         let verb = source.verb;
-        let wanted = source.wanted.map(excerpt);
+        let wanted = source.wanted;
         let said = match (answer, wanted) {
             (Answer::Refused(event), None) => format!("{verb} was refused: {}", said(event, source, plan)),
             (Answer::Refused(event), Some(wanted)) => {
                 let said = said(event, source, plan);
-                format!("{verb} was refused: {said}; a refusal with `{wanted}` was expected")
+                format!("{verb} was refused: {said}; a refusal with {wanted} was expected")
             }
             (Answer::Accepted, wanted) => {
-                let wanted = wanted.unwrap_or_default();
-                format!("{verb} was accepted; a refusal with `{wanted}` was expected")
+                let wanted = wanted.map_or_else(String::new, |wanted| format!(" with {wanted}"));
+                format!("{verb} was accepted; a refusal{wanted} was expected")
             }
             (Answer::None, _) => format!("{verb} was not answered"),
             (Answer::NotInjected, _) => {

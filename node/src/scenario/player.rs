@@ -48,6 +48,8 @@ pub struct Player {
     /// For each entry of `drive`, what its memory cell held at the end of the last cycle.
     memory: Vec<Option<Number>>,
     records: Vec<Record>,
+    /// Memory for the values of a condition.
+    values: Vec<Number>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +89,7 @@ impl Player {
             outcomes: vec![Outcome::default(); plan.acts.len() + plan.drives.len()],
             memory: vec![None; plan.drives.len()],
             records: vec![Record::default(); plan.expectations.len()],
+            values: Vec::new(),
             scenario: scenario.clone(),
         }
     }
@@ -165,10 +168,7 @@ impl Player {
         let plan = &scenario.0;
         for (place, drive) in plan.drives.iter().enumerate() {
             let Target::Memory(index) = drive.target else { continue };
-            let is_taken_over = plan.drives[place + 1..]
-                .iter()
-                .any(|later| later.signal == drive.signal && later.value(self.cycle).is_some());
-            let wanted = drive.value(self.cycle).filter(|_| !is_taken_over);
+            let wanted = drive.value(self.cycle);
             let is_written = self
                 .queue
                 .iter()
@@ -202,13 +202,7 @@ impl Player {
         self.ran = self.cycle + 1;
         self.take_answers(machine, plan);
         self.judge_conditions(machine, plan);
-        let seen = Seen {
-            cycle: self.cycle,
-            board: machine.board(),
-            events: machine.events(),
-            config: machine.config(),
-            fired: &self.fired,
-        };
+        let seen = Seen { cycle: self.cycle, machine, fired: &self.fired };
         for (expectation, record) in plan.expectations.iter().zip(&mut self.records) {
             expectation.judge(record, &seen, plan.cycles - 1);
         }
@@ -232,7 +226,7 @@ impl Player {
             };
             pending.is_answered = true;
             let step = pending.step.and_then(|step| plan.steps.get(step));
-            let wanted = step.and_then(|step| step.refused.as_deref());
+            let wanted = step.and_then(|step| step.refused.as_ref());
             let deed = plan.acts.get(pending.outcome).map(|act| &act.deed);
             let is_expected = outcome::is_expected(&answer, wanted, deed, plan);
             self.outcomes[pending.outcome].note(self.cycle, answer, is_expected);
@@ -248,7 +242,12 @@ impl Player {
             let Trigger::When { predicate, after } = &step.trigger else { continue };
             let is_armed = index.checked_sub(1).is_none_or(|before| self.fired[before].is_some());
             let state = &mut self.steps[index];
-            if is_armed && state.times == 0 && state.due == NEVER && predicate.holds(machine.board()) {
+            if !is_armed || state.times > 0 || state.due != NEVER {
+                continue;
+            }
+            self.values.clear();
+            predicate.look(machine, &mut self.values);
+            if predicate.holds(&self.values) {
                 state.due = self.cycle.saturating_add(1).saturating_add(*after);
                 self.next_due = self.next_due.min(state.due);
             }
@@ -275,6 +274,7 @@ impl Player {
             not_judged: plan.expectations.iter().filter_map(|e| e.since).filter(|step| !has_fired(step)).count(),
             steps: plan.steps.len(),
             steps_fired: self.fired.iter().flatten().count(),
+            not_fired: self.not_fired(plan, true),
             failures,
             refused,
         }
@@ -291,15 +291,24 @@ impl Player {
         for (index, outcome) in self.outcomes.iter().enumerate() {
             failures.extend(outcome.failure(&outcome::Source::of(plan, index), plan));
         }
-        for (index, step) in plan.steps.iter().enumerate() {
-            if is_complete && !step.optional && self.fired[index].is_none() {
-                failures.push(Failure { place: step.place, sentence: self.why_not_fired(index, step) });
-            }
+        if is_complete {
+            failures.extend(self.not_fired(plan, false));
         }
         for (expectation, record) in plan.expectations.iter().zip(&self.records) {
             failures.extend(expectation.verdict(record, &end));
         }
         failures
+    }
+
+    /// Steps that never fired, those that may or those that may not.
+    fn not_fired(&self, plan: &Plan, optional: bool) -> Vec<Failure> {
+        let steps =
+            plan.steps.iter().enumerate().filter(|(index, step)| {
+                step.optional == optional && self.fired.get(*index).is_none_or(Option::is_none)
+            });
+        let failure =
+            |(index, step): (usize, &Step)| Failure { place: step.place, sentence: self.why_not_fired(index, step) };
+        steps.map(failure).collect()
     }
 
     fn why_not_fired(&self, index: usize, step: &Step) -> String {

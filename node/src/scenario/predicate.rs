@@ -1,38 +1,69 @@
-//! Conditions on signals, for `when` and `expect`.
+//! Conditions on signals and parameters, for `when` and `expect`.
 //!
-//! Law      is: equal, or |signal - value| <= within | not: unequal | min <= signal <= max | all, any: of several
-//! Reads    the board at the end of a cycle
+//! Law      is: equal, or |value - asked| <= within | not: unequal | min <= value <= max | all, any: of several
+//! Reads    the board and the parameters in force at the end of a cycle
 //! Source   contract section 5
 
 use super::names::Names;
-use super::ruler::Ruler;
+use super::ruler::{self, Ruler};
 use crate::document::{Map, Value};
-use lineshaft_core::signal::{Board, Signal, Type, Value as Number};
+use lineshaft_core::machine::Machine;
+use lineshaft_core::parameter::Storage;
+use lineshaft_core::signal::{Signal, Type, Value as Number};
+use lineshaft_core::unit::excerpt;
+use std::slice::Iter;
 
-/// A signal, or a signal minus another one.
+/// A signal, a signal minus another one, or a parameter.
 #[derive(Clone, Debug)]
 pub(super) struct Probe {
     name: String,
-    signal: Signal,
-    kind: Type,
-    minus: Option<(Signal, Type)>,
+    source: Source,
     pub ruler: Ruler,
 }
 
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    Signal(Signal, Type),
+    Difference([(Signal, Type); 2]),
+    /// Axis or machine, and place of the row.
+    Parameter(u16, u16),
+}
+
 impl Probe {
-    /// Reads keys `signal` and `minus`.
+    /// Reads keys `signal` and `minus`, or `parameter`.
     pub(super) fn read(map: &mut Map<'_>, names: &Names<'_>) -> Option<Self> {
+        if let Some(parameter) = map.optional("parameter") {
+            if let Some(other) = map.optional("signal").or_else(|| map.optional("minus")) {
+                let sentence = format!("parameter and {} stand side by side; one of them is expected", other.label());
+                other.refuse(sentence, None);
+                return None;
+            }
+            return Self::of_parameter(&parameter, names);
+        }
         let (signal, minus) = (map.required("signal"), map.optional("minus"));
         let signal = signal.and_then(|value| names.signal(&value));
         let other = minus.as_ref().map(|value| names.signal(value));
         let signal = signal?;
         let entry = names.directory.entry(signal);
         let ruler = Ruler::of(names, signal);
-        let probe = Self { name: entry.name.clone(), signal, kind: entry.kind, minus: None, ruler };
+        let probe = Self { name: entry.name.clone(), source: Source::Signal(signal, entry.kind), ruler };
         match (minus, other) {
             (Some(value), Some(other)) => probe.minus(&value, other?, names),
             _ => Some(probe),
         }
+    }
+
+    fn of_parameter(value: &Value<'_>, names: &Names<'_>) -> Option<Self> {
+        let name = value.text()?;
+        let (axis, place, row, scale) = names.parameter(name, value)?;
+        if let Storage::Signal(signal) = row.storage {
+            let object = name.split_once('.').map_or("", |(object, _)| object);
+            let sentence = format!("{} is shown by a signal", excerpt(name));
+            value.refuse(sentence, Some(format!("write `signal: {object}.{signal}`")));
+            return None;
+        }
+        let ruler = Ruler::of_parameter(row, scale);
+        Some(Self { name: name.to_owned(), source: Source::Parameter(axis, place), ruler })
     }
 
     fn minus(self, value: &Value<'_>, other: Signal, names: &Names<'_>) -> Option<Self> {
@@ -48,16 +79,18 @@ impl Probe {
             value.refuse(format!("{sentence}; a difference needs the same unit"), None);
             return None;
         }
-        let is_real = self.kind == Type::Real || entry.kind == Type::Real;
+        let Source::Signal(signal, kind) = self.source else { return None };
+        let is_real = kind == Type::Real || entry.kind == Type::Real;
         let ruler = Ruler {
             kind: if is_real { Type::Real } else { Type::Int },
             measure: theirs.measure,
             // Between two scales a millimetre has no meaning: only increments are left.
             scale: self.ruler.scale.filter(|_| self.ruler.scale == theirs.scale),
             is_code: false,
+            row: None,
         };
         let name = format!("{} minus {}", self.name, entry.name);
-        Some(Self { name, minus: Some((other, entry.kind)), ruler, ..self })
+        Some(Self { name, source: Source::Difference([(signal, kind), (other, entry.kind)]), ruler })
     }
 
     /// What it is called in a report.
@@ -66,14 +99,15 @@ impl Probe {
     }
 
     /// Its value.
-    pub(super) fn value(&self, board: &Board) -> Number {
-        let value = board.value(self.signal, self.kind);
-        match self.minus.map(|(signal, kind)| board.value(signal, kind)) {
-            None => value,
-            Some(other) => match (value, other) {
+    pub(super) fn value(&self, machine: &Machine) -> Number {
+        let value = |(signal, kind)| machine.board().value(signal, kind);
+        match self.source {
+            Source::Signal(signal, kind) => value((signal, kind)),
+            Source::Difference([minuend, subtrahend]) => match (value(minuend), value(subtrahend)) {
                 (Number::Int(value), Number::Int(other)) => Number::Int(value.saturating_sub(other)),
-                _ => Number::Real(value.to_f64() - other.to_f64()),
+                (value, other) => Number::Real(value.to_f64() - other.to_f64()),
             },
+            Source::Parameter(axis, row) => ruler::number(machine.parameter(axis, row)),
         }
     }
 }
@@ -88,10 +122,13 @@ pub(super) enum Check {
 
 impl Check {
     /// Reads `is` with `within`, `not`, `min` and `max`.
-    fn read(map: &mut Map<'_>, ruler: Option<&Ruler>) -> Option<Self> {
+    fn read(map: &mut Map<'_>, probe: Option<&Probe>) -> Option<Self> {
         let [is, within, not, min, max] = ["is", "within", "not", "min", "max"].map(|key| map.optional(key));
         let ordered = [&within, &min, &max].into_iter().flatten().next();
-        let ruler = ruler?;
+        let probe = probe?;
+        let ruler = &probe.ruler;
+        // A problem names what the value is asked of: "x.state is `STANDSTIL`".
+        let [is, not] = [is, not].map(|value| value.map(|value| value.called(probe.name.clone())));
         if let Some(value) = ordered.filter(|_| !ruler.is_ordered()) {
             value.refuse(format!("{} has no meaning for a bit or an enum; is and not have", value.label()), None);
             return None;
@@ -105,7 +142,7 @@ impl Check {
             }
             (None, Some(not), None, None) => read(not).map(Self::Not),
             (None, None, None, None) => {
-                map.refuse("nothing is asked of the signal; is, not, min or max is expected", None);
+                map.refuse(format!("nothing is asked of {}; is, not, min or max is expected", probe.name), None);
                 None
             }
             (None, None, min, max) => {
@@ -134,9 +171,9 @@ impl Check {
     /// Does a value meet it?
     pub(super) fn holds(&self, number: Number) -> bool {
         match *self {
-            Self::Is { value, within: None } => number == value,
+            Self::Is { value, within: None } => same(number, value),
             Self::Is { value, within: Some(within) } => at_most(distance(number, value), within),
-            Self::Not(value) => number != value,
+            Self::Not(value) => !same(number, value),
             Self::Range { min, max } => {
                 min.is_none_or(|min| at_most(min, number)) && max.is_none_or(|max| at_most(number, max))
             }
@@ -171,6 +208,11 @@ impl Check {
     }
 }
 
+/// Equal; what is not set is the same as what is not set.
+pub(super) fn same(value: Number, other: Number) -> bool {
+    value == other || value.to_f64().is_nan() && other.to_f64().is_nan()
+}
+
 /// NaN is at most nothing, and nothing at most NaN.
 fn at_most(value: Number, other: Number) -> bool {
     match (value, other) {
@@ -189,7 +231,7 @@ fn distance(value: Number, other: Number) -> Number {
 /// A condition.
 #[derive(Clone, Debug)]
 pub(super) enum Predicate {
-    Test { probe: Probe, check: Check },
+    Test { probe: Box<Probe>, check: Check },
     All(Vec<Predicate>),
     Any(Vec<Predicate>),
 }
@@ -201,8 +243,8 @@ impl Predicate {
         match (all, any) {
             (None, None) => {
                 let probe = Probe::read(map, names);
-                let check = Check::read(map, probe.as_ref().map(|probe| &probe.ruler));
-                Some(Self::Test { probe: probe?, check: check? })
+                let check = Check::read(map, probe.as_ref());
+                Some(Self::Test { probe: Box::new(probe?), check: check? })
             }
             (Some(all), None) => read_several(&all, names).map(Self::All),
             (None, Some(any)) => read_several(&any, names).map(Self::Any),
@@ -213,22 +255,40 @@ impl Predicate {
         }
     }
 
-    /// Does it hold?
-    pub(super) fn holds(&self, board: &Board) -> bool {
+    /// Adds the value of each of its tests, in their order.
+    pub(super) fn look(&self, machine: &Machine, values: &mut Vec<Number>) {
         match self {
-            Self::Test { probe, check } => check.holds(probe.value(board)),
-            Self::All(parts) => parts.iter().all(|part| part.holds(board)),
-            Self::Any(parts) => parts.iter().any(|part| part.holds(board)),
+            Self::Test { probe, .. } => values.push(probe.value(machine)),
+            Self::All(parts) | Self::Any(parts) => parts.iter().for_each(|part| part.look(machine, values)),
         }
     }
 
-    /// What is there: `x.state is DISABLED`.
-    pub(super) fn found(&self, board: &Board) -> String {
+    /// Does it hold for what [`Predicate::look`] found?
+    pub(super) fn holds(&self, values: &[Number]) -> bool {
+        self.holds_next(&mut values.iter())
+    }
+
+    /// Each part takes its values, also where the ones before have settled it.
+    fn holds_next(&self, values: &mut Iter<'_, Number>) -> bool {
         match self {
-            Self::Test { probe, .. } => format!("{} is {}", probe.name, probe.ruler.text(probe.value(board))),
-            Self::All(parts) | Self::Any(parts) => {
-                parts.iter().map(|part| part.found(board)).collect::<Vec<_>>().join(", ")
-            }
+            Self::Test { check, .. } => values.next().is_some_and(|value| check.holds(*value)),
+            Self::All(parts) => parts.iter().filter(|part| !part.holds_next(values)).count() == 0,
+            Self::Any(parts) => parts.iter().filter(|part| part.holds_next(values)).count() > 0,
+        }
+    }
+
+    /// What [`Predicate::look`] found: `x.state is DISABLED`.
+    pub(super) fn found(&self, values: &[Number]) -> String {
+        let mut tests = Vec::new();
+        self.tests(&mut tests);
+        let text = |(probe, value): (&Probe, &Number)| format!("{} is {}", probe.name, probe.ruler.text(*value));
+        tests.into_iter().zip(values).map(text).collect::<Vec<_>>().join(", ")
+    }
+
+    fn tests<'p>(&'p self, tests: &mut Vec<&'p Probe>) {
+        match self {
+            Self::Test { probe, .. } => tests.push(probe),
+            Self::All(parts) | Self::Any(parts) => parts.iter().for_each(|part| part.tests(tests)),
         }
     }
 

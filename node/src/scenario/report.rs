@@ -27,6 +27,8 @@ pub struct Report {
     pub steps: usize,
     /// Of these, how many fired.
     pub steps_fired: usize,
+    /// Optional steps that never fired, and why, by place.
+    pub not_fired: Vec<Failure>,
     /// What is wrong, by place.
     pub failures: Vec<Failure>,
     /// Commands that were refused as expected, by place.
@@ -83,7 +85,12 @@ impl fmt::Display for Report {
         let seconds = moment::seconds(self.cycles, self.cycle_ns);
         writeln!(f, "  {}, {seconds} s{}", count(self.cycles as usize, "cycle"), self.pace())?;
         writeln!(f, "  {}", self.expectations_text())?;
-        for (title, list) in [("refused as expected", &self.refused), ("failures", &self.failures)] {
+        let lists = [
+            ("refused as expected", &self.refused),
+            ("optional and never fired", &self.not_fired),
+            ("failures", &self.failures),
+        ];
+        for (title, list) in lists {
             if !list.is_empty() {
                 writeln!(f, "  {title}:")?;
             }

@@ -2,13 +2,19 @@
 //!
 //! Law      bare numbers are in the signal's own unit (inc, inc/s, V); quantities become that by the object's scale,
 //!          whole ones to the nearest increment, half away from zero (contract section 1); enums go by name
+//!          values of parameters are read and written as those of a set of parameters
 
 use super::moment::bare;
 use super::names::{Names, did_you_mean, nearest};
+use super::verb::parameter_input;
 use crate::document::{Allowed, Value};
 use lineshaft_core::code::Code;
+use lineshaft_core::parameter::{self, ConvertError, Row, convert};
 use lineshaft_core::signal::{Measure, Signal, Type, Value as Number};
-use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, excerpt, fraction_to_f64, number_to_text};
+use lineshaft_core::text::{expected_text, value_text};
+use lineshaft_core::unit::{
+    Dimension, Quantity, Scale, UnitError, excerpt, fraction_to_f64, number_to_text, parse_decimal,
+};
 
 /// How the values of a signal, or of the difference of two, are read and written.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +24,8 @@ pub(super) struct Ruler {
     pub scale: Option<Scale>,
     /// Its numbers are codes of errors.
     pub is_code: bool,
+    /// The row of a parameter.
+    pub row: Option<&'static Row>,
 }
 
 impl Ruler {
@@ -30,12 +38,26 @@ impl Ruler {
             is_code: entry.kind == Type::Int
                 && entry.measure == Measure::None
                 && (entry.name.ends_with(".error") || entry.name.ends_with(".fault.code")),
+            row: None,
         }
+    }
+
+    /// Values of a parameter, written as everywhere else that a parameter is.
+    pub(super) fn of_parameter(row: &'static Row, scale: Scale) -> Self {
+        let kind = match row.measure {
+            parameter::Measure::Choice(names) => Type::Enum(names),
+            parameter::Measure::Velocity
+            | parameter::Measure::Acceleration
+            | parameter::Measure::Jerk
+            | parameter::Measure::Number => Type::Real,
+            _ => Type::Int,
+        };
+        Self { kind, measure: Measure::None, scale: Some(scale), is_code: false, row: Some(row) }
     }
 
     /// Positions of an object of that scale.
     pub(super) fn of_positions(scale: Scale) -> Self {
-        Self { kind: Type::Int, measure: Measure::Position, scale: Some(scale), is_code: false }
+        Self { kind: Type::Int, measure: Measure::Position, scale: Some(scale), is_code: false, row: None }
     }
 
     /// Has it an order, so that more and less have a meaning?
@@ -45,6 +67,9 @@ impl Ruler {
 
     /// Reads a value.
     pub(super) fn read(&self, value: &Value<'_>) -> Option<Number> {
+        if let Some((row, scale)) = self.row.zip(self.scale) {
+            return read_parameter(value, row, &scale);
+        }
         match self.kind {
             Type::Real => self.read_real(value).map(Number::Real),
             Type::Enum(names) if value.is_integer() => value.integer(0..=names.len() as i64 - 1).map(Number::Int),
@@ -75,7 +100,9 @@ impl Ruler {
                 if let Some(text) = bare(value) {
                     let sentence =
                         format!("{} is {text}; whole increments, or a position with its unit", value.label());
-                    value.refuse(format!("{sentence} is allowed"), Some(format!("write `{text} {}`", scale.unit())));
+                    let meant = parse_decimal(&text).and_then(|number| scale.unit().times(number)).ok();
+                    let hint = meant.map(|meant| format!("write `{meant}`"));
+                    value.refuse(format!("{sentence} is allowed"), hint);
                     return None;
                 }
                 let quantity = value.quantity(&scale.dimensions(0), &Allowed::Any)?;
@@ -115,6 +142,9 @@ impl Ruler {
 
     /// A value in the signal's unit and in the axis unit: `12582912 inc (120 mm)`.
     pub(super) fn text(&self, number: Number) -> String {
+        if let Some((row, scale)) = self.row.zip(self.scale) {
+            return parameter_text(row, number, &scale);
+        }
         let plain = match (number, self.kind) {
             (Number::Int(place), Type::Enum(names)) => {
                 let name = usize::try_from(place).ok().and_then(|place| names.get(place));
@@ -129,12 +159,43 @@ impl Ruler {
         }
         let unit = self.measure.unit();
         let own = if unit.is_empty() { plain } else { format!("{plain} {unit}") };
-        match (self.scale.filter(|scale| scale.unit() != Unit::INCREMENT), self.order(), number) {
+        match (self.scale.filter(|scale| !scale.is_in_increments()), self.order(), number) {
             (Some(scale), Some(0), Number::Int(value)) => format!("{own} ({})", scale.format_increments(value)),
             (Some(scale), Some(order), _) => format!("{own} ({})", scale.format_rate(number.to_f64(), order)),
             _ => own,
         }
     }
+}
+
+fn read_parameter(value: &Value<'_>, row: &Row, scale: &Scale) -> Option<Number> {
+    let input = parameter_input(value, row.measure.dimensions(scale))?;
+    match convert(row, scale, &input) {
+        Ok(found) => Some(number(found)),
+        Err(ConvertError::Unit(error)) => good(value, Err(error)),
+        Err(ConvertError::Type(text)) => {
+            value.refuse(format!("{} is {text}; {} is allowed", value.label(), expected_text(row, scale)), None);
+            None
+        }
+    }
+}
+
+/// A parameter's value as a number; what is not set is none.
+pub(super) fn number(value: parameter::Value) -> Number {
+    match value {
+        parameter::Value::Unset => Number::Real(f64::NAN),
+        parameter::Value::Int(value) => Number::Int(value),
+        parameter::Value::Real(value) => Number::Real(value),
+    }
+}
+
+fn parameter_text(row: &Row, number: Number, scale: &Scale) -> String {
+    let value = match number {
+        Number::Int(value) => parameter::Value::Int(value),
+        Number::Real(value) if value.is_nan() => return "not set".to_owned(),
+        Number::Real(value) => parameter::Value::Real(value),
+    };
+    let unit = row.own_unit().map_or_else(String::new, |unit| format!(" {unit}"));
+    value_text(row, value, scale) + &unit
 }
 
 fn real(scale: &Scale, quantity: &Quantity, order: u8) -> Result<f64, UnitError> {

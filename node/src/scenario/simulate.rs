@@ -1,17 +1,20 @@
 //! A scenario on a simulated machine, as fast as possible: no ROS, no clock.
 
-use super::{Player, Report, Scenario, Trace};
+use super::{Player, Report, Scenario, Trace, moment};
 use crate::cell::Cell;
 use crate::recording::bag::{BagError, BagOptions};
+use crate::recording::encoder::sentence;
 use crate::recording::simulation::SimulationRecorder;
 use crate::store::{Store, StoreError};
 use indicatif::{ProgressBar, ProgressStyle};
-use lineshaft_core::config::ConfigError;
+use lineshaft_core::command::Commands;
+use lineshaft_core::config::{ConfigError, MachineConfig};
 use lineshaft_core::drive::Backend;
+use lineshaft_core::event::{Event, Severity};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImage};
 use std::fs::File;
-use std::io::{self, BufWriter, IsTerminal};
+use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -25,6 +28,8 @@ pub struct Options {
     pub csv: Option<PathBuf>,
     /// Where the run is recorded.
     pub record: Option<BagOptions>,
+    /// Print every event, as it comes, on standard output.
+    pub events: bool,
     /// Show a progress bar, if standard error is a terminal.
     pub progress: bool,
 }
@@ -87,7 +92,9 @@ pub fn simulate_with(
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut player = Player::new(scenario);
     let mut sequence = 0;
-    let bar = progress_bar(scenario.cycles(), options.progress);
+    // A bar between the lines of the events would tear them.
+    let bar = progress_bar(scenario.cycles(), options.progress && !options.events);
+    let mut lines = options.events.then(|| BufWriter::new(io::stdout().lock()));
     for cycle in 0..scenario.cycles() {
         player.before(cycle, &mut sequence, Some(&mut plant));
         inputs.cycle = cycle;
@@ -104,6 +111,12 @@ pub fn simulate_with(
         if let Some(keeper) = &mut keeper {
             keeper.after(&machine)?;
         }
+        if let Some(lines) = &mut lines {
+            for event in machine.events() {
+                // Whoever reads may have gone; the simulation goes on.
+                let _ = writeln!(lines, "{}", line(cycle, event, player.commands(), machine.config()));
+            }
+        }
         player.after(&machine);
         if let Some(trace) = &mut trace {
             trace.write(cycle, &machine)?;
@@ -113,6 +126,7 @@ pub fn simulate_with(
         }
     }
     bar.finish_and_clear();
+    drop(lines);
     if let Some(trace) = trace {
         trace.finish()?;
     }
@@ -120,6 +134,19 @@ pub fn simulate_with(
         recorder.finish()?;
     }
     Ok(Report { wall: Some(started.elapsed()), ..player.finish() })
+}
+
+/// An event for people: when, how bad, of what kind, what it says and its code.
+fn line(cycle: u64, event: &Event, commands: Commands<'_>, config: &MachineConfig) -> String {
+    let severity = match event.severity {
+        Severity::Info => "info",
+        Severity::Warn => "warn",
+        Severity::Error => "error",
+    };
+    let (when, kind) = (moment::text(cycle, config.cycle_ns), event.kind.name());
+    let said = sentence(event, commands.iter(), config);
+    let code = if event.code.0 == 0 { String::new() } else { format!(" (code {})", event.code.0) };
+    format!("{when} {severity} {kind}: {said}{code}")
 }
 
 /// Keeps layer User on the disk, cycle by cycle.

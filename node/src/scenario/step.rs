@@ -7,6 +7,7 @@
 use super::moment::{self, Moment, positive_cycles};
 use super::names::Names;
 use super::predicate::Predicate;
+use super::refusal::Refusal;
 use super::verb::{self, Act, Ids};
 use crate::document::{Map, Place, Value};
 use lineshaft_core::unit::excerpt;
@@ -21,8 +22,8 @@ pub(super) struct Step {
     pub repeat: Option<Repeat>,
     /// Its acts among those of all steps.
     pub acts: Range<usize>,
-    /// Its commands are to be refused, with this part of the sentence.
-    pub refused: Option<String>,
+    /// Its commands are to be refused so.
+    pub refused: Option<Refusal>,
     /// It may never fire.
     pub optional: bool,
 }
@@ -61,9 +62,10 @@ impl Reader<'_> {
             let Some(mut map) = item.map("a step") else { continue };
             let name = map.optional("name").and_then(|value| step_name(&value, &steps));
             let optional = map.optional("optional").and_then(|value| value.boolean());
-            let refused = map.optional("refused").and_then(|value| value.text());
+            let refused = map.optional("refused").and_then(|value| Refusal::read(&value));
             if let Some(verbs) = map.required("do") {
-                let mut reader = verb::Reader { names: self.names, ids: &mut self.ids, refused, recorded: false };
+                let mut reader =
+                    verb::Reader { names: self.names, ids: &mut self.ids, refused: refused.as_ref(), recorded: false };
                 let acts = reader.read(&verbs);
                 self.acts.extend(acts);
             }
@@ -77,7 +79,7 @@ impl Reader<'_> {
                 trigger: trigger.unwrap_or(Trigger::At(0)),
                 repeat,
                 acts: first..self.acts.len(),
-                refused: refused.map(str::to_owned),
+                refused,
                 optional: optional.unwrap_or(false),
             });
         }

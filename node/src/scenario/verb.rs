@@ -1,13 +1,15 @@
 //! Verbs: what a step does, made into commands by the same requests as every other door.
 
 use super::inject::{self, Injection};
-use super::names::{Names, did_you_mean, nearest};
-use super::verb::amount::{amount, parameter_input};
+use super::names::{Names, did_you_mean, meant_parameter, nearest};
+use super::refusal::Refusal;
+use super::verb::amount::amount;
 use crate::document::{Map, Place, Value};
+use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Setpoints, Source};
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
-use lineshaft_core::parameter::{Change, Layer, ROWS, Row};
+use lineshaft_core::parameter::{Change, Layer, Row};
 use lineshaft_core::request::{Amount, MoveRequest, RequestError, SynchronizeRequest, Units};
 use lineshaft_core::unit::{Scale, excerpt};
 
@@ -22,6 +24,7 @@ mod trajectory;
 mod vocabulary;
 mod wf;
 
+pub(super) use amount::parameter_input;
 pub(crate) use recorded::{parameter_change, recorded_command};
 pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
@@ -141,8 +144,8 @@ impl Ids {
 pub(super) struct Reader<'a> {
     pub names: &'a Names<'a>,
     pub ids: &'a mut Ids,
-    /// The step expects its commands to be refused, with this part of the sentence.
-    pub refused: Option<&'a str>,
+    /// The step expects its commands to be refused so.
+    pub refused: Option<&'a Refusal>,
     /// What was recorded was a command already: it is read also where it asks for nothing.
     pub recorded: bool,
 }
@@ -242,10 +245,10 @@ impl Reader<'_> {
             Err(error) => error.to_string(),
         };
         match self.refused {
-            Some(text) if sentence.contains(text) => return Some(Deed::Refused(sentence)),
-            Some(text) => {
-                let hint = format!("`refused: {}` is no part of this sentence", excerpt(text));
-                value.refuse(sentence, Some(hint));
+            Some(wanted) if wanted.fits(Code::BAD_REQUEST, &[&sentence], &[]) => return Some(Deed::Refused(sentence)),
+            Some(wanted) => {
+                let code = Code::BAD_REQUEST.0;
+                value.refuse(sentence, Some(format!("`refused` asks for {wanted}; this has code {code}")));
             }
             None => value.refuse(sentence, None),
         }
@@ -396,7 +399,7 @@ impl Reader<'_> {
                 None => is_good = false,
                 Some(Ok(change)) => changes.push(change),
                 Some(Err(error @ RequestError::UnknownParameter { .. })) if self.refused.is_none() => {
-                    input.refuse(error.to_string(), key.peek().and_then(meant));
+                    input.refuse(error.to_string(), key.peek().and_then(meant_parameter));
                     is_good = false;
                 }
                 Some(Err(error)) => {
@@ -465,12 +468,6 @@ impl Reader<'_> {
 fn nothing(value: &Value<'_>, action: Action) -> Option<Deed> {
     value.map(value.label())?.finish();
     Some(Deed::Command(action))
-}
-
-/// The parameter that a name without a parameter may mean.
-fn meant(name: &str) -> Option<String> {
-    let (_, key) = name.split_once('.')?;
-    nearest(key, ROWS.iter().map(|row| row.key)).map(did_you_mean)
 }
 
 /// A choice by name or number; 0 when it is left out.

@@ -135,8 +135,12 @@ impl BagFile {
         if self.safe.cycles == 0 { self.flush() } else { Ok(()) }
     }
 
-    /// Ends the chunk and brings it to the disk.
+    /// Ends the chunk and brings it to the disk. Schemas and channels alone make no chunk: behind a chunk without a message
+    /// there is no message index, and rosbag2 takes a file whose first chunk has none for one without any.
     pub(super) fn flush(&mut self) -> io::Result<()> {
+        if self.chunk_bytes == 0 {
+            return Ok(());
+        }
         self.writer.flush().map_err(io_error)?;
         self.safe = self.counts.clone();
         self.chunk_bytes = 0;

@@ -63,6 +63,10 @@ fn find(bytes: &[u8]) -> Found {
         assert!(channel.metadata["offered_qos_profiles"].starts_with("- history: keep_last\n  depth: 1"));
         assert_eq!(channel.schema.as_ref().unwrap().encoding, "ros2msg");
     }
+    let has_messages = summary.stats.as_ref().is_some_and(|statistics| statistics.message_count > 0);
+    for chunk in summary.chunk_indexes.iter().filter(|_| has_messages) {
+        assert!(chunk.message_index_length > 0, "rosbag2 reads by the indexes behind each chunk: {chunk:?}");
+    }
     let attachment = |index| read::attachment(bytes, index).unwrap();
     let attachments = summary.attachment_indexes.iter().map(|index| {
         let attachment = attachment(index);

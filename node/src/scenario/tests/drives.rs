@@ -26,12 +26,24 @@ fn then_holds_repeats_or_releases() {
     assert_eq!(then(", then: hold"), "0101111");
     assert_eq!(then(", then: repeat"), "0101101");
     assert_eq!(then(", then: release"), "0101000");
+    // The last value for two more cycles; a time is cycles as everywhere.
+    assert_eq!(then(", then: {hold: 2}"), "0101110");
+    assert_eq!(then(", then: {hold: 1 ms}"), "0101100");
+    assert_eq!(then(", then: {hold: 99}"), "0101111");
 }
 
 #[test]
-fn a_later_start_takes_over_until_it_releases() {
+fn a_later_start_takes_over_for_good_and_release_gives_the_signal_back_to_the_simulation() {
     let drives = "drive: [{signal: feed, at: 4, values: [20, 21], then: release}, {signal: feed, values: [1, 2, 3], then: repeat}]";
-    assert_eq!(values("feed", 8, drives).join(" "), "1 2 3 1 20 21 1 2");
+    assert_eq!(values("feed", 8, drives).join(" "), "1 2 3 1 20 21 21 21");
+    // The contact of the plant is open; an earlier `hold` does not close it again.
+    let released =
+        "drive: [{signal: start, values: [1], then: hold}, {signal: start, at: 3, values: [0, 1], then: release}]";
+    assert_eq!(values("start", 8, released).concat(), "11101000");
+    // Whatever their order in the file, and also where the later one is a hold for some cycles.
+    let three = "drive: [{signal: start, at: 4, values: [1], then: {hold: 2}}, {signal: start, at: 2, values: [0]}, \
+                 {signal: start, values: [1], then: repeat}]";
+    assert_eq!(values("start", 9, three).concat(), "110011100");
     let twice = "drive: [{signal: feed, values: [1]}, {signal: feed, at: 0 s, values: [2]}]";
     assert_eq!(
         problems(&format!("scenario: s\ncycles: 9\n{twice}")),
@@ -143,6 +155,12 @@ fn what_cannot_be_driven_is_refused() {
     assert_eq!(
         bad("{signal: feed, values: [1], then: ^stop}"),
         "then is `stop`; one of hold, repeat, release is allowed"
+    );
+    assert_eq!(bad("{signal: feed, values: [1], then: {hold: ^0}}"), "hold is 0; at least one cycle is allowed");
+    assert_eq!(bad("{signal: feed, values: [1], then: ^{}}"), "missing key `hold` in then");
+    assert_eq!(
+        bad("{signal: feed, values: [1], then: {hold: ^0.5}}"),
+        "hold is 0.5; a whole number of cycles, or a time with its unit is allowed, write `0.5 s`"
     );
     assert_eq!(
         bad("{signal: feed, then: ^hold, sine: {amplitude: 1, period: 1 s}}"),

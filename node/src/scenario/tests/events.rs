@@ -33,6 +33,52 @@ fn events_are_chosen_by_their_fields() {
     holds("{event: {severity: error}, max: 0}");
     holds("{event: {kind: state, source: x, text: now STANDSTILL}, min: 2, max: 2}");
     holds("{event: {kind: accepted, source: machine}, at: 0}");
+    // Text is compared without regard to capitals.
+    holds("{event: {kind: state, source: x, text: now standstill}, min: 2, max: 2}");
+    holds("{event: {kind: refused, text: 'TARGET 900 MM LIES ABOVE'}, count: 1}");
+}
+
+#[test]
+fn a_mode_says_of_events_what_it_says_of_signals() {
+    holds("{event: {kind: latch, source: mark}, mode: eventually}");
+    holds("{event: {kind: latch, source: mark}, to: 499, mode: never}");
+    assert_eq!(
+        fails("{event: {kind: latch}, to: 499, mode: eventually}"),
+        "event kind latch came 0 times from cycle 0 (0 s) to cycle 499 (0.499 s); at least 1 was expected"
+    );
+    assert_eq!(
+        fails("{event: {kind: latch}, to: 510, mode: never}"),
+        "event kind latch came 2 times from cycle 0 (0 s) to cycle 510 (0.51 s); 0 was expected; it came in cycle 500, 510"
+    );
+    let bad = |expectation: &str| problem("expect", expectation);
+    assert_eq!(
+        bad("{event: {kind: latch}, mode: ^always}"),
+        "mode is always, which has no meaning for an event: it has no length, eventually, never, or count, min and max have"
+    );
+    assert_eq!(
+        bad("{event: {kind: latch}, count: 1, mode: ^never}"),
+        "mode and count stand side by side; one of them is expected"
+    );
+    assert_eq!(
+        bad("{event: {kind: latch}, mode: ^nevr}"),
+        "mode is `nevr`; one of always, eventually, never is allowed, did you mean `never`?"
+    );
+}
+
+#[test]
+fn events_before_a_step_count_from_it() {
+    let since = |name: &str, when: &str, expectation: &str| {
+        format!(
+            "scenario: s\ncycles: 1000\nsteps:\n- {{at: 500, every: 10, count: 3, do: {{inject: {{latch: {{input: mark, \
+             age: 350 us}}}}}}}}\n- {{name: {name}, {when}, do: {{halt: {{}}}}}}\nexpect: [{expectation}]"
+        )
+    };
+    // It fires in cycle 521, behind the last mark in 520.
+    let when = "when: {signal: line.state, is: STANDSTILL}, after: 20";
+    passes(&since("go", when, "{event: {kind: latch}, since: go, at: -1, count: 1}"));
+    passes(&since("go", when, "{event: {kind: latch}, since: go, from: -11, to: 5, count: 2}"));
+    passes(&since("go", when, "{event: {kind: latch}, since: go, from: -21, to: -1, count: 3}"));
+    passes(&since("go", when, "{event: {kind: latch}, since: go, from: -10, to: -2, mode: never}"));
 }
 
 #[test]

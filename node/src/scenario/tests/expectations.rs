@@ -125,6 +125,113 @@ fn since_counts_from_the_cycle_in_which_a_step_fired() {
 }
 
 #[test]
+fn what_came_before_a_step_counts_from_it() {
+    // It fires in cycle 101.
+    let steps = "steps: [{name: go, when: {signal: feed, is: 100}, do: {halt: {}}}]\n";
+    let text = |expectation: &str| format!("{steps}{RAMP}{expectation}");
+    let good = |expectation: &str| passes(&format!("scenario: s\ncycles: 1000\n{}", text(expectation)));
+    good("{signal: feed, since: go, at: -1, is: 100}");
+    good("{signal: feed, since: go, at: -1 ms, is: 100}");
+    // The first cycle that is not before 1.5 ms earlier.
+    good("{signal: feed, since: go, at: -1.5 ms, is: 100}");
+    good("{signal: feed, since: go, at: -0, is: 101}");
+    good("{signal: feed, since: go, at: -101, is: 0}");
+    good("{signal: feed, since: go, from: -3, to: 2, min: 98, max: 103}");
+    good("{signal: feed, since: go, from: -3, to: -2, is: 99, mode: eventually}");
+    good("{signal: feed, since: go, from: -2, values: [99, 100, 101, 102]}");
+    good("{signal: feed, since: go, from: -4, values: [97, 99, 101], every: 2}");
+    good("{all: [{signal: feed, is: 100}, {any: [{signal: feed, is: 1}, {signal: start, is: 0}]}], since: go, at: -1}");
+    assert_eq!(
+        failure(&text("{signal: feed, since: go, from: -2, to: 1, is: 99}")),
+        "feed is 100 in cycle 100 (0.1 s); 99 was expected from cycle 99 (0.099 s) to cycle 102 (0.102 s); 3 of 4 cycles \
+         fail"
+    );
+    assert_eq!(
+        failure(&text("{signal: feed, since: go, from: -3, values: [98, 100, 101, 101]}")),
+        "feed is 99 in cycle 99 (0.099 s); 100 was expected, value 2 of 4; 2 of 4 values differ"
+    );
+    assert_eq!(
+        failure(&text("{signal: feed, since: go, at: -102, is: 0}")),
+        "it reaches 102 cycles back, before cycle 0; the step fired in cycle 101 (0.101 s)"
+    );
+    // Of a step whose cycle is known it is told at once.
+    let at = "{scenario: s, cycles: 99, steps: [{name: go, at: 7, do: {halt: {}}}], expect: [\n";
+    let known = |expectation: &str| problems(&format!("{at}{expectation}]}}"));
+    assert_eq!(
+        known("{signal: feed, since: go, from: -8, to: 3, is: 1}"),
+        "2:1: 8 cycles before step `go` lies before cycle 0; it fires in cycle 7 (0.007 s)\n"
+    );
+    assert_eq!(
+        known("{signal: feed, since: go, at: -100001, is: 1}"),
+        "2:31: at is 100001 cycles before the step; up to 100000 are allowed\n"
+    );
+    assert_eq!(
+        known("{signal: feed, since: go, from: -2, to: -3, is: 1}"),
+        "2:41: to is -3 cycles from the step, before from -2\n"
+    );
+    assert_eq!(
+        known("{signal: feed, since: go, at: -0.5, is: 1}"),
+        "2:31: at is -0.5; a whole number of cycles, or a time with its unit is allowed, write `-0.5 s`\n"
+    );
+    assert_eq!(bad("{signal: feed, at: ^-1, is: 1}"), "at is -1; 0..1000000000000 is allowed");
+}
+
+#[test]
+fn parameters_are_asked_as_they_are_set() {
+    let set = "steps: [{at: 10, do: {set_parameters: {x.max_velocity: 80 mm/s, x.profile: s_ramp}}}]\nexpect:\n- ";
+    let holds = |expectation: &str| passes(&format!("scenario: s\ncycles: 1000\n{set}{expectation}"));
+    let fails = |expectation: &str| failure(&format!("{set}{expectation}"));
+    holds("{parameter: x.max_velocity, at: 9, is: 100 mm/s}");
+    holds("{parameter: x.max_velocity, at: 10, is: 80 mm/s}");
+    // A bare number is SI, as in set_parameters.
+    holds("{parameter: x.max_velocity, from: 10, is: 0.08}");
+    holds("{parameter: x.max_velocity, max: 0.1 m/s, min: 79 mm/s}");
+    holds("{parameter: x.max_velocity, at: end, is: 81 mm/s, within: 1 mm/s}");
+    holds("{parameter: x.max_velocity, from: 9, values: [100 mm/s, 80 mm/s]}");
+    holds("{parameter: x.profile, from: 10, is: s_ramp}");
+    holds("{parameter: x.profile, is: s_ramp, mode: eventually}");
+    holds("{parameter: x.error_reaction, is: 2}");
+    holds("{parameter: x.max_position, is: 850 mm}");
+    holds("{parameter: line.max_position, is: null}");
+    holds("{all: [{parameter: line.max_position, is: null}, {parameter: x.max_position, not: null}]}");
+    assert_eq!(
+        fails("{parameter: x.max_velocity, at: 9, is: 80 mm/s}"),
+        "x.max_velocity is 100 mm/s in cycle 9 (0.009 s); 80 mm/s was expected"
+    );
+    assert_eq!(
+        fails("{parameter: line.max_position, at: 9, is: 1 m}"),
+        "line.max_position is not set in cycle 9 (0.009 s); 1 m was expected"
+    );
+    assert_eq!(
+        fails("{parameter: x.profile, at: 9, is: s_ramp}"),
+        "x.profile is trapezoid in cycle 9 (0.009 s); s_ramp was expected"
+    );
+    assert_eq!(
+        bad("{parameter: ^x.max_velosity, is: 1}"),
+        "no parameter is called `x.max_velosity`, did you mean `x.max_velocity`?"
+    );
+    assert_eq!(bad("{parameter: ^z.max_velocity, is: 1}"), "no axis is called `z`; there are line, x, turret");
+    assert_eq!(
+        bad("{parameter: x.max_velocity, is: ^80 mm}"),
+        "x.max_velocity: `80 mm` is a length; a velocity such as `80 mm/s` is expected"
+    );
+    assert_eq!(
+        bad("{parameter: x.profile, is: ^s_rmp}"),
+        "x.profile is s_rmp; one of trapezoid, s_ramp, jerk is allowed"
+    );
+    assert_eq!(
+        bad("{parameter: x.max_velocity, signal: ^feed, is: 1}"),
+        "parameter and signal stand side by side; one of them is expected"
+    );
+    // A step may wait for one.
+    passes(
+        "scenario: s\ncycles: 99\nsteps:\n- {at: 10, do: {set_parameters: {x.max_velocity: 80 mm/s}}}\n\
+         - {name: go, when: {parameter: x.max_velocity, max: 90 mm/s}, do: {halt: {}}}\n\
+         expect: [{parameter: x.max_velocity, since: go, at: -2, is: 100 mm/s}]",
+    );
+}
+
+#[test]
 fn what_counts_from_an_optional_step_that_never_fired_is_not_judged() {
     let report = run(
         "scenario: s\ncycles: 9\nsteps: [{name: go, optional: true, when: {signal: feed, is: 1}, do: {halt: {}}}]\n\
@@ -132,7 +239,8 @@ fn what_counts_from_an_optional_step_that_never_fired_is_not_judged() {
     );
     assert_eq!(
         report.to_string(),
-        "scenario `s`: PASSED\n  9 cycles, 0.009 s\n  2 expectations (1 not judged), 0 of 1 step fired\n"
+        "scenario `s`: PASSED\n  9 cycles, 0.009 s\n  2 expectations (1 not judged), 0 of 1 step fired\n  optional and never \
+         fired:\n    s.yaml:3:9: step `go` never fired: feed 1 never came\n"
     );
 }
 
@@ -202,29 +310,29 @@ fn what_is_wrong_with_an_expectation_is_told() {
     );
     assert_eq!(
         bad("{signal: feed, ^at: 3, values: [1]}"),
-        "unknown key `at` in an expectation, known are since, signal, minus, every, values, from"
+        "unknown key `at` in an expectation, known are since, parameter, signal, minus, every, values, from"
     );
     assert_eq!(bad("{signal: ^fed, is: 1}"), "no signal is called `fed`, did you mean `feed`?");
     assert_eq!(
         bad("{signal: x.command.position, is: ^120 deg}"),
-        "is: `120 deg` is an angle; a length such as `120 m` is expected"
+        "x.command.position: `120 deg` is an angle; a length such as `120 m` is expected"
     );
     assert_eq!(
         bad("{signal: x.command.position, is: ^0.5}"),
-        "is is 0.5; whole increments, or a position with its unit is allowed, write `0.5 mm`"
+        "x.command.position is 0.5; whole increments, or a position with its unit is allowed, write `0.5 mm`"
     );
     assert_eq!(
         bad("{signal: x.command.velocity, is: ^1 mm}"),
-        "is: `1 mm` is a length; a velocity such as `1 mm/s` is expected"
+        "x.command.velocity: `1 mm` is a length; a velocity such as `1 mm/s` is expected"
     );
-    assert_eq!(bad("{signal: x.state, is: ^8}"), "is is 8; 0..7 is allowed");
+    assert_eq!(bad("{signal: x.state, is: ^8}"), "x.state is 8; 0..7 is allowed");
     assert_eq!(
         bad("{signal: x.command.position, minus: ^x.command.velocity, is: 0}"),
         "x.command.position has inc and x.command.velocity has inc/s; a difference needs the same unit"
     );
     assert_eq!(
         bad("{signal: x.command.position, minus: turret.command.position, is: ^1 mm}"),
-        "is is `1 mm`; a whole number -9223372036854775808..9223372036854775807 is allowed"
+        "x.command.position minus turret.command.position is `1 mm`; a whole number -9223372036854775808..9223372036854775807 is allowed"
     );
     assert_eq!(
         bad("{signal: x.error, is: ^FOLOWING_ERROR}"),

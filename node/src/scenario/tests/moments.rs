@@ -35,7 +35,8 @@ fn a_time_is_the_first_cycle_that_is_not_before_it() {
 fn end_is_the_last_cycle_from_everywhere() {
     assert_eq!(Moment::End.after(40, 99), 99);
     assert_eq!(Moment::Cycle(40).after(40, 99), 80);
-    assert_eq!(Moment::Cycle(u64::MAX).after(40, 99), u64::MAX);
+    assert_eq!(Moment::Cycle(i64::MAX).after(u64::MAX, 99), u64::MAX);
+    assert_eq!((Moment::Cycle(-40).from(40, 99), Moment::Cycle(-41).from(40, 99)), (Some(0), None));
 }
 
 #[test]

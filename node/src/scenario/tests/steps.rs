@@ -120,6 +120,11 @@ fn a_step_that_never_fires_fails_the_scenario_unless_it_is_optional() {
         "step `go` never fired: feed 99 never came"
     );
     passes(&format!("scenario: s\ncycles: 9\nsteps: [{{{never}, optional: true, {}}}]", set("1")));
+    let told = run(&format!("scenario: s\ncycles: 9\nsteps:\n- {{{never}, optional: true, {}}}", set("1"))).to_string();
+    assert!(
+        told.ends_with("  optional and never fired:\n    s.yaml:4:3: the step never fired: feed 99 never came\n"),
+        "{told}"
+    );
     let all = failures(&format!(
         "scenario: s\ncycles: 9\nsteps:\n- {{{never}, optional: true, {}}}\n- {{when: {{signal: feed, is: 7}}, {}}}",
         set("1"),
@@ -154,7 +159,7 @@ fn what_is_wrong_with_a_step_is_told() {
     assert_eq!(bad("{at: 1, name: a, do: {halt: {}}}, {at: 2, name: ^a, do: {halt: {}}}"), "two steps are called `a`");
     assert_eq!(
         bad("{when: ^{signal: feed}, do: {halt: {}}}"),
-        "nothing is asked of the signal; is, not, min or max is expected"
+        "nothing is asked of feed; is, not, min or max is expected"
     );
     assert_eq!(
         bad("{when: ^{signal: feed, is: 1, min: 2}, do: {halt: {}}}"),
@@ -167,7 +172,7 @@ fn what_is_wrong_with_a_step_is_told() {
     );
     assert_eq!(
         bad("{when: {signal: x.state, is: ^STANDSTIL}, do: {halt: {}}}"),
-        "is is `STANDSTIL`; one of DISABLED, STANDSTILL, DISCRETE_MOTION, CONTINUOUS_MOTION, HOMING, \
+        "x.state is `STANDSTIL`; one of DISABLED, STANDSTILL, DISCRETE_MOTION, CONTINUOUS_MOTION, HOMING, \
          SYNCHRONIZED_MOTION, STOPPING, ERROR_STOP is allowed, did you mean `STANDSTILL`?"
     );
     assert_eq!(bad("{when: {any: ^[]}, do: {halt: {}}}"), "any has no conditions; one or more are expected");

@@ -200,7 +200,16 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
     let step = |rest: &str| format!("steps: [{{at: 10, do: {{move_axis: {{axis: x, position: 5 mm}}}}{rest}}}]");
     let sentence = "move_axis was refused: x: the axis is not enabled; enable it first";
     assert_eq!(failure(&step("")), format!("{sentence}; in cycle 10 (0.01 s)"));
-    for text in ["not enabled", "NOT_ENABLED", "'x: the axis is not enabled; enable it first'"] {
+    for text in [
+        "not enabled",
+        "NOT_ENABLED",
+        "'x: the axis is not enabled; enable it first'",
+        "'X: The Axis Is Not Enabled'",
+        "not_enabled",
+        "{code: 10007}",
+        "{code: NOT_ENABLED}",
+        "{code: NOT_ENABLED, text: Enable it}",
+    ] {
         passes(&format!("scenario: s\ncycles: 20\n{}", step(&format!(", refused: {text}"))));
     }
     assert_eq!(
@@ -211,12 +220,35 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
         failure("steps: [{at: 10, do: {enable: {}}, refused: max_position}]"),
         "enable was accepted; a refusal with `max_position` was expected; in cycle 10 (0.01 s)"
     );
+    assert_eq!(
+        failure(&step(", refused: {code: 98}")),
+        format!("{sentence}; a refusal with code 98 was expected; in cycle 10 (0.01 s)")
+    );
+    assert_eq!(
+        failure(&step(", refused: {code: NOT_ENABLED, text: max_position}")),
+        format!("{sentence}; a refusal with code 10007 and `max_position` was expected; in cycle 10 (0.01 s)")
+    );
+    assert_eq!(
+        failure("steps: [{at: 10, do: {enable: {}}, refused: {code: 98}}]"),
+        "enable was accepted; a refusal with code 98 was expected; in cycle 10 (0.01 s)"
+    );
+    assert_eq!(
+        problem("steps", "{at: 1, do: {enable: {}}, refused: ^{}}"),
+        "refused asks for nothing; code, text or both are expected"
+    );
+    assert_eq!(
+        problem("steps", "{at: 1, do: {enable: {}}, refused: {code: ^NOT_ENABLD}}"),
+        "no code is called `NOT_ENABLD`; a number or a name is expected, did you mean `NOT_ENABLED`?"
+    );
     assert_eq!(failure(&step(", every: 100, count: 3")), format!("{sentence}; in cycle 10 (0.01 s), and 2 times more"));
     assert_eq!(failure(&step(", every: 100, count: 2")), format!("{sentence}; in cycle 10 (0.01 s), and once more"));
 }
 
 #[test]
 fn what_is_no_request_counts_as_refused_where_that_is_expected() {
+    passes(
+        "{scenario: s, cycles: 9, steps: [{at: 1, do: {move_axis: {axis: z}}, refused: {code: BAD_REQUEST, text: NO axis}}]}",
+    );
     let report = run("scenario: s\ncycles: 20\nsteps:\n\
          - {at: 1, do: {move_axis: {axis: z, position: 5 mm}}, refused: no axis is called}\n\
          - {at: 2, do: {synchronize: {axis: x, master: line, mode: marker}}, refused: does not exist yet}\n\
@@ -359,7 +391,7 @@ fn what_is_wrong_with_a_verb_is_told() {
     let other = problem("steps", "{at: 1, refused: max_position, do: {halt: {axes: ^[z]}}}");
     assert_eq!(
         other,
-        "no axis is called `z`; there are line, x, turret, `refused: max_position` is no part of this sentence"
+        "no axis is called `z`; there are line, x, turret, `refused` asks for `max_position`; this has code 10022"
     );
 }
 

@@ -24,7 +24,10 @@ pub(super) fn amount(value: &Value<'_>, order: u8, scale: Option<&Scale>, in_inc
 }
 
 /// A parameter's value: a number, a quantity or a name; `null` takes it back to being left out.
-pub(super) fn parameter_input(value: &Value<'_>, dimensions: Option<[Dimension; 2]>) -> Option<ParameterInput> {
+pub(in crate::scenario) fn parameter_input(
+    value: &Value<'_>,
+    dimensions: Option<[Dimension; 2]>,
+) -> Option<ParameterInput> {
     if value.is_null() {
         return Some(ParameterInput::Unset);
     }

@@ -1,8 +1,8 @@
 //! A verb that stands alone, as a recording keeps a command: its ids are the sequence numbers of commands.
 
-use super::{Act, Deed, Ids, Reader, meant};
+use super::{Act, Deed, Ids, Reader};
 use crate::document::Value;
-use crate::scenario::names::Names;
+use crate::scenario::names::{Names, meant_parameter};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::parameter::Change;
@@ -22,7 +22,7 @@ pub(crate) fn parameter_change(
     let change = Reader { names: &Names { config, directory }, ids: &mut ids, refused: None, recorded: true }
         .change(Some(name), value)?;
     let noted = change.map_err(|error| match &error {
-        RequestError::UnknownParameter { .. } => key.refuse(error.to_string(), meant(name)),
+        RequestError::UnknownParameter { .. } => key.refuse(error.to_string(), meant_parameter(name)),
         RequestError::UnknownAxis { .. } | RequestError::NotApplicable { .. } => key.refuse(error.to_string(), None),
         _ => value.refuse(error.to_string(), None),
     });

@@ -1,0 +1,62 @@
+//! Key `refused` of a step: the refusal that its commands are to meet.
+//!
+//! Law      a text is part of the sentence, or the name of the parameter or of the code; capitals and small letters are alike
+//!          `{code: 98}` is the code by number or name; with `text` beside it, both
+//! Source   contract section 5
+
+use super::ruler::read_code;
+use crate::document::Value;
+use lineshaft_core::code::Code;
+use lineshaft_core::unit::excerpt;
+use std::fmt;
+
+/// What a refusal is to say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Refusal {
+    code: Option<u32>,
+    text: Option<String>,
+}
+
+impl Refusal {
+    /// Reads a text, or a mapping of `code` and `text`.
+    pub(super) fn read(value: &Value<'_>) -> Option<Self> {
+        if !value.is_map() {
+            return value.text().map(|text| Self { code: None, text: Some(text.to_owned()) });
+        }
+        let mut map = value.map("refused")?;
+        let (code, text) = (map.optional("code"), map.optional("text"));
+        if code.is_none() && text.is_none() {
+            map.refuse("refused asks for nothing; code, text or both are expected", None);
+        }
+        let given = code.is_some() || text.is_some();
+        let code = code.map(|value| read_code(&value));
+        let text = text.map(|value| value.text().map(str::to_owned));
+        map.finish();
+        let code = code.map_or(Some(None), |code| code.map(Some))?;
+        let text = text.map_or(Some(None), |text| text.map(Some))?;
+        given.then_some(Self { code, text })
+    }
+
+    /// Is it that code, and does one of the sentences or names say the text?
+    pub(super) fn fits(&self, code: Code, said: &[&str], names: &[&str]) -> bool {
+        let is_said = |text: &String| {
+            said.iter().any(|said| contains(said, text)) || names.iter().any(|name| name.eq_ignore_ascii_case(text))
+        };
+        self.code.is_none_or(|wanted| wanted == code.0) && self.text.as_ref().is_none_or(is_said)
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.code, &self.text) {
+            (Some(code), Some(text)) => write!(f, "code {code} and `{}`", excerpt(text)),
+            (Some(code), None) => write!(f, "code {code}"),
+            (None, text) => write!(f, "`{}`", excerpt(text.as_deref().unwrap_or_default())),
+        }
+    }
+}
+
+/// Is the part in the text, whatever is written large and small?
+pub(super) fn contains(text: &str, part: &str) -> bool {
+    text.contains(part) || text.to_lowercase().contains(&part.to_lowercase())
+}
