@@ -8,7 +8,7 @@ use crate::store::{Store, StoreError};
 use indicatif::{ProgressBar, ProgressStyle};
 use lineshaft_core::config::ConfigError;
 use lineshaft_core::drive::Backend;
-use lineshaft_core::machine::Machine;
+use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImage};
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal};
@@ -89,7 +89,7 @@ pub fn simulate_with(
     let mut sequence = 0;
     let bar = progress_bar(scenario.cycles(), options.progress);
     for cycle in 0..scenario.cycles() {
-        player.before(cycle, &mut sequence, Some(&mut plant));
+        player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
         inputs.cycle = cycle;
         plant.read(&mut inputs);
         player.override_inputs(&mut inputs);
