@@ -11,7 +11,7 @@ use support::{domain::Domain, peer::Peer, program::Program};
 /// A running demo and who talks to it.
 struct Bench {
     cyclone: Peer,
-    program: Program,
+    _program: Program,
     domain: Domain,
 }
 
@@ -21,7 +21,7 @@ impl Bench {
         let mut cyclone = Peer::cyclone(&domain);
         let program = Program::start(&["run"], &domain);
         cyclone.run("axis-states /lineshaft");
-        Self { cyclone, program, domain }
+        Self { cyclone, _program: program, domain }
     }
 
     fn get(&mut self, name: &str) -> Value {

@@ -103,6 +103,18 @@ fn of_hammered_services_and_goals_none_is_lost_doubled_or_mixed_up() {
     assert!(grown < 200.0, "{grown} MiB for {answered} requests");
 }
 
+/// One client writes 200 requests to a service before it looks at any answer, all for one axis: each is done, and of 200 goals the
+/// last one counts.
+#[test]
+fn two_hundred_requests_at_once_are_all_done() {
+    let (program, _, domain) = start(&["run"], 0);
+    let mut peer = Peer::cyclone(&domain);
+    let seen = peer.run(&format!("burst {NODE} --count 200 --axis x"));
+    println!("200 requests at once: {seen:?}");
+    let (_, log) = ended(program);
+    assert!(!log.contains("does not keep up") && !log.contains("too many"), "{log}");
+}
+
 /// What was answered is not kept: a node that serves for months must not grow by what it is asked.
 #[test]
 fn requests_are_not_kept() {

@@ -17,7 +17,7 @@ mod signals;
 mod state;
 mod trajectories;
 
-use crate::axis::{Axis, Context, Fault};
+use crate::axis::{Axis, Context, Fault, MAX_WAITING};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands};
 use crate::config::{ConfigError, IoKind, MachineConfig};
@@ -34,7 +34,7 @@ use panel::Panel;
 use signals::Signals;
 pub use state::{State, StateError};
 
-/// Most commands of one cycle; who gives more is refused, and may try again.
+/// Most commands of one cycle. Whoever has more keeps them for the next one; what is given beyond that is refused.
 pub const MAX_COMMANDS: usize = 64;
 
 /// A machine, as far as it has run.
@@ -107,8 +107,8 @@ impl Machine {
         };
         let axes = &state.axes;
         let mut machine = Self {
-            // Each command may be answered, and ended by each axis; each axis may tell of more than that.
-            events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + 16 * axes.len()),
+            // Each command may be answered, and ended by each axis; each axis may end all that wait for it, and tell of more.
+            events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + (MAX_WAITING + 16) * axes.len()),
             candidates: axes.iter().map(|axis| axis.parameters).collect(),
             couplings: vec![None; axes.len()],
             latched: Vec::with_capacity(MAX_LATCHES),

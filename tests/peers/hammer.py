@@ -3,12 +3,13 @@ import random
 import time
 
 import ros2wire as rw
-from lineshaft_msgs import MOVE_MODES, AxesRequest, MoveGoal
+from lineshaft_msgs import MOVE_MODES, AxesRequest, AxesResponse, MoveGoal
 from report import Failure, show
 
-RELATIVE = MOVE_MODES.index("relative")
+RELATIVE, VELOCITY = MOVE_MODES.index("relative"), MOVE_MODES.index("velocity")
 OPEN = 4  # requests to one service at a time: the writer keeps ten
 ENDED = (4, 5, 6)
+SUCCEEDED = 4
 SOON_S = 0.02
 
 
@@ -153,3 +154,57 @@ def hammer(peer, a):
     show(**total, lost=h.open(), wrong=len(wrong), each={name: line.answered for name, line in h.lines.items()})
     if total["twice"] or total["strange"] or h.open() or wrong:
         raise Failure(f"{total}, not answered: {h.open()}, wrong: {wrong[:3]}")
+
+
+class Burst:
+    """Requests of one client to one service, written without waiting for any answer, once it has had one."""
+
+    def __init__(self, peer, a, verb):
+        self.client = rw.ServiceClient(peer.dp, f"{a.node}/{verb}", "lineshaft_msgs/AxesCommand", AxesRequest,
+                                       AxesResponse, own=rw.qos(depth=a.count)).wait()
+        self.client.call(AxesRequest(a.axis))
+
+    def ask(self, requests):
+        return [self.client.send(request) for request in requests]
+
+    def answers(self, asked):
+        got = [self.client.receive(seq) for seq in asked]
+        failed = [r.message for r in got if not r.success]
+        if failed:
+            raise Failure(f"{len(failed)} of {len(asked)} requests to {self.client.name}: {failed[0]}")
+
+
+def burst(peer, a):
+    """So many requests at once, of each kind; each must be done. Of goals for one axis the last one must count."""
+    axes = [a.axis[i % len(a.axis)] for i in range(a.count)]
+    requests = [AxesRequest([axis]) for axis in axes]
+    verbs = {verb: Burst(peer, a, verb) for verb in ("disable", "halt", "reset_errors", "enable")}
+    times = {}
+    for verb in ("enable", "halt", "reset_errors"):
+        start = time.monotonic()
+        verbs[verb].answers(verbs[verb].ask(requests))
+        times[verb] = time.monotonic() - start
+    action = peer.action(a.node, "move_axis")
+    goals = rw.ServiceClient(peer.dp, f"{a.node}/move_axis/_action/send_goal", "lineshaft_msgs/MoveAxis_SendGoal",
+                             action.SendGoalRequest, rw.SendGoalResponse, kind="action", own=rw.qos(depth=a.count)).wait()
+    goals.call(action.SendGoalRequest(rw.UUID.random(), MoveGoal(a.axis[0], RELATIVE)))
+    ids = [rw.UUID.random() for _ in axes]
+    start = time.monotonic()
+    asked = [goals.send(action.SendGoalRequest(gid, MoveGoal(axis, RELATIVE, position=0.002)))
+             for gid, axis in zip(ids, axes)]
+    rejected = sum(not goals.receive(seq).accepted for seq in asked)
+    last = {axis: action.get_result(gid).status for axis, gid in dict(zip(axes, ids)).items()}
+    times["goals"] = time.monotonic() - start
+    wrong = {axis: status for axis, status in last.items() if status != SUCCEEDED}
+    # All axes move, with everything under way; the stops are asked for behind all else.
+    for axis in a.axis:
+        action.send_goal(MoveGoal(axis, VELOCITY, velocity=0.001))
+    resets = verbs["reset_errors"].ask(requests)
+    start = time.monotonic()
+    verbs["halt"].answers(verbs["halt"].ask([AxesRequest(a.axis)]))
+    times["one halt behind them"] = time.monotonic() - start
+    verbs["reset_errors"].answers(resets)
+    verbs["disable"].answers(verbs["disable"].ask(requests))
+    show(requests=a.count, rejected=rejected, wrong=wrong, seconds=times)
+    if rejected or wrong:
+        raise Failure(f"{rejected} goals rejected; last goals that did not succeed: {wrong}")

@@ -333,6 +333,8 @@ def parser():
     trajectories.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)
     command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1)
+    p = command("burst", hammer.burst, count=200)
+    p.add_argument("--axis", action="append", required=True)
     command("watch", watch.watch, seconds=5.0)
     command("listen", watch.listen)
     command("join", watch.join, count=10, axis="x", depth=10)

@@ -360,14 +360,15 @@ def publisher(dp, topic, cls, q):
 
 
 class ServiceClient:
-    """`name` like /node/enable, `srv` like lineshaft_msgs/AxesCommand; `kind` is srv or action."""
+    """`name` like /node/enable, `srv` like lineshaft_msgs/AxesCommand; `kind` is srv or action; `own` is another QoS of this
+    client than that of the topic."""
 
-    def __init__(self, dp, name, srv, req, resp, kind="srv", q=SERVICE_QOS):
+    def __init__(self, dp, name, srv, req, resp, kind="srv", q=SERVICE_QOS, own=None):
         self.name = name
         self.Req = with_header(req, dds_type(kind, srv, "_Request"))
         self.Resp = with_header(resp, dds_type(kind, srv, "_Response"))
-        self.w = DataWriter(dp, Topic(dp, f"rq{name}Request", self.Req, qos=q), qos=q)
-        self.r = DataReader(dp, Topic(dp, f"rr{name}Reply", self.Resp, qos=q), qos=q)
+        self.w = DataWriter(dp, Topic(dp, f"rq{name}Request", self.Req, qos=q), qos=own or q)
+        self.r = DataReader(dp, Topic(dp, f"rr{name}Reply", self.Resp, qos=q), qos=own or q)
         self.client = int.from_bytes(self.w.guid.bytes[8:16], "little")
         self.seq = 0
         self.replies = {}

@@ -32,6 +32,7 @@ mod stream;
 mod switches;
 mod track;
 mod vocabulary;
+mod waiting;
 
 pub use brake::Edges;
 pub use direction::{Polarity, Reversing, Rule, Sense, may_tell_sign, may_turn_loop};
@@ -47,6 +48,7 @@ pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
 pub use track::{Run, Violation};
+pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
@@ -71,9 +73,9 @@ use motion::Generator;
 use overlay::Overlay;
 use power::Power;
 use serde::{Deserialize, Serialize};
-use stops::Waiting;
 use stream::Streamed;
 use vocabulary::Awake;
+use waiting::Waiting;
 
 /// Longest delay of a drive in cycles.
 pub const MAX_DELAY: u32 = 32;

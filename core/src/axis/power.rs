@@ -123,7 +123,7 @@ impl Axis {
                     self.clear_error(cx);
                 } else if self.has_timed_out(cx.cycle, since) {
                     self.power = Power::Off;
-                    self.waiting.fail(cx.events, self.setup.index, Code::RESET_FAILED, super::stops::Until::Healthy);
+                    self.waiting.fail(cx.events, self.setup.index, Code::RESET_FAILED, super::waiting::Until::Healthy);
                 }
             }
             Power::DriveStops { then_off, .. } => {
@@ -232,7 +232,7 @@ impl Axis {
             (self.error, self.error_numbers) = (code, (found, allowed));
             self.capture(cx.cycle, code);
             // A reset that waits was meant for what was there before.
-            self.waiting.fail_with(cx.events, self.setup.index, code, super::stops::Until::Healthy, (found, allowed));
+            self.waiting.fail_with(cx.events, self.setup.index, code, super::waiting::Until::Healthy, (found, allowed));
             let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
             cx.events.push(Event { position: self.actual.position, ..event });
         } else if self.state != AxisState::ErrorStop {

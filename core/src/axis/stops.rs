@@ -2,88 +2,16 @@
 //! their end.
 
 use super::course::Aim;
-use super::goal::{NO_NUMBERS, Numbers};
+use super::goal::NO_NUMBERS;
 use super::power::Power;
+use super::waiting::Until;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::command::{Action, Disengage};
 use crate::drive::DriveState;
-use crate::event::{Event, EventQueue, Kind, Refusal, Severity};
+use crate::event::{Event, Kind, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
-use serde::{Deserialize, Serialize};
-
-/// What a waiting command waits for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Until {
-    /// The axis can be moved.
-    Enabled,
-    /// The axis is off.
-    Disabled,
-    /// The axis stands still.
-    Standstill,
-    /// The axis has no error and no lock.
-    Healthy,
-}
-
-/// Most commands that wait for one axis at a time.
-const MAX_WAITING: usize = 8;
-
-/// Commands that wait for the end of what they asked for.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Waiting([Option<(u64, Until)>; MAX_WAITING]);
-
-impl Waiting {
-    pub(super) fn is_empty(&self) -> bool {
-        self.0.iter().all(Option::is_none)
-    }
-
-    fn has_room(&self) -> bool {
-        self.0.iter().any(Option::is_none)
-    }
-
-    fn waits_for(&self, until: Until) -> bool {
-        self.0.iter().flatten().any(|(_, waits)| *waits == until)
-    }
-
-    fn add(&mut self, sequence: u64, until: Until) -> bool {
-        let place = self.0.iter_mut().find(|place| place.is_none());
-        place.is_some_and(|place| place.replace((sequence, until)).is_none())
-    }
-
-    /// Ends all that wait for `until`, with `code`.
-    fn end(&mut self, events: &mut EventQueue, axis: u16, until: Until, code: Code, position: Position) {
-        self.end_with(events, until, Event::done(Object::Axis(axis), 0, code, position));
-    }
-
-    /// The same with an event, which lacks only the command.
-    fn end_with(&mut self, events: &mut EventQueue, until: Until, done: Event) {
-        for place in &mut self.0 {
-            if let Some((sequence, _)) = place.filter(|(_, waits)| *waits == until) {
-                events.push(done.of_command(sequence));
-                *place = None;
-            }
-        }
-    }
-
-    /// As [`fail`](Self::fail), with what was found and what is allowed.
-    pub(super) fn fail_with(
-        &mut self,
-        events: &mut EventQueue,
-        axis: u16,
-        code: Code,
-        until: Until,
-        (found, allowed): Numbers,
-    ) {
-        let done = Event::done(Object::Axis(axis), 0, code, Position::ZERO);
-        self.end_with(events, until, done.with(found, allowed));
-    }
-
-    /// Ends all that wait for `until` without success.
-    pub(super) fn fail(&mut self, events: &mut EventQueue, axis: u16, code: Code, until: Until) {
-        self.end(events, axis, until, code, Position::ZERO);
-    }
-}
 
 impl Axis {
     /// May a command for several axes be applied to this one? Asked of all of them before any changes.
@@ -363,7 +291,7 @@ impl Axis {
 
     /// Tells those who wait, once what they wait for is there or cannot come any more.
     pub(super) fn settle_waiting(&mut self, cx: &mut Context<'_>) {
-        if self.waiting.0.iter().all(Option::is_none) && !self.holding.clears && !self.holding.resumes {
+        if self.waiting.is_empty() && !self.holding.clears && !self.holding.resumes {
             self.holding.coasts_since = None;
             return;
         }

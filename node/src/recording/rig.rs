@@ -6,7 +6,7 @@ use crate::cell::Cell;
 use crate::scenario::{Player, Scenario};
 use lineshaft_core::drive::{Backend, Inputs};
 use lineshaft_core::event::Event;
-use lineshaft_core::machine::Machine;
+use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::signal::Board;
 
 /// All axes are switched on; x, y and the turret move to and fro; a request is refused.
@@ -46,7 +46,7 @@ pub(crate) fn record(cell: &Cell, scenario: &str, cycles: u64, start_ns: u64) ->
     let mut sequence = 0;
     let key = 1_000_000_000 / cell.machine.cycle_ns;
     for cycle in 0..cycles {
-        player.before(cycle, &mut sequence, Some(&mut plant));
+        player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
         inputs.cycle = cycle;
         plant.read(&mut inputs);
         player.override_inputs(&mut inputs);

@@ -3,15 +3,10 @@
 use lineshaft_core::command::{Action, Command, Commands, Setpoint, Setpoints, Source};
 use lineshaft_core::machine::MAX_COMMANDS;
 use lineshaft_core::trajectory::Trajectory;
-use lineshaft_ros::surface::host::Busy;
+use lineshaft_ros::surface::host::{Busy, MOST_COMMANDS};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-
-/// Room of the stop lane: halt, quick_stop, disable, abort and deactivate.
-const STOP_ROOM: usize = 64;
-/// Room of the queue.
-const QUEUE_ROOM: usize = 256;
 
 /// The end of the lanes at which commands go in; shared by all who give commands.
 #[derive(Debug)]
@@ -26,6 +21,7 @@ pub struct Commander {
 struct Doors {
     /// Commands are taken: cycles run, or will.
     is_open: bool,
+    /// Halt, quick_stop, disable, abort and deactivate.
     stop: Producer<Command>,
     queue: Producer<Command>,
     stream: triple_buffer::Input<Mail>,
@@ -70,8 +66,8 @@ pub struct Lanes {
 
 /// Makes the lanes of a machine of so many axes.
 pub fn lanes(axes: usize) -> (Commander, Lanes) {
-    let (stop_in, stop) = RingBuffer::new(STOP_ROOM);
-    let (queue_in, queue) = RingBuffer::new(QUEUE_ROOM);
+    let (stop_in, stop) = RingBuffer::new(MOST_COMMANDS);
+    let (queue_in, queue) = RingBuffer::new(MOST_COMMANDS);
     let none = (0, Setpoint { velocity: 0.0, duration: None });
     let mail = Mail { source: Source::Machine, axes: vec![none; axes] };
     let (stream_in, stream) = triple_buffer::triple_buffer(&mail);
@@ -103,7 +99,7 @@ impl Commander {
             return false;
         }
         // Behind a closed door nothing waits, but the deactivation of an attempt that failed.
-        doors.stop.slots() < STOP_ROOM || self.push(&mut doors, Source::Machine, Action::Deactivate).is_ok()
+        doors.stop.slots() < MOST_COMMANDS || self.push(&mut doors, Source::Machine, Action::Deactivate).is_ok()
     }
 
     /// Takes commands: cycles run.
@@ -180,9 +176,20 @@ impl Commander {
 impl Lanes {
     /// Takes what is due for a cycle, the stop lane first; what does not fit waits for the next cycle.
     pub fn take(&mut self) {
+        self.take_stops();
+        self.take_others(0);
+    }
+
+    /// Takes the stops that are due for a cycle. Returns how many commands it has room for besides.
+    pub fn take_stops(&mut self) -> usize {
         fill(&mut self.taken_stop, &mut self.stop, MAX_COMMANDS);
-        let left = MAX_COMMANDS - self.taken_stop.len();
-        fill(&mut self.taken_queue, &mut self.queue, left);
+        MAX_COMMANDS.saturating_sub(self.taken_stop.len())
+    }
+
+    /// Takes all else that is due, after the stops; `kept` places are left for commands that are added.
+    pub fn take_others(&mut self, kept: usize) {
+        let room = MAX_COMMANDS.saturating_sub(self.taken_stop.len() + kept);
+        fill(&mut self.taken_queue, &mut self.queue, room);
         self.take_stream();
     }
 
@@ -263,13 +270,61 @@ mod tests {
     #[test]
     fn a_full_lane_refuses_and_the_other_one_still_takes() {
         let (commander, mut lanes) = lanes(3);
-        let taken = (0..1000).take_while(|_| commander.submit(Source::Ros, ENABLE).is_ok()).count();
-        assert_eq!(taken, QUEUE_ROOM);
-        assert_eq!(commander.submit(Source::Ros, HALT), Ok(QUEUE_ROOM as u64 + 1));
+        let taken = (0..5000).take_while(|_| commander.submit(Source::Ros, ENABLE).is_ok()).count();
+        assert_eq!(taken, 2048);
+        assert_eq!(Busy::Full.to_string(), "2048 commands wait for the machine already; try again");
+        assert_eq!(commander.submit(Source::Ros, HALT), Ok(2049));
         lanes.take();
         assert_eq!(lanes.commands().iter().count(), MAX_COMMANDS, "the rest waits");
         lanes.drain().1.for_each(drop);
         assert!(commander.submit(Source::Ros, ENABLE).is_ok());
+    }
+
+    /// Ten clients at once, each with an enable, a reset and an additive goal for each of 64 axes; then each halts each axis.
+    /// Nothing is refused, no cycle gets more than 64, all come in the order in which they were given, and the stops first.
+    #[test]
+    fn ten_clients_with_64_axes_are_all_served_and_their_stops_first() {
+        let (commander, mut lanes) = lanes(64);
+        let axes = || (0..64).map(AxisSet::one);
+        let (mut others, mut stops) = (Vec::new(), Vec::new());
+        for _ in 0..10 {
+            for axis in axes() {
+                for action in [Action::Enable(axis), Action::ResetErrors(axis), Action::SaveParameters(axis)] {
+                    others.push(commander.submit(Source::Ros, action).expect("room for all"));
+                }
+            }
+        }
+        // Some cycles later, with the queue still full.
+        let mut taken = vec![numbers_of_a_cycle(&mut lanes), numbers_of_a_cycle(&mut lanes)];
+        for _ in 0..10 {
+            stops.extend(axes().map(|axis| commander.submit(Source::Ros, Action::Halt(axis)).expect("room for all")));
+        }
+        while !lanes.are_empty() {
+            taken.push(numbers_of_a_cycle(&mut lanes));
+        }
+        assert_eq!(taken.iter().map(Vec::len).max(), Some(64));
+        // 1920 others and 640 stops.
+        assert_eq!(taken.len(), (1920 + 640) / 64);
+        let order: Vec<u64> = taken.into_iter().flatten().collect();
+        let expected: Vec<u64> = others[..128].iter().chain(&stops).chain(&others[128..]).copied().collect();
+        assert_eq!(order, expected);
+    }
+
+    fn numbers_of_a_cycle(lanes: &mut Lanes) -> Vec<u64> {
+        lanes.take();
+        lanes.drain().1.map(|command| command.sequence).collect()
+    }
+
+    /// What a scenario gives has its places beside what clients do; a stop of a client waits for none of it.
+    #[test]
+    fn room_that_is_kept_for_others_is_none_of_the_stops() {
+        let (commander, mut lanes) = lanes(3);
+        assert!((0..100).all(|_| commander.submit(Source::Ros, ENABLE).is_ok()));
+        assert!((0..10).all(|_| commander.submit(Source::Ros, HALT).is_ok()));
+        assert_eq!(lanes.take_stops(), 54);
+        lanes.take_others(30);
+        let commands = lanes.commands();
+        assert_eq!((commands.stop.len(), commands.queue.len()), (10, 24));
     }
 
     /// Whoever else drops one never drops the last one.

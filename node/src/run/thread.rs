@@ -83,9 +83,6 @@ impl Statistics {
     }
 }
 
-/// Numbers that are set aside for the scenario's commands of one cycle.
-const PLAYED_COMMANDS: u64 = 1024;
-
 /// Everything that the cycle thread owns.
 pub struct CycleThread {
     /// The machine.
@@ -174,11 +171,14 @@ impl CycleThread {
     }
 
     fn one(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, stamp_ns: u64) {
-        self.lanes.take();
+        let room = self.lanes.take_stops();
         if let Some(play) = &mut self.play {
-            let mut number = play.numbers.reserve(PLAYED_COMMANDS);
-            play.player.before(inputs.cycle, &mut number, Some(&mut self.plant));
+            let mut number = play.numbers.reserve(play.player.most_commands());
+            play.player.before(inputs.cycle, &mut number, Some(&mut self.plant), room);
+            self.lanes.take_others(play.player.commands().iter().count());
             self.lanes.add(play.player.commands());
+        } else {
+            self.lanes.take_others(0);
         }
         self.plant.read(inputs);
         if let Some(play) = &self.play {

@@ -2,6 +2,7 @@
 
 use super::Plan;
 use super::moment::text;
+use super::player::MOST_HELD;
 use super::refusal::Refusal;
 use super::report::Failure;
 use super::verb::Deed;
@@ -19,6 +20,8 @@ pub(super) enum Answer {
     Refused(Event),
     /// Not at all: the event found no room.
     None,
+    /// It was not given: too many wait for a cycle.
+    NoRoom,
     /// There was no plant, no such drive, or no room for a latch.
     NotInjected,
 }
@@ -116,6 +119,7 @@ impl Outcome {
                 format!("{verb} was accepted; a refusal{wanted} was expected")
             }
             (Answer::None, _) => format!("{verb} was not answered"),
+            (Answer::NoRoom, _) => format!("{verb} was not given: {MOST_HELD} commands wait for a cycle already"),
             (Answer::NotInjected, _) => {
                 format!("{verb} had no effect: the plant has no such drive, or no room for another latch")
             }

@@ -20,6 +20,10 @@ use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::Value as Number;
 use lineshaft_core::sim::Plant;
+use std::collections::VecDeque;
+
+/// Commands that may wait for a later cycle because a cycle takes no more; what comes on top is not given, and told.
+pub(super) const MOST_HELD: usize = 4096;
 
 /// No step is due.
 const NEVER: u64 = u64::MAX;
@@ -38,6 +42,8 @@ pub struct Player {
     next_due: u64,
     /// For each id, the sequence number of the last command that carried it; 0 for none yet.
     goals: Vec<u64>,
+    /// Stops, then all else, that have no cycle yet: one takes so many only.
+    held: [VecDeque<(Command, Pending)>; 2],
     stop: Vec<Command>,
     queue: Vec<Command>,
     /// Setpoints of this cycle.
@@ -82,6 +88,7 @@ impl Player {
             fired: vec![None; plan.steps.len()],
             next_due: plan.steps.iter().map(due).min().unwrap_or(NEVER),
             goals: vec![0; plan.ids.len()],
+            held: Default::default(),
             stop: Vec::new(),
             queue: Vec::new(),
             stream: Setpoints::none(plan.config.axes.len()),
@@ -100,8 +107,9 @@ impl Player {
     }
 
     /// Starts a cycle, counted from 0 at the start of the scenario: steps that are due fire. Each command takes the next
-    /// number after `sequence`, which is that of the last command of anybody. Without a plant nothing can be injected.
-    pub fn before(&mut self, cycle: u64, sequence: &mut u64, mut plant: Option<&mut Plant>) {
+    /// number after `sequence`, which is that of the last command of anybody. Without a plant nothing can be injected. The cycle has
+    /// room for so many commands; the stops come first, and what does not fit waits for the next cycle.
+    pub fn before(&mut self, cycle: u64, sequence: &mut u64, mut plant: Option<&mut Plant>, room: usize) {
         self.cycle = cycle;
         self.stop.clear();
         self.queue.clear();
@@ -117,6 +125,30 @@ impl Player {
             self.next_due = self.steps.iter().map(|step| step.due).min().unwrap_or(NEVER);
         }
         self.drive_memory(sequence);
+        self.release(room);
+    }
+
+    /// Most commands that one cycle can add.
+    pub fn most_commands(&self) -> u64 {
+        let plan = &self.scenario.0;
+        (plan.acts.len() + plan.drives.len()) as u64
+    }
+
+    /// Gives the cycle what it has room for, the stops first.
+    fn release(&mut self, room: usize) {
+        let [stops, others] = &mut self.held;
+        let mut room = room;
+        for (held, lane) in [(stops, &mut self.stop), (others, &mut self.queue)] {
+            let given = held.len().min(room);
+            room -= given;
+            for (command, pending) in held.drain(..given) {
+                lane.push(command);
+                self.pending.push(pending);
+            }
+            for (_, pending) in held.drain(MOST_HELD.min(held.len())..) {
+                self.outcomes[pending.outcome].note(self.cycle, Answer::NoRoom, false);
+            }
+        }
     }
 
     fn fire(&mut self, index: usize, step: &Step, plan: &Plan, sequence: &mut u64, mut plant: Option<&mut Plant>) {
@@ -155,10 +187,10 @@ impl Player {
 
     fn give(&mut self, action: Action, sequence: &mut u64, outcome: usize, step: Option<usize>) -> u64 {
         *sequence += 1;
-        let is_stop = action.stops();
-        let lane = if is_stop { &mut self.stop } else { &mut self.queue };
-        lane.push(Command { sequence: *sequence, source: Source::Scenario, action });
-        self.pending.push(Pending { sequence: *sequence, outcome, step, is_answered: false });
+        let [stops, others] = &mut self.held;
+        let lane = if action.stops() { stops } else { others };
+        let pending = Pending { sequence: *sequence, outcome, step, is_answered: false };
+        lane.push_back((Command { sequence: *sequence, source: Source::Scenario, action }, pending));
         *sequence
     }
 
@@ -169,10 +201,9 @@ impl Player {
         for (place, drive) in plan.drives.iter().enumerate() {
             let Target::Memory(index) = drive.target else { continue };
             let wanted = drive.value(self.cycle);
-            let is_written = self
-                .queue
+            let is_written = self.held[1]
                 .iter()
-                .any(|command| matches!(command.action, Action::SetMemory { index: i, .. } if i == index));
+                .any(|(command, _)| matches!(command.action, Action::SetMemory { index: i, .. } if i == index));
             if let Some(value) = wanted.filter(|value| is_written || self.memory[place] != Some(*value)) {
                 let action = Action::SetMemory { index, value: value.to_f64() };
                 self.give(action, sequence, plan.acts.len() + place, None);
@@ -255,7 +286,10 @@ impl Player {
     }
 
     /// What became of it. Called before the scenario is over, it says how far it came.
-    pub fn finish(self) -> Report {
+    pub fn finish(mut self) -> Report {
+        for (_, pending) in self.held.iter().flatten() {
+            self.outcomes[pending.outcome].note(self.cycle, Answer::None, false);
+        }
         let plan = &self.scenario.0;
         let sources = (0..self.outcomes.len()).map(|index| outcome::Source::of(plan, index));
         let mut refused: Vec<_> =

@@ -11,7 +11,7 @@ use lineshaft_core::command::Commands;
 use lineshaft_core::config::{ConfigError, MachineConfig};
 use lineshaft_core::drive::Backend;
 use lineshaft_core::event::{Event, Severity};
-use lineshaft_core::machine::Machine;
+use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImage};
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Write};
@@ -96,7 +96,7 @@ pub fn simulate_with(
     let bar = progress_bar(scenario.cycles(), options.progress && !options.events);
     let mut lines = options.events.then(|| BufWriter::new(io::stdout().lock()));
     for cycle in 0..scenario.cycles() {
-        player.before(cycle, &mut sequence, Some(&mut plant));
+        player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
         inputs.cycle = cycle;
         plant.read(&mut inputs);
         player.override_inputs(&mut inputs);

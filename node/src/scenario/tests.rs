@@ -19,7 +19,7 @@ mod vocabulary;
 use super::{Options, Player, Report, Scenario, simulate};
 use crate::cell::Cell;
 use lineshaft_core::drive::Backend;
-use lineshaft_core::machine::Machine;
+use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use std::path::Path;
 
 /// x and y: 1000 inc/mm, default 50 mm/s and 500 mm/s^2, so that 10 mm take 100 ms up, 100 ms at speed and 100 ms down.

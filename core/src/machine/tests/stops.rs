@@ -309,17 +309,36 @@ fn streamed_velocities_move_the_axis_and_their_silence_stops_it() {
     }
 }
 
+/// Ten clients, each with 25 stops of every axis under way: 256 wait for each axis, and all of them end in the cycle in which it
+/// stands. What comes beyond that still stops the axis; it is answered at once.
 #[test]
-fn more_waiting_commands_than_there_is_room_are_all_answered() {
+fn every_axis_lets_256_commands_wait_and_none_of_their_ends_is_lost() {
     let mut rig = Rig::enabled();
-    rig.give(Action::Move(at(X, 100_000.0)));
-    rig.run(200);
-    let last = rig.give_all(vec![Action::Halt(x()); 12]);
-    rig.run(300);
-    for sequence in last - 11..=last {
-        assert_eq!(rig.done(sequence).len(), 1);
+    for axis in [LINE, X, Y] {
+        rig.give(Action::Move(at(axis, 100_000.0)));
     }
-    assert_eq!(rig.done(last)[0].code, Code::TOO_MANY_WAITING);
+    rig.run(200);
+    let all = AxisSet::first(3);
+    let first = rig.give_all(vec![Action::Halt(all); 64]) - 63;
+    for _ in 0..3 {
+        rig.give_all(vec![Action::Halt(all); 64]);
+    }
+    let over = rig.give(Action::Halt(all));
+    assert_eq!(rig.done(over).iter().map(|event| event.code).collect::<Vec<_>>(), [Code::TOO_MANY_WAITING; 3]);
+    let refused = rig.give(Action::ResetErrors(AxisSet::one(X)));
+    assert_eq!(rig.refusal(refused), "x: too many commands wait; try again");
+    assert_eq!((first..over).map(|sequence| rig.done(sequence).len()).sum::<usize>(), 0, "all of them wait");
+    rig.run(300);
+    for sequence in first..over {
+        assert_eq!(
+            rig.done(sequence).iter().map(|event| event.code).collect::<Vec<_>>(),
+            [Code::NONE; 3],
+            "{sequence}"
+        );
+    }
+    assert!(rig.events.iter().all(|event| event.code != Code::EVENTS_LOST));
+    let again = rig.give(Action::ResetErrors(AxisSet::one(X)));
+    assert!(rig.was_accepted(again), "there is room again");
 }
 
 /// A stop that locks tells the state that it leads to, and none on the way there.

@@ -22,10 +22,11 @@ async fn serve(mut server: ServiceServer<Trigger>, hub: Arc<Hub>) {
     let axes = hub.host.config().axes.len();
     while let Some(Request { reply, .. }) = server.next().await {
         while open.try_join_next().is_some() {}
+        // Handed over here, one after the other: commands keep the order of their requests.
+        let given = hub.submit(Action::Abort);
         let hub = Arc::clone(&hub);
         open.spawn(async move {
-            let response = match perform(&hub, Action::Abort, axes, "stopped and locked; ~/reset_errors unlocks").await
-            {
+            let response = match perform(&hub, given, axes, "stopped and locked; ~/reset_errors unlocks").await {
                 Ok(message) => TriggerResponse { success: true, message },
                 Err(message) => TriggerResponse { success: false, message },
             };

@@ -1,6 +1,7 @@
 //! `~/enable`, `~/disable`, `~/halt`, `~/quick_stop`, `~/reset_errors`: each answers when its axes have done it, or failed.
 
-use super::hub::Hub;
+use super::host::Busy;
+use super::hub::{Answers, Hub};
 use super::table::{self, Served};
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_core::command::Action;
@@ -49,9 +50,11 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Co
                 continue;
             }
         };
+        // Handed over here, one after the other: commands keep the order of their requests.
+        let given = hub.submit(action(axes));
         let hub = Arc::clone(&hub);
         open.spawn(async move {
-            let response = match perform(&hub, action(axes), axes.len(), done).await {
+            let response = match perform(&hub, given, axes.len(), done).await {
                 Ok(message) => AxesCommandResponse { success: true, message },
                 Err(message) => AxesCommandResponse { success: false, message },
             };
@@ -65,18 +68,23 @@ fn summary(count: usize, done: &str) -> String {
     if count == 1 { format!("1 axis {done}") } else { format!("{count} axes {done}") }
 }
 
-/// Gives a command and waits until each of its axes has told its end; what was done, or why it was not.
-pub(super) async fn perform(hub: &Arc<Hub>, action: Action, axes: usize, done: &str) -> Result<String, String> {
-    match tokio::time::timeout(PATIENCE, command(hub, action, axes)).await {
+/// Waits until each axis of a command has told its end; what was done, or why it was not.
+pub(super) async fn perform(
+    hub: &Hub,
+    given: Result<Answers, Busy>,
+    axes: usize,
+    done: &str,
+) -> Result<String, String> {
+    match tokio::time::timeout(PATIENCE, ends(hub, given, axes)).await {
         Ok(ended) => ended.map(|()| summary(axes, done)),
         Err(_) => Err(format!("no end within {} s; see ~/axis_states", PATIENCE.as_secs())),
     }
 }
 
-/// Gives a command and waits until each of its axes has told its end.
-async fn command(hub: &Arc<Hub>, action: Action, axes: usize) -> Result<(), String> {
+/// Waits until each axis of a command has told its end.
+async fn ends(hub: &Hub, given: Result<Answers, Busy>, axes: usize) -> Result<(), String> {
     let sentence = |event: &Event| text::sentence(event, hub.host.config());
-    let mut answers = hub.submit(action).map_err(|busy| busy.to_string())?;
+    let mut answers = given.map_err(|busy| busy.to_string())?;
     let (mut is_accepted, mut ended, mut failures) = (false, 0, Vec::new());
     while ended < axes || !is_accepted {
         let Some(answer) = answers.next().await else { return Err("the machine has stopped".to_owned()) };

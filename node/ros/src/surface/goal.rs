@@ -1,6 +1,6 @@
 //! What all actions of the machine have in common: from the request to the end of its goal.
 
-use super::host::Snapshot;
+use super::host::{Busy, Snapshot};
 use super::hub::{Answers, Hub};
 use super::signals::AxisView;
 use super::table::Acted;
@@ -67,7 +67,10 @@ async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
             Ok((axis, command)) => {
                 // Every axis that resolves has a view; without one the goal could not be watched, and is not begun.
                 let Some(view) = views.get(usize::from(axis)) else { continue };
-                open.spawn(run(Arc::clone(&hub), request.accept(), command, view.clone()));
+                // Handed over here, one after the other: of two goals for an axis the later one is the later one.
+                let handle = request.accept();
+                let given = hub.submit(command);
+                open.spawn(run(Arc::clone(&hub), handle, given, view.clone()));
             }
             Err(error) => {
                 hub.refuse(format!("{}: goal rejected: {error}", A::SERVED_AS.0.name.trim_start_matches("~/")));
@@ -78,8 +81,8 @@ async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
 }
 
 /// Works on an accepted goal until it ends.
-async fn run<A: AxisAction>(hub: Arc<Hub>, handle: GoalHandle<A>, command: Action, view: AxisView) {
-    let ending = match hub.submit(command) {
+async fn run<A: AxisAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<Answers, Busy>, view: AxisView) {
+    let ending = match given {
         Ok(answers) => follow(&hub, &handle, answers, &view).await,
         Err(busy) => view.stands(&hub.host.snapshot(), busy.code(), busy.to_string()),
     };

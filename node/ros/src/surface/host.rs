@@ -31,11 +31,15 @@ pub struct StampedEvent {
     pub stamp_ns: u64,
 }
 
+/// Commands that may wait for a cycle in each of two lanes, that of the stops and that of all others: of ten clients each has one
+/// for each of 64 axes under way, three times over. Of each lane a cycle takes 64, the stops first.
+pub const MOST_COMMANDS: usize = 2048;
+
 /// A command is not even taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Busy {
     /// The lanes are full: the machine does not keep up with what it is asked.
-    #[error("too many commands wait for the machine; try again")]
+    #[error("{MOST_COMMANDS} commands wait for the machine already; try again")]
     Full,
     /// No cycle runs, so none would take it.
     #[error("the node is unconfigured and no cycle runs; configure and activate it first (~/change_state)")]

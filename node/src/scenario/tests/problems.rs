@@ -98,7 +98,7 @@ fn play(text: &str, cycles: u64) -> Report {
     }
     for cycle in 0..cycles {
         assert!(!player.is_over());
-        player.before(cycle, &mut sequence, Some(&mut plant));
+        player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
         plant.read(&mut inputs);
         player.override_inputs(&mut inputs);
         machine.cycle(&inputs, player.commands(), &mut outputs);
@@ -145,17 +145,43 @@ fn without_a_plant_nothing_can_be_injected() {
     let mut machine = Machine::new(cell().machine).unwrap();
     let (inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut player = Player::new(&scenario);
-    player.before(0, &mut 0, None);
+    player.before(0, &mut 0, None, MAX_COMMANDS);
     machine.cycle(&inputs, player.commands(), &mut outputs);
     player.after(&machine);
     assert_eq!(player.finish().failures.len(), 1);
 }
 
+/// A cycle takes 64 commands; the others wait for the next ones, in their order.
 #[test]
-fn more_commands_than_a_cycle_takes_are_refused_and_told() {
-    let halts = "{halt: {}}, ".repeat(65);
-    assert_eq!(
-        failure(&format!("steps: [{{at: 0, do: [{halts}]}}]")),
-        "halt was refused: machine: too many commands wait; try again; in cycle 0 (0 s)"
+fn commands_that_a_cycle_has_no_room_for_wait_for_the_next_one() {
+    let sets = "{set_memory: {feed: 5}}, ".repeat(130);
+    let text = format!(
+        "scenario: s\ncycles: 10\nsteps: [{{at: 2, do: [{sets} {{set_memory: {{feed: 6}}}}, {{halt: {{}}}}]}}]"
     );
+    let scenario = scenario(&text);
+    let mut player = Player::new(&scenario);
+    let mut sequence = 0;
+    let mut given = Vec::new();
+    for cycle in 0..10 {
+        player.before(cycle, &mut sequence, None, MAX_COMMANDS);
+        let of = player.commands();
+        given.push((of.stop.len(), of.queue.len()));
+        assert!(of.queue.iter().map(|command| command.sequence).is_sorted());
+    }
+    assert_eq!(given[..6], [(0, 0), (0, 0), (1, 63), (0, 64), (0, 4), (0, 0)]);
+    let report = play(&text, 10);
+    assert!(report.passed(), "{report}");
+}
+
+/// What would wait for longer than the scenario, or behind more than 4096, is told.
+#[test]
+fn a_flood_of_commands_is_told() {
+    let halts = |count: usize| "{halt: {}}, ".repeat(count);
+    assert_eq!(
+        failure(&format!("steps: [{{at: 0, do: [{}]}}]", halts(64 + 4096 + 1))),
+        "halt was not given: 4096 commands wait for a cycle already; in cycle 0 (0 s)"
+    );
+    let text = format!("scenario: s\ncycles: 2\nsteps: [{{at: 1, do: [{}]}}]", halts(65));
+    let report = play(&text, 2).to_string();
+    assert!(report.contains("halt was not answered"), "{report}");
 }

@@ -31,7 +31,7 @@ fn play(cell: &Cell, scenario: &Scenario, recorded: Option<&[Inputs]>) -> Played
     let (mut inputs, mut outputs, mut sequence) = (machine.inputs(), machine.outputs(), 0);
     let (mut all_inputs, mut commands, mut streams, mut events) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for cycle in 0..scenario.cycles() {
-        player.before(cycle, &mut sequence, Some(&mut plant).filter(|_| recorded.is_none()));
+        player.before(cycle, &mut sequence, Some(&mut plant).filter(|_| recorded.is_none()), MAX_COMMANDS);
         match recorded {
             Some(recorded) => inputs = recorded[cycle as usize].clone(),
             None => {

@@ -98,11 +98,11 @@ fn stops_go_into_the_lane_that_is_drained_first() {
     );
     let mut player = Player::new(&scenario);
     let mut sequence = 40;
-    player.before(0, &mut sequence, None);
+    player.before(0, &mut sequence, None, MAX_COMMANDS);
     let numbers = |lane: &[lineshaft_core::command::Command]| lane.iter().map(|c| c.sequence).collect::<Vec<_>>();
     assert_eq!((numbers(player.commands().stop), numbers(player.commands().queue)), (vec![42, 43, 44], vec![41, 45]));
     assert_eq!(sequence, 45);
-    player.before(1, &mut sequence, None);
+    player.before(1, &mut sequence, None, MAX_COMMANDS);
     assert_eq!((player.commands().iter().count(), sequence), (0, 45));
 }
 

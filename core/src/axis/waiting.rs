@@ -1,0 +1,157 @@
+//! Who waits for an axis to have done what a command asked of it.
+//!
+//! Law      each command that waits is ended once, with the event `done`; those that end together end in the order in which they
+//!          came
+//! Refuses  more than [`MAX_WAITING`] for one axis
+
+use super::goal::Numbers;
+use crate::code::Code;
+use crate::event::{Event, EventQueue};
+use crate::object::Object;
+use crate::position::Position;
+use serde::{Deserialize, Serialize};
+
+/// Most commands that wait for one axis at a time: ten clients with 25 requests each, and a few.
+pub const MAX_WAITING: usize = 256;
+
+/// What a waiting command waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Until {
+    /// The axis can be moved.
+    Enabled,
+    /// The axis is off.
+    Disabled,
+    /// The axis stands still.
+    Standstill,
+    /// The axis has no error and no lock.
+    Healthy,
+}
+
+/// Commands that wait for the end of what they asked for, the oldest first. Its room is its own, so that an axis is copied
+/// without taking memory.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(try_from = "Vec<(u64, Until)>", into = "Vec<(u64, Until)>")]
+pub(super) struct Waiting {
+    places: [(u64, Until); MAX_WAITING],
+    count: usize,
+}
+
+impl Default for Waiting {
+    fn default() -> Self {
+        Self { places: [(0, Until::Standstill); MAX_WAITING], count: 0 }
+    }
+}
+
+impl From<Waiting> for Vec<(u64, Until)> {
+    fn from(waiting: Waiting) -> Self {
+        waiting.all().to_vec()
+    }
+}
+
+impl TryFrom<Vec<(u64, Until)>> for Waiting {
+    type Error = String;
+
+    fn try_from(all: Vec<(u64, Until)>) -> Result<Self, String> {
+        let mut waiting = Self::default();
+        for (sequence, until) in &all {
+            if !waiting.add(*sequence, *until) {
+                return Err(format!("{} commands wait for one axis; at most {MAX_WAITING} do", all.len()));
+            }
+        }
+        Ok(waiting)
+    }
+}
+
+impl Waiting {
+    fn all(&self) -> &[(u64, Until)] {
+        self.places.get(..self.count).unwrap_or_default()
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    pub(super) fn has_room(&self) -> bool {
+        self.count < MAX_WAITING
+    }
+
+    pub(super) fn waits_for(&self, until: Until) -> bool {
+        self.all().iter().any(|(_, waits)| *waits == until)
+    }
+
+    /// False where there is no room.
+    pub(super) fn add(&mut self, sequence: u64, until: Until) -> bool {
+        let Some(place) = self.places.get_mut(self.count) else { return false };
+        *place = (sequence, until);
+        self.count += 1;
+        true
+    }
+
+    /// Ends all that wait for `until`, with `code`.
+    pub(super) fn end(&mut self, events: &mut EventQueue, axis: u16, until: Until, code: Code, position: Position) {
+        self.end_with(events, until, Event::done(Object::Axis(axis), 0, code, position));
+    }
+
+    /// The same with an event, which lacks only the command.
+    pub(super) fn end_with(&mut self, events: &mut EventQueue, until: Until, done: Event) {
+        let mut kept = 0;
+        for from in 0..self.count {
+            let (sequence, waits) = self.places[from];
+            if waits == until {
+                events.push(done.of_command(sequence));
+            } else {
+                self.places[kept] = (sequence, waits);
+                kept += 1;
+            }
+        }
+        self.count = kept;
+    }
+
+    /// As [`fail`](Self::fail), with what was found and what is allowed.
+    pub(super) fn fail_with(
+        &mut self,
+        events: &mut EventQueue,
+        axis: u16,
+        code: Code,
+        until: Until,
+        (found, allowed): Numbers,
+    ) {
+        let done = Event::done(Object::Axis(axis), 0, code, Position::ZERO);
+        self.end_with(events, until, done.with(found, allowed));
+    }
+
+    /// Ends all that wait for `until` without success.
+    pub(super) fn fail(&mut self, events: &mut EventQueue, axis: u16, code: Code, until: Until) {
+        self.end(events, axis, until, code, Position::ZERO);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn those_that_end_leave_the_others_in_their_order() {
+        let (mut waiting, mut events) = (Waiting::default(), EventQueue::new(16));
+        for (sequence, until) in (1..).zip([Until::Standstill, Until::Enabled, Until::Standstill, Until::Healthy]) {
+            assert!(waiting.add(sequence, until));
+        }
+        waiting.fail(&mut events, 0, Code::DISABLED, Until::Standstill);
+        let ended: Vec<_> = events.as_slice().iter().map(|event| event.command).collect();
+        assert_eq!((ended, waiting.all()), (vec![1, 3], &[(2, Until::Enabled), (4, Until::Healthy)][..]));
+        assert!(waiting.waits_for(Until::Healthy) && !waiting.waits_for(Until::Standstill));
+    }
+
+    #[test]
+    fn a_state_tells_only_who_waits_and_is_no_longer_than_the_room() {
+        let mut waiting = Waiting::default();
+        while waiting.add(7, Until::Disabled) {}
+        assert!(!waiting.has_room());
+        let told: Vec<_> = waiting.into();
+        assert_eq!(told, [(7, Until::Disabled); 256]);
+        assert_eq!(Waiting::try_from(told.clone()).unwrap().all(), told);
+        let error = Waiting::try_from([told, vec![(8, Until::Enabled)]].concat()).unwrap_err();
+        assert_eq!(error, "257 commands wait for one axis; at most 256 do");
+        assert!(Waiting::try_from(Vec::new()).unwrap().is_empty());
+    }
+}
