@@ -320,3 +320,96 @@ impl Drop for Reader {
         self.registry.close(self.endpoint);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::guid::Guid;
+    use crate::link::qos::Qos;
+
+    fn join() -> Join {
+        Join { domain: 7, networks: None, namespace: "/".to_owned(), name: "n".to_owned(), dead: Vec::new() }
+    }
+
+    fn all(orders: &Receiver<Order>) -> Vec<Order> {
+        orders.try_iter().collect()
+    }
+
+    fn sample() -> Sample {
+        let id = SampleId { writer: Guid([1; 16]), number: 1 };
+        Sample { id, related: None, is_stale: false, came_ns: 0, is_big_endian: false, bytes: Bytes::new() }
+    }
+
+    #[tokio::test]
+    async fn a_new_side_is_told_all_that_counts() {
+        let registry = Arc::new(Registry::default());
+        let first = registry.begin(join());
+        let stream = registry.open_writer("rt/stream", "T", Qos::STREAM);
+        let latched = registry.open_writer("rt/latched", "T", Qos::STATUS);
+        let service = registry.open_writer("rr/service", "T", Qos::SERVICE);
+        let mut requests = registry.open_reader("rq/service", "T", Qos::SERVICE);
+        let gone = registry.open_writer("rt/gone", "T", Qos::STREAM);
+        drop(gone);
+        stream.write(vec![1]).unwrap();
+        latched.write(vec![2]).unwrap();
+        latched.write(vec![3]).unwrap();
+        let place = Place::Beside(Guid([9; 16]));
+        let open = service.reply(place, None, vec![4].into());
+        let answered = service.reply(place, None, vec![5].into());
+        registry.heard(Report::Replied(1, Ok(())));
+        assert_eq!(answered.await, Ok(()));
+        registry.heard(Report::Matched(0, 2));
+        for _ in 0..5 {
+            registry.heard(Report::Taken(3, Ok(sample())));
+        }
+        requests.next().await.unwrap();
+        assert_eq!((all(&first).len(), stream.matched()), (12, 2), "one order for each step");
+
+        registry.end();
+        assert_eq!(stream.matched(), 0, "of a side that is no more");
+        stream.write(vec![6]).unwrap();
+        let second = registry.begin(join());
+        let told = all(&second);
+        let [Order::Join(_), Order::Open(0, _), Order::Open(1, _), latest, Order::Open(2, _), Order::Open(3, spec), reply] =
+            told.as_slice()
+        else {
+            panic!("{told:?}")
+        };
+        assert_eq!(latest, &Order::Write(1, vec![3].into()), "what is latched; nobody heard what was published");
+        assert_eq!(spec.kind, Kind::Reader(CREDIT - 4), "four wait here");
+        let Order::Reply(2, reply) = reply else { panic!("{reply:?}") };
+        assert_eq!((reply.token, reply.bytes[0], reply.patience_ms), (0, 4, 10_000));
+        registry.heard(Report::Replied(0, Err(ReplyFailure::NoReader)));
+        assert_eq!(open.await, Err(ReplyFailure::NoReader));
+    }
+
+    #[tokio::test]
+    async fn samples_are_taken_as_fast_as_they_are_read() {
+        let registry = Arc::new(Registry::default());
+        let orders = registry.begin(join());
+        let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+        all(&orders);
+        for taken in 1..=CREDIT {
+            registry.heard(Report::Taken(0, Ok(sample())));
+            reader.next().await.unwrap();
+            let wanted = if taken % 8 == 0 { vec![Order::More(0, 8)] } else { Vec::new() };
+            assert_eq!(all(&orders), wanted, "{taken}");
+        }
+    }
+
+    #[test]
+    fn what_a_side_does_not_take_is_bounded() {
+        let registry = Arc::new(Registry::default());
+        let orders = registry.begin(join());
+        let (stream, latched) =
+            (registry.open_writer("rt/a", "T", Qos::STREAM), registry.open_writer("rt/b", "T", Qos::STATUS));
+        let megabyte = Bytes::from(vec![0; 1 << 20]);
+        let written = (0..100).take_while(|_| stream.write(megabyte.clone()).is_ok()).count();
+        assert_eq!(written, 64);
+        assert_eq!(latched.write(vec![1]), Ok(()), "the newest value that counts is never left out");
+        all(&orders).iter().for_each(|order| registry.told(order));
+        assert_eq!(stream.write(megabyte), Ok(()));
+        registry.close_all();
+        assert_eq!(stream.write(vec![1]), Err(Unwritten::Closed));
+    }
+}

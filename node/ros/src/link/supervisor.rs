@@ -363,3 +363,46 @@ fn repeat(line: &Line) {
         _ => tracing::debug!(target: TARGET, "{text}"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use super::*;
+
+    fn settings(side: Side) -> (Settings, Arc<Mutex<Vec<Loss>>>) {
+        let losses = Arc::<Mutex<Vec<Loss>>>::default();
+        let told = Arc::clone(&losses);
+        let on_loss = Arc::new(move |loss: &Loss| told.lock().unwrap().push(loss.clone()));
+        let (namespace, name) = ("/".to_owned(), "supervised".to_owned());
+        // A domain of its own: no side of these tests ever joins it.
+        let networks = Some(vec![Ipv4Addr::LOCALHOST]);
+        let settings = Settings { side, domain: 232, networks, namespace, name, participants: None, on_loss };
+        (settings, losses)
+    }
+
+    fn refused(program: &str) -> String {
+        let (settings, losses) = settings(Side::Process(PathBuf::from(program)));
+        let error = Link::start(settings).err().unwrap().to_string();
+        assert_eq!(*losses.lock().unwrap(), [], "there was none that could be lost");
+        error
+    }
+
+    #[test]
+    fn a_side_that_never_works_is_told_at_the_first_start() {
+        assert_eq!(refused("/bin/false"), "has ended (exit status: 1)");
+        assert_eq!(refused("/no/such/program"), "cannot be started: No such file or directory (os error 2)");
+    }
+
+    #[test]
+    fn a_side_that_is_to_end_is_no_loss() {
+        let (mut settings, losses) = settings(Side::Thread);
+        settings.domain = 201 + u16::try_from(std::process::id() % 30).unwrap();
+        let link = Link::start(settings).unwrap();
+        let writer = link.opener().writer("rt/supervised", "std_msgs::msg::dds_::Empty_", Qos::STREAM);
+        writer.write(vec![0; 4]).unwrap();
+        drop(link);
+        assert!(writer.write(vec![0; 4]).is_err());
+        assert_eq!(*losses.lock().unwrap(), []);
+    }
+}
