@@ -28,7 +28,8 @@ pub enum Wired {
 }
 
 impl Wired {
-    /// Which sources of an axis that is wired so are absolute, where the entries of section `encoders` have these forms.
+    /// Which sources of an axis that is wired so are absolute, where the entries of section `encoders` have these
+    /// forms.
     pub fn absolute_sources(self, entry: impl Fn(u16) -> Option<Form>) -> AbsoluteSources {
         let is_absolute = |form| matches!(form, Some(Form::Absolute(_)));
         let own = match self {

@@ -49,8 +49,8 @@ pub fn may_name(own: usize, axes: usize, encoders: usize, p: &AxisParameters) ->
     Err(("mencodertype", wrong))
 }
 
-/// The decimal that a value means of which only multiples of `step` exist: what a position of 2^-32 inc has lost of a number that was
-/// given is no part of it, and neither is what the last digits of an f64 have.
+/// The decimal that a value means of which only multiples of `step` exist: what a position of 2^-32 inc has lost of a
+/// number that was given is no part of it, and neither is what the last digits of an f64 have.
 fn decimal(value: f64, step: f64) -> f64 {
     /// All powers of ten up to here are exact.
     const MOST: f64 = 1e22;
@@ -233,7 +233,10 @@ mod tests {
         /// A number of up to six decimals that went through 2^-32 inc of any unit of a master comes back as it was.
         #[test]
         fn what_was_given_is_shown(
-            digits in -1_000_000_000_i64..1_000_000_000, places in 0_u32..7, increments in 1_i64..100_000, units in 1_i64..100,
+            digits in -1_000_000_000_i64..1_000_000_000,
+            places in 0_u32..7,
+            increments in 1_i64..100_000,
+            units in 1_i64..100,
         ) {
             let given = digits as f64 / 10_f64.powi(places.cast_signed());
             let (increments, units) = (increments as f64, units as f64);

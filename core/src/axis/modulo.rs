@@ -43,11 +43,12 @@ impl Modulo {
         (turns as i64, Position::from_raw(within.div_euclid(denominator)))
     }
 
-    /// The target nearest to `now` in the given direction that shows as `wanted` within its turn, to 2^-32 inc. `stop` is where
-    /// the axis would come to rest: no direction asks it to turn back from there. Of two ways that are equally short the one up is taken.
+    /// The target nearest to `now` in the given direction that shows as `wanted` within its turn, to 2^-32 inc. `stop`
+    /// is where the axis would come to rest: no direction asks it to turn back from there. Of two ways that are equally
+    /// short the one up is taken.
     ///
-    /// A place within a turn may be no multiple of 2^-32 inc, so that `wanted` and `now` may each lie half of one beside it: what they
-    /// differ by no more than that is the same place, or half a turn.
+    /// A place within a turn may be no multiple of 2^-32 inc, so that `wanted` and `now` may each lie half of one
+    /// beside it: what they differ by no more than that is the same place, or half a turn.
     pub fn target(self, wanted: Position, now: Position, stop: Position, direction: Direction, last: f64) -> Position {
         let denominator = i128::from(self.denominator);
         let rounding = denominator;
@@ -97,8 +98,8 @@ mod tests {
         Position::from_raw((scaled + i128::from(denominator)).div_euclid(twice))
     }
 
-    /// 333 1/3 inc, 1001 inc, 100 1/7 inc: half of it is no whole increment, of most no multiple of 2^-32 either. Exactly half a turn
-    /// goes up from wherever it is asked, and an increment more or less does not.
+    /// 333 1/3 inc, 1001 inc, 100 1/7 inc: half of it is no whole increment, of most no multiple of 2^-32 either.
+    /// Exactly half a turn goes up from wherever it is asked, and an increment more or less does not.
     #[test]
     fn half_a_turn_that_is_no_whole_increment_goes_up() {
         for (numerator, denominator) in [(1_000, 3), (1_001, 1), (701, 7), (36_000, 1), (1_001, 4)] {
@@ -122,7 +123,8 @@ mod tests {
         }
     }
 
-    /// Whoever stands on a place as well as positions can say it, is there: no direction makes a turn of what rounding left out.
+    /// Whoever stands on a place as well as positions can say it, is there: no direction makes a turn of what rounding
+    /// left out.
     #[test]
     fn a_place_within_rounding_is_no_turn_away() {
         use Direction::*;

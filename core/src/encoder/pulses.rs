@@ -1,9 +1,9 @@
 //! Supervision of the pulses of an incremental encoder by its index.
 //!
-//! Law      at each index pulse the count since the last one is one turn; where the encoder has turned back in between it is a turn
-//!          either way or 0, whichever is nearest: what is more or less adds up, and beyond the tolerance pulses are lost or too
-//!          many. An index that is overdue is judged as if it came now: nobody waits for one that stays away. An index that
-//!          comes again without one count has lost them
+//! Law      at each index pulse the count since the last one is one turn; where the encoder has turned back in between
+//!          it is a turn either way or 0, whichever is nearest: what is more or less adds up, and beyond the tolerance
+//!          pulses are lost or too many. An index that is overdue is judged as if it came now: nobody waits for one that
+//!          stays away. An index that comes again without one count has lost them
 //! Reads    position and change of the cycle, the position of its index pulse
 //! Source   WF-MON-02, WF-MON-07, W12
 
@@ -41,8 +41,8 @@ impl Way {
         if forward { self.change > 0 } else { self.change < 0 }
     }
 
-    /// Was a mark in the cycle passed once, on a straight way? One that lies elsewhere was passed before the encoder turned back, all
-    /// within the cycle. One that it stood on was not reached by leaving it.
+    /// Was a mark in the cycle passed once, on a straight way? One that lies elsewhere was passed before the encoder
+    /// turned back, all within the cycle. One that it stood on was not reached by leaving it.
     fn passes(self, mark: i64) -> bool {
         let (ahead, before) =
             (self.position.wrapping_sub(mark), self.change.wrapping_sub(self.position.wrapping_sub(mark)));

@@ -122,8 +122,8 @@ pub struct AbsoluteSources {
 }
 
 impl AbsoluteSources {
-    /// Does ENCODERTYPE choose an absolute one of them? The values of such are taken 1:1, those of others count four edges
-    /// (MACS-ENC-01); a sine has four, too.
+    /// Does ENCODERTYPE choose an absolute one of them? The values of such are taken 1:1, those of others count four
+    /// edges (MACS-ENC-01); a sine has four, too.
     pub fn chosen_by(self, encodertype: i64) -> bool {
         match Feedback::decode(encodertype) {
             Some(Feedback::Absolute { .. }) => true,

@@ -187,8 +187,8 @@ fn a_mark_that_stays_away_is_missed_as_soon_as_it_is_overdue() {
     assert_eq!(pulses(&[(100, Some(100)), (99, None), (-5, None), (-6, None)]), [None, None, None, Some(-6)]);
 }
 
-/// At rest on its mark, back by less than a turn and forward again: the same mark, with nothing missing. A count that is missing on
-/// the way is one.
+/// At rest on its mark, back by less than a turn and forward again: the same mark, with nothing missing. A count that
+/// is missing on the way is one.
 ///
 /// Proves: WF-MON-02
 #[test]
@@ -224,8 +224,8 @@ fn a_rest_on_the_mark_is_no_turn() {
     assert_eq!(pulses(&[(-100, Some(-100)), (-100, None), (-100, Some(-100))])[2], Some(100));
 }
 
-/// An encoder with an index at multiples of `every`, that is told in the cycle in which it is reached, from whichever side, and of
-/// several in a cycle the last one.
+/// An encoder with an index at multiples of `every`, that is told in the cycle in which it is reached, from whichever
+/// side, and of several in a cycle the last one.
 struct Plant {
     every: i64,
     place: i64,
@@ -251,7 +251,8 @@ impl Plant {
 
 /// Ways of a cycle: small ones around the marks, any, several turns, and those that turn back within the cycle.
 fn ways() -> impl Strategy<Value = Vec<Vec<i64>>> {
-    let way = prop_oneof![4 => -2_i64..=2, 2 => -60_i64..=60, 1 => -400_i64..=400, 1 => Just(100), 1 => Just(-100), 1 => Just(-50), 1 => Just(50)];
+    let half = prop::sample::select(&[50_i64, -50, 100, -100][..]);
+    let way = prop_oneof![4 => -2_i64..=2, 2 => -60_i64..=60, 1 => -400_i64..=400, 4 => half];
     prop::collection::vec(prop::collection::vec(way, 1..4), 1..200)
 }
 
@@ -279,11 +280,14 @@ proptest! {
         }
     }
 
-    /// One missing count is told by the next mark, or by the one that stays away, wherever it was lost and however the encoder moved.
+    /// One missing count is told by the next mark, or by the one that stays away, wherever it was lost and however the
+    /// encoder moved.
     ///
     /// Proves: WF-MON-02
     #[test]
-    fn one_missing_pulse_is_told(start in -150_i64..150, ways in ways(), lost in any::<bool>(), forward in any::<bool>()) {
+    fn one_missing_pulse_is_told(
+        start in -150_i64..150, ways in ways(), lost in any::<bool>(), forward in any::<bool>(),
+    ) {
         let check = PulseCheck { every: 100, tolerance: 0 };
         let mut plant = Plant { every: 100, place: start, missing: 0 };
         let mut pulses = Pulses::default();

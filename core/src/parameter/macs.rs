@@ -67,7 +67,8 @@ impl Default for Macs {
 }
 
 impl AxisParameters {
-    /// A revolution of the encoder (inc): counts of all edges of its lines, values of an absolute one 1:1 (MACS-ENC-01).
+    /// A revolution of the encoder (inc): counts of all edges of its lines, values of an absolute one 1:1
+    /// (MACS-ENC-01).
     pub fn revolution(&self) -> i64 {
         if self.encoder.is_absolute() { self.macs.encoder } else { self.macs.encoder.saturating_mul(4) }
     }
@@ -165,7 +166,8 @@ impl AxisParameters {
     pub fn shift_limits(&mut self, by: i64) {
         let moved = |limit: Option<i64>| limit.map(|limit| limit.saturating_add(by));
         (self.min_position, self.max_position) = (moved(self.min_position), moved(self.max_position));
-        // Those that are switched off move, too; none is cut at the largest number that MACS has, which would move its place.
+        // Those that are switched off move, too; none is cut at the largest number that MACS has, which would move its
+        // place.
         let by = if self.is_inverted() { by.saturating_neg() } else { by };
         self.macs.neglimit = self.macs.neglimit.saturating_add(by).clamp(-LARGEST, LARGEST);
         self.macs.poslimit = self.macs.poslimit.saturating_add(by).clamp(-LARGEST, LARGEST);

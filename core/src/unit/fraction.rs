@@ -111,7 +111,8 @@ pub fn fraction_to_text(value: &Fraction) -> String {
     short_decimal(value).unwrap_or_else(|| nine_digits(fraction_to_f64(value)))
 }
 
-/// A number as people read it, no digit left out: with an exponent where it would have more than 20 digits, most of them zeros.
+/// A number as people read it, no digit left out: with an exponent where it would have more than 20 digits, most of
+/// them zeros.
 pub fn number_to_text(value: f64) -> String {
     let is_plain = (1e-9..1e20).contains(&value.abs()) || value == 0.0 || !value.is_finite();
     if is_plain { value.to_string() } else { format!("{value:e}") }

@@ -66,21 +66,22 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
     let closes_here = axis.drive.is_some() && axis.interface == Interface::Velocity;
     (closes_here && !given.is_empty()).then(|| {
         format!(
-            "{}: {} do not command the drive: with interface velocity the axis closes its loop with a gain of its own, and their \
-             regulator only shows in saia.output and saia.integral",
+            "{}: no drive hears {}: with interface velocity the axis closes its loop with a gain of its own, and the \
+             regulator of the module only shows in saia.output and saia.integral",
             axis.name,
             given.join(", ")
         )
     })
 }
 
-/// SYNCVFTIME 0 asks for a filter that there is not; without a counted master there is nothing that it could filter (MACS-SYNC-08).
+/// SYNCVFTIME 0 asks for a filter that there is not; without a counted master there is nothing that it could filter
+/// (MACS-SYNC-08).
 fn unfiltered_master(cell: &Cell) -> Option<String> {
     let is_named = |axis: &AxisConfig| axis.parameters.encoder.mencodertype != 0;
     let has_master = !cell.machine.encoders.is_empty() || cell.machine.axes.iter().any(is_named);
     (has_master && !cell.machine.axes.is_empty()).then(|| {
-        "syncvftime is 0, which in MACS filters the velocity of a master by the table of mencoder; the filter does not exist yet, \
-         and synchronize follows the counts as they come"
+        "syncvftime is 0, which in MACS filters the velocity of a master by the table of mencoder; the filter does not \
+         exist yet, and synchronize follows a master as it comes"
             .to_owned()
     })
 }
@@ -193,10 +194,14 @@ mod tests {
             );
             warnings(&Cell::parse("c.yaml", text).unwrap())
         };
-        let behind = "do not command the drive: with interface velocity the axis closes its loop with a gain of its own, and their \
-                      regulator only shows in saia.output and saia.integral";
-        assert_eq!(warned("velocity", "kprop: 20, kder: -1"), [format!("x: saia.kprop 20, saia.kder -1 {behind}")]);
-        assert_eq!(warned("velocity", "kint: 3"), [format!("x: saia.kint 3 {behind}")]);
+        let told = |gains: &str| {
+            format!(
+                "x: no drive hears {gains}: with interface velocity the axis closes its loop with a gain of its own, and \
+                 the regulator of the module only shows in saia.output and saia.integral"
+            )
+        };
+        assert_eq!(warned("velocity", "kprop: 20, kder: -1"), [told("saia.kprop 20, saia.kder -1")]);
+        assert_eq!(warned("velocity", "kint: 3"), [told("saia.kint 3")]);
         for (interface, saia) in
             [("velocity", "kprop: 0, kint: 0, kder: 0"), ("velocity", ""), ("position", "kprop: 20")]
         {
@@ -212,8 +217,8 @@ mod tests {
         let warned = |sections: &str, keys: &str| {
             let axis = |address: u8| {
                 format!(
-                    "{{drive: {{backend: plant, address: {address}}}, {MM}, max_velocity: 1 m/s, max_acceleration: 1 m/s^2, \
-                     {keys}}}"
+                    "{{drive: {{backend: plant, address: {address}}}, {MM}, max_velocity: 1 m/s, \
+                     max_acceleration: 1 m/s^2, {keys}}}"
                 )
             };
             let text = format!(
@@ -223,8 +228,8 @@ mod tests {
             );
             warnings(&Cell::parse("c.yaml", text).unwrap())
         };
-        let told = "syncvftime is 0, which in MACS filters the velocity of a master by the table of mencoder; the filter does not \
-                    exist yet, and synchronize follows the counts as they come";
+        let told = "syncvftime is 0, which in MACS filters the velocity of a master by the table of mencoder; the filter \
+                    does not exist yet, and synchronize follows a master as it comes";
         let belt = format!("encoders: {{belt: {{backend: plant, address: 0, {MM}}}}}\n");
         assert_eq!(warned(&belt, "unit: mm"), [told]);
         assert_eq!(warned(&belt, "syncvftime: 0"), [told]);

@@ -326,8 +326,8 @@ fn two_programs_do_not_write_one_store() {
     assert_eq!(bench.loaded().unwrap(), Some(1));
 }
 
-/// What somebody did to the file while the program runs is found with the next save, also of an unchanged set: garbage, a part, the
-/// set of another machine, another kind of file, nothing.
+/// What somebody did to the file while the program runs is found with the next save, also of an unchanged set: garbage,
+/// a part, the set of another machine, another kind of file, nothing.
 #[test]
 fn a_file_that_was_overwritten_from_outside_is_written_again() {
     let bench = Bench::new();

@@ -243,8 +243,9 @@ fn numbers_that_no_machine_has_neither_jump_nor_panic() {
     assert!(rig.refusal(weak).contains("2^62"));
 }
 
-/// A turn of 333 1/3 inc, in thirds of an increment: half a turn is 166 2/3. SHORTEST goes up by it from wherever a goal has rested,
-/// though it rests on whole increments; and the place where a goal has rested is no turn away, whichever way is asked.
+/// A turn of 333 1/3 inc, in thirds of an increment: half a turn is 166 2/3. SHORTEST goes up by it from wherever a
+/// goal has rested, though it rests on whole increments; and the place where a goal has rested is no turn away,
+/// whichever way is asked.
 #[test]
 fn half_a_turn_is_judged_before_rounding() {
     let mut config = config(0);

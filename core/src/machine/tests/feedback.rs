@@ -91,8 +91,8 @@ fn an_axis_runs_on_an_absolute_encoder_and_over_its_seam() {
     assert_eq!(rig.int("x.actual.count"), 39_999 ^ 39_999 >> 1);
 }
 
-/// VELMAX 600 rpm of 4096 steps are 40960 inc/s, whichever way the cell says that the encoder is absolute; of lines it is four
-/// times that.
+/// VELMAX 600 rpm of 4096 steps are 40960 inc/s, whichever way the cell says that the encoder is absolute; of lines it
+/// is four times that.
 ///
 /// Proves: MACS-ENC-01, MACS-PROF-02
 #[test]
@@ -471,8 +471,8 @@ fn monitored() -> Rig {
     rig
 }
 
-/// Homed by its index it rests on a mark. From there it goes off by less than a turn and comes back, from either side: nothing is
-/// missing. Then pulses are, and it is told.
+/// Homed by its index it rests on a mark. From there it goes off by less than a turn and comes back, from either side:
+/// nothing is missing. Then pulses are, and it is told.
 ///
 /// Proves: WF-MON-02
 #[test]

@@ -205,8 +205,8 @@ fn velmaxqc_of_the_defaults_is_that_of_the_manual() {
     assert_eq!(row("velmaxqc").change(&mut p, Value::Int(5)), Err(Refused::ReadOnly));
 }
 
-/// The values of an absolute encoder are taken 1:1: ENCODER 4096 at 1000 rpm is 1000 * 4096 / 60 inc/s, or 4096000 / 60000 * 65536
-/// in VELMAXQC. It follows the source, in whatever order both are given.
+/// The values of an absolute encoder are taken 1:1: ENCODER 4096 at 1000 rpm is 1000 * 4096 / 60 inc/s, or 4096000 /
+/// 60000 * 65536 in VELMAXQC. It follows the source, in whatever order both are given.
 ///
 /// Proves: MACS-ENC-01, MACS-PROF-02
 #[test]

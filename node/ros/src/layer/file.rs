@@ -1,7 +1,7 @@
 //! Files that people name.
 //!
-//! Refuses  what is no regular file: a named pipe without a writer keeps who opens it waiting for ever, and a device does what
-//!          nobody asked it for
+//! Refuses  what is no regular file: a named pipe without a writer keeps who opens it waiting for ever, and a device
+//!          does what nobody asked it for
 
 use std::fs::{self, File, FileType};
 use std::io;

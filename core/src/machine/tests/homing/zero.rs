@@ -233,8 +233,8 @@ fn limits_keep_their_places_when_the_position_is_set_and_are_as_given_after_the_
     assert_eq!(limits(&rig), (Some(-10_000), Some(1_000)));
 }
 
-/// POSLIMIT and NEGLIMIT at the ends of their range guard the same places after DEFORIGIN, whether they were on or off, are switched
-/// off and on again there, and what is saved of them is what was given.
+/// POSLIMIT and NEGLIMIT at the ends of their range guard the same places after DEFORIGIN, whether they were on or off,
+/// are switched off and on again there, and what is saved of them is what was given.
 ///
 /// Proves: MACS-LIM-01, MACS-LIM-02
 #[test]

@@ -100,7 +100,8 @@ fn a_new_value_is_in_master_units() {
     }
 }
 
-/// 1 MU of 2048 / 55 increments is no multiple of 2^-32 increments, and shows as 1 all the same, also behind whole turns.
+/// 1 MU of 2048 / 55 increments is no multiple of 2^-32 increments, and shows as 1 all the same, also behind whole
+/// turns.
 ///
 /// Proves: MACS-CMD-17, MACS-UNIT-09
 #[test]

@@ -14,9 +14,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(500),
         effect: Effect::NextMotion,
         applies: Applies::Any,
-        description: "Lines of the encoder in one revolution, of which each is 4 increments; of an absolute encoder its steps, \
-                      each 1 increment. It is what velmax and a revolution refer to. With encodertype 1 to 4 it is also how many steps the encoder has, where feedback does not say that: then it changes \
-                      only while the axis is disabled.",
+        description: "Lines of the encoder in one revolution, of which each is 4 increments; of an absolute encoder its \
+                      steps, each 1 increment. It is what velmax and a revolution refer to. With encodertype 1 to 4 it \
+                      is also how many steps the encoder has, where feedback does not say that: then it changes only \
+                      while the axis is disabled.",
         source: "MACS-ENC-01, MACS-PROF-02",
         get: |p| Value::Int(p.macs.encoder),
         set: |p, v| p.macs.encoder = int(v).unwrap_or(p.macs.encoder),
