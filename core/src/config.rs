@@ -14,7 +14,7 @@ use crate::drive::{Backend, Interface};
 use crate::encoder::{Form, PulseCheck};
 use crate::object::{Leader, MAX_AXES, Object};
 use crate::parameter::{AxisParameters, Contradiction, MachineParameters};
-use crate::unit::{Fraction, Quantity, Scale, fraction_to_f64};
+use crate::unit::{Fraction, Scale, fraction_to_f64};
 use crate::vocabulary::{amc, wf};
 use serde::{Deserialize, Serialize};
 
@@ -147,8 +147,8 @@ impl AxisConfig {
 
     /// Increments per axis unit, rounded to f64.
     pub fn increments_per_unit(&self) -> f64 {
-        let one = Quantity::new(Fraction::from_integer(1), self.scale.unit());
-        self.scale.exact(&one).map_or(1.0, |exact| fraction_to_f64(&exact))
+        let one = self.scale.unit().times(Fraction::from_integer(1));
+        one.and_then(|one| self.scale.exact(&one)).map_or(1.0, |exact| fraction_to_f64(&exact))
     }
 }
 

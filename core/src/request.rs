@@ -17,10 +17,10 @@ pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
 use crate::command::{Length, Move, MoveMode, Probe, ProbeEdge, Synchronize};
 use crate::config::{AxisConfig, IoKind, MachineConfig};
 use crate::object::{AxisSet, Leader, Object};
-use crate::parameter::{self, Applies, Change, MACHINE, ParameterInput, Row};
+use crate::parameter::{self, Applies, Change, MACHINE, ParameterInput, Row, Word};
 use crate::position::Position;
 use crate::text::expected_text;
-use crate::unit::{Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
+use crate::unit::{AxisUnit, Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
 
 /// In which units a request gives its bare numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,11 +52,11 @@ impl Units {
         }
     }
 
-    fn unit(self, scale: &Scale) -> Unit {
+    fn unit(self, scale: &Scale) -> AxisUnit {
         match self {
-            Self::Si => scale.kind().dimension(0).si_unit(),
+            Self::Si => scale.kind().dimension(0).si_unit().into(),
             Self::AxisUnit => scale.unit(),
-            Self::Increments => Unit::INCREMENT,
+            Self::Increments => Unit::INCREMENT.into(),
         }
     }
 }
@@ -79,7 +79,7 @@ impl Default for Amount {
 impl Amount {
     fn quantity(self, units: Units, scale: &Scale, order: u8) -> Result<Quantity, UnitError> {
         match self {
-            Self::Number(number) => Quantity::from_f64(number, units.unit(scale).with_order(order)),
+            Self::Number(number) => units.unit(scale).with_order(order).times_f64(number),
             Self::Quantity(quantity) => Ok(quantity),
         }
     }
@@ -377,7 +377,8 @@ impl MachineConfig {
         let (object, key) = name.split_once('.').ok_or_else(|| unknown("; parameters are written axis.key".into()))?;
         let is_machine = object == "machine";
         let axis = if is_machine { None } else { Some(self.find_axis(object)?) };
-        let (row, entry) = Row::find(key).ok_or_else(|| unknown(String::new()))?;
+        let meant = || Word::find(key).map_or(String::new(), |word| format!("; {}", word.text(Some(object))));
+        let (row, entry) = Row::find(key).ok_or_else(|| unknown(meant()))?;
         let applies = axis.map_or(entry.applies == Applies::Machine, |(_, axis)| entry.applies.to(axis));
         if !applies {
             return Err(RequestError::NotApplicable { name: name.to_owned(), allowed: entry.applies.text() });

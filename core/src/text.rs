@@ -16,7 +16,7 @@ mod set;
 
 pub use advice::{Advice, DRIVE_FAULT, advice};
 pub use parameter::{expected_text, range_text, refused_text, value_text};
-pub use set::{cell_has, not_built_here};
+pub use set::{names_no_io, not_built_here};
 
 use reason::reason;
 

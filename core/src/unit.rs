@@ -9,6 +9,7 @@
 //! Lengths, times, degrees and revolutions are exact. Radians are not: pi is irrational, so a value in rad takes part
 //! with pi as an f64. Nothing here allocates but texts and errors that carry a text.
 
+mod axis;
 mod error;
 mod fraction;
 mod macs;
@@ -16,6 +17,7 @@ mod names;
 mod quantity;
 mod scale;
 
+pub use axis::AxisUnit;
 pub use error::{UnitError, excerpt};
 pub use fraction::{
     Fraction, fraction_from_f64, fraction_to_f64, fraction_to_text, parse_decimal, parse_fraction, round,

@@ -3,7 +3,7 @@
 use crate::axis::MAX_DELAY;
 use crate::code::Code;
 use crate::drive::Interface;
-use crate::text::cell_has;
+use crate::text::names_no_io;
 
 /// Why a machine cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -96,7 +96,7 @@ pub enum ConfigError {
         entry: u16,
     },
     /// A number of an input or output that is not there.
-    #[error("{}{key} is {number}; {}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")), cell_has(*is_output, &count.to_string()))]
+    #[error("{}{}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")), names_no_io(key, &number.to_string(), *is_output, &count.to_string()))]
     NoSuchIo {
         /// Whose; none for the machine.
         axis: Option<String>,

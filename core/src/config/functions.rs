@@ -49,7 +49,8 @@ impl AxisParameters {
 }
 
 impl MachineConfig {
-    /// Has each output one function, with these parameters of the axes (by their places) and this O_ERROR?
+    /// Has each output one function, with these parameters of the axes (by their places) and this O_ERROR? Who has a new
+    /// one, of the axes and [`MACHINE`], comes last, so that it is told and not the axis that had its output before.
     ///
     /// # Errors
     /// The first output that would have two.
@@ -57,6 +58,7 @@ impl MachineConfig {
         &self,
         o_error: i64,
         functions: impl Fn(usize) -> [Function; FUNCTIONS],
+        is_new: impl Fn(usize) -> bool,
     ) -> Result<(), OutputShared> {
         let mut switchers = [None; OUTPUTS];
         for (index, axis) in self.axes.iter().enumerate() {
@@ -68,8 +70,12 @@ impl MachineConfig {
                 }
             }
         }
-        let of_axes = (0..self.axes.len()).flat_map(|index| functions(index).map(|function| (index as u16, function)));
-        for (axis, function) in of_axes.chain([(MACHINE, ("o_error", o_error))]) {
+        let is_new = &is_new;
+        let of = |index: usize| functions(index).map(|function| (index as u16, function));
+        let of_axes = |new: bool| (0..self.axes.len()).filter(move |index| is_new(*index) == new).flat_map(of);
+        let of_machine = |new: bool| (is_new(MACHINE.into()) == new).then_some((MACHINE, ("o_error", o_error)));
+        let in_turn = of_axes(false).chain(of_machine(false)).chain(of_axes(true)).chain(of_machine(true));
+        for (axis, function) in in_turn {
             let place = usize::try_from(function.1.unsigned_abs()).unwrap_or(OUTPUTS);
             let Some(switcher) = switchers.get_mut(place).filter(|_| place != 0) else { continue };
             match *switcher {
@@ -83,12 +89,16 @@ impl MachineConfig {
 
     /// Have its outputs one function each, at the start and with what was saved?
     pub(super) fn check_outputs_once(&self) -> Result<(), ConfigError> {
-        let now = self.check_functions(self.global.parameters.o_error, |index| {
-            self.axes.get(index).map_or([("", 0); FUNCTIONS], |axis| axis.parameters.output_functions())
-        });
-        let saved = self.check_functions(self.global.power_on().o_error, |index| {
-            self.axes.get(index).map_or([("", 0); FUNCTIONS], |axis| axis.power_on().output_functions())
-        });
+        let now = self.check_functions(
+            self.global.parameters.o_error,
+            |index| self.axes.get(index).map_or([("", 0); FUNCTIONS], |axis| axis.parameters.output_functions()),
+            |_| false,
+        );
+        let saved = self.check_functions(
+            self.global.power_on().o_error,
+            |index| self.axes.get(index).map_or([("", 0); FUNCTIONS], |axis| axis.power_on().output_functions()),
+            |_| false,
+        );
         now.and(saved).map_err(|shared| {
             let axis = self.axes.get(usize::from(shared.axis)).map(|axis| axis.name.clone());
             ConfigError::OutputShared { axis, key: shared.function.0, number: shared.function.1.saturating_abs() }

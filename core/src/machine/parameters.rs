@@ -220,7 +220,7 @@ impl Machine {
             let now = &self.state.axes[index].parameters;
             if is_new(index) { self.candidates[index].output_functions() } else { now.output_functions() }
         };
-        self.config.check_functions(o_error, of).map_err(shared_output)
+        self.config.check_functions(o_error, of, &is_new).map_err(shared_output)
     }
 
     /// Would each output have one function after a power cycle, too, if these axes save what they have?
@@ -232,7 +232,8 @@ impl Machine {
             let kept = if saves { &self.state.axes[index].parameters } else { &self.state.user[index] };
             kept.output_functions()
         };
-        self.config.check_functions(machine.o_error, of).map_err(shared_output)
+        let is_new = |index: usize| axes.contains(index as u16);
+        self.config.check_functions(machine.o_error, of, is_new).map_err(shared_output)
     }
 
     fn count_change(&mut self) {

@@ -118,13 +118,13 @@ fn of_number(row: &Row, scale: &Scale, number: f64) -> Result<Value, ConvertErro
         _ => 0,
     };
     let (number, unit) = match (row.measure, row.bare) {
-        (Measure::Time, Bare::Milliseconds) => (number, Unit::MILLISECOND),
-        (Measure::Time, _) => (number, Unit::SECOND),
-        (_, Bare::Si | Bare::Milliseconds) => (number, scale.kind().dimension(order).si_unit()),
+        (Measure::Time, Bare::Milliseconds) => (number, Unit::MILLISECOND.into()),
+        (Measure::Time, _) => (number, Unit::SECOND.into()),
+        (_, Bare::Si | Bare::Milliseconds) => (number, scale.kind().dimension(order).si_unit().into()),
         (_, Bare::AxisUnit) => (number, scale.unit().with_order(order)),
         (_, Bare::AxisUnitPerMs) => (number * 1000.0, scale.unit().with_order(order)),
     };
-    of_quantity(row.measure, scale, &Quantity::from_f64(number, unit).map_err(ConvertError::Unit)?)
+    of_quantity(row.measure, scale, &unit.times_f64(number).map_err(ConvertError::Unit)?)
 }
 
 fn of_quantity(measure: Measure, scale: &Scale, quantity: &Quantity) -> Result<Value, ConvertError> {

@@ -15,6 +15,7 @@ mod macs;
 mod row;
 mod rows;
 mod supervision;
+mod words;
 
 pub use axis::{AxisParameters, Contradiction};
 pub use border::{BorderRange, BorderType, BorderValue};
@@ -27,6 +28,7 @@ pub use macs::Macs;
 pub use row::{Applies, Bare, Effect, Group, Measure, Range, Refused, Row, Storage, System, Value};
 pub use rows::ROWS;
 pub use supervision::{FOLLOWING_ERROR_CHECKS, Supervision};
+pub use words::{Here, Word};
 
 use crate::event::Number;
 use crate::object::Object;

@@ -302,6 +302,12 @@ pub enum Refused {
 }
 
 impl Row {
+    /// What its function misses, in words: `velocity and current loops do not exist yet`; empty where all of it works.
+    pub fn missing_text(&self) -> String {
+        let verb = if self.missing.ends_with("loops") { "do" } else { "does" };
+        if self.missing.is_empty() { String::new() } else { format!("{} {verb} not exist yet", self.missing) }
+    }
+
     /// The row of that key.
     pub fn find(key: &str) -> Option<(u16, &'static Row)> {
         ROWS.iter().enumerate().find(|(_, row)| row.key == key).map(|(index, row)| (index as u16, row))

@@ -95,7 +95,7 @@ pub fn refused_text(row: &Row, why: Refused, value: Value, scale: &Scale) -> Str
         }
         Refused::NotBuilt => {
             let (value, default) = (text(value), text(row.default));
-            format!("{key} is {value}: {} does not exist yet; only {default} is allowed", row.missing)
+            format!("{key} is {value}: {}; only {default} is allowed", row.missing_text())
         }
         Refused::ReadOnly => match row.storage {
             Storage::Cell => format!("{key} is part of the cell; it changes with the file and a new start"),

@@ -1,7 +1,7 @@
 //! Why something was refused, ended or failed: the sentence of each code.
 
 use super::set::{
-    cell_has, contradict, given_twice, key, not_built, not_built_here, not_disabled, out_of_range, read_only,
+    contradict, given_twice, key, names_no_io, not_built, not_built_here, not_disabled, out_of_range, read_only,
     reverse_forbidden,
 };
 use super::{number_text, plain, row};
@@ -175,8 +175,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         }
         Code::INTERRUPTED => fixed("i_break has stopped the axis; i_continue or reset_errors lets it go on"),
         Code::NO_SUCH_INPUT | Code::NO_SUCH_OUTPUT => {
-            let has = cell_has(event.code == Code::NO_SUCH_OUTPUT, &plain(event.limit));
-            format!("{} is {}; {has}", key(event), plain(event.asked))
+            names_no_io(key(event), &plain(event.asked), event.code == Code::NO_SUCH_OUTPUT, &plain(event.limit))
         }
         Code::OUTPUT_TAKEN => {
             let owner = match event.limit {

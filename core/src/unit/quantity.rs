@@ -4,7 +4,7 @@ use super::fraction::number_length;
 use super::{
     Dimension, Fraction, Unit, UnitError, excerpt, fraction_from_f64, fraction_to_f64, fraction_to_text, parse_decimal,
 };
-use num_traits::{CheckedMul, ToPrimitive};
+use num_traits::{CheckedMul, Signed, ToPrimitive};
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -100,14 +100,18 @@ impl Quantity {
             .ok_or(UnitError::NotNanoseconds { given: *self })
     }
 
-    /// This number in a unit of the dimension that was expected, for an error's example.
+    /// This number in a unit of the dimension that was expected, for an error's example; one of it where this number is none:
+    /// 0, negative or long.
     pub(super) fn example(&self, expected: Dimension) -> Self {
+        const LONGEST: usize = 6;
+        let is_example = self.value.is_positive() && fraction_to_text(&self.value).len() <= LONGEST;
+        let value = if is_example { self.value } else { Fraction::from_integer(1) };
         let order = match expected {
             Dimension::Length(order) | Dimension::Angle(order) | Dimension::Increments(order) => order,
             _ => 0,
         };
         let unit = Some(self.unit.with_order(order)).filter(|unit| unit.dimension() == expected);
-        Self { unit: unit.unwrap_or(expected.si_unit()), ..*self }
+        Self { value, unit: unit.unwrap_or(expected.si_unit()) }
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::fraction::nine_digits;
 use super::{
-    Dimension, Fraction, MacsFactors, Quantity, Unit, UnitError, fraction_from_f64, fraction_to_f64, fraction_to_text,
-    round,
+    AxisUnit, Dimension, Fraction, MacsFactors, Quantity, Unit, UnitError, fraction_from_f64, fraction_to_f64,
+    fraction_to_text, round,
 };
 use num_traits::{CheckedDiv, CheckedMul, Signed};
 use std::f64::consts::TAU;
@@ -42,7 +42,7 @@ pub struct Scale {
     kind: ScaleKind,
     /// inc/m or inc/rev.
     per_base: Fraction,
-    unit: Unit,
+    unit: AxisUnit,
 }
 
 impl Scale {
@@ -64,12 +64,12 @@ impl Scale {
         };
         let per_base = increments.checked_div(&in_base(&per)?).filter(Signed::is_positive);
         let per_base = per_base.ok_or(UnitError::Inexact { given: per })?;
-        Ok(Self { kind, per_base, unit: kind.dimension(0).si_unit() })
+        Ok(Self { kind, per_base, unit: kind.dimension(0).si_unit().into() })
     }
 
     /// Of an object without units: an increment stands for a metre.
     pub fn increments() -> Self {
-        Self { kind: ScaleKind::Linear, per_base: Fraction::from_integer(1), unit: Unit::INCREMENT }
+        Self { kind: ScaleKind::Linear, per_base: Fraction::from_integer(1), unit: Unit::INCREMENT.into() }
     }
 
     /// The scale of MACS unit factors, where one user unit is `user_unit`, such as 0.1 mm.
@@ -80,18 +80,23 @@ impl Scale {
         Self::new(factors.increments_per_user_unit()?, user_unit)
     }
 
-    /// The same scale, read in another axis unit: a length, an angle or inc, as the kind is.
+    /// The same scale, read in another axis unit: a length, an angle or inc, as the kind is, or a share of one.
     ///
     /// # Errors
     /// [`UnitError::WrongDimension`].
-    pub fn with_unit(self, unit: Unit) -> Result<Self, UnitError> {
-        if unit.dimension() == self.kind.dimension(0) || unit == Unit::INCREMENT {
+    pub fn with_unit(self, unit: impl Into<AxisUnit>) -> Result<Self, UnitError> {
+        let unit = unit.into();
+        if unit.unit().dimension() == self.kind.dimension(0) || unit == Unit::INCREMENT.into() {
             return Ok(Self { unit, ..self });
         }
-        Err(UnitError::WrongDimension {
-            given: Quantity::new(Fraction::from(1), unit),
-            expected: self.kind.dimension(0),
-        })
+        Err(UnitError::WrongDimension { given: unit.times(Fraction::from(1))?, expected: self.kind.dimension(0) })
+    }
+
+    /// One increment, as a fraction of m or rev, and whether a machine can have such a one: 1e-18 to 1e9 of them.
+    pub fn increment(&self) -> (Fraction, bool) {
+        let one = self.per_base.recip();
+        let least = Fraction::new(1, 1_000_000_000_000_000_000);
+        (one, one >= least && one <= Fraction::from_integer(1_000_000_000))
     }
 
     /// Linear or rotary.
@@ -100,8 +105,13 @@ impl Scale {
     }
 
     /// The axis unit.
-    pub fn unit(&self) -> Unit {
+    pub fn unit(&self) -> AxisUnit {
         self.unit
+    }
+
+    /// Do people read it in increments?
+    pub fn is_in_increments(&self) -> bool {
+        self.unit == Unit::INCREMENT.into()
     }
 
     /// The dimensions that a quantity of the `order`-th derivative (0..=3) may have here, the SI one first.
@@ -176,7 +186,7 @@ impl Scale {
     /// # Errors
     /// As [`Scale::position_from_si`].
     pub fn position_from_unit(&self, value: f64) -> Result<i64, UnitError> {
-        self.position(&Quantity::from_f64(value, self.unit)?)
+        self.position(&self.unit.times_f64(value)?)
     }
 
     /// [`Scale::rate`] of an SI number (m/s^order or rad/s^order, `order` 1..=3).
@@ -192,12 +202,12 @@ impl Scale {
     /// # Errors
     /// As [`Scale::rate_from_si`].
     pub fn rate_from_unit(&self, value: f64, order: u8) -> Result<f64, UnitError> {
-        self.rate(&Quantity::from_f64(value, self.unit.with_order(order))?, order)
+        self.rate(&self.unit.with_order(order).times_f64(value)?, order)
     }
 
     /// A position in m or rad; `fraction` is what the floor left, 0..1 inc.
     pub fn position_to_si(&self, increments: i64, fraction: f64) -> f64 {
-        self.position_in(self.si_unit(), increments, fraction)
+        self.position_in(self.si_unit().into(), increments, fraction)
     }
 
     /// A position in the axis unit; `fraction` is what the floor left, 0..1 inc.
@@ -207,7 +217,7 @@ impl Scale {
 
     /// Any derivative in inc/s^n as m/s^n or rad/s^n.
     pub fn rate_to_si(&self, rate: f64) -> f64 {
-        rate / self.per(self.si_unit())
+        rate / self.per(self.si_unit().into())
     }
 
     /// Any derivative in inc/s^n as axis unit per s^n.
@@ -220,12 +230,12 @@ impl Scale {
         let exact = self.exact_per(self.unit).and_then(|per| Fraction::from(i128::from(increments)).checked_div(&per));
         let number =
             exact.map_or_else(|| nine_digits(self.position_to_unit(increments, 0.0)), |exact| fraction_to_text(&exact));
-        format!("{number} {}", self.unit)
+        self.unit.text(&number)
     }
 
     /// A velocity, acceleration or jerk (`order` 1..=3) in inc/s^order for a message: `0.5 m/s`, at most nine digits.
     pub fn format_rate(&self, rate: f64, order: u8) -> String {
-        format!("{} {}", nine_digits(self.rate_to_unit(rate)), self.unit.with_order(order))
+        self.unit.with_order(order).text(&nine_digits(self.rate_to_unit(rate)))
     }
 
     fn si_unit(&self) -> Unit {
@@ -233,21 +243,25 @@ impl Scale {
     }
 
     /// Increments per `unit`; `None` for rad.
-    fn exact_per(&self, unit: Unit) -> Option<Fraction> {
-        if unit == Unit::INCREMENT { Some(Fraction::from(1)) } else { self.per_base.checked_mul(&unit.in_base()?) }
+    fn exact_per(&self, unit: AxisUnit) -> Option<Fraction> {
+        if unit == Unit::INCREMENT.into() {
+            return Some(Fraction::from(1));
+        }
+        self.per_base.checked_mul(&unit.unit().in_base()?)?.checked_mul(&unit.share())
     }
 
     /// Increments per `unit`, the nearest f64.
-    fn per(&self, unit: Unit) -> f64 {
+    fn per(&self, unit: AxisUnit) -> f64 {
         match self.exact_per(unit) {
             Some(exact) => fraction_to_f64(&exact),
             None => {
-                fraction_to_f64(&self.per_base) * unit.in_base().map_or(1.0 / TAU, |factor| fraction_to_f64(&factor))
+                let factor = unit.unit().in_base().map_or(1.0 / TAU, |factor| fraction_to_f64(&factor));
+                fraction_to_f64(&self.per_base) * factor * fraction_to_f64(&unit.share())
             }
         }
     }
 
-    fn position_in(&self, unit: Unit, increments: i64, fraction: f64) -> f64 {
+    fn position_in(&self, unit: AxisUnit, increments: i64, fraction: f64) -> f64 {
         let whole = Fraction::from(i128::from(increments));
         let rest = fraction / self.per(unit);
         match self.exact_per(unit).and_then(|per| whole.checked_div(&per)) {
@@ -259,7 +273,7 @@ impl Scale {
     /// Increments of a position in f64, where the exact fraction leaves 128 bits.
     fn rough(&self, quantity: &Quantity) -> f64 {
         let plain = quantity.unit().with_order(0);
-        fraction_to_f64(&quantity.value()) * if plain == Unit::INCREMENT { 1.0 } else { self.per(plain) }
+        fraction_to_f64(&quantity.value()) * if plain == Unit::INCREMENT { 1.0 } else { self.per(plain.into()) }
     }
 }
 

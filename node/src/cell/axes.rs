@@ -94,6 +94,7 @@ fn axis<'d>(
     let Onces { taken, outputs, switches, masters, functions } = once;
     let name = entry.name();
     let mut map = entry.value.map(format!("axis `{name}`"))?;
+    map.explain_by(parameters::word_of_source);
     let (travel, factors) = Travel::read_axis(&mut map);
     let drive = map.required("drive").and_then(|value| drive(&value, name, cx, taken));
     let modulo = map.optional("modulo").map(|value| modulo(&value, &travel));

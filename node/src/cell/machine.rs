@@ -7,7 +7,7 @@ use super::wiring;
 use crate::document::{Map, Value};
 use lineshaft_core::config::{Function, IoConfig, IoCounts, IoKind, NoSuchIo};
 use lineshaft_core::parameter::{self, Applies, AxisParameters, MachineParameters, ROWS, Refused};
-use lineshaft_core::text::{cell_has, refused_text};
+use lineshaft_core::text::{names_no_io, refused_text};
 use lineshaft_core::unit::Scale;
 
 /// Functions that parameters give to digital outputs, in file order.
@@ -86,8 +86,6 @@ pub(super) fn check_axis(parameters: &AxisParameters, given: &Given<'_>, io: &[O
 pub(crate) fn refuse_missing(missing: Option<NoSuchIo>, given: &[(&'static str, Value<'_>)]) {
     let Some(NoSuchIo { key, number, is_output, count }) = missing else { return };
     if let Some((_, value)) = given.iter().find(|(known, _)| *known == key) {
-        // The output that revers needs stands in its tens.
-        let is = if key == "revers" { "needs output" } else { "is" };
-        value.refuse(format!("{key} {is} {number}; {}", cell_has(is_output, &count.to_string())), None);
+        value.refuse(names_no_io(key, &number.to_string(), is_output, &count.to_string()), None);
     }
 }

@@ -12,7 +12,7 @@ use lineshaft_core::config::highest_velocity;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::parameter::{
     self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Range, Refused, Row,
-    Storage,
+    Storage, Word,
 };
 use lineshaft_core::text::{expected_text, not_built_here, range_text, refused_text, value_text};
 use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
@@ -26,12 +26,21 @@ const PREFIXES: [&str; 4] = ["amc", "saia", "wf", "homing"];
 /// The keys that stand in the file, with their values.
 pub(super) type Given<'d> = Vec<(&'static str, Value<'d>)>;
 
+/// Where a key lives that is a word of another controller.
+pub(super) fn word_of_source(key: &str) -> Option<String> {
+    Word::find(key).map(|word| word.text(None))
+}
+
 /// The maps of the vocabularies, where they stand.
 pub(super) struct Sections<'d>([Option<Map<'d>>; 4]);
 
 impl<'d> Sections<'d> {
     pub(super) fn open(map: &mut Map<'d>) -> Self {
-        Self(PREFIXES.map(|prefix| map.optional(prefix).and_then(|value| value.map(prefix))))
+        Self(PREFIXES.map(|prefix| {
+            let mut section = map.optional(prefix).and_then(|value| value.map(prefix))?;
+            section.explain_by(word_of_source);
+            Some(section)
+        }))
     }
 
     /// The map of a vocabulary.

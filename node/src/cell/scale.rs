@@ -4,7 +4,10 @@ use super::names::quote;
 use super::parameters::{refuse_range, whole};
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::parameter::{self, Row};
-use lineshaft_core::unit::{Dimension, Fraction, MacsFactors, Quantity, Scale, ScaleKind, Unit, UnitError};
+use lineshaft_core::unit::{
+    AxisUnit, Dimension, Fraction, MacsFactors, Quantity, Scale, ScaleKind, Unit, UnitError, fraction_to_f64,
+    parse_decimal,
+};
 
 /// The unit factors of MACS (MACS-UNIT-01).
 const FACTORS: [&str; 6] = ["posfact_z", "posfact_n", "feedrev", "feeddist", "posencqc", "posencrev"];
@@ -25,7 +28,7 @@ impl Travel {
         Self { kind: kind.or(scale.map(|scale| scale.kind())), scale }
     }
 
-    /// Key `unit`.
+    /// Key `unit`: a unit, or so many of one.
     pub(super) fn read_unit(&mut self, map: &mut Map<'_>) {
         let Some(unit) = map.optional("unit").and_then(|value| unit(&value, self.kind)) else { return };
         // A unit that does not fit the scale does not fit the type, and that is reported there.
@@ -37,7 +40,7 @@ impl Travel {
         if !FACTORS.iter().any(|key| map.has(key)) {
             let mut travel = Self::read(map);
             travel.read_unit(map);
-            let one = travel.scale.map(|scale| Quantity::new(Fraction::from(1), scale.unit()));
+            let one = travel.scale.and_then(|scale| scale.unit().times(Fraction::from(1)).ok());
             let ratio = travel.scale.zip(one).and_then(|(scale, one)| scale.exact(&one).ok());
             return (travel, ratio.and_then(|ratio| MacsFactors::of_ratio(&ratio)));
         }
@@ -51,7 +54,7 @@ impl Travel {
         let user_unit = given.as_ref().and_then(|value| unit(value, kind));
         let mut factors = MacsFactors::default();
         let mut is_good = given.is_none() || user_unit.is_some();
-        if let (Some(value), Some(Unit::INCREMENT)) = (&given, user_unit) {
+        if let (Some(value), true) = (&given, user_unit == Some(Unit::INCREMENT.into())) {
             let sentence =
                 "unit is `inc`; beside the unit factors of MACS, increments per unit, a length or an angle is allowed";
             value.refuse(sentence, None);
@@ -75,11 +78,12 @@ impl Travel {
             anchor = Some(value);
         }
         let scale = is_good.then_some(()).and(kind).and_then(|kind| {
-            let user_unit = user_unit.unwrap_or(kind.dimension(0).si_unit());
-            let scale = Scale::from_macs(&factors, Quantity::new(Fraction::from(1), user_unit));
+            let user_unit = user_unit.unwrap_or(kind.dimension(0).si_unit().into());
+            let scale = user_unit.times(Fraction::from(1)).and_then(|one| Scale::from_macs(&factors, one));
             let scale = scale.and_then(|scale| scale.with_unit(user_unit));
             let value = anchor.as_ref().or(given.as_ref())?;
-            scale.map_err(|error| value.refuse(format!("unit factors: {error}"), error.hint())).ok()
+            let scale = scale.map_err(|error| value.refuse(format!("unit factors: {error}"), error.hint())).ok()?;
+            plausible(scale, value, "unit factors")
         });
         (Self { kind, scale }, Some(factors))
     }
@@ -89,6 +93,20 @@ impl Travel {
         let unit = self.kind.unwrap_or(ScaleKind::Linear).dimension(0).si_unit();
         self.scale.or_else(|| Scale::new(Fraction::from(1), Quantity::new(Fraction::from(1), unit)).ok())
     }
+}
+
+/// Refuses a scale that no machine has: what follows from it would be told in numbers without a meaning.
+fn plausible(scale: Scale, value: &Value<'_>, what: &str) -> Option<Scale> {
+    let (increment, is_plausible) = scale.increment();
+    let unit = match scale.kind() {
+        ScaleKind::Linear => "m",
+        ScaleKind::Rotary => "rev",
+    };
+    if !is_plausible {
+        let one = fraction_to_f64(&increment);
+        value.refuse(format!("{what}: one increment is {one:e} {unit}; 1e-18 to 1e9 {unit} is allowed"), None);
+    }
+    is_plausible.then_some(scale)
 }
 
 /// One of the unit factors, in its range.
@@ -102,14 +120,34 @@ fn factor(key: &str, value: &Value<'_>) -> Option<i64> {
     Some(number)
 }
 
-fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<Unit> {
+/// A unit by its name, or a positive number of one: `mm`, `0.1 mm`.
+fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
+    if value.peek().is_some_and(|text| text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))) {
+        return share(value, kind);
+    }
     let of = |kind: ScaleKind| kind.dimension(0).units();
     let names = match kind {
         Some(kind) => of(kind),
         None => [of(ScaleKind::Linear), of(ScaleKind::Rotary)].join(", "),
     };
     let units: Vec<_> = names.split(", ").chain(["inc"]).filter_map(|name| Some((name, Unit::parse(name)?))).collect();
-    value.choice(&units)
+    value.choice(&units).map(AxisUnit::from)
+}
+
+/// `0.1 mm`: not of increments, of which nothing is a part.
+fn share(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
+    let kinds = kind.map_or(vec![ScaleKind::Linear, ScaleKind::Rotary], |kind| vec![kind]);
+    let dimensions: Vec<_> = kinds.into_iter().map(|kind| kind.dimension(0)).collect();
+    let text = value.text()?;
+    if parse_decimal(text).is_ok() {
+        let sentence = format!("unit is {}; a unit, or a number above 0 with one, is allowed", quote(text));
+        value.refuse(
+            sentence,
+            Some(format!("write `{} {}`", text, if kind == Some(ScaleKind::Rotary) { "deg" } else { "mm" })),
+        );
+        return None;
+    }
+    AxisUnit::new(value.quantity(&dimensions, &Allowed::Positive)?).ok()
 }
 
 fn scale(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<Scale> {
@@ -121,7 +159,7 @@ fn scale(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<Scale> {
     let per = map.required("per").and_then(|value| value.quantity(&dimensions, &Allowed::Positive));
     map.finish();
     match Scale::new(number?, per?) {
-        Ok(scale) => Some(scale),
+        Ok(scale) => plausible(scale, increments.as_ref()?, "scale"),
         Err(UnitError::NotPositive { .. }) => {
             let value = increments?;
             let given = quote(value.peek().unwrap_or_default());

@@ -17,13 +17,14 @@ pub struct Map<'d> {
     problems: &'d Problems,
     asked: Vec<String>,
     missing: Vec<String>,
+    explain: Option<fn(&str) -> Option<String>>,
 }
 
 impl<'d> Map<'d> {
     pub(super) fn new(what: String, place: Place, entries: &'d [(Node, Node)], problems: &'d Problems) -> Self {
         // The name of an object may be in it: foreign text.
         let what = excerpt(&what);
-        Self { what, place, entries, problems, asked: Vec::new(), missing: Vec::new() }
+        Self { what, place, entries, problems, asked: Vec::new(), missing: Vec::new(), explain: None }
     }
 
     /// The value of a key that may be left out.
@@ -57,6 +58,11 @@ impl<'d> Map<'d> {
     /// Is the key there, with or without a value?
     pub fn has(&self, key: &str) -> bool {
         self.entries.iter().any(|(name, _)| name.text() == key)
+    }
+
+    /// Who knows what an unknown key may mean tells it here, before anything that is only alike.
+    pub fn explain_by(&mut self, explain: fn(&str) -> Option<String>) {
+        self.explain = Some(explain);
     }
 
     /// Where the mapping starts.
@@ -96,7 +102,9 @@ impl<'d> Map<'d> {
         if key == "<<" {
             return Some("merge keys are not read; write the keys out".to_owned());
         }
+        let explained = self.explain.and_then(|explain| explain(key));
         match meant {
+            _ if explained.is_some() => explained,
             Some(meant) => Some(format!("did you mean `{meant}`?")),
             None if self.asked.is_empty() || self.asked.len() > MAX_LISTED => None,
             None => Some(format!("known are {}", self.asked.join(", "))),

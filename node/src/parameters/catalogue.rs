@@ -166,5 +166,5 @@ fn missing_text(row: &Row) -> String {
     if row.missing.is_empty() {
         return String::new();
     }
-    format!("{} does not exist yet; only {} is taken", row.missing, default_text(row))
+    format!("{}; only {} is taken", row.missing_text(), default_text(row))
 }

@@ -1,7 +1,7 @@
 //! docs/parameters.md: the catalogue as a page, made of its rows.
 
 use super::words::{default_text, effect_text, range_words, storage_text, unit_text, views_of};
-use lineshaft_core::parameter::{Effect, Group, ROWS, Row, System};
+use lineshaft_core::parameter::{Effect, Group, Here, ROWS, Row, System, Word};
 use std::fmt::Write;
 
 const INTRODUCTION: &str = "\
@@ -28,7 +28,7 @@ A parameter whose function does not exist yet is there and has its default; anyt
 
 A quantity is `NUMBER UNIT`: `120 mm`, `0.5 m/s`, `20 ms`, `4000 inc`. A bare number is in the unit of the column *unit*: SI (m for
 linear axes, rad for rotary ones) for native names, the source's own unit for the others. *Axis unit* is the key `unit` of the axis, the
-user unit (UU) of the sources. A parameter that counts increments (inc, the qc of MACS) takes whole numbers. Ranges and defaults that
+user unit (UU) of the sources: a unit, or so many of one (`0.1 mm`). A parameter that counts increments (inc, the qc of MACS) takes whole numbers. Ranges and defaults that
 are lengths stand here in increments, times in ms.
 
 Whole numbers have the step 1. What lies outside its range is refused, with the value and the range, and changes nothing. A default that
@@ -55,6 +55,13 @@ Column *kept*:
 | cell, read-only | part of the structure: changes with the cell and a new start |
 | computed, read-only | follows from others |
 | signal | no parameter here: read the signal of that name behind the axis |
+";
+
+const WORDS: &str = "
+## Where the words of the sources live
+
+Each machine datum, register and mnemonic, as its source writes it. `check`, scenarios and the parameter services know these words, too:
+a key `MD18` is answered with `modulo`.
 ";
 
 const SYSTEMS: [System; 5] = [System::Native, System::Macs, System::Amc, System::Saia, System::Wf];
@@ -101,7 +108,33 @@ pub fn markdown() -> String {
             rows(group).for_each(|row| page.push_str(&line(row)));
         }
     }
+    page.push_str(&words());
     page
+}
+
+/// Where each word of a source lives.
+fn words() -> String {
+    let mut text = String::from(WORDS);
+    for system in SYSTEMS {
+        let lines: Vec<_> = Word::all().filter(|word| word.system == system).collect();
+        if lines.is_empty() {
+            continue;
+        }
+        let _ = writeln!(text, "\n### Words of {}\n\n| word | here |\n|-|-|", system.name());
+        for word in lines {
+            let here = match word.here {
+                Here::Parameter(key) => format!("`{key}`"),
+                Here::Key(key) => format!("key `{key}` of the axis in its cell"),
+                Here::Words(words) => words.to_owned(),
+            };
+            let number =
+                ROWS.iter().find(|row| row.system == system && row.mnemonic == word.name).map(|row| row.number);
+            let number =
+                number.filter(|number| number.contains('.')).map_or(String::new(), |number| format!("{number} "));
+            let _ = writeln!(text, "| {number}{} | {here} |", word.name);
+        }
+    }
+    text
 }
 
 fn line(row: &Row) -> String {

@@ -138,7 +138,8 @@ impl<'d> Lines<'d> {
     /// Refuses a line that would give an output a second function.
     fn refuse_shared(&self, config: &MachineConfig, machine: &MachineParameters, parameters: &[AxisParameters]) {
         let functions = |index: usize| parameters.get(index).map(AxisParameters::output_functions).unwrap_or_default();
-        let Err(shared) = config.check_functions(machine.o_error, functions) else { return };
+        let is_new = |index: usize| self.of(index).next().is_some();
+        let Err(shared) = config.check_functions(machine.o_error, functions, is_new) else { return };
         let other = match shared.other {
             Switcher::Parameter(axis, (key, _)) => Some((axis, key)),
             Switcher::Axis(_) => None,

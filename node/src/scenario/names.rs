@@ -3,7 +3,7 @@
 use crate::document::Value;
 use lineshaft_core::config::{IoKind, MachineConfig};
 use lineshaft_core::object::Object;
-use lineshaft_core::parameter::{ROWS, Row};
+use lineshaft_core::parameter::{ROWS, Row, Word};
 use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::unit::{Scale, excerpt};
@@ -97,7 +97,9 @@ pub(super) fn meant_parameter(name: &str) -> Option<String> {
     if key.starts_with(object) && key[object.len()..].starts_with('.') {
         return Some(format!("`{}` stands twice", excerpt(object)));
     }
-    let meant = nearest(key, ROWS.iter().map(|row| row.key))?;
+    // The sentence itself tells where a word of a source lives.
+    let near = nearest(key, ROWS.iter().map(|row| row.key));
+    let meant = near.filter(|_| Word::find(key).is_none())?;
     Some(did_you_mean(&format!("{}.{meant}", excerpt(object))))
 }
 

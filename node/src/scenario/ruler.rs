@@ -12,7 +12,7 @@ use lineshaft_core::code::Code;
 use lineshaft_core::parameter::{self, ConvertError, Row, convert};
 use lineshaft_core::signal::{Measure, Signal, Type, Value as Number};
 use lineshaft_core::text::{expected_text, value_text};
-use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, excerpt, fraction_to_f64};
+use lineshaft_core::unit::{Dimension, Quantity, Scale, UnitError, excerpt, fraction_to_f64, parse_decimal};
 
 /// How the values of a signal, or of the difference of two, are read and written.
 #[derive(Clone, Copy, Debug)]
@@ -98,7 +98,9 @@ impl Ruler {
                 if let Some(text) = bare(value) {
                     let sentence =
                         format!("{} is {text}; whole increments, or a position with its unit", value.label());
-                    value.refuse(format!("{sentence} is allowed"), Some(format!("write `{text} {}`", scale.unit())));
+                    let meant = parse_decimal(&text).and_then(|number| scale.unit().times(number)).ok();
+                    let hint = meant.map(|meant| format!("write `{meant}`"));
+                    value.refuse(format!("{sentence} is allowed"), hint);
                     return None;
                 }
                 let quantity = value.quantity(&scale.dimensions(0), &Allowed::Any)?;
@@ -155,7 +157,7 @@ impl Ruler {
         }
         let unit = self.measure.unit();
         let own = if unit.is_empty() { plain } else { format!("{plain} {unit}") };
-        match (self.scale.filter(|scale| scale.unit() != Unit::INCREMENT), self.order(), number) {
+        match (self.scale.filter(|scale| !scale.is_in_increments()), self.order(), number) {
             (Some(scale), Some(0), Number::Int(value)) => format!("{own} ({})", scale.format_increments(value)),
             (Some(scale), Some(order), _) => format!("{own} ({})", scale.format_rate(number.to_f64(), order)),
             _ => own,

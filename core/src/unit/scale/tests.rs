@@ -32,6 +32,32 @@ fn positions_of_the_example_cell() {
     assert_eq!(turret().position(&angle("3.141592653589793 rad")), Ok(18_000));
 }
 
+/// 1000 inc/mm in tenths of a millimetre, and 36000 inc/rev in tenths of a degree: 10 inc.
+#[test]
+fn an_axis_unit_may_be_a_share_of_a_unit() {
+    let tenth = |one: Quantity| AxisUnit::new(one).unwrap();
+    let x = Scale::new(Fraction::from(1000), length("1 mm")).unwrap().with_unit(tenth(length("0.1 mm"))).unwrap();
+    assert_eq!(x.unit().to_string(), "0.1 mm");
+    assert_eq!((x.position_from_unit(9000.0), x.position_from_unit(-0.5)), (Ok(900_000), Ok(-50)));
+    assert_eq!((x.rate_from_unit(500.0, 1), x.rate_from_unit(7.0, 3)), (Ok(50_000.0), Ok(700.0)));
+    assert_eq!((x.position_to_unit(900_000, 0.0), x.position_to_unit(-50, 0.5)), (9000.0, -0.495));
+    assert_eq!((x.rate_to_unit(50_000.0), x.position_to_si(900_000, 0.0)), (500.0, 0.9));
+    assert_eq!((&*x.format_increments(900_000), &*x.format_increments(-50)), ("9000 * 0.1 mm", "-0.5 * 0.1 mm"));
+    assert_eq!(x.format_rate(50_000.0, 2), "500 * 0.1 mm/s^2");
+    // What has its own unit is what it was.
+    assert_eq!(x.position(&length("900 mm")), Ok(900_000));
+    let turret = turret().with_unit(tenth(angle("0.1 deg"))).unwrap();
+    assert_eq!((turret.position_from_unit(3600.0), turret.position_to_unit(-10, 0.0)), (Ok(36_000), -1.0));
+    let radians = turret.with_unit(tenth(angle("0.5 rad"))).unwrap();
+    assert!((radians.position_to_unit(36_000, 0.0) - 4.0 * std::f64::consts::PI).abs() < 1e-12);
+    assert!(x.with_unit(tenth(angle("0.1 deg"))).is_err());
+    for none in ["0 mm", "-0.1 mm"] {
+        assert!(matches!(AxisUnit::new(length(none)), Err(UnitError::NotPositive { .. })), "{none}");
+    }
+    // One of them is the unit itself.
+    assert_eq!(x.with_unit(tenth(length("1 mm"))).unwrap().format_increments(5000), "5 mm");
+}
+
 #[test]
 fn rates_are_the_exact_fraction_rounded_once() {
     assert_eq!(x().rate(&quantity("1.2 m/s", Dimension::Length(1)), 1), Ok(125_829_120.0));
@@ -201,7 +227,7 @@ proptest! {
     #[test]
     fn increments_to_an_exact_unit_and_back_is_identity(scale in any_scale(), increments in -(1_i64 << 61)..1 << 61) {
         let value = Fraction::from(i128::from(increments)) / scale.exact_per(scale.unit()).unwrap();
-        prop_assert_eq!(scale.position(&Quantity::new(value, scale.unit())), Ok(increments));
+        prop_assert_eq!(scale.position(&Quantity::new(value, scale.unit().unit())), Ok(increments));
     }
 
     /// An f64 has 53 bits: 2^48 inc leave room for the roundings on the way, also those of pi.
@@ -214,8 +240,8 @@ proptest! {
     #[test]
     fn halves_by_construction(scale in any_scale(), increments in 0_i64..1 << 60) {
         let half = Fraction::new(2 * i128::from(increments) + 1, 2) / scale.exact_per(scale.unit()).unwrap();
-        prop_assert_eq!(scale.position(&Quantity::new(half, scale.unit())), Ok(increments + 1));
-        prop_assert_eq!(scale.position(&Quantity::new(-half, scale.unit())), Ok(-increments - 1));
+        prop_assert_eq!(scale.position(&Quantity::new(half, scale.unit().unit())), Ok(increments + 1));
+        prop_assert_eq!(scale.position(&Quantity::new(-half, scale.unit().unit())), Ok(-increments - 1));
     }
 
     #[test]

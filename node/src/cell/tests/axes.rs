@@ -55,6 +55,27 @@ fn type_unit_and_scale_fit_each_other() {
     ] {
         assert_eq!(said(&axis(keys)), expected);
     }
+    for (unit, expected) in [
+        ("0 mm", "unit is `0 mm`; a value above 0 is allowed"),
+        ("-0.1 mm", "unit is `-0.1 mm`; a value above 0 is allowed"),
+        ("0.1", "unit is `0.1`; a unit, or a number above 0 with one, is allowed, write `0.1 mm`"),
+        ("0.1mm", "unit: `0.1mm` has no blank between number and unit, write `0.1 mm`"),
+        ("0.1 deg", "unit: `0.1 deg` is an angle; a length such as `0.1 m` is expected"),
+        ("0.1 inc", "unit: `0.1 inc` is a number of increments; a length such as `0.1 m` is expected"),
+        ("0.1 mm/s", "unit: `0.1 mm/s` is a velocity; a length such as `0.1 mm` is expected"),
+        ("1/10 mm", "unit: `1/10` is not a number"),
+    ] {
+        assert_eq!(said(&axis(&[("unit", unit)])), format!("8:11: {expected}"));
+    }
+    let tenths = read(&axis(&[("unit", "0.1 mm")])).scale;
+    assert_eq!(tenths.unit().to_string(), "0.1 mm");
+    assert_eq!(tenths.format_increments(tenths.position_from_unit(50.0).unwrap()), "50 * 0.1 mm");
+    // No machine has such a scale; what would follow from it is not told.
+    for (scale, one) in [("{increments: 1, per: 1e30 mm}", "1e27"), ("{increments: 1e20, per: 1 m}", "1e-20")] {
+        let sentence = format!("8:25: scale: one increment is {one} m; 1e-18 to 1e9 m is allowed");
+        let keys = [("scale", scale), ("max_position", "850 mm"), ("max_following_error", "10 mm")];
+        assert_eq!(said(&axis(&keys)), sentence);
+    }
     assert_eq!(said(&rotary(&[("unit", "mm")])), "8:11: unit is `mm`; one of deg, rad, rev, inc is allowed");
     assert_eq!(read(&axis(&[("unit", "inc")])).scale.format_increments(5), "5 inc");
     let no_unit = axis(&[]).replace("    unit: mm\n", "");
@@ -208,6 +229,18 @@ fn keys_that_an_axis_must_have_or_does_not_know() {
     }
     assert_eq!(said(&axis(&[("max_velosity", "1")])), "8:5: unknown key `max_velosity` in axis `x`");
     let misspelt = axis(&[]).replace("max_velocity", "max_velosity");
+    for (word, here) in [
+        ("md18: 1", "`md18` in axis `x`, MD18 of Siemens WF 725 is `modulo`"),
+        ("MD1: 5", "`MD1` in axis `x`, MD1 of Siemens WF 725 is `wf.md1`"),
+        ("wf: {md18: 1}", "`md18` in wf, MD18 of Siemens WF 725 is `modulo`"),
+        ("wf.md19: 1", "`wf.md19` in axis `x`, MD19 of Siemens WF 725 is `scale`"),
+        ("DestP: 1", "`DestP` in axis `x`, DestP of SAIA PCD4.H3 is `saia.destp`"),
+        ("wf: {md33: 1}", "`md33` in wf, did you mean `md30`?"),
+    ] {
+        let text = axis(&[]) + &format!("    {word}\n");
+        let told = said(&text);
+        assert_eq!(told.split_once("unknown key ").map(|(_, rest)| rest), Some(here), "{told}");
+    }
     assert_eq!(said(&misspelt), "12:5: unknown key `max_velosity` in axis `x`, did you mean `max_velocity`?");
     assert_eq!(said(&axis(&[("dirve", "virtual")])), "8:5: unknown key `dirve` in axis `x`");
 }

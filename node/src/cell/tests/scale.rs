@@ -61,6 +61,25 @@ fn the_factors_of_canopen_take_part() {
     assert_eq!(read(&text).parameters.max_position, Some(6000));
 }
 
+/// A user unit of a tenth of a millimetre: 100 increments each, and the position as it is written.
+#[test]
+fn a_user_unit_may_be_a_share_of_a_unit() {
+    let text = with(&[
+        ("unit", "0.1 mm"),
+        ("posfact_z", "100"),
+        ("posfact_n", "1"),
+        ("max_position", "8 mm"),
+        ("poslimit", "80"),
+    ]);
+    let both = said(&text);
+    assert!(both.contains("poslimit"), "one of them stands: {both}");
+    for key in [("max_position", "8 mm"), ("max_position", "8000 inc")] {
+        let text = with(&[("unit", "0.1 mm"), ("posfact_z", "100"), ("posfact_n", "1"), key]);
+        assert_eq!(read(&text).parameters.max_position, Some(8000));
+        assert_eq!(read(&text).scale.format_increments(8000), "80 * 0.1 mm");
+    }
+}
+
 /// The largest factors that MACS has, with positions beyond what its 31 bits count.
 #[test]
 fn large_factors_are_exact() {

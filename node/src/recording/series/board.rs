@@ -6,7 +6,7 @@ use crate::cell::Cell;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::{Entry, Measure, Type};
-use lineshaft_core::unit::{Scale, Unit};
+use lineshaft_core::unit::Scale;
 use lineshaft_msgs::msg::Signals;
 
 /// How the words of a signal become values.
@@ -42,7 +42,7 @@ impl BoardTracks {
             let alias = alias(&entry.name).filter(|alias| machine.directory().find(alias).is_none());
             let track = select.wants(&entry.name, alias.as_deref()).then(|| {
                 let unit = match scale {
-                    Some((scale, order)) => scale.unit().with_order(order).to_string(),
+                    Some((scale, order)) => scale.unit().unit().with_order(order).to_string(),
                     None => entry.measure.unit().to_owned(),
                 };
                 tracks.push(Track::new(entry.name.clone(), unit, entry.kind, topic.to_owned()));
@@ -128,5 +128,7 @@ fn scale_of(config: &MachineConfig, entry: &Entry) -> Option<(Scale, u8)> {
     }
     let axis = config.axes.iter().find(|axis| axis.name == object).map(|axis| axis.scale);
     let scale = axis.or_else(|| config.encoders.iter().find(|encoder| encoder.name == object).map(|found| found.scale));
-    scale.filter(|scale| scale.unit() != Unit::INCREMENT).map(|scale| (scale, order))
+    // Of an axis unit that is a share of a unit, such as 0.1 mm, the values are told in the unit: they have a name there.
+    let scale = scale.filter(|scale| !scale.is_in_increments());
+    scale.map(|scale| (scale.with_unit(scale.unit().unit()).unwrap_or(scale), order))
 }

@@ -37,7 +37,7 @@ fn each_problem_has_its_place() {
         (
             X,
             "  x.max_velocty: 1 inc/s\n",
-            "p.yaml:6:3: no parameter is called `x.max_velocty`, did you mean `max_velocity`?",
+            "p.yaml:6:3: no parameter is called `x.max_velocty`, did you mean `x.max_velocity`?",
         ),
         (X, "  x.error_reaction: 6\n", "p.yaml:6:21: x: error_reaction is 6; 0 to 5 is allowed"),
         (X, "  x.max_velocity: -1 inc/s\n", "p.yaml:6:19: x: max_velocity is -0.001 mm/s; "),

@@ -68,6 +68,25 @@ fn an_output_has_one_function() {
     }
 }
 
+/// Who asks for an output that another one has is told, wherever its axis stands.
+#[test]
+fn the_refusal_names_the_axis_that_was_set() {
+    let mut rig = Rig::of(with_io());
+    rig.give(set(Y, "o_axmove", 2));
+    for (key, number) in [("o_brake", 2), ("o_axmove", -2)] {
+        let sequence = rig.give(set(X, key, number));
+        assert_eq!(rig.refusal(sequence), format!("x: {key} names output 2, which has another function already"));
+    }
+    rig.give(set(MACHINE, "o_error", 3));
+    let sequence = rig.give(set(X, "o_axmove", 3));
+    assert_eq!(rig.refusal(sequence), "x: o_axmove names output 3, which has another function already");
+    let sequence = rig.give(set(MACHINE, "o_error", 2));
+    assert_eq!(rig.refusal(sequence), "machine: o_error names output 2, which has another function already");
+    // Several axes in one set: the last of them.
+    let sequence = rig.give(changes(&[(X, "o_brake", 1), (Y, "o_axmove", 1)]));
+    assert_eq!(rig.refusal(sequence), "y: o_axmove names output 1, which has another function already");
+}
+
 /// What is saved and what comes back with a layer keep that, too.
 #[test]
 fn layers_give_an_output_one_function() {
@@ -78,7 +97,7 @@ fn layers_give_an_output_one_function() {
     let taken = rig.give(set(Y, "o_brake", 2));
     assert!(rig.was_accepted(taken), "the output is free by now");
     let reset = rig.give(Action::ResetParameters { axes: AxisSet::one(X), layer: Layer::User });
-    assert!(rig.refusal(reset).contains("o_brake names output 2"), "{}", rig.refusal(reset));
+    assert!(rig.refusal(reset).contains("x: o_axmove names output 2"), "{}", rig.refusal(reset));
     let saved = rig.give(Action::SaveParameters(AxisSet::one(Y)));
     assert!(rig.refusal(saved).contains("names output 2"), "{}", rig.refusal(saved));
     let both = rig.give(Action::SaveParameters([X, Y].into_iter().collect()));

@@ -96,7 +96,7 @@ fn constraints(row: &Row, scale: &Scale) -> String {
         Storage::Cell => parts.push("part of the cell: changes with the file and a new start".to_owned()),
         Storage::Derived => parts.push("computed from other parameters".to_owned()),
         _ if !row.missing.is_empty() => {
-            parts.push(format!("only {}: {} does not exist yet", text(row.default), row.missing));
+            parts.push(format!("only {}: {}", text(row.default), row.missing_text()));
         }
         _ => {}
     }

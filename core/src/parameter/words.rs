@@ -1,0 +1,149 @@
+//! The words of the sources, and where each of them lives: its key, or what stands for it.
+//!
+//! Law      a word is found as its source writes it (`VELMAX`, `MD18`, `34.001`, `Stop Mode`) and in small letters, with the
+//!          prefix of its source or without; blanks, `_` and `-` do not count
+//! Source   the rows, and WF-MD, WF-SIM-01, AMC-PAR-11 for what is no parameter here
+
+use super::{ROWS, System};
+
+/// What a word of a source is here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Here {
+    /// The parameter of that key.
+    Parameter(&'static str),
+    /// A key of the axis in its cell.
+    Key(&'static str),
+    /// Something else, in words.
+    Words(&'static str),
+}
+
+/// A word of a source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Word {
+    /// Whose it is.
+    pub system: System,
+    /// As the source writes it.
+    pub name: &'static str,
+    /// What it is here.
+    pub here: Here,
+}
+
+const fn wf(name: &'static str, here: Here) -> Word {
+    Word { system: System::Wf, name, here }
+}
+
+const fn amc(name: &'static str, here: Here) -> Word {
+    Word { system: System::Amc, name, here }
+}
+
+/// Words that are no parameter of their own.
+const ELSEWHERE: [Word; 14] = [
+    wf("MD10", Here::Words("the addresses in section `io` of the cell")),
+    wf("MD11", Here::Parameter("max_position")),
+    wf("MD13", Here::Parameter("min_position")),
+    wf("MD18", Here::Key("modulo")),
+    wf("MD19", Here::Key("scale")),
+    wf("MD20", Here::Key("scale")),
+    wf("MD40", Here::Words("`lineshaft sim`, or `run --sim`")),
+    wf("MD49", Here::Key("unit")),
+    amc("31.010", Here::Key("modulo")),
+    amc("32.001", Here::Key("amc: {master: ..}")),
+    amc("32.007", Here::Key("amc: {freeze: ..}")),
+    amc("38.008", Here::Words("the signal `command.position`")),
+    amc("38.009", Here::Words("the signal `command.velocity`")),
+    amc("38.010", Here::Words("the signal `command.acceleration`")),
+];
+
+impl Word {
+    /// All of them: those of the rows in their order, then the others.
+    pub fn all() -> impl Iterator<Item = Word> {
+        let named = ROWS.iter().filter(|row| !row.mnemonic.is_empty());
+        let of_rows = named.map(|row| Word { system: row.system, name: row.mnemonic, here: Here::Parameter(row.key) });
+        of_rows.chain(ELSEWHERE)
+    }
+
+    /// The word that a key was meant as; none for a key that is one of ours.
+    pub fn find(key: &str) -> Option<Word> {
+        /// No word is that long.
+        const LONGEST: usize = 64;
+        if key.len() > LONGEST || ROWS.iter().any(|row| row.key == key) {
+            return None;
+        }
+        let small = key.to_lowercase();
+        let (system, rest) = PREFIXES
+            .iter()
+            .find_map(|(prefix, system)| Some((Some(*system), small.strip_prefix(prefix)?)))
+            .unwrap_or((None, &small));
+        let is_of = |known: System| system.is_none_or(|system| system == known);
+        let rest = plain(rest);
+        let by_number = ROWS.iter().find(|row| is_of(row.system) && row.number.contains('.') && row.number == rest);
+        let by_number =
+            by_number.map(|row| Word { system: row.system, name: row.number, here: Here::Parameter(row.key) });
+        by_number.or_else(|| Self::all().find(|word| is_of(word.system) && plain(&word.name.to_lowercase()) == rest))
+    }
+
+    /// What it is, in one clause: `MD18 of Siemens WF 725 is key modulo of the axis in its cell`. The parameter is written with
+    /// its object, where one is given.
+    pub fn text(&self, object: Option<&str>) -> String {
+        let here = match (self.here, object) {
+            (Here::Parameter(key), Some(object)) => format!("`{object}.{key}`"),
+            (Here::Parameter(key), None) | (Here::Key(key), None) => format!("`{key}`"),
+            (Here::Key(key), Some(_)) => format!("key `{key}` of the axis in its cell"),
+            (Here::Words(words), _) => words.to_owned(),
+        };
+        format!("{} of {} is {here}", self.name, self.system.name())
+    }
+}
+
+const PREFIXES: [(&str, System); 4] =
+    [("wf.", System::Wf), ("amc.", System::Amc), ("saia.", System::Saia), ("macs.", System::Macs)];
+
+/// Without what is written now so, now so.
+fn plain(text: &str) -> String {
+    text.chars().filter(|c| !c.is_whitespace() && !"_-".contains(*c)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameter::Row;
+
+    #[test]
+    fn a_word_is_found_as_it_is_written_there_and_here() {
+        let text = |key: &str| Word::find(key).map(|word| word.text(None));
+        let says = |key: &str, said: &str| assert_eq!(text(key).as_deref(), Some(said), "{key}");
+        for key in ["md18", "MD18", "wf.md18", "MD 18", "md_18"] {
+            says(key, "MD18 of Siemens WF 725 is `modulo`");
+        }
+        says("md1", "MD1 of Siemens WF 725 is `wf.md1`");
+        says("VELMAX", "VELMAX of MACS is `velmax`");
+        says("Stop Mode", "Stop Mode of Unidrive AMC is `amc.stop_mode`");
+        says("34.001", "34.001 of Unidrive AMC is `amc.stop_mode`");
+        says("amc.34.001", "34.001 of Unidrive AMC is `amc.stop_mode`");
+        says("31.010", "31.010 of Unidrive AMC is `modulo`");
+        says("DestP", "DestP of SAIA PCD4.H3 is `saia.destp`");
+        says("MD40", "MD40 of Siemens WF 725 is `lineshaft sim`, or `run --sim`");
+        for none in ["velmax", "wf.md1", "saia.md18", "md", "1", "", "max_velosity", "34.004", &"m".repeat(65)] {
+            assert_eq!(text(none), None, "{none}");
+        }
+        let word = |key| Word::find(key).unwrap();
+        assert_eq!(word("md1").text(Some("x")), "MD1 of Siemens WF 725 is `x.wf.md1`");
+        assert_eq!(word("md18").text(Some("x")), "MD18 of Siemens WF 725 is key `modulo` of the axis in its cell");
+    }
+
+    /// Each word of a row leads to that row, and none of the others is one as well.
+    #[test]
+    fn no_word_stands_for_two_things_of_its_source() {
+        for row in ROWS.iter().filter(|row| !row.mnemonic.is_empty()) {
+            let same: Vec<_> =
+                Word::all().filter(|word| word.system == row.system && word.name == row.mnemonic).collect();
+            assert_eq!(same.len(), 1, "{same:?}");
+        }
+        for word in ELSEWHERE {
+            assert!(ROWS.iter().all(|row| row.system != word.system || row.number != word.name), "{word:?}");
+            if let Here::Parameter(key) = word.here {
+                assert!(Row::find(key).is_some(), "{word:?}");
+            }
+        }
+    }
+}
