@@ -368,7 +368,8 @@ impl MachineConfig {
         Ok(Change { axis, row, value })
     }
 
-    /// The parameter of that name, `axis.key`: its axis or [`MACHINE`], its row with its place, and the scale of the axis.
+    /// The parameter of that name, `axis.key`: its axis or [`MACHINE`], its row with its place, and the scale of the
+    /// axis.
     ///
     /// # Errors
     /// A name that no parameter has.

@@ -49,8 +49,9 @@ impl AxisParameters {
 }
 
 impl MachineConfig {
-    /// Has each output one function, with these parameters of the axes (by their places) and this O_ERROR? Who has a new
-    /// one, of the axes and [`MACHINE`], comes last, so that it is told and not the axis that had its output before.
+    /// Has each output one function, with these parameters of the axes (by their places) and this O_ERROR? Who has a
+    /// new one, of the axes and [`MACHINE`], comes last, so that it is told and not the axis that had its output
+    /// before.
     ///
     /// # Errors
     /// The first output that would have two.

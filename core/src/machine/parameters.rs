@@ -154,7 +154,8 @@ impl Machine {
         }
     }
 
-    /// The value in force of the parameter at place `row` of [`ROWS`], of an axis or of [`MACHINE`]; none that is left out.
+    /// The value in force of the parameter at place `row` of [`ROWS`], of an axis or of [`MACHINE`]; none that is left
+    /// out.
     pub fn parameter(&self, axis: u16, row: u16) -> Value {
         let Some(entry) = ROWS.get(usize::from(row)) else { return Value::Unset };
         if axis == MACHINE {

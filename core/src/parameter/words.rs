@@ -1,7 +1,7 @@
 //! The words of the sources, and where each of them lives: its key, or what stands for it.
 //!
-//! Law      a word is found as its source writes it (`VELMAX`, `MD18`, `34.001`, `Stop Mode`) and in small letters, with the
-//!          prefix of its source or without; blanks, `_` and `-` do not count
+//! Law      a word is found as its source writes it (`VELMAX`, `MD18`, `34.001`, `Stop Mode`) and in small letters,
+//!          with the prefix of its source or without; blanks, `_` and `-` do not count
 //! Source   the rows, and WF-MD, WF-SIM-01, AMC-PAR-11 for what is no parameter here
 
 use super::{ROWS, System};
@@ -82,8 +82,8 @@ impl Word {
         by_number.or_else(|| Self::all().find(|word| is_of(word.system) && plain(&word.name.to_lowercase()) == rest))
     }
 
-    /// What it is, in one clause: `MD18 of Siemens WF 725 is key modulo of the axis in its cell`. The parameter is written with
-    /// its object, where one is given.
+    /// What it is, in one clause: `MD18 of Siemens WF 725 is key modulo of the axis in its cell`. The parameter is
+    /// written with its object, where one is given.
     pub fn text(&self, object: Option<&str>) -> String {
         let here = match (self.here, object) {
             (Here::Parameter(key), Some(object)) => format!("`{object}.{key}`"),

@@ -111,7 +111,8 @@ impl Encoder {
     }
 }
 
-/// What an event says. A request that was refused in itself brings its sentence with it, among the commands of the cycle.
+/// What an event says. A request that was refused in itself brings its sentence with it, among the commands of the
+/// cycle.
 pub fn sentence<'c>(event: &Event, commands: impl IntoIterator<Item = &'c Command>, config: &MachineConfig) -> String {
     let refused = |command: &Command| match &command.action {
         Action::Refuse(sentence) if command.sequence == event.command => Some(sentence.to_string()),
@@ -153,8 +154,8 @@ impl Cadence {
         if cycle == 0 || self.share >= self.whole {
             return true;
         }
-        // With share < whole <= 10^18 no product comes near 2^128, and floor(k share / whole) has just stepped up exactly
-        // where the remainder is smaller than the step.
+        // With share < whole <= 10^18 no product comes near 2^128, and floor(k share / whole) has just stepped up
+        // exactly where the remainder is smaller than the step.
         u128::from(cycle) % self.whole * self.share % self.whole < self.share
     }
 }

@@ -1,14 +1,14 @@
 //! Section `drive`: what replaces a signal, cycle by cycle.
 //!
 //! Law      n = cycle - at, from n = 0 on:
-//!          values, csv: row n; after the last one `then`: hold it, repeat from the first one, release the signal, or hold it
-//!          for N more cycles and then release it
-//!          ramp: from + n per_cycle, exact; whole signals show the floor. `until` is the value at which it ends and then
-//!          holds, repeats or releases; it is met exactly
-//!          the entry of a signal that started last has it, also once it has released it: what an earlier one held does not
-//!          come back
-//!          sine: mean + amplitude sin(2 pi n T / period); the phase is an exact fraction of the period, so that zeros and
-//!          peaks are met and nothing drifts; whole signals show the nearest, half away from zero
+//!          values, csv: row n; after the last one `then`: hold it, repeat from the first one, release the signal, or
+//!          hold it for N more cycles and then release it
+//!          ramp: from + n per_cycle, exact; whole signals show the floor. `until` is the value at which it ends and
+//!          then holds, repeats or releases; it is met exactly
+//!          the entry of a signal that started last has it, also once it has released it: what an earlier one held does
+//!          not come back
+//!          sine: mean + amplitude sin(2 pi n T / period); the phase is an exact fraction of the period, so that zeros
+//!          and peaks are met and nothing drifts; whole signals show the nearest, half away from zero
 //! Writes   inputs before the machine reads them; memory cells by commands
 //! Refuses  signals that are no inputs or memory cells, two drives of one signal from the same cycle
 //! Source   contract section 5

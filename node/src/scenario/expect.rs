@@ -5,7 +5,8 @@
 //!          window of one cycle; without any of them the window is the whole scenario
 //!          events of a kind, source.. occur count times, or min to max times; without any of them at least once
 //!          a mode says the same of events: eventually at least one, never none
-//!          `since: STEP` counts from the cycle in which that step fired first, also backwards; `end` stays the last cycle
+//!          `since: STEP` counts from the cycle in which that step fired first, also backwards; `end` stays the last
+//!          cycle
 //! Source   contract section 5
 
 use super::drive::rows;

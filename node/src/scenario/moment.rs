@@ -2,8 +2,8 @@
 //!
 //! Law      an integer is a cycle; a time is the first cycle with t_k >= it, k = ceil(time / T); `end` is the last cycle
 //!          counted from a step, both may be negative: cycles before it
-//! Refuses  a bare number that is not whole (cycles or seconds?), negative ones where nothing is counted from, parts of a
-//!          nanosecond
+//! Refuses  a bare number that is not whole (cycles or seconds?), negative ones where nothing is counted from, parts of
+//!          a nanosecond
 //! Source   contract section 5
 
 use crate::document::{Allowed, Value};

@@ -1,7 +1,7 @@
 //! Key `refused` of a step: the refusal that its commands are to meet.
 //!
-//! Law      a text is part of the sentence, or the name of the parameter or of the code; capitals and small letters are alike
-//!          `{code: 98}` is the code by number or name; with `text` beside it, both
+//! Law      a text is part of the sentence, or the name of the parameter or of the code; capitals and small letters are
+//!          alike `{code: 98}` is the code by number or name; with `text` beside it, both
 //! Source   contract section 5
 
 use super::ruler::read_code;

@@ -135,8 +135,8 @@ impl BagFile {
         if self.safe.cycles == 0 { self.flush() } else { Ok(()) }
     }
 
-    /// Ends the chunk and brings it to the disk. Schemas and channels alone make no chunk: behind a chunk without a message
-    /// there is no message index, and rosbag2 takes a file whose first chunk has none for one without any.
+    /// Ends the chunk and brings it to the disk. Schemas and channels alone make no chunk: behind a chunk without a
+    /// message there is no message index, and rosbag2 takes a file whose first chunk has none for one without any.
     pub(super) fn flush(&mut self) -> io::Result<()> {
         if self.chunk_bytes == 0 {
             return Ok(());

@@ -128,7 +128,8 @@ fn scale_of(config: &MachineConfig, entry: &Entry) -> Option<(Scale, u8)> {
     }
     let axis = config.axes.iter().find(|axis| axis.name == object).map(|axis| axis.scale);
     let scale = axis.or_else(|| config.encoders.iter().find(|encoder| encoder.name == object).map(|found| found.scale));
-    // Of an axis unit that is a share of a unit, such as 0.1 mm, the values are told in the unit: they have a name there.
+    // Of an axis unit that is a share of a unit, such as 0.1 mm, the values are told in the unit: they have a name
+    // there.
     let scale = scale.filter(|scale| !scale.is_in_increments());
     scale.map(|scale| (scale.with_unit(scale.unit().unit()).unwrap_or(scale), order))
 }
