@@ -363,3 +363,96 @@ fn what_was_asked_of_a_node_is_not_done_by_the_one_that_takes_its_place() {
     assert_eq!(known(&mut old), 1.2, "{}", third.log());
     assert!(third.log().contains("it was written before this node was there"), "{}", third.log());
 }
+
+/// `ros2 param dump` and `ros2 param load`, and the dump as `--params-file`: every value is what it was, whatever has no value, is
+/// read-only, is long, short, or looks like another type.
+#[test]
+fn a_dump_can_be_loaded_and_given_at_the_start() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("dump.yaml");
+    let path = file.to_str().expect("a name of this test");
+    let mut bench = Bench::start();
+    let values = |bench: &mut Bench| bench.cyclone.run("param-values /lineshaft")["values"].clone();
+    // Shortest texts without a dot, integers for doubles, limits that were there and go, names.
+    let chosen = "x.in_position_window=1e-05 x.max_velocity=0.3 x.max_jerk=1 x.profile=jerk y.min_position=-0.123456789 \
+                  turret.max_velocity=3 x.error_reaction=3 x.saia.clamp_sum=true use_sim_time=false \
+                  line.max_jerk=1e+08 constraints.x.goal=1e-06 turret.velmax=1000";
+    for result in bench.set(chosen) {
+        assert_eq!(result["successful"], true, "{result}");
+    }
+    let dumped = bench.cyclone.run(&format!("param-dump /lineshaft {path}"))["values"].clone();
+    assert_eq!(dumped["y.max_jerk"], Value::Null, "something has no value");
+    assert!(dumped.as_object().expect("values").len() > 400);
+
+    let other = "x.max_velocity=0.2 x.max_jerk=null y.max_jerk=5.0 y.min_position=null x.profile=trapezoid turret.max_velocity=1 \
+                 x.in_position_window=0.001 x.error_reaction=2 x.saia.clamp_sum=false constraints.x.goal=0.5";
+    for result in bench.set(other) {
+        assert_eq!(result["successful"], true, "{result}");
+    }
+    assert_ne!(values(&mut bench), dumped);
+    let loaded = bench.cyclone.run(&format!("param-load /lineshaft {path}"));
+    assert_eq!(loaded["failed"], json!({}), "of {}", loaded["set"]);
+    same_values(&values(&mut bench), &dumped);
+    drop(bench);
+
+    let text = std::fs::read_to_string(&file).expect("what was dumped");
+    for (node, arguments, key) in [
+        ("/lineshaft", "", "/lineshaft"),
+        ("/press/lineshaft", "-r __ns:=/press", "/*/lineshaft"),
+        ("/arm", "-r __node:=arm", "/**"),
+    ] {
+        std::fs::write(&file, text.replacen("/lineshaft:", &format!("{key}:"), 1)).expect("a folder of this test");
+        let domain = Domain::take();
+        let mut peer = Peer::cyclone(&domain);
+        let line = format!("run --ros-args --params-file {path} {arguments}");
+        let program = Program::start(&line.split_whitespace().collect::<Vec<_>>(), &domain);
+        peer.run(&format!("axis-states {node}"));
+        // Names of topics are among those of QoS: they are the node's own.
+        let named = |values: &Value| {
+            let all =
+                values.as_object().expect("values").iter().filter(|(name, _)| !name.starts_with("qos_overrides."));
+            Value::Object(all.map(|(name, value)| (name.clone(), value.clone())).collect())
+        };
+        same_values(&named(&peer.run(&format!("param-values {node}"))["values"]), &named(&dumped));
+        let log = program.log();
+        assert!(!log.contains("is left out"), "{log}");
+    }
+}
+
+/// A part of the cell that a dump of another cell has otherwise ends the program; so does a value that the cell must have.
+#[test]
+fn a_dump_of_another_cell_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("dump.yaml");
+    let path = file.to_str().expect("a name of this test");
+    for (line, sentence) in [
+        ("x.posfact_z: 7", "dump.yaml:3:5: x.posfact_z is read-only: part of the cell"),
+        ("x.max_velocity: null", "dump.yaml:3:5: x.max_velocity cannot be without a value; a number is needed"),
+    ] {
+        std::fs::write(&file, format!("lineshaft:\n  ros__parameters:\n    {line}\n")).expect("a folder of this test");
+        let domain = Domain::take();
+        let mut program = Program::start(&["run", "--ros-args", "--params-file", path], &domain);
+        let status = program.wait_exit(std::time::Duration::from_secs(20));
+        assert_eq!(status.code(), Some(2), "{line}");
+        assert!(program.log().contains(sentence), "{}", program.log());
+    }
+}
+
+/// By name, so that a failure shows what differs.
+#[track_caller]
+fn same_values(found: &Value, expected: &Value) {
+    let (found, expected) = (found.as_object().expect("values"), expected.as_object().expect("values"));
+    let names: std::collections::BTreeSet<_> = found.keys().chain(expected.keys()).collect();
+    // A number may have gone through two units.
+    let is_near = |a: &Value, b: &Value| matches!((a.as_f64(), b.as_f64()), (Some(a), Some(b)) if (a - b).abs() <= 1e-9 * b.abs());
+    let differs = |name: &&&String| match (found.get(name.as_str()), expected.get(name.as_str())) {
+        (Some(found), Some(expected)) => found != expected && !is_near(found, expected),
+        _ => true,
+    };
+    let wrong: Vec<_> = names
+        .iter()
+        .filter(differs)
+        .map(|name| (*name, found.get(name.as_str()), expected.get(name.as_str())))
+        .collect();
+    assert!(wrong.is_empty(), "name, found, expected: {wrong:?}");
+}

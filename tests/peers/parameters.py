@@ -1,6 +1,8 @@
 """The parameters of the node, as every ROS 2 tool sees and sets them."""
 import math
 
+import yaml
+
 import ros2wire as rw
 from checks import RawClient, malformed
 from lineshaft_msgs import (EXPORTS, LAYERS, AxesRequest, AxesResponse, ExportRequest, ExportResponse, ImportRequest,
@@ -169,13 +171,12 @@ def doors(peer, a):
         key, now = d.name.split(".", 1)[1], before[d.name]
         if d.read_only:
             counts["read_only"] += 1
-            refused(checks, client, d, now if now is not None else 1, "read-only")
+            takes_its_own(checks, client, d, now)
+            other = {bool: lambda: not now, str: lambda: now + "x", type(None): lambda: 1}
+            refused(checks, client, d, other.get(type(now), lambda: 2 * now + 1)(), "read-only")
             continue
         counts["settable"] += 1
-        if in_range(d, now):
-            for door in (client.set, lambda kv: [client.set_atomically(kv)]):
-                checks.check_quietly(f"{d.name} takes its own value {now}",
-                                     lambda: [(r.successful, r.reason) for r in door({d.name: now})], [(True, "")])
+        takes_its_own(checks, client, d, now)
         for bad in beyond(d):
             if bad != now:  # the default is taken wherever it lies
                 refused(checks, client, d, bad, key)
@@ -200,10 +201,11 @@ def doors(peer, a):
     checks.close()
 
 
-def in_range(d, value):
-    """A view of a value that was given by another one may lie outside its own range."""
-    ranges = [*d.integer_range, *d.floating_point_range]
-    return value is None or not ranges or ranges[0].from_value <= value <= ranges[0].to_value
+def takes_its_own(checks, client, d, now):
+    """Also of what is read-only, and of a view of a value that was given by another one and lies outside its own range."""
+    for door in (client.set, lambda kv: [client.set_atomically(kv)]):
+        checks.check_quietly(f"{d.name} takes its own value {now}",
+                             lambda: [(r.successful, r.reason) for r in door({d.name: now})], [(True, "")])
 
 
 def reset(peer, a):
@@ -290,7 +292,56 @@ def bad_requests(peer, a):
         raise Failure(f"accepted or not answered: {bad}, changed: {differences(client, before)}")
 
 
+def dump(peer, a):
+    """`ros2 param dump`: what is listed, nested at the dots, what has no value as null."""
+    values = everything(client_of(peer, a.node))
+    tree = {}
+    for name in sorted(values):
+        *groups, key = name.split(".")
+        place = tree
+        for group in groups:
+            place = place.setdefault(group, {})
+        place[key] = values[name]
+    with open(a.file, "w", encoding="utf-8") as file:
+        yaml.dump({a.node: {"ros__parameters": tree}}, file, default_flow_style=False)
+    show(values=values)
+
+
+def guessed(text):
+    """rclpy's get_parameter_value: what YAML 1.1 makes of a text."""
+    try:
+        return rw.ParameterValue.of(text if (v := yaml.safe_load(text)) is None else v)
+    except yaml.YAMLError:
+        return rw.ParameterValue.of(text)
+
+
+def unrolled(tree, prefix=""):
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            yield from unrolled(value, f"{prefix}{key}.")
+        else:
+            # As rclpy does it: whatever the file holds becomes a text, and is guessed anew.
+            yield rw.Parameter(prefix + key, guessed(str(value)))
+
+
+def load(peer, a):
+    """`ros2 param load`: all values of a file in one request, each set by itself."""
+    with open(a.file, encoding="utf-8") as file:
+        tree = yaml.safe_load(file)[a.node]["ros__parameters"]
+    parameters = list(unrolled(tree))
+    results = client_of(peer, a.node).c_set.call(rw.ParametersRequest(parameters)).results
+    show(set=len(results), failed={p.name: r.reason for p, r in zip(parameters, results, strict=True)
+                                   if not r.successful})
+
+
+def values(peer, a):
+    show(values=everything(client_of(peer, a.node)))
+
+
 def add_commands(command):
+    for name, run in (("param-dump", dump), ("param-load", load)):
+        command(name, run).add_argument("file")
+    command("param-values", values)
     p = command("params", parameters, depth=0)
     p.add_argument("op", choices=("list", "get", "types", "describe", "set", "set_atomically"))
     p.add_argument("args", nargs="*", help="names, prefixes, or name=value with a value in JSON")

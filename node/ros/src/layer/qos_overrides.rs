@@ -41,7 +41,14 @@ impl QosOverrides {
         // A topic that is opened again has what it had.
         let mut taken = |policy: &str| {
             let name = name(policy);
-            let before = || Some(Given { value: shown.get(&name)?.clone(), place: name.clone(), is_strict: true });
+            let before = || {
+                Some(Given {
+                    value: shown.get(&name)?.clone(),
+                    place: name.clone(),
+                    is_of_file: false,
+                    is_strict: true,
+                })
+            };
             given.take(&name).or_else(before)
         };
         let mut qos = default;

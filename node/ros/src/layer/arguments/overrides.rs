@@ -67,6 +67,8 @@ pub struct Given {
     pub value: ParameterValue,
     /// Where it stands.
     pub place: String,
+    /// It stands in a file, which may be a dump of all there is; else on the line, alone.
+    pub is_of_file: bool,
     /// It was meant for this node; else for many, of which another one may have such a parameter.
     pub is_strict: bool,
 }
@@ -86,7 +88,7 @@ pub(super) fn parse(flag: &str, given: &str) -> Result<Override, String> {
     }
     let value = yaml::parse(value).and_then(|yaml| yaml.value()).map_err(|error| format!(": {}", error.sentence))?;
     let place = format!("{flag} {name}");
-    Ok(Override { nodes, name: name.to_owned(), given: Given { value, place, is_strict: true } })
+    Ok(Override { nodes, name: name.to_owned(), given: Given { value, place, is_of_file: false, is_strict: true } })
 }
 
 /// Reads a file of parameters.
@@ -147,7 +149,7 @@ fn parameters(
             continue;
         }
         let place = format!("{path}:{}:{}", key.line, key.column);
-        let given = Given { value: value.value()?, place, is_strict: !nodes.is_for_many() };
+        let given = Given { value: value.value()?, place, is_of_file: true, is_strict: !nodes.is_for_many() };
         found.push(Override { nodes: nodes.clone(), name, given });
     }
     Ok(())

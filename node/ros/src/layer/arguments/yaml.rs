@@ -43,7 +43,9 @@ impl Scalar {
             });
         }
         match text {
-            "" | "~" | "null" | "Null" | "NULL" => return Err(self.wrong("a parameter has no value here")),
+            "" => return Err(self.wrong("a parameter has no value here")),
+            // As `ros2 param dump` writes what has no value.
+            "~" | "null" | "Null" | "NULL" => return Ok(value),
             "y" | "Y" | "yes" | "Yes" | "YES" | "true" | "True" | "TRUE" | "on" | "On" | "ON" => {
                 return Ok(ParameterValue { r#type: ParameterType::PARAMETER_BOOL, bool_value: true, ..value });
             }
@@ -142,6 +144,9 @@ fn list(items: &[Yaml]) -> Result<ParameterValue, Wrong> {
             return Err(item.place().wrong("a list of a parameter has bools, numbers or strings in it"));
         };
         let value = scalar.value()?;
+        if value.r#type == ParameterType::PARAMETER_NOT_SET {
+            return Err(scalar.wrong(format!("{} is no value in a list; write it in quotes for a string", scalar.text)));
+        }
         let kind = match value.r#type {
             ParameterType::PARAMETER_BOOL => ParameterType::PARAMETER_BOOL_ARRAY,
             ParameterType::PARAMETER_INTEGER => ParameterType::PARAMETER_INTEGER_ARRAY,
@@ -316,9 +321,11 @@ mod tests {
 
     #[test]
     fn what_is_no_value_is_refused() {
-        for nothing in ["", "~", "null"] {
-            assert_eq!(refused(nothing), "a parameter has no value here");
+        assert_eq!(refused(""), "a parameter has no value here");
+        for nothing in ["~", "null", "Null", "NULL"] {
+            assert_eq!(value(nothing), ParameterValue::default(), "{nothing}");
         }
+        assert_eq!(refused("[null]"), "null is no value in a list; write it in quotes for a string");
         assert!(refused("010").starts_with("010 begins with 0"));
         assert!(refused("-01").starts_with("-01 begins with 0"));
         assert!(refused("{a: 1}").starts_with("a mapping"));

@@ -7,6 +7,7 @@ use lineshaft_core::parameter::{
 };
 use lineshaft_core::unit::Scale;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterType, ParameterValue};
+use std::collections::HashSet;
 
 /// One parameter of one object.
 #[derive(Clone, Debug)]
@@ -114,18 +115,14 @@ impl Declared {
     /// # Errors
     /// Another type than the parameter has: which one it should be.
     pub(super) fn input(&self, value: &ParameterValue) -> Result<ParameterInput, String> {
-        match (value.r#type, self.row.border_type()) {
-            (ParameterType::PARAMETER_NOT_SET, _) if self.may_be_unset() => Ok(ParameterInput::Unset),
-            (ParameterType::PARAMETER_BOOL, BorderType::Switch) => {
-                Ok(ParameterInput::Text(value.bool_value.to_string()))
-            }
-            (ParameterType::PARAMETER_INTEGER, BorderType::Integer | BorderType::Real) => {
-                Ok(ParameterInput::Integer(value.integer_value))
-            }
-            (ParameterType::PARAMETER_DOUBLE, BorderType::Real) => Ok(ParameterInput::Number(value.double_value)),
-            (ParameterType::PARAMETER_STRING, BorderType::Name) => Ok(ParameterInput::Text(value.string_value.clone())),
-            (given, expected) => {
-                let given = type_name(given);
+        match (self.said(value), self.row.border_type()) {
+            (Said::Nothing, _) if self.may_be_unset() => Ok(ParameterInput::Unset),
+            (Said::Switch(is_on), BorderType::Switch) => Ok(ParameterInput::Text(is_on.to_string())),
+            (Said::Integer(number), BorderType::Integer | BorderType::Real) => Ok(ParameterInput::Integer(number)),
+            (Said::Real(number), BorderType::Real) => Ok(ParameterInput::Number(number)),
+            (Said::Name(name), BorderType::Name) => Ok(ParameterInput::Text(name.to_owned())),
+            (said, expected) => {
+                let given = type_name(said.type_number());
                 let expected = match expected {
                     BorderType::Switch => "true or false",
                     BorderType::Integer => "an integer",
@@ -137,6 +134,96 @@ impl Declared {
             }
         }
     }
+
+    /// Whether the machine may have it, and would not take it: a part of the cell, what is computed, and what a view shows beyond the
+    /// range of its source (`velmax` of a fast axis). A dump has such values.
+    pub(super) fn is_only_shown(&self, config: &MachineConfig, value: &ParameterValue) -> bool {
+        let given = || self.input(value).ok().and_then(|input| config.resolve_parameter(&self.name, &input).ok());
+        self.row.is_read_only() || given().is_some_and(|change| self.row.check(change.value).is_err())
+    }
+
+    /// Whether it shows in other words what one of `names` says itself, as a dump does with every value: `x.dfltacc` beside
+    /// `x.default_acceleration`.
+    pub(super) fn repeats(&self, names: &HashSet<&str>) -> bool {
+        let of_itself = || self.name.strip_suffix(self.row.key).map(|object| format!("{object}{}", self.row.root()));
+        self.row.is_view() && of_itself().is_some_and(|name| names.contains(name.as_str()))
+    }
+
+    /// Is it worth that in an image?
+    pub(super) fn is(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
+        match (self.said(value), self.row.shown(&self.scale, self.value(image))) {
+            (Said::Nothing, BorderValue::Unset) => true,
+            (Said::Switch(given), BorderValue::Switch(shown)) => given == shown,
+            (Said::Integer(given), BorderValue::Integer(shown)) => given == shown,
+            (Said::Integer(given), BorderValue::Real(shown)) => given as f64 == shown,
+            (Said::Real(given), BorderValue::Real(shown)) => given == shown,
+            (Said::Name(given), BorderValue::Name(shown)) => given == shown,
+            _ => false,
+        }
+    }
+
+    /// Is it that number in an image, but for what rounding may make of it?
+    pub(super) fn is_nearly(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
+        match (self.said(value), self.row.shown(&self.scale, self.value(image))) {
+            (Said::Real(given), BorderValue::Real(shown)) => (given - shown).abs() <= 1e-9 * shown.abs(),
+            _ => false,
+        }
+    }
+
+    /// What a value says of this parameter. `ros2 param load` guesses types once more from texts: it sends the null of a file as
+    /// the string `None`, and 0.00001 as the string `1e-05`.
+    fn said<'a>(&self, value: &'a ParameterValue) -> Said<'a> {
+        let text = value.string_value.as_str();
+        match (value.r#type, self.row.border_type()) {
+            (ParameterType::PARAMETER_NOT_SET, _) => Said::Nothing,
+            (ParameterType::PARAMETER_BOOL, _) => Said::Switch(value.bool_value),
+            (ParameterType::PARAMETER_INTEGER, _) => Said::Integer(value.integer_value),
+            (ParameterType::PARAMETER_DOUBLE, _) => Said::Real(value.double_value),
+            (ParameterType::PARAMETER_STRING, BorderType::Integer | BorderType::Real | BorderType::Switch)
+                if text == "None" =>
+            {
+                Said::Nothing
+            }
+            (ParameterType::PARAMETER_STRING, BorderType::Real) => {
+                power_of_ten(text).map_or(Said::Name(text), Said::Real)
+            }
+            (ParameterType::PARAMETER_STRING, _) => Said::Name(text),
+            (other, _) => Said::Other(other),
+        }
+    }
+}
+
+/// A value as a parameter of the machine understands it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Said<'a> {
+    Nothing,
+    Switch(bool),
+    Integer(i64),
+    Real(f64),
+    Name(&'a str),
+    /// A type that no parameter of the machine has.
+    Other(u8),
+}
+
+impl Said<'_> {
+    fn type_number(self) -> u8 {
+        match self {
+            Self::Nothing => ParameterType::PARAMETER_NOT_SET,
+            Self::Switch(_) => ParameterType::PARAMETER_BOOL,
+            Self::Integer(_) => ParameterType::PARAMETER_INTEGER,
+            Self::Real(_) => ParameterType::PARAMETER_DOUBLE,
+            Self::Name(_) => ParameterType::PARAMETER_STRING,
+            Self::Other(number) => number,
+        }
+    }
+}
+
+/// A whole number with an exponent, such as `-1e-05`: YAML 1.1, which Python reads, takes it for a string.
+pub(super) fn power_of_ten(text: &str) -> Option<f64> {
+    let (digits, exponent) = text.strip_prefix('-').unwrap_or(text).split_once('e')?;
+    let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_one = is_digits(digits) && is_digits(exponent.strip_prefix(['+', '-']).unwrap_or(exponent));
+    if is_one { text.parse().ok().filter(|number: &f64| number.is_finite()) } else { None }
 }
 
 #[cfg(test)]
@@ -181,5 +268,61 @@ mod tests {
                 assert_eq!(given.is_ok(), is_own || is_whole || is_nothing, "{} {number}: {given:?}", declared.name);
             }
         }
+    }
+
+    #[test]
+    fn what_ros2_param_load_makes_of_a_file_is_understood() {
+        let config = fake::config();
+        let catalogue = Catalogue::new(&config);
+        let text = |text: &str| ParameterValue {
+            r#type: ParameterType::PARAMETER_STRING,
+            string_value: text.to_owned(),
+            ..ParameterValue::default()
+        };
+        let input = |name: &str, given: &str| catalogue.find(name).expect("declared").input(&text(given));
+        assert_eq!(input("x.max_jerk", "None"), Ok(ParameterInput::Unset));
+        assert_eq!(input("x.max_velocity", "1e-05"), Ok(ParameterInput::Number(0.000_01)));
+        assert_eq!(input("x.max_velocity", "-3e+16"), Ok(ParameterInput::Number(-3e16)));
+        assert_eq!(
+            input("x.max_velocity", "None").unwrap_err(),
+            "x.max_velocity cannot be without a value; a number is needed"
+        );
+        for other in ["1", "1.0", "e5", "1e", "1e+", "1e5m", "inf", "1e999", "0x1e5", "", "null", "none"] {
+            let error = input("x.max_velocity", other).unwrap_err();
+            assert_eq!(error, "x.max_velocity cannot be a string; a number is needed", "{other}");
+        }
+        // A name is a name.
+        assert_eq!(input("x.profile", "None"), Ok(ParameterInput::Text("None".to_owned())));
+        assert!(input("x.error_reaction", "1e0").is_err());
+    }
+
+    #[test]
+    fn a_view_repeats_the_value_that_is_named_beside_it() {
+        let catalogue = Catalogue::new(&fake::config());
+        let repeats = |name: &str, names: &[&str]| {
+            catalogue.find(name).expect("declared").repeats(&names.iter().copied().collect())
+        };
+        assert!(repeats("x.velmax", &["x.velmax", "x.max_velocity"]));
+        assert!(!repeats("x.velmax", &["x.velmax", "line.max_velocity", "x.max_acceleration"]));
+        assert!(!repeats("x.max_velocity", &["x.velmax", "x.max_velocity"]));
+    }
+
+    #[test]
+    fn a_value_is_the_same_whatever_type_it_came_in() {
+        let config = fake::config();
+        let (catalogue, image) = (Catalogue::new(&config), fake::image(&config));
+        let find = |name: &str| catalogue.find(name).expect("declared");
+        for declared in catalogue.all() {
+            assert!(declared.is(&declared.message(&image), &image), "{}", declared.name);
+        }
+        let integer = |integer_value| ParameterValue {
+            r#type: ParameterType::PARAMETER_INTEGER,
+            integer_value,
+            ..ParameterValue::default()
+        };
+        assert!(find("x.max_velocity").is(&integer(1), &image) && !find("x.max_velocity").is(&integer(2), &image));
+        assert!(!find("x.max_velocity").is(&ParameterValue::default(), &image));
+        assert!(find("x.max_jerk").is(&ParameterValue::default(), &image));
+        assert!(!find("x.max_jerk").is(&integer(0), &image));
     }
 }

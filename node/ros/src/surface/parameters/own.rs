@@ -1,5 +1,6 @@
 //! Parameters of the node itself, beside those of the machine: they have no object, and nothing of the motion.
 
+use super::catalogue::power_of_ten;
 use crate::layer::{CreateError, Given, NodeHandle, Overrides};
 use lineshaft_core::unit::number_to_text;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterType, ParameterValue};
@@ -129,9 +130,10 @@ impl OwnParameters {
     /// Why not.
     pub(crate) fn fitting(&self, name: &str, value: &ParameterValue) -> Option<Result<ParameterValue, String>> {
         let own = self.get(name)?;
-        Some(match own.descriptor.read_only {
+        let fitting = fitting(&own.descriptor, value.clone());
+        Some(match own.descriptor.read_only && fitting.as_ref() != Ok(&own.value) {
             true => Err(format!("{name} is read-only: it is given at the start, with -p or --params-file")),
-            false => fitting(&own.descriptor, value.clone()),
+            false => fitting,
         })
     }
 
@@ -178,6 +180,11 @@ fn fitting(descriptor: &ParameterDescriptor, mut value: ParameterValue) -> Resul
     match (value.r#type, descriptor.r#type) {
         (given, declared) if given == declared => {}
         (_, _) if descriptor.dynamic_typing => {}
+        (ParameterType::PARAMETER_STRING, ParameterType::PARAMETER_DOUBLE)
+            if let Some(double_value) = power_of_ten(&value.string_value) =>
+        {
+            value = ParameterValue { r#type: descriptor.r#type, double_value, ..ParameterValue::default() };
+        }
         // As for the parameters of the machine: a double also takes an integer.
         (ParameterType::PARAMETER_INTEGER, ParameterType::PARAMETER_DOUBLE) => {
             let double_value = value.integer_value as f64;

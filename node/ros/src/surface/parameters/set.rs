@@ -7,14 +7,14 @@ use crate::surface::hub::{Answers, Hub};
 use crate::surface::table;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::parameter::{Change, ParameterInput};
+use lineshaft_core::parameter::{Change, ParameterImage, ParameterInput};
 use lineshaft_core::request::RequestError;
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterValue, SetParametersResult};
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{
     SetParameters, SetParametersAtomically, SetParametersAtomicallyResponse, SetParametersResponse,
 };
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
@@ -51,7 +51,7 @@ async fn serve_together(mut server: ServiceServer<SetParametersAtomically>, hub:
     }
 }
 
-/// Sets each by itself, in order.
+/// Sets each by itself, in order; what repeats another one of them at the end.
 async fn set_each(
     hub: &Arc<Hub>,
     catalogue: &Catalogue,
@@ -62,11 +62,29 @@ async fn set_each(
         hub.refuse(format!("{service}: {sentence}"));
         return vec![SetParametersResult { successful: false, reason: sentence }];
     }
-    let mut results: Vec<SetParametersResult> = Vec::with_capacity(parameters.len());
+    let names: HashSet<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let repeats = |place: &usize| catalogue.find(&parameters[*place].name).is_some_and(|known| known.repeats(&names));
+    // What only says again what another one says: it is judged once that is set.
+    let (later, first): (Vec<usize>, Vec<usize>) = (0..parameters.len()).partition(repeats);
+    let mut results = vec![SetParametersResult::default(); parameters.len()];
     let mut under_way = VecDeque::new();
     let mut wrong = Wrong::default();
-    for parameter in parameters {
+    for place in first.into_iter().chain(later) {
+        let parameter = &parameters[place];
+        let known = catalogue.find(&parameter.name);
+        let is_shown = known
+            .is_some_and(|known| known.repeats(&names) || known.is_only_shown(hub.host.config(), &parameter.value));
+        if is_shown {
+            // Whether it has that value shows once those before it are set.
+            while let Some((place, given)) = under_way.pop_front() {
+                results[place] = result(given).await;
+            }
+        }
         let given = match asked(hub, catalogue, parameter) {
+            Ok(Asked::Nothing) => Given::Done,
+            Ok(_) if is_shown && known.is_some_and(|known| known.is(&parameter.value, &hub.host.parameters())) => {
+                Given::Done
+            }
             Ok(Asked::Own(value)) => {
                 hub.own.set([(parameter.name.clone(), value)]);
                 Given::Done
@@ -77,15 +95,15 @@ async fn set_each(
                 Given::Waits(Err(sentence))
             }
         };
-        under_way.push_back(given);
+        under_way.push_back((place, given));
         if under_way.len() >= UNDER_WAY
-            && let Some(given) = under_way.pop_front()
+            && let Some((place, given)) = under_way.pop_front()
         {
-            results.push(result(given).await);
+            results[place] = result(given).await;
         }
     }
-    while let Some(given) = under_way.pop_front() {
-        results.push(result(given).await);
+    while let Some((place, given)) = under_way.pop_front() {
+        results[place] = result(given).await;
     }
     wrong.tell(hub, service);
     results
@@ -109,6 +127,7 @@ async fn set_together(
     let (mut changes, mut own) = (Vec::new(), Vec::new());
     for parameter in parameters {
         match asked(hub, catalogue, parameter) {
+            Ok(Asked::Nothing) => {}
             Ok(Asked::Machine(change)) => changes.push(change),
             Ok(Asked::Own(value)) => own.push((parameter.name.clone(), value)),
             Err(sentence) => {
@@ -138,6 +157,8 @@ enum Given {
 
 /// What a set is for.
 enum Asked {
+    /// It cannot be set to that, and has that value.
+    Nothing,
     Machine(Change),
     /// A value that the node's own parameter takes.
     Own(ParameterValue),
@@ -146,7 +167,10 @@ enum Asked {
 fn asked(hub: &Hub, catalogue: &Catalogue, parameter: &Parameter) -> Result<Asked, String> {
     match hub.own.fitting(&parameter.name, &parameter.value) {
         Some(fitting) => fitting.map(Asked::Own),
-        None => change(catalogue, hub.host.config(), parameter).map(Asked::Machine),
+        None => match change(catalogue, hub.host.config(), parameter, &hub.host.parameters()) {
+            Ok(change) => Ok(change.map_or(Asked::Nothing, Asked::Machine)),
+            Err(sentence) => Err(sentence),
+        },
     }
 }
 
@@ -168,8 +192,13 @@ async fn result(given: Given) -> SetParametersResult {
     SetParametersResult { successful: outcome.is_ok(), reason: outcome.err().unwrap_or_default() }
 }
 
-/// The change that a client asks for.
-pub(super) fn change(catalogue: &Catalogue, config: &MachineConfig, parameter: &Parameter) -> Result<Change, String> {
+/// The change that a client asks for; none where it could not be, and need not: `image` has it so already.
+pub(super) fn change(
+    catalogue: &Catalogue,
+    config: &MachineConfig,
+    parameter: &Parameter,
+    image: &ParameterImage,
+) -> Result<Option<Change>, String> {
     let Some(declared) = catalogue.find(&parameter.name) else {
         let sentence = format!("parameter `{}` has not been declared", excerpt(&parameter.name));
         // Why not, where the name is known elsewhere.
@@ -178,12 +207,15 @@ pub(super) fn change(catalogue: &Catalogue, config: &MachineConfig, parameter: &
             _ => sentence,
         });
     };
+    if declared.is_only_shown(config, &parameter.value) && declared.is(&parameter.value, image) {
+        return Ok(None);
+    }
     if declared.row.is_read_only() {
         let why = declared.descriptor().additional_constraints;
         return Err(format!("{} is read-only: {why}", declared.name));
     }
     let input = declared.input(&parameter.value)?;
-    config.resolve_parameter(&parameter.name, &input).map_err(|error| error.to_string())
+    config.resolve_parameter(&parameter.name, &input).map(Some).map_err(|error| error.to_string())
 }
 
 /// Requests that never became commands are told once for each call.
@@ -217,7 +249,9 @@ mod tests {
 
     fn ask(name: &str, value: ParameterValue) -> Result<Change, String> {
         let config = fake::config();
-        change(&Catalogue::new(&config), &config, &Parameter { name: name.to_owned(), value })
+        let parameter = Parameter { name: name.to_owned(), value };
+        let asked = change(&Catalogue::new(&config), &config, &parameter, &fake::image(&config));
+        asked.map(|change| change.expect("a change"))
     }
 
     fn double(double_value: f64) -> ParameterValue {

@@ -1,14 +1,18 @@
 //! Values of the machine's parameters that are given to the node at its start.
 
-use super::catalogue::Catalogue;
+use super::catalogue::{Catalogue, Declared};
 use super::set::change;
-use crate::layer::Overrides;
-use lineshaft_core::command::Action;
+use crate::layer::{Given, Overrides};
+use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::parameter::{Change, ParameterImage, Storage};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::Parameter;
+use std::collections::{BTreeMap, HashSet};
 
 /// Takes what is for the machine from the parameters that were given to a node, as one command that sets them all, by the rules of
-/// `~/set_parameters`; nothing where none is. Names begin with an axis or `machine`.
+/// `~/set_parameters`; nothing where none is. Names begin with an axis or `machine`. What is computed from others is left out, with a
+/// warning where it will be another value.
 ///
 /// # Errors
 /// All that is wrong, in one sentence. An unknown name that was given to many nodes is only warned of.
@@ -16,22 +20,58 @@ pub fn start_command(config: &MachineConfig, given: &mut Overrides) -> Result<Op
     let is_object = |word: &str| word == "machine" || config.axes.iter().any(|axis| axis.name == word);
     let given = given.take_where(|name| name.split_once('.').is_some_and(|(object, _)| is_object(object)));
     let catalogue = Catalogue::new(config);
-    let (mut changes, mut wrong) = (Vec::new(), Vec::new());
+    let (mut changes, mut wrong, mut shown) = (Vec::new(), BTreeMap::new(), Vec::new());
+    let names: HashSet<&str> = given.iter().map(|(name, _)| name.as_str()).collect();
     for (name, given) in given.iter() {
         let parameter = Parameter { name: name.clone(), value: given.value.clone() };
-        match change(&catalogue, config, &parameter) {
-            Ok(change) => changes.push(change),
-            Err(sentence) if !given.is_strict && catalogue.find(name).is_none() => {
+        let declared = catalogue.find(name);
+        let is_shown = |known: &&Declared| known.repeats(&names) || known.is_only_shown(config, &parameter.value);
+        if let Some(declared) = declared.filter(is_shown) {
+            shown.push((declared, parameter, given));
+            continue;
+        }
+        match change(&catalogue, config, &parameter, &ParameterImage::default()) {
+            Ok(change) => changes.extend(change),
+            Err(sentence) if !given.is_strict && declared.is_none() => {
                 tracing::warn!("{}: {sentence}; it was given to all nodes", given.place);
             }
-            Err(sentence) => wrong.push(format!("{}: {sentence}", given.place)),
+            Err(sentence) => drop(wrong.insert(name, format!("{}: {sentence}", given.place))),
         }
     }
-    match (wrong.is_empty(), changes.is_empty()) {
-        (false, _) => Err(format!("{}; `lineshaft params CELL` names the parameters of a cell", wrong.join("; "))),
-        (true, true) => Ok(None),
-        (true, false) => Ok(Some(Action::SetParameters(changes.into()))),
+    // What cannot be set, or says something again, is left out where the others make it so.
+    let image = if shown.is_empty() { ParameterImage::default() } else { in_force(config, changes.clone())? };
+    // The same number may have gone through two units, and was rounded twice.
+    let differs = |(declared, parameter, _): &&(&Declared, Parameter, &Given)| {
+        let is_same = declared.is(&parameter.value, &image);
+        !is_same && !(declared.repeats(&names) && declared.is_nearly(&parameter.value, &image))
+    };
+    for (declared, parameter, given) in shown.iter().filter(differs) {
+        if declared.row.storage == Storage::Derived && given.is_of_file {
+            tracing::warn!("{}: {} is left out: it is computed from other parameters", given.place, declared.name);
+            continue;
+        }
+        match change(&catalogue, config, parameter, &image) {
+            Ok(change) => changes.extend(change),
+            Err(sentence) => drop(wrong.insert(&declared.name, format!("{}: {sentence}", given.place))),
+        }
     }
+    if !wrong.is_empty() {
+        let wrong: Vec<_> = wrong.into_values().collect();
+        return Err(format!("{}; `lineshaft params CELL` names the parameters of a cell", wrong.join("; ")));
+    }
+    Ok(if changes.is_empty() { None } else { Some(Action::SetParameters(changes.into())) })
+}
+
+/// The parameters of a machine that begins with these changes; of the cell, where it refuses them.
+fn in_force(config: &MachineConfig, changes: Vec<Change>) -> Result<ParameterImage, String> {
+    let mut machine = Machine::new(config.clone()).map_err(|error| error.to_string())?;
+    let (inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let command = Command { sequence: 1, source: Source::Cli, action: Action::SetParameters(changes.into()) };
+    machine.cycle(&inputs, Commands::queue(&[command]), &mut outputs);
+    let of_axes: Vec<_> = config.axes.iter().map(|axis| axis.parameters).collect();
+    let mut image = ParameterImage { effective: of_axes.clone(), user: of_axes, ..ParameterImage::default() };
+    machine.copy_parameters(&mut image);
+    Ok(image)
 }
 
 #[cfg(test)]
@@ -71,5 +111,26 @@ mod tests {
         assert!(error.starts_with(expected), "{error}");
         let empty = start_command(&config, &mut given("x.min_position:=[]")).unwrap_err();
         assert!(empty.starts_with("-p x.min_position: x.min_position cannot be a list;"), "{empty}");
+    }
+
+    /// As a dump has them: a part of the cell that is what the cell says, and values that follow from others.
+    #[test]
+    fn what_is_read_only_may_be_said_again() {
+        let config = fake::config();
+        let image = in_force(&config, Vec::new()).unwrap();
+        let catalogue = Catalogue::new(&config);
+        let computed = catalogue.find("x.velmaxqc").expect("declared").message(&image).integer_value;
+        let command = |line: String| start_command(&config, &mut given(&line));
+        assert_eq!(
+            command(format!("x.posfact_z:=null x.velmaxqc:={computed} x.max_jerk:=null")).map(|command| {
+                let Some(Action::SetParameters(changes)) = command else { panic!("a command") };
+                changes.iter().map(|change| change.value).collect::<Vec<_>>()
+            }),
+            Ok(vec![Value::Unset])
+        );
+        let error = command(format!("x.velmaxqc:={}", computed + 1)).unwrap_err();
+        assert!(error.contains("x.velmaxqc is read-only: computed from other parameters"), "{error}");
+        let error = command("x.posfact_z:=7".to_owned()).unwrap_err();
+        assert!(error.contains("x.posfact_z is read-only: part of the cell"), "{error}");
     }
 }
