@@ -337,7 +337,7 @@ fn params_shows_the_catalogue_and_a_cell_and_checks_a_file() {
     assert_eq!((code(&bad), text(&bad.stdout).as_str()), (2, ""));
     assert_eq!(
         text(&bad.stderr),
-        "p.yaml:1:1: no parameter is called `x.max_velocty`, did you mean `max_velocity`?\n\
+        "p.yaml:1:1: no parameter is called `x.max_velocty`, did you mean `x.max_velocity`?\n\
          p.yaml:2:19: error_reaction is 6; 0 to 5 is allowed\n"
     );
     for (arguments, said) in [
