@@ -73,8 +73,8 @@ fn goals_outlive_the_ros_side_where_the_cell_says_so() {
     let program = Program::start(&["run", &cell(&folder, "on_loss: none")], &domain);
     let mut peer = Peer::cyclone(&domain);
     peer.run("axes /lineshaft enable turret");
-    let target = 20_000;
-    peer.tell(&format!("move /lineshaft --axis turret --units increments --position {target} --velocity 4000 --wait"));
+    let target = 9_000;
+    peer.tell(&format!("move /lineshaft --axis turret --units increments --position {target} --velocity 3000 --wait"));
     thread::sleep(seconds(1.5));
     kill_process(program.ros_side(), Signal::KILL).expect("a child of the program");
     let (seen, error) = peer.answer();

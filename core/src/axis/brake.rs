@@ -175,12 +175,12 @@ impl Axis {
         is_due && (!coasts || self.has_timed_out(cycle, since))
     }
 
-    /// Its command stands: does it, too, so that its power may go and its brake close? It is waited for as a reset waits for one that
-    /// coasts, and not at all where it runs away instead. A coast in open loop has been waited for already.
+    /// Its command stands: does it, too, so that its power may go and its brake close? It is waited for, as long as a
+    /// reset waits for one that coasts, and not at all where it runs away instead. A coast in open loop has been waited for already.
     pub(super) fn has_come_to_rest(&mut self, cycle: u64) -> bool {
         let since = *self.holding.settles_since.get_or_insert(cycle);
         let is_led = !self.is_virtual() && !self.is_open_loop();
-        let settles = is_led && self.turns(cycle) && !self.runs_away();
+        let settles = is_led && self.moves() && !self.runs_away();
         !settles || self.has_timed_out(cycle, since)
     }
 

@@ -252,6 +252,14 @@ impl Axis {
             || self.judge.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
     }
 
+    /// Did its encoder move in this cycle, faster than one that stands may creep? One look tells, where a reset waits for a while: what
+    /// is braked by its drive does not coast.
+    pub(super) fn moves(&self) -> bool {
+        let moved = self.actual.change.to_f64().abs() * STILL_NS as f64;
+        (1..=MAX_STALE_CYCLES).contains(&self.stale_cycles)
+            || moved > self.slack().to_f64() * self.setup.cycle_ns as f64
+    }
+
     /// Longer than it may? In each cycle anew.
     fn exceeds_for_long(&mut self, cycle: u64, is_within: bool) -> bool {
         if is_within {

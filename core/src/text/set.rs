@@ -28,18 +28,9 @@ pub(super) fn not_built(event: &Event, config: &MachineConfig) -> String {
         Some(row) if !row.missing.is_empty() => refused(event, row, Refused::NotBuilt, config),
         Some(row) => {
             let value = parameter_value(row, event.asked, event.source, config);
-            let (verb, allowed) = without_cam(row);
-            format!("{} {value} {verb} the cam, which does not exist yet; {allowed} are allowed", row.key)
+            format!("{} {value} does not exist yet", row.key)
         }
         None => "this does not exist yet".to_owned(),
-    }
-}
-
-/// What a row permits whose other values need the cam.
-fn without_cam(row: &Row) -> (&'static str, &'static str) {
-    match row.key {
-        "amc.action_on_event" => ("starts", "0 and 2"),
-        _ => ("selects", "0 to 2 and 4 to 7"),
     }
 }
 

@@ -316,8 +316,7 @@ fn an_emergency_stop_stops_all_axes_and_takes_their_power() {
     assert!(goals.iter().all(|goal| rig.done(*goal)[0].code == Code::EMERGENCY_STOP));
     // The stop goes on from the last command without a jump.
     assert!((48..=50).contains(&(rig.int("x.command.position") - before)));
-    // 50 ms, and 5 in which they stand.
-    rig.run(56);
+    rig.run(51);
     for axis in ["x", "y"] {
         let shown = ["enabled", "brake"].map(|signal| rig.int(&format!("{axis}.{signal}")));
         assert_eq!(shown, [0, 1], "{axis}: off, and the brake closed");

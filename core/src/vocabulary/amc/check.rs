@@ -72,8 +72,7 @@ fn check_event(action: i64, setting: &Setting) -> Result<(), Problem> {
     let asked = Number::Count(action);
     let refuse = |code| Err(Problem { key: "amc.action_on_event", code, asked, limit: Number::None });
     match action {
-        CAM_ON_FREEZE => refuse(Code::NOT_BUILT),
-        GEAR_ON_FREEZE if setting.wiring.freeze.is_none() => refuse(Code::AMC_NO_FREEZE),
+        CAM_ON_FREEZE | GEAR_ON_FREEZE if setting.wiring.freeze.is_none() => refuse(Code::AMC_NO_FREEZE),
         GEAR_ON_FREEZE if setting.wiring.master.is_none() => refuse(Code::AMC_NO_MASTER),
         _ => Ok(()),
     }

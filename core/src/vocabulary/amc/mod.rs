@@ -29,9 +29,10 @@ pub use signals::AmcSignal;
 
 use super::{Latched, Order, View};
 use crate::code::Code;
+use crate::event::Number;
 use crate::object::{Leader, Object};
 use crate::position::Position;
-use parameters::{GEAR, GEAR_ON_FREEZE, POSITION_ABSOLUTE, POSITION_PROFILE, POSITION_RELATIVE};
+use parameters::{CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, POSITION_ABSOLUTE, POSITION_PROFILE, POSITION_RELATIVE};
 use parameters::{HOME, SPEED, STOP};
 use rotary::{Circle, Exact, Mode};
 use serde::{Deserialize, Serialize};
@@ -212,9 +213,18 @@ impl Amc {
         // Of several the first one is the event.
         let first = view.latches.iter().filter(is_event).max_by_key(|latch| latch.age_ns);
         let Some(latch) = first.filter(|_| !view.at_limit) else { return Position::ZERO };
-        if view.parameters.amc.action_on_event == GEAR_ON_FREEZE && self.select != GEAR {
-            step.select = GEAR;
-            return past(view, latch);
+        let action = view.parameters.amc.action_on_event;
+        match action {
+            CAM_ON_FREEZE => {
+                let asked = Number::Count(action);
+                let (key, code, limit) = ("amc.action_on_event", Code::NOT_BUILT, Number::None);
+                step.problem = Some(Problem { key, code, asked, limit });
+            }
+            GEAR_ON_FREEZE if self.select != GEAR => {
+                step.select = GEAR;
+                return past(view, latch);
+            }
+            _ => {}
         }
         Position::ZERO
     }

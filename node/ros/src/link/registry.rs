@@ -370,8 +370,15 @@ mod tests {
         stream.write(vec![6]).unwrap();
         let second = registry.begin(join());
         let told = all(&second);
-        let [Order::Join(_), Order::Open(0, _), Order::Open(1, _), latest, Order::Open(2, _), Order::Open(3, spec), reply] =
-            told.as_slice()
+        let [
+            Order::Join(_),
+            Order::Open(0, _),
+            Order::Open(1, _),
+            latest,
+            Order::Open(2, _),
+            Order::Open(3, spec),
+            reply,
+        ] = told.as_slice()
         else {
             panic!("{told:?}")
         };

@@ -44,6 +44,8 @@ impl Side {
             }
             Self::Process(program) => {
                 let mut command = Command::new(program);
+                // What it dies of is a line, not a page.
+                command.env("RUST_BACKTRACE", "0");
                 command
                     .arg0("lineshaft")
                     .arg(Self::COMMAND)

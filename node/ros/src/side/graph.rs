@@ -1,22 +1,25 @@
-//! The node in the ROS graph: `ros_discovery_info` says which DDS endpoints belong to which node.
+//! The node in the ROS graph: `ros_discovery_info` says which DDS endpoints belong to which node, and which nodes others are.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 use std::time::Duration;
 
+use lineshaft_msgs::cdr::Endian;
 use lineshaft_msgs::foreign::rmw_dds_common::msg::{NodeEntitiesInfo, ParticipantEntitiesInfo};
 use lineshaft_msgs::{Bounded, Message, cdr};
 use tokio::runtime::Handle;
 
-use super::dds::DdsError;
+use super::dds::{DdsError, Reader};
 use super::latched::{Beside, Latched};
 use super::member::Shared;
-use crate::link::guid::Guid;
+use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::Join;
 use crate::link::qos::Qos;
 
 /// The only ROS topic without a prefix.
 const TOPIC: &str = "ros_discovery_info";
+/// Namesakes that are told.
+const NAMESAKES: usize = 100;
 /// Endpoints that are made or dropped within this time are announced together.
 const GATHER: Duration = Duration::from_millis(10);
 
@@ -51,6 +54,12 @@ impl Graph {
         Ok(Self { entities, announcement })
     }
 
+    /// What other participants say of their nodes.
+    pub(super) fn others(shared: &Shared) -> Result<Reader, DdsError> {
+        let qos = Qos { depth: 100, ..Qos::STATUS };
+        shared.participant.reader(TOPIC, ParticipantEntitiesInfo::DDS_NAME, qos)
+    }
+
     pub(super) fn add(&mut self, endpoint: Guid) {
         self.entities.of(endpoint).insert(endpoint);
         self.announcement.set(cdr::encode(&self.entities.info()));
@@ -60,6 +69,33 @@ impl Graph {
         self.entities.of(endpoint).remove(&endpoint);
         self.announcement.set(cdr::encode(&self.entities.info()));
     }
+}
+
+/// Tells once of each participant that has a node of the same name: neither tools nor clients can tell the two apart.
+pub(super) async fn watch_for_namesakes(mut infos: Reader, own: Prefix, namespace: String, name: String) {
+    let mut told = HashSet::new();
+    loop {
+        let Ok(taken) = infos.next().await else { continue };
+        let participant = taken.id.writer.prefix();
+        let endian = if taken.is_big_endian { Endian::Big } else { Endian::Little };
+        // What is no such message is for its sender to mend.
+        let Ok(info) = cdr::decode::<ParticipantEntitiesInfo>(&taken.bytes, endian) else { continue };
+        if participant == own || told.len() >= NAMESAKES {
+            continue;
+        }
+        if is_among(&info, &namespace, &name) && told.insert(participant) {
+            let slash = if namespace.ends_with('/') { "" } else { "/" };
+            tracing::warn!(
+                "participant {participant} has a node {namespace}{slash}{name}, too: clients reach either of the two; give one of \
+                 them another name (-r __node:=NAME)"
+            );
+        }
+    }
+}
+
+fn is_among(info: &ParticipantEntitiesInfo, namespace: &str, name: &str) -> bool {
+    let mut nodes = info.node_entities_info_seq.iter();
+    nodes.any(|node| &*node.node_namespace == namespace && &*node.node_name == name)
 }
 
 impl Entities {

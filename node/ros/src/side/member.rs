@@ -16,7 +16,7 @@ use tokio::task::JoinHandle;
 use super::age::{Known, is_stale};
 use super::beside::Beside;
 use super::dds::{Discovery, Participant, Reader, Taken, Writer, now_ticks};
-use super::graph::Graph;
+use super::graph::{Graph, watch_for_namesakes};
 use super::latched::{self, Latched};
 use super::matches::Matches;
 use super::nudge::nudge;
@@ -129,8 +129,10 @@ impl Member {
             own: super::farewell::of_host(),
         });
         let graph = Graph::new(&runtime, &shared, join).map_err(|error| error.to_string())?;
+        let others = Graph::others(&shared).map_err(|error| error.to_string())?;
+        let namesakes = watch_for_namesakes(others, prefix, join.namespace.clone(), join.name.clone());
         let follow = follow(Arc::downgrade(&shared), barrier, Arc::clone(&probe), runtime.clone());
-        let tasks = vec![runtime.spawn(follow)];
+        let tasks = vec![runtime.spawn(follow), runtime.spawn(namesakes)];
         shared.report(Report::Joined(prefix));
         drop(inside);
         let departed = Departed { prefix, domain: join.domain, networks: join.networks.clone() };
