@@ -238,7 +238,7 @@ mod tests {
             increments in 1_i64..100_000,
             units in 1_i64..100,
         ) {
-            let given = digits as f64 / 10_f64.powi(places.cast_signed());
+            let given = digits as f64 / libm::pow(10.0, f64::from(places));
             let (increments, units) = (increments as f64, units as f64);
             let kept = Position::from_f64(given * increments / units).to_f64();
             let step = Position::from_raw(1).to_f64() * units / increments;

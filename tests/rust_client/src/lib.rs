@@ -122,8 +122,9 @@ impl Lineshaft {
             self.moves.goal_client().wait_for_service(&self.node).await;
             self.moves.result_client().wait_for_service(&self.node).await;
             self.joints.wait_for_publisher(&self.node).await;
+            Ok(())
         };
-        in_time(PATIENCE, "the node is not there", async { Ok(there.await) }).await
+        in_time(PATIENCE, "the node is not there", there).await
     }
 
     /// Switches axes on.

@@ -39,7 +39,7 @@ pub(super) struct Registry {
 #[derive(Default)]
 struct State {
     endpoints: BTreeMap<Endpoint, Known>,
-    replies: BTreeMap<u64, (Endpoint, Reply, oneshot::Sender<Result<(), ReplyFailure>>)>,
+    replies: BTreeMap<u64, UnderWay>,
     endpoints_made: u32,
     replies_made: u64,
     /// To the present side.
@@ -47,6 +47,13 @@ struct State {
     /// Sides so far: replies to what an earlier one has taken have to find their readers anew.
     lives: u32,
     is_closed: bool,
+}
+
+/// A reply under way: of which writer, and who waits for what becomes of it.
+struct UnderWay {
+    endpoint: Endpoint,
+    reply: Reply,
+    answer: oneshot::Sender<Result<(), ReplyFailure>>,
 }
 
 struct Known {
@@ -156,7 +163,7 @@ impl Registry {
         let patience = if state.lives > 1 { PATIENCE_ANEW } else { PATIENCE };
         let reply = Reply { token, place, answers, patience_ms: milliseconds(patience), bytes };
         self.tell(&state, Order::Reply(endpoint, reply.clone()));
-        state.replies.insert(token, (endpoint, reply, answer));
+        state.replies.insert(token, UnderWay { endpoint, reply, answer });
         answered
     }
 
@@ -178,7 +185,7 @@ impl Registry {
                 kept.iter().for_each(|bytes| self.tell(&state, Order::Write(*endpoint, bytes.clone())));
             }
         }
-        for (endpoint, reply, _) in state.replies.values() {
+        for UnderWay { endpoint, reply, .. } in state.replies.values() {
             let reply = Reply { patience_ms: milliseconds(PATIENCE_ANEW), ..reply.clone() };
             self.tell(&state, Order::Reply(*endpoint, reply));
         }
@@ -233,7 +240,7 @@ impl Registry {
                 }
             }
             Report::Replied(token, outcome) => {
-                if let Some((_, _, answer)) = state.replies.remove(&token) {
+                if let Some(UnderWay { answer, .. }) = state.replies.remove(&token) {
                     // Who answers in passing does not wait.
                     let _ = answer.send(outcome);
                 }

@@ -95,7 +95,7 @@ pub(super) async fn watch_for_namesakes(mut infos: Reader, own: Prefix, namespac
 
 fn is_among(info: &ParticipantEntitiesInfo, namespace: &str, name: &str) -> bool {
     let mut nodes = info.node_entities_info_seq.iter();
-    nodes.any(|node| &*node.node_namespace == namespace && &*node.node_name == name)
+    nodes.any(|node| *node.node_namespace == *namespace && *node.node_name == *name)
 }
 
 impl Entities {

@@ -238,8 +238,10 @@ mod tests {
     const WRITER: Guid = Guid([1; 16]);
 
     /// What was written to whom (0: all), and how much room there is.
+    type Written = (Vec<(u8, u8)>, usize);
+
     #[derive(Clone)]
-    struct Fake(Arc<Mutex<(Vec<(u8, u8)>, usize)>>);
+    struct Fake(Arc<Mutex<Written>>);
 
     /// In the place of a value: samples before this number were not for the reader.
     const SKIPPED: u8 = 100;

@@ -22,7 +22,7 @@ macro_rules! with_a_message {
     ($($request:ident, $response:ident;)*) => {$(
         impl Refusing<$request> for $response {
             fn refusing(_: &$request, message: String) -> Self {
-                Self { success: false, message, ..Self::default() }
+                Self { success: false, message }
             }
         }
     )*};
@@ -31,12 +31,17 @@ macro_rules! with_a_message {
 with_a_message! {
     AxesCommandRequest, AxesCommandResponse;
     ImportParametersRequest, ImportParametersResponse;
-    RecordRequest, RecordResponse;
     ResetParametersRequest, ResetParametersResponse;
     SetOutputRequest, SetOutputResponse;
     SetPositionRequest, SetPositionResponse;
     TriggerRequest, TriggerResponse;
     VocabularyRequest, VocabularyResponse;
+}
+
+impl Refusing<RecordRequest> for RecordResponse {
+    fn refusing(_: &RecordRequest, message: String) -> Self {
+        Self { success: false, message, ..Self::default() }
+    }
 }
 
 impl Refusing<ChangeStateRequest> for ChangeStateResponse {

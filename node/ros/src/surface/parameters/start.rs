@@ -43,7 +43,7 @@ pub fn start_command(config: &MachineConfig, given: &mut Overrides) -> Result<Op
     // The same number may have gone through two units, and was rounded twice.
     let differs = |(declared, parameter, _): &&(&Declared, Parameter, &Given)| {
         let is_same = declared.is(&parameter.value, &image);
-        !is_same && !(declared.repeats(&names) && declared.is_nearly(&parameter.value, &image))
+        !(is_same || declared.repeats(&names) && declared.is_nearly(&parameter.value, &image))
     };
     for (declared, parameter, given) in shown.iter().filter(differs) {
         if declared.row.storage == Storage::Derived && given.is_of_file {
