@@ -25,7 +25,9 @@ use crate::link::qos::Qos;
 
 /// Between two tries to write.
 const AGAIN: Duration = Duration::from_millis(10);
-/// A reader may know our writer a little later than we know it: it is told again.
+/// A reader may know our writer a little later than we know it: it is told again, and Fast DDS gets its samples only then, as it asks for
+/// what it has missed by its next heartbeat alone, seconds later.
+const AGAIN_TOLD: [Duration; 3] = [Duration::from_millis(30), Duration::from_millis(60), LATER];
 const LATER: Duration = Duration::from_millis(100);
 
 /// What a latched value is written with.
@@ -103,8 +105,8 @@ struct Keeper<T> {
     /// Set, and not written to those who were there.
     fresh: VecDeque<Bytes>,
     readers: HashSet<Guid>,
-    /// What each reader that came has still to get.
-    owed: VecDeque<(Guid, Bytes)>,
+    /// Readers that came and have still to get what counts, and from when on.
+    owed: VecDeque<(Instant, Guid)>,
     /// Readers that are told again what is not for them, when, and up to where.
     told: VecDeque<(Instant, Guid, i64)>,
     last: i64,
@@ -130,28 +132,37 @@ impl<T: Target> Keeper<T> {
         let lifespan = self.lifespan;
         self.kept.retain(|(since, _)| lifespan.is_none_or(|lifespan| now.duration_since(*since) < lifespan));
         for reader in readers.difference(&self.readers) {
-            // What is not written yet goes to all, this one among them.
-            let old = self.kept.len().saturating_sub(self.fresh.len());
-            self.owed.extend(self.kept.iter().take(old).map(|(_, value)| (*reader, value.clone())));
+            let from = if reader.is_fast_dds() { now + LATER } else { now };
+            self.owed.push_back((from, *reader));
             if self.last > 0 {
                 self.target.skip(*reader, self.last + 1);
-                self.told.push_back((now + LATER, *reader, self.last + 1));
+                self.told.extend(AGAIN_TOLD.map(|later| (now + later, *reader, self.last + 1)));
             }
         }
         self.readers = readers;
-        self.owed.retain(|(reader, _)| self.readers.contains(reader));
+        self.owed.retain(|(_, reader)| self.readers.contains(reader));
         if self.readers.is_empty() {
             self.fresh.clear();
         }
     }
 
-    /// Writes what there is; false where there was no room.
+    /// Writes what there is and may go; false where there was no room.
     fn write(&mut self) -> bool {
-        while let Some((reader, value)) = self.owed.front() {
-            if !done(self.target.write(value, Some(*reader)), &mut self.last) {
-                return false;
+        let now = Instant::now();
+        // What is not written yet goes to all, those that came among them.
+        let old = self.kept.len().saturating_sub(self.fresh.len());
+        for _ in 0..self.owed.len() {
+            let Some((from, reader)) = self.owed.pop_front() else { break };
+            if from > now {
+                self.owed.push_back((from, reader));
+                continue;
             }
-            self.owed.pop_front();
+            for (_, value) in self.kept.iter().take(old) {
+                if !done(self.target.write(value, Some(reader)), &mut self.last) {
+                    self.owed.push_front((from, reader));
+                    return false;
+                }
+            }
         }
         while let Some(value) = self.fresh.front() {
             if !done(self.target.write(value, None), &mut self.last) {
@@ -162,16 +173,20 @@ impl<T: Target> Keeper<T> {
         true
     }
 
-    /// Tells again; when to do it the next time.
-    fn tell(&mut self) -> Option<Instant> {
-        while let Some((at, reader, before)) = self.told.front().copied() {
-            if at > Instant::now() {
-                return Some(at);
-            }
-            self.told.pop_front();
-            self.target.skip(reader, before);
-        }
-        None
+    /// Tells those again whose time has come.
+    fn tell(&mut self) {
+        let now = Instant::now();
+        let due: Vec<_> =
+            self.told.iter().filter(|(at, ..)| *at <= now).map(|(_, who, before)| (*who, *before)).collect();
+        self.told.retain(|(at, ..)| *at > now);
+        due.into_iter().for_each(|(reader, before)| self.target.skip(reader, before));
+    }
+
+    /// When there is something to do next, by itself.
+    fn next(&self) -> Option<Instant> {
+        let told = self.told.iter().map(|(at, ..)| *at).min();
+        let owed = self.owed.iter().map(|(from, _)| *from).min();
+        told.into_iter().chain(owed).min()
     }
 }
 
@@ -205,8 +220,7 @@ async fn run(mut values: UnboundedReceiver<Bytes>, target: impl Target, matches:
     };
     let mut has_room = true;
     loop {
-        let again = keeper.told.front().map(|(at, ..)| *at);
-        let again = if has_room { again } else { Some(Instant::now() + AGAIN) };
+        let again = if has_room { keeper.next() } else { Some(Instant::now() + AGAIN) };
         tokio::select! {
             value = values.recv() => match value {
                 Some(value) => keeper.set(value),
@@ -299,7 +313,7 @@ mod tests {
         let told = (8, SKIPPED + 4);
         assert_eq!(fake.0.lock().unwrap().0, [(7, 59), (0, 60), (0, 61), told, (8, 61)]);
         sleep(LATER).await;
-        assert_eq!(fake.0.lock().unwrap().0[5..], [told], "once more");
+        assert_eq!(fake.0.lock().unwrap().0[5..], [told; 3], "once more, and again");
         matches.note(lost(7));
         matches.note(lost(8));
         latched.set(vec![62]);
@@ -307,7 +321,7 @@ mod tests {
         sleep(AGAIN).await;
         matches.note(reader(9));
         sleep(AGAIN).await;
-        assert_eq!(fake.0.lock().unwrap().0[6..], [(9, SKIPPED + 5), (9, 63)]);
+        assert_eq!(fake.0.lock().unwrap().0[8..], [(9, SKIPPED + 5), (9, 63)]);
     }
 
     #[tokio::test(start_paused = true)]
