@@ -88,6 +88,9 @@ fn start(
     warnings(cell).iter().for_each(|warning| tracing::warn!("{warning}"));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
+        // Requests and their ends come from the threads of the link and of the bridge: the usual 61 tasks between two looks there made
+        // some wait for seconds while clients hammer.
+        .global_queue_interval(3)
         .enable_all()
         .build()
         .map_err(|error| format!("no threads for ROS: {error}"))?;
