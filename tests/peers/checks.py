@@ -176,6 +176,16 @@ def first_replies(peer, a):
         raise Failure(f"{lost} of {a.clients} new clients lost their first reply")
 
 
+def newcomer(peer, a):
+    """How long a new participant needs until a node that it has never heard of has answered it."""
+    start = time.monotonic()
+    c = rw.ServiceClient(rw.participant(), f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest,
+                         AxesResponse).wait(a.seconds)
+    found = time.monotonic() - start
+    c.call(AxesRequest([a.axis]), a.seconds)
+    show(found_s=found, answered_s=time.monotonic() - start)
+
+
 def node_info(peer, node):
     """What ros_discovery_info says of a node now."""
     s = peer.once("graph", lambda: rw.Subscription(peer.dp, "ros_discovery_info", rw.ParticipantEntitiesInfo,

@@ -214,27 +214,33 @@ class Line {
 
 class Hammer {
  public:
-  /// `names` are parameters of doubles that nobody changes.
-  Hammer(Dds& dds, MoveClient& moves, const std::string& node, const std::string& axis, unsigned seed)
-      : axis_(axis), dice_(seed),
-        enables_(dds, node + "/enable", "lineshaft_msgs::srv::dds_::AxesCommand"),
-        halts_(dds, node + "/halt", "lineshaft_msgs::srv::dds_::AxesCommand"),
-        gets_(dds, node + "/get_parameters", "rcl_interfaces::srv::dds_::GetParameters"),
-        sets_(dds, node + "/set_parameters", "rcl_interfaces::srv::dds_::SetParameters") {
-    for (auto s : {&enables_, &halts_, &gets_, &sets_, &moves.goals, &moves.cancels, &moves.results}) lines_.emplace_back(*s);
+  Hammer(Service& enables, Service& halts, Service& gets, Service& sets, MoveClient& moves, const std::string& axis,
+         unsigned seed)
+      : axis_(axis), dice_(seed) {
+    for (auto s : {&enables, &halts, &gets, &sets, &moves.goals, &moves.cancels, &moves.results}) lines_.emplace_back(*s);
     for (auto name : {"max_velocity", "max_acceleration", "default_velocity", "default_acceleration", "rampmin"}) {
       std::string full = axis_ + "." + name;
-      Bytes reply = gets_.call(Writer().put<uint32_t>(1).text(full).bytes());
+      Bytes reply = gets.call(Writer().put<uint32_t>(1).text(full).bytes());
       Reader r(reply);
       if (r.get<uint32_t>() == 1) values_.emplace_back(full, value(r));
     }
     if (values_.empty()) throw Failure("the axis " + axis_ + " has no parameters");
-    Reader r(enabled_ = enables_.call(axes({axis_})));
+    Bytes reply = enables.call(axes({axis_}));
+    Reader r(reply);
     if (!r.get<uint8_t>()) throw Failure(r.text());
   }
 
-  void run(double seconds) {
-    for (auto start = Clock::now(); since(start) < seconds; take()) ask();
+  /// With a `rate`, so many requests a second; with 0 as many as possible.
+  void run(double seconds, double rate) {
+    size_t asked = 0;
+    for (auto start = Clock::now(); since(start) < seconds; take()) {
+      if (rate > 0 && asked >= since(start) * rate) {
+        sleep_ms(2);
+        continue;
+      }
+      ask();
+      asked++;
+    }
     for (auto start = Clock::now(); lost() > 0 && since(start) < REPLY_S; sleep_ms(1)) take();
     sleep_ms(300);
     take();
@@ -368,8 +374,6 @@ class Hammer {
 
   std::string axis_;
   std::mt19937 dice_;
-  Service enables_, halts_, gets_, sets_;
-  Bytes enabled_;
   std::vector<Line> lines_;
   std::vector<std::pair<std::string, Value>> values_;
   std::vector<std::pair<Clock::time_point, GoalId>> goals_;  // accepted, and not asked for yet

@@ -21,7 +21,7 @@ const char* const USAGE =
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
     "  action-conformance NODE [--axis x]\n"
-    "  hammer NODE [--axis x] [--seconds 10] [--seed 1]\n"
+    "  hammer NODE [--axis x] [--seconds 10] [--seed 1] [--rate PER_SECOND]\n"
     "  serve    such lines from standard input; after each {\"done\": command, \"ok\": bool, \"error\": sentence}\n";
 
 // ---- Commands
@@ -267,8 +267,11 @@ class Peer {
   void action_conformance(const Arguments& a) { Conformance(dds_, a[1], a.text("--axis", "x")).run(); }
 
   void hammer(const Arguments& a) {
-    Hammer(dds_, move_client(a[1]), a[1], a.text("--axis", "x"), static_cast<unsigned>(a.number("--seed", 1)))
-        .run(a.number("--seconds", 10));
+    Hammer(axes_service(a[1] + "/enable"), axes_service(a[1] + "/halt"),
+           parameter_service(a[1] + "/get_parameters", "GetParameters"),
+           parameter_service(a[1] + "/set_parameters", "SetParameters"), move_client(a[1]), a.text("--axis", "x"),
+           static_cast<unsigned>(a.number("--seed", 1)))
+        .run(a.number("--seconds", 10), a.number("--rate", 0));
   }
 
   Service& axes_service(const std::string& name) {

@@ -190,23 +190,15 @@ struct RawType : TopicDataType {
   bool getKey(void*, InstanceHandle_t*, bool) override { return false; }
 };
 
-/// One participant on loopback; endpoints live as long as it.
+/// One participant, on loopback unless ROS_AUTOMATIC_DISCOVERY_RANGE is SUBNET; endpoints live as long as it.
 class Dds {
  public:
   Dds() {
     const char* id = std::getenv("ROS_DOMAIN_ID");
     int domain = id ? std::atoi(id) : 0;
+    const char* range = std::getenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
     DomainParticipantQos q;
-    q.transport().use_builtin_transports = false;
-    auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-    udp->interfaceWhiteList.push_back("127.0.0.1");
-    q.transport().user_transports.push_back(udp);
-    for (int i = 0; i < 30; i++) {  // discovery ports of the first participants of this domain
-      Locator_t l;
-      IPLocator::setIPv4(l, "127.0.0.1");
-      l.port = 7400 + 250 * domain + 10 + 2 * i;
-      q.wire_protocol().builtin.initialPeersList.push_back(l);
-    }
+    if (!range || std::string(range) != "SUBNET") keep_to_loopback(q, domain);
     participant_ = DomainParticipantFactory::get_instance()->create_participant(domain, q);
     if (!participant_) throw Failure("no DDS participant could be made in domain " + std::to_string(domain));
     publisher_ = participant_->create_publisher(PUBLISHER_QOS_DEFAULT);
@@ -234,6 +226,18 @@ class Dds {
   }
 
  private:
+  static void keep_to_loopback(DomainParticipantQos& q, int domain) {
+    q.transport().use_builtin_transports = false;
+    auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+    udp->interfaceWhiteList.push_back("127.0.0.1");
+    q.transport().user_transports.push_back(udp);
+    for (int i = 0; i < 30; i++) {  // discovery ports of the first participants of this domain
+      Locator_t l;
+      IPLocator::setIPv4(l, "127.0.0.1");
+      l.port = 7400 + 250 * domain + 10 + 2 * i;
+      q.wire_protocol().builtin.initialPeersList.push_back(l);
+    }
+  }
   template <class Q>
   static void settle(Q& q) {
     q.reliability().kind = RELIABLE_RELIABILITY_QOS;

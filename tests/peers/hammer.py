@@ -47,7 +47,7 @@ class Hammer:
     def __init__(self, peer, a):
         self.dice, self.axis = random.Random(a.seed), a.axis
         node = a.node
-        p = rw.ParameterClient(peer.dp, node).wait()
+        p = peer.once(f"{node}/parameters", lambda: rw.ParameterClient(peer.dp, node))
         names = [n for n in p.list([a.axis]).names]
         self.values = {n: v for i in range(0, len(names), 100)
                        for n, v in zip(names[i:i + 100], p.get(*names[i:i + 100]))}
@@ -135,13 +135,17 @@ class Hammer:
 
 
 def hammer(peer, a):
-    """As fast as this process can for some seconds; then every request must have been answered once, and rightly."""
+    """As fast as this process can for some seconds, or `--rate` a second; then every request must have been answered once, and rightly."""
     peer.axes(a.node, "enable").call(AxesRequest([a.axis]))
     h = Hammer(peer, a)
     what = list(h.lines)
-    end = time.monotonic() + a.seconds
-    while time.monotonic() < end:
-        h.ask(h.dice.choice(what))
+    start, asked = time.monotonic(), 0
+    while (passed := time.monotonic() - start) < a.seconds:
+        if not a.rate or asked < passed * a.rate:
+            h.ask(h.dice.choice(what))
+            asked += 1
+        else:
+            time.sleep(0.002)
         h.take()
     last = time.monotonic() + rw.REPLY_S
     while h.open() and time.monotonic() < last:

@@ -86,7 +86,8 @@ class Peer:
     def latest_axes(self, node):
         """The first axis_states that arrives from now on."""
         s = self.axis_states(node)
-        s.take()
+        while s.take():
+            pass
         return first(s, "axis_states stopped")
 
 
@@ -332,7 +333,7 @@ def parser():
     streams.add_commands(command)
     trajectories.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)
-    command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1)
+    command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1, rate=0.0)
     p = command("burst", hammer.burst, count=200)
     p.add_argument("--axis", action="append", required=True)
     command("watch", watch.watch, seconds=5.0)
@@ -348,6 +349,7 @@ def parser():
     p.add_argument("--axis", action="append", required=True, metavar="NAME=LOW:HIGH", help="range of targets in SI")
     p.add_argument("--master", help="couple an axis to this one now and then")
     command("first-replies", checks.first_replies, clients=20, axis="x")
+    command("newcomer", checks.newcomer, axis="x", seconds=10.0)
     command("graph", checks.graph)
     command("talk", talk, node=False, seconds=3.0)
     return top

@@ -65,6 +65,8 @@ pub(super) struct Captured {
     readers: Vec<JoinHandle<()>>,
     /// What a node keeps for its user: gone with the process, so that no test finds what another one saved.
     _home: Option<TempDir>,
+    /// Nobody else may have it before this process has ended.
+    _domain: Domain,
 }
 
 impl Captured {
@@ -99,7 +101,7 @@ impl Captured {
             }),
             read(stderr, log.clone(), drop),
         ];
-        Self { name: name.to_owned(), child, lines, log, readers, _home: home }
+        Self { name: name.to_owned(), child, lines, log, readers, _home: home, _domain: domain.clone() }
     }
 
     pub(super) fn stdin(&mut self) -> ChildStdin {

@@ -5,17 +5,22 @@ use std::{
     fs::{File, OpenOptions},
     ops::RangeInclusive,
     process,
-    sync::atomic::{AtomicU32, Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicU32, Ordering},
+    },
 };
 
-/// The domains that tests may take; whoever works by hand takes one below.
-const DOMAINS: RangeInclusive<u32> = 100..=200;
+/// The domains that tests may take; whoever works by hand takes one below. The ports of those above 101 are ports that Linux also
+/// gives to any socket that asks for none.
+const DOMAINS: RangeInclusive<u32> = 10..=101;
 
-/// A ROS domain that belongs to one test for as long as this value lives.
+/// A ROS domain that belongs to one test for as long as this value or a clone of it lives; each process in it holds one.
+#[derive(Clone)]
 pub(crate) struct Domain {
     id: u32,
     /// Its lock is the claim; the system frees it when the process ends, however it ends.
-    _lock: File,
+    _lock: Arc<File>,
 }
 
 impl Domain {
@@ -29,8 +34,8 @@ impl Domain {
         let first = process::id().wrapping_mul(7).wrapping_add(NEXT.fetch_add(1, Ordering::Relaxed));
         (0..count)
             .map(|i| DOMAINS.start() + first.wrapping_add(i) % count)
-            .find_map(|id| Some(Self { id, _lock: claim(id)? }))
-            .expect("a free ROS domain between 100 and 200: end the tests that hold them")
+            .find_map(|id| Some(Self { id, _lock: Arc::new(claim(id)?) }))
+            .expect("a free ROS domain between 10 and 101: end the tests that hold them")
     }
 }
 

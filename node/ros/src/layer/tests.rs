@@ -19,7 +19,7 @@ use crate::link::{Reader, Writer};
 /// Far more than anything here takes.
 const LONG: Duration = Duration::from_secs(20);
 
-/// A domain that tests with other peers (100..200) do not take, and other runs of these seldom.
+/// A domain that tests with other peers (10..101) do not take, and other runs of these seldom.
 fn environment() -> Environment {
     let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
     Environment { domain, networks: Networks::Loopback }

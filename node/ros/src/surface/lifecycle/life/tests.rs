@@ -140,7 +140,7 @@ struct Bench {
 
 impl Bench {
     fn new(script: Script) -> Self {
-        // A domain that tests with other peers (100..200) do not take.
+        // A domain that tests with other peers (10..101) do not take.
         let domain = 201 + u16::try_from(std::process::id() % 32).expect("a small number");
         let environment = Environment { domain, networks: Networks::Loopback };
         let node = Node::new(NodeName::new("/", "life").expect("a name"), &environment).expect("a node");
