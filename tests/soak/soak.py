@@ -156,6 +156,10 @@ class Soak:
     def left(self):
         return self.seconds - self.now()
 
+    def end(self):
+        self.say("ends within a minute")
+        self.seconds = 0
+
     def say(self, *words):
         print(f"{self.now():8.1f}", *words, flush=True)
 
@@ -249,7 +253,7 @@ class Soak:
     def freeze(self):
         number = 0
         while self.left() > 90:
-            time.sleep(self.dice.uniform(20, 40))
+            time.sleep(max(0.0, number * 60 + self.dice.uniform(20, 40) - self.now()))  # once in each minute
             number += 1
             lasts = self.dice.choice((0.001, 0.1, 0.5, 1.5))
             pid = self.lasting.side() if number % 5 == 0 else self.lasting.pid
@@ -268,7 +272,6 @@ class Soak:
             except ProcessLookupError:
                 pass  # it was replaced meanwhile
             self.report["freezes"] += 1
-            time.sleep(max(0.0, 60 - (self.now() - start)))
 
     def doom(self, reach, first):
         name = f"{DOOMED}_{reach.lower()}"
@@ -405,6 +408,15 @@ def quantiles(times):
     return {"p50_s": at(0.5), "p99_s": at(0.99), "max_s": round(times[-1], 3)}
 
 
+def needs(a):
+    """Says what is missing."""
+    if os.geteuid() != 0 or not shutil.which("ip"):
+        sys.exit("It makes network namespaces: it needs root and `ip` (Debian: apt-get install iproute2)")
+    for needed, how in ((a.program, "cargo build --release"), (a.peers / "venv", "cargo test --test peers_setup")):
+        if not needed.exists():
+            sys.exit(f"{needed} is missing: {how}")
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--seconds", type=float, default=7200.0)
@@ -414,14 +426,12 @@ def main():
     p.add_argument("--peers", type=Path, default=ROOT / "target/peers")
     p.add_argument("--seed", type=int, default=1)
     a = p.parse_args()
-    if os.geteuid() != 0 or not shutil.which("ip"):
-        sys.exit("The soak makes network namespaces: it needs root and `ip` (Debian: apt-get install iproute2)")
-    for needed, how in ((a.program, "cargo build --release"), (a.peers / "venv", "cargo test --test peers_setup")):
-        if not needed.exists():
-            sys.exit(f"{needed} is missing: {how}")
+    needs(a)
     a.out.mkdir(parents=True, exist_ok=True)
     with Hosts():
-        return 0 if Soak(a).go() else 1
+        soak = Soak(a)
+        signal.signal(signal.SIGINT, lambda *_: soak.end())
+        return 0 if soak.go() else 1
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@
 #[cfg(any(test, feature = "fuzz"))]
 pub mod fuzz;
 pub mod layer;
+pub mod line_limit;
 mod link;
 pub mod side;
 pub mod surface;

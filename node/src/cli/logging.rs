@@ -1,10 +1,11 @@
 //! The log: to standard error, and to `/rosout` while there is a node.
 
 use lineshaft_ros::layer::{Loggers, Rosout, Severity, Source, TOLD, log_filter};
-use lineshaft_ros::surface::lines::LineLimit;
+use lineshaft_ros::line_limit::LineLimit;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::{Arc, PoisonError, RwLock};
+use tracing::callsite::Identifier;
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::layer::{Context, SubscriberExt};
@@ -56,9 +57,8 @@ impl Logging {
 #[derive(Default)]
 struct Lines {
     rosout: RwLock<Option<Rosout>>,
-    /// Errors find room beside any number of other lines.
-    errors: LineLimit,
-    others: LineLimit,
+    /// A kind is what comes from one place in the source.
+    limit: LineLimit<Identifier>,
 }
 
 /// Passes lines of the program itself on: not those of the DDS library, which would tell of their own sending, and not what the
@@ -68,10 +68,10 @@ struct ToRosout(Arc<Lines>);
 impl<S: Subscriber> Layer<S> for ToRosout {
     fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
         let about = event.metadata();
-        let (severity, limit) = match *about.level() {
-            Level::ERROR => (Severity::Error, &self.0.errors),
-            Level::WARN => (Severity::Warn, &self.0.others),
-            Level::INFO => (Severity::Info, &self.0.others),
+        let severity = match *about.level() {
+            Level::ERROR => Severity::Error,
+            Level::WARN => Severity::Warn,
+            Level::INFO => Severity::Info,
             _ => return,
         };
         if !about.target().starts_with("lineshaft") || about.target() == TOLD {
@@ -81,7 +81,7 @@ impl<S: Subscriber> Layer<S> for ToRosout {
         let Some(rosout) = rosout.as_ref() else { return };
         let mut text = Text::default();
         event.record(&mut text);
-        limit.say(|more| {
+        self.0.limit.say(about.callsite(), |more| {
             let file = about.file().unwrap_or_default().to_owned();
             let function = about.module_path().unwrap_or_default().to_owned();
             rosout.log(severity, text.0 + more, Source { file, function, line: about.line().unwrap_or_default() });

@@ -18,6 +18,7 @@ use lineshaft_core::text;
 use lineshaft_ros::layer::{
     self, CreateError, Environment, Interface, Networks, Node, NodeOptions, RosArguments, Side, SideOptions,
 };
+use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{Host, StampedEvent};
 use lineshaft_ros::surface::{Rates, Surface, check_names, start_command};
 use std::sync::Arc;
@@ -130,13 +131,14 @@ fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOpt
 
 /// What the machine does when its ROS side is lost; `is_final` is set where there will be no other.
 fn on_loss(handle: Arc<Handle>, on_loss: OnLoss, is_final: Arc<AtomicBool>) -> layer::OnLoss {
+    let lines = LineLimit::default();
     Arc::new(move |loss| {
         let next = if loss.is_final { "it is not started again, the program ends" } else { "it is started again" };
         let reaction = match on_loss {
             OnLoss::Halt => "all axes halt",
             OnLoss::None => "the axes go on (on_loss: none)",
         };
-        tracing::error!("the ROS side {}: {reaction}; {next}", loss.reason);
+        lines.say(loss.is_final, |more| tracing::error!("the ROS side {}: {reaction}; {next}{more}", loss.reason));
         if loss.is_final {
             is_final.store(true, Ordering::Release);
         }

@@ -11,17 +11,17 @@ use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Setpoints, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Kind, Severity};
-use lineshaft_core::object::AxisSet;
+use lineshaft_core::object::{AxisSet, Object};
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text;
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
 use lineshaft_ros::layer::TOLD;
+use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{
     Busy, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
 };
 use lineshaft_ros::surface::is_told;
-use lineshaft_ros::surface::lines::LineLimit;
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
@@ -241,7 +241,8 @@ pub struct Bridge {
     taken: Vec<StampedEvent>,
     /// Lost events that were told.
     told: u64,
-    warnings: LineLimit,
+    /// A kind of line is who has what to tell.
+    lines: LineLimit<(Object, Code)>,
 }
 
 impl Bridge {
@@ -263,7 +264,7 @@ impl Bridge {
             statistics,
             taken: Vec::new(),
             told: 0,
-            warnings: LineLimit::default(),
+            lines: LineLimit::default(),
         }
     }
 
@@ -297,7 +298,7 @@ impl Bridge {
             *handle.parameters.write().unwrap_or_else(PoisonError::into_inner) = newest;
         }
         for event in self.taken.drain(..) {
-            log(&event, handle, &self.warnings);
+            log(&event, handle, &self.lines);
             self.listeners.retain(|listener| listener.send(event).is_ok());
         }
         let lost = self.statistics.events_lost.load(Ordering::Relaxed);
@@ -309,21 +310,20 @@ impl Bridge {
 }
 
 /// One line for what a person would want to know.
-fn log(event: &StampedEvent, handle: &Handle, warnings: &LineLimit) {
+fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<(Object, Code)>) {
     let event = &event.event;
     let sentence = || text::sentence(event, &handle.config);
+    let say = |line: fn(String)| lines.say((event.source, event.code), |more| line(sentence() + more));
     match (event.severity, event.kind) {
-        (Severity::Error, _) if is_told(event) => tracing::error!(target: TOLD, "{}", sentence()),
-        (Severity::Error, _) => tracing::error!("{}", sentence()),
+        (Severity::Error, _) if is_told(event) => say(|line| tracing::error!(target: TOLD, "{line}")),
+        (Severity::Error, _) => say(|line| tracing::error!("{line}")),
         // The surface has told what never became a command.
         (_, Kind::Refused) if event.code == Code::BAD_REQUEST => {}
         // What ends a goal is told to the one who gave it.
         (_, Kind::Done | Kind::Accepted | Kind::Overrun) => tracing::debug!("{}", sentence()),
-        (Severity::Warn, _) if is_told(event) => {
-            warnings.say(|more| tracing::warn!(target: TOLD, "{}{more}", sentence()));
-        }
-        (Severity::Warn, _) => warnings.say(|more| tracing::warn!("{}{more}", sentence())),
-        (Severity::Info, Kind::Reset) => tracing::info!("{}", sentence()),
+        (Severity::Warn, _) if is_told(event) => say(|line| tracing::warn!(target: TOLD, "{line}")),
+        (Severity::Warn, _) => say(|line| tracing::warn!("{line}")),
+        (Severity::Info, Kind::Reset) => say(|line| tracing::info!("{line}")),
         (Severity::Info, _) => tracing::debug!("{}", sentence()),
     }
 }

@@ -8,7 +8,6 @@ mod clock;
 mod endpoint;
 mod environment;
 mod file;
-mod limiter;
 mod log;
 mod loggers;
 mod name;

@@ -1,14 +1,14 @@
 //! Topics that the node reads.
 
 use std::marker::PhantomData;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use lineshaft_msgs::{Message, cdr};
 use tokio::sync::watch;
 
 use super::endpoint::{Context, age};
-use super::limiter::{Limiter, more};
 use super::name::FullName;
+use crate::line_limit::LineLimit;
 use crate::link::Reader;
 use crate::link::protocol::Sample;
 use crate::link::qos::Qos;
@@ -23,8 +23,7 @@ pub struct Subscription<M> {
     latched: bool,
     timeout: Duration,
     closed: watch::Receiver<()>,
-    refused: Limiter,
-    unread: Limiter,
+    refusals: LineLimit<()>,
     message: PhantomData<fn() -> M>,
 }
 
@@ -36,8 +35,7 @@ impl<M: Message> Subscription<M> {
             latched: qos.latched,
             timeout: context.request_timeout,
             closed: context.closed.clone(),
-            refused: Limiter::default(),
-            unread: Limiter::default(),
+            refusals: LineLimit::default(),
             message: PhantomData,
         }
     }
@@ -67,20 +65,15 @@ impl<M: Message> Subscription<M> {
                     Err(error) => (sample.id.writer, error.to_string()),
                 },
                 Err(reason) => {
-                    if let Some(before) = self.unread.say_of_nobody(Instant::now()) {
-                        tracing::warn!("{}: a message was refused: {reason}{}", self.topic, more(before));
-                    }
+                    self.refusals
+                        .say((), |more| tracing::warn!("{}: a message was refused: {reason}{more}", self.topic));
                     continue;
                 }
             };
             let from = from.prefix();
-            if let Some(before) = self.refused.say(from, Instant::now()) {
-                tracing::warn!(
-                    "{}: a message of participant {from} was refused: {refusal}{}",
-                    self.topic,
-                    more(before)
-                );
-            }
+            self.refusals.say((), |more| {
+                tracing::warn!("{}: a message of participant {from} was refused: {refusal}{more}", self.topic);
+            });
         }
     }
 }

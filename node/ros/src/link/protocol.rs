@@ -102,6 +102,8 @@ pub(crate) enum Report {
     Replied(u64, Result<(), ReplyFailure>),
     /// All of it works: the answer to a probe.
     Alive(u64),
+    /// What of it does not work: the other answer to a probe.
+    Stuck(String),
     /// A line of its log.
     Line(Line),
 }
@@ -155,6 +157,8 @@ pub(crate) enum ReplyFailure {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Line {
     pub(crate) severity: u8,
+    /// Its place in the source, which is its kind.
+    pub(crate) place: (String, u32),
     pub(crate) text: String,
 }
 

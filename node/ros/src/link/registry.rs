@@ -245,7 +245,7 @@ impl Registry {
                     let _ = answer.send(outcome);
                 }
             }
-            Report::Joined(_) | Report::Failed(_) | Report::Alive(_) | Report::Line(_) => {}
+            Report::Joined(_) | Report::Failed(_) | Report::Alive(_) | Report::Stuck(_) | Report::Line(_) => {}
         }
     }
 }

@@ -21,6 +21,7 @@ use super::protocol::{Departed, Join, Line, Order, Report};
 use super::qos::Qos;
 use super::registry::{Reader, Registry, Writer};
 use super::start::Side;
+use crate::line_limit::LineLimit;
 
 /// Between two probes.
 const PROBES: Duration = Duration::from_millis(100);
@@ -84,6 +85,7 @@ impl Link {
             is_closed: Arc::clone(&is_closed),
             first: Some(first),
             dead: Vec::new(),
+            lines: Arc::default(),
         };
         let thread = std::thread::Builder::new().name("ros link".to_owned());
         let thread = thread.spawn(move || supervisor.run()).map_err(|error| LinkError(error.to_string()))?;
@@ -135,7 +137,11 @@ struct Supervisor {
     first: Option<SyncSender<Result<(), String>>>,
     /// Participants of earlier sides that ended without a good-bye.
     dead: Vec<Departed>,
+    lines: Arc<SideLines>,
 }
+
+/// Lines of the logs of all sides: one that is started again and again tells the same each time.
+type SideLines = LineLimit<(String, u32)>;
 
 /// How a side ended.
 enum End {
@@ -202,7 +208,8 @@ impl Supervisor {
             let registry = Arc::clone(&self.registry);
             let write = move || write_orders(writing, &orders, &registry);
             let registry = Arc::clone(&self.registry);
-            let read = move || read_reports(reading, &registry, &words);
+            let lines = Arc::clone(&self.lines);
+            let read = move || read_reports(reading, &registry, &words, &lines);
             let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
             [thread("ros orders").spawn(write)?, thread("ros reports").spawn(read)?]
         };
@@ -243,6 +250,7 @@ impl Supervisor {
         let lost = |reason: String, life: &Life| End::Lost { reason, has_answered: life.has_answered };
         let (mut asked, mut is_answered, mut next_probe) = (0, true, Instant::now());
         let (mut good, mut tick) = (Instant::now(), Instant::now());
+        let mut stuck: Option<String> = None;
         let started = Instant::now();
         loop {
             if self.is_closed.load(Ordering::Acquire) {
@@ -253,7 +261,10 @@ impl Supervisor {
                 Ok(Word::Reported(Report::Failed(reason))) => return lost(reason, life),
                 Ok(Word::Reported(Report::Alive(number))) if number == asked => {
                     (is_answered, good, life.has_answered) = (true, Instant::now(), true);
+                    stuck = None;
                 }
+                // The next probe may find that it works again.
+                Ok(Word::Reported(Report::Stuck(what))) => (is_answered, stuck) = (true, Some(what)),
                 Ok(Word::Reported(_)) | Err(RecvTimeoutError::Timeout) => {}
                 Ok(Word::Silent(_)) if self.is_closed.load(Ordering::Acquire) => return End::Closed,
                 Ok(Word::Silent(error)) => return lost(silence(&error), life),
@@ -269,7 +280,8 @@ impl Supervisor {
                     return lost(format!("did not begin to work within {} s", START.as_secs()), life);
                 }
             } else if good.elapsed() > SILENCE {
-                return lost(format!("has not answered for {} ms", SILENCE.as_millis()), life);
+                let what = stuck.map(|what| format!(" ({what})")).unwrap_or_default();
+                return lost(format!("has not answered for {} ms{what}", SILENCE.as_millis()), life);
             }
             if life.joined.is_some() && is_answered && Instant::now() >= next_probe {
                 asked += 1;
@@ -330,15 +342,17 @@ fn write_orders(mut stream: UnixStream, orders: &Receiver<Order>, registry: &Reg
     let _ = stream.shutdown(Shutdown::Write);
 }
 
-fn read_reports(mut stream: UnixStream, registry: &Registry, words: &Sender<Word>) {
+fn read_reports(mut stream: UnixStream, registry: &Registry, words: &Sender<Word>, lines: &SideLines) {
     let mut buffer = Vec::new();
     loop {
         let word = match frame::read(&mut stream, &mut buffer) {
             Ok(Report::Line(line)) => {
-                repeat(&line);
+                lines.say(line.place, |more| repeat(line.severity, &(line.text + more)));
                 continue;
             }
-            Ok(report @ (Report::Joined(_) | Report::Failed(_) | Report::Alive(_))) => Word::Reported(report),
+            Ok(report @ (Report::Joined(_) | Report::Failed(_) | Report::Alive(_) | Report::Stuck(_))) => {
+                Word::Reported(report)
+            }
             Ok(report) => {
                 registry.heard(report);
                 continue;
@@ -353,10 +367,9 @@ fn read_reports(mut stream: UnixStream, registry: &Registry, words: &Sender<Word
 }
 
 /// A line of a side's log stands in the program's.
-fn repeat(line: &Line) {
+fn repeat(severity: u8, text: &str) {
     const TARGET: &str = "rustdds";
-    let text = &line.text;
-    match line.severity {
+    match severity {
         Line::ERROR => tracing::error!(target: TARGET, "{text}"),
         Line::WARN => tracing::warn!(target: TARGET, "{text}"),
         Line::INFO => tracing::info!(target: TARGET, "{text}"),

@@ -1,10 +1,8 @@
 //! The log of the process goes to the program, a few lines of each kind: what the network does is no flood there.
 
-use std::collections::HashMap;
 use std::fmt::Write;
 use std::sync::mpsc::Sender;
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
 
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
@@ -13,11 +11,9 @@ use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{EnvFilter, Layer};
 
 use crate::layer::log_filter;
+use crate::line_limit::LineLimit;
 use crate::link::protocol::{Line, Report};
 
-/// Lines of one kind, which are those of one place in the source, in [`SPAN`].
-const MOST: u32 = 9;
-const SPAN: Duration = Duration::from_secs(60);
 /// Longest line (bytes): some repeat what they were sent.
 const LONGEST: usize = 500;
 
@@ -26,71 +22,43 @@ pub(super) fn start(reports: Sender<Report>) {
     let given = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty());
     let filter = given.and_then(|text| EnvFilter::try_new(text).ok());
     let filter = filter.unwrap_or_else(|| EnvFilter::new(log_filter("info")));
-    let lines = Lines { reports: Mutex::new(reports), counts: Mutex::default() };
+    let lines = Lines { reports: Mutex::new(reports), limit: LineLimit::default() };
     // The first of the process.
     let _ = tracing_subscriber::registry().with(filter).with(lines).try_init();
 }
 
 struct Lines {
     reports: Mutex<Sender<Report>>,
-    /// By the place in the source.
-    counts: Mutex<HashMap<(String, u32), Count>>,
-}
-
-/// Lines of one kind.
-struct Count {
-    since: Instant,
-    said: u32,
-    left_out: u64,
-}
-
-impl Count {
-    /// What a line says beside itself, if it is said.
-    fn say(&mut self, now: Instant) -> Option<String> {
-        if now.duration_since(self.since) >= SPAN {
-            let left_out = self.left_out;
-            *self = Self { since: now, said: 1, left_out: 0 };
-            return Some(if left_out > 0 { format!(" ({left_out} more before it)") } else { String::new() });
-        }
-        if self.said < MOST {
-            self.said += 1;
-            return Some(String::new());
-        }
-        self.left_out += 1;
-        None
-    }
+    /// A kind is what comes from one place in the source.
+    limit: LineLimit<(String, u32)>,
 }
 
 impl<S: Subscriber> Layer<S> for Lines {
     fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
         let about = event.metadata();
-        let now = Instant::now();
         let mut text = Text { text: String::new(), target: about.target().to_owned(), place: None };
         event.record(&mut text);
         let here = (about.file().unwrap_or_default().to_owned(), about.line().unwrap_or_default());
-        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        // Places in the source are few.
         let place = text.place.take().unwrap_or(here);
-        let count = counts.entry(place).or_insert(Count { since: now, said: 0, left_out: 0 });
-        let Some(more) = count.say(now) else { return };
-        drop(counts);
-        // Sentences of our own say what they are about.
-        let is_own = text.target.starts_with(env!("CARGO_CRATE_NAME"));
-        let mut text = if is_own { text.text } else { format!("{}: {}", text.target, text.text) };
-        if text.len() > LONGEST {
-            let end = (0..=LONGEST).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
-            text.truncate(end);
-            text.push('…');
-        }
         let severity = match *about.level() {
             Level::ERROR => Line::ERROR,
             Level::WARN => Line::WARN,
             Level::INFO => Line::INFO,
             _ => Line::DEBUG,
         };
-        let report = Report::Line(Line { severity, text: text + &more });
-        // Without a program there is nobody to tell.
-        let _ = self.reports.lock().unwrap_or_else(PoisonError::into_inner).send(report);
+        self.limit.say(place.clone(), |more| {
+            // Sentences of our own say what they are about.
+            let is_own = text.target.starts_with(env!("CARGO_CRATE_NAME"));
+            let mut text = if is_own { text.text } else { format!("{}: {}", text.target, text.text) };
+            if text.len() > LONGEST {
+                let end = (0..=LONGEST).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
+                text.truncate(end);
+                text.push('…');
+            }
+            let report = Report::Line(Line { severity, place, text: text + more });
+            // Without a program there is nobody to tell.
+            let _ = self.reports.lock().unwrap_or_else(PoisonError::into_inner).send(report);
+        });
     }
 }
 
@@ -125,20 +93,5 @@ impl Visit for Text {
             "message" => write!(self.text, "{value:?}"),
             name => write!(self.text, " {name}={value:?}"),
         };
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ten_of_a_kind_in_a_minute() {
-        let begun = Instant::now();
-        let mut count = Count { since: begun, said: 0, left_out: 0 };
-        let said = (0..1000).filter(|_| count.say(begun).is_some()).count();
-        assert_eq!(said, 9);
-        assert_eq!(count.say(begun + SPAN).as_deref(), Some(" (991 more before it)"));
-        assert_eq!(count.say(begun + SPAN).as_deref(), Some(""));
     }
 }

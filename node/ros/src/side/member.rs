@@ -176,9 +176,10 @@ impl Member {
             Order::Probe(number) => {
                 let (probe, shared) = (Arc::clone(&self.probe), Arc::clone(&self.shared));
                 self.runtime.spawn(async move {
-                    if probe.works(&shared).await {
-                        shared.report(Report::Alive(number));
-                    }
+                    shared.report(match probe.try_it(&shared).await {
+                        Ok(()) => Report::Alive(number),
+                        Err(what) => Report::Stuck(what.to_owned()),
+                    });
                 });
             }
         }

@@ -2,11 +2,11 @@
 
 use super::history::History;
 use super::host::{Busy, Host, StampedEvent};
-use super::lines::LineLimit;
 use super::messages;
 use super::parameters::own::OwnParameters;
 use super::table;
 use crate::layer::{Clock, CreateError, Node, Publisher, Rosout, Severity, Source, TOLD};
+use crate::line_limit::LineLimit;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
 use lineshaft_core::event::{Event as CoreEvent, Kind};
@@ -37,7 +37,8 @@ pub(super) struct Hub {
     rosout: Rosout,
     /// What stamps show.
     pub clock: Clock,
-    lines: LineLimit,
+    /// A kind is what is asked for, which stands before the colon.
+    refusals: LineLimit<String>,
 }
 
 enum Place {
@@ -102,7 +103,7 @@ impl Hub {
             errors: Mutex::default(),
             rosout: node.rosout()?,
             clock: node.clock().clone(),
-            lines: LineLimit::default(),
+            refusals: LineLimit::default(),
         });
         tasks.spawn(Arc::clone(&hub).pass_on(events, publisher, history));
         Ok(hub)
@@ -148,7 +149,8 @@ impl Hub {
 
     /// Tells of a request that was refused before it became a command: on `/rosout`, and as an event.
     pub(super) fn refuse(&self, sentence: String) {
-        self.lines.say(|more| tracing::warn!(target: TOLD, "{sentence}{more}"));
+        let asked = sentence.split_once(':').map_or("", |(asked, _)| asked).to_owned();
+        self.refusals.say(asked, |more| tracing::warn!(target: TOLD, "{sentence}{more}"));
         self.say(Severity::Warn, &sentence);
         let mut waiting = self.waiting();
         // With a full lane the sentence stays on /rosout alone.

@@ -16,7 +16,6 @@ mod hub;
 #[cfg(any(test, feature = "fuzz"))]
 mod laws;
 mod lifecycle;
-pub mod lines;
 mod loggers;
 pub mod messages;
 mod move_axis;

@@ -17,6 +17,7 @@ use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
 use crate::layer::publisher::{PublishError, Untyped};
 use crate::layer::service::{Reply, Request, ServiceServer};
+use crate::line_limit::LineLimit;
 use crate::link::Writer;
 use crate::link::qos::Qos;
 
@@ -82,7 +83,13 @@ impl<A: Action> ActionServer<A> {
         let shared = Arc::new(Shared { goals, status, feedback, name, clock: context.clock.clone() });
         let (sender, events) = mpsc::channel(WAITING);
         let request_timeout = context.request_timeout;
-        let dispatch = Dispatch { shared: shared.clone(), events: sender, cancels: options.cancels, request_timeout };
+        let dispatch = Dispatch {
+            shared: shared.clone(),
+            events: sender,
+            cancels: options.cancels,
+            request_timeout,
+            refusals: LineLimit::default(),
+        };
         let task = context.runtime.spawn(dispatch.run(services));
         Self { events, shared, task }
     }
@@ -162,6 +169,7 @@ struct Dispatch<A: Action> {
     events: Sender<ActionEvent<A>>,
     cancels: Cancels,
     request_timeout: Duration,
+    refusals: LineLimit<()>,
 }
 
 impl<A: Action> Dispatch<A> {
@@ -189,11 +197,11 @@ impl<A: Action> Dispatch<A> {
     fn goal(&self, Request { message, reply }: Request<SendGoal<A>>) {
         let id = GoalId(message.goal_id.uuid);
         if let Some(sentence) = reply.origin().refused(Some(self.request_timeout)) {
-            tracing::warn!("{}: goal {id} was rejected: {sentence}", self.shared.name);
+            self.tell(&format!("goal {id} was rejected: {sentence}"));
             return reply.send_soon(SendGoalResponse::default());
         }
         if !self.shared.goals().offer(id, Instant::now()) {
-            tracing::warn!("{}: goal {id} was rejected: its id is in use", self.shared.name);
+            self.tell(&format!("goal {id} was rejected: its id is in use"));
             return reply.send_soon(SendGoalResponse::default());
         }
         self.pass_on(ActionEvent::Goal(GoalRequest::new(self.shared.clone(), id, message.goal, reply)));
@@ -213,7 +221,7 @@ impl<A: Action> Dispatch<A> {
     fn cancel(&self, Request { message, reply }: Request<CancelGoal>) {
         // A cancel of all goals is meant for those of its time.
         if let Some(sentence) = reply.origin().refused(None) {
-            tracing::warn!("{}: a cancel request was refused: {sentence}", self.shared.name);
+            self.tell(&format!("a cancel request was refused: {sentence}"));
             return reply.send_soon(CancelGoalResponse {
                 return_code: CancelGoalResponse::ERROR_REJECTED,
                 ..Default::default()
@@ -229,6 +237,10 @@ impl<A: Action> Dispatch<A> {
             Cancels::Ask if !request.goals().is_empty() => self.pass_on(ActionEvent::Cancel(request)),
             Cancels::Ask | Cancels::Accept => request.accept(),
         }
+    }
+
+    fn tell(&self, refusal: &str) {
+        self.refusals.say((), |more| tracing::warn!("{}: {refusal}{more}", self.shared.name));
     }
 
     /// What is dropped here rejects itself and says so.

@@ -11,7 +11,7 @@ pub use laws::any_request;
 use std::collections::VecDeque;
 use std::marker::PhantomData;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use futures::FutureExt;
 use lineshaft_msgs::Service;
@@ -21,8 +21,8 @@ use tokio::sync::watch;
 use self::caller::Caller;
 use self::replies::Replies;
 use super::endpoint::{Context, late};
-use super::limiter::{Limiter, more};
 use super::name::FullName;
+use crate::line_limit::LineLimit;
 use crate::link::Reader;
 use crate::link::protocol::Sample;
 use crate::link::qos::Qos;
@@ -66,8 +66,7 @@ pub struct ServiceServer<S: Service> {
     line: VecDeque<Waiting<S>>,
     replies: Arc<Replies>,
     closed: watch::Receiver<()>,
-    refused: Limiter,
-    unread: Limiter,
+    refusals: LineLimit<()>,
     request_timeout: Duration,
     care: Care<S>,
 }
@@ -139,8 +138,7 @@ impl<S: Service> ServiceServer<S> {
             line: VecDeque::new(),
             replies: Arc::new(Replies::new(context, writer, name)),
             closed: context.closed.clone(),
-            refused: Limiter::default(),
-            unread: Limiter::default(),
+            refusals: LineLimit::default(),
             request_timeout: context.request_timeout,
             care: Care::Asks,
         }
@@ -188,9 +186,7 @@ impl<S: Service> ServiceServer<S> {
             Care::Commands(refusal) => (refusal, Some(self.request_timeout)),
         };
         let Some(sentence) = origin.refused(timeout) else { return Some(Request { message, reply }) };
-        if let Some(before) = self.refused.say(caller.answers.writer.prefix(), Instant::now()) {
-            tracing::warn!("{}: a request was refused: {sentence}{}", self.name(), more(before));
-        }
+        self.refusals.say((), |more| tracing::warn!("{}: a request was refused: {sentence}{more}", self.name()));
         reply.send_soon(refusal(&message, format!("the request was refused: {sentence}")));
         None
     }
@@ -206,18 +202,16 @@ impl<S: Service> ServiceServer<S> {
                 Err(refusal) => self.refuse(&sample, &refusal),
             },
             Err(reason) => {
-                if let Some(before) = self.unread.say_of_nobody(Instant::now()) {
-                    tracing::warn!("{}: a request was refused: {reason}{}", self.name(), more(before));
-                }
+                self.refusals.say((), |more| tracing::warn!("{}: a request was refused: {reason}{more}", self.name()));
             }
         }
     }
 
     fn refuse(&mut self, sample: &Sample, refusal: &caller::Refusal) {
         let from = sample.id.writer.prefix();
-        if let Some(before) = self.refused.say(from, Instant::now()) {
-            tracing::warn!("{}: a request of participant {from} was refused: {refusal}{}", self.name(), more(before));
-        }
+        self.refusals.say((), |more| {
+            tracing::warn!("{}: a request of participant {from} was refused: {refusal}{more}", self.name());
+        });
     }
 }
 

@@ -1,13 +1,12 @@
 //! Replies of one service.
 
 use std::future::Future;
-use std::sync::{Mutex, PoisonError};
 
 use super::ReplyError;
 use super::caller::Caller;
 use crate::layer::endpoint::Context;
-use crate::layer::limiter::{Limiter, more};
 use crate::layer::name::FullName;
+use crate::line_limit::LineLimit;
 use crate::link::Writer;
 use crate::link::protocol::ReplyFailure;
 
@@ -16,12 +15,12 @@ pub(super) struct Replies {
     writer: Writer,
     service: FullName,
     context: Context,
-    failed: Mutex<Limiter>,
+    failed: LineLimit<()>,
 }
 
 impl Replies {
     pub(super) fn new(context: &Context, writer: Writer, service: FullName) -> Self {
-        Self { writer, service, context: context.clone(), failed: Mutex::default() }
+        Self { writer, service, context: context.clone(), failed: LineLimit::default() }
     }
 
     pub(super) fn service(&self) -> &FullName {
@@ -47,10 +46,7 @@ impl Replies {
             Err(ReplyFailure::Broken(reason)) => ReplyError::Dds { service, reason },
         };
         let from = caller.answers.writer.prefix();
-        let said = self.failed.lock().unwrap_or_else(PoisonError::into_inner).say(from, std::time::Instant::now());
-        if let Some(before) = said {
-            tracing::warn!("{error} (participant {from}){}", more(before));
-        }
+        self.failed.say((), |more| tracing::warn!("{error} (participant {from}){more}"));
         Err(error)
     }
 }

@@ -1,0 +1,100 @@
+//! Lines of a log that may repeat without end.
+
+use std::collections::{HashMap, VecDeque};
+use std::hash::Hash;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Lines of one kind in [`SPAN`].
+const MOST: usize = 9;
+const SPAN: Duration = Duration::from_secs(60);
+/// Kinds that are remembered: more than a cell has objects and codes that meet in a minute.
+const KINDS: usize = 1024;
+
+/// Lets a few lines of each kind pass, and counts the others.
+///
+/// Law      at most 9 lines of a kind in any 60 s; the next that passes tells how many did not
+/// Bounds   1024 kinds in a minute; further ones are left out
+#[derive(Debug)]
+pub struct LineLimit<K>(Mutex<HashMap<K, Kind>>);
+
+#[derive(Debug, Default)]
+struct Kind {
+    /// When the last ones were said, the oldest first.
+    said: VecDeque<Instant>,
+    left_out: u64,
+}
+
+impl<K> Default for LineLimit<K> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<K: Eq + Hash> LineLimit<K> {
+    /// Says a line of a kind, if it may: with a note of how many were left out before it.
+    pub fn say(&self, kind: K, line: impl FnOnce(&str)) {
+        if let Some(left_out) = self.pass(kind, Instant::now()) {
+            let more = if left_out > 0 { format!(" ({left_out} more since the last line)") } else { String::new() };
+            line(&more);
+        }
+    }
+
+    /// May a line pass? Then, how many were left out before it.
+    fn pass(&self, kind: K, now: Instant) -> Option<u64> {
+        let mut kinds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_over = |said: Option<&Instant>| said.is_none_or(|said| now.duration_since(*said) >= SPAN);
+        if kinds.len() >= KINDS && !kinds.contains_key(&kind) {
+            kinds.retain(|_, kind| !is_over(kind.said.back()));
+            if kinds.len() >= KINDS {
+                return None;
+            }
+        }
+        let kind = kinds.entry(kind).or_default();
+        if kind.said.len() == MOST {
+            if !is_over(kind.said.front()) {
+                kind.left_out += 1;
+                return None;
+            }
+            kind.said.pop_front();
+        }
+        kind.said.push_back(now);
+        Some(std::mem::take(&mut kind.left_out))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nine_lines_of_a_kind_pass_in_a_minute_and_the_others_are_counted() {
+        let (limit, start) = (LineLimit::default(), Instant::now());
+        let passed = |at| (0..1000).filter(|_| limit.pass("enable", at).is_some()).count();
+        assert_eq!(passed(start), 9);
+        assert_eq!(limit.pass("halt", start), Some(0), "each kind for itself");
+        assert_eq!(passed(start + SPAN / 2), 0);
+        assert_eq!(limit.pass("enable", start + SPAN), Some(1991));
+        assert_eq!(limit.pass("enable", start + SPAN), Some(0));
+    }
+
+    #[test]
+    fn no_minute_has_more_wherever_it_begins() {
+        let (limit, start) = (LineLimit::default(), Instant::now());
+        let said: Vec<u64> =
+            (0..300).filter(|s| *s != 1 && limit.pass("enable", start + Duration::from_secs(*s)).is_some()).collect();
+        assert_eq!(said[..10], [0, 2, 3, 4, 5, 6, 7, 8, 9, 60], "one a second, but for the second one");
+        for from in 0..240 {
+            assert!(said.iter().filter(|s| (from..from + 60).contains(*s)).count() <= MOST, "{from}: {said:?}");
+        }
+    }
+
+    #[test]
+    fn many_kinds_neither_flood_nor_grow() {
+        let (limit, start) = (LineLimit::default(), Instant::now());
+        let passed = |at| (0..5000).filter(|kind| limit.pass(*kind, at).is_some()).count();
+        assert_eq!(passed(start), KINDS);
+        assert_eq!(limit.0.lock().unwrap().len(), KINDS);
+        assert_eq!(passed(start + SPAN), KINDS, "after a minute there is room again");
+    }
+}
