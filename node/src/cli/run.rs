@@ -1,8 +1,10 @@
 //! `lineshaft run`.
 
 mod running;
+mod watch;
 
 use self::running::{Given, Prepared, Recording, Running, stop_machine};
+use self::watch::{Change, Patience, Watch};
 use super::check::{summary, warnings};
 use super::logging::Logging;
 use super::{Exit, RunArgs, complain, say, store};
@@ -134,21 +136,51 @@ fn on_loss(handle: Arc<Handle>, on_loss: OnLoss, is_final: Arc<AtomicBool>) -> l
     let lines = LineLimit::default();
     Arc::new(move |loss| {
         let next = if loss.is_final { "it is not started again, the program ends" } else { "it is started again" };
-        let reaction = match on_loss {
-            OnLoss::Halt => "all axes halt",
-            OnLoss::None => "the axes go on (on_loss: none)",
-        };
+        let reaction = reaction(on_loss);
         lines.say(loss.is_final, |more| tracing::error!("the ROS side {}: {reaction}; {next}{more}", loss.reason));
         if loss.is_final {
             is_final.store(true, Ordering::Release);
         }
-        if on_loss == OnLoss::Halt && handle.takes_commands() {
-            let all = AxisSet::first(handle.config().axes.len());
-            let asked = Instant::now();
-            // The lane of stops empties within a cycle.
-            while handle.submit_as(Source::Machine, Action::Halt(all)).is_err() && asked.elapsed() < SAME_SIGNAL {
-                std::thread::sleep(Duration::from_millis(1));
+        react(&handle, on_loss);
+    })
+}
+
+/// What the machine does when nobody could halt it by ROS.
+fn reaction(on_loss: OnLoss) -> &'static str {
+    match on_loss {
+        OnLoss::Halt => "all axes halt",
+        OnLoss::None => "the axes go on (on_loss: none)",
+    }
+}
+
+fn react(handle: &Handle, on_loss: OnLoss) {
+    if on_loss == OnLoss::Halt && handle.takes_commands() {
+        let all = AxisSet::first(handle.config().axes.len());
+        let asked = Instant::now();
+        // The lane of stops empties within a cycle.
+        while handle.submit_as(Source::Machine, Action::Halt(all)).is_err() && asked.elapsed() < SAME_SIGNAL {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// Watches the surface; one that is lost takes the program with it, as it cannot be made anew.
+fn watch(surface: &Surface, handle: Arc<Handle>, on_loss: OnLoss) -> std::io::Result<Watch> {
+    let (runtime, patience) = (tokio::runtime::Handle::current(), Patience::USUAL);
+    Watch::start(runtime, patience, surface.pulse(), move |change| match change {
+        Change::Silent => {
+            let (ms, reaction) = (patience.silent.as_millis(), reaction(on_loss));
+            tracing::error!("the ROS surface has not worked for {ms} ms: {reaction}");
+            react(&handle, on_loss);
+        }
+        Change::Back => tracing::warn!("the ROS surface works again"),
+        Change::Lost => {
+            let s = patience.lost.as_secs();
+            tracing::error!("the ROS surface has not worked for {s} s: all axes halt; the program ends");
+            if let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_time().build() {
+                runtime.block_on(stop_machine(&handle, || false));
             }
+            std::process::exit(1);
         }
     })
 }
@@ -205,7 +237,7 @@ async fn serve(
         logging.show_on(Some(rosout));
         Ok(surface)
     });
-    let surface = match surface {
+    let mut surface = match surface {
         Ok(surface) => surface,
         Err(CreateError::Given(sentence)) => return Err(sentence),
         Err(error) => {
@@ -214,15 +246,18 @@ async fn serve(
         }
     };
     let running = prepared.start(Recording::open(args, cell, &name)?);
+    let watch = watch(&surface, Arc::clone(&running.handle), cell.ros.on_loss);
+    let watch = watch.map_err(|error| format!("no thread that watches ROS: {error}"))?;
     let networks = match &environment.networks {
         Networks::Loopback => "this host only".to_owned(),
         Networks::All => "all interfaces".to_owned(),
         Networks::Only(addresses) => addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     };
     tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
-    let why = wait_for_end(&running, &is_lost, signals).await;
-    stop_machine(&running).await;
+    let why = wait_for_end(&running, &is_lost, &mut surface, signals).await;
+    stop_machine(&running.handle, || running.cycle.is_finished()).await;
     logging.show_on(None);
+    drop(watch);
     drop(surface);
     Ok(match (running.end(), why) {
         (exit, Ended::BySignal) => exit,
@@ -269,7 +304,7 @@ enum Ended {
 
 /// Waits for a signal, for the end of the scenario, or for a thread to fail. From a first signal on a second one ends the
 /// process.
-async fn wait_for_end(running: &Running, is_lost: &AtomicBool, mut signals: Signals) -> Ended {
+async fn wait_for_end(running: &Running, is_lost: &AtomicBool, surface: &mut Surface, mut signals: Signals) -> Ended {
     let mut look = tokio::time::interval(Duration::from_millis(100));
     let mut records = true;
     loop {
@@ -285,6 +320,10 @@ async fn wait_for_end(running: &Running, is_lost: &AtomicBool, mut signals: Sign
                 }
                 if running.cycle.is_finished() || running.bridge.is_finished() {
                     return Ended::ThreadFailed;
+                }
+                if surface.has_failed() {
+                    tracing::error!("a task of the ROS surface has failed: all axes halt; the program ends");
+                    return Ended::WithoutRos;
                 }
                 if is_lost.load(Ordering::Acquire) {
                     return Ended::WithoutRos;

@@ -131,6 +131,12 @@ impl Hub {
         self.host.submit(action)
     }
 
+    /// Takes each lock once.
+    pub(super) fn pulse(&self) {
+        drop(self.waiting());
+        drop(self.errors.lock());
+    }
+
     /// Tells all who still wait for an answer that none will come: no cycle runs any more.
     pub(super) fn forget_askers(&self) {
         self.waiting().clear();

@@ -63,8 +63,7 @@ pub struct Rates {
 /// The surface of a running machine. Dropping it takes the node from the graph.
 pub struct Surface {
     // Before the node: its tasks hold endpoints of it.
-    _tasks: JoinSet<()>,
-    #[cfg(test)]
+    tasks: JoinSet<()>,
     hub: Arc<Hub>,
     _node: Node,
 }
@@ -106,12 +105,18 @@ impl Surface {
         trajectory::start(&node, &hub, groups, &mut tasks)?;
         // Last: it shows what the others have declared, and refuses what was given for none of them.
         parameters::start(&node, &hub, &mut tasks)?;
-        Ok(Self {
-            _tasks: tasks,
-            #[cfg(test)]
-            hub,
-            _node: node,
-        })
+        Ok(Self { tasks, hub, _node: node })
+    }
+
+    /// Whether a task of it has panicked: what that one served is answered no more.
+    pub fn has_failed(&mut self) -> bool {
+        std::iter::from_fn(|| self.tasks.try_join_next()).any(|ended| ended.is_err())
+    }
+
+    /// Takes what every request takes, and gives it back.
+    pub fn pulse(&self) -> impl Fn() + Send + Sync + 'static {
+        let hub = Arc::clone(&self.hub);
+        move || hub.pulse()
     }
 }
 

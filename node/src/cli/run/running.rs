@@ -239,10 +239,9 @@ fn warn(refused: &[String]) {
     }
 }
 
-/// Halts all axes, then switches them off.
-pub(super) async fn stop_machine(running: &Running) {
-    let all = AxisSet::first(running.handle.config().axes.len());
-    let handle = &running.handle;
+/// Halts all axes, then switches them off; waits for neither where the cycle is over.
+pub(super) async fn stop_machine(handle: &Handle, is_over: impl Fn() -> bool) {
+    let all = AxisSet::first(handle.config().axes.len());
     if !handle.takes_commands() {
         // Unconfigured: every drive is off and no cycle runs.
         return;
@@ -253,12 +252,12 @@ pub(super) async fn stop_machine(running: &Running) {
         tokio::time::sleep(Duration::from_millis(5)).await;
     }
     let stands = |snapshot: &Snapshot, first| snapshot.board.real(AxisSignal::CommandVelocity.of(first)) == 0.0;
-    if !until(running, &axes(handle, true), stands).await {
+    if !until(handle, &axes(handle, true), &is_over, stands).await {
         tracing::warn!("not all axes stand after {} s", PATIENCE.as_secs());
     }
     let _ = handle.submit_as(Source::Cli, Action::Disable(all));
     let is_off = |snapshot: &Snapshot, first| !snapshot.board.bit(AxisSignal::Enabled.of(first));
-    if !until(running, &axes(handle, false), is_off).await {
+    if !until(handle, &axes(handle, false), &is_over, is_off).await {
         tracing::warn!("not all axes are off after {} s", PATIENCE.as_secs());
     }
 }
@@ -270,10 +269,14 @@ fn axes(handle: &Handle, with_virtual: bool) -> Vec<Signal> {
 }
 
 /// Waits until something holds for axes in a snapshot that is newer than now; false when it takes too long.
-async fn until(running: &Running, axes: &[Signal], holds: impl Fn(&Snapshot, Signal) -> bool) -> bool {
-    let handle = &running.handle;
+async fn until(
+    handle: &Handle,
+    axes: &[Signal],
+    is_over: &impl Fn() -> bool,
+    holds: impl Fn(&Snapshot, Signal) -> bool,
+) -> bool {
     let (begin, start) = (handle.snapshot().cycle, Instant::now());
-    while start.elapsed() < PATIENCE && !running.cycle.is_finished() {
+    while start.elapsed() < PATIENCE && !is_over() {
         tokio::time::sleep(Duration::from_millis(2)).await;
         let snapshot = handle.snapshot();
         // Two cycles further the command has applied.

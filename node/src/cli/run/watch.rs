@@ -1,0 +1,131 @@
+//! Does the surface still work?
+//!
+//! Law      some 20 times a second a task goes through the runtime of the surface and takes what every request takes. Where none has
+//!          come through for 700 ms the surface is silent, after 10 s for good; where this thread itself had no time, it begins anew
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use tokio::runtime::Handle;
+
+/// Between two tasks.
+const PULSES: Duration = Duration::from_millis(50);
+
+/// After which silence something is done.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Patience {
+    pub(super) silent: Duration,
+    pub(super) lost: Duration,
+}
+
+impl Patience {
+    pub(super) const USUAL: Self = Self { silent: Duration::from_millis(700), lost: Duration::from_secs(10) };
+}
+
+/// What becomes of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Change {
+    /// Its tasks do not come through.
+    Silent,
+    /// They do again.
+    Back,
+    /// They never will: nobody watches any more.
+    Lost,
+}
+
+/// Watches until it is dropped.
+pub(super) struct Watch {
+    is_closed: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Watch {
+    /// `pulse` runs as a task of `runtime`, `tell` in a thread of its own.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub(super) fn start(
+        runtime: Handle,
+        patience: Patience,
+        pulse: impl Fn() + Send + Sync + 'static,
+        tell: impl Fn(Change) + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let is_closed = Arc::<AtomicBool>::default();
+        let closed = Arc::clone(&is_closed);
+        let watch = move || watch(&runtime, patience, &Arc::new(pulse), &closed, &tell);
+        let thread = Some(std::thread::Builder::new().name("surface watch".to_owned()).spawn(watch)?);
+        Ok(Self { is_closed, thread })
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.is_closed.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            // One that panicked has ended, too.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn watch(
+    runtime: &Handle,
+    patience: Patience,
+    pulse: &Arc<impl Fn() + Send + Sync + 'static>,
+    is_closed: &AtomicBool,
+    tell: &impl Fn(Change),
+) {
+    let (mut sent, came) = (0, Arc::<AtomicU64>::default());
+    let (mut good, mut tick, mut is_silent) = (Instant::now(), Instant::now(), false);
+    while !is_closed.load(Ordering::Acquire) {
+        if tick.elapsed() > patience.silent / 3 {
+            good = Instant::now();
+        }
+        tick = Instant::now();
+        if came.load(Ordering::Acquire) == sent {
+            good = Instant::now();
+            if std::mem::take(&mut is_silent) {
+                tell(Change::Back);
+            }
+            sent += 1;
+            let (pulse, came) = (Arc::clone(pulse), Arc::clone(&came));
+            runtime.spawn(async move {
+                pulse();
+                came.fetch_add(1, Ordering::Release);
+            });
+        } else if good.elapsed() > patience.lost {
+            return tell(Change::Lost);
+        } else if good.elapsed() > patience.silent && !is_silent {
+            is_silent = true;
+            tell(Change::Silent);
+        }
+        std::thread::sleep(PULSES);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+    use std::sync::mpsc::channel;
+
+    #[test]
+    fn a_surface_that_hangs_is_silent_then_back_or_lost() {
+        let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).build().unwrap();
+        let patience = Patience { lost: Duration::from_secs(2), ..Patience::USUAL };
+        let (taken_by_all, (told, changes)) = (Arc::<Mutex<()>>::default(), channel());
+        let taken = Arc::clone(&taken_by_all);
+        let pulse = move || drop(taken.lock());
+        let watch = Watch::start(runtime.handle().clone(), patience, pulse, move |change| told.send(change).unwrap());
+        let held = taken_by_all.lock().unwrap();
+        assert_eq!(changes.recv(), Ok(Change::Silent));
+        drop(held);
+        assert_eq!(changes.recv(), Ok(Change::Back));
+        let held = taken_by_all.lock().unwrap();
+        assert_eq!(changes.recv(), Ok(Change::Silent));
+        assert_eq!(changes.recv(), Ok(Change::Lost));
+        assert!(changes.recv().is_err(), "it watches no more");
+        drop((held, watch));
+    }
+}
