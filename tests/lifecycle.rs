@@ -2,7 +2,12 @@
 
 mod support;
 
-use std::{fs, path::Path, process::Command, time::Duration};
+use std::{
+    fs,
+    path::Path,
+    process::Command,
+    time::{Duration, Instant},
+};
 
 use serde_json::{Value, json};
 use support::{domain::Domain, peer::Peer, program::Program};
@@ -66,6 +71,14 @@ impl Node {
     fn refuses(&mut self, transition: &str) {
         let seen = self.cyclone.run(&format!("change-state /lineshaft {transition}"));
         assert_eq!(seen["success"], json!([false]), "{transition}");
+    }
+
+    /// Waits until turret has the 1.5 rad/s that it was asked for.
+    fn turns(&mut self) {
+        let end = Instant::now() + Duration::from_secs(20);
+        while self.axis("turret")["command_velocity"].as_f64().is_none_or(|velocity| velocity < 1.499) {
+            assert!(Instant::now() < end, "{}", self.axis("turret"));
+        }
     }
 
     fn axis(&mut self, axis: &str) -> Value {
@@ -239,7 +252,7 @@ fn deactivation_stops_what_moves_under_control_and_ends_its_goal() {
     node.cyclone.run("axes /lineshaft enable turret");
     let seen = node.cyclone.run("move /lineshaft --axis turret --mode velocity --velocity 1.5");
     let goal = seen["goal"].as_str().unwrap().to_owned();
-    std::thread::sleep(Duration::from_millis(700));
+    node.turns();
     node.cyclone.run("axis-states /lineshaft --all");
     node.change("deactivate");
     let seen = node.cyclone.run("axis-states /lineshaft --all");
@@ -263,7 +276,7 @@ fn there_is_one_transition_at_a_time() {
     node.change("activate");
     node.cyclone.run("axes /lineshaft enable turret");
     node.cyclone.run("move /lineshaft --axis turret --mode velocity --velocity 1.5");
-    std::thread::sleep(Duration::from_millis(700));
+    node.turns();
     // The stop takes 0.24 s: what is asked meanwhile is answered at once, with no.
     let seen = node.cyclone.run("change-state /lineshaft deactivate shutdown deactivate");
     assert_eq!(seen["success"], json!([true, false, false]));

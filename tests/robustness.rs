@@ -8,10 +8,15 @@ mod support;
 use std::{
     env, fs,
     path::Path,
+    process::Command,
     thread,
     time::{Duration, Instant},
 };
 
+use rustix::{
+    fs::{CWD, Mode, mkfifoat},
+    io::ioctl_fionread,
+};
 use serde_json::Value;
 use support::{domain::Domain, peer::Peer, program::Program};
 
@@ -247,4 +252,26 @@ fn nonsense_is_refused_and_does_nothing() {
     assert!(longest < 3000, "a line of {longest} bytes");
     // The DDS library keeps them although they were taken, see Qos::depth and docs/interfaces.md: some hundred MB.
     assert!(after - before < 2500.0, "{before} MiB before, {after} MiB after");
+}
+
+/// A full disk, a terminal that is stopped, a journal that does not keep up: requests used to wait for it.
+#[test]
+fn a_log_that_nobody_reads_holds_nobody_up() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pipe = folder.path().join("stderr");
+    mkfifoat(CWD, &pipe, Mode::RUSR | Mode::WUSR).expect("a pipe in a folder of this test");
+    // Open at both ends, so that the program finds a reader.
+    let unread = fs::OpenOptions::new().read(true).write(true).open(&pipe).expect("it was just made");
+    let mut command = Command::new("sh");
+    command.args(["-c", "exec \"$0\" run --ros-args --log-level debug 2>\"$1\"", env!("CARGO_BIN_EXE_lineshaft")]);
+    command.arg(&pipe);
+    let domain = Domain::take();
+    let mut program = Program::start_by(command, &domain);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run(&format!("hammer {NODE} --axis y --seconds 3"));
+    let waiting = ioctl_fionread(&unread).expect("a pipe");
+    assert!(waiting > 60_000, "the pipe is not full: {waiting} bytes");
+    peer.run(&format!("axes {NODE} halt y"));
+    program.interrupt();
+    assert_eq!(program.wait_exit(EXIT).code(), Some(0));
 }

@@ -3,7 +3,7 @@
 use std::{
     sync::atomic::{AtomicBool, Ordering},
     thread,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use super::bench::{Bench, count, is_long, reads_in_time_order};
@@ -174,9 +174,12 @@ fn the_service_splits_and_refuses_what_it_cannot_write() {
     let mut demo = Demo::start(&[]);
     let bag = demo.bench.path("bag");
     demo.peer.run(&format!("record /lineshaft start --path {bag} --max-bag-duration 1"));
-    thread::sleep(Duration::from_secs(4));
+    let end = Instant::now() + Duration::from_secs(60);
+    while demo.bench.bag_files("bag").len() < 3 {
+        assert!(Instant::now() < end, "{:?}", demo.bench.list("bag"));
+        thread::sleep(Duration::from_millis(50));
+    }
     demo.peer.run("record /lineshaft stop");
-    assert!(demo.bench.bag_files("bag").len() >= 3, "{:?}", demo.bench.list("bag"));
     demo.replays(&bag);
 
     let file = demo.bench.write("file", "");

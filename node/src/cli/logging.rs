@@ -8,6 +8,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 use tracing::callsite::Identifier;
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
+use tracing_appender::non_blocking::{NonBlockingBuilder, WorkerGuard};
 use tracing_subscriber::layer::{Context, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{EnvFilter, Layer, Registry, reload};
@@ -18,22 +19,30 @@ pub(super) struct Logging {
     /// What `RUST_LOG` says.
     base: Option<String>,
     rosout: Arc<Lines>,
+    /// Dropping it writes what waits.
+    _writer: WorkerGuard,
 }
 
+/// Lines that wait for whoever reads standard error; further ones are lost.
+const WAITING: usize = 8192;
+
 impl Logging {
-    /// Logs to standard error, unless it should not; `RUST_LOG` decides what, else all that a person would want to know.
+    /// Logs to standard error, unless it should not; `RUST_LOG` decides what, else all that a person would want to know. Nobody waits
+    /// for a disk or a reader: the lines are written by a thread of their own.
     pub(super) fn start(to_stderr: bool) -> Self {
         let base = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty() && EnvFilter::try_new(text).is_ok());
         let filter = base.clone().unwrap_or_else(|| log_filter("info"));
         let (filter, handle) = reload::Layer::new(EnvFilter::new(filter));
-        let lines = tracing_subscriber::fmt::layer().with_target(false).with_writer(std::io::stderr);
+        let writer = NonBlockingBuilder::default().lossy(true).buffered_lines_limit(WAITING).thread_name("log");
+        let (writer, guard) = writer.finish(std::io::stderr());
+        let lines = tracing_subscriber::fmt::layer().with_target(false).with_writer(writer);
         // With nobody left to read it, a line is lost; the machine goes on.
         let lines = lines.with_ansi(std::io::stderr().is_terminal()).log_internal_errors(false);
         let rosout = Arc::new(Lines::default());
         let layers = tracing_subscriber::registry().with(filter).with(to_stderr.then_some(lines));
         // A second start within one process keeps the first.
         let _ = layers.with(ToRosout(Arc::clone(&rosout))).try_init();
-        Self { filter: handle, base, rosout }
+        Self { filter: handle, base, rosout, _writer: guard }
     }
 
     /// The loggers beside the node's, whose levels choose the lines.
