@@ -297,13 +297,23 @@ fn stamps_follow_the_clock_of_a_simulation_and_the_cycle_does_not() {
     assert_eq!(seen["lines"][0]["stamp"], json!({"sec": 7, "nanosec": 0}), "{seen:?}");
 
     // Off and on again while it runs: the subscription comes and goes.
+    let mut fastdds = Peer::fastdds(&bench.domain);
+    let readers = "readers /clock rosgraph_msgs::msg::dds_::Clock_";
+    fastdds.run(&format!("{readers} 1"));
     bench.set("use_sim_time=false");
     bench.cyclone.run("stamps --system");
     bench.cyclone.run("clock --nobody");
+    fastdds.run(&format!("{readers} 0"));
     bench.set("use_sim_time=true");
     bench.cyclone.run("stamps --sec 0");
+    fastdds.run(&format!("{readers} 1"));
     bench.cyclone.run("clock --sec 42");
     bench.cyclone.run("stamps --sec 42");
+    bench.set("use_sim_time=false");
+    fastdds.run(&format!("{readers} 0"));
+    // What discovery tells of other readers still arrives.
+    bench.set("use_sim_time=true");
+    fastdds.run(&format!("{readers} 1"));
 }
 
 #[test]

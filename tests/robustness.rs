@@ -9,6 +9,7 @@ use std::{
     env, fs,
     path::Path,
     process::Command,
+    sync::atomic::{AtomicBool, Ordering},
     thread,
     time::{Duration, Instant},
 };
@@ -132,6 +133,25 @@ fn requests_are_not_kept() {
     println!("2000 requests of 50 kB: {before:.1} MiB before, {after:.1} MiB after");
     // They are 100 MB.
     assert!(after - before < 40.0, "{before} MiB before, {after} MiB after");
+}
+
+/// The newest signals alone were sampled by a timer of ROS, which left samples out where its thread got its turn late.
+#[test]
+fn each_cycle_of_the_rate_is_published_on_a_busy_machine() {
+    let (program, mut watchers, _domain) = start(&["run"], 1);
+    let is_over = AtomicBool::new(false);
+    let seen = thread::scope(|scope| {
+        for _ in 0..6 {
+            scope.spawn(|| while !is_over.load(Ordering::Relaxed) {});
+        }
+        let seen = watchers[0].run(&format!("watch {NODE} --seconds 10"));
+        is_over.store(true, Ordering::Relaxed);
+        seen
+    });
+    let (_, log) = ended(program);
+    assert!(!log.contains("left out"), "{log}");
+    let runs = seen["cycles"].as_array().expect("runs of cycles");
+    assert!(runs.len() == 1 && runs[0][1] == 10, "{runs:?}");
 }
 
 /// The built-in cell with states at 1 kHz.

@@ -66,6 +66,20 @@ fn both_peers_see_joint_states_at_100_hz() {
     }
 }
 
+/// Whoever subscribes without asking for the past gets none: an old status or error would look like news.
+#[test]
+fn a_volatile_reader_of_a_latched_topic_gets_what_comes_after_it() {
+    let mut demo = Demo::enabled();
+    let status = "samples /lineshaft/move_axis/_action/status action_msgs::msg::dds_::GoalStatusArray_";
+    let (mut latched, mut volatile) = (Peer::fastdds(&demo.domain), Peer::fastdds(&demo.domain));
+    latched.run(&format!("{status} --latched 1"));
+    demo.cyclone.run("move /lineshaft --axis x --units increments --position 2000 --wait");
+    assert!(latched.run(status)["samples"].as_u64().unwrap() > 0, "the status was published");
+    assert_eq!(volatile.run(status)["samples"], 0, "before it came");
+    demo.cyclone.run("move /lineshaft --axis x --units increments --position 0 --wait");
+    assert!(volatile.run(status)["samples"].as_u64().unwrap() > 0);
+}
+
 #[test]
 fn the_graph_shows_the_node_and_only_endpoints_that_exist() {
     let mut demo = Demo::start();

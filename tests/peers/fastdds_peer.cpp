@@ -21,6 +21,8 @@ const char* const USAGE =
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
     "  action-conformance NODE [--axis x]\n"
+    "  readers TOPIC TYPE COUNT    of a writer that is made here: waits until it has so many\n"
+    "  samples TOPIC TYPE [--seconds 1] [--latched 1]    how many come to a reader that is kept\n"
     "  hammer NODE [--axis x] [--seconds 10] [--seed 1] [--rate PER_SECOND]\n"
     "  serve    such lines from standard input; after each {\"done\": command, \"ok\": bool, \"error\": sentence}\n";
 
@@ -274,6 +276,21 @@ class Peer {
         .run(a.number("--seconds", 10), a.number("--rate", 0));
   }
 
+  void readers(const Arguments& a) {
+    DataWriter* w = once(writers_, a[1], [&] { return new Writing{dds_.writer("rt" + a[1], a[2])}; }).writer;
+    int count = std::stoi(a[3]);
+    wait_until([&] { return readers_of(w) == count; }, MATCH_S,
+               "a writer of " + a[1] + " does not have " + a[3] + " readers");
+  }
+
+  void samples(const Arguments& a) {
+    auto& s = once(any_, a[1], [&] { return new Subscription(dds_, a[1], a[2], a.has("--latched")); });
+    size_t n = 0;
+    for (auto start = Clock::now(); since(start) < a.number("--seconds", 1.0); sleep_ms(1))
+      s.drain([&](Reader&) { n++; });
+    Object().add("samples", n).show();
+  }
+
   Service& axes_service(const std::string& name) {
     return once(services_, name, [&] { return new Service(dds_, name, "lineshaft_msgs::srv::dds_::AxesCommand"); });
   }
@@ -295,8 +312,12 @@ class Peer {
   }
 
   static const std::map<std::string, void (Peer::*)(const Arguments&)> COMMANDS;
+  struct Writing {
+    DataWriter* writer;
+  };
   Dds dds_;
-  std::map<std::string, std::unique_ptr<Subscription>> joints_;
+  std::map<std::string, std::unique_ptr<Subscription>> joints_, any_;
+  std::map<std::string, std::unique_ptr<Writing>> writers_;
   std::map<std::string, std::unique_ptr<Service>> services_;
   std::map<std::string, std::unique_ptr<MoveClient>> moves_;
 };
@@ -306,6 +327,7 @@ const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
     {"vocabulary", &Peer::vocabulary}, {"params", &Peer::params},
     {"action-conformance", &Peer::action_conformance}, {"hammer", &Peer::hammer},
+    {"readers", &Peer::readers}, {"samples", &Peer::samples},
 };
 
 void serve(Peer& peer) {

@@ -270,11 +270,13 @@ inline bool matched(DataReader* r) {
   return s.current_count > 0;
 }
 
-inline bool matched(DataWriter* w) {
+inline int readers_of(DataWriter* w) {
   PublicationMatchedStatus s;
   w->get_publication_matched_status(s);
-  return s.current_count > 0;
+  return s.current_count;
 }
+
+inline bool matched(DataWriter* w) { return readers_of(w) > 0; }
 
 class Subscription {
  public:

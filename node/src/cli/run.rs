@@ -3,7 +3,7 @@
 mod running;
 mod watch;
 
-use self::running::{Given, Prepared, Recording, Running, stop_machine};
+use self::running::{Given, Heard, Prepared, Recording, Running, stop_machine};
 use self::watch::{Change, Patience, Watch};
 use super::check::{summary, warnings};
 use super::logging::Logging;
@@ -21,13 +21,12 @@ use lineshaft_ros::layer::{
     self, CreateError, Environment, Interface, Networks, Node, NodeOptions, RosArguments, Side, SideOptions,
 };
 use lineshaft_ros::line_limit::LineLimit;
-use lineshaft_ros::surface::host::{Host, StampedEvent};
-use lineshaft_ros::surface::{Rates, Surface, check_names, start_command};
+use lineshaft_ros::surface::host::Host;
+use lineshaft_ros::surface::{Surface, check_names, start_command};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use tokio::signal::unix::{Signal as UnixSignal, SignalKind, signal};
-use tokio::sync::mpsc::UnboundedReceiver;
 
 /// Within this time another signal is the first one, passed on twice.
 const SAME_SIGNAL: Duration = Duration::from_millis(500);
@@ -100,8 +99,8 @@ fn start(
     let exit = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        let (prepared, events) = Prepared::new(args, cell, machine, plant, scenario, Given { store, first });
-        serve(Start { args, cell, options, environment: &environment, logging }, prepared, events, signals).await
+        let (prepared, heard) = Prepared::new(args, cell, machine, plant, scenario, Given { store, first });
+        serve(Start { args, cell, options, environment: &environment, logging }, prepared, heard, signals).await
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
     Ok(exit)
@@ -219,21 +218,15 @@ struct Start<'a> {
 ///
 /// # Errors
 /// What was given and cannot be; no cycle has run then.
-async fn serve(
-    start: Start<'_>,
-    prepared: Prepared,
-    events: UnboundedReceiver<StampedEvent>,
-    signals: Signals,
-) -> Result<Exit, String> {
+async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Signals) -> Result<Exit, String> {
     let Start { args, cell, mut options, environment, logging } = start;
     let host: Arc<dyn Host> = prepared.handle.clone();
     let is_lost = Arc::<AtomicBool>::default();
     options.side.on_loss = on_loss(prepared.handle.clone(), cell.ros.on_loss, Arc::clone(&is_lost));
-    let rates = Rates { joint_states: cell.ros.joint_states_rate, axis_states: cell.ros.axis_states_rate };
     let name = options.names.node().clone();
     let surface = Node::with(options, environment).map_err(CreateError::from).and_then(|node| {
         let rosout = node.rosout()?;
-        let surface = Surface::start(node, host, events, rates, &cell.groups)?;
+        let surface = Surface::start(node, host, heard.events, heard.states, &cell.groups)?;
         logging.show_on(Some(rosout));
         Ok(surface)
     });

@@ -6,6 +6,7 @@
 //! It knows no thread and no clock: [`run`](crate::run) drives it for a machine in real time.
 
 pub mod bag;
+pub mod cadence;
 pub(crate) mod clean;
 pub mod encoder;
 pub mod info;

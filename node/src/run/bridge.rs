@@ -5,6 +5,7 @@ use super::gate::Gate;
 use super::keeper::Orders;
 use super::lanes::{Commander, Numbers};
 use super::recorder::Asked;
+use super::samples::SampleReceiver;
 use super::thread::Statistics;
 use crate::parameters::{export_text, read_changes};
 use lineshaft_core::code::Code;
@@ -21,7 +22,7 @@ use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{
     Busy, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
 };
-use lineshaft_ros::surface::is_told;
+use lineshaft_ros::surface::{StateSender, is_told};
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
@@ -229,6 +230,8 @@ pub struct Bridge {
     events: Consumer<StampedEvent>,
     /// Signals.
     signals: triple_buffer::Output<Snapshot>,
+    /// Signals of the cycles of the state topics, and who publishes them.
+    samples: (SampleReceiver, StateSender),
     /// Parameters.
     parameters: triple_buffer::Output<ParameterImage>,
     /// Commands that nobody wants any more.
@@ -241,8 +244,11 @@ pub struct Bridge {
     taken: Vec<StampedEvent>,
     /// Lost events that were told.
     told: u64,
+    /// Samples that were left out, likewise.
+    told_samples: u64,
     /// A kind of line is who has what to tell.
     lines: LineLimit<(Object, Code)>,
+    samples_lines: LineLimit<()>,
 }
 
 impl Bridge {
@@ -250,6 +256,7 @@ impl Bridge {
     pub fn new(
         events: Consumer<StampedEvent>,
         signals: triple_buffer::Output<Snapshot>,
+        samples: (SampleReceiver, StateSender),
         parameters: triple_buffer::Output<ParameterImage>,
         spent: Spent,
         listener: UnboundedSender<StampedEvent>,
@@ -258,13 +265,16 @@ impl Bridge {
         Self {
             events,
             signals,
+            samples,
             parameters,
             spent,
             listeners: vec![listener],
             statistics,
             taken: Vec::new(),
             told: 0,
+            told_samples: 0,
             lines: LineLimit::default(),
+            samples_lines: LineLimit::default(),
         }
     }
 
@@ -286,6 +296,23 @@ impl Bridge {
         if self.signals.update() {
             let newest = Arc::new(self.signals.output_buffer().clone());
             *handle.newest.write().unwrap_or_else(PoisonError::into_inner) = newest;
+        }
+        let (samples, states) = &mut self.samples;
+        samples.take(|sample| {
+            let snapshot = Arc::new(sample.snapshot.clone());
+            if sample.joint_states {
+                states.joint_states(&snapshot);
+            }
+            if sample.axis_states {
+                states.axis_states(&snapshot);
+            }
+        });
+        let left_out = samples.lost() + states.left_out();
+        if left_out > self.told_samples {
+            self.samples_lines.say((), |more| {
+                tracing::warn!("{left_out} samples of joint_states and axis_states were left out so far: ROS had no time for them{more}");
+            });
+            self.told_samples = left_out;
         }
         if self.parameters.update() {
             let newest = Arc::new(self.parameters.output_buffer().clone());

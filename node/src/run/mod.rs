@@ -12,5 +12,6 @@ pub mod keeper;
 pub mod lanes;
 pub mod realtime;
 pub mod recorder;
+pub mod samples;
 pub mod thread;
 pub mod writer;

@@ -4,6 +4,7 @@ use super::frames::FrameSender;
 use super::gate::Gate;
 use super::lanes::{Lanes, Numbers};
 use super::realtime::{self, Processor};
+use super::samples::SampleSender;
 use crate::scenario::{Player, Report};
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
@@ -99,6 +100,8 @@ pub struct CycleThread {
     pub frames: FrameSender,
     /// Way out of signals.
     pub snapshot: triple_buffer::Input<Snapshot>,
+    /// Way out of the cycles of the state topics.
+    pub samples: SampleSender,
     /// Way out of parameters.
     pub parameters: triple_buffer::Input<ParameterImage>,
     /// The version that went out last.
@@ -193,6 +196,7 @@ impl CycleThread {
         snapshot.stamp_ns = stamp_ns;
         snapshot.board.copy_from(self.machine.board());
         self.snapshot.publish();
+        self.samples.send(inputs.cycle, stamp_ns, self.machine.board());
         self.publish_parameters();
         // After the signals: who reacts to an event finds signals that are at least as new.
         for &event in self.machine.events() {

@@ -5,6 +5,7 @@
 use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::pin::pin;
+use std::sync::atomic::{AtomicI64, Ordering};
 use std::task::{Context, Poll};
 use std::time::Duration;
 
@@ -96,6 +97,8 @@ pub(super) struct Participant {
     subscriber: rustdds::Subscriber,
     listener: DomainParticipantStatusListener,
     participant: DomainParticipant,
+    /// Announcements of readers so far, and of their ends.
+    readers_told: AtomicI64,
 }
 
 impl Participant {
@@ -113,6 +116,7 @@ impl Participant {
             subscriber: participant.create_subscriber(&defaults).map_err(fail)?,
             listener: participant.status_listener(),
             participant,
+            readers_told: AtomicI64::new(0),
         })
     }
 
@@ -138,9 +142,17 @@ impl Participant {
         // Of a reader the library keeps so many samples, also those that were taken: without a limit all of its life.
         let made = self.topic(topic, type_name, &policies(qos, i32::from(qos.depth)))?;
         match self.subscriber.create_simple_datareader_no_key(&made, None) {
-            Ok(inner) => Ok(Reader { inner }),
+            Ok(inner) => {
+                self.readers_told.fetch_add(1, Ordering::Relaxed);
+                Ok(Reader { inner })
+            }
             Err(error) => Err(DdsError::new(format!("a reader of {topic}"), error)),
         }
+    }
+
+    /// The number that the library will give to what it announces of a reader that is dropped now.
+    pub(super) fn end_of_reader(&self) -> i64 {
+        self.readers_told.fetch_add(1, Ordering::Relaxed) + 1
     }
 
     /// The next change of matches; pending, with the waker kept, when there is none.
@@ -195,6 +207,14 @@ impl Participant {
         let readers = self.participant.discovered_readers().into_iter();
         let found = readers.map(|r| r.reader_proxy).find(|proxy| Guid::from(proxy.remote_reader_guid) == reader);
         ipv4(found.map(|proxy| proxy.unicast_locator_list.into_iter().map(Into::into).collect()))
+    }
+
+    /// Does a remote reader want what was written before it came? One that is not known any more does not.
+    pub(super) fn keeps_for(&self, reader: Guid) -> bool {
+        let readers = self.participant.discovered_readers().into_iter();
+        let found = readers.into_iter().find(|r| Guid::from(r.reader_proxy.remote_reader_guid) == reader);
+        let durability = found.and_then(|found| found.subscription_topic_data.qos().durability());
+        !matches!(durability, None | Some(policy::Durability::Volatile))
     }
 
     /// Where a remote writer listens.

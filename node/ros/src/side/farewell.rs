@@ -1,4 +1,4 @@
-//! Good-bye for participants of ours that were killed.
+//! Good-bye for participants of ours that were killed, and other news of ours for all.
 //!
 //! Their clients keep, for the rest of the lease (50 s), what they sent: Cyclone DDS gives the last ten requests, answered
 //! ones too, to the readers of the next node, because the DDS library asks for all from number 1 on. After a good-bye there is
@@ -30,20 +30,22 @@ pub(super) fn bury(dead: &[Departed]) {
 
 /// Says good-bye in the name of a participant.
 pub(super) fn say(who: &Departed) {
+    (LATE..LATE + TIMES).for_each(|sequence| tell_all(who, &spdp::farewell(who.prefix, sequence)));
+}
+
+/// Sends a datagram of discovery to all who may know a participant.
+pub(super) fn tell_all(who: &Departed, datagram: &[u8]) {
     let networks = who.networks.clone().unwrap_or_else(of_host);
     // RTPS 2.5, 9.6.2.3: the group, and where each program of the host listens to its own.
     let base = 7400 + 250 * who.domain;
     let local = (0..PROGRAMS).map(|id| SocketAddrV4::new(Ipv4Addr::LOCALHOST, base + 10 + 2 * id));
     let to_host: Vec<_> = local.collect();
-    for sequence in LATE..LATE + TIMES {
-        let datagram = spdp::farewell(who.prefix, sequence);
-        for network in &networks {
-            let Ok(beside) = Beside::on(*network) else { continue };
-            if network.is_loopback() {
-                to_host.iter().for_each(|address| beside.send(&datagram, *address));
-            } else {
-                beside.send(&datagram, SocketAddrV4::new(Ipv4Addr::new(239, 255, 0, 1), base));
-            }
+    for network in &networks {
+        let Ok(beside) = Beside::on(*network) else { continue };
+        if network.is_loopback() {
+            to_host.iter().for_each(|address| beside.send(datagram, *address));
+        } else {
+            beside.send(datagram, SocketAddrV4::new(Ipv4Addr::new(239, 255, 0, 1), base));
         }
     }
 }

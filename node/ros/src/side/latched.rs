@@ -4,7 +4,7 @@
 //! of it to whoever comes later.
 //!
 //! Law      nothing is written while nobody reads. A reader that comes is told that all samples so far are not for it (GAP), then
-//!          gets those that count, which are kept here, alone; what is set from then on goes to all
+//!          gets those that count, which are kept here, alone, unless it is volatile; what is set from then on goes to all
 
 use std::collections::{HashSet, VecDeque};
 use std::sync::Arc;
@@ -34,6 +34,8 @@ const LATER: Duration = Duration::from_millis(100);
 pub(super) trait Target: Send + Sync + 'static {
     /// Writes to all matched readers, or to one; the sample's number.
     fn write(&self, value: &Bytes, reader: Option<Guid>) -> Result<i64, ReplyFailure>;
+    /// Does the reader want what was set before it came?
+    fn is_owed(&self, reader: Guid) -> bool;
     /// Tells a reader that the samples before this one are not for it.
     fn skip(&self, reader: Guid, before: i64);
     fn guid(&self) -> Guid;
@@ -51,6 +53,10 @@ impl Target for Beside {
             None => self.writer.write(value.clone()),
             Some(reader) => self.writer.write_to(value.clone(), Address { reader, answers: None }),
         }
+    }
+
+    fn is_owed(&self, reader: Guid) -> bool {
+        self.shared.participant.keeps_for(reader)
     }
 
     fn skip(&self, reader: Guid, before: i64) {
@@ -133,7 +139,9 @@ impl<T: Target> Keeper<T> {
         self.kept.retain(|(since, _)| lifespan.is_none_or(|lifespan| now.duration_since(*since) < lifespan));
         for reader in readers.difference(&self.readers) {
             let from = if reader.is_fast_dds() { now + LATER } else { now };
-            self.owed.push_back((from, *reader));
+            if self.target.is_owed(*reader) {
+                self.owed.push_back((from, *reader));
+            }
             if self.last > 0 {
                 self.target.skip(*reader, self.last + 1);
                 self.told.extend(AGAIN_TOLD.map(|later| (now + later, *reader, self.last + 1)));
@@ -257,6 +265,9 @@ mod tests {
     #[derive(Clone)]
     struct Fake(Arc<Mutex<Written>>);
 
+    /// From this number on readers are volatile.
+    const VOLATILE: u8 = 200;
+
     /// In the place of a value: samples before this number were not for the reader.
     const SKIPPED: u8 = 100;
 
@@ -269,6 +280,10 @@ mod tests {
             state.1 -= 1;
             state.0.push((reader.map_or(0, |reader| reader.0[0]), value[0]));
             Ok(state.0.iter().filter(|(_, value)| *value < SKIPPED).count() as i64)
+        }
+
+        fn is_owed(&self, reader: Guid) -> bool {
+            reader.0[0] < VOLATILE
         }
 
         fn skip(&self, reader: Guid, before: i64) {
@@ -322,6 +337,21 @@ mod tests {
         matches.note(reader(9));
         sleep(AGAIN).await;
         assert_eq!(fake.0.lock().unwrap().0[8..], [(9, SKIPPED + 5), (9, 63)]);
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_volatile_reader_gets_what_is_set_once_it_is_there() {
+        let (latched, fake, matches) = start(Qos::STATUS, Duration::ZERO);
+        latched.set(vec![1]);
+        sleep(AGAIN).await;
+        matches.note(reader(VOLATILE));
+        sleep(LATER).await;
+        assert_eq!(fake.0.lock().unwrap().0, []);
+        latched.set(vec![2]);
+        sleep(AGAIN).await;
+        matches.note(reader(VOLATILE + 1));
+        sleep(AGAIN).await;
+        assert_eq!(fake.0.lock().unwrap().0, [(0, 2), (VOLATILE + 1, SKIPPED + 2)], "nothing of before is for it");
     }
 
     #[tokio::test(start_paused = true)]

@@ -22,6 +22,7 @@ use super::matches::Matches;
 use super::nudge::nudge;
 use super::probe::Probe;
 use super::replies::Replies;
+use super::{farewell, spdp};
 use crate::link::guid::Guid;
 use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
 
@@ -104,9 +105,21 @@ pub(super) struct Member {
 }
 
 enum Open {
-    Writer { writer: Arc<Writer>, replies: Arc<Replies> },
-    Latched { guid: Guid, latched: Latched },
-    Reader { guid: Guid, credit: Arc<Semaphore>, task: JoinHandle<()> },
+    Writer {
+        writer: Arc<Writer>,
+        replies: Arc<Replies>,
+    },
+    Latched {
+        guid: Guid,
+        latched: Latched,
+    },
+    /// Services of a node come and go with it; what it subscribes to does not.
+    Reader {
+        guid: Guid,
+        is_subscription: bool,
+        credit: Arc<Semaphore>,
+        task: JoinHandle<()>,
+    },
 }
 
 impl Member {
@@ -126,7 +139,7 @@ impl Member {
             reports: Mutex::new(reports),
             writers: Mutex::default(),
             heard: Mutex::default(),
-            own: super::farewell::of_host(),
+            own: farewell::of_host(),
         });
         let graph = Graph::new(&runtime, &shared, join).map_err(|error| error.to_string())?;
         let others = Graph::others(&shared).map_err(|error| error.to_string())?;
@@ -212,7 +225,7 @@ impl Member {
                 let guid = reader.guid();
                 let credit = Arc::new(Semaphore::new(*credit as usize));
                 let task = self.runtime.spawn(read(reader, endpoint, Arc::clone(&credit), Arc::clone(&self.shared)));
-                (guid, Open::Reader { guid, credit, task })
+                (guid, Open::Reader { guid, is_subscription: topic.starts_with("rt/"), credit, task })
             }
         };
         self.graph.add(guid);
@@ -225,8 +238,12 @@ impl Member {
         let guid = match &open {
             Open::Writer { writer, .. } => writer.guid(),
             Open::Latched { guid, .. } => *guid,
-            Open::Reader { guid, task, .. } => {
-                // The reader goes with its task.
+            Open::Reader { guid, is_subscription, task, .. } => {
+                let end = self.shared.participant.end_of_reader();
+                if *is_subscription {
+                    farewell::tell_all(&self.departed, &spdp::reader_gone(*guid, end));
+                }
+                // The reader goes with its task, and the library says so second.
                 task.abort();
                 *guid
             }

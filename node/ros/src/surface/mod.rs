@@ -42,6 +42,7 @@ pub use hub::is_told;
 pub use laws::any_goal;
 pub use names::check_names;
 pub use parameters::start_command;
+pub use states::{StateReceiver, StateSender, states};
 
 use crate::layer::{CreateError, Node};
 use host::{Host, StampedEvent};
@@ -50,15 +51,6 @@ use lineshaft_msgs::action::{HomeAxis, MoveAxis, ProbeAxis, Synchronize};
 use std::sync::Arc;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::task::JoinSet;
-
-/// How often state is published (1/s).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates {
-    /// joint_states.
-    pub joint_states: f64,
-    /// ~/axis_states.
-    pub axis_states: f64,
-}
 
 /// The surface of a running machine. Dropping it takes the node from the graph.
 pub struct Surface {
@@ -69,7 +61,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Opens all topics, services and actions on `node`. `events` are all events of the machine, in order; `groups` are the
+    /// Opens all topics, services and actions on `node`. `events` are all events of the machine, in order, `states` the cycles of the
+    /// state topics; `groups` are the
     /// groups of axes that take trajectories together (name, places of the axes), none for all axes with a drive.
     ///
     /// # Errors
@@ -78,14 +71,14 @@ impl Surface {
         node: Node,
         host: Arc<dyn Host>,
         events: UnboundedReceiver<StampedEvent>,
-        rates: Rates,
+        states: StateReceiver,
         groups: &[(String, Vec<u16>)],
     ) -> Result<Self, CreateError> {
         let mut tasks = JoinSet::new();
         let hub = Hub::start(&node, Arc::clone(&host), events, &mut tasks)?;
         time::start(&node, &hub, &mut tasks)?;
         loggers::start(&node, &mut tasks)?;
-        states::start(&node, &host, rates, &mut tasks)?;
+        states::start(&node, &host, states, &mut tasks)?;
         cycle_statistics::start(&node, &hub, &mut tasks)?;
         let life = lifecycle::start(&node, &hub, &mut tasks)?;
         diagnostics::start(&node, &hub, life, &mut tasks)?;

@@ -1,20 +1,66 @@
 //! `joint_states` and `~/axis_states`.
 
-use super::Rates;
 use super::host::{Host, Snapshot};
 use super::messages::{AxisView, axis_states, joint_states};
 use super::table;
 use crate::layer::{Clock, CreateError, Node, PublishError, Publisher};
 use lineshaft_msgs::Message;
 use std::sync::Arc;
-use std::time::Duration;
+use tokio::sync::mpsc::error::TrySendError;
+use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tokio::task::JoinSet;
-use tokio::time::MissedTickBehavior;
+
+/// Samples of a topic that may wait for the surface.
+const WAITING: usize = 256;
+
+/// Where the program puts the signals of the cycles that the topics take.
+#[derive(Debug)]
+pub struct StateSender {
+    joint_states: Sender<Arc<Snapshot>>,
+    axis_states: Sender<Arc<Snapshot>>,
+    left_out: u64,
+}
+
+/// The surface's end.
+#[derive(Debug)]
+pub struct StateReceiver {
+    joint_states: Receiver<Arc<Snapshot>>,
+    axis_states: Receiver<Arc<Snapshot>>,
+}
+
+/// The way of the state topics into the surface.
+pub fn states() -> (StateSender, StateReceiver) {
+    let (joints, joint_states) = channel(WAITING);
+    let (axes, axis_states) = channel(WAITING);
+    (StateSender { joint_states: joints, axis_states: axes, left_out: 0 }, StateReceiver { joint_states, axis_states })
+}
+
+impl StateSender {
+    /// Gives a sample to joint_states; never waits.
+    pub fn joint_states(&mut self, snapshot: &Arc<Snapshot>) {
+        self.left_out += left_out(&self.joint_states, snapshot);
+    }
+
+    /// Gives a sample to ~/axis_states; never waits.
+    pub fn axis_states(&mut self, snapshot: &Arc<Snapshot>) {
+        self.left_out += left_out(&self.axis_states, snapshot);
+    }
+
+    /// Samples so far for which there was no room.
+    pub fn left_out(&self) -> u64 {
+        self.left_out
+    }
+}
+
+/// Sends a sample; 1 where there is no room. A surface that has ended misses nothing.
+fn left_out(way: &Sender<Arc<Snapshot>>, snapshot: &Arc<Snapshot>) -> u64 {
+    u64::from(matches!(way.try_send(Arc::clone(snapshot)), Err(TrySendError::Full(_))))
+}
 
 pub(super) fn start(
     node: &Node,
     host: &Arc<dyn Host>,
-    rates: Rates,
+    states: StateReceiver,
     tasks: &mut JoinSet<()>,
 ) -> Result<(), CreateError> {
     let views = AxisView::all(host.config(), host.directory());
@@ -22,33 +68,23 @@ pub(super) fn start(
     let publisher = table::JOINT_STATES.publisher(node)?;
     let clock: Clock = node.clock().clone();
     let message = move |snapshot: &Snapshot| joint_states(&joints, &snapshot.board, clock.stamp(snapshot.stamp_ns));
-    tasks.spawn(publish(publisher, Arc::clone(host), rates.joint_states, message));
+    tasks.spawn(publish(publisher, states.joint_states, message));
     let publisher = table::AXIS_STATES.publisher(node)?;
     let clock: Clock = node.clock().clone();
     let message =
         move |snapshot: &Snapshot| axis_states(&views, &snapshot.board, snapshot.cycle, clock.stamp(snapshot.stamp_ns));
-    tasks.spawn(publish(publisher, Arc::clone(host), rates.axis_states, message));
+    tasks.spawn(publish(publisher, states.axis_states, message));
     Ok(())
 }
 
-/// Publishes a message of the newest signals at a rate; nothing while the machine stands.
+/// Publishes a message of each sample; nothing comes while the machine stands.
 async fn publish<M: Message>(
     publisher: Publisher<M>,
-    host: Arc<dyn Host>,
-    rate: f64,
+    mut samples: Receiver<Arc<Snapshot>>,
     message: impl Fn(&Snapshot) -> M + Send,
 ) {
-    let mut ticks = tokio::time::interval(Duration::from_secs_f64(1.0 / rate));
-    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
-    let (mut last, mut failed) = (None, 0_u64);
-    loop {
-        ticks.tick().await;
-        let snapshot = host.snapshot();
-        // Before its first cycle a snapshot has no time.
-        if snapshot.stamp_ns == 0 || last == Some(snapshot.cycle) {
-            continue;
-        }
-        last = Some(snapshot.cycle);
+    let mut failed = 0_u64;
+    while let Some(snapshot) = samples.recv().await {
         if let Err(error) = publisher.publish(&message(&snapshot)) {
             failed += 1;
             note_failure(failed, &error);

@@ -159,10 +159,10 @@ impl<A: Action> Acted<A> {
 pub(super) const JOINT_STATES: Topic<JointState> = Topic::published(
     "joint_states",
     Qos::STREAM,
-    "actual position, velocity, effort of all axes but virtual ones; position unwrapped; rate `joint_states_rate`",
+    "actual position, velocity, effort of all axes but virtual ones; position unwrapped; each cycle of `joint_states_rate`",
 );
 pub(super) const AXIS_STATES: Topic<AxisStates> =
-    Topic::published("~/axis_states", Qos::STREAM, "all axes in file order; rate `axis_states_rate`");
+    Topic::published("~/axis_states", Qos::STREAM, "all axes in file order; each cycle of `axis_states_rate`");
 pub(super) const EVENTS: Topic<Event> =
     Topic::published("~/events", Qos::EVENTS, "every event, with a sequence number without gaps");
 pub(super) const ERRORS: Topic<Event> = Topic::published(

@@ -3,7 +3,7 @@
 use super::host::{Busy, GateState, Host, Listing, Snapshot, Statistics};
 use super::parameters::fake;
 use super::table::{Kind, PARAMETERS, ROWS, Row};
-use super::{Rates, Surface};
+use super::{Surface, states};
 use crate::layer::{Environment, Networks, Node, NodeName, NodeOptions, Qos, RosArguments};
 use lineshaft_core::command::{Action, Setpoints};
 use lineshaft_core::config::MachineConfig;
@@ -152,8 +152,8 @@ async fn a_surface_opens_what_the_table_says_and_nothing_else() {
     let node = Node::with(options, &environment).unwrap();
     let opened = node.opened();
     let (_events, events) = unbounded_channel();
-    let rates = Rates { joint_states: 10.0, axis_states: 10.0 };
-    let surface = Surface::start(node, Arc::new(Still::new()), events, rates, &[]).unwrap();
+    let (_states, states) = states();
+    let surface = Surface::start(node, Arc::new(Still::new()), events, states, &[]).unwrap();
 
     let opened = opened.lock().unwrap().clone();
     let wanted: Vec<Endpoint> = ROWS.iter().flat_map(endpoints).collect();

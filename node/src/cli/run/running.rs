@@ -3,6 +3,7 @@
 use super::super::{Exit, FlightArgs, RunArgs, store};
 use crate::cell::Cell;
 use crate::recording::bag::{Bag, Subject};
+use crate::recording::cadence::Cadence;
 use crate::recording::encoder::Encoder;
 use crate::run::bridge::{Bridge, Handle};
 use crate::run::flight::Flight;
@@ -12,6 +13,7 @@ use crate::run::gate::Gate;
 use crate::run::keeper::Keeper;
 use crate::run::lanes;
 use crate::run::recorder::{Asked, FlightRecorder, Recorder};
+use crate::run::samples::{Cadences, samples};
 use crate::run::thread::{CycleThread, Play, Statistics};
 use crate::scenario::{Player, Report, Scenario};
 use crate::store::Store;
@@ -23,6 +25,7 @@ use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_core::sim::Plant;
 use lineshaft_ros::layer::NodeName;
 use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
+use lineshaft_ros::surface::{StateReceiver, states};
 use rtrb::RingBuffer;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -117,8 +120,14 @@ pub(super) struct Prepared {
     report: Option<Receiver<Report>>,
 }
 
+/// What the bridge will pass on to the surface.
+pub(super) struct Heard {
+    pub events: UnboundedReceiver<StampedEvent>,
+    pub states: StateReceiver,
+}
+
 impl Prepared {
-    /// All of it, and the events that the bridge will pass on.
+    /// All of it, and what the surface will hear.
     pub(super) fn new(
         args: &RunArgs,
         cell: &Cell,
@@ -126,13 +135,19 @@ impl Prepared {
         plant: Plant,
         scenario: Option<Scenario>,
         given: Given,
-    ) -> (Self, UnboundedReceiver<StampedEvent>) {
+    ) -> (Self, Heard) {
         let (commander, lanes) = lanes::lanes(machine.config().axes.len());
         let (frames, frames_out, spent) = frames(&machine);
         let (ask, asked) = channel();
         let (events, events_out) = RingBuffer::new(EVENT_ROOM);
         let first = Snapshot { cycle: 0, stamp_ns: 0, board: machine.board().clone() };
         let (snapshot, signals) = triple_buffer::triple_buffer(&first);
+        let cycle_ns = machine.config().cycle_ns;
+        let cadences = Cadences {
+            joint_states: Cadence::new(cell.ros.joint_states_rate, cycle_ns),
+            axis_states: Cadence::new(cell.ros.axis_states_rate, cycle_ns),
+        };
+        let (samples, samples_out) = samples(cadences, cycle_ns, machine.board());
         let image = machine.parameter_image();
         let (parameters, parameters_out) = triple_buffer::triple_buffer(&image);
         let (config, directory) = (machine.config().clone(), machine.directory().clone());
@@ -156,7 +171,8 @@ impl Prepared {
         };
         let handle = Arc::new(handle);
         let encoder = Encoder::new(cell, machine.config(), machine.directory());
-        let (listener, heard) = unbounded_channel();
+        let (listener, events_heard) = unbounded_channel();
+        let (states, states_heard) = states();
         let (play, report) = match scenario {
             None => (None, None),
             Some(scenario) => {
@@ -165,7 +181,15 @@ impl Prepared {
                 (Some(play), Some(receive))
             }
         };
-        let bridge = Bridge::new(events_out, signals, parameters_out, spent, listener, Arc::clone(&statistics));
+        let bridge = Bridge::new(
+            events_out,
+            signals,
+            (samples_out, states),
+            parameters_out,
+            spent,
+            listener,
+            Arc::clone(&statistics),
+        );
         let cycle = CycleThread {
             machine,
             plant,
@@ -174,6 +198,7 @@ impl Prepared {
             events,
             frames,
             snapshot,
+            samples,
             parameters,
             published: 0,
             gate,
@@ -181,6 +206,7 @@ impl Prepared {
             statistics,
             processor: args.cpu.unwrap_or_default(),
         };
+        let heard = Heard { events: events_heard, states: states_heard };
         (Self { handle, cycle, bridge, keeper, encoder, frames: frames_out, asked, report }, heard)
     }
 

@@ -1,0 +1,38 @@
+//! The cycles whose states are told, on topics and in bags alike.
+
+/// Which cycles a rate takes: k where floor(k T rate) differs from that of k - 1, and cycle 0.
+///
+/// T rate is the reduced fraction `share / whole` of exact integers.
+#[derive(Clone, Copy, Debug)]
+pub struct Cadence {
+    share: u128,
+    whole: u128,
+}
+
+impl Cadence {
+    /// A rate (1/s) to the nearest 1e-9, in cycles of that length (ns).
+    pub fn new(rate: f64, cycle_ns: u64) -> Self {
+        // The cast saturates: below 2^64, as is the cycle.
+        let share = u128::from((rate * 1e9).round() as u64) * u128::from(cycle_ns);
+        let whole = 1_000_000_000_000_000_000;
+        let divisor = greatest_common_divisor(share, whole);
+        Self { share: share / divisor, whole: whole / divisor }
+    }
+
+    /// Does the rate take this cycle?
+    pub fn is_due(self, cycle: u64) -> bool {
+        if cycle == 0 || self.share >= self.whole {
+            return true;
+        }
+        // With share < whole <= 10^18 no product comes near 2^128, and floor(k share / whole) has just stepped up
+        // exactly where the remainder is smaller than the step.
+        u128::from(cycle) % self.whole * self.share % self.whole < self.share
+    }
+}
+
+fn greatest_common_divisor(mut a: u128, mut b: u128) -> u128 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}

@@ -1,0 +1,146 @@
+//! The way of the state topics out of the cycle thread: the signals of each cycle that a rate takes.
+//!
+//! The newest signals alone ([`Snapshot`], newest wins) would leave samples out where a thread of ROS gets its turn late. Samples go
+//! round as the recorder's frames do; one that finds none free is left out and counted: the cycle thread never waits.
+
+use crate::recording::cadence::Cadence;
+use lineshaft_core::signal::Board;
+use lineshaft_ros::surface::host::Snapshot;
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Time that samples may wait (ns).
+const ROOM_NS: u64 = 500_000_000;
+/// Samples that may wait in any case, and memory that more of them may take (bytes).
+const LEAST: usize = 8;
+const ROOM_BYTES: usize = 16 << 20;
+
+/// The rates of the state topics, in cycles.
+#[derive(Clone, Copy, Debug)]
+pub struct Cadences {
+    /// joint_states
+    pub joint_states: Cadence,
+    /// ~/axis_states
+    pub axis_states: Cadence,
+}
+
+/// The signals of a cycle, and which topics take it.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// The signals.
+    pub snapshot: Snapshot,
+    /// For joint_states.
+    pub joint_states: bool,
+    /// For ~/axis_states.
+    pub axis_states: bool,
+}
+
+/// The end in the cycle thread.
+#[derive(Debug)]
+pub struct SampleSender {
+    cadences: Cadences,
+    free: Consumer<Box<Sample>>,
+    full: Producer<Box<Sample>>,
+    lost: Arc<AtomicU64>,
+}
+
+/// The other end.
+#[derive(Debug)]
+pub struct SampleReceiver {
+    full: Consumer<Box<Sample>>,
+    free: Producer<Box<Sample>>,
+    lost: Arc<AtomicU64>,
+}
+
+/// Makes the way for a machine with this board.
+pub fn samples(cadences: Cadences, cycle_ns: u64, board: &Board) -> (SampleSender, SampleReceiver) {
+    let wanted = usize::try_from(ROOM_NS / cycle_ns.max(1)).unwrap_or(usize::MAX);
+    let room = wanted.min(ROOM_BYTES / (8 * board.len()).max(1)).max(LEAST);
+    let (mut free_in, free) = RingBuffer::new(room);
+    let first = Snapshot { cycle: 0, stamp_ns: 0, board: board.clone() };
+    let sample = Sample { snapshot: first, joint_states: false, axis_states: false };
+    (0..room).for_each(|_| drop(free_in.push(Box::new(sample.clone()))));
+    let (full, full_out) = RingBuffer::new(room);
+    let lost = Arc::<AtomicU64>::default();
+    let sender = SampleSender { cadences, free, full, lost: Arc::clone(&lost) };
+    (sender, SampleReceiver { full: full_out, free: free_in, lost })
+}
+
+impl SampleSender {
+    /// Sends the cycle that has just run, if a topic takes it.
+    pub fn send(&mut self, cycle: u64, stamp_ns: u64, board: &Board) {
+        let joint_states = self.cadences.joint_states.is_due(cycle);
+        let axis_states = self.cadences.axis_states.is_due(cycle);
+        if !joint_states && !axis_states {
+            return;
+        }
+        let Ok(mut sample) = self.free.pop() else {
+            self.lost.fetch_add(1, Ordering::Relaxed);
+            return;
+        };
+        (sample.joint_states, sample.axis_states) = (joint_states, axis_states);
+        (sample.snapshot.cycle, sample.snapshot.stamp_ns) = (cycle, stamp_ns);
+        sample.snapshot.board.copy_from(board);
+        // There are no more samples than places, so this one finds its place.
+        drop(self.full.push(sample));
+    }
+}
+
+impl SampleReceiver {
+    /// Takes what has come, in its order.
+    pub fn take(&mut self, mut each: impl FnMut(&Sample)) {
+        while let Ok(sample) = self.full.pop() {
+            each(&sample);
+            drop(self.free.push(sample));
+        }
+    }
+
+    /// Samples that were left out so far.
+    pub fn lost(&self) -> u64 {
+        self.lost.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::Cell;
+    use lineshaft_core::machine::Machine;
+
+    fn both(joint_states: f64, axis_states: f64, board: &Board) -> (SampleSender, SampleReceiver) {
+        let cadence = |rate| Cadence::new(rate, 1_000_000);
+        samples(Cadences { joint_states: cadence(joint_states), axis_states: cadence(axis_states) }, 1_000_000, board)
+    }
+
+    #[test]
+    fn each_topic_gets_the_cycles_of_its_rate_however_late_they_are_taken() {
+        let machine = Machine::new(Cell::demo().machine).unwrap();
+        let (mut sender, mut receiver) = both(100.0, 50.0, machine.board());
+        let mut seen = Vec::new();
+        for cycle in 0..300_u64 {
+            sender.send(cycle, 7 * cycle, machine.board());
+            // A turn now and then, up to 120 ms late.
+            if cycle % 120 == 119 || cycle == 299 {
+                receiver.take(|sample| {
+                    assert_eq!(sample.snapshot.stamp_ns, 7 * sample.snapshot.cycle);
+                    seen.push((sample.snapshot.cycle, sample.joint_states, sample.axis_states));
+                });
+            }
+        }
+        let wanted: Vec<_> = (0..30).map(|n| (10 * n, true, n % 2 == 0)).collect();
+        assert_eq!((seen, receiver.lost()), (wanted, 0));
+    }
+
+    #[test]
+    fn samples_that_nobody_takes_are_counted_and_the_first_ones_kept() {
+        let machine = Machine::new(Cell::demo().machine).unwrap();
+        let (mut sender, mut receiver) = both(1000.0, 1.0, machine.board());
+        (0..507).for_each(|cycle| sender.send(cycle, 0, machine.board()));
+        let mut seen = Vec::new();
+        receiver.take(|sample| seen.push(sample.snapshot.cycle));
+        assert_eq!((seen, receiver.lost()), ((0..500).collect(), 7));
+        sender.send(600, 0, machine.board());
+        receiver.take(|sample| assert_eq!(sample.snapshot.cycle, 600));
+    }
+}
