@@ -327,7 +327,7 @@ fn discovery(event: &DomainParticipantStatusEvent) -> Option<Discovery> {
             let is_silent = match reason {
                 LostReason::Timeout { lease, .. } => {
                     tracing::warn!(
-                        "nothing was heard of DDS participant {participant} for {} s: it counts as gone until it speaks again",
+                        "nothing was heard of DDS participant {participant} for {} s: it counts as gone until it is heard",
                         lease.to_std().as_secs_f64()
                     );
                     true

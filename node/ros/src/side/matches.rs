@@ -52,6 +52,11 @@ impl Matches {
         self.pairs.borrow().contains(&(writer, reader))
     }
 
+    /// Whether this reader is matched now.
+    pub(super) fn has(&self, reader: Guid) -> bool {
+        self.pairs.borrow().iter().any(|pair| pair.1 == reader)
+    }
+
     /// Changes from now on.
     pub(super) fn changes(&self) -> watch::Receiver<Pairs> {
         self.pairs.subscribe()

@@ -88,6 +88,11 @@ impl Shared {
         Sample { id, related, is_stale: is_stale(known), came_ns: monotonic_ns(), is_big_endian, bytes }
     }
 
+    /// Is a remote endpoint matched with one of ours?
+    pub(super) fn is_matched(&self, endpoint: Guid) -> bool {
+        self.matches.has(endpoint) || self.heard().contains_key(&endpoint)
+    }
+
     fn new_writer(&self, writer: Guid) -> Heard {
         let again = self.returning.since(writer.prefix());
         Heard { since: Instant::now(), is_local: self.is_local(writer), again }

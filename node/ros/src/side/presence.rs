@@ -4,7 +4,7 @@
 //!          it again, else lost as before. Who says good-bye is forgotten. One that is lost is asked who it is, for an hour
 //! Refuses  more than [`MOST`] participants: the one that was not heard for longest is forgotten
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::net::SocketAddrV4;
 use std::time::{Duration, Instant};
@@ -130,12 +130,16 @@ impl Presence {
         }
     }
 
-    /// Who is asked in this round, and where.
+    /// Where is asked in this round.
     pub(super) fn ask(&mut self, now: Instant) -> Vec<SocketAddrV4> {
+        // Whoever lives at the address of one that was killed has nothing to do with it.
+        let live = self.all.values().filter(|participant| !matches!(participant.state, State::Lost { .. }));
+        let taken: HashSet<_> = live.flat_map(|participant| participant.addresses.clone()).collect();
         let mut lost = Vec::new();
         for participant in self.all.values_mut() {
             if let State::Lost { since, asked, .. } = &mut participant.state
                 && now.duration_since(*since) < HOPE
+                && !participant.addresses.iter().any(|address| taken.contains(address))
             {
                 lost.push((asked, &participant.addresses));
             }
@@ -227,6 +231,17 @@ mod tests {
         presence.found(who(1));
         assert_eq!(presence.heard(&announced(1, 10), now), Heard::Coming);
         assert!(presence.told(who(1), now));
+    }
+
+    #[test]
+    fn nobody_is_asked_in_the_place_of_one_that_was_killed() {
+        let (mut presence, now) = (Presence::default(), Instant::now());
+        presence.heard(&announced(1, 10), now);
+        presence.heard(&Announcement { who: who(2), ..announced(1, 10) }, now);
+        presence.lost(who(1), now);
+        assert_eq!(presence.ask(now), []);
+        presence.lost(who(2), now);
+        assert_eq!(presence.ask(now), [address(1); 2], "a process that was frozen has both");
     }
 
     #[test]

@@ -52,6 +52,8 @@ const PAUSE: Duration = Duration::from_millis(5);
 const LIBRARY: [u8; 2] = [0x01, 0x12];
 /// Networks that a question names; each makes its answer one more datagram.
 const NETWORKS: usize = 4;
+/// After an error of an ear.
+const DEAF: Duration = Duration::from_millis(100);
 /// Longest datagram.
 const DATAGRAM: usize = 1 << 16;
 
@@ -150,8 +152,8 @@ async fn listen(ear: UdpSocket, shared: Weak<Shared>, runtime: Handle) {
     let mut buffer = vec![0; DATAGRAM];
     loop {
         let Ok(length) = ear.recv(&mut buffer).await else {
-            // A closed port that was written to; one that fails for good must not take all the time.
-            sleep(PAUSE).await;
+            // A closed port was written to. An ear that fails for good must not take all the time.
+            sleep(DEAF).await;
             continue;
         };
         let Some(said) = Announcement::read(&buffer[..length]) else { continue };
@@ -191,7 +193,8 @@ async fn introduce(shared: Weak<Shared>, said: Announcement) {
     let Some(shared) = shared.upgrade() else { return };
     tell_all(&shared, &[spdp::farewell(player, None, 2)]);
     if shared.returning.presence().told(said.who, Instant::now()) {
-        tracing::info!("DDS participant {} speaks again, and is answered", said.who);
+        // As loud as its loss.
+        tracing::warn!("DDS participant {} speaks again, and is answered", said.who);
     }
 }
 
@@ -226,7 +229,10 @@ fn announce(shared: &Weak<Shared>, said: &Announcement) -> Option<Prefix> {
 
 /// Step 3.
 fn endpoints(shared: &Weak<Shared>, said: &Announcement, player: Prefix) -> Option<Vec<Vec<u8>>> {
-    let endpoints = shared.upgrade()?.participant.endpoints_of(said.who);
+    let shared = shared.upgrade()?;
+    // What it has made since then the library has found by itself.
+    let mut endpoints = shared.participant.endpoints_of(said.who);
+    endpoints.retain(|endpoint| !shared.is_matched(endpoint.guid));
     let (readers, writers): (Vec<_>, Vec<_>) = endpoints.iter().partition(|endpoint| endpoint.guid.is_reader());
     // Readers and writers are announced by a writer each, without a gap in its numbers.
     let announced = |endpoints: Vec<&Endpoint>| {
@@ -240,7 +246,8 @@ fn endpoints(shared: &Weak<Shared>, said: &Announcement, player: Prefix) -> Opti
 }
 
 fn tell(shared: &Weak<Shared>, datagrams: &[Vec<u8>]) -> Option<()> {
-    tell_all(&*shared.upgrade()?, datagrams);
+    let shared = shared.upgrade()?;
+    tell_all(&shared, datagrams);
     Some(())
 }
 
