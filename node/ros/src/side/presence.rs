@@ -237,7 +237,9 @@ mod tests {
     fn nobody_is_asked_in_the_place_of_one_that_was_killed() {
         let (mut presence, now) = (Presence::default(), Instant::now());
         presence.heard(&announced(1, 10), now);
-        presence.heard(&Announcement { who: who(2), ..announced(1, 10) }, now);
+        let mut other = announced(1, 10);
+        other.who = who(2);
+        presence.heard(&other, now);
         presence.lost(who(1), now);
         assert_eq!(presence.ask(now), []);
         presence.lost(who(2), now);

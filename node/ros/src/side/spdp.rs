@@ -91,6 +91,9 @@ impl Announcement {
 
     /// The same as sample `sequence`.
     pub(super) fn again(&self, sequence: i64) -> Vec<u8> {
+        if self.is_gone {
+            return farewell(self.who, None, sequence);
+        }
         let mut message = Message::from(self.who);
         message.list(SPDP_READER, SPDP_WRITER, sequence, &self.payload);
         message.bytes()
@@ -210,6 +213,7 @@ mod tests {
         assert_eq!(Announcement::read(&heard.again(1 << 40)), Some(heard));
         let gone = Announcement::read(&farewell(Prefix([5; 12]), Some(Prefix([6; 12])), 2)).unwrap();
         assert_eq!((gone.who, gone.is_gone), (Prefix([5; 12]), true));
+        assert_eq!(Announcement::read(&gone.again(1 << 40)), Some(gone));
     }
 
     #[test]
