@@ -19,7 +19,11 @@ use rustix::{
     io::ioctl_fionread,
 };
 use serde_json::Value;
-use support::{domain::Domain, peer::Peer, program::Program};
+use support::{
+    domain::Domain,
+    peer::{Observations, Peer},
+    program::Program,
+};
 
 const EXIT: Duration = Duration::from_secs(20);
 const NODE: &str = "/lineshaft";
@@ -192,7 +196,6 @@ fn nobody_loses_a_sample_because_of_another() {
         most = most.max(program.figures().memory);
     }
     sleeper.thaw();
-    // DDS has given it up. What it made before stays deaf (docs/interfaces.md, limits); what it makes now does not.
     sleeper.run(&format!("join {NODE} --count 1 --axis y"));
     let thawed = program.figures();
 
@@ -226,6 +229,72 @@ fn nobody_loses_a_sample_because_of_another() {
     println!("{times}");
     // 1000 samples of 800 bytes a second, and as many of everything else, until the lease of the frozen one ends.
     assert!(most - before < 100.0 && after - before < 100.0, "MiB: {before}, {most}, {thawed}, {after}");
+}
+
+/// Two clients are stopped until their leases are over, one of them twice: then what they made before works again.
+#[test]
+fn clients_that_were_frozen_beyond_their_lease_work_again() {
+    let (program, _, domain) = start(&["run"], 0);
+    let mut clients = [Peer::cyclone(&domain), Peer::fastdds(&domain)];
+    for client in &mut clients {
+        client.run(&format!("axes {NODE} enable turret"));
+        client.run("joint-states --count 20 --seconds 10");
+        step(client);
+    }
+    // Asked, and not answered before it is frozen.
+    clients[0].tell(&format!("axes {NODE} reset_errors turret"));
+    for (round, frozen) in [(1, 2), (2, 1)] {
+        let before = [program.log().matches(GONE).count(), program.log().matches(BACK).count()];
+        let frozen = &mut clients[..frozen];
+        frozen.iter().for_each(|client| client.freeze());
+        await_lines(&program, GONE, before[0] + frozen.len(), Duration::from_secs(60));
+        frozen.iter().for_each(|client| client.thaw());
+        let thawed = Instant::now();
+        await_lines(&program, BACK, before[1] + frozen.len(), Duration::from_secs(30));
+        println!("round {round}: back after {:?}", thawed.elapsed());
+        if round == 1 {
+            // Whether it was answered: it does not matter to what comes.
+            drop(frozen[0].answer());
+        }
+        for client in frozen.iter_mut() {
+            let moved = step(client);
+            println!("round {round}: {moved:?} after {:?}", thawed.elapsed());
+            // What came before it was frozen is read first.
+            client.run("joint-states --seconds 1");
+            client.run("joint-states --count 100 --seconds 10");
+        }
+    }
+    // Feedback, and the latched status of goals, came to the readers that the client had before.
+    let moved = step(&mut clients[0]);
+    assert!(moved["feedback"]["count"].as_u64() > Some(0), "{moved:?}");
+    assert_eq!(moved["statuses"].as_array().and_then(|all| all.last()), Some(&"SUCCEEDED".into()), "{moved:?}");
+    // None of the goals was done twice.
+    let seen = clients[0].run(&format!("axis-states {NODE}"));
+    let position = &seen.all().last().expect("a sample")["axes"]["turret"]["command_increments"];
+    assert_eq!(position, &Value::from(6 * STEP), "{seen:?}");
+    let (_, log) = ended(program);
+    assert!(!log.contains("ROS side"), "{log}");
+}
+
+const GONE: &str = "it counts as gone";
+const BACK: &str = "speaks again";
+const STEP: i64 = 500;
+
+/// Moves an axis by [`STEP`], and waits for the result.
+#[track_caller]
+fn step(client: &mut Peer) -> Observations {
+    let how = format!("--axis turret --mode relative --units increments --position {STEP} --wait");
+    client.run(&format!("move {NODE} {how}"))
+}
+
+/// Waits until a line stands in the log so often.
+#[track_caller]
+fn await_lines(program: &Program, line: &str, count: usize, patience: Duration) {
+    let begun = Instant::now();
+    while program.log().matches(line).count() < count {
+        assert!(begun.elapsed() < patience, "not {count} times `{line}`: {}", program.log());
+        thread::sleep(Duration::from_millis(50));
+    }
 }
 
 /// The two have seen the same samples, as long as both were there.

@@ -55,7 +55,7 @@ impl<M: Message> Subscription<M> {
             let (from, refusal) = match taken {
                 // A writer that is there already is asked for all that it has: that was meant for others.
                 Ok(sample) if sample.is_stale && !self.latched => {
-                    (sample.id.writer, "it is older than this node".to_owned())
+                    (sample.id.writer, "it is older than this node or its sender's return".to_owned())
                 }
                 Ok(Sample { id, came_ns, .. }) if !self.latched && age(came_ns) > self.timeout => {
                     (id.writer, format!("it has waited for {:.1} s", age(came_ns).as_secs_f64()))

@@ -2,6 +2,7 @@
 //!
 //! The DDS library asks each writer for all that it still has, and Cyclone DDS still has what it sent to a reader that is dead and
 //! whose lease is not over: a node that starts again would do once more what the one before it was told.
+//! Likewise a program that was cut off, and asked for something meanwhile.
 //!
 //! Law      of a writer on this host, which has its clock: stale is what was written before the reader was there. Of another
 //!          host, whose clock may be any: within [`MOMENT`] of the match, and while a dead node's lease may last, stale is what
@@ -25,7 +26,7 @@ pub(super) struct Known {
     pub(super) written: Option<u64>,
     /// Likewise, by this host's clock.
     pub(super) now: u64,
-    /// Since the reader was made.
+    /// Since the reader was made, or the writer's participant spoke again that was lost meanwhile.
     pub(super) reader: Duration,
     /// Since the writer was matched.
     pub(super) matched: Duration,

@@ -3,7 +3,7 @@
 use std::io;
 use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
 
-/// Sends datagrams; what comes back is not read.
+/// Sends datagrams; what comes back is for its ear, where it has one.
 pub(super) struct Beside {
     socket: UdpSocket,
     address: SocketAddrV4,
@@ -27,6 +27,13 @@ impl Beside {
     /// Where it is reached on this host.
     pub(super) fn address(&self) -> SocketAddrV4 {
         self.address
+    }
+
+    /// Hears what comes back.
+    pub(super) fn ear(&self) -> io::Result<UdpSocket> {
+        // The two are one socket to the system: what finds no room is lost then, as anywhere on its way.
+        self.socket.set_nonblocking(true)?;
+        self.socket.try_clone()
     }
 
     /// Sends, where there is a way: a datagram may get lost in any case.

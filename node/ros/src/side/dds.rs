@@ -20,6 +20,7 @@ use rustdds::{
     StatusEvented, Timestamp, Topic, TopicKind, WriteOptionsBuilder, policy,
 };
 
+use super::sedp::Endpoint;
 use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::{Related, ReplyFailure, SampleId};
 use crate::link::qos::Qos;
@@ -86,8 +87,10 @@ pub(super) enum Discovery {
     Found {
         participant: Prefix,
     },
+    /// It said good-bye, or was silent for longer than its lease.
     Gone {
         participant: Prefix,
+        is_silent: bool,
     },
 }
 
@@ -224,6 +227,36 @@ impl Participant {
         ipv4(found.map(|proxy| proxy.unicast_locator_list.into_iter().map(Into::into).collect()))
     }
 
+    /// Endpoints of a remote participant.
+    pub(super) fn endpoints_of(&self, participant: Prefix) -> Vec<Endpoint> {
+        let readers = self.participant.discovered_readers().into_iter().map(|reader| {
+            let (proxy, data) = (reader.reader_proxy, reader.subscription_topic_data);
+            Endpoint {
+                guid: proxy.remote_reader_guid.into(),
+                topic: data.topic_name().clone(),
+                type_name: data.type_name().clone(),
+                reliable: data.qos().is_reliable(),
+                latched: is_latched(data.qos().durability()),
+                addresses: ipv4(Some(proxy.unicast_locator_list.into_iter().map(Into::into).collect())),
+                user_data: reader.user_data,
+            }
+        });
+        let writers = self.participant.discovered_writers().into_iter().map(|writer| {
+            let (proxy, data) = (writer.writer_proxy, writer.publication_topic_data);
+            let qos = data.qos();
+            Endpoint {
+                guid: proxy.remote_writer_guid.into(),
+                topic: data.topic_name,
+                type_name: data.type_name,
+                reliable: qos.is_reliable(),
+                latched: is_latched(qos.durability()),
+                addresses: ipv4(Some(proxy.unicast_locator_list.into_iter().map(Into::into).collect())),
+                user_data: writer.user_data,
+            }
+        });
+        readers.chain(writers).filter(|endpoint| endpoint.guid.prefix() == participant).collect()
+    }
+
     /// Readers of `topic` on the participant of `client`, which is a writer: those with the same user data when it has
     /// some (rmw_cyclonedds marks the two ends of a client by it), else all of them.
     pub(super) fn readers_beside(&self, client: Guid, topic: &str) -> Vec<Guid> {
@@ -241,6 +274,10 @@ impl Participant {
             None => beside.into_iter().map(|(reader, _)| reader).collect(),
         }
     }
+}
+
+fn is_latched(durability: Option<policy::Durability>) -> bool {
+    !matches!(durability, None | Some(policy::Durability::Volatile))
 }
 
 fn ipv4(addresses: Option<Vec<SocketAddr>>) -> Vec<SocketAddrV4> {
@@ -307,15 +344,17 @@ fn discovery(event: &DomainParticipantStatusEvent) -> Option<Discovery> {
             let mut prefix = [0; 12];
             prefix.copy_from_slice(id.as_ref());
             let participant = Prefix(prefix);
-            // The library (0.15.1) takes its announcements for those that it knows already.
-            if let LostReason::Timeout { lease, .. } = reason {
-                tracing::warn!(
-                    "nothing was heard of DDS participant {participant} for {} s: it counts as gone; a program that was \
-                     frozen or cut off so long must be started again, it is not found a second time",
-                    lease.to_std().as_secs_f64()
-                );
-            }
-            Some(Discovery::Gone { participant })
+            let is_silent = match reason {
+                LostReason::Timeout { lease, .. } => {
+                    tracing::warn!(
+                        "nothing was heard of DDS participant {participant} for {} s: it counts as gone until it is heard",
+                        lease.to_std().as_secs_f64()
+                    );
+                    true
+                }
+                LostReason::Disposed => false,
+            };
+            Some(Discovery::Gone { participant, is_silent })
         }
         _ => None,
     }

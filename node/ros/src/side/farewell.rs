@@ -8,17 +8,13 @@ use std::net::{Ipv4Addr, SocketAddrV4};
 use std::time::Duration;
 
 use super::beside::Beside;
-use super::spdp;
+use super::spdp::{self, GROUP, LATE, PROGRAMS, group_port, own_port};
 use crate::link::protocol::Departed;
 
-/// Larger than any number that the library gives its own announcements: Fast DDS takes only larger ones.
-const LATE: i64 = 1 << 30;
 /// Each good-bye is said so often: datagrams get lost.
 const TIMES: i64 = 3;
 /// What receivers need until nothing is left of the dead.
 const PAUSE: Duration = Duration::from_millis(200);
-/// Participants of one host and domain (RTPS 2.5, 9.6.2.3).
-const PROGRAMS: u16 = 120;
 
 /// Says good-bye for the dead, and waits until that has been heard.
 pub(super) fn bury(dead: &[Departed]) {
@@ -30,22 +26,21 @@ pub(super) fn bury(dead: &[Departed]) {
 
 /// Says good-bye in the name of a participant.
 pub(super) fn say(who: &Departed) {
-    (LATE..LATE + TIMES).for_each(|sequence| tell_all(who, &spdp::farewell(who.prefix, sequence)));
+    (LATE..LATE + TIMES).for_each(|sequence| tell_all(who, &spdp::farewell(who.prefix, None, sequence)));
 }
 
 /// Sends a datagram of discovery to all who may know a participant.
 pub(super) fn tell_all(who: &Departed, datagram: &[u8]) {
     let networks = who.networks.clone().unwrap_or_else(of_host);
-    // RTPS 2.5, 9.6.2.3: the group, and where each program of the host listens to its own.
-    let base = 7400 + 250 * who.domain;
-    let local = (0..PROGRAMS).map(|id| SocketAddrV4::new(Ipv4Addr::LOCALHOST, base + 10 + 2 * id));
+    // The group, and where each program of the host listens to its own.
+    let local = (0..PROGRAMS).map(|id| SocketAddrV4::new(Ipv4Addr::LOCALHOST, own_port(who.domain, id)));
     let to_host: Vec<_> = local.collect();
     for network in &networks {
         let Ok(beside) = Beside::on(*network) else { continue };
         if network.is_loopback() {
             to_host.iter().for_each(|address| beside.send(datagram, *address));
         } else {
-            beside.send(datagram, SocketAddrV4::new(Ipv4Addr::new(239, 255, 0, 1), base));
+            beside.send(datagram, SocketAddrV4::new(GROUP, group_port(who.domain)));
         }
     }
 }

@@ -27,7 +27,7 @@ impl Matches {
                 pairs.insert((writer, reader));
             }
             Discovery::Lost { reader } => pairs.retain(|pair| pair.1 != reader),
-            Discovery::Gone { participant } => pairs.retain(|pair| pair.1.prefix() != participant),
+            Discovery::Gone { participant, .. } => pairs.retain(|pair| pair.1.prefix() != participant),
             Discovery::Heard { .. } | Discovery::Silent { .. } | Discovery::Found { .. } => {}
         });
     }
@@ -50,6 +50,11 @@ impl Matches {
     /// Whether the two are matched now.
     pub(super) fn contains(&self, writer: Guid, reader: Guid) -> bool {
         self.pairs.borrow().contains(&(writer, reader))
+    }
+
+    /// Whether this reader is matched now.
+    pub(super) fn has(&self, reader: Guid) -> bool {
+        self.pairs.borrow().iter().any(|pair| pair.1 == reader)
     }
 
     /// Changes from now on.
@@ -79,7 +84,7 @@ mod tests {
         assert_eq!(matches.count(writer), 3);
         matches.note(Discovery::Lost { reader: readers[0] });
         assert!(!matches.contains(writer, readers[0]) && matches.contains(writer, readers[1]));
-        matches.note(Discovery::Gone { participant: readers[1].prefix() });
+        matches.note(Discovery::Gone { participant: readers[1].prefix(), is_silent: true });
         assert_eq!(matches.count(writer), 1);
         matches.forget(writer);
         assert_eq!((matches.count(writer), matches.count(other)), (0, 1));

@@ -22,7 +22,8 @@ use super::matches::Matches;
 use super::nudge::nudge;
 use super::probe::Probe;
 use super::replies::Replies;
-use super::{farewell, spdp};
+use super::returning::Returning;
+use super::{farewell, sedp};
 use crate::link::guid::Guid;
 use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
 
@@ -31,6 +32,7 @@ pub(super) struct Shared {
     pub(super) participant: Arc<Participant>,
     pub(super) matches: Arc<Matches>,
     pub(super) beside: Beside,
+    pub(super) returning: Returning,
     reports: Mutex<Sender<Report>>,
     /// Writers of the program, to tell how many readers each has.
     writers: Mutex<HashMap<Guid, (Endpoint, u32)>>,
@@ -46,6 +48,8 @@ struct Heard {
     since: Instant,
     /// On this host.
     is_local: bool,
+    /// Its participant was lost, and spoke again.
+    again: Option<Instant>,
 }
 
 impl Shared {
@@ -74,15 +78,25 @@ impl Shared {
         let Taken { id, related, written, is_big_endian, bytes } = taken;
         let heard = self.heard().get(&id.writer).copied();
         // Reported a moment later.
-        let heard = heard.unwrap_or_else(|| Heard { since: Instant::now(), is_local: self.is_local(id.writer) });
+        let heard = heard.unwrap_or_else(|| self.new_writer(id.writer));
         let known = Known {
             written,
             now: now_ticks(),
-            reader: since.elapsed(),
+            reader: heard.again.map_or(since, |again| again.max(since)).elapsed(),
             matched: heard.since.elapsed(),
             is_local: heard.is_local,
         };
         Sample { id, related, is_stale: is_stale(known), came_ns: monotonic_ns(), is_big_endian, bytes }
+    }
+
+    /// Is a remote endpoint matched with one of ours?
+    pub(super) fn is_matched(&self, endpoint: Guid) -> bool {
+        self.matches.has(endpoint) || self.heard().contains_key(&endpoint)
+    }
+
+    fn new_writer(&self, writer: Guid) -> Heard {
+        let again = self.returning.since(writer.prefix());
+        Heard { since: Instant::now(), is_local: self.is_local(writer), again }
     }
 
     /// Is it on this host?
@@ -132,20 +146,30 @@ impl Member {
         let barrier = participant.barrier().map_err(|error| error.to_string())?;
         let probe = Arc::new(Probe::new(&participant).map_err(|error| error.to_string())?);
         let prefix = participant.guid().prefix();
+        let own = farewell::of_host();
+        let networks = join.networks.clone().unwrap_or_else(|| own.clone());
+        let returning = Returning::new(prefix, networks).map_err(|error| format!("no socket: {error}"))?;
         let shared = Arc::new(Shared {
             participant: Arc::new(participant),
             matches,
             beside,
+            returning,
             reports: Mutex::new(reports),
             writers: Mutex::default(),
             heard: Mutex::default(),
-            own: farewell::of_host(),
+            own,
         });
         let graph = Graph::new(&runtime, &shared, join).map_err(|error| error.to_string())?;
         let others = Graph::others(&shared).map_err(|error| error.to_string())?;
         let namesakes = watch_for_namesakes(others, prefix, join.namespace.clone(), join.name.clone());
         let follow = follow(Arc::downgrade(&shared), barrier, Arc::clone(&probe), runtime.clone());
-        let tasks = vec![runtime.spawn(follow), runtime.spawn(namesakes)];
+        let mut tasks = vec![runtime.spawn(follow), runtime.spawn(namesakes)];
+        match Returning::start(&shared, join.domain, &runtime) {
+            Ok(ears) => tasks.extend(ears),
+            Err(error) => {
+                tracing::warn!("a client that was frozen or cut off for long will not be found again: {error}")
+            }
+        }
         shared.report(Report::Joined(prefix));
         drop(inside);
         let departed = Departed { prefix, domain: join.domain, networks: join.networks.clone() };
@@ -241,7 +265,7 @@ impl Member {
             Open::Reader { guid, is_subscription, task, .. } => {
                 let end = self.shared.participant.end_of_reader();
                 if *is_subscription {
-                    farewell::tell_all(&self.departed, &spdp::reader_gone(*guid, end));
+                    farewell::tell_all(&self.departed, &sedp::reader_gone(*guid, end));
                 }
                 // The reader goes with its task, and the library says so second.
                 task.abort();
@@ -296,17 +320,18 @@ async fn follow(shared: Weak<Shared>, barrier: super::dds::Barrier, probe: Arc<P
     while let Some(changes) = poll_fn(|context| poll_changes(&shared, context)).await {
         let Some(shared) = shared.upgrade() else { return };
         for change in &changes {
+            shared.returning.note(*change);
             match *change {
                 Discovery::Heard { writer, reader } => {
-                    let is_local = shared.is_local(writer);
-                    shared.heard().insert(writer, Heard { since: Instant::now(), is_local });
+                    let new = shared.new_writer(writer);
+                    shared.heard().insert(writer, new);
                     if writer.is_fast_dds() {
                         let shared = Arc::clone(&shared);
                         runtime.spawn(async move { nudge(&shared, reader, writer).await });
                     }
                 }
                 Discovery::Silent { writer } => drop(shared.heard().remove(&writer)),
-                Discovery::Gone { participant } => {
+                Discovery::Gone { participant, .. } => {
                     shared.heard().retain(|writer, _| writer.prefix() != participant);
                     probe.gone(participant);
                 }

@@ -4,11 +4,12 @@
 //! with this process, whose memory has a bound; the program then starts another one.
 //!
 //! `dds` is the only file that imports the library. What the library (0.15.1) cannot do is done beside it, by RTPS messages in the
-//! name of its participant (`rtps`, `spdp`): `farewell`, `long_reply`, `nudge`, and the announcements of `probe`.
+//! name of its participant (`rtps`, `spdp`, `sedp`): `farewell`, `long_reply`, `nudge`, `returning`, and the announcements of `probe`.
 
 mod age;
 mod beside;
 mod dds;
+mod ears;
 mod farewell;
 mod graph;
 mod latched;
@@ -17,9 +18,12 @@ mod long_reply;
 mod matches;
 mod member;
 mod nudge;
+mod presence;
 mod probe;
 mod replies;
+mod returning;
 mod rtps;
+mod sedp;
 mod spdp;
 
 use std::os::fd::AsFd;
@@ -81,7 +85,7 @@ fn run(stream: UnixStream, reports: Sender<Report>, queue: Receiver<Report>) {
     if writer.is_err() {
         return;
     }
-    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_time().build();
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_io().enable_time().build();
     let Ok(runtime) = runtime else { return };
     follow(stream, &reports, runtime.handle());
     // A reply that still looks for its reader finds none any more.

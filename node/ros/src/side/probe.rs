@@ -13,7 +13,7 @@ use tokio::sync::watch;
 
 use super::dds::{Barrier, DdsError, Participant};
 use super::member::Shared;
-use super::spdp;
+use super::spdp::{self, BARE, Played};
 use crate::link::guid::Prefix;
 
 /// Between two announcements: each makes the library announce itself to all.
@@ -86,10 +86,12 @@ impl Probe {
         };
         let (beside, to) = (&shared.beside, shared.participant.discovery_address());
         let before = *self.seen.borrow();
+        let addresses = [beside.address()];
+        let player = Played { who: self.player, addresses: &addresses, builtin: BARE, lease_s: LEASE_S };
         for _ in 0..TRIES {
-            beside.send(&spdp::announced(self.player, beside.address(), sequence, LEASE_S), to);
+            beside.send(&player.announced(sequence), to);
             let is_found = self.comes(|(found, _)| found > before.0).await;
-            beside.send(&spdp::farewell(self.player, sequence + 1), to);
+            beside.send(&spdp::farewell(self.player, None, sequence + 1), to);
             if self.comes(|(_, lost)| lost > before.1).await && is_found {
                 return true;
             }

@@ -112,8 +112,7 @@ impl Origin {
     /// Why it is not carried out, if it must not be.
     pub(in crate::layer) fn refused(self, request_timeout: Option<Duration>) -> Option<String> {
         if self.is_stale {
-            let sentence =
-                "it was written before this node was there, or by a clock that differs from the node's; ask again";
+            let sentence = "it was written before this node was there or heard its sender again, or by a clock that differs from the node's; ask again";
             return Some(sentence.to_owned());
         }
         late(self.came_ns, request_timeout?)
