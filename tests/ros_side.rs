@@ -3,6 +3,7 @@
 mod support;
 
 use std::{
+    collections::BTreeSet,
     path::PathBuf,
     thread,
     time::{Duration, Instant},
@@ -159,4 +160,28 @@ fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
     }
     let lines = program.log().lines().count();
     assert!(lines < 60, "{lines} lines of log: {}", program.log());
+}
+
+/// Clients reach either of two nodes of one name: each says so once, and no more.
+#[test]
+fn two_nodes_of_one_name_are_told_once_each() {
+    let domain = Domain::take();
+    let (first, second) = (Program::start(&["run"], &domain), Program::start(&["run"], &domain));
+    let told = "has a node /lineshaft, too";
+    for program in [&first, &second] {
+        wait_for(program, told, seconds(20.0));
+    }
+    // Endpoints that come and go announce the node anew.
+    let mut peer = Peer::cyclone(&domain);
+    peer.run("answered /lineshaft --seconds 20");
+    for mut program in [first, second] {
+        program.interrupt();
+        program.wait_exit(seconds(20.0));
+        let log = program.log();
+        let others: Vec<_> = log.lines().filter_map(|line| line.split_once(told)?.0.rsplit(' ').nth(1)).collect();
+        let different: BTreeSet<_> = others.iter().collect();
+        // On a machine that is busy enough a ROS side may be started again: a new one has to be told, and says so anew.
+        let sides = 1 + log.matches("it is started again").count();
+        assert!(others.len() <= sides * different.len(), "once each: {log}");
+    }
 }

@@ -29,7 +29,7 @@ HERE, PEERS = ROOT / "tests/soak", ROOT / "tests/peers"
 NODE_HOST, CLIENT_HOST = "lineshaft-soak-a", "lineshaft-soak-b"
 LASTING, DOOMED = "/lasting", "/doomed"
 DOMAIN = {"SUBNET": 5, "LOCALHOST": 6}
-RATE = 10.5  # requests a second of each of the four
+RATE = 12.5  # requests a second of each of the four
 SEGMENT_S = 60
 LATE_S = 10.0  # a newcomer who has no answer by then goes without
 
