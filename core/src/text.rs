@@ -9,12 +9,10 @@ use crate::object::Object;
 use crate::parameter::{ROWS, Row, Value};
 use crate::unit::{Scale, number_to_text};
 
-mod advice;
 mod parameter;
 mod reason;
 mod set;
 
-pub use advice::{Advice, DRIVE_FAULT, advice};
 pub use parameter::{expected_text, range_text, refused_text, value_text};
 pub use set::{names_no_io, not_built_here};
 
@@ -139,8 +137,8 @@ mod tests {
     fn every_code_has_a_sentence_of_its_own() {
         let config = MachineConfig::default();
         let mut seen = std::collections::BTreeSet::new();
-        for (name, code) in Code::ALL.iter().filter(|(_, code)| !code.is_none() && *code != Code::OVERRUN) {
-            let event = Event::new(Severity::Warn, Kind::Refused, Object::Machine, *code);
+        for row in Code::rows().filter(|row| !row.code.is_none() && row.code != Code::OVERRUN) {
+            let (name, event) = (row.name, Event::new(Severity::Warn, Kind::Refused, Object::Machine, row.code));
             let sentence = sentence(&event, &config);
             assert!(!sentence.contains("code "), "{name}: {sentence}");
             assert!(seen.insert(sentence.clone()), "{name} says the same as another: {sentence}");

@@ -1,8 +1,7 @@
 //! docs/errors.md: every code with its cause and remedy, and what an error does to its axis.
 
-use lineshaft_core::axis::{Class, class, stops_all};
-use lineshaft_core::code::Code;
-use lineshaft_core::text::{DRIVE_FAULT, advice};
+use lineshaft_core::axis::stops_all;
+use lineshaft_core::code::{Code, DRIVE_FAULT, Row};
 use std::fmt::Write;
 
 const INTRODUCTION: &str = "\
@@ -87,21 +86,21 @@ pub fn markdown() -> String {
     for (name, low, high) in PARTS {
         // Writing to a text cannot fail.
         let _ = write!(page, "\n## {name}\n\n| code | name | cause | remedy | reaction |\n|-|-|-|-|-|\n");
-        let mut codes: Vec<_> = Code::ALL.iter().filter(|(_, code)| (low..=high).contains(&code.0)).collect();
-        codes.sort_unstable_by_key(|(_, code)| *code);
-        codes.into_iter().for_each(|(name, code)| page.push_str(&line(name, *code)));
+        let mut rows: Vec<_> = Code::rows().filter(|row| (low..=high).contains(&row.code.0)).collect();
+        rows.sort_unstable_by_key(|row| row.code);
+        rows.into_iter().for_each(|row| page.push_str(&line(row)));
     }
-    let reaction = class(Code::drive_fault(0)).map_or("", Class::text);
-    let (cause, remedy) = (DRIVE_FAULT.cause, DRIVE_FAULT.remedy);
+    let Row { cause, remedy, class, .. } = DRIVE_FAULT;
+    let reaction = class.text();
     let _ = write!(page, "\n## Drives\n\n| code | cause | remedy | reaction |\n|-|-|-|-|\n");
     let _ = writeln!(page, "| 65536 + 603Fh | {cause} | {remedy} | {reaction} |");
     page
 }
 
-fn line(name: &str, code: Code) -> String {
-    let (cause, remedy) = advice(code).map_or(("", ""), |advice| (advice.cause, advice.remedy));
-    let mut reaction = class(code).map_or("", Class::text).to_owned();
-    if stops_all(code) {
+fn line(row: &Row) -> String {
+    let Row { code, name, class, cause, remedy, .. } = row;
+    let mut reaction = class.text().to_owned();
+    if stops_all(*code) {
         reaction.push_str("; with `following_error_stops_all` all axes");
     }
     format!("| {} | {name} | {cause} | {remedy} | {reaction} |\n", code.0)
@@ -131,7 +130,7 @@ mod tests {
     #[test]
     fn every_code_has_one_line_with_a_cause() {
         let page = markdown();
-        for (name, code) in Code::ALL.iter().filter(|(_, code)| !code.is_none()) {
+        for Row { name, code, .. } in Code::rows().filter(|row| !row.code.is_none()) {
             let start = format!("| {} | {name} | ", code.0);
             let lines: Vec<_> = page.lines().filter(|line| line.starts_with(&start)).collect();
             assert_eq!(lines.len(), 1, "{name}");

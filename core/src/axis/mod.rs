@@ -41,7 +41,7 @@ pub use homing::Travel;
 pub(crate) use homing::methods as homing_methods;
 pub use master::may_name;
 pub use modulo::Modulo;
-pub use reaction::{Class, class, stops_all};
+pub use reaction::stops_all;
 pub use safety::{Fault, Safety};
 pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, HOMING_PHASES, HomingPhase, REFERENCES, Reference};
 pub(crate) use stream::STREAM;

@@ -228,14 +228,15 @@ impl Axis {
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
         let place = Number::Position(limit.floor());
-        if self.stopped_at.is_some_and(|stopped| stopped.up == up) {
-            // It has not left it since: that is a new attempt (MACS-LIM-05).
-            self.raise(cx, Code::LIMIT_VIOLATION, Number::Velocity(next.velocity), place);
-        } else {
-            self.raise(cx, code, Number::None, place);
-        }
+        // It has not left it since: that is a new attempt (MACS-LIM-05).
+        let is_anew = self.stopped_at.is_some_and(|stopped| stopped.up == up);
+        let (raised, asked) = match is_anew {
+            true => (Code::LIMIT_VIOLATION, Number::Velocity(next.velocity)),
+            false => (code, Number::None),
+        };
+        self.raise(cx, raised, asked, place);
         self.stopped_at = Some(Stopped { up, room: self.room(up, course.end()) });
-        self.judge.after_stop = self.after_stop_of(code);
+        self.judge.after_stop = self.after_stop_of(raised);
         self.set_state(cx, AxisState::ErrorStop);
         true
     }

@@ -1,8 +1,8 @@
 //! Switching a drive on and off (CiA 402 state machine, seen from the master).
 
-use super::reaction::{Class, class, closes_brake};
+use super::reaction::closes_brake;
 use super::{Axis, AxisState, Context, Generator};
-use crate::code::Code;
+use crate::code::{Class, Code};
 use crate::drive::{DriveInput, DriveOutput, DriveState, Interface, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
@@ -127,7 +127,7 @@ impl Axis {
                 }
             }
             Power::DriveStops { then_off, .. } => {
-                if let Some(code) = failure.filter(|code| class(*code) != Some(Class::Feedback)) {
+                if let Some(code) = failure.filter(|code| code.class() != Some(Class::Feedback)) {
                     // Nobody knows any more whether it does.
                     self.fail_off(cx, code);
                 } else if then_off && self.has_stopped_by_itself(cx.cycle) {
@@ -140,7 +140,7 @@ impl Axis {
 
     /// A drive that fails while its axis is off stops nothing: that is a warning. One that has not come yet does not fail.
     fn watch_idle_drive(&mut self, cx: &mut Context<'_>, failure: Option<Code>) {
-        let failure = failure.filter(|code| class(*code) != Some(Class::Feedback));
+        let failure = failure.filter(|code| code.class() != Some(Class::Feedback));
         let watch = &mut self.watch;
         let Some(code) = failure else {
             (watch.was_well, watch.is_told) = (true, false);
@@ -192,7 +192,7 @@ impl Axis {
 
     /// What fails while the axis is on: without its encoder the drive may still stop it.
     fn fail_by_table(&mut self, cx: &mut Context<'_>, code: Code) {
-        if class(code) != Some(Class::Feedback) {
+        if code.class() != Some(Class::Feedback) {
             self.fail_off(cx, code);
         } else if self.state != AxisState::ErrorStop {
             self.react_at_once(cx, code, Number::None, Number::None);

@@ -8,112 +8,9 @@
 
 use super::power::Power;
 use super::{Axis, AxisState, Context, Generator};
-use crate::code::Code;
+use crate::code::{Class, Code};
 use crate::event::Number;
 use crate::profile::Motion;
-
-/// Kinds of errors by what they do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
-    /// As parameter error_reaction (ERRCOND) says.
-    Parameter,
-    /// As error_reaction says, but 5 stops as 2 does: what commanded the motion is gone, or it would run into its end.
-    Ends,
-    /// A homing or a search for an index has failed: as error_reaction says; with 5 it ends and the axis stops, and takes goals.
-    Search,
-    /// A limit switch: endswmod 1 stops as 2 does; else as [`Class::Ends`].
-    Switch,
-    /// A software limit: it stops at the limit, and once it stands as error_reaction says.
-    SoftwareLimit,
-    /// Its own encoder cannot be trusted: where the position loop is closed here the drive is switched off, with the brake
-    /// for all but error_reaction 0; else as [`Class::Ends`].
-    Feedback,
-    /// Nothing is left to command: the drive gets no voltage.
-    Drive,
-    /// It stops with max_deceleration and holds; with error_reaction 3 the brake closes then.
-    Interlock,
-    /// It stops with max_deceleration, then the drive is switched off and the brake closed.
-    EmergencyStop,
-    /// A SAIA command that is refused; only saia.command_error motor_off makes an error of it, which switches the drive off.
-    Command,
-}
-
-impl Class {
-    /// What the axis does, in words.
-    pub fn text(self) -> &'static str {
-        match self {
-            Self::Parameter => "as `error_reaction` says",
-            Self::Ends => "as `error_reaction` says; 5 stops as 2",
-            Self::Search => {
-                "where it ends a homing or a search: as `error_reaction` says; with 5 the axis stops, and takes goals"
-            }
-            Self::Switch => "`endswmod` 1: stop and hold; else as `error_reaction` says, 5 as 2",
-            Self::SoftwareLimit => {
-                "stops at the limit, then as `error_reaction` says; drive off there with interface open_loop"
-            }
-            Self::Feedback => "drive off where the position loop is closed here; else as `error_reaction` says, 5 as 2",
-            Self::Drive => "drive off",
-            Self::Interlock => "stop with `max_deceleration`, then hold",
-            Self::EmergencyStop => "stop with `max_deceleration`, then drive off and brake closed",
-            Self::Command => "none; with `saia.command_error` motor_off: drive off",
-        }
-    }
-}
-
-/// The table: every code that an axis can raise.
-const TABLE: &[(Code, Class)] = &[
-    (Code::FOLLOWING_ERROR, Class::Parameter),
-    (Code::STOPPED_WITH_OTHER, Class::Parameter),
-    (Code::WF_FOLLOWING_ERROR_IN_TRAVEL, Class::Parameter),
-    (Code::WF_FOLLOWING_ERROR_AT_STANDSTILL, Class::Parameter),
-    (Code::WF_POSITION_NOT_REACHED, Class::Parameter),
-    (Code::WF_NO_ZERO_MARK, Class::Search),
-    (Code::HOMING_SWITCH_MISSED, Class::Search),
-    (Code::HOMING_INDEX_MISSED, Class::Search),
-    (Code::HOMING_AT_LIMIT, Class::Search),
-    (Code::HOMING_IN_DRIVE_FAILED, Class::Search),
-    (Code::HOMING_IN_DRIVE_TIMEOUT, Class::Search),
-    (Code::HOMING_LOST, Class::Search),
-    (Code::POSITION_OUT_OF_RANGE, Class::Search),
-    (Code::DRIVE_LOST, Class::Drive),
-    (Code::DRIVE_STALE, Class::Drive),
-    (Code::DRIVE_DISABLED, Class::Drive),
-    (Code::ENABLE_TIMEOUT, Class::Drive),
-    (Code::SOFTWARE_LIMIT_POSITIVE, Class::SoftwareLimit),
-    (Code::SOFTWARE_LIMIT_NEGATIVE, Class::SoftwareLimit),
-    (Code::HARDWARE_LIMIT_POSITIVE, Class::Switch),
-    (Code::HARDWARE_LIMIT_NEGATIVE, Class::Switch),
-    (Code::BOTH_LIMIT_SWITCHES, Class::Switch),
-    (Code::LIMIT_VIOLATION, Class::Switch),
-    (Code::LEADER_LOST, Class::Ends),
-    (Code::ENCODER_JUMP, Class::Ends),
-    (Code::ENCODER_INVALID, Class::Feedback),
-    (Code::WF_ENCODER_CABLE, Class::Drive),
-    (Code::WF_PULSES, Class::Drive),
-    (Code::EMERGENCY_STOP, Class::EmergencyStop),
-    (Code::INTERLOCK, Class::Interlock),
-    (Code::SAIA_NOT_INITIALISED, Class::Command),
-    (Code::SAIA_REGISTER_OUT_OF_RANGE, Class::Command),
-    (Code::SAIA_POSITION_OUT_OF_RANGE, Class::Command),
-    (Code::SAIA_VELOCITY_OUT_OF_RANGE, Class::Command),
-    (Code::SAIA_ACCELERATION_OUT_OF_RANGE, Class::Command),
-    (Code::SAIA_RELATIVE_TOO_EARLY, Class::Command),
-    (Code::SAIA_BAD_STOP_BITS, Class::Command),
-    (Code::SAIA_BAD_REACTION, Class::Command),
-    (Code::SAIA_STEP_IN_MOTION, Class::Command),
-    (Code::SAIA_STEP_AT_END, Class::Command),
-    (Code::SAIA_ACCELERATION_PENDING, Class::Command),
-    (Code::SAIA_ACCELERATION_ABOVE_VELOCITY, Class::Command),
-    (Code::SAIA_READ_OUT_OF_RANGE, Class::Command),
-];
-
-/// What an error of this code does; none where it is never the error of an axis.
-pub fn class(code: Code) -> Option<Class> {
-    match TABLE.iter().find(|(known, _)| *known == code) {
-        Some((_, class)) => Some(*class),
-        None => (code.0 >= Code::DRIVE_FAULT).then_some(Class::Drive),
-    }
-}
 
 /// Is the brake closed in the end, by this number of error_reaction (MACS-IO-04)?
 pub(super) fn closes_brake(reaction: i64) -> bool {
@@ -159,8 +56,8 @@ impl Axis {
     fn deed(&self, code: Code) -> Deed {
         let reaction = self.parameters.error_reaction;
         let by_parameter = Deed::of_parameter(reaction);
-        match class(code).unwrap_or(Class::Parameter) {
-            Class::Parameter | Class::Search => by_parameter,
+        match code.class().unwrap_or(Class::Parameter) {
+            Class::NoError | Class::Parameter | Class::Search => by_parameter,
             Class::Ends => by_parameter.ending(),
             Class::Switch if self.parameters.supervision.endswmod == 1 => Deed::Stop { then: 2 },
             Class::Switch => by_parameter.ending(),
@@ -290,26 +187,5 @@ impl Axis {
             4 if has_drive && self.is_at_work() => self.power = Power::DriveStops { since: cycle, then_off: false },
             _ => {}
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_code_stands_once_in_the_table() {
-        let mut codes: Vec<u32> = TABLE.iter().map(|(code, _)| code.0).collect();
-        codes.sort_unstable();
-        codes.dedup();
-        assert_eq!(codes.len(), TABLE.len());
-    }
-
-    #[test]
-    fn faults_of_a_drive_take_its_voltage() {
-        assert_eq!(class(Code::drive_fault(0x8611)), Some(Class::Drive));
-        assert_eq!(class(Code::FOLLOWING_ERROR), Some(Class::Parameter));
-        assert_eq!([Code::NONE, Code::CANCELLED, Code::HOMING_REQUIRED, Code::ABORTED].map(class), [None; 4]);
-        assert!(stops_all(Code::FOLLOWING_ERROR) && !stops_all(Code::HARDWARE_LIMIT_POSITIVE));
     }
 }

@@ -51,8 +51,8 @@ pub(super) fn is_expected(answer: &Answer, wanted: Option<&Refusal>, deed: Optio
 /// Is what is wanted said by the sentence, by the parameter or by the code?
 fn names(event: &Event, wanted: &Refusal, deed: Option<&Deed>, plan: &Plan) -> bool {
     let row = event.parameter.and_then(|row| ROWS.get(usize::from(row)));
-    let code = Code::ALL.iter().find(|(_, code)| *code == event.code);
-    let names = [row.map_or("", |row| row.key), code.map_or("", |(name, _)| name)];
+    let code = Code::rows().find(|row| row.code == event.code);
+    let names = [row.map_or("", |row| row.key), code.map_or("", |row| row.name)];
     let by_id = by_id(event, deed, plan).unwrap_or_default();
     wanted.fits(event.code, &[&sentence(event, &plan.config), &by_id], &names)
 }

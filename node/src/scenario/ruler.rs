@@ -154,7 +154,7 @@ impl Ruler {
             (Number::Real(value), _) => number_to_text(value),
         };
         if self.is_code {
-            let name = Code::ALL.iter().find(|(_, code)| number == Number::Int(code.0.into())).map(|(name, _)| *name);
+            let name = Code::rows().find(|row| number == Number::Int(row.code.0.into())).map(|row| row.name);
             return name.filter(|_| number != Number::Int(0)).map_or(plain.clone(), |name| format!("{plain} ({name})"));
         }
         let unit = self.measure.unit();
@@ -212,9 +212,9 @@ pub(super) fn read_code(value: &Value<'_>) -> Option<u32> {
         return value.integer(0..=u32::MAX);
     }
     let text = value.text()?;
-    let found = Code::ALL.iter().find(|(name, _)| *name == text).map(|(_, code)| code.0);
+    let found = Code::rows().find(|row| row.name == text).map(|row| row.code.0);
     if found.is_none() {
-        let hint = nearest(text, Code::ALL.iter().map(|(name, _)| *name)).map(did_you_mean);
+        let hint = nearest(text, Code::rows().map(|row| row.name)).map(did_you_mean);
         value.refuse(format!("no code is called `{}`; a number or a name is expected", excerpt(text)), hint);
     }
     found

@@ -1,6 +1,6 @@
 //! A small machine with a simulated plant, for the tests of the cycle.
 
-use crate::axis::{Context, class};
+use crate::axis::Context;
 use crate::command::{
     Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Setpoint, Setpoints, Source,
     SyncMode, Synchronize,
@@ -168,7 +168,7 @@ impl Rig {
         let events = self.machine.events();
         for event in events.iter().filter(|event| event.kind == Kind::Error && matches!(event.source, Object::Axis(_)))
         {
-            assert!(class(event.code).is_some(), "{event:?} has no line in the table of reactions");
+            assert!(event.code.class().is_some(), "{event:?} has no line in the table of reactions");
         }
         self.events.extend_from_slice(events);
     }

@@ -8,7 +8,6 @@ use lineshaft_core::event::{Event as CoreEvent, Kind};
 use lineshaft_core::object::Object;
 use lineshaft_core::signal::Board;
 use lineshaft_core::signal::axis::AxisSignal;
-use lineshaft_core::text::advice;
 use lineshaft_msgs::msg::Event;
 
 /// Publishes what is worth keeping.
@@ -33,8 +32,8 @@ impl History {
             if let Some(stood) = self.stood(host, event) {
                 text.push_str(&stood);
             }
-            if let Some(advice) = advice(event.code) {
-                text = format!("{text}. {}", advice.remedy);
+            if let Some(row) = event.code.row() {
+                text = format!("{text}. {}", row.remedy);
             }
         }
         if let Err(error) = self.publisher.publish(&Event { text, ..message.clone() }) {

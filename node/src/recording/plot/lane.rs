@@ -98,7 +98,7 @@ pub(super) fn value_text(kind: &Kind, value: i64) -> String {
 /// `FOLLOWING_ERROR`, `DRIVE_FAULT 8611h`; the number where it has no name.
 fn code_text(value: i64) -> String {
     let code = u32::try_from(value).ok().map(Code);
-    let name = Code::ALL.iter().find(|(_, known)| Some(*known) == code).map(|(name, _)| (*name).to_owned());
+    let name = Code::rows().find(|row| Some(row.code) == code).map(|row| row.name.to_owned());
     let fault = || {
         let fault = u16::try_from(value.checked_sub(i64::from(Code::DRIVE_FAULT))?).ok()?;
         Some(format!("DRIVE_FAULT {fault:X}h"))

@@ -223,8 +223,8 @@ pub(super) fn text(value: f64, kind: Type) -> String {
             name.map_or_else(|| value.to_string(), |name| (*name).to_owned())
         }
         Type::Int => {
-            let code = Code::ALL.iter().find(|(_, code)| f64::from(code.0) == value && code.0 > 1000);
-            code.map_or_else(|| value.to_string(), |(name, _)| format!("{value} ({name})"))
+            let row = Code::rows().find(|row| f64::from(row.code.0) == value && row.code.0 > 1000);
+            row.map_or_else(|| value.to_string(), |row| format!("{value} ({})", row.name))
         }
         Type::Real => number(value),
         Type::Bit | Type::Word => value.to_string(),

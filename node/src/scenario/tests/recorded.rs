@@ -66,10 +66,10 @@ fn generated(played: &Played, cell: &Cell) -> String {
             _ => to_json(command, &cell.machine),
         };
         let refusal = played.events.iter().find(|e| e.command == command.sequence && e.kind == Kind::Refused);
-        let code = refusal.and_then(|event| Code::ALL.iter().find(|(_, code)| *code == event.code));
+        let code = refusal.and_then(|event| Code::rows().find(|row| row.code == event.code));
         let refused = match code {
-            Some((_, Code::BAD_REQUEST)) => ", refused: no axis is called".to_owned(),
-            Some((name, _)) => format!(", refused: {name}"),
+            Some(row) if row.code == Code::BAD_REQUEST => ", refused: no axis is called".to_owned(),
+            Some(row) => format!(", refused: {}", row.name),
             None => String::new(),
         };
         writeln!(text, "- {{at: {cycle}, do: {verb}{refused}}}").unwrap();

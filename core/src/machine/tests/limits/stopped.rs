@@ -58,6 +58,34 @@ fn reset(rig: &mut Rig) {
     assert_eq!((rig.state("x"), rig.int("x.error")), ("STANDSTILL", 0));
 }
 
+/// At the limit it does what error_reaction says; a new attempt reacts as code 98 at a switch: endswmod 1 stops and holds, with 0
+/// error_reaction decides, of which 5 holds, too.
+///
+/// Proves: MACS-LIM-05, MACS-LIM-08
+#[test]
+fn a_new_attempt_at_a_software_limit_reacts_as_its_code_says() {
+    for (endswmod, reaction, first, again) in
+        [(1, 0, false, true), (0, 0, false, false), (1, 2, true, true), (1, 5, true, true), (0, 5, true, true)]
+    {
+        let mut rig = coupled(0);
+        set(&mut rig, "endswmod", endswmod);
+        set(&mut rig, "error_reaction", reaction);
+        lead(&mut rig, 20_000.0);
+        run_to_limit(&mut rig);
+        assert_eq!(rig.int("x.enabled") == 1, first, "endswmod {endswmod}, error_reaction {reaction}");
+        rig.give(Action::ResetErrors(AxisSet::one(X)));
+        rig.run(10);
+        if !first {
+            rig.enable();
+        }
+        lead(&mut rig, 20_000.0);
+        run_to_limit(&mut rig);
+        assert_eq!(errors(&rig), [Code::SOFTWARE_LIMIT_POSITIVE, Code::LIMIT_VIOLATION]);
+        assert_eq!(rig.int("x.enabled") == 1, again, "endswmod {endswmod}, error_reaction {reaction}, again");
+        assert_eq!(rig.int("x.command.position"), 4_000);
+    }
+}
+
 /// It was led there at 20 mm/s and had to brake, and so it was before its limit when the stop came: the first new attempt is 98.
 ///
 /// Proves: MACS-LIM-05

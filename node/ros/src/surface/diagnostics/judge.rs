@@ -9,7 +9,6 @@ use lineshaft_core::code::Code;
 use lineshaft_core::drive::DriveState;
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_core::signal::{Directory, Signal};
-use lineshaft_core::text::advice;
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::{DiagnosticStatus, KeyValue};
 use std::time::{Duration, Instant};
 
@@ -227,8 +226,8 @@ impl Drive {
             Finding::DriveWarns => "the drive warns".to_owned(),
             _ => state.to_owned(),
         };
-        let advice = if code.is_none() { None } else { advice(code) };
-        let (cause, remedy) = advice.map_or(("none", "none"), |advice| (advice.cause, advice.remedy));
+        let row = if code.is_none() { None } else { code.row() };
+        let (cause, remedy) = row.map_or(("none", "none"), |row| (row.cause, row.remedy));
         let last = view.int(board, AxisSignal::FaultCode);
         let bit = |signal| if view.bit(board, signal) { "yes" } else { "no" };
         let values = vec![
@@ -256,8 +255,7 @@ fn of_code(code: Code) -> String {
     if let Some(fault) = code.0.checked_sub(Code::DRIVE_FAULT).filter(|fault| *fault <= u32::from(u16::MAX)) {
         return format!("drive fault {fault:#06x}");
     }
-    let known = Code::ALL.iter().find(|(_, known)| *known == code);
-    known.map_or_else(|| format!("error {}", code.0), |(name, _)| name.to_ascii_lowercase().replace('_', " "))
+    code.row().map_or_else(|| format!("error {}", code.0), |row| row.name.to_ascii_lowercase().replace('_', " "))
 }
 
 fn judge_drive(view: &AxisView, snapshot: &Snapshot) -> Finding {

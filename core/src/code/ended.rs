@@ -1,0 +1,494 @@
+//! How goals ended, and what has failed.
+
+use super::codes;
+
+codes! {
+    /// The axis stands in homing, and the command needs its zero, or would disturb it.
+    HOMING_UNDER_WAY = 10301, NoError {
+        says: "the axis is homing; wait for its end, or cancel it",
+        cause: "The axis homes, and the command needs its zero, or would disturb it.",
+        remedy: "Wait for the end of homing.",
+    }
+
+    /// Homing without a method: homing.method is 0.
+    HOMING_NO_METHOD = 10302, NoError {
+        says: "homing.method is 0: give the axis a method, or name one in the command",
+        cause: "Homing was asked for, and homing.method is 0.",
+        remedy: "Set homing.method, or name a method.",
+    }
+
+    /// A method that there is not.
+    HOMING_UNKNOWN_METHOD = 10303, NoError {
+        says: "scheme macs has no homing method {asked}; 0 to {limit}, its home_type, are allowed",
+        cause: "There is no such method.",
+        remedy: "Choose one of docs/homing.md.",
+    }
+
+    /// Homing with a velocity of 0.
+    HOMING_NO_VELOCITY = 10304, NoError {
+        says: "homing.velocity is 0; give one above 0, or below 0 for the other direction",
+        cause: "Homing was asked for with a velocity of 0.",
+        remedy: "Set homing.velocity (home_vel).",
+    }
+
+    /// A homing sequence of MACS without the input of its switch.
+    HOMING_NO_SWITCH = 10305, NoError {
+        says: "",
+        cause: "A home_type of MACS needs a reference switch, and no input is assigned.",
+        remedy: "Set i_refswitch, or choose a method without a switch.",
+    }
+
+    /// The edge of the switch did not come within `homing.max_distance`.
+    HOMING_SWITCH_MISSED = 10306, Search {
+        says: "the switch did not change within homing.max_distance {limit}",
+        cause: "Homing went homing.max_distance without finding its switch: a switch that is stuck, cut off or wired \
+            to another input.",
+        remedy: "Check the switch and its signal, then reset_errors and home again; or raise homing.max_distance.",
+    }
+
+    /// No index pulse within `homing.index_distance`.
+    HOMING_INDEX_MISSED = 10307, Search {
+        says: "no index pulse came within homing.index_distance {limit}",
+        cause: "Homing went homing.index_distance without an index pulse: the encoder has none, or its track is cut.",
+        remedy: "Check the encoder's index and its cable; or choose a method without an index; then reset_errors and \
+            home again.",
+    }
+
+    /// A limit switch that the method has no use for ended the search.
+    HOMING_AT_LIMIT = 10308, Search {
+        says: "a limit switch ended the search for the reference",
+        cause: "Homing ran onto a limit switch that its method has no use for.",
+        remedy: "Check the reference switch, choose a method that turns round at the limit switches, then \
+            reset_errors and home again.",
+    }
+
+    /// A virtual axis has no switches and no index.
+    HOMING_NEEDS_DRIVE = 10309, NoError {
+        says: "the axis is virtual, without switches and index: it needs homing method 35 or 37",
+        cause: "Homing of a virtual axis was asked for, which has no switches, by another method than 35 and 37.",
+        remedy: "Use set_position.",
+    }
+
+    /// The drive that homes by itself reports an error of homing.
+    HOMING_IN_DRIVE_FAILED = 10310, Search {
+        says: "the drive did not find its zero",
+        cause: "The drive homes by itself and told that it failed.",
+        remedy: "See the drive's own code, then reset_errors and home again.",
+    }
+
+    /// The drive did not take up mode homing.
+    HOMING_IN_DRIVE_TIMEOUT = 10311, Search {
+        says: "the drive did not take up mode 6, homing, within 5 s",
+        cause: "The drive did not take mode 6 or did not start.",
+        remedy: "Check that it can home by itself; or set homing.in_drive to false.",
+    }
+
+    /// A sequence that no drive has, of an axis whose drive homes.
+    HOMING_NOT_IN_DRIVE = 10312, NoError {
+        says: "",
+        cause: "A sequence of MACS was asked of a drive that homes by itself.",
+        remedy: "Choose a method of CiA 402, or set homing.in_drive to false.",
+    }
+
+    /// What the zero depends on was changed.
+    HOMING_LOST = 10313, Search {
+        says: "the zero is no longer known; home the axis again",
+        cause: "The zero is not known any more: the drive counts anew, or a parameter of encoder, sense or homing was \
+            changed.",
+        remedy: "Home the axis.",
+    }
+
+    /// A selection has ended homing.
+    HOMING_LEFT = 10314, NoError {
+        says: "another reference was selected, and that ended homing: the axis has no new zero",
+        cause: "While reference 5 of the selector homed the axis, another reference was selected.",
+        remedy: "Nothing, if that was meant; else select 5 again.",
+    }
+
+    /// ENCODERTYPE or MENCODERTYPE has no such number.
+    ENCODER_UNKNOWN_TYPE = 10321, NoError {
+        says: "",
+        cause: "encodertype or mencodertype has a number that there is not.",
+        remedy: "Choose one of docs/encoders.md.",
+    }
+
+    /// ENCODERTYPE or MENCODERTYPE names a node of a bus, which does not exist yet.
+    ENCODER_NEEDS_BUS = 10322, NoError {
+        says: "",
+        cause: "encodertype or mencodertype names an encoder on a bus.",
+        remedy: "Name an entry of encoders in feedback of the axis instead.",
+    }
+
+    /// ENCODERTYPE names an encoder terminal that the cell does not have.
+    ENCODER_NO_TERMINAL = 10323, NoError {
+        says: "",
+        cause: "encodertype or mencodertype names an entry of encoders that the cell does not have.",
+        remedy: "Add the entry, or choose 10, 20 or 30 as there are entries.",
+    }
+
+    /// The drive closes its position loop with its own encoder.
+    ENCODER_LOOP_IN_DRIVE = 10324, NoError {
+        says: "",
+        cause: "The drive closes its position loop itself, with its own encoder.",
+        remedy: "Use interface velocity, or leave the encoder to the drive.",
+    }
+
+    /// Two parameters, or one and the cell, name different encoders.
+    ENCODER_CHOSEN_TWICE = 10325, NoError {
+        says: "",
+        cause: "Two places name different encoders for one axis.",
+        remedy: "Leave out one of feedback, encodertype and wf.md4.",
+    }
+
+    /// The zero of an absolute encoder stands.
+    ABSOLUTE_ZERO_STANDS = 10326, NoError {
+        says: "encodertype {plain} says that its encoder is absolute, so that its zero stands; no homing, no index \
+            and no set_position",
+        cause: "Homing or a new position was asked of an axis with an absolute encoder, whose zero stands.",
+        remedy: "Set the zero at the encoder, or choose an incremental encodertype.",
+    }
+
+    /// A bad word of an absolute encoder was replaced by an extrapolated one.
+    ENCODER_SUBSTITUTED = 10327, NoError {
+        says: "a bad word of the encoder was replaced by an extrapolated one; {plain} so far",
+        cause: "A word of an absolute encoder could not be right and was replaced: noise on its line.",
+        remedy: "Check shield and cable of the encoder before it fails.",
+    }
+
+    /// A new zero moved the axis alone and not its encoder, because another user of the encoder began to move.
+    ENCODER_NOT_SHARED = 10328, NoError {
+        says: "with its new zero a position or limit of the encoder or of an axis that reads it would leave +-2^62 \
+            increments, so that only this axis has it",
+        cause: "A new zero was to move an encoder with several users, and one of them began to move in the same \
+            cycle, or would leave its range.",
+        remedy: "Stand still with all users of the encoder, then set the position again.",
+    }
+
+    /// A coupling without a master, and MENCODERTYPE names none.
+    NO_MASTER = 10329, NoError {
+        says: "no master is named, and mencodertype {plain} names none that the cell has; name one, or set it to -n \
+            (axis n), 10, 20, 30 (an entry of encoders) or 6 (a simulated one)",
+        cause: "synchronize names no master, and neither does mencodertype of the axis; or mencodertype names an axis \
+            that there is not.",
+        remedy: "Name a master, or set mencodertype.",
+    }
+
+    /// The zero of an absolute encoder that leads stands.
+    MASTER_ZERO_STANDS = 10330, NoError {
+        says: "the encoder is absolute, so that its zero stands: no set_position of it as a master",
+        cause: "A new position was asked of a master that is an absolute encoder, whose zero stands.",
+        remedy: "Set the zero at the encoder, or give a coupling an offset.",
+    }
+
+    /// MD4 asks for words that the drive would have to decode.
+    WF_LOOP_IN_DRIVE = 10331, NoError {
+        says: "",
+        cause: "The drive closes its position loop itself, and wf.md4 asks the core to decode words.",
+        remedy: "Use interface velocity, or leave wf.md4 incremental.",
+    }
+
+    /// ENCODERFREQ is no clock rate.
+    ENCODER_NO_RATE = 10332, NoError {
+        says: "",
+        cause: "encoderfreq is a distance of marks, but encodertype is not 9.",
+        remedy: "Set both in one command, or encoderfreq first to 39000 to 5000000 Hz.",
+    }
+
+    /// MD16 is no parity.
+    WF_NO_PARITY = 10333, NoError {
+        says: "",
+        cause: "wf.md16 is a position, but with wf.md4 absolute it is the parity of the words.",
+        remedy: "Set wf.md16 to 0, 1 or 2 inc together with wf.md4.",
+    }
+
+    /// I_BREAK ended the goal, an enable or a reset.
+    INTERRUPTED = 10341, NoError {
+        says: "i_break has stopped the axis; i_continue or reset_errors lets it go on",
+        cause: "The input of i_break ended what ran or was to begin: a goal, an enable, a reset.",
+        remedy: "Give the edge of i_continue, or reset_errors; then give the goal again.",
+    }
+
+    /// A parameter names a digital input that the cell has not.
+    NO_SUCH_INPUT = 10342, NoError {
+        says: "",
+        cause: "A parameter names a digital input that the cell does not have.",
+        remedy: "Name one of the entries of type di, counted from 1 in file order.",
+    }
+
+    /// A parameter names a digital output that the cell has not.
+    NO_SUCH_OUTPUT = 10343, NoError {
+        says: "",
+        cause: "A parameter names a digital output that the cell does not have.",
+        remedy: "Name one of the entries of type do, counted from 1 in file order.",
+    }
+
+    /// An output that an axis switches by itself.
+    OUTPUT_TAKEN = 10344, NoError {
+        says: "",
+        cause: "The output is switched by an axis itself: its direction, its brake.",
+        remedy: "Name another output.",
+    }
+
+    /// A value that an output cannot have.
+    OUTPUT_VALUE = 10345, NoError {
+        says: "{plain} is no value of this output; 0 and 1 of a do, a finite number of V of an ao are",
+        cause: "An output was to have a value that it cannot have.",
+        remedy: "Give 0 or 1 to digital outputs, a voltage to analog ones.",
+    }
+
+    /// What is to be set is no output.
+    NO_OUTPUT = 10346, NoError {
+        says: "this is no output; a do or an ao may be set",
+        cause: "set_output named an entry that is no output.",
+        remedy: "Name an entry of type do or ao.",
+    }
+
+    /// REVERS asks for outputs of an axis whose drive gets positions.
+    REVERSING_BY_POSITION = 10347, NoError {
+        says: "",
+        cause: "revers asks for outputs that tell the sign of a velocity, and the drive gets positions.",
+        remedy: "Use interface velocity or open_loop, or a revers of 0, 1 or 2.",
+    }
+
+    /// A parameter names an output that has another function already.
+    OUTPUT_SHARED = 10356, NoError {
+        says: "{key} names output {plain}, which has another function already",
+        cause: "A parameter names an output that a brake, section wf or another parameter switches.",
+        remedy: "Give each function an output of its own.",
+    }
+
+    /// A newer command took the axis over.
+    REPLACED = 10101, NoError {
+        says: "a newer command took the axis over",
+        cause: "A newer command took the axis over.",
+        remedy: "Nothing, if that was meant.",
+    }
+
+    /// halt ended the goal.
+    HALTED = 10102, NoError {
+        says: "halt ended the goal",
+        cause: "halt ended the goal.",
+        remedy: "Give a new goal.",
+    }
+
+    /// The client cancelled the goal.
+    CANCELLED = 10103, NoError {
+        says: "the goal was cancelled",
+        cause: "The client cancelled the goal.",
+        remedy: "Give a new goal.",
+    }
+
+    /// quick_stop ended the goal, an enable or a reset.
+    QUICK_STOP = 10104, NoError {
+        says: "quick_stop has stopped the axis",
+        cause: "quick_stop ended what ran or was to begin: a goal, an enable, a reset.",
+        remedy: "reset_errors where the axis is locked, enable where it is off; then give the goal again.",
+    }
+
+    /// disable ended the goal.
+    DISABLED = 10105, NoError {
+        says: "the axis was switched off",
+        cause: "disable ended the goal.",
+        remedy: "Enable the axis, then give a new goal.",
+    }
+
+    /// The goal waited for one that did not reach its end.
+    NOT_REACHED = 10106, NoError {
+        says: "the goal before it did not reach its end",
+        cause: "The goal before it did not reach its end.",
+        remedy: "See how that one ended.",
+    }
+
+    /// The goal searched for a mark that did not come.
+    PROBE_MISSED = 10107, NoError {
+        says: "nothing latched until the end of the search",
+        cause: "No mark came until the end of the search.",
+        remedy: "Check the sensor; search longer.",
+    }
+
+    /// Following error beyond `max_following_error` (MACS position error, which has no number in the source).
+    FOLLOWING_ERROR = 10201, Parameter {
+        says: "following error {asked} lies beyond max_following_error {limit}",
+        cause: "The actual position is further behind its command than max_following_error, for longer than \
+            following_error_time: a weak, blocked or badly tuned drive.",
+        remedy: "Check load, brake and tuning; reduce acceleration or allow more; then reset_errors.",
+    }
+
+    /// The axis stopped at `max_position`.
+    SOFTWARE_LIMIT_POSITIVE = 10202, SoftwareLimit {
+        says: "",
+        cause: "A motion without a target, or a coupled one, came to max_position and was stopped there.",
+        remedy: "reset_errors, then move back.",
+    }
+
+    /// The axis stopped at `min_position`.
+    SOFTWARE_LIMIT_NEGATIVE = 10203, SoftwareLimit {
+        says: "",
+        cause: "A motion without a target, or a coupled one, came to min_position and was stopped there.",
+        remedy: "reset_errors, then move back.",
+    }
+
+    /// The drive left operation enabled by itself.
+    DRIVE_DISABLED = 10204, Drive {
+        says: "the drive left operation enabled by itself",
+        cause: "The drive left operation enabled by itself: its own enable input, its safe torque off.",
+        remedy: "Remove the cause, then reset_errors.",
+    }
+
+    /// The drive did not reach operation enabled in time.
+    ENABLE_TIMEOUT = 10205, Drive {
+        says: "the drive did not reach operation enabled within 5 s",
+        cause: "The drive did not reach operation enabled within 5 s.",
+        remedy: "Check supply and enable inputs of the drive, then reset_errors.",
+    }
+
+    /// An encoder gives no valid value.
+    ENCODER_INVALID = 10206, Feedback {
+        says: "the encoder gives no valid value",
+        cause: "An encoder gives no valid value.",
+        remedy: "Check its cable and supply, then reset_errors.",
+    }
+
+    /// What the axis follows is lost (its encoder is invalid or its drive is away).
+    LEADER_LOST = 10207, Ends {
+        says: "what the axis follows is lost",
+        cause: "What the axis follows is lost: its encoder is invalid or its drive is away.",
+        remedy: "Bring the leader back, reset_errors, couple again.",
+    }
+
+    /// A drive gave no new data for too long.
+    DRIVE_STALE = 10208, Drive {
+        says: "the drive sent nothing new for more than 10 cycles",
+        cause: "The drive sent nothing new for more than 10 cycles.",
+        remedy: "Check the load of the bus and the cycle, then reset_errors.",
+    }
+
+    /// Streamed setpoints stopped coming.
+    STREAM_TIMEOUT = 10209, NoError {
+        says: "streamed setpoints stopped coming",
+        cause: "Streamed setpoints stopped coming; the axis was stopped.",
+        remedy: "Send them faster than setpoint_timeout.",
+    }
+
+    /// The encoder jumped further in one cycle than any motion explains.
+    ENCODER_JUMP = 10210, Ends {
+        says: "the encoder jumped by {asked} in one cycle; its axis moves {limit} at most",
+        cause: "A leader or encoder jumped further in one cycle than any motion explains.",
+        remedy: "Check the encoder, then reset_errors.",
+    }
+
+    /// Gear motion beyond `max_velocity` or `max_acceleration`: the axis lags and catches up.
+    SYNC_LOST = 10211, NoError {
+        says: "the leader is faster than the axis may be; it lags and catches up",
+        cause: "The leader is faster than the axis may be; it lags and catches up.",
+        remedy: "Slow the leader down, or raise the limits.",
+    }
+
+    /// Cycles were missed.
+    OVERRUN = 10212, NoError {
+        says: "",
+        cause: "Cycles were missed: the computer was busy.",
+        remedy: "See docs/realtime.md.",
+    }
+
+    /// The drive did not leave its fault after the reset.
+    RESET_FAILED = 10213, NoError {
+        says: "the drive did not leave its fault within 5 s",
+        cause: "The drive did not leave its fault within 5 s.",
+        remedy: "Remove the cause of the fault, then reset_errors again.",
+    }
+
+    /// More events in one cycle than there is room for.
+    EVENTS_LOST = 10214, NoError {
+        says: "{plain} events of this cycle had no room",
+        cause: "More events came in one cycle than there is room for.",
+        remedy: "Give fewer commands in one cycle.",
+    }
+
+    /// More latches in one cycle than the inputs have room for.
+    LATCHES_LOST = 10215, NoError {
+        says: "{plain} latches of this cycle had no room",
+        cause: "More latches came in one cycle than there is room for.",
+        remedy: "Check the inputs for bouncing.",
+    }
+
+    /// Cycles are missing in the recording: the disk did not keep up.
+    RECORD_LOST = 10216, NoError {
+        says: "",
+        cause: "The disk did not keep up: cycles are missing in the recording.",
+        remedy: "Record to a faster disk.",
+    }
+
+    /// The recording stopped: the system refused to write it.
+    RECORD_FAILED = 10217, NoError {
+        says: "",
+        cause: "The system refused to write the recording.",
+        remedy: "Make room, check the rights; start a new recording.",
+    }
+
+    /// The flight recorder could not save its bag.
+    FLIGHT_FAILED = 10218, NoError {
+        says: "",
+        cause: "The flight recorder could not save its bag.",
+        remedy: "Make room, check the folder.",
+    }
+
+    /// The limit switch at the end of rising counts was reached.
+    HARDWARE_LIMIT_POSITIVE = 10221, Switch {
+        says: "the positive limit switch was reached",
+        cause: "The limit switch at the end of rising counts was reached, or its wire is broken.",
+        remedy: "reset_errors, then move back off the switch; where it cannot, push it back or unassign the switch \
+            for that time.",
+    }
+
+    /// The limit switch at the end of falling counts was reached.
+    HARDWARE_LIMIT_NEGATIVE = 10222, Switch {
+        says: "the negative limit switch was reached",
+        cause: "The limit switch at the end of falling counts was reached, or its wire is broken.",
+        remedy: "reset_errors, then move back off the switch; where it cannot, push it back or unassign the switch \
+            for that time.",
+    }
+
+    /// Both limit switches are actuated at once: a broken cable, or a stop contact that opens both lines.
+    BOTH_LIMIT_SWITCHES = 10223, Switch {
+        says: "both limit switches are actuated: a broken cable, or an open stop contact",
+        cause: "Both limit switches are actuated at once: a broken cable, or a stop contact that opens both lines.",
+        remedy: "Repair the cable, close the contact, then reset_errors.",
+    }
+
+    /// Another axis had a following error, which stops all.
+    STOPPED_WITH_OTHER = 10224, Parameter {
+        says: "stopped, because another axis has a following error",
+        cause: "Another axis had a following error, and its following_error_stops_all is 1.",
+        remedy: "Remove the cause at the axis that the sentence names, then reset_errors of all.",
+    }
+
+    /// The emergency stop input of the cell is open.
+    EMERGENCY_STOP = 10225, EmergencyStop {
+        says: "the emergency stop is open",
+        cause: "The emergency stop input of the cell reads 0: pressed, or its wire is broken.",
+        remedy: "Release it, then reset_errors; while it is open the error comes back.",
+    }
+
+    /// The interlock input of the cell is open.
+    INTERLOCK = 10226, Interlock {
+        says: "the interlock is open",
+        cause: "The interlock input of the cell reads 0: a guard is open, or its wire is broken.",
+        remedy: "Close the guard, then reset_errors; while it is open the error comes back.",
+    }
+
+    /// The goal has waited for its target window for longer than in_position_timeout.
+    IN_POSITION_TIMEOUT = 10227, NoError {
+        says: "the goal waits for its target window: {asked} from the target, {limit} is allowed",
+        cause: "The axis does not come into its target window: the window is too small for what its drive leaves.",
+        remedy: "Widen in_position_window, or tune the drive; halt ends the wait.",
+    }
+
+    /// An abort ended the goal, and has locked the axis.
+    ABORTED = 10228, NoError {
+        says: "abort has stopped the axis; reset_errors lets it go on",
+        cause: "abort, the Esc of MACS, ended what ran or was to begin, and has locked all axes that are on.",
+        remedy: "reset_errors, which opens the brake of the axis; open one that o_brake names with set_output; enable \
+            what is off. Then give the goal again.",
+    }
+}

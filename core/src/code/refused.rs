@@ -1,0 +1,343 @@
+//! Why something was refused.
+
+use super::codes;
+
+codes! {
+    /// The goal's target lies above `max_position`.
+    ABOVE_MAX_POSITION = 10001, NoError {
+        says: "target {asked} lies above max_position {limit}",
+        cause: "The target lies above max_position.",
+        remedy: "Choose a target within the limits.",
+    }
+
+    /// The goal's target lies below `min_position`.
+    BELOW_MIN_POSITION = 10002, NoError {
+        says: "target {asked} lies below min_position {limit}",
+        cause: "The target lies below min_position.",
+        remedy: "Choose a target within the limits.",
+    }
+
+    /// Velocity beyond `max_velocity`.
+    VELOCITY_TOO_HIGH = 10003, NoError {
+        says: "velocity {asked} lies above max_velocity {limit}",
+        cause: "The velocity lies beyond max_velocity.",
+        remedy: "Ask for less, or raise the parameter if the machine bears it.",
+    }
+
+    /// Acceleration beyond `max_acceleration`.
+    ACCELERATION_TOO_HIGH = 10004, NoError {
+        says: "acceleration {asked} lies above max_acceleration {limit}",
+        cause: "The acceleration lies beyond max_acceleration.",
+        remedy: "Ask for less, or raise the parameter if the machine bears it.",
+    }
+
+    /// Deceleration beyond `max_deceleration`.
+    DECELERATION_TOO_HIGH = 10005, NoError {
+        says: "deceleration {asked} lies above max_deceleration {limit}",
+        cause: "The deceleration lies beyond max_deceleration.",
+        remedy: "Ask for less, or raise the parameter if the machine bears it.",
+    }
+
+    /// Jerk beyond `max_jerk`.
+    JERK_TOO_HIGH = 10006, NoError {
+        says: "jerk {asked} lies above max_jerk {limit}",
+        cause: "The jerk lies beyond max_jerk.",
+        remedy: "Ask for less, or raise the parameter if the machine bears it.",
+    }
+
+    /// The axis is disabled.
+    NOT_ENABLED = 10007, NoError {
+        says: "the axis is not enabled; enable it first",
+        cause: "The axis is off.",
+        remedy: "Enable it first.",
+    }
+
+    /// The axis stands in ERROR_STOP: reset_errors first.
+    IN_ERROR = 10008, NoError {
+        says: "the axis stands in ERROR_STOP; reset_errors first",
+        cause: "The axis stands in ERROR_STOP.",
+        remedy: "Remove the cause, then reset_errors.",
+    }
+
+    /// The axis is locked by quick_stop: reset_errors first.
+    QUICK_STOPPED = 10009, NoError {
+        says: "quick_stop has locked the axis; reset_errors first",
+        cause: "quick_stop has locked the axis.",
+        remedy: "reset_errors unlocks it.",
+    }
+
+    /// A number is negative, NaN or infinite where that has no meaning.
+    BAD_NUMBER = 10010, NoError {
+        says: "{what} {asked} is not allowed; a finite number that is not negative is",
+        cause: "A number is negative, NaN or infinite where that has no meaning.",
+        remedy: "Give a finite number that is allowed.",
+    }
+
+    /// |position| must stay below 2^62 increments.
+    POSITION_OUT_OF_RANGE = 10011, Search {
+        says: "target {asked} does not lie within +-2^62 increments",
+        cause: "A position lies beyond 2^62 increments.",
+        remedy: "Give a nearer one.",
+    }
+
+    /// On its way the move cannot stop before `max_position` with this deceleration.
+    CANNOT_STOP_BEFORE_MAX_POSITION = 10012, NoError {
+        says: "with deceleration {asked} it would reach {limit}, beyond max_position, on its way",
+        cause: "With this deceleration the axis would pass max_position on its way.",
+        remedy: "Ask for more deceleration, or for less velocity before.",
+    }
+
+    /// On its way the move cannot stop before `min_position` with this deceleration.
+    CANNOT_STOP_BEFORE_MIN_POSITION = 10013, NoError {
+        says: "with deceleration {asked} it would reach {limit}, beyond min_position, on its way",
+        cause: "With this deceleration the axis would pass min_position on its way.",
+        remedy: "Ask for more deceleration, or for less velocity before.",
+    }
+
+    /// The axis would follow itself, directly or through others.
+    LEADER_LOOP = 10014, NoError {
+        says: "the axis would follow itself",
+        cause: "The axis would follow itself, directly or through others, or mencodertype names it.",
+        remedy: "Choose another leader.",
+    }
+
+    /// A ratio with denominator 0, or one part 0 and the other not.
+    BAD_RATIO = 10015, NoError {
+        says: "ratio {asked} : {limit} is none; both parts must not be 0 and stay below 2^62",
+        cause: "A ratio with denominator 0, or one part 0 and the other not.",
+        remedy: "Give two whole numbers that are not 0.",
+    }
+
+    /// The command names a mode that this version does not have.
+    NOT_BUILT = 10016, NoError {
+        says: "",
+        cause: "The command names something that this version does not have.",
+        remedy: "See the page of its parameters.",
+    }
+
+    /// No goal of that number is active.
+    UNKNOWN_GOAL = 10017, NoError {
+        says: "goal {plain} is not active",
+        cause: "No goal of that number is active.",
+        remedy: "It has ended already: its end was told.",
+    }
+
+    /// A parameter value lies outside its range.
+    PARAMETER_OUT_OF_RANGE = 10018, NoError {
+        says: "",
+        cause: "A parameter value lies outside its range.",
+        remedy: "Give one within the range that the sentence names.",
+    }
+
+    /// Parameters contradict each other (a limit above its counterpart, a default above its maximum).
+    PARAMETERS_CONTRADICT = 10019, NoError {
+        says: "",
+        cause: "Parameters contradict each other.",
+        remedy: "Set both in one set, so that they agree.",
+    }
+
+    /// The active goal would leave the limits that the parameters ask for.
+    GOAL_BEYOND_NEW_LIMITS = 10020, NoError {
+        says: "{key} {asked} would leave out {limit}, which the motion under way reaches",
+        cause: "The motion under way would leave the new limits.",
+        remedy: "Stop it first, or set wider limits.",
+    }
+
+    /// Too many commands wait for this axis.
+    TOO_MANY_WAITING = 10021, NoError {
+        says: "too many commands wait; try again",
+        cause: "More commands wait than there is room for.",
+        remedy: "Wait for answers; try again.",
+    }
+
+    /// A request was refused before it became a command (its text says why).
+    BAD_REQUEST = 10022, NoError {
+        says: "the request is not understood",
+        cause: "A request was not understood.",
+        remedy: "Compare it with docs/interfaces.md.",
+    }
+
+    /// The axis does not stand still, and the command needs that.
+    NOT_AT_STANDSTILL = 10023, NoError {
+        says: "",
+        cause: "The axis moves or stops, and the command needs it at rest.",
+        remedy: "Wait for its end, or halt it first.",
+    }
+
+    /// Velocity, acceleration or deceleration so low that a move would not end.
+    RATE_TOO_LOW = 10024, NoError {
+        says: "{asked} is too low; at least {limit} is allowed",
+        cause: "A velocity or acceleration is so low that the move would not end.",
+        remedy: "Ask for more.",
+    }
+
+    /// A buffered goal behind a coupling, which has no end of its own.
+    NOTHING_TO_WAIT_FOR = 10025, NoError {
+        says: "a coupling has no end that a buffered goal could wait for",
+        cause: "A buffered goal behind a coupling, which has no end.",
+        remedy: "Cancel the coupling, or give an aborting goal.",
+    }
+
+    /// A superimposed motion asks for more than the motion under way leaves of the axis' limits.
+    SUPERIMPOSED_TOO_MUCH = 10026, NoError {
+        says: "{what} {asked} is more than the motion under way leaves: {limit}",
+        cause: "A superimposed motion asks for more than the motion under way leaves of the limits.",
+        remedy: "Ask for less, or wait.",
+    }
+
+    /// The axis runs in open loop, and the command needs a position loop.
+    OPEN_LOOP = 10030, NoError {
+        says: "the axis runs in open loop; only commands of `wf` move it",
+        cause: "The axis runs in open loop, and the command needs a position loop.",
+        remedy: "Use commands of `wf`.",
+    }
+
+    /// The axis closes a position loop, and the command is for one that does not.
+    CLOSED_LOOP = 10031, NoError {
+        says: "the axis closes a position loop; a speed without one is for interface open_loop",
+        cause: "The axis closes a position loop, and the command is for one that does not.",
+        remedy: "Use move_axis.",
+    }
+
+    /// Something that needs a disabled axis, or one that stands if it is virtual.
+    NOT_DISABLED = 10032, NoError {
+        says: "",
+        cause: "It needs a disabled axis.",
+        remedy: "Disable the axis first.",
+    }
+
+    /// A parameter that the machine computes, or that stands in the cell.
+    READ_ONLY = 10033, NoError {
+        says: "",
+        cause: "The machine computes the parameter, or the cell gives it.",
+        remedy: "Change the cell, and start anew.",
+    }
+
+    /// A set that gives one value twice, by two names, and not the same.
+    GIVEN_TWICE = 10034, NoError {
+        says: "",
+        cause: "A set gives one value twice, and not the same.",
+        remedy: "Give it once.",
+    }
+
+    /// A position reference that does not lie within the turn (VM_AMC_POSITION_REF).
+    AMC_OUTSIDE_TURN = 10041, NoError {
+        says: "{key} {asked} does not lie within the turn, at most {limit} either way; amc.rotary_mode 4 to 6 takes \
+            more",
+        cause: "A position reference does not lie within the turn.",
+        remedy: "Give one within it, or choose amc.rotary_mode 4 to 6.",
+    }
+
+    /// The integrators of the reference selector would differ by more turns than they hold.
+    AMC_TURN_CAPACITY = 10042, NoError {
+        says: "{key} {asked} leads further than the {limit} turns that the integrators hold",
+        cause: "The reference leads further than the integrators hold turns.",
+        remedy: "Come back within their range.",
+    }
+
+    /// The reference selector has no master to follow.
+    AMC_NO_MASTER = 10043, NoError {
+        says: "{key} {asked} follows a master; give `amc: {master: ..}` in the cell",
+        cause: "The reference selector has no master.",
+        remedy: "Give `amc: {master: ..}` in the cell.",
+    }
+
+    /// The reference selector has nothing that freezes its master.
+    AMC_NO_FREEZE = 10044, NoError {
+        says: "{key} {asked} waits for a latch; give `amc: {freeze: ..}` in the cell",
+        cause: "The reference selector has nothing that freezes its master.",
+        remedy: "Give `amc: {freeze: ..}` in the cell.",
+    }
+
+    /// A motion backwards, which REVERS forbids.
+    REVERSE_FORBIDDEN = 10051, NoError {
+        says: "",
+        cause: "The motion leads backwards, which revers forbids.",
+        remedy: "Move forwards, or change revers.",
+    }
+
+    /// POSDRCT would turn over a position loop that the drive closes.
+    LOOP_IN_DRIVE = 10052, NoError {
+        says: "",
+        cause: "posdrct would invert a loop that the drive closes.",
+        remedy: "Invert the sense in the drive.",
+    }
+
+    /// POSDRCT would turn over the velocity loop alone, which does not exist yet.
+    NO_VELOCITY_LOOP = 10053, NoError {
+        says: "",
+        cause: "posdrct would invert the velocity loop alone, which does not exist yet.",
+        remedy: "Use a value that inverts both.",
+    }
+
+    /// REVERS asks for outputs or a node, which do not exist yet.
+    NO_REVERSING_OUTPUTS = 10054, NoError {
+        says: "",
+        cause: "revers names a node on a bus, which does not exist yet.",
+        remedy: "Use revers below 100: a rule, and outputs where the interface is velocity or open_loop.",
+    }
+
+    /// An axis left the path of its trajectory by more than its tolerance.
+    TRAJECTORY_PATH_TOLERANCE = 10061, NoError {
+        says: "off the path of its trajectory: {what} error {asked} lies beyond tolerance {limit}",
+        cause: "An axis left the path of its trajectory by more than its tolerance.",
+        remedy: "Give a slower trajectory or a wider tolerance; check the drive.",
+    }
+
+    /// An axis did not come within its goal tolerance in time.
+    TRAJECTORY_GOAL_TOLERANCE = 10062, NoError {
+        says: "not at the goal of its trajectory in time: {what} error {asked} lies beyond tolerance {limit}",
+        cause: "An axis did not come within its goal tolerance in time.",
+        remedy: "Give more goal_time_tolerance or a wider tolerance; check the drive.",
+    }
+
+    /// No point of the trajectory lies ahead.
+    TRAJECTORY_IN_THE_PAST = 10063, NoError {
+        says: "the last point of the trajectory is at {plain}; it must lie after the present time, {bound}",
+        cause: "No point of the trajectory lies ahead.",
+        remedy: "Check the clocks of both sides, and its start time.",
+    }
+
+    /// A superimposed or waiting goal on an axis that runs a trajectory.
+    TRAJECTORY_UNDER_WAY = 10064, NoError {
+        says: "the axis runs a trajectory; only an aborting goal, absolute, relative, additive or velocity, replaces \
+            it",
+        cause: "The axis runs a trajectory.",
+        remedy: "Wait for its end, or replace it with an aborting goal.",
+    }
+
+    /// Between its points the trajectory would go beyond `max_position`.
+    TRAJECTORY_ABOVE_MAX_POSITION = 10065, NoError {
+        says: "between its points the trajectory would reach {asked}, above max_position {limit}",
+        cause: "Between its points the trajectory would pass max_position.",
+        remedy: "Give more points, or keep off the limit.",
+    }
+
+    /// Between its points the trajectory would go beyond `min_position`.
+    TRAJECTORY_BELOW_MIN_POSITION = 10066, NoError {
+        says: "between its points the trajectory would reach {asked}, below min_position {limit}",
+        cause: "Between its points the trajectory would pass min_position.",
+        remedy: "Give more points, or keep off the limit.",
+    }
+
+    /// The machine is inactive: nothing is switched on and nothing moves until it is activated.
+    NOT_ACTIVE = 10071, NoError {
+        says: "the machine is inactive; activate it first",
+        cause: "The machine is inactive.",
+        remedy: "Activate it first.",
+    }
+
+    /// Streamed setpoints come for an axis that something else moves.
+    STREAM_BUSY = 10081, NoError {
+        says: "something else moves the axis, and a stream takes no axis over; halt it first",
+        cause: "Streamed setpoints come for an axis that something else moves.",
+        remedy: "Halt it, then stream.",
+    }
+
+    /// A streamed setpoint is no number.
+    SETPOINT_NO_NUMBER = 10082, NoError {
+        says: "the velocity is no finite number",
+        cause: "A streamed setpoint is NaN or infinite.",
+        remedy: "Send finite numbers.",
+    }
+}
