@@ -106,7 +106,7 @@ fn master_unit(p: &AxisParameters) -> (f64, f64) {
 fn round(value: f64) -> f64 {
     // From here on a number is whole.
     const WHOLE: f64 = (1_u64 << 52) as f64;
-    if !(value.abs() < WHOLE) {
+    if value.is_nan() || value.abs() >= WHOLE {
         return value;
     }
     let whole = value as i64;
