@@ -494,6 +494,11 @@ impl<'a> Commands<'a> {
         Self { queue, ..Self::default() }
     }
 
+    /// Does nobody ask for anything?
+    pub fn is_empty(&self) -> bool {
+        self.stop.is_empty() && self.queue.is_empty() && self.stream.is_none()
+    }
+
     /// All commands in the order in which they apply.
     pub fn iter(&self) -> impl Iterator<Item = &'a Command> + use<'a> {
         self.stop.iter().chain(self.queue)

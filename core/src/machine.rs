@@ -17,7 +17,7 @@ mod signals;
 mod state;
 mod trajectories;
 
-use crate::axis::{Axis, Context, Fault, MAX_WAITING};
+use crate::axis::{Axis, Context, Edges, Fault, MAX_WAITING, Pace};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands};
 use crate::config::{ConfigError, IoKind, MachineConfig};
@@ -26,7 +26,7 @@ use crate::encoder::{Encoder, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::object::{Leader, Object};
 use crate::parameter::AxisParameters;
-use crate::position::Position;
+use crate::profile::Motion;
 use crate::signal::{Board, Directory};
 use crate::sync::Leads;
 use crate::vocabulary::Latched;
@@ -61,6 +61,9 @@ pub struct Machine {
     set_by: Vec<u64>,
     /// Room for the inputs as the machine sees them.
     seen: Inputs,
+    /// It passes over nothing: what others are compared with.
+    #[cfg(test)]
+    pub(crate) steps_all: bool,
 }
 
 impl Machine {
@@ -96,7 +99,7 @@ impl Machine {
             cycle: 0,
             overruns: 0,
             next_event: 0,
-            user: axes.iter().map(|axis| axis.parameters).collect(),
+            user: axes.iter().map(|axis| *axis.parameters).collect(),
             parameter_version: 0,
             active: true,
             deactivating: None,
@@ -109,13 +112,15 @@ impl Machine {
         let mut machine = Self {
             // Each command may be answered, and ended by each axis; each axis may end all that wait for it, and tell of more.
             events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + (MAX_WAITING + 16) * axes.len()),
-            candidates: axes.iter().map(|axis| axis.parameters).collect(),
+            candidates: axes.iter().map(|axis| *axis.parameters).collect(),
             couplings: vec![None; axes.len()],
             latched: Vec::with_capacity(MAX_LATCHES),
             digital_inputs: config.digital_inputs().collect(),
             couples: false,
             set_by,
             seen: Inputs::default(),
+            #[cfg(test)]
+            steps_all: false,
             first: state.clone(),
             state,
             signals,
@@ -184,18 +189,41 @@ impl Machine {
         }
         self.state.panel.follow(&self.state.axes);
         self.state.panel.write(&self.signals, &mut self.state.board, outputs);
-        for axis in &self.state.axes {
-            let closed = self.state.panel.brake_of(axis);
-            self.signals.publish_brake(&mut self.state.board, axis, closed, outputs);
-            if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
-                *output = axis.output();
-            }
-            self.signals.publish_switching(&mut self.state.board, axis.wiring(), axis.switching(), outputs);
-        }
+        self.write_outputs(inputs, outputs);
         self.settle_deactivation();
         self.signals.publish_machine(&mut self.state.board, &self.state.axes, self.state.active, self.state.overruns);
         self.state.cycle = self.state.cycle.wrapping_add(1);
         self.state.next_event = self.events.next();
+    }
+
+    fn write_outputs(&mut self, inputs: &Inputs, outputs: &mut Outputs) {
+        let State { axes, board, panel, leads, .. } = &mut self.state;
+        let count = axes.len();
+        for (axis, shown) in axes.iter_mut().zip(&leads.command) {
+            let closed = panel.brake_of(axis);
+            if closed.is_some() || axis.has_own_brake() {
+                self.signals.publish_brake(board, axis, closed, outputs);
+            }
+            if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
+                *output = axis.output();
+            }
+            if let Some(wiring) = axis.wiring() {
+                self.signals.publish_switching(board, wiring, axis.switching(), outputs);
+            }
+            if axis.pace() == Pace::Full {
+                let input = axis.drive().and_then(|drive| inputs.drive.get(drive));
+                axis.note_rhythm(input, shown, count);
+            }
+        }
+    }
+
+    /// Is there nothing in this cycle that all axes have to look at?
+    fn is_quiet(&self, inputs: &Inputs, commands: Commands<'_>) -> bool {
+        #[cfg(test)]
+        if self.steps_all {
+            return false;
+        }
+        commands.is_empty() && inputs.latch.is_empty() && self.state.panel.has_read(&inputs.digital)
     }
 
     fn count_overruns(&mut self, inputs: &Inputs) {
@@ -208,6 +236,7 @@ impl Machine {
 
     fn read_inputs(&mut self, inputs: &Inputs, commands: Commands<'_>, admitted: u64) {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
+        let is_quiet = self.is_quiet(inputs, commands);
         self.signals.publish_io(&mut self.state.board, inputs);
         for index in 0..self.state.encoders.len() {
             let input = inputs.encoder.get(index).copied().unwrap_or_default();
@@ -222,23 +251,33 @@ impl Machine {
                 self.events.push(encoders::event(told, index as u16, errors));
             }
         }
-        for (axis, actual) in self.state.axes.iter_mut().zip(&mut self.state.leads.actual) {
+        let Leads { actual, simulated, .. } = &mut self.state.leads;
+        for ((axis, actual), simulated) in self.state.axes.iter_mut().zip(actual).zip(simulated) {
             let drive = axis.drive().and_then(|drive| inputs.drive.get(drive));
-            axis.sense(drive, &self.state.encoders, &inputs.encoder);
-            axis.read_switches(inputs);
+            match axis.begin_cycle(is_quiet, drive) {
+                Pace::Passed => continue,
+                Pace::Calm => axis.sense_calmly(drive),
+                Pace::Full => {
+                    axis.sense(drive, &self.state.encoders, &inputs.encoder);
+                    axis.read_switches(inputs);
+                }
+            }
             *actual = axis.actual();
-        }
-        for (axis, lead) in self.state.axes.iter().zip(&mut self.state.leads.simulated) {
-            *lead = axis.simulate_master(*lead);
+            axis.simulate_master(simulated);
         }
         let edges = self.state.panel.edges(inputs);
-        self.state.axes.iter_mut().for_each(|axis| axis.take_edges(edges));
+        if edges != Edges::default() {
+            self.state.axes.iter_mut().for_each(|axis| axis.take_edges(edges));
+        }
         self.take_latches(inputs);
     }
 
     fn step_axis(&mut self, place: usize, inputs: &Inputs, commands: Commands<'_>, admitted: u64, answered: &mut u64) {
         let index = usize::from(self.state.order[place]);
         let axis = &mut self.state.axes[index];
+        if axis.pace() == Pace::Passed {
+            return axis.pass_over();
+        }
         let mut cx = Context {
             cycle: self.state.cycle,
             input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
@@ -251,10 +290,11 @@ impl Machine {
             runs: &self.state.runs,
             events: &mut self.events,
         };
-        // What a vocabulary writes by itself.
-        let written = written_by_itself(axis);
-        axis.step(&mut cx, live(commands, admitted), answered);
-        if written != written_by_itself(axis) {
+        match axis.pace() {
+            Pace::Calm => axis.step_calmly(&mut cx),
+            _ => axis.step(&mut cx, live(commands, admitted), answered),
+        }
+        if axis.take_own_change() {
             self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
         }
         axis.publish(&mut self.state.board, &self.state.leads);
@@ -300,29 +340,28 @@ impl Machine {
     }
 
     /// Who follows an axis does not follow a coordinate that was set anew.
+    #[inline]
     fn note_zero(&mut self, index: usize) {
-        let moved = self.state.axes[index].take_moved();
-        if moved == Position::ZERO {
-            return;
+        if self.state.axes[index].has_moved() {
+            self.move_leads(index);
         }
+    }
+
+    fn move_leads(&mut self, index: usize) {
+        let moved = self.state.axes[index].take_moved();
         self.state.leads.command[index].position += moved;
         self.state.leads.actual[index] = self.state.axes[index].actual();
         self.count_on(index, moved);
     }
 
     /// What others see of an axis.
+    #[inline]
     fn note_lead(&mut self, index: usize) {
         self.note_zero(index);
         let axis = &self.state.axes[index];
-        let before = self.state.leads.command[index].position;
-        let motion = axis.command();
-        self.state.leads.command[index] = Lead {
-            position: motion.position,
-            change: motion.position - before,
-            velocity: motion.velocity,
-            counted: false,
-            valid: true,
-        };
+        let shown = &mut self.state.leads.command[index];
+        let Motion { position, velocity, .. } = axis.command();
+        *shown = Lead { position, change: position - shown.position, velocity, counted: false, valid: true };
         if axis.shows_command() {
             self.state.leads.actual[index] = axis.actual();
         }
@@ -360,15 +399,8 @@ impl Machine {
 
     /// Parameters in force.
     pub fn parameters(&self, axis: u16) -> Option<&AxisParameters> {
-        self.state.axes.get(usize::from(axis)).map(|axis| &axis.parameters)
+        self.state.axes.get(usize::from(axis)).map(|axis| &*axis.parameters)
     }
-}
-
-/// The parameters that an axis changes by itself: what a vocabulary writes, limits that keep their places, a simulated master
-/// that an abort stops.
-fn written_by_itself(axis: &Axis) -> (i64, crate::vocabulary::saia::Parameters, [Option<i64>; 2], f64) {
-    let p = &axis.parameters;
-    (p.amc.reference_select, p.saia, [p.min_position, p.max_position], p.encoder.master_velocity)
 }
 
 /// The commands that the axes have to look at, with their places.

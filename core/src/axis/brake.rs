@@ -73,10 +73,25 @@ impl Default for Holding {
     }
 }
 
+impl Holding {
+    /// Does nothing wait, and has nothing been asked in this cycle?
+    pub(super) fn is_settled(&self, has_power: bool) -> bool {
+        let waits = self.clears || self.resumes || self.coasts_since.is_some() || self.settles_since.is_some();
+        let is_stopped = self.interrupted || self.aborted;
+        !waits && !is_stopped && !self.asks_anew && self.had_power == has_power && self.edges == Edges::default()
+    }
+}
+
 impl Axis {
     /// The brake that it closes and opens itself.
     pub(super) fn own_brake(&self) -> Option<BrakeConfig> {
         self.setup.brake.filter(|_| !self.is_virtual())
+    }
+
+    /// Does it close and open one itself?
+    #[inline]
+    pub fn has_own_brake(&self) -> bool {
+        self.own_brake().is_some()
     }
 
     /// Its output and the level there.
@@ -85,11 +100,13 @@ impl Axis {
     }
 
     /// Asks its error reaction, or an abort, for the brake?
+    #[inline]
     pub fn asks_for_brake(&self) -> bool {
         self.brake
     }
 
     /// Does it ask in this cycle, whatever it asked before?
+    #[inline]
     pub fn asks_anew(&self) -> bool {
         self.holding.asks_anew
     }
@@ -106,6 +123,7 @@ impl Axis {
     }
 
     /// Is a motion command active?
+    #[inline]
     pub fn is_commanded(&self) -> bool {
         use AxisState::{ContinuousMotion, DiscreteMotion, Homing, SynchronizedMotion};
         matches!(self.state, DiscreteMotion | ContinuousMotion | SynchronizedMotion | Homing)

@@ -233,15 +233,16 @@ impl Axis {
 
     /// A velocity goal is done for the one behind it once its velocity is reached.
     pub(super) fn leave_velocity(&mut self, cx: &mut Context<'_>) {
-        if let Generator::Plan(course) = self.generator
+        if let Generator::Plan(course) = &self.generator
             && let Aim::Velocity(_) = course.aim
             && self.goal.is_some()
             && !self.buffer.is_empty()
             && course.has_ended(cx.cycle)
             && !course.is_held()
         {
+            let now = course.at(cx.cycle);
             self.end_goal(cx, Code::NONE);
-            self.begin_next(cx, course.at(cx.cycle), 0.0, None);
+            self.begin_next(cx, now, 0.0, None);
         }
     }
 

@@ -83,6 +83,9 @@ impl Course {
     pub(super) fn at(&self, cycle: u64) -> Motion {
         let motion = self.plan.at(cycle.saturating_sub(self.start));
         let place = motion.position + self.shift;
+        if self.bound.is_none() {
+            return Motion { position: place, ..motion };
+        }
         let position = self.bounded(place);
         if position == place { Motion { position, ..motion } } else { Motion::at_rest(position) }
     }
@@ -187,7 +190,7 @@ impl Axis {
 
     /// Where the motion under way ends; none without end or motion.
     pub(super) fn course_end(&self) -> Option<Position> {
-        if let Some(goal) = self.goal.filter(|goal| goal.track.is_some()) {
+        if let Some(goal) = self.goal.as_ref().filter(|goal| goal.track.is_some()) {
             return goal.target;
         }
         let super::Generator::Plan(course) = &self.generator else { return None };

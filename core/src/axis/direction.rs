@@ -46,17 +46,20 @@ impl Sense {
     }
 
     /// Counts as the user counts them, and the other way round (inc).
-    fn turn(self, counts: i64) -> i64 {
+    #[inline]
+    pub(super) fn turn(self, counts: i64) -> i64 {
         if self.units { counts.wrapping_neg() } else { counts }
     }
 
     /// The same of a position.
+    #[inline]
     fn turn_position(self, position: Position) -> Position {
         if self.units { -position } else { position }
     }
 
     /// The same of a velocity, an acceleration or an effort. Never -0: a mirror of nothing is nothing.
-    fn turn_real(self, value: f64) -> f64 {
+    #[inline]
+    pub(super) fn turn_real(self, value: f64) -> f64 {
         if self.units { 0.0 - value } else { value }
     }
 }
@@ -165,6 +168,12 @@ impl Axis {
         }
     }
 
+    /// Do outputs tell the sign of its reference?
+    #[inline]
+    pub fn tells_sign(&self) -> bool {
+        self.parameters.reversing().polarity != Polarity::Bipolar
+    }
+
     /// The outputs that tell the sign of the reference: number and level (MACS-DIR-08, MACS-DIR-09).
     pub fn sign_outputs(&self) -> [Option<(u8, bool)>; 2] {
         let backwards = self.is_backwards;
@@ -179,27 +188,32 @@ impl Axis {
     }
 
     /// A virtual axis has no encoder that it could count against.
+    #[inline]
     pub(super) fn turned(&self) -> Sense {
         if self.is_virtual() { Sense::default() } else { self.parameters.sense() }
     }
 
     /// A count of the drive's coordinate in the user's sense (inc).
+    #[inline]
     pub(super) fn turn_counts(&self, counts: i64) -> i64 {
         self.turned().turn(counts)
     }
 
     /// A value of the drive in the user's sense, and the other way round.
+    #[inline]
     pub(super) fn across(&self, value: f64) -> f64 {
         self.turned().turn_real(value)
     }
 
     /// A reference for the drive in the sense in which its motor turns: that of the loop that is closed here.
+    #[inline]
     pub(super) fn reference_across(&self, value: f64) -> f64 {
         let value = self.across(value);
         if self.turned().position && self.setup.interface != Interface::Position { 0.0 - value } else { value }
     }
 
     /// The whole increment that the drive is asked for at `position`, in the user's sense: the lower one in its own counts.
+    #[inline]
     pub(super) fn asked_at(&self, position: Position) -> i64 {
         let sense = self.turned();
         sense.turn(sense.turn_position(position).floor())
@@ -231,7 +245,7 @@ impl Axis {
         if self.parameters.loses_zero_to(&parameters) {
             self.homing.forget();
         }
-        self.parameters = parameters;
+        self.parameters.set(parameters);
         if had_fixed_zero && !self.knows_zero() {
             self.homing.forget_told();
         }

@@ -221,11 +221,22 @@ impl Sensor {
     pub(super) fn is_simulated(&self) -> bool {
         self.source == Source::Simulated
     }
+
+    /// Is there no other user, nothing to take over and nothing to tell?
+    pub(super) fn is_settled(&self) -> bool {
+        let is_own = !matches!(self.source, Source::Encoder(_));
+        let begins = self.starts.is_some() || self.marked || self.pending != 0 || self.moved != Position::ZERO;
+        is_own && !begins && self.found.is_none() && self.claim.is_none()
+    }
 }
 
 impl Axis {
     /// Takes over the source that its parameters name.
     fn choose_source(&mut self) {
+        if !self.parameters.take_new() {
+            // It follows from them and from the cell alone.
+            return;
+        }
         let chosen = Source::of(self.setup.wired, self.setup.encoders, &self.parameters);
         let Ok(source) = chosen else { return };
         if source.reads_as(self.sensor.source) {
@@ -269,29 +280,12 @@ impl Axis {
     pub(super) fn read_source(&mut self, input: &DriveInput, encoders: &[Encoder], raw: &[EncoderInput]) {
         let before = self.counter.position();
         self.choose_source();
-        let cycle_s = self.cycle_s();
         let index;
         let mut lead = Lead { counted: true, ..Lead::default() };
-        let mut changed = 0;
+        let mut changed;
         match self.sensor.source {
             Source::Drive(_) | Source::Simulated => {
-                self.sensor.raw = input.count;
-                if input.online {
-                    if self.counter.epoch().is_some_and(|epoch| epoch != input.epoch) {
-                        self.note_new_coordinate();
-                    }
-                    let reading = self.counter.take(input.count, input.epoch, true);
-                    changed = reading.change;
-                    lead.valid = reading.valid;
-                    if reading.substituted && self.counter.bad_in_a_row() == 1 {
-                        self.sensor.found = Some(Found::Substituted);
-                    }
-                    if reading.restarted {
-                        self.sensor.pulses = Pulses::default();
-                    }
-                }
-                let told = matches!(self.counter.form(), Form::Incremental(_));
-                lead.velocity = if told { input.velocity } else { changed as f64 / cycle_s };
+                (changed, lead) = self.read_drive(input);
                 index = if self.shows_command() {
                     self.simulated_mark().map(|place| self.turn_counts(place))
                 } else {
@@ -327,7 +321,61 @@ impl Axis {
                 }
             }
         }
-        let count = self.counter.count().unwrap_or(input.count);
+        self.take_actual(changed, lead, input.count, index);
+    }
+
+    /// As [`read_source`](Self::read_source) of a drive that is online, has no new coordinate and no index pulse; false where its word
+    /// was no good one.
+    #[inline]
+    pub(super) fn read_counts(&mut self, input: &DriveInput) -> bool {
+        if !matches!(self.counter.form(), Form::Incremental(_)) {
+            let (changed, lead) = self.read_drive(input);
+            self.take_actual(changed, lead, input.count, None);
+            return lead.valid && self.counter.is_good();
+        }
+        // Every count is a good one.
+        let change = self.counter.take(input.count, input.epoch, true).change;
+        let sense = self.turned();
+        let position = sense.turn(self.counter.position());
+        self.origin = self.counter.position().wrapping_sub(input.count);
+        (self.sensor.raw, self.sensor.seen) = (input.count, position);
+        self.actual = Lead {
+            position: Position::whole(position),
+            change: Position::whole(sense.turn(change)),
+            velocity: sense.turn_real(input.velocity),
+            counted: true,
+            valid: true,
+        };
+        true
+    }
+
+    /// Takes the word of the drive: the change of its counts, and what they say so far.
+    pub(super) fn read_drive(&mut self, input: &DriveInput) -> (i64, Lead) {
+        let mut lead = Lead { counted: true, ..Lead::default() };
+        let mut changed = 0;
+        self.sensor.raw = input.count;
+        if input.online {
+            if self.counter.epoch().is_some_and(|epoch| epoch != input.epoch) {
+                self.note_new_coordinate();
+            }
+            let reading = self.counter.take(input.count, input.epoch, true);
+            changed = reading.change;
+            lead.valid = reading.valid;
+            if reading.substituted && self.counter.bad_in_a_row() == 1 {
+                self.sensor.found = Some(Found::Substituted);
+            }
+            if reading.restarted {
+                self.sensor.pulses = Pulses::default();
+            }
+        }
+        let told = matches!(self.counter.form(), Form::Incremental(_));
+        lead.velocity = if told { input.velocity } else { changed as f64 / self.cycle_s() };
+        (changed, lead)
+    }
+
+    /// The actual position by what the counter has counted.
+    pub(super) fn take_actual(&mut self, changed: i64, lead: Lead, raw: i64, index: Option<i64>) {
+        let count = self.counter.count().unwrap_or(raw);
         self.origin = self.counter.position().wrapping_sub(count);
         self.sensor.marked = index.is_some();
         if let Some(mark) = index {
@@ -343,6 +391,11 @@ impl Axis {
         if !self.shows_command() {
             self.sensor.seen = self.actual.position.floor();
         }
+    }
+
+    /// Has supervision found something that it is to tell?
+    pub(super) fn supervision_tells(&self) -> bool {
+        self.sensor.found.is_some() || self.jump().is_some()
     }
 
     /// The last simulated mark that the command of the cycle before has passed, if any: one lies at each multiple of ENCODERFREQ
@@ -434,8 +487,8 @@ impl Axis {
         let moved = std::mem::take(&mut self.sensor.moved);
         if moved != Position::ZERO {
             self.saia.take_shift(moved.floor());
+            self.moved += moved;
         }
-        self.moved += moved;
     }
 
     /// A new zero: the encoder itself is moved for all of its users, unless the zero is soft (MACS-ENC-11).
@@ -493,8 +546,7 @@ impl Axis {
 
     /// Has it an absolute encoder by ENCODERTYPE, whose zero no command moves (MACS-ENC-10)?
     pub(super) fn has_fixed_zero(&self) -> bool {
-        let chosen = source::Feedback::decode(self.parameters.encoder.encodertype);
-        !self.is_virtual() && matches!(chosen, Some(source::Feedback::Absolute { .. }))
+        !self.is_virtual() && self.parameters.derived.is_absolute
     }
 
     /// Refuses to move a zero that stands.
@@ -517,6 +569,7 @@ impl Axis {
     }
 
     /// Is what others see of its position its command?
+    #[inline]
     pub fn shows_command(&self) -> bool {
         self.is_virtual() || self.is_simulated() && self.is_on()
     }
@@ -539,6 +592,7 @@ impl Axis {
     }
 
     /// Is its actual position its command (MACS-ENC-13)?
+    #[inline]
     pub(super) fn is_simulated(&self) -> bool {
         self.sensor.is_simulated() && !self.is_virtual()
     }

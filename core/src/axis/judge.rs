@@ -5,6 +5,7 @@ use super::power::{MAX_STALE_CYCLES, Power};
 use super::{Axis, AxisState, Context, MAX_DELAY};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
+use crate::parameter::AxisParameters;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
@@ -126,6 +127,7 @@ impl Judge {
     }
 
     /// Notes a step of the encoder; what stays within `most` from where it began is none.
+    #[inline]
     fn note_step(&mut self, cycle: u64, step: Position, most: Position) {
         self.drift += step;
         if self.drift > most || self.drift < -most {
@@ -143,8 +145,27 @@ impl Judge {
         self.past.get(self.oldest()).copied().unwrap_or_default()
     }
 
+    /// Keeps the same command for another cycle.
+    pub(super) fn pass(&mut self) {
+        self.place = self.oldest();
+    }
+
+    /// Is something to be done once the axis stands?
+    pub(super) fn has_left_something(&self) -> bool {
+        self.after_stop != -1
+    }
+
+    /// Has nothing begun that has its time, and are all commands that are kept this one?
+    pub(super) fn is_settled(&self, asked: i64, allowed: i64) -> bool {
+        let is_beyond = self.following_error.unsigned_abs() > allowed.unsigned_abs();
+        let exceeds = is_beyond || self.exceeded_since.is_some() || self.exceeded_times != 0;
+        let kept = self.past.get(..self.length).unwrap_or_default();
+        !exceeds && !self.has_left_something() && kept.iter().all(|kept| *kept == asked)
+    }
+
     /// Keeps the command of this cycle.
-    fn keep(&mut self, command: i64) {
+    #[inline]
+    pub(super) fn keep(&mut self, command: i64) {
         self.place = self.oldest();
         if let Some(past) = self.past.get_mut(self.place) {
             *past = command;
@@ -171,6 +192,15 @@ impl Axis {
         }
     }
 
+    /// As [`judge_errors`](Self::judge_errors), of an axis that is on, in a closed loop, and has not jumped.
+    #[inline]
+    pub(super) fn judge_motion(&mut self, cx: &mut Context<'_>) {
+        self.judge.note_step(cx.cycle, self.actual.change, self.slack());
+        if !self.is_virtual() {
+            self.judge_following(cx, self.judge.answered());
+        }
+    }
+
     /// Is it at its target? Once the commands of the cycle have had their say.
     pub(super) fn judge_arrival(&mut self, cx: &mut Context<'_>) {
         self.judge.keep(self.asked());
@@ -183,13 +213,19 @@ impl Axis {
         } else if self.rests() {
             self.judge_rest(cx);
         } else {
-            self.holding.settles_since = None;
-            self.judge.leave_window();
-            self.judge.waits_since = None;
-            self.judge.in_position = false;
+            self.leave_rest();
         }
     }
 
+    /// It moves.
+    pub(super) fn leave_rest(&mut self) {
+        self.holding.settles_since = None;
+        self.judge.leave_window();
+        self.judge.waits_since = None;
+        self.judge.in_position = false;
+    }
+
+    #[inline]
     fn judge_following(&mut self, cx: &mut Context<'_>, answered: i64) {
         // A simulated encoder shows the command itself.
         let shown = if self.is_simulated() { answered } else { self.actual.position.floor() };
@@ -241,7 +277,7 @@ impl Axis {
 
     /// How far an encoder that stands may tremble or creep in [`STILL_NS`]: two counts, or a thousandth of the highest speed.
     pub(super) fn slack(&self) -> Position {
-        Position::from_f64((self.parameters.max_velocity / 1000.0 * STILL_NS as f64 / 1e9).max(2.0))
+        self.parameters.derived.slack
     }
 
     /// Does its encoder move, as far as it shows? A drive that is lost shows nothing; one that has nothing new in
@@ -315,7 +351,7 @@ impl Axis {
         use AxisState::{ContinuousMotion, DiscreteMotion, Homing};
         let is_moving_state = matches!(self.state, DiscreteMotion | ContinuousMotion | Homing);
         // A trajectory ends for all of its axes at once.
-        if !is_moving_state || self.power != Power::On || self.tracker().is_some() {
+        if !is_moving_state || self.power != Power::On || self.has_track() {
             return;
         }
         let missed = self.searches();
@@ -391,6 +427,11 @@ impl Axis {
         self.judge.reading = Some((cycle, here));
         here.abs_diff(before) < most.unsigned_abs()
     }
+}
+
+/// How far an encoder that stands may tremble or creep, as these parameters have it.
+pub(super) fn slack_of(p: &AxisParameters) -> Position {
+    Position::from_f64((p.max_velocity / 1000.0 * STILL_NS as f64 / 1e9).max(2.0))
 }
 
 /// A ring of any length as a list: the derived form ends at 32.

@@ -65,6 +65,9 @@ impl Axis {
         if !self.limits_apply() || self.state == AxisState::ErrorStop {
             return false;
         }
+        if !(self.switches.positive || self.switches.negative || self.homing.is_ending()) {
+            return false;
+        }
         let change = next.position - self.command.position;
         let way = if change == Position::ZERO { next.velocity } else { change.to_f64() };
         let slows = way != 0.0 && next.velocity.abs() <= self.command.velocity.abs();
@@ -93,8 +96,11 @@ impl Axis {
 
     /// What a switch has to tell while an error stops the axis already: it stands beside that.
     pub(super) fn tell_switches(&self, cx: &mut Context<'_>) {
-        let [(upper, upper_edge), (lower, lower_edge)] = [true, false].map(|up| self.switch(up));
-        if self.state != AxisState::ErrorStop || !(upper_edge || lower_edge) {
+        if self.state != AxisState::ErrorStop {
+            return;
+        }
+        let ((upper, upper_edge), (lower, lower_edge)) = (self.switch(true), self.switch(false));
+        if !(upper_edge || lower_edge) {
             return;
         }
         let code = if upper && lower { Code::BOTH_LIMIT_SWITCHES } else { self.switch_code(upper) };
@@ -103,7 +109,11 @@ impl Axis {
 
     /// The error that the switches make of a motion in this direction (0 at rest).
     fn switch_error(&self, cx: &mut Context<'_>, way: f64) -> Option<Code> {
-        let [(upper, upper_edge), (lower, lower_edge)] = [true, false].map(|up| self.switch(up));
+        if !self.switches.positive && !self.switches.negative {
+            // No level, no edge.
+            return None;
+        }
+        let ((upper, upper_edge), (lower, lower_edge)) = (self.switch(true), self.switch(false));
         if upper && lower && (upper_edge || lower_edge) {
             return Some(Code::BOTH_LIMIT_SWITCHES);
         }

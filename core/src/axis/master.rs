@@ -11,7 +11,7 @@
 //! Source   MACS-ENC-10, -11, -14, -15, -16, A-13, MACS-CMD-17, MACS-UNIT-09, MACS-ERR-09
 
 use super::feedback::Claim;
-use super::{Axis, Context, Generator};
+use super::{Axis, Context, Generator, Pace};
 use crate::code::Code;
 use crate::command::MasterPosition;
 use crate::encoder::{Lead, source::Master};
@@ -49,20 +49,69 @@ pub fn may_name(own: usize, axes: usize, encoders: usize, p: &AxisParameters) ->
     Err(("mencodertype", wrong))
 }
 
-/// The decimal that a value means of which only multiples of `step` exist: what a position of 2^-32 inc has lost of a
-/// number that was given is no part of it, and neither is what the last digits of an f64 have.
-fn decimal(value: f64, step: f64) -> f64 {
+/// How finely values are shown of which only multiples of a step exist.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
+    step: f64,
+    /// Decimals of a number that is known to a step.
+    power: Option<f64>,
+}
+
+impl Grid {
+    /// That of the positions of a master, in increments or master units.
+    pub(super) fn of(p: &AxisParameters) -> Self {
+        let (increments, units) = master_unit(p);
+        Self::with(Position::from_raw(1).to_f64() * units / increments)
+    }
+
+    fn with(step: f64) -> Self {
+        let step = step.abs();
+        Self { step, power: power(step) }
+    }
+
+    /// The decimal that a value means: what a position of 2^-32 inc has lost of a number that was given is no part of it, and
+    /// neither is what the last digits of an f64 have.
+    fn decimal(&self, value: f64) -> f64 {
+        /// Rounding of the few operations that made the value.
+        const DIGITS: f64 = 4.0 * f64::EPSILON;
+        let step = self.step.max(value.abs() * DIGITS);
+        match if step == self.step { self.power } else { power(step) } {
+            Some(power) => round(value * power) / power,
+            None => value,
+        }
+    }
+}
+
+/// The largest power of ten that is no finer than such steps; none where they are whole, or finer than any.
+fn power(step: f64) -> Option<f64> {
     /// All powers of ten up to here are exact.
     const MOST: f64 = 1e22;
-    /// Rounding of the few operations that made the value.
-    const DIGITS: f64 = 4.0 * f64::EPSILON;
-    let step = step.abs().max(value.abs() * DIGITS);
     let mut power = 1.0;
     while power * 10.0 * step < 1.0 && power < MOST {
         power *= 10.0;
     }
     // NaN fails the comparison.
-    if step < 1.0 && power < MOST { (value * power).round() / power } else { value }
+    (step < 1.0 && power < MOST).then_some(power)
+}
+
+/// Increments of the master that are one of what is shown.
+fn master_unit(p: &AxisParameters) -> (f64, f64) {
+    match p.macs.mencoder {
+        ..0 if p.sync_master != 0 && p.sync_slave != 0 => (p.sync_master as f64, p.sync_slave as f64),
+        _ => (1.0, 1.0),
+    }
+}
+
+/// As `f64::round`, which calls the C library for it.
+fn round(value: f64) -> f64 {
+    // From here on a number is whole.
+    const WHOLE: f64 = (1_u64 << 52) as f64;
+    if value.is_nan() || value.abs() >= WHOLE {
+        return value;
+    }
+    let whole = value as i64;
+    let rest = value - whole as f64;
+    ((whole + i64::from(rest >= 0.5) - i64::from(rest <= -0.5)) as f64).copysign(value)
 }
 
 /// What an axis shows of its master, in increments or master units.
@@ -79,7 +128,7 @@ impl Axis {
     /// MENCODERTYPE names nothing that the cell has.
     pub fn leader_of(&self, asked: Option<Leader>, axes: usize) -> Result<Leader, Refusal> {
         let kind = self.parameters.encoder.mencodertype;
-        let named = match Master::decode(kind) {
+        let named = match self.parameters.derived.master {
             Some(Master::Axis(number)) if usize::from(number) <= axes => number.checked_sub(1).map(Leader::AxisCommand),
             Some(Master::Terminal(number)) if usize::from(number) <= self.setup.encoders => {
                 number.checked_sub(1).map(|place| Leader::Encoder(place.into()))
@@ -99,6 +148,11 @@ impl Axis {
         }
     }
 
+    /// Does it show anything of a master?
+    pub(super) fn shows_a_master(&self, axes: usize) -> bool {
+        self.seen_leader(axes).is_ok() || self.sight.claim.is_some()
+    }
+
     /// The encoder that a new value of its master would move for all (MACS-ENC-11).
     pub fn shares_master(&self, axes: usize) -> Option<u16> {
         match self.seen_leader(axes) {
@@ -107,18 +161,9 @@ impl Axis {
         }
     }
 
-    /// Increments of the master that are one of what is shown.
-    fn master_unit(&self) -> (f64, f64) {
-        let p = &self.parameters;
-        match p.macs.mencoder {
-            ..0 if p.sync_master != 0 && p.sync_slave != 0 => (p.sync_master as f64, p.sync_slave as f64),
-            _ => (1.0, 1.0),
-        }
-    }
-
-    /// Looks at its master, in this cycle, and shows it.
-    pub(super) fn watch_master(&mut self, leads: &Leads) -> Shown {
-        let Ok(leader) = self.seen_leader(leads.command.len()) else { return Shown::default() };
+    /// Looks at its master, in this cycle, and shows it; none without one.
+    pub(super) fn watch_master(&mut self, leads: &Leads) -> Option<Shown> {
+        let leader = self.seen_leader(leads.command.len()).ok()?;
         let lead = leads.get(leader);
         if self.sight.leader != Some(leader) {
             let is_soft = self.sight.leader.is_some() && self.parameters.encoder.menccontrol & 1 == 1;
@@ -127,10 +172,10 @@ impl Axis {
         }
         self.sight.last = lead.position + self.sight.offset;
         // Multiplied first: whole turns of the master stay whole units.
-        let (increments, units) = self.master_unit();
+        let (increments, units) = master_unit(&self.parameters);
         let shown = |value: f64| value * units / increments;
-        let position = decimal(shown(self.sight.last.to_f64()), shown(Position::from_raw(1).to_f64()));
-        Shown { position, velocity: shown(lead.velocity) }
+        let position = self.parameters.derived.grid.decimal(shown(self.sight.last.to_f64()));
+        Some(Shown { position, velocity: shown(lead.velocity) })
     }
 
     /// An axis has its coordinate anew, which is `by` more: who sees it as its master counts on (MACS-ENC-15).
@@ -165,7 +210,7 @@ impl Axis {
         let wanted = match position {
             MasterPosition::Increments(length) => length.exact(),
             MasterPosition::Shown(value) => {
-                let (increments, units) = self.master_unit();
+                let (increments, units) = master_unit(&self.parameters);
                 Position::from_f64(value * increments / units)
             }
         };
@@ -201,13 +246,16 @@ impl Axis {
     }
 
     /// One cycle of its simulated master.
-    pub fn simulate_master(&self, before: Lead) -> Lead {
-        let p = &self.parameters.encoder;
-        if Master::decode(p.mencodertype) != Some(Master::Simulation) {
-            return Lead { position: before.position, ..Lead::default() };
+    #[inline]
+    pub fn simulate_master(&self, lead: &mut Lead) {
+        let velocity = self.parameters.encoder.master_velocity;
+        if self.parameters.derived.master == Some(Master::Simulation) {
+            let change = Position::from_f64(velocity * self.cycle_s());
+            *lead = Lead { position: lead.position + change, change, velocity, counted: false, valid: true };
+        } else if self.pace() == Pace::Full {
+            // Once it stands, it stands.
+            *lead = Lead { position: lead.position, ..Lead::default() };
         }
-        let change = Position::from_f64(p.master_velocity * self.cycle_s());
-        Lead { position: before.position + change, change, velocity: p.master_velocity, counted: false, valid: true }
     }
 
     /// An abort stops it (MACS-ERR-09).
@@ -215,7 +263,7 @@ impl Axis {
         if self.parameters.encoder.master_velocity == 0.0 {
             return;
         }
-        self.parameters.encoder.master_velocity = 0.0;
+        self.parameters.change(|values| values.encoder.master_velocity = 0.0);
         let Some((row, entry)) = Row::find("master_simulation_velocity") else { return };
         let value = entry.value(&self.parameters);
         let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
@@ -242,12 +290,24 @@ mod tests {
             let (increments, units) = (increments as f64, units as f64);
             let kept = Position::from_f64(given * increments / units).to_f64();
             let step = Position::from_raw(1).to_f64() * units / increments;
-            prop_assert_eq!(decimal(kept * units / increments, step), given);
+            prop_assert_eq!(Grid::with(step).decimal(kept * units / increments), given);
+        }
+
+        /// Also what rounds away from zero, and 0 with its sign.
+        #[test]
+        fn rounding_is_that_of_f64(
+            bits in prop_oneof![any::<u64>(), (-4e9..4e9_f64).prop_map(f64::to_bits)],
+            halves in -1_000_000_i64..1_000_000,
+        ) {
+            let half = halves as f64 / 2.0;
+            for value in [f64::from_bits(bits), half, half.next_down(), half.next_up()] {
+                prop_assert!(value.is_nan() || round(value).to_bits() == value.round().to_bits(), "{}", value);
+            }
         }
 
         #[test]
         fn no_value_is_moved_by_more_than_it_can_tell(value in any::<f64>(), step in any::<f64>()) {
-            let shown = decimal(value, step);
+            let shown = Grid::with(step).decimal(value);
             let tellable = step.abs().max(value.abs() * 4.0 * f64::EPSILON);
             prop_assert!(value.is_nan() || shown == value || (shown - value).abs() <= 6.0 * tellable);
         }

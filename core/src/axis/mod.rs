@@ -14,6 +14,7 @@ mod direction;
 mod feedback;
 mod goal;
 mod homing;
+mod in_force;
 mod judge;
 mod limit_switch;
 mod master;
@@ -25,6 +26,7 @@ mod power;
 mod probe;
 mod publish;
 mod reaction;
+mod rhythm;
 mod safety;
 mod state;
 mod stops;
@@ -39,9 +41,11 @@ pub use direction::{Polarity, Reversing, Rule, Sense, may_tell_sign, may_turn_lo
 pub use feedback::{Claim, Source, Wired, may_read};
 pub use homing::Travel;
 pub(crate) use homing::methods as homing_methods;
+pub use in_force::InForce;
 pub use master::may_name;
 pub use modulo::Modulo;
 pub use reaction::stops_all;
+pub use rhythm::Pace;
 pub use safety::{Fault, Safety};
 pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, HOMING_PHASES, HomingPhase, REFERENCES, Reference};
 pub(crate) use stream::STREAM;
@@ -52,7 +56,7 @@ pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
-use crate::drive::{DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface};
+use crate::drive::{DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface, control};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::object::Object;
@@ -72,6 +76,7 @@ use master::Sight;
 use motion::Generator;
 use overlay::Overlay;
 use power::Power;
+use rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
 use stream::Streamed;
 use vocabulary::Awake;
@@ -150,7 +155,7 @@ pub struct Axis {
     /// First of its signals.
     signals: Signal,
     /// In force for the next command, and at once where the row says so.
-    pub parameters: AxisParameters,
+    pub parameters: InForce,
     state: AxisState,
     reference: Reference,
     power: Power,
@@ -220,6 +225,8 @@ pub struct Axis {
     wf: wf::Wf,
     awake: Awake,
     output: DriveOutput,
+    #[serde(skip)]
+    rhythm: Rhythm,
 }
 
 impl Axis {
@@ -231,7 +238,7 @@ impl Axis {
         Self {
             setup,
             signals,
-            parameters,
+            parameters: parameters.into(),
             state: if is_virtual { AxisState::Standstill } else { AxisState::Disabled },
             reference: Reference::Stop,
             power: if is_virtual { Power::On } else { Power::Off },
@@ -280,13 +287,19 @@ impl Axis {
             wf: wf::Wf::default(),
             awake: Awake::default(),
             output: DriveOutput::default(),
+            rhythm: Rhythm::default(),
         }
     }
 
     /// Before its first cycle: these are in force.
     pub fn begin_with(&mut self, parameters: AxisParameters) {
-        self.parameters = parameters;
+        self.parameters.set(parameters);
         self.override_seen = parameters.velocity_override;
+    }
+
+    /// Has it changed parameters by itself since this was asked last?
+    pub fn take_own_change(&mut self) -> bool {
+        self.parameters.take_own_change()
     }
 
     /// Is it switched off, or does it stand without a goal where it cannot be?
@@ -325,6 +338,28 @@ impl Axis {
         self.show_virtual();
     }
 
+    /// The same of an axis that only moves, in a cycle without commands.
+    pub fn step_calmly(&mut self, cx: &mut Context<'_>) {
+        if self.supervision_tells() {
+            self.disturb();
+            return self.step(cx, std::iter::empty(), &mut 0);
+        }
+        let told = cx.events.next();
+        self.move_on(cx);
+        self.judge_motion(cx);
+        if cx.events.next() != told || !matches!(self.generator, Generator::Plan(_) | Generator::Follow(_)) {
+            self.disturb();
+            self.end_step(cx);
+        } else {
+            self.streamed.pass();
+            let asked = self.asked();
+            self.judge.keep(asked);
+            self.leave_rest();
+            self.command_drive(asked, control::ENABLE);
+        }
+        self.show_virtual();
+    }
+
     /// The part of a cycle before its commands.
     pub fn begin_step(&mut self, cx: &mut Context<'_>) {
         self.take_shifts(cx);
@@ -349,6 +384,11 @@ impl Axis {
         self.obey_inputs(cx);
         self.heed_stop(cx);
         self.judge_arrival(cx);
+        self.settle_step(cx);
+    }
+
+    /// The part behind everything that may stop or end something.
+    fn settle_step(&mut self, cx: &mut Context<'_>) {
         self.settle_selector(cx);
         self.switch_drive(cx);
         self.work_brake(cx.cycle);
@@ -356,6 +396,7 @@ impl Axis {
     }
 
     /// The actual position of a virtual axis is its command, and so is that of a simulated encoder.
+    #[inline]
     pub fn show_virtual(&mut self) {
         if self.is_virtual() || self.is_simulated() && self.is_on() {
             let change = self.command.position - self.actual.position;
@@ -441,16 +482,19 @@ impl Axis {
     }
 
     /// Place among the drives; none for a virtual axis.
+    #[inline]
     pub fn drive(&self) -> Option<usize> {
         self.setup.drive.map(|(place, _)| place)
     }
 
     /// Its command position as others follow it: the motion of this cycle.
+    #[inline]
     pub fn command(&self) -> Motion {
         self.command
     }
 
     /// Its actual position as others follow it.
+    #[inline]
     pub fn actual(&self) -> Lead {
         self.actual
     }
@@ -461,11 +505,13 @@ impl Axis {
     }
 
     /// What the drive is asked for.
+    #[inline]
     pub fn output(&self) -> DriveOutput {
         self.output
     }
 
     /// The error that stopped it.
+    #[inline]
     pub fn error(&self) -> Code {
         self.error
     }
@@ -498,6 +544,15 @@ impl Axis {
             let locks = matches!(state, AxisState::Stopping | AxisState::ErrorStop);
             let is_outdated = |last: &Event| locks && last.kind == Kind::State && last.source == object;
             cx.events.push_over(Event { position: self.command.position, ..event }, is_outdated);
+        }
+    }
+
+    /// As [`sense`](Self::sense), where nothing but the motion of the drive can have changed.
+    pub fn sense_calmly(&mut self, input: Option<&DriveInput>) {
+        let Some(input) = input else { return };
+        self.effort = self.across(input.effort);
+        if !self.read_counts(input) {
+            self.disturb();
         }
     }
 

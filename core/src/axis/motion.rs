@@ -78,10 +78,20 @@ impl Axis {
             return self.follow_drive();
         }
         self.start_waiting_track(cx);
+        self.move_on(cx);
+    }
+
+    /// The command of this cycle of an axis that is on, by what generates it.
+    pub(super) fn move_on(&mut self, cx: &mut Context<'_>) {
         self.is_led = matches!(self.generator, Generator::Follow(_));
         let base = match &self.generator {
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => {
                 Some(Motion::at_rest(self.command.position))
+            }
+            // Most cycles of most axes.
+            Generator::Plan(course) if !course.has_ended(cx.cycle) => {
+                let next = course.at(cx.cycle);
+                return self.proceed(cx, next);
             }
             Generator::Plan(_) => Some(self.read_course(cx)),
             Generator::Follow(_) => self.follow(cx),
@@ -89,25 +99,54 @@ impl Axis {
         };
         // Without one, the axis stops already.
         if let Some(base) = base {
-            let next = self.superimpose(cx, base);
-            let is_added = next.position != base.position;
-            let next = self.forward(cx, next);
-            if !self.stop_at_switch(cx, next) && !self.stop_at_limit(cx, next, is_added) {
-                let is_planned = matches!(self.generator, Generator::Plan(_)) && !is_added;
-                self.command = if is_planned { self.rounded(next) } else { next };
-            }
+            self.proceed(cx, base);
+        } else {
+            self.note_direction();
         }
+    }
+
+    /// The way that it goes, for direction CURRENT.
+    fn note_direction(&mut self) {
         if self.command.velocity != 0.0 {
             self.last_direction = self.command.velocity;
         }
     }
 
+    /// Does the motion of this cycle, as far as it may.
+    #[inline]
+    fn proceed(&mut self, cx: &mut Context<'_>, base: Motion) {
+        let mut next = base;
+        if self.overlay.is_some() {
+            next = self.superimpose(cx, base);
+        }
+        let is_added = next.position != base.position;
+        if next.velocity < 0.0 || next.velocity.is_nan() {
+            next = self.forward(cx, next);
+        }
+        // A limit that stops it makes a command of its own.
+        let meets_switch = self.switches.positive || self.switches.negative || self.homing.is_ending();
+        if meets_switch && self.stop_at_switch(cx, next) || self.stop_at_limit(cx, next, is_added) {
+            return self.note_direction();
+        }
+        let is_planned = matches!(self.generator, Generator::Plan(_)) && !is_added;
+        if is_planned && !self.is_within_limits(next.position) {
+            next = self.rounded(next);
+        }
+        self.command = next;
+        self.note_direction();
+    }
+
     /// What a plan goes beyond a limit by nothing but its rounding stays on it: the whole increment below it would not.
     fn rounded(&self, next: Motion) -> Motion {
-        let [low, high] = [false, true].map(|up| Position::whole(self.limit(up)));
+        let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
         let within = next.position.max(low).min(high);
         let is_rounding = (next.position - within).to_f64().abs() <= course::ROUNDING;
         Motion { position: if is_rounding { within } else { next.position }, ..next }
+    }
+
+    #[inline]
+    fn is_within_limits(&self, place: Position) -> bool {
+        place >= Position::whole(self.limit(false)) && place <= Position::whole(self.limit(true))
     }
 
     /// The motion of this cycle by the course under way; at its end, what comes next begins.
@@ -170,7 +209,9 @@ impl Axis {
 
     /// The motion of this cycle by the leader; none where the coupling is lost, and the axis stops already.
     fn follow(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
-        let Generator::Follow(mut follower) = self.generator else { return None };
+        let (slave, cycle_s, reserve) = (self.underlying(), self.cycle_s(), self.reserve());
+        let rule = self.parameters.reversing().rule;
+        let Generator::Follow(follower) = &mut self.generator else { return None };
         let lead = cx.leads.get(follower.leader);
         let bound = Position::whole(Gear::MAX_CHANGE);
         if !lead.valid || lead.change > bound || lead.change < -bound {
@@ -180,20 +221,19 @@ impl Axis {
             return None;
         }
         let was = follower.phase();
-        let rule = self.parameters.reversing().rule;
-        let next = follower.step(self.underlying(), lead, self.cycle_s(), self.reserve(), rule);
+        let next = follower.step(slave, lead, cycle_s, reserve, rule);
         if was == Phase::Synchronized && follower.phase() == Phase::CatchingUp {
             let waits = follower.leader_reverses() && rule == Rule::Never;
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
             cx.events.push(Event { position: next.position, ..event });
         }
-        self.generator = Generator::Follow(follower);
         Some(next)
     }
 
     /// Would `next` leave no way to stop before a limit? Then the axis stops at it instead, from its last motion, and
     /// that is an error. A motion to a target was checked as a whole when it was planned, but for what is added to it since.
+    #[inline]
     fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion, is_added: bool) -> bool {
         let watched = match &self.generator {
             // One that passes its target was checked with the goal behind it.
@@ -202,7 +242,18 @@ impl Axis {
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
         };
         self.watch_beyond(cx.cycle);
-        let crossed = self.crossed_limit(next, is_added).filter(|_| watched || is_added);
+        if !watched && !is_added {
+            return false;
+        }
+        if self.is_clear_of_limits(next) {
+            debug_assert!(self.crossed_limit(next, is_added).is_none() && self.passed_limit(next).is_none());
+            return false;
+        }
+        self.judge_limit(cx, next, watched, is_added)
+    }
+
+    fn judge_limit(&mut self, cx: &mut Context<'_>, next: Motion, watched: bool, is_added: bool) -> bool {
+        let crossed = self.crossed_limit(next, is_added);
         let Some(up) = crossed.or_else(|| self.passed_limit(next).filter(|_| watched)) else { return false };
         let limit = Position::whole(self.limit(up));
         let ahead = is_towards(up, self.command.velocity);
@@ -299,6 +350,23 @@ impl Axis {
         })
     }
 
+    /// Is `next` so far within the limits that no stop after it can lead beyond one? A stop with constant deceleration takes
+    /// v^2 / 2 d, and one in whole steps less than twice that.
+    #[inline]
+    fn is_clear_of_limits(&self, next: Motion) -> bool {
+        let limits = self.parameters.largest_limits();
+        let is_constant = !matches!(self.generator, Generator::Plan(_)) || limits.shape == Shape::Trapezoid;
+        let most = next.velocity * next.velocity / limits.deceleration * 1.01 + 2.0;
+        let here = next.position.floor();
+        // To an increment.
+        let room = |up: bool| {
+            let limit = self.limit(up);
+            (if up { limit.saturating_sub(here) } else { here.saturating_sub(limit) }) as f64
+        };
+        // One that stands beyond a limit is judged by how far in it has come; NaN is not clear of anything.
+        is_constant && self.beyond.is_none() && room(true) > most && room(false) > most
+    }
+
     /// By how much a step of this cycle may differ from another one at the same speed of its leader (inc).
     fn uneven(&self) -> f64 {
         match &self.generator {
@@ -308,7 +376,16 @@ impl Axis {
     }
 
     /// Keeps how far in an axis beyond a limit has come, from cycle to cycle, and whether it still is where one has stopped it.
+    #[inline]
     fn watch_beyond(&mut self, cycle: u64) {
+        if self.stopped_at.is_none() && self.is_within_limits(self.command.position) {
+            self.beyond = None;
+        } else {
+            self.note_beyond(cycle);
+        }
+    }
+
+    fn note_beyond(&mut self, cycle: u64) {
         let now = self.command.position;
         self.stopped_at = self.stopped_at.and_then(|stopped| match &self.generator {
             // The stop is still under way, and ends closer to the limit than it is now, or elsewhere than it was to.
@@ -317,10 +394,14 @@ impl Axis {
             }
             _ => (self.room(stopped.up, now) <= stopped.room + self.slack()).then_some(stopped),
         });
-        let up = [true, false].into_iter().find(|up| {
-            let limit = Position::whole(self.limit(*up));
-            if *up { now > limit } else { now < limit }
-        });
+        let up = match () {
+            () if now > Position::whole(self.limit(true)) => Some(true),
+            () if now < Position::whole(self.limit(false)) => Some(false),
+            () => {
+                self.beyond = None;
+                return;
+            }
+        };
         let before = self.beyond.filter(|beyond| Some(beyond.up) == up && beyond.cycle.saturating_add(1) == cycle);
         self.beyond = up.map(|up| {
             let inmost = before.map_or(now, |beyond| if up { beyond.inmost.min(now) } else { beyond.inmost.max(now) });
@@ -354,13 +435,16 @@ impl Axis {
     }
 
     /// The software limit in a direction, or the end of all positions.
+    #[inline]
     pub(super) fn limit(&self, up: bool) -> i64 {
         // They refer to a zero that homing is looking for.
         let holds = !self.homing.is_running();
-        if up {
-            self.parameters.max_position.filter(|_| holds).unwrap_or(Position::LIMIT - 1)
-        } else {
-            self.parameters.min_position.filter(|_| holds).unwrap_or(1 - Position::LIMIT)
+        let limits = &self.parameters.derived;
+        match (holds, up) {
+            (true, true) => limits.high,
+            (true, false) => limits.low,
+            (false, true) => Position::LIMIT - 1,
+            (false, false) => 1 - Position::LIMIT,
         }
     }
 

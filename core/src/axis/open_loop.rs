@@ -129,9 +129,9 @@ impl Axis {
         }
     }
 
-    /// Which outputs it switches, by their places in section `io`.
-    pub fn wiring(&self) -> Wiring {
-        self.setup.open_loop
+    /// Which outputs it switches, by their places in section `io`; none where it switches none.
+    pub fn wiring(&self) -> Option<Wiring> {
+        Some(self.setup.open_loop).filter(|wiring| *wiring != Wiring::default())
     }
 
     /// What these outputs show.

@@ -51,6 +51,7 @@ pub(super) struct Watch {
 
 impl Axis {
     /// True while the command position is the axis' own, not the actual position.
+    #[inline]
     pub(super) fn is_on(&self) -> bool {
         matches!(self.power, Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. })
     }
@@ -84,6 +85,7 @@ impl Axis {
         self.power == Power::Off && !runs
     }
 
+    #[inline]
     pub(super) fn is_virtual(&self) -> bool {
         self.setup.drive.is_none()
     }
@@ -179,7 +181,7 @@ impl Axis {
         cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > SWITCH_TIMEOUT_NS
     }
 
-    fn failure(&self, input: &DriveInput) -> Option<Code> {
+    pub(super) fn failure(&self, input: &DriveInput) -> Option<Code> {
         if !input.online {
             return Some(Code::DRIVE_LOST);
         }
@@ -287,10 +289,19 @@ impl Axis {
                 _ => control::DISABLE_VOLTAGE,
             },
         };
+        self.command_drive(self.asked(), word);
+        if self.homing.is_in_drive() {
+            self.output = self.ask_for_homing(self.output);
+        }
+    }
+
+    /// Fills in the drive's outputs: the increment that it is asked for, in the user's sense, and the control word.
+    #[inline]
+    pub(super) fn command_drive(&mut self, asked: i64, word: u16) {
         let velocity = self.reference_across(self.drive_velocity());
         self.is_backwards = velocity < 0.0;
         self.output = DriveOutput {
-            position: self.turn_counts(self.asked()).wrapping_sub(self.origin),
+            position: self.turn_counts(asked).wrapping_sub(self.origin),
             velocity: self.unipolar(velocity),
             acceleration: if self.setup.interface == Interface::Position {
                 self.across(self.command.acceleration)
@@ -302,9 +313,6 @@ impl Axis {
             mode: self.setup.interface.mode(),
             homing: None,
         };
-        if self.homing.is_in_drive() {
-            self.output = self.ask_for_homing(self.output);
-        }
     }
 
     /// The velocity for the drive in the user's sense (inc/s): to be followed, to be told beside the position, or to run at.

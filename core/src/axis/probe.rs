@@ -82,12 +82,13 @@ impl Axis {
 
     /// Does the active goal search, or has it searched?
     pub(super) fn probes(&self) -> bool {
-        self.goal.is_some_and(|goal| goal.search.is_some())
+        self.goal.as_ref().is_some_and(|goal| goal.search.is_some())
     }
 
     /// Does the active goal still search?
     pub(super) fn searches(&self) -> bool {
-        self.goal.is_some_and(|goal| goal.ending.is_none() && goal.search.is_some_and(|search| search.is_on()))
+        let search = self.goal.as_ref().filter(|goal| goal.ending.is_none()).and_then(|goal| goal.search.as_ref());
+        search.is_some_and(Search::is_on)
     }
 
     /// Takes the latch that the active goal searches for: from now on it goes to its end. Before the commands of the cycle,

@@ -1,7 +1,7 @@
 //! Writing an axis' signals.
 
 use super::course::Aim;
-use super::{Axis, AxisState, Generator};
+use super::{Axis, AxisState, Generator, Pace};
 use crate::position::Position;
 use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
@@ -46,44 +46,33 @@ impl Axis {
 
     /// Writes all signals of this cycle.
     pub fn publish(&mut self, board: &mut Board, leads: &Leads) {
+        let is_calm = self.pace() == Pace::Calm;
         let master = self.watch_master(leads);
         let command = self.command;
         let position = command.position.floor();
-        let coupling = self.coupling(leads);
         let (turns, within) = match self.setup.modulo {
-            Some(modulo) => modulo.split(command.position),
-            None => (0, command.position),
+            Some(modulo) => {
+                let (turns, within) = modulo.split(command.position);
+                (turns, within.floor())
+            }
+            None => (0, position),
         };
         let target = self.course_end().unwrap_or(command.position).floor();
         let in_velocity = matches!(&self.generator, Generator::Plan(course)
             if matches!(course.aim, Aim::Velocity(velocity) if command.velocity == velocity)
                 && command.acceleration == 0.0);
         let actual = self.actual.position.floor();
+        let asked = if self.turned().units { self.asked() } else { position };
         let p = &self.parameters;
 
-        let words = board.block(self.signals, AxisSignal::COUNT);
-        let mut set = |signal: AxisSignal, word: u64| {
-            if let Some(place) = words.get_mut(signal as usize) {
-                *place = word;
-            }
-        };
+        // One look at the length, and none at each signal.
+        let block = board.block(self.signals, AxisSignal::COUNT);
+        let Ok(words) = <&mut [u64; AxisSignal::COUNT]>::try_from(block) else { return };
+        let mut set = |signal: AxisSignal, word: u64| words[signal as usize] = word;
         let int = i64::cast_unsigned;
         let bit = u64::from;
         let real = f64::to_bits;
         use AxisSignal::*;
-        set(State, self.state as u64);
-        set(DriveState, self.drive_state as u64);
-        set(Reference, self.reference as u64);
-        // Taken off again while its brake opened, it never was.
-        set(Enabled, bit(self.is_on() && !self.is_opening() && self.state != AxisState::Disabled));
-        set(ModeOfOperation, int(self.mode.into()));
-        set(Homed, bit(self.knows_zero()));
-        set(InPosition, bit(self.judge.in_position));
-        set(InVelocity, bit(in_velocity));
-        set(InSync, bit(coupling.in_sync));
-        set(Warning, bit(self.warning));
-        set(Brake, bit(self.is_braked()));
-        set(Error, u64::from(self.error.0));
         set(CommandPosition, int(position));
         set(CommandFraction, real(command.position.fraction()));
         set(CommandVelocity, real(command.velocity));
@@ -95,28 +84,54 @@ impl Axis {
         set(ActualVelocity, real(self.actual.velocity));
         set(ActualEffort, real(self.effort));
         set(FollowingError, int(self.judge.following_error));
-        set(RegulatorError, int(if self.is_on() { self.asked().saturating_sub(actual) } else { 0 }));
+        set(RegulatorError, int(if self.is_on() { asked.saturating_sub(actual) } else { 0 }));
         set(RegulatorOutput, real(self.regulator_output()));
-        set(ModuloPosition, int(within.floor()));
+        set(ModuloPosition, int(within));
         set(Turns, int(turns));
-        set(SyncMaster, int(coupling.master));
-        set(SyncError, int(coupling.error));
-        set(SyncStatus, if coupling.accurate { status::ACCURATE } else { 0 });
+        set(InVelocity, bit(in_velocity));
+        set(LimitSoftwarePositive, bit(p.max_position.is_some_and(|limit| position >= limit)));
+        set(LimitSoftwareNegative, bit(p.min_position.is_some_and(|limit| position <= limit)));
+        set(OutputPosition, int(self.output.position));
+        set(OutputVelocity, real(self.output.velocity));
+        set(TrackError, real(self.track_error()));
+        if let Some(master) = master {
+            set(MasterPosition, real(master.position));
+            set(MasterVelocity, real(master.velocity));
+        }
+        if !is_calm || !matches!(self.generator, Generator::Plan(_)) {
+            let coupling = self.coupling(leads);
+            set(InSync, bit(coupling.in_sync));
+            set(SyncMaster, int(coupling.master));
+            set(SyncError, int(coupling.error));
+            set(SyncStatus, if coupling.accurate { status::ACCURATE } else { 0 });
+        }
+        if is_calm {
+            // A motion changes nothing else.
+            return;
+        }
+        if master.is_none() {
+            set(MasterPosition, 0);
+            set(MasterVelocity, 0);
+        }
+        set(InPosition, bit(self.judge.in_position));
+        set(OutputEffort, real(self.output.effort));
+        set(OutputControl, u64::from(self.output.control));
+        set(State, self.state as u64);
+        set(DriveState, self.drive_state as u64);
+        set(Reference, self.reference as u64);
+        // Taken off again while its brake opened, it never was.
+        set(Enabled, bit(self.is_on() && !self.is_opening() && self.state != AxisState::Disabled));
+        set(ModeOfOperation, int(self.mode.into()));
+        set(Homed, bit(self.knows_zero()));
+        set(Warning, bit(self.warning));
+        set(Brake, bit(self.is_braked()));
+        set(Error, u64::from(self.error.0));
         set(LimitPositive, bit(self.switches.positive));
         set(LimitNegative, bit(self.switches.negative));
         set(ReferenceSwitch, bit(self.switches.home));
         set(IndexCount, u64::from(self.index.0));
         set(IndexPosition, int(self.index.1.floor()));
         set(HomingPhase, self.homing.phase() as u64);
-        set(LimitSoftwarePositive, bit(p.max_position.is_some_and(|limit| position >= limit)));
-        set(LimitSoftwareNegative, bit(p.min_position.is_some_and(|limit| position <= limit)));
-        set(OutputPosition, int(self.output.position));
-        set(OutputVelocity, real(self.output.velocity));
-        set(OutputEffort, real(self.output.effort));
-        set(OutputControl, u64::from(self.output.control));
-        set(MasterPosition, real(master.position));
-        set(MasterVelocity, real(master.velocity));
-        set(TrackError, real(self.track_error()));
         let fault = self.fault();
         set(FaultCode, u64::from(fault.code.0));
         set(FaultCycle, fault.cycle);

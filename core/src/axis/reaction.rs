@@ -131,10 +131,7 @@ impl Axis {
         }
         self.react(cx, Code::STOPPED_WITH_OTHER, Number::Count(other.into()), Number::None);
         self.stops_others = false;
-        self.settle_selector(cx);
-        self.switch_drive(cx);
-        self.work_brake(cx.cycle);
-        self.settle_waiting(cx);
+        self.settle_step(cx);
     }
 
     /// Has an error of this cycle to stop the others?

@@ -68,8 +68,11 @@ impl Axis {
     pub(super) fn watch_contacts(&mut self, cx: &mut Context<'_>) {
         let now = self.setup.safety.open(cx.inputs).unwrap_or(Code::NONE);
         let before = std::mem::replace(&mut self.open_contact, now);
+        if now.is_none() {
+            return;
+        }
         let runs = if self.is_virtual() { !self.rests() } else { !matches!(self.power, Power::Off) };
-        if self.open_contact.is_none() || !runs {
+        if !runs {
             return;
         }
         let is_new = self.error != self.open_contact;

@@ -40,13 +40,24 @@ impl Default for Streamed {
     }
 }
 
+impl Streamed {
+    /// A cycle without a setpoint.
+    pub(super) fn pass(&mut self) {
+        (self.age, self.silence) = (self.age.saturating_add(1), self.silence.saturating_add(1));
+    }
+
+    /// Is nothing told that is forgotten in time?
+    pub(super) fn is_settled(&self) -> bool {
+        self.told.is_none()
+    }
+}
+
 impl Axis {
     /// Takes a new setpoint, and stops when none has come for too long.
     pub(super) fn follow_stream(&mut self, cx: &mut Context<'_>) {
         let timeout = self.parameters.setpoint_timeout.unsigned_abs();
-        let Streamed { age, silence, .. } = &mut self.streamed;
-        (*age, *silence) = (age.saturating_add(1), silence.saturating_add(1));
-        if silence.saturating_mul(self.setup.cycle_ns) > timeout {
+        self.streamed.pass();
+        if self.streamed.silence.saturating_mul(self.setup.cycle_ns) > timeout {
             self.streamed.told = Code::NONE;
         }
         let new = cx.stream.and_then(|stream| *stream.axes.get(usize::from(self.setup.index))?);

@@ -96,7 +96,12 @@ pub type Violation = (Number, Number);
 
 impl Axis {
     pub(super) fn tracker(&self) -> Option<Tracker> {
-        self.goal.and_then(|goal| goal.track)
+        self.goal.as_ref().and_then(|goal| goal.track)
+    }
+
+    /// Is it one of a trajectory?
+    pub(super) fn has_track(&self) -> bool {
+        self.goal.as_ref().is_some_and(|goal| goal.track.is_some())
     }
 
     /// Is it the axis of that track of that run, between two cycles?
@@ -120,7 +125,7 @@ impl Axis {
 
     /// Has its trajectory been cancelled?
     pub fn is_cancelled(&self) -> bool {
-        self.goal.is_some_and(|goal| goal.ending.is_some())
+        self.goal.as_ref().is_some_and(|goal| goal.ending.is_some())
     }
 
     /// Nothing moves its command.
@@ -244,6 +249,9 @@ impl Axis {
 
     /// A track that waited begins, once the cycle has come in which it does.
     pub(super) fn start_waiting_track(&mut self, cx: &mut Context<'_>) {
+        if !self.has_track() {
+            return;
+        }
         let Some(mut tracker) = self.tracker().filter(|tracker| tracker.waits && !self.is_cancelled()) else { return };
         let Some(run) = cx.runs.get(usize::from(tracker.slot)).and_then(Option::as_ref) else { return };
         if cx.cycle <= run.begins {

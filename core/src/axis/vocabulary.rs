@@ -32,6 +32,13 @@ pub(super) struct Awake {
     shown: bool,
 }
 
+impl Awake {
+    /// Has any of them been?
+    pub(super) fn is_any(self) -> bool {
+        self.amc || self.saia || self.wf
+    }
+}
+
 impl Axis {
     fn view<'a>(&'a self, cycle: u64, owner: Owner, leads: &'a Leads, latches: &'a [Latched]) -> View<'a> {
         let p = &self.parameters;
@@ -172,11 +179,14 @@ impl Axis {
 
     /// Once its homing is done, the selector shows what it stands at now in that very cycle; so it does once the axis is locked.
     pub(super) fn settle_selector(&mut self, cx: &mut Context<'_>) {
-        if self.awake.amc && self.is_locked() {
+        if !self.awake.amc {
+            return;
+        }
+        if self.is_locked() {
             let select = self.amc.give_up();
             return self.write_selection(cx, select);
         }
-        let has_homed = self.awake.amc && self.amc.homes() && !self.homing.is_running();
+        let has_homed = self.amc.homes() && !self.homing.is_running();
         if !has_homed || self.owner != Owner::Amc || self.state != AxisState::Standstill {
             return;
         }
@@ -190,7 +200,7 @@ impl Axis {
     /// 34.007 as it is from now on.
     fn write_selection(&mut self, cx: &mut Context<'_>, select: i64) {
         if self.parameters.amc.reference_select != select {
-            self.parameters.amc.reference_select = select;
+            self.parameters.change(|values| values.amc.reference_select = select);
             let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
             let parameter = Row::find("amc.reference_select").map(|(row, _)| row);
             cx.events.push(Event { parameter, ..event.with(Number::Count(select), Number::None) });

@@ -59,6 +59,7 @@ impl Counter {
     }
 
     /// Takes the counts of this cycle and returns their change (inc); the first counts are the position itself.
+    #[inline]
     pub fn take(&mut self, count: i64, epoch: u32) -> i64 {
         let change = match self.last {
             Some((last, same)) if same == epoch => self.circle.way(last, count),

@@ -113,7 +113,16 @@ impl Reader {
     }
 
     /// Takes the word of this cycle.
+    #[inline]
     pub fn take(&mut self, word: i64, epoch: u32, valid: bool) -> Reading {
+        // Any count follows from the one before.
+        if matches!(self.form, Form::Incremental(_)) && valid && self.epoch() == Some(epoch) {
+            return self.follow(word, epoch);
+        }
+        self.take_word(word, epoch, valid)
+    }
+
+    fn take_word(&mut self, word: i64, epoch: u32, valid: bool) -> Reading {
         let count = self.form.decode(word).filter(|_| valid);
         match (self.counter.last(), count) {
             (Some((last, same)), count) if same == epoch => match self.judge(last, count) {
@@ -145,6 +154,7 @@ impl Reader {
         if is_small(last) || is_confirmed { Ok(count) } else { Err(Bad::Step) }
     }
 
+    #[inline]
     fn follow(&mut self, count: i64, epoch: u32) -> Reading {
         let change = self.counter.take(count, epoch);
         // The first good word behind bad ones also makes up for what was guessed.
@@ -182,6 +192,16 @@ impl Reader {
     fn count_bad(&mut self) {
         self.bad = self.bad.saturating_add(1);
         self.errors = self.errors.saturating_add(1);
+    }
+
+    /// Would the same word again change nothing?
+    pub fn is_settled(&self) -> bool {
+        self.is_good() && self.pace == 0
+    }
+
+    /// Was the last word a good one, like all that it could be mistaken for?
+    pub fn is_good(&self) -> bool {
+        self.bad == 0 && self.doubted.is_none()
     }
 
     /// Bad words in a row up to this cycle.

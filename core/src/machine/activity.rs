@@ -34,7 +34,7 @@ impl Machine {
 
     /// Tells the end of a deactivation, once every drive is off.
     pub(super) fn settle_deactivation(&mut self) {
-        if self.state.axes.iter().all(Axis::is_off) {
+        if self.state.deactivating.is_some() && self.state.axes.iter().all(Axis::is_off) {
             self.end_deactivation(Code::NONE);
         }
     }

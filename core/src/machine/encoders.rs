@@ -93,6 +93,9 @@ impl Machine {
     /// the next cycle, before any command of it. Of several of one cycle the last one stands, as if each had been shared before the
     /// next.
     pub(super) fn share_shifts(&mut self) {
+        if self.state.encoders.is_empty() {
+            return;
+        }
         for encoder in 0..self.state.encoders.len() {
             self.share(encoder as u16);
         }

@@ -157,6 +157,11 @@ impl Panel {
         smoothed
     }
 
+    /// Were these the digital inputs of the cycle before?
+    pub(super) fn has_read(&self, digital: &[u64]) -> bool {
+        self.has_read && self.before == digital
+    }
+
     /// The edges of this cycle.
     pub(super) fn edges(&mut self, inputs: &Inputs) -> Edges {
         let before = &self.before;
@@ -219,21 +224,28 @@ impl Panel {
     /// Lets the functions of outputs follow the axes. Those that share a number show that one of them is active.
     pub(super) fn follow(&mut self, axes: &[Axis]) {
         let outputs = &mut self.outputs;
-        let failing = axes.iter().any(|axis| !axis.error().is_none());
-        let mut moving = Moving::default();
-        axes.iter().for_each(|axis| moving.add(axis.parameters.outputs.axmove, axis.is_commanded()));
+        let (mut failing, mut moving) = (false, Moving::default());
+        for axis in axes {
+            failing |= !axis.error().is_none();
+            moving.add(axis.parameters.outputs.axmove, axis.is_commanded());
+        }
         // First all of those that are not assigned any more: another function may be new there.
         release(outputs, self.error, self.parameters.o_error, false);
         for (axis, moves) in axes.iter().zip(&self.moves) {
-            release(outputs, *moves, axis.parameters.outputs.axmove, moving.has(moves.number));
+            let number = axis.parameters.outputs.axmove;
+            if moves.number != number {
+                release(outputs, *moves, number, moving.has(moves.number));
+            }
         }
         let is_new = failing && !self.error.active;
         show(outputs, &mut self.error, self.parameters.o_error, failing);
         for (axis, (brake, moves)) in axes.iter().zip(self.brakes.iter_mut().zip(&mut self.moves)) {
             let assigned = axis.parameters.outputs;
             show(outputs, moves, assigned.axmove, moving.has(assigned.axmove));
-            for (output, on) in axis.sign_outputs().into_iter().flatten() {
-                put(outputs, output.into(), on);
+            if axis.tells_sign() {
+                for (output, on) in axis.sign_outputs().into_iter().flatten() {
+                    put(outputs, output.into(), on);
+                }
             }
             let now = Shown { number: assigned.brake, active: axis.asks_for_brake() };
             let before = std::mem::replace(brake, now);
@@ -289,7 +301,9 @@ struct Moving(u64);
 
 impl Moving {
     fn mask(number: i64) -> u64 {
-        u32::try_from(number.saturating_add(31)).ok().and_then(|bit| 1_u64.checked_shl(bit)).unwrap_or(0)
+        // A number far below wraps to one far above.
+        let bit = number.wrapping_add(31).cast_unsigned();
+        if bit < 64 { 1 << bit } else { 0 }
     }
 
     fn add(&mut self, number: i64, is_commanded: bool) {

@@ -24,7 +24,7 @@ impl Machine {
         let mut machine = self.state.panel.parameters;
         for change in changes.iter().filter(|change| change.axis != MACHINE) {
             let axis = self.state.axes.get(usize::from(change.axis)).ok_or(missing)?;
-            self.candidates[usize::from(change.axis)] = axis.parameters;
+            self.candidates[usize::from(change.axis)] = *axis.parameters;
         }
         for change in in_order(changes) {
             let row = change.row().ok_or(missing)?;
@@ -91,7 +91,7 @@ impl Machine {
         self.accept(command, Object::Machine);
         for index in axes.iter() {
             let new = self.candidates[usize::from(index)];
-            let old = self.state.axes[usize::from(index)].parameters;
+            let old = *self.state.axes[usize::from(index)].parameters;
             self.put_in_force(usize::from(index), new);
             for (row, entry) in ROWS.iter().enumerate().filter(|(_, row)| row.is_stored()) {
                 let value = entry.value(&new);
@@ -147,7 +147,7 @@ impl Machine {
         image.version = self.state.parameter_version;
         image.machine = [self.state.panel.parameters, self.state.panel.user];
         for (copy, axis) in image.effective.iter_mut().zip(&self.state.axes) {
-            *copy = axis.parameters;
+            *copy = *axis.parameters;
         }
         for (copy, user) in image.user.iter_mut().zip(&self.state.user) {
             *copy = *user;
@@ -218,7 +218,7 @@ impl Machine {
     /// Has each output one function, where the candidates of some axes come into force?
     fn check_functions(&self, o_error: i64, is_new: impl Fn(usize) -> bool) -> Result<(), Refusal> {
         let of = |index: usize| {
-            let now = &self.state.axes[index].parameters;
+            let now: &AxisParameters = &self.state.axes[index].parameters;
             if is_new(index) { self.candidates[index].output_functions() } else { now.output_functions() }
         };
         self.config.check_functions(o_error, of, &is_new).map_err(shared_output)
@@ -230,7 +230,7 @@ impl Machine {
         let machine = if self.are_all(axes) { &panel.parameters } else { &panel.user };
         let of = |index: usize| {
             let saves = axes.contains(index as u16);
-            let kept = if saves { &self.state.axes[index].parameters } else { &self.state.user[index] };
+            let kept = if saves { &*self.state.axes[index].parameters } else { &self.state.user[index] };
             kept.output_functions()
         };
         let is_new = |index: usize| axes.contains(index as u16);

@@ -93,7 +93,7 @@ impl State {
 
     /// Parameters in force, by axis.
     pub fn parameters(&self) -> impl Iterator<Item = &AxisParameters> {
-        self.axes.iter().map(|axis| &axis.parameters)
+        self.axes.iter().map(|axis| &*axis.parameters)
     }
 
     /// Parameters of the machine in force.

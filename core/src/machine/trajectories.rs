@@ -97,7 +97,9 @@ impl Machine {
     /// Judges the trajectories that run, after all axes have moved in this cycle.
     pub(super) fn judge_trajectories(&mut self, inputs: &Inputs) {
         for slot in 0..self.state.runs.len() {
-            self.settle_trajectory(slot, inputs, Self::end_of);
+            if self.state.runs[slot].is_some() {
+                self.settle_trajectory(slot, inputs, Self::end_of);
+            }
         }
     }
 
@@ -187,6 +189,7 @@ impl Machine {
         act: impl FnOnce(&mut crate::axis::Axis, &mut Context<'_>) -> T,
     ) -> Option<T> {
         let axis = self.state.axes.get_mut(index)?;
+        axis.disturb();
         let mut cx = Context {
             cycle: self.state.cycle,
             input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
@@ -199,9 +202,8 @@ impl Machine {
             runs: &self.state.runs,
             events: &mut self.events,
         };
-        let written = super::written_by_itself(axis);
         let result = act(axis, &mut cx);
-        if written != super::written_by_itself(axis) {
+        if axis.take_own_change() {
             self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
         }
         Some(result)

@@ -54,6 +54,11 @@ pub struct Reserve {
 
 impl Bounds {
     fn less(self, reserve: Reserve) -> Self {
+        if reserve == Reserve::default() {
+            let rate = self.max_acceleration.min(self.max_deceleration);
+            let (velocity, acceleration) = (self.velocity.min(self.max_velocity), self.acceleration.min(rate));
+            return Self { velocity, acceleration, ..self };
+        }
         // Never nothing: it divides by them.
         let left = |most: f64, reserve: f64| (most - reserve).max(most * 1e-6);
         Self {
@@ -224,8 +229,8 @@ impl Follower {
         // A counted leader is uneven by one increment even at constant speed: that much of its change, where it did
         // change, is no acceleration.
         let uneven = self.uneven().min((geared - self.recent[0]).abs());
-        self.recent.rotate_right(1);
-        self.recent[0] = geared;
+        let [a, b, c, d, e, f, g, _] = self.recent;
+        self.recent = [geared, a, b, c, d, e, f, g];
         self.mean += (geared - self.mean) / MEAN_CYCLES;
         let forward_only = match rule {
             Rule::Always => false,

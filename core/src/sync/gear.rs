@@ -84,24 +84,27 @@ impl Gear {
 
     /// Advances by the master's change and returns the slave's.
     pub fn step(&mut self, master_change: Position) -> Position {
+        // What fits 64 bits lies within the largest change.
+        if let Some(change) = self.step_narrow(master_change.raw()) {
+            return change;
+        }
         let bound = Position::whole(Self::MAX_CHANGE).raw();
         let change = master_change.raw().clamp(-bound, bound);
         // |numerator| < 2^62 and |change| <= 2^63, the remainder is below 2^62: the sum stays below 2^126.
         let total = i128::from(self.ratio.numerator) * change + self.remainder;
         let denominator = i128::from(self.ratio.denominator);
-        let (quotient, remainder) = div_rem_floor(total, denominator);
-        self.remainder = remainder;
-        Position::from_raw(quotient)
+        self.remainder = total.rem_euclid(denominator);
+        Position::from_raw(total.div_euclid(denominator))
     }
-}
 
-/// Floored division by a positive denominator; in 64 bits where the number allows, as 128-bit division is slow.
-fn div_rem_floor(total: i128, denominator: i128) -> (i128, i128) {
-    match (i64::try_from(total), i64::try_from(denominator)) {
-        (Ok(total), Ok(denominator)) => {
-            (i128::from(total.div_euclid(denominator)), i128::from(total.rem_euclid(denominator)))
-        }
-        _ => (total.div_euclid(denominator), total.rem_euclid(denominator)),
+    /// The same in 64 bits, where the numbers fit: that is a tenth of the work.
+    #[inline]
+    fn step_narrow(&mut self, change: i128) -> Option<Position> {
+        let (change, remainder) = (i64::try_from(change).ok()?, i64::try_from(self.remainder).ok()?);
+        let total = self.ratio.numerator.checked_mul(change)?.checked_add(remainder)?;
+        let denominator = self.ratio.denominator;
+        self.remainder = i128::from(total.rem_euclid(denominator));
+        Some(Position::from_raw(i128::from(total.div_euclid(denominator))))
     }
 }
 

@@ -114,6 +114,11 @@ impl Homing {
         matches!(self.run, Some(Run { stage: Stage::InDrive(_), .. }))
     }
 
+    /// Is nothing under way, and nothing left to tell?
+    pub(super) fn is_settled(&self) -> bool {
+        self.run.is_none() && !self.lost && !self.unsure && !self.broken && !self.ends
+    }
+
     pub(super) fn phase(&self) -> HomingPhase {
         let Some(run) = self.run else { return HomingPhase::None };
         match run.stage {

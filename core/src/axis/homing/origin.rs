@@ -41,7 +41,7 @@ impl Axis {
 
     /// A limit that would lie beyond all positions if it moved by so much (inc).
     pub fn limit_out_of_range(&self, by: i64) -> Option<i64> {
-        let mut parameters = self.parameters;
+        let mut parameters = *self.parameters;
         parameters.shift_limits(by);
         let limits = [parameters.min_position, parameters.max_position];
         limits.into_iter().flatten().find(|limit| !Position::whole(*limit).is_legal())
@@ -49,9 +49,9 @@ impl Axis {
 
     /// The limits keep their places in the world (MACS-LIM-01); how far they were moved is not saved with them.
     pub(in super::super) fn shift_limits(&mut self, cx: &mut Context<'_>, by: i64) {
-        let before = self.parameters;
+        let before = *self.parameters;
         self.homing.limit_shift = self.homing.limit_shift.saturating_add(by);
-        self.parameters.shift_limits(by);
+        self.parameters.change(|values| values.shift_limits(by));
         for key in ["min_position", "max_position"] {
             let Some((place, row)) = Row::find(key) else { continue };
             let value = row.value(&self.parameters);
@@ -70,7 +70,7 @@ impl Axis {
 
     /// What is saved of the parameters in force: limits in the coordinate of the machine's own zero.
     pub fn parameters_to_keep(&self) -> AxisParameters {
-        let mut parameters = self.parameters;
+        let mut parameters = *self.parameters;
         parameters.shift_limits(self.homing.limit_shift.saturating_neg());
         parameters
     }
@@ -104,6 +104,12 @@ impl Axis {
         if std::mem::take(&mut self.owner) != Owner::Native {
             self.reference = Reference::Stop;
         }
+    }
+
+    /// Was the coordinate moved since that was asked last?
+    #[inline]
+    pub fn has_moved(&self) -> bool {
+        self.moved != Position::ZERO
     }
 
     /// By how much the coordinate was moved since this was asked last.

@@ -21,7 +21,7 @@ impl Axis {
         request: &Request,
     ) -> Result<(), Refusal> {
         self.awake.saia = true;
-        let mut parameters = self.parameters;
+        let mut parameters = *self.parameters;
         for (register, value) in request.registers() {
             let Some((place, row)) = register.row() else { continue };
             let refusal = Refusal::new(Code::PARAMETER_OUT_OF_RANGE, self.object());
@@ -40,7 +40,7 @@ impl Axis {
             self.do_saia(cx, &outcome)?;
         }
         self.saia = saia;
-        self.parameters = parameters;
+        self.parameters.change(|values| *values = parameters);
         self.accepted(cx, sequence);
         for (register, value) in request.registers() {
             let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE).of_command(sequence);

@@ -315,7 +315,7 @@ fn outputs_end_with_what_they_stand_for() {
     rig.enable();
     let shows = |rig: &mut Rig, asked: wf::Switching| {
         let axis = &rig.machine.state.axes[1];
-        let (wiring, allowed) = (axis.wiring(), axis.allowed(asked));
+        let (wiring, allowed) = (axis.wiring().unwrap_or_default(), axis.allowed(asked));
         let mut outputs = rig.outputs().clone();
         let Machine { state, signals, .. } = &mut rig.machine;
         signals.publish_switching(&mut state.board, wiring, allowed, &mut outputs);

@@ -31,6 +31,8 @@ pub(super) struct Rig {
     pub tamper: fn(&mut Inputs),
     /// Another machine that does the same from some cycle on.
     mirror: Option<Machine>,
+    /// One that passes over no cycle of any axis does the same from the beginning on.
+    pub plain: Option<Machine>,
 }
 
 fn scale() -> Scale {
@@ -84,6 +86,7 @@ fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refu
         runs: &[],
         events: &mut *events,
     };
+    state.axes[usize::from(axis)].disturb();
     let result = state.axes[usize::from(axis)].obey(&mut cx, Owner::Wf, order);
     state.next_event = events.next();
     result
@@ -101,9 +104,10 @@ impl Rig {
     /// With these models of x and y.
     pub(super) fn with(config: MachineConfig, models: [Model; 2]) -> Self {
         let plant = Plant::new(&config, &models.map(Some));
+        let plain = Some(Machine { steps_all: true, ..Machine::new(config.clone()).unwrap() });
         let machine = Machine::new(config).unwrap();
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
-        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), tamper: |_| {}, mirror: None }
+        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), tamper: |_| {}, mirror: None, plain }
     }
 
     /// With x and y switched on.
@@ -152,12 +156,18 @@ impl Rig {
         self.plant.read(&mut self.inputs);
         (self.tamper)(&mut self.inputs);
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
-        if let Some(mirror) = &mut self.mirror {
-            let mut outputs = mirror.outputs();
-            mirror.cycle(&self.inputs, commands, &mut outputs);
-            let cycle = self.inputs.cycle;
-            assert_eq!((mirror.events(), &outputs), (self.machine.events(), &self.outputs), "in cycle {cycle}");
-            assert!(mirror.board() == self.machine.board(), "other signals in cycle {cycle}");
+        let cycle = self.inputs.cycle;
+        for other in [&mut self.mirror, &mut self.plain].into_iter().flatten() {
+            let mut outputs = other.outputs();
+            other.cycle(&self.inputs, commands, &mut outputs);
+            assert_eq!((other.events(), &outputs), (self.machine.events(), &self.outputs), "in cycle {cycle}");
+            assert!(other.board() == self.machine.board(), "other signals in cycle {cycle}");
+        }
+        if let Some(plain) = self.plain.as_ref().filter(|_| cycle.is_multiple_of(64)) {
+            let image = |machine: &Machine| postcard::to_allocvec(machine.state()).unwrap();
+            assert!(image(plain) == image(&self.machine), "another state behind cycle {cycle}");
+            let agree = self.machine.state.axes.iter().all(|axis| axis.parameters.agrees());
+            assert!(agree, "what is kept of parameters does not follow from them in cycle {cycle}");
         }
         self.plant.write(&self.outputs);
         self.note_events();
@@ -175,8 +185,8 @@ impl Rig {
 
     /// What a vocabulary asks of an axis, before the next cycle.
     pub(super) fn order(&mut self, axis: u16, order: Order) -> Result<(), Refusal> {
-        if let Some(mirror) = &mut self.mirror {
-            give_order(mirror, axis, order).ok();
+        for other in [&mut self.mirror, &mut self.plain].into_iter().flatten() {
+            give_order(other, axis, order).ok();
         }
         let result = give_order(&mut self.machine, axis, order);
         self.note_events();

@@ -1,0 +1,247 @@
+//! Instructions of a cycle, by what the axes do and how many there are: a figure that no load on the host changes.
+//!
+//! `cargo bench -p lineshaft-core --bench instructions` runs itself under `valgrind --tool=callgrind`, which counts inside
+//! `Machine::cycle` alone, and fails where a figure is more than 5 % above the stored one (`instructions.txt`).
+//! `LINESHAFT_RENEW=1` stores the figures of this run instead.
+
+use lineshaft_core::command::{
+    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
+};
+use lineshaft_core::config::{AxisConfig, MachineConfig};
+use lineshaft_core::drive::{DriveInput, DriveState, Inputs, Outputs};
+use lineshaft_core::machine::{MAX_COMMANDS, Machine};
+use lineshaft_core::object::{AxisSet, Leader};
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+use std::error::Error;
+use std::fmt::Write as _;
+use std::process;
+
+/// What the axes do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Case {
+    /// Switched off.
+    Disabled,
+    /// On, and standing.
+    Rest,
+    /// On their way to a position: half of the cycles speeding up, half of them at a constant velocity.
+    Moving,
+    /// At a velocity without end.
+    Velocity,
+    /// Coupled 355 : 113 to a virtual one, which is one of them; alone it has one beside it.
+    Geared,
+}
+
+const CASES: [(&str, Case); 5] = [
+    ("disabled", Case::Disabled),
+    ("rest", Case::Rest),
+    ("moving", Case::Moving),
+    ("velocity", Case::Velocity),
+    ("geared", Case::Geared),
+];
+const AXES: [u16; 3] = [1, 64, 512];
+/// Cycles before those that are counted: what was begun has shown, and nothing settles any more.
+const SETTLING: usize = 10;
+/// Cycles that are counted.
+const CYCLES: usize = 40;
+/// Set for the process that is counted.
+const COUNTED: &str = "LINESHAFT_COUNTED";
+const STORED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/instructions.txt");
+
+/// The machine and the least that stands for its drives.
+struct Rig {
+    machine: Machine,
+    inputs: Inputs,
+    outputs: Outputs,
+}
+
+impl Rig {
+    fn new(case: Case, axes: u16) -> Self {
+        let per = Quantity::new(Fraction::from_integer(1), Unit::METRE);
+        let scale = Scale::new(Fraction::from_integer(1_000_000), per).expect("a legal scale");
+        let leaders = u16::from(case == Case::Geared);
+        let axis = |index: u16| {
+            let delay = (index >= leaders).then_some(0);
+            AxisConfig::new(format!("a{index}"), scale, delay, AxisParameters::new(1e6, 1e7))
+        };
+        let axes = (0..axes.max(1 + leaders)).map(axis).collect();
+        let config = MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() };
+        let machine = Machine::new(config).expect("a legal machine");
+        let (inputs, outputs) = (machine.inputs(), machine.outputs());
+        let mut rig = Self { machine, inputs, outputs };
+        rig.switch(DriveState::SwitchOnDisabled);
+        rig.begin(case, leaders);
+        (0..SETTLING).for_each(|_| rig.cycle(Commands::default()));
+        rig
+    }
+
+    fn begin(&mut self, case: Case, first: u16) {
+        self.cycle(Commands::default());
+        if case == Case::Disabled {
+            return;
+        }
+        let axes = self.machine.config().axes.len() as u16;
+        self.switch(DriveState::Enabled);
+        self.give(&[Action::Enable(AxisSet::first(usize::from(axes)))]);
+        self.cycle(Commands::default());
+        let action = |axis| match case {
+            Case::Geared => couple(axis),
+            Case::Velocity => begin_move(axis, MoveMode::Velocity, 0, 1e5),
+            _ => begin_move(axis, MoveMode::Absolute, 1_000_000_000, 1.5e5),
+        };
+        if case != Case::Rest {
+            let actions: Vec<_> = (first..axes).map(action).collect();
+            self.give(&actions);
+        }
+        // Once all of them follow, and no faster than they can.
+        if case == Case::Geared {
+            let Action::Move(slow) = begin_move(0, MoveMode::Velocity, 0, 1e5) else { return };
+            self.give(&[Action::Move(Move { acceleration: 2e6, ..slow })]);
+        }
+    }
+
+    fn switch(&mut self, state: DriveState) {
+        let drive = DriveInput { status: state.status(), online: true, fresh: true, ..DriveInput::default() };
+        self.inputs.drive.fill(drive);
+    }
+
+    fn give(&mut self, actions: &[Action]) {
+        for some in actions.chunks(MAX_COMMANDS) {
+            let command = |action: &Action| Command { sequence: 1, source: Source::Cli, action: action.clone() };
+            let commands: Vec<_> = some.iter().map(command).collect();
+            self.cycle(Commands::queue(&commands));
+        }
+    }
+
+    fn cycle(&mut self, commands: Commands<'_>) {
+        self.machine.cycle(&self.inputs, commands, &mut self.outputs);
+        for (input, output) in self.inputs.drive.iter_mut().zip(&self.outputs.drive) {
+            input.count = output.position;
+        }
+    }
+
+    /// Do the axes do what is to be counted?
+    fn check(&self, case: Case) {
+        let wanted = match case {
+            Case::Disabled => "DISABLED",
+            Case::Rest => "STANDSTILL",
+            Case::Moving => "DISCRETE_MOTION",
+            Case::Velocity => "CONTINUOUS_MOTION",
+            Case::Geared => "SYNCHRONIZED_MOTION",
+        };
+        let place = lineshaft_core::axis::AXIS_STATES.iter().position(|name| *name == wanted);
+        let last = self.machine.config().axes.last().map(|axis| axis.name.as_str()).unwrap_or_default();
+        let signal = self.machine.directory().find(&format!("{last}.state")).expect("the state of the last axis");
+        assert_eq!(Some(self.machine.board().int(signal) as usize), place, "{case:?}");
+        assert!(self.machine.events().is_empty(), "{case:?}: {:?}", self.machine.events());
+    }
+}
+
+fn begin_move(axis: u16, mode: MoveMode, target: i64, velocity: f64) -> Action {
+    Action::Move(Move {
+        axis,
+        mode,
+        target: Length::whole(target),
+        velocity,
+        acceleration: 0.0,
+        deceleration: 0.0,
+        jerk: 0.0,
+        direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
+    })
+}
+
+fn couple(axis: u16) -> Action {
+    Action::Synchronize(Synchronize {
+        axis,
+        leader: Some(Leader::AxisCommand(0)),
+        mode: SyncMode::Position,
+        disengage: Disengage::Stop,
+        numerator: 355,
+        denominator: 113,
+        offset: Length::default(),
+        velocity: 0.0,
+        acceleration: 0.0,
+    })
+}
+
+/// In the process that is counted: the set-up, then cycles that callgrind sees or not.
+fn run(case: Case, axes: u16, cycles: usize) {
+    let mut rig = Rig::new(case, axes);
+    (0..cycles).for_each(|_| rig.cycle(Commands::default()));
+    rig.check(case);
+}
+
+/// Instructions of the cycles of a process that runs so many behind its set-up.
+fn count(name: &str, axes: u16, cycles: usize) -> Result<u64, Box<dyn Error>> {
+    let output = process::Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg("--toggle-collect=lineshaft_core::machine::Machine::cycle*")
+        .arg(std::env::current_exe()?)
+        .env(COUNTED, format!("{name} {axes} {cycles}"))
+        .output()
+        .map_err(|error| format!("valgrind, which counts, does not start ({error}): apt-get install valgrind"))?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    let counted = said.lines().find_map(|line| line.split_once("Collected : ")?.1.trim().parse().ok());
+    match counted {
+        Some(counted) if output.status.success() && counted > 0 => Ok(counted),
+        _ => Err(format!("valgrind has counted nothing of {name}, {axes} axes:\n{said}").into()),
+    }
+}
+
+/// Instructions per axis and cycle: those of cycles behind the set-up, which runs twice and is taken off.
+fn measure(name: &str, axes: u16) -> Result<u64, Box<dyn Error>> {
+    let (with, without) = (count(name, axes, CYCLES)?, count(name, axes, 0)?);
+    let axes = if name == "geared" { axes.max(2) } else { axes };
+    Ok(with.saturating_sub(without) / (CYCLES as u64 * u64::from(axes)))
+}
+
+/// The stored figure of a line.
+fn stored(text: &str, name: &str, axes: u16) -> Option<u64> {
+    let parts = |line: &str| -> Option<u64> {
+        let mut words = line.split_whitespace();
+        let is_it = words.next() == Some(name) && words.next()?.parse() == Ok(axes);
+        words.next().filter(|_| is_it)?.parse().ok()
+    };
+    text.lines().find_map(parts)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    if let Ok(task) = std::env::var(COUNTED) {
+        let words: Vec<_> = task.split_whitespace().collect();
+        let [name, axes, cycles] = words[..] else { return Err("name, axes, cycles".into()) };
+        let case = CASES.iter().find(|(known, _)| *known == name).ok_or("no such case")?.1;
+        run(case, axes.parse()?, cycles.parse()?);
+        return Ok(());
+    }
+    println!("state of an axis: {} bytes", size_of::<lineshaft_core::axis::Axis>());
+    let before = std::fs::read_to_string(STORED).unwrap_or_default();
+    let renews = std::env::var_os("LINESHAFT_RENEW").is_some();
+    let mut text =
+        String::from("# Instructions per axis and cycle: what the axes do, how many there are, callgrind's figure.\n");
+    let mut exceeded = 0;
+    for (name, _) in CASES {
+        for axes in AXES {
+            let figure = measure(name, axes)?;
+            writeln!(text, "{name:8} {axes:3} {figure:5}")?;
+            let limit = stored(&before, name, axes);
+            let is_too_much = limit.is_none_or(|limit| figure * 100 > limit * 105) && !renews;
+            exceeded += usize::from(is_too_much);
+            let note = match limit {
+                Some(limit) if is_too_much => format!("more than 5 % above the stored {limit}"),
+                Some(limit) => format!("stored {limit}"),
+                None => "not stored".into(),
+            };
+            println!("{name:8} {axes:3} axes: {figure:5} instructions per axis and cycle ({note})");
+        }
+    }
+    if renews {
+        std::fs::write(STORED, text)?;
+    }
+    match exceeded {
+        0 => Ok(()),
+        _ => {
+            Err(format!("{exceeded} figures exceed what is stored in {STORED}; LINESHAFT_RENEW=1 stores these").into())
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The parameters of an axis in force, with what every cycle would else compute of them anew.
+//!
+//! Law      `derived` is [`Derived::of`] the values, whoever has written them: there is one way to write, [`InForce::write`]
+//! Reads    the values, as an [`AxisParameters`]; methods of the same name as those of its values answer from what is kept
+//! Writes   its values, and whether the axis itself has changed some in this cycle
+
+use super::direction::{Reversing, Sense};
+use super::judge;
+use super::master::Grid;
+use crate::encoder::source::{Feedback, Master};
+use crate::parameter::AxisParameters;
+use crate::position::Position;
+use crate::profile::Limits;
+use crate::vocabulary::saia;
+use serde::{Deserialize, Serialize};
+use std::ops::Deref;
+
+/// What follows from parameters alone and is asked for in every cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Derived {
+    pub sense: Sense,
+    pub reversing: Reversing,
+    pub master: Option<Master>,
+    /// ENCODERTYPE is that of an absolute encoder.
+    pub is_absolute: bool,
+    /// How far an encoder that stands may tremble or creep.
+    pub slack: Position,
+    /// The software limits, or the ends of all positions.
+    pub low: i64,
+    pub high: i64,
+    /// How finely it shows its master.
+    pub grid: Grid,
+    largest: Limits,
+}
+
+impl Derived {
+    fn of(values: &AxisParameters) -> Self {
+        let chosen = Feedback::decode(values.encoder.encodertype);
+        Self {
+            sense: values.sense(),
+            reversing: values.reversing(),
+            master: Master::decode(values.encoder.mencodertype),
+            is_absolute: matches!(chosen, Some(Feedback::Absolute { .. })),
+            slack: judge::slack_of(values),
+            low: values.min_position.unwrap_or(1 - Position::LIMIT),
+            high: values.max_position.unwrap_or(Position::LIMIT - 1),
+            grid: Grid::of(values),
+            largest: values.largest_limits(),
+        }
+    }
+}
+
+/// The parameters that an axis changes by itself: what a vocabulary writes, limits that keep their places, a simulated master
+/// that an abort stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Own {
+    reference_select: i64,
+    saia: saia::Parameters,
+    limits: [Option<i64>; 2],
+    master_velocity: f64,
+}
+
+impl Own {
+    fn of(values: &AxisParameters) -> Self {
+        Self {
+            reference_select: values.amc.reference_select,
+            saia: values.saia,
+            limits: [values.min_position, values.max_position],
+            master_velocity: values.encoder.master_velocity,
+        }
+    }
+}
+
+/// The parameters in force. A state image holds the values alone.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "AxisParameters", into = "AxisParameters")]
+pub struct InForce {
+    values: AxisParameters,
+    pub(super) derived: Derived,
+    /// They were written since this was asked last.
+    is_new: bool,
+    /// What the axis changes by itself, before it did so in this cycle.
+    own_before: Option<Own>,
+}
+
+impl InForce {
+    /// The one way to change them.
+    fn write(&mut self, values: AxisParameters) {
+        (self.values, self.derived, self.is_new) = (values, Derived::of(&values), true);
+    }
+
+    /// A command puts others in force.
+    pub(super) fn set(&mut self, values: AxisParameters) {
+        self.write(values);
+    }
+
+    /// The axis itself changes some.
+    pub(super) fn change(&mut self, change: impl FnOnce(&mut AxisParameters)) {
+        self.own_before.get_or_insert(Own::of(&self.values));
+        let mut values = self.values;
+        change(&mut values);
+        self.write(values);
+    }
+
+    /// Has the axis itself changed any, since this was asked last? What was changed back counts for nothing.
+    #[inline]
+    pub(super) fn take_own_change(&mut self) -> bool {
+        // A whole set is taken and compared only where something was written.
+        self.own_before.is_some() && self.own_before.take() != Some(Own::of(&self.values))
+    }
+
+    /// Were they written since this was asked last?
+    pub(super) fn take_new(&mut self) -> bool {
+        std::mem::take(&mut self.is_new)
+    }
+
+    /// As [`AxisParameters::sense`].
+    pub(super) fn sense(&self) -> Sense {
+        self.derived.sense
+    }
+
+    /// As [`AxisParameters::reversing`].
+    pub(super) fn reversing(&self) -> Reversing {
+        self.derived.reversing
+    }
+
+    /// As [`AxisParameters::largest_limits`].
+    pub(super) fn largest_limits(&self) -> Limits {
+        self.derived.largest
+    }
+
+    /// Does what is kept follow from the values?
+    #[cfg(test)]
+    pub(crate) fn agrees(&self) -> bool {
+        self.derived == Derived::of(&self.values)
+    }
+}
+
+impl From<AxisParameters> for InForce {
+    fn from(values: AxisParameters) -> Self {
+        Self { values, derived: Derived::of(&values), is_new: true, own_before: None }
+    }
+}
+
+impl From<InForce> for AxisParameters {
+    fn from(parameters: InForce) -> Self {
+        parameters.values
+    }
+}
+
+impl Deref for InForce {
+    type Target = AxisParameters;
+
+    fn deref(&self) -> &AxisParameters {
+        &self.values
+    }
+}
