@@ -125,6 +125,14 @@ fn two_hundred_requests_at_once_are_all_done() {
     assert!(!log.contains("does not keep up") && !log.contains("too many"), "{log}");
 }
 
+/// A process may have two clients of one service, whose ends rmw_cyclonedds marks: an answer that goes to both of them comes twice.
+#[test]
+fn an_answer_goes_to_the_client_that_asked_and_to_no_other() {
+    let (program, _, domain) = start(&["run"], 0);
+    Peer::cyclone(&domain).run(&format!("twins {NODE} --axis x"));
+    drop(program);
+}
+
 /// What was answered is not kept: a node that serves for months must not grow by what it is asked.
 #[test]
 fn requests_are_not_kept() {

@@ -176,6 +176,27 @@ def first_replies(peer, a):
         raise Failure(f"{lost} of {a.clients} new clients lost their first reply")
 
 
+def twins(peer, a):
+    """Two clients of one service on one participant: no answer comes twice. (Cyclone DDS shows each of them what is for the
+    other, too.)"""
+    both = [rw.ServiceClient(peer.dp, f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest, AxesResponse,
+                             own=rw.qos(depth=100)).wait() for _ in range(2)]
+    asked = {(c.client, c.send(AxesRequest([a.axis]))) for _ in range(10) for c in both}
+    seen = [[], []]
+    rw.wait_until(lambda: all(take(c, got) >= {one for one in asked if one[0] == c.client} for c, got in zip(both, seen)), rw.REPLY_S, "an answer is missing")
+    time.sleep(0.5)
+    for c, got in zip(both, seen):
+        take(c, got)
+    show(answers=[len(got) for got in seen])
+    if any(len(got) != len(set(got)) for got in seen):
+        raise Failure(f"answers came twice: {[len(got) for got in seen]} of {len(asked)}")
+
+
+def take(client, got):
+    got += [(m.client, m.seq) for m in client.r.take(100) if m.sample_info.valid_data]
+    return set(got)
+
+
 def newcomer(peer, a):
     """How long a new participant needs until a node that it has never heard of has answered it."""
     start = time.monotonic()

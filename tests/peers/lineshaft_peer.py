@@ -350,6 +350,7 @@ def parser():
     p.add_argument("--master", help="couple an axis to this one now and then")
     command("first-replies", checks.first_replies, clients=20, axis="x")
     command("newcomer", checks.newcomer, axis="x", seconds=10.0)
+    command("twins", checks.twins, axis="x")
     command("graph", checks.graph)
     command("talk", talk, node=False, seconds=3.0)
     return top

@@ -367,8 +367,10 @@ class ServiceClient:
         self.name = name
         self.Req = with_header(req, dds_type(kind, srv, "_Request"))
         self.Resp = with_header(resp, dds_type(kind, srv, "_Response"))
-        self.w = DataWriter(dp, Topic(dp, f"rq{name}Request", self.Req, qos=q), qos=own or q)
-        self.r = DataReader(dp, Topic(dp, f"rr{name}Reply", self.Resp, qos=q), qos=own or q)
+        # As rmw_cyclonedds marks the two ends of a client: a participant may have two of one service.
+        ends = Qos(Policy.Userdata(f"clientid={uuid.uuid4().hex};".encode()), base=own or q)
+        self.w = DataWriter(dp, Topic(dp, f"rq{name}Request", self.Req, qos=q), qos=ends)
+        self.r = DataReader(dp, Topic(dp, f"rr{name}Reply", self.Resp, qos=q), qos=ends)
         self.client = int.from_bytes(self.w.guid.bytes[8:16], "little")
         self.seq = 0
         self.replies = {}

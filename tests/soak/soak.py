@@ -14,6 +14,7 @@ import argparse
 import csv
 import json
 import os
+import queue
 import random
 import shutil
 import signal
@@ -31,6 +32,8 @@ LASTING, DOOMED = "/lasting", "/doomed"
 DOMAIN = {"SUBNET": 5, "LOCALHOST": 6}
 RATE = 12.5  # requests a second of each of the four
 SEGMENT_S = 60
+POOL = 4  # processes of newcomers
+MOST_WAITING = 30  # a machine that has no time for more has none for the node either
 LATE_S = 10.0  # a newcomer who has no answer by then goes without
 
 
@@ -148,7 +151,7 @@ class Soak:
                        "wrong": 0, "unanswered when the side was lost": 0, "faults": [], "freezes": 0, "sides lost": 0,
                        "clients killed": 0, "lives": 0, "done for the dead": 0, "doomed answered after s": []}
         self.lock = threading.Lock()
-        self.newcomers = []
+        self.newcomers, self.waiting, self.pool = [], 0, queue.Queue()
 
     def now(self):
         return time.monotonic() - self.begun
@@ -209,35 +212,60 @@ class Soak:
                 client = Client(self, rmw, "SUBNET")
         client.process.stdin.close()
 
-    def newcomer(self, rmw):
+    def newcomer(self, rmw, number):
+        """A participant that was never there before. Those of Cyclone DDS come from few processes, as to start Python for each takes
+        a core; every tenth starts one."""
         start = self.now()
-        what = ["newcomer", LASTING, "--axis", "spare", "--seconds", str(LATE_S)] if rmw == "cyclone" else \
-            ["axes", LASTING, "reset_errors", "spare"]
-        begun = time.monotonic()
-        try:
-            p = subprocess.run(self.words(rmw, "SUBNET") + what, env=environment("SUBNET"), capture_output=True, text=True,
-                               timeout=4 * LATE_S)
-            took = time.monotonic() - begun
-            lines = [json.loads(line) for line in p.stdout.splitlines()]
-            if rmw == "cyclone":
-                took = next((o["answered_s"] for o in lines if "answered_s" in o), None)
-            if p.returncode != 0:
-                took = None
-        except subprocess.TimeoutExpired:
-            took = None
-        if took is None or took > LATE_S:
+        if rmw == "cyclone" and number % 10 != 0:
+            took = self.of_the_pool()
+        else:
+            took = self.of_its_own(rmw)
+        if took is not None and took > LATE_S:
             took = None
         lossy = self.touched(self.losses, start, self.now())
         frozen = lossy or self.touched(self.frozen, start, self.now())
         with self.lock:
             self.newcomers.append((start, rmw, took, frozen))
+            self.waiting -= 1
         if took is None:
             (self.say if lossy else self.fault)(f"a newcomer ({rmw}) had no answer" + (" (the side was lost)" if lossy else ""))
 
+    def of_the_pool(self):
+        client = self.pool.get()
+        seen, error = client.do(f"newcomer {LASTING} --axis spare --seconds {LATE_S}")
+        if client.process.poll() is not None:
+            client = Client(self, "cyclone", "SUBNET")
+        self.pool.put(client)
+        return None if error else next((o["answered_s"] for o in seen if "answered_s" in o), None)
+
+    def of_its_own(self, rmw):
+        what = {"cyclone": ["newcomer", LASTING, "--axis", "spare", "--seconds", str(LATE_S)],
+                "fastdds": ["axes", LASTING, "reset_errors", "spare"]}[rmw]
+        begun = time.monotonic()
+        try:
+            p = subprocess.run(self.words(rmw, "SUBNET") + what, env=environment("SUBNET"), capture_output=True, text=True,
+                               timeout=4 * LATE_S)
+        except subprocess.TimeoutExpired:
+            return None
+        took = time.monotonic() - begun
+        if rmw == "cyclone":
+            lines = [json.loads(line) for line in p.stdout.splitlines()]
+            took = next((o["answered_s"] for o in lines if "answered_s" in o), None)
+        return took if p.returncode == 0 else None
+
     def come(self):
+        for _ in range(POOL):
+            self.pool.put(Client(self, "cyclone", "SUBNET"))
         number = 0
         while self.left() > LATE_S:
-            threading.Thread(target=self.newcomer, args=(("cyclone", "fastdds")[number % 2],)).start()
+            with self.lock:
+                self.waiting += 1
+                piled = self.waiting > MOST_WAITING
+                self.waiting -= piled
+            if piled:
+                self.fault(f"{MOST_WAITING} newcomers wait for an answer: this one stays away")
+            else:
+                threading.Thread(target=self.newcomer, args=(("cyclone", "fastdds")[number % 2], number)).start()
             number += 1
             time.sleep(max(0.0, number - self.now() + self.first))
 

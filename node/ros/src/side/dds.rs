@@ -216,8 +216,7 @@ impl Participant {
     pub(super) fn keeps_for(&self, reader: Guid) -> bool {
         let readers = self.participant.discovered_readers().into_iter();
         let found = readers.into_iter().find(|r| Guid::from(r.reader_proxy.remote_reader_guid) == reader);
-        let durability = found.and_then(|found| found.subscription_topic_data.qos().durability());
-        !matches!(durability, None | Some(policy::Durability::Volatile))
+        is_latched(found.and_then(|found| found.subscription_topic_data.qos().durability()))
     }
 
     /// Where a remote writer listens.
@@ -238,7 +237,7 @@ impl Participant {
                 reliable: data.qos().is_reliable(),
                 latched: is_latched(data.qos().durability()),
                 addresses: ipv4(Some(proxy.unicast_locator_list.into_iter().map(Into::into).collect())),
-                user_data: reader.user_data,
+                user_data: octets(&reader.user_data).to_vec(),
             }
         });
         let writers = self.participant.discovered_writers().into_iter().map(|writer| {
@@ -251,7 +250,7 @@ impl Participant {
                 reliable: qos.is_reliable(),
                 latched: is_latched(qos.durability()),
                 addresses: ipv4(Some(proxy.unicast_locator_list.into_iter().map(Into::into).collect())),
-                user_data: writer.user_data,
+                user_data: octets(&writer.user_data).to_vec(),
             }
         });
         readers.chain(writers).filter(|endpoint| endpoint.guid.prefix() == participant).collect()
@@ -262,17 +261,14 @@ impl Participant {
     pub(super) fn readers_beside(&self, client: Guid, topic: &str) -> Vec<Guid> {
         let writers = self.participant.discovered_writers();
         let mark = writers.iter().find(|w| Guid::from(w.writer_proxy.remote_writer_guid) == client);
-        let mark = mark.map(|w| w.user_data.as_slice()).unwrap_or_default();
+        let mark = mark.and_then(|w| client_mark(octets(&w.user_data)));
         let beside: Vec<_> = (self.participant.discovered_readers().into_iter())
             .filter(|r| r.subscription_topic_data.topic_name() == topic)
             .map(|r| (Guid::from(r.reader_proxy.remote_reader_guid), r.user_data))
             .filter(|(reader, _)| reader.prefix() == client.prefix())
             .collect();
-        let marked: Vec<_> = beside.iter().filter(|(_, data)| client_mark(data) == client_mark(mark)).collect();
-        match client_mark(mark) {
-            Some(_) => marked.into_iter().map(|(reader, _)| *reader).collect(),
-            None => beside.into_iter().map(|(reader, _)| reader).collect(),
-        }
+        let is_its = |data: &[u8]| mark.is_none() || client_mark(octets(data)) == mark;
+        beside.into_iter().filter(|(_, data)| is_its(data)).map(|(reader, _)| reader).collect()
     }
 }
 
@@ -320,6 +316,14 @@ impl Barrier {
         }
         is_alive
     }
+}
+
+/// The octets of a parameter that is a sequence of them: the library (0.15.1) leaves their number before them, and padding behind.
+fn octets(parameter: &[u8]) -> &[u8] {
+    let Some((number, octets)) = parameter.split_first_chunk::<4>() else { return &[] };
+    // Of a list in either order of bytes: none is longer than 64 kB.
+    let number = u32::from_le_bytes(*number).min(u32::from_be_bytes(*number));
+    octets.get(..number as usize).unwrap_or(octets)
 }
 
 /// The entry `clientid=..;` of an endpoint's user data, without which rmw_cyclonedds never makes a client.
@@ -558,5 +562,15 @@ mod tests {
         assert_eq!(client_mark(b"typehash=RIHS01_ab;clientid=7;"), Some(b"clientid=7".as_slice()));
         assert_eq!(client_mark(b"typehash=RIHS01_ab;"), None);
         assert_eq!(client_mark(b""), None);
+    }
+
+    #[test]
+    fn user_data_stands_behind_its_length_and_before_padding() {
+        let data = b"clientid=01.0f;";
+        let parameter = |number: [u8; 4]| [number.as_slice(), data, &[0]].concat();
+        assert_eq!(octets(&parameter(15_u32.to_le_bytes())), data);
+        assert_eq!(octets(&parameter(15_u32.to_be_bytes())), data);
+        assert_eq!(octets(&[0, 0, 0, 0]), b"");
+        assert_eq!((octets(b""), octets(b"cli"), octets(&[9, 0, 0, 0, 7])), (&b""[..], &b""[..], &[7][..]));
     }
 }

@@ -85,9 +85,14 @@ async fn publish<M: Message>(
 ) {
     let mut failed = 0_u64;
     while let Some(snapshot) = samples.recv().await {
-        if let Err(error) = publisher.publish(&message(&snapshot)) {
-            failed += 1;
-            note_failure(failed, &error);
+        match publisher.publish(&message(&snapshot)) {
+            Ok(()) => {}
+            // The program is ending.
+            Err(PublishError::Closed { .. }) => return,
+            Err(error) => {
+                failed += 1;
+                note_failure(failed, &error);
+            }
         }
     }
 }
