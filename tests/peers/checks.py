@@ -183,7 +183,8 @@ def twins(peer, a):
                              own=rw.qos(depth=100)).wait() for _ in range(2)]
     asked = {(c.client, c.send(AxesRequest([a.axis]))) for _ in range(10) for c in both}
     seen = [[], []]
-    rw.wait_until(lambda: all(take(c, got) >= {one for one in asked if one[0] == c.client} for c, got in zip(both, seen)), rw.REPLY_S, "an answer is missing")
+    its = [{one for one in asked if one[0] == c.client} for c in both]
+    rw.wait_until(lambda: all([take(c, got) >= own for c, got, own in zip(both, seen, its)]), rw.REPLY_S, "an answer is missing")
     time.sleep(0.5)
     for c, got in zip(both, seen):
         take(c, got)

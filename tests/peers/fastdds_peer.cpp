@@ -21,6 +21,7 @@ const char* const USAGE =
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
     "  action-conformance NODE [--axis x]\n"
+    "  newcomer NODE [--axis x]    a participant of its own: how long until the node has answered it\n"
     "  readers TOPIC TYPE COUNT    of a writer that is made here: waits until it has so many\n"
     "  samples TOPIC TYPE [--seconds 1] [--latched 1]    how many come to a reader that is kept\n"
     "  hammer NODE [--axis x] [--seconds 10] [--seed 1] [--rate PER_SECOND]\n"
@@ -276,6 +277,18 @@ class Peer {
         .run(a.number("--seconds", 10), a.number("--rate", 0));
   }
 
+  void newcomer(const Arguments& a) {
+    auto start = Clock::now();
+    Dds fresh;
+    Service service(fresh, a[1] + "/reset_errors", "lineshaft_msgs::srv::dds_::AxesCommand");
+    double found = since(start);
+    Writer w;
+    w.put<uint32_t>(1);
+    w.text(a.text("--axis", "x"));
+    service.call(w.bytes());
+    Object().add("found_s", found).add("answered_s", since(start)).show();
+  }
+
   void readers(const Arguments& a) {
     DataWriter* w = once(writers_, a[1], [&] { return new Writing{dds_.writer("rt" + a[1], a[2])}; }).writer;
     int count = std::stoi(a[3]);
@@ -327,6 +340,7 @@ const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
     {"vocabulary", &Peer::vocabulary}, {"params", &Peer::params},
     {"action-conformance", &Peer::action_conformance}, {"hammer", &Peer::hammer},
+    {"newcomer", &Peer::newcomer},
     {"readers", &Peer::readers}, {"samples", &Peer::samples},
 };
 

@@ -32,9 +32,10 @@ LASTING, DOOMED = "/lasting", "/doomed"
 DOMAIN = {"SUBNET": 5, "LOCALHOST": 6}
 RATE = 12.5  # requests a second of each of the four
 SEGMENT_S = 60
-POOL = 4  # processes of newcomers
+POOL = 4  # processes of newcomers of each RMW
 MOST_WAITING = 30  # a machine that has no time for more has none for the node either
 LATE_S = 10.0  # a newcomer who has no answer by then goes without
+NEWCOMER = f"newcomer {LASTING} --axis spare"
 
 
 def run(*words):
@@ -151,7 +152,7 @@ class Soak:
                        "wrong": 0, "unanswered when the side was lost": 0, "faults": [], "freezes": 0, "sides lost": 0,
                        "clients killed": 0, "lives": 0, "done for the dead": 0, "doomed answered after s": []}
         self.lock = threading.Lock()
-        self.newcomers, self.waiting, self.pool = [], 0, queue.Queue()
+        self.newcomers, self.waiting, self.pool = [], 0, {rmw: queue.Queue() for rmw in ("cyclone", "fastdds")}
 
     def now(self):
         return time.monotonic() - self.begun
@@ -213,13 +214,10 @@ class Soak:
         client.process.stdin.close()
 
     def newcomer(self, rmw, number):
-        """A participant that was never there before. Those of Cyclone DDS come from few processes, as to start Python for each takes
-        a core; every tenth starts one."""
+        """A participant that was never there before, timed from when it is made. Few processes make them, as to start one for each
+        takes most of a core; every tenth starts one."""
         start = self.now()
-        if rmw == "cyclone" and number % 10 != 0:
-            took = self.of_the_pool()
-        else:
-            took = self.of_its_own(rmw)
+        took = self.of_its_own(rmw) if number % 10 < 2 else self.of_the_pool(rmw)
         if took is not None and took > LATE_S:
             took = None
         lossy = self.touched(self.losses, start, self.now())
@@ -230,32 +228,26 @@ class Soak:
         if took is None:
             (self.say if lossy else self.fault)(f"a newcomer ({rmw}) had no answer" + (" (the side was lost)" if lossy else ""))
 
-    def of_the_pool(self):
-        client = self.pool.get()
-        seen, error = client.do(f"newcomer {LASTING} --axis spare --seconds {LATE_S}")
+    def of_the_pool(self, rmw):
+        client = self.pool[rmw].get()
+        seen, error = client.do(NEWCOMER)
         if client.process.poll() is not None:
-            client = Client(self, "cyclone", "SUBNET")
-        self.pool.put(client)
-        return None if error else next((o["answered_s"] for o in seen if "answered_s" in o), None)
+            client = Client(self, rmw, "SUBNET")
+        self.pool[rmw].put(client)
+        return None if error else answered(seen)
 
     def of_its_own(self, rmw):
-        what = {"cyclone": ["newcomer", LASTING, "--axis", "spare", "--seconds", str(LATE_S)],
-                "fastdds": ["axes", LASTING, "reset_errors", "spare"]}[rmw]
-        begun = time.monotonic()
         try:
-            p = subprocess.run(self.words(rmw, "SUBNET") + what, env=environment("SUBNET"), capture_output=True, text=True,
+            p = subprocess.run(self.words(rmw, "SUBNET") + NEWCOMER.split(), env=environment("SUBNET"), capture_output=True, text=True,
                                timeout=4 * LATE_S)
         except subprocess.TimeoutExpired:
             return None
-        took = time.monotonic() - begun
-        if rmw == "cyclone":
-            lines = [json.loads(line) for line in p.stdout.splitlines()]
-            took = next((o["answered_s"] for o in lines if "answered_s" in o), None)
-        return took if p.returncode == 0 else None
+        return answered([json.loads(line) for line in p.stdout.splitlines()]) if p.returncode == 0 else None
 
     def come(self):
-        for _ in range(POOL):
-            self.pool.put(Client(self, "cyclone", "SUBNET"))
+        for rmw, clients in self.pool.items():
+            for _ in range(POOL):
+                clients.put(Client(self, rmw, "SUBNET"))
         number = 0
         while self.left() > LATE_S:
             with self.lock:
@@ -426,6 +418,10 @@ class Soak:
             work(*words)
         except Exception as e:  # one of them must not end silently
             self.fault(f"{work.__name__} ended: {e!r}")
+
+
+def answered(seen):
+    return next((o["answered_s"] for o in seen if "answered_s" in o), None)
 
 
 def quantiles(times):
