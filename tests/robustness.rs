@@ -154,7 +154,11 @@ fn each_cycle_of_the_rate_is_published_on_a_busy_machine() {
     let is_over = AtomicBool::new(false);
     let seen = thread::scope(|scope| {
         for _ in 0..6 {
-            scope.spawn(|| while !is_over.load(Ordering::Relaxed) {});
+            scope.spawn(|| {
+                while !is_over.load(Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+            });
         }
         let seen = watchers[0].run(&format!("watch {NODE} --seconds 10"));
         is_over.store(true, Ordering::Relaxed);
