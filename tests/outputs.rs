@@ -94,7 +94,7 @@ steps:
     node.ends_and_replays();
 }
 
-/// Proves: MACS-ERR-09, MACS-CMD-34
+/// Proves: MACS-ERR-09
 #[test]
 fn abort_answers_when_all_axes_stand_and_are_locked() {
     let mut node = Node::start("scenario: s\nfor: 600 s\nsteps: []\n");

@@ -128,7 +128,7 @@ fn a_motion_command_shows() {
 
 /// An error closes the brake with ERRCOND 1 and 3 only; ERRCLR does not open it, OUT does.
 ///
-/// Proves: MACS-IO-03, MACS-IO-04, MACS-IO-05, MACS-ERR-08
+/// Proves: MACS-IO-03, MACS-IO-04, MACS-IO-05
 #[test]
 fn only_a_program_opens_the_brake() {
     for (output, closed) in [(3, 1), (-3, 0)] {

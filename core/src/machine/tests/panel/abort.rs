@@ -31,7 +31,7 @@ fn outputs(rig: &Rig) -> [i64; 3] {
 /// All values: the axes stop with the largest deceleration, the brake closes, the virtual master stops. 0 leaves the outputs,
 /// 1 and 2 set all but the brake.
 ///
-/// Proves: MACS-ERR-09, MACS-CMD-34, MACS-PROF-13
+/// Proves: MACS-ERR-09, MACS-PROF-13
 #[test]
 fn an_abort_stops_all_and_sets_the_outputs() {
     for q in [0, 1] {

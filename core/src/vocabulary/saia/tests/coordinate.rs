@@ -13,7 +13,7 @@ fn home(rig: &mut Rig) {
 
 /// The count is one of edges, and none came: position, break position and destination stay where they are in the world.
 ///
-/// Proves: SAIA-DET-14, SAIA-ENC-01
+/// Proves: SAIA-DET-14
 #[test]
 fn a_new_position_of_the_axis_leaves_those_of_the_vocabulary() {
     for (axis_is, set) in [(500_000, true), (-500_000, true), (0, false)] {
