@@ -255,7 +255,8 @@ fn of_code(code: Code) -> String {
     if let Some(fault) = code.0.checked_sub(Code::DRIVE_FAULT).filter(|fault| *fault <= u32::from(u16::MAX)) {
         return format!("drive fault {fault:#06x}");
     }
-    code.row().map_or_else(|| format!("error {}", code.0), |row| row.name.to_ascii_lowercase().replace('_', " "))
+    let row = Code::rows().find(|row| row.code == code);
+    row.map_or_else(|| format!("error {}", code.0), |row| row.name.to_ascii_lowercase().replace('_', " "))
 }
 
 fn judge_drive(view: &AxisView, snapshot: &Snapshot) -> Finding {
