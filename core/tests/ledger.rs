@@ -101,7 +101,7 @@ fn proved() -> Vec<(String, String)> {
         let mut goes_on = false;
         for (number, line) in text.lines().enumerate() {
             let comment = line.trim_start().trim_start_matches(['/', '#', '!', '*']).trim_start();
-            let behind = line.split_once("Proves: ").map(|(before, behind)| (before, behind));
+            let behind = line.split_once("Proves: ");
             let rest = match behind {
                 Some((before, behind)) if before.contains("//") || before.contains('#') => behind,
                 None if goes_on && SOURCES.iter().any(|source| comment.starts_with(source)) => comment,
