@@ -67,7 +67,7 @@ fn the_control_word_of_the_examples_means_ramp_stop_position_and_flag_only() {
     assert_eq!(rig.state(), "RAMP");
 }
 
-/// Proves: SAIA-CMD-03, SAIA-CMD-05, SAIA-CMD-01, SAIA-DET-01, SAIA-PRF-01, SAIA-HND-04
+/// Proves: SAIA-CMD-03, SAIA-CMD-05, SAIA-DET-01, SAIA-PRF-01, SAIA-HND-04
 #[test]
 fn loads_change_nothing_until_a_start() {
     let mut rig = Rig::moving();
@@ -197,7 +197,7 @@ fn a_register_is_the_parameter_of_its_name() {
     assert_eq!(rig.int("x.saia.destination"), 100);
 }
 
-/// Proves: SAIA-INI-01, SAIA-INI-02, SAIA-INI-03, SAIA-INI-04, SAIA-INI-05, SAIA-INI-06, SAIA-INI-07, SAIA-INI-08, SAIA-INI-09
+/// Proves: SAIA-INI-02, SAIA-INI-03, SAIA-INI-04, SAIA-INI-05, SAIA-INI-06, SAIA-INI-07, SAIA-INI-08, SAIA-INI-09
 #[test]
 fn axinit_resets_and_loads_from_the_registers() {
     let mut rig = Rig::moving();
@@ -212,6 +212,38 @@ fn axinit_resets_and_loads_from_the_registers() {
     rig.does(&[], "fstart");
     assert_eq!((rig.state(), rig.int("x.saia.velocity_register")), ("VEL", 1_565_873));
     assert_eq!(rig.int("x.saia.acceleration_register"), 22_906);
+}
+
+/// Step 1: nothing is left of what was loaded and started, neither in force nor in a buffer.
+///
+/// Proves: SAIA-INI-01
+#[test]
+fn axinit_resets_the_controller() {
+    let gains = [("kprop", 7.0), ("kint", 3.0), ("kder", 5.0), ("intl", 30_000.0), ("sampi", 2.0)];
+    let mut rig = Rig::ready(&[FAST, &gains].concat());
+    rig.does(&[("destp", 100_000.0), ("brkp", 60_000.0)], "fldda fldbpa fstart");
+    rig.run_until("x.command.velocity", 49_999.99);
+    rig.plant.drive(0).unwrap().jump(-100);
+    rig.run(1);
+    let names = ["destination", "velocity_register", "acceleration_register", "position", "output", "integral"];
+    let seen = |rig: &Rig| names.map(|name| rig.int(&format!("x.saia.{name}")));
+    assert!(seen(&rig).iter().all(|value| *value != 0), "{:?}", seen(&rig));
+    rig.does(&gains.map(|(name, _)| (name, 0.0)), "axinit");
+    assert_eq!(seen(&rig), [0; 6]);
+    // No destination waits for a start.
+    rig.does(&[], "fstart");
+    assert_eq!(rig.int("x.saia.destination"), 0);
+    rig.run_until("x.saia.ondest", 1.0);
+    // The place of the break position is passed, in the old coordinate and in the new one, and no gain turns an error into U.
+    rig.does(&[("destp", 70_000.0)], "fldda fstart");
+    rig.run_until("x.command.velocity", 49_999.99);
+    rig.plant.drive(0).unwrap().jump(-100);
+    rig.run(1);
+    assert!(rig.int("x.following_error") >= 100);
+    assert_eq!((rig.int("x.saia.output"), rig.int("x.saia.integral")), (0, 0));
+    rig.run_until("x.saia.ondest", 1.0);
+    rig.run(2);
+    assert_eq!((rig.int("x.saia.position"), rig.int("x.saia.brkpos")), (70_000, 0));
 }
 
 /// A block that fails initialises nothing.

@@ -125,6 +125,45 @@ fn velocity_control_runs_until_a_stop_in_the_direction_of_bit_12() {
     }
 }
 
+/// Bits 11 and 12 of MCW alone, in motion, and only by `fselom` and a start.
+///
+/// Proves: SAIA-CMD-01
+#[test]
+fn a_mode_and_a_direction_wait_for_the_next_start() {
+    const POSITION: (i64, &str, f64) = (0, "POS", 0.0);
+    const UP: (i64, &str, f64) = (3, "VEL", 50_000.0);
+    const DOWN: (i64, &str, f64) = (1, "VEL", -50_000.0);
+    // Every other bit of the word is 0 or 1.
+    let word = |bits: i64, others: i32| ("mcw", f64::from((others & !0x1800) | (bits as i32) << 11));
+    let shown = |rig: &Rig| (rig.state(), rig.int("x.saia.velocity_mode"), rig.int("x.saia.forward"));
+    for (others, from) in [(0, POSITION), (-1, POSITION), (0, UP), (-1, UP), (0, DOWN), (-1, DOWN)] {
+        for (bits, state, velocity) in [POSITION, (2, "POS", 0.0), UP, DOWN] {
+            let mut rig = Rig::ready(FAST);
+            rig.does(&[("destp", 100_000.0), word(from.0, 0)], "fldda fselom fstart");
+            rig.run(100);
+            let (before, speed) = (shown(&rig), rig.real("x.command.velocity"));
+            assert_eq!((before.0, speed.abs().round()), (from.1, 50_000.0));
+            rig.does(&[word(bits, others)], "fselom");
+            for _ in 0..20 {
+                rig.run(1);
+                assert_eq!((shown(&rig), rig.real("x.command.velocity")), (before, speed), "{from:?} {bits}");
+            }
+            // A word that no command reads selects nothing.
+            rig.does(&[word(bits ^ 3, others)], "");
+            rig.does(&[], "fstart");
+            assert_eq!((rig.state(), rig.int("x.saia.velocity_mode")), (state, bits & 1), "{from:?} {bits}");
+            if state == "POS" {
+                rig.run_until("x.saia.ondest", 1.0);
+                assert_eq!(rig.int("x.command.position"), 100_000, "{from:?} {bits}");
+            } else {
+                rig.run(3_000);
+                assert_eq!((rig.int("x.saia.forward"), rig.state()), (bits >> 1, "VEL"), "{from:?} {bits}");
+                assert_eq!(rig.real("x.command.velocity").round(), velocity, "{from:?} {bits}");
+            }
+        }
+    }
+}
+
 /// Only a state that no verb leads to has an acceleration pending in motion: a load switches off. The guard stands.
 ///
 /// Proves: SAIA-FSM-05, SAIA-DET-05
