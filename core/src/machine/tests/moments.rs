@@ -3,7 +3,7 @@
 //! Two machines do the same, and in one of them a row is set in between.
 
 use super::rig::{LINE, Rig, X, at, config, couple, to};
-use crate::command::{Action, Length, Synchronize};
+use crate::command::{Action, Length, Move, Synchronize};
 use crate::config::MachineConfig;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{AxisParameters, Change, Effect, ROWS, Row, System, Value};
@@ -228,6 +228,54 @@ fn the_period_of_the_profile_changes_no_motion() {
     let refused = [0, 6].map(proftime);
     assert_eq!(changed.refusal(refused[0]), "x: proftime is 0; 1 to 5 is allowed");
     assert_eq!(changed.refusal(refused[1]), "x: proftime is 6; 1 to 5 is allowed");
+}
+
+/// VEL 500, ACC 500 and DEC 250 of VELRES 1000 are fields of a goal, in units. A goal without them takes DFLTVEL 250 and DFLTACC 125,
+/// whatever the one before it had, after a new PROFTIME as before it.
+///
+/// Proves: MACS-CMD-08
+#[test]
+fn the_rates_of_a_goal_are_its_own_or_parts_of_velres() {
+    let mut config = config(0);
+    let p = &mut config.axes[usize::from(X)].parameters;
+    // 3000 rpm at 500 lines are 100000 inc/s, reached in 500 ms: 200000 inc/s^2.
+    for (key, value) in [
+        ("encoder", Value::Int(500)),
+        ("velmax", Value::Real(3000.0)),
+        ("rampmin", Value::Int(500 * MS)),
+        ("velres", Value::Int(1000)),
+        ("dfltvel", Value::Int(250)),
+        ("dfltacc", Value::Int(125)),
+    ] {
+        assert_eq!(Row::find(key).map(|(_, row)| row.assign(p, value)), Some(Ok(())), "{key}");
+    }
+    let mut rig = Rig::of(config);
+    rig.enable();
+    // From 0 to VELMAX in 500 ms * 1000 / 125, so that 25000 inc/s take 1 s and 12500 inc.
+    let usual = [(500, 12_500.0), (1_000, 25_000.0), (2_000, 25_000.0), (2_500, 12_500.0), (3_000, 0.0)];
+    let given = Move { velocity: 50_000.0, acceleration: 100_000.0, deceleration: 50_000.0, ..to(X, 150_000) };
+    // 500 ms up, 1000 ms down, and 62500 inc between.
+    let own = [(250, 25_000.0), (500, 50_000.0), (1_750, 50_000.0), (2_000, 37_500.0), (2_750, 0.0)];
+    for (goal, proftime, course) in
+        [(to(X, 50_000), 1, usual), (given, 2, own), (to(X, 200_000), 5, usual), (to(X, 250_000), 3, usual)]
+    {
+        set(&mut rig, &[("proftime", Value::Int(proftime))]);
+        let sequence = rig.give(Action::Move(goal));
+        let mut passed = 0;
+        for (ms, velocity) in course {
+            rig.run(ms - passed);
+            passed = ms;
+            assert!((rig.real("x.command.velocity") - velocity).abs() < 0.001, "{goal:?} after {ms} ms");
+            if ms < 1_000 {
+                // In motion too: it changes nothing of it.
+                set(&mut rig, &[("proftime", Value::Int(proftime % 5 + 1))]);
+                passed += 1;
+            }
+        }
+        assert_eq!(rig.int("x.command.position"), goal.target.nearest);
+        rig.run(5);
+        assert_eq!(rig.done(sequence).len(), 1);
+    }
 }
 
 /// Proves: MACS-STO-09, MACS-SYNC-16

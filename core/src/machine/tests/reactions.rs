@@ -155,18 +155,23 @@ fn round_robin_looks_at_each_axis_in_turn_and_counts() {
     }
 }
 
-/// O-26: with 500 lines the guide value of POSERR is a revolution, 2000 qc; as much is tolerated, one more is an error.
+/// O-26: with 500 lines the guide value of POSERR, which its row names, is a revolution of 2000 qc; as much is tolerated, one
+/// more is an error.
 ///
 /// Proves: MACS-O-26, MACS-ERR-06
 #[test]
 fn a_revolution_of_following_error_is_tolerated_and_no_more() {
+    let row = |key| Row::find(key).unwrap_or_else(|| panic!("no row {key}")).1;
+    assert!(row("poserr").description.contains("One revolution of the encoder, 4 ENCODER, is a good value."));
     for (slip, error) in [(2_000, 0), (-2_000, 0), (2_001, 10_201), (-2_001, 10_201)] {
         let mut config = config(0);
         let parameters = &mut config.axes[1].parameters;
-        parameters.macs.encoder = 500;
-        // The same revolution that the index may be away for.
-        parameters.max_following_error = parameters.homing_index_distance();
-        assert_eq!(parameters.max_following_error, 2_000);
+        // 60 rpm are a revolution in a second.
+        let given = [("encoder", Value::Int(500)), ("velmax", Value::Real(60.0)), ("poserr", Value::Int(2_000))];
+        for (key, value) in given {
+            assert_eq!(row(key).assign(parameters, value), Ok(()), "{key}");
+        }
+        assert_eq!((parameters.max_velocity, parameters.homing_index_distance()), (2_000.0, 2_000));
         let mut rig = Rig::of(config);
         rig.enable();
         rig.plant.drive(0).unwrap().jump(slip);

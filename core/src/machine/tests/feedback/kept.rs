@@ -65,8 +65,6 @@ fn a_largest_step_moves_nothing_when_it_is_set() {
 }
 
 /// With ENCODERTYPE 1 to 4 ENCODER is the size of the source, which changes only while the axis is off; of others it is a number.
-///
-/// Proves: MACS-ENC-04
 #[test]
 fn the_size_of_an_absolute_encoder_changes_while_its_axis_is_off() {
     for interface in [Interface::Position, Interface::Velocity] {
