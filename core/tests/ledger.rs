@@ -1,148 +1,280 @@
-//! The ledger of proofs: what tests name as proved exists in the specification and is not set aside.
+//! The ledger of proofs: which requirements of docs/spec a test proves, which are set aside, which are open.
+//!
+//! A requirement is a line of a book that begins with its ID. A test, a scenario or a source names those that it proves,
+//! with commas between them; `MACS-STO-02..08` are seven of them. docs/spec/not-applicable.md sets some aside, a line each,
+//! with the reason. All others stand in docs/spec/open.md.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each page of the specification, and what its short IDs begin with.
-const PAGES: [(&str, &str); 7] = [
-    ("macs.md", "MACS-"),
-    ("amc.md", "AMC-"),
-    ("saia-h3.md", "SAIA-"),
-    ("wf725.md", "WF-"),
-    ("amkasyn-a.md", "AMK-"),
-    ("amkasyn-b.md", "AMK-"),
-    ("amkasyn-c.md", "AMK-"),
+/// What stands before the IDs of a proof; in two parts, so that this line is none.
+const PROVES: &str = concat!("Pro", "ves:");
+
+/// The books with what their IDs begin with, which their own lines may leave out.
+const BOOKS: [(&str, &str); 7] = [
+    ("macs.md", "MACS"),
+    ("amc.md", "AMC"),
+    ("saia-h3.md", "SAIA"),
+    ("wf725.md", "WF"),
+    ("amkasyn-a.md", "AMK"),
+    ("amkasyn-b.md", "AMK"),
+    ("amkasyn-c.md", "AMK"),
 ];
-const SOURCES: [&str; 5] = ["AMK-", "MACS-", "SAIA-", "WF-", "AMC-"];
+
+const ASIDE: &str = "docs/spec/not-applicable.md";
+const OPEN: &str = "docs/spec/open.md";
+
+const RENEW: &str = "LINESHAFT_RENEW=1 cargo test -p lineshaft-core --test ledger";
+
+const HEAD: &str = "\
+# Open
+
+Requirements that no test proves and that are not [set aside](not-applicable.md), a line per group.
+";
+
+/// A word of a file, with where it stands: `tests/motion.rs:12`.
+#[derive(Debug, PartialEq)]
+struct Named {
+    place: String,
+    word: String,
+}
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").to_owned()
 }
 
-/// Does a text have the shape of an ID, `MACS-HOME-03`?
-fn is_id(text: &str) -> bool {
-    let mut parts = text.split('-');
-    let (Some(source), Some(group), Some(number), None) = (parts.next(), parts.next(), parts.next(), parts.next())
-    else {
-        return text.strip_prefix("MACS-O-").is_some_and(is_number);
-    };
-    let is_group = !group.is_empty() && group.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit());
-    SOURCES.contains(&&*format!("{source}-")) && is_group && is_number(number.strip_prefix('O').unwrap_or(number))
+fn read(file: &str) -> String {
+    fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
-fn is_number(text: &str) -> bool {
-    (1..=3).contains(&text.len()) && text.chars().all(|c| c.is_ascii_digit())
+/// Is it an ID as `AMK-FIPW-07`, `MACS-O-26` or `AMK-CAM-O3`: system, group, number?
+fn is_id(word: &str) -> bool {
+    let Some((stem, number)) = word.rsplit_once('-') else { return false };
+    let Some((system, group)) = stem.split_once('-') else { return false };
+    let digits = number.strip_prefix('O').unwrap_or(number);
+    BOOKS.iter().any(|(_, known)| *known == system)
+        && !group.is_empty()
+        && group.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit())
+        && (1..=3).contains(&digits.len())
+        && digits.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// The first word of a line of the specification, where it is one that can be an ID: in bold, in a list, in a table.
-fn first_word(line: &str) -> &str {
-    let text = line.trim_start().trim_start_matches(['-', '*', '|', '`', ' ']);
-    let end = text.find(|c: char| !(c.is_ascii_uppercase() || c.is_ascii_digit() || c == '-')).unwrap_or(text.len());
-    &text[..end]
+/// The ID with which a line of a book begins, behind the sign of a list or the bar of a table.
+fn requirement(line: &str, system: &str) -> Option<String> {
+    let line = line.trim_start();
+    let item = line.strip_prefix("- ").or_else(|| line.strip_prefix("* ")).or_else(|| line.strip_prefix('|'));
+    let marks = ['`', '*'];
+    let text = item.unwrap_or(line).trim_start().trim_start_matches(marks);
+    let end = text.find(|sign: char| !sign.is_ascii_alphanumeric() && sign != '-').unwrap_or(text.len());
+    let (word, rest) = text.split_at(end);
+    let next = rest.trim_start_matches(marks).chars().next();
+    if next.is_some_and(|sign| !sign.is_whitespace() && !"|:.,".contains(sign)) {
+        return None;
+    }
+    [word.to_owned(), format!("{system}-{word}")].into_iter().find(|word| is_id(word))
 }
 
-/// Every ID of the specification.
-fn specified() -> BTreeSet<String> {
-    let mut ids = BTreeSet::new();
-    for (page, prefix) in PAGES {
-        let text = fs::read_to_string(root().join("docs/spec").join(page)).expect("a page of the specification");
-        let body = text.lines().take_while(|line| !(line.starts_with("## ") && line.contains("Coverage")));
-        for word in body.map(first_word).filter(|word| !word.is_empty()) {
-            let has_source = SOURCES.iter().any(|source| word.starts_with(source));
-            let id = if has_source { word.to_owned() } else { format!("{prefix}{word}") };
-            if is_id(&id) {
-                ids.insert(id);
-            }
+/// Each requirement of the books, with where it stands. Behind the heading of their coverage they name IDs, and have none.
+fn requirements() -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for (book, system) in BOOKS {
+        let (file, mut count) = (format!("docs/spec/{book}"), 0);
+        let text = read(&file);
+        let lines = text.lines().take_while(|line| !(line.starts_with("## ") && line.contains("Coverage")));
+        for (number, line) in (1..).zip(lines) {
+            let Some(id) = requirement(line, system) else { continue };
+            let place = format!("{file}:{number}");
+            assert_eq!(found.insert(id.clone(), place.clone()), None, "{place}: {id} stands twice");
+            count += 1;
         }
+        assert!(count > 10, "{file} has {count} requirements");
     }
-    ids
+    found
 }
 
-/// Every ID that docs/spec/not-applicable.md sets aside, with its reason.
-fn set_aside() -> BTreeMap<String, String> {
-    let text = fs::read_to_string(root().join("docs/spec/not-applicable.md")).expect("what is set aside");
-    let lines = text.lines().filter_map(|line| line.strip_prefix("- ")?.split_once(": "));
-    lines.map(|(id, reason)| (id.trim_matches('`').to_owned(), reason.to_owned())).collect()
-}
-
-/// All files of the project that may prove something.
-fn files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).expect("a folder of the project").map(|entry| entry.expect("an entry")) {
-        let (path, name) = (entry.path(), entry.file_name());
-        if entry.file_type().expect("a type").is_dir() {
-            if !["target", ".git", "docs"].iter().any(|left_out| name == *left_out) {
-                files(&path, found);
-            }
-        } else if path.extension().is_some_and(|end| ["rs", "py", "yaml", "yml"].iter().any(|known| end == *known)) {
-            found.push(path);
-        }
+/// The words behind each [`PROVES`] of a file. A list that ends in a comma goes on in the next line.
+fn named(file: &str, text: &str) -> Vec<Named> {
+    let (mut found, mut goes_on) = (Vec::new(), false);
+    for (number, line) in (1..).zip(text.lines()) {
+        let words = match line.split_once(PROVES) {
+            Some((_, words)) => words.trim(),
+            None if goes_on => line.trim_start().trim_start_matches(['/', '!', '#']).trim(),
+            None => continue,
+        };
+        goes_on = words.ends_with(',');
+        let words = words.trim_end_matches(',').split(',');
+        found.extend(words.map(|word| Named { place: format!("{file}:{number}"), word: word.trim().to_owned() }));
     }
+    found
 }
 
-/// The IDs of a range, `SAIA-REG-00..12`, or the one.
-fn each(word: &str) -> Vec<String> {
-    let range = word.split_once("..").and_then(|(first, last)| {
-        let (group, number) = first.rsplit_once('-')?;
-        Some((group, number.len(), number.parse::<u32>().ok()?, last.parse::<u32>().ok()?))
-    });
-    match range {
-        Some((group, width, first, last)) => (first..=last).map(|n| format!("{group}-{n:0width$}")).collect(),
-        None => vec![word.to_owned()],
-    }
+/// The IDs of a word: its own, or those of a range; none where it is neither.
+fn ids(word: &str) -> Option<Vec<String>> {
+    let Some((first, last)) = word.split_once("..") else { return is_id(word).then(|| vec![word.to_owned()]) };
+    let (stem, number) = first.rsplit_once('-')?;
+    let (from, to): (u16, u16) = (number.parse().ok()?, last.parse().ok()?);
+    let width = number.len();
+    (is_id(first) && last.len() == width && from < to)
+        .then(|| (from..=to).map(|number| format!("{stem}-{number:0width$}")).collect())
 }
 
-/// Every ID behind `Proves:`, with where it stands.
-fn proved() -> Vec<(String, String)> {
-    let (mut all, mut ids) = (Vec::new(), Vec::new());
-    files(&root(), &mut all);
-    for path in all {
-        let Ok(text) = fs::read_to_string(&path) else { continue };
-        let mut goes_on = false;
-        for (number, line) in text.lines().enumerate() {
-            let comment = line.trim_start().trim_start_matches(['/', '#', '!', '*']).trim_start();
-            let behind = line.split_once("Proves: ");
-            let rest = match behind {
-                Some((before, behind)) if before.contains("//") || before.contains('#') => behind,
-                None if goes_on && SOURCES.iter().any(|source| comment.starts_with(source)) => comment,
-                _ => {
-                    goes_on = false;
-                    continue;
+/// Everything below a folder that may prove something, by its path from the root.
+fn files() -> Vec<String> {
+    let (mut found, mut folders) = (Vec::new(), vec![root()]);
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
+            let entry = entry.expect("an entry of the folder");
+            let (path, name) = (entry.path(), entry.file_name());
+            let name = name.to_string_lossy();
+            if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                if !["target", ".git", "node_modules", "docs", ".venv"].contains(&&*name) {
+                    folders.push(path);
                 }
-            };
-            goes_on = true;
-            let place = format!("{}:{}", path.strip_prefix(root()).unwrap_or(&path).display(), number + 1);
-            let words = rest.split([',', ' ']).map(|word| word.trim_end_matches('.'));
-            ids.extend(words.filter(|word| !word.is_empty()).flat_map(each).map(|id| (id, place.clone())));
+            } else if [".rs", ".py", ".yaml", ".yml"].iter().any(|end| name.ends_with(end)) {
+                found.push(path.strip_prefix(root()).expect("below the root").to_string_lossy().into_owned());
+            }
         }
     }
-    ids
+    found.sort();
+    found
 }
 
-/// A name is no proof, but a wrong one is a lie.
-#[test]
-fn what_is_named_as_proved_exists_and_is_not_set_aside() {
-    let (specified, aside, proved) = (specified(), set_aside(), proved());
-    assert!(specified.len() > 1500 && proved.len() > 500, "{} specified, {} proved", specified.len(), proved.len());
-    let wrong: Vec<String> = proved
-        .iter()
-        .filter_map(|(id, place)| match (specified.contains(id), aside.get(id)) {
-            (true, None) => None,
-            (true, Some(reason)) => Some(format!("{place}: {id} is set aside: {reason}")),
-            (false, _) => Some(format!("{place}: {id} stands nowhere in docs/spec")),
-        })
-        .collect();
-    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
-    let unknown: Vec<_> = aside.keys().filter(|id| !specified.contains(*id)).collect();
-    assert!(unknown.is_empty(), "set aside, and nowhere in docs/spec: {unknown:?}");
+/// Everything that the tree names as proved.
+fn proofs() -> Vec<Named> {
+    files().iter().flat_map(|file| named(file, &fs::read_to_string(root().join(file)).unwrap_or_default())).collect()
+}
 
-    let named: BTreeSet<_> = proved.iter().map(|(id, _)| id).collect();
-    let mut open: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    for id in specified.iter().filter(|id| !named.contains(id) && !aside.contains_key(*id)) {
-        let (group, number) = id.rsplit_once('-').expect("an ID has a number");
-        open.entry(group).or_default().push(number);
+/// What is set aside: `- ID: reason`, a line each.
+fn aside() -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for (number, line) in (1..).zip(read(ASIDE).lines()) {
+        let Some(item) = line.strip_prefix("- ") else { continue };
+        let place = format!("{ASIDE}:{number}");
+        let (id, reason) = item.split_once(": ").unwrap_or((item, ""));
+        assert!(is_id(id) && !reason.trim().is_empty(), "{place}: `{line}` is not `- ID: reason`");
+        assert_eq!(found.insert(id.to_owned(), place.clone()), None, "{place}: {id} is set aside twice");
     }
-    let (done, all) = (named.len(), specified.len());
-    println!("{all} requirements: {done} proved, {} set aside; neither:", aside.len());
-    open.iter().for_each(|(group, numbers)| println!("{group}-{}", numbers.join(", ")));
+    found
+}
+
+/// What is wrong with a proof, a sentence each.
+fn faults(proof: &Named, known: &BTreeMap<String, String>, aside: &BTreeMap<String, String>) -> Vec<String> {
+    let Named { place, word } = proof;
+    let Some(ids) = ids(word) else { return vec![format!("{place}: `{word}` is no ID of a requirement")] };
+    let fault = |id: &String| match aside.get(id) {
+        _ if !known.contains_key(id) => Some(format!("{place}: {id} stands in no book of docs/spec")),
+        Some(there) => Some(format!("{place}: {id} is proved here and set aside in {there}")),
+        None => None,
+    };
+    ids.iter().filter_map(fault).collect()
+}
+
+/// Numbers of a group as `01..03, 05`; those of oracles, which may begin with O, behind the others.
+fn ranges(mut numbers: Vec<&str>) -> String {
+    let value = |number: &str| number.trim_start_matches('O').parse::<u16>().unwrap_or_default();
+    numbers.sort_by_key(|number| (number.starts_with('O'), value(number)));
+    let mut runs: Vec<(&str, &str)> = Vec::new();
+    for number in numbers {
+        match runs.last_mut() {
+            Some((_, last)) if last.len() == number.len() && value(last) + 1 == value(number) => *last = number,
+            _ => runs.push((number, number)),
+        }
+    }
+    let text =
+        |(first, last): &(&str, &str)| if first == last { (*first).to_owned() } else { format!("{first}..{last}") };
+    runs.iter().map(text).collect::<Vec<_>>().join(", ")
+}
+
+/// docs/spec/open.md.
+fn page(open: &BTreeSet<String>) -> String {
+    let mut groups: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for (group, number) in open.iter().filter_map(|id| id.rsplit_once('-')) {
+        groups.entry(group).or_default().push(number);
+    }
+    let lines = groups.into_iter().map(|(group, numbers)| format!("- {group}: {}\n", ranges(numbers)));
+    format!("{HEAD}This page is made by a test: `{RENEW}` writes it anew.\n\n{}", lines.collect::<String>())
+}
+
+#[test]
+fn what_is_proved_exists_and_is_not_set_aside() {
+    let (known, aside) = (requirements(), aside());
+    let proofs = proofs();
+    assert!(proofs.len() > 500, "{} proofs", proofs.len());
+    let faults: Vec<_> = proofs.iter().flat_map(|proof| faults(proof, &known, &aside)).collect();
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+#[test]
+fn what_is_set_aside_exists() {
+    let known = requirements();
+    for (id, place) in aside() {
+        assert!(known.contains_key(&id), "{place}: {id} stands in no book of docs/spec");
+    }
+}
+
+#[test]
+fn the_list_of_what_is_open_is_true() {
+    let (known, aside) = (requirements(), aside());
+    let proved: BTreeSet<_> = proofs().iter().filter_map(|proof| ids(&proof.word)).flatten().collect();
+    let is_open = |id: &&String| !proved.contains(*id) && !aside.contains_key(*id);
+    let open: BTreeSet<_> = known.keys().filter(is_open).cloned().collect();
+    let made = page(&open);
+    println!("{} requirements: {} set aside, {} open", known.len(), aside.len(), open.len());
+    if std::env::var_os("LINESHAFT_RENEW").is_some() {
+        fs::write(root().join(OPEN), made).unwrap();
+        return;
+    }
+    let there = fs::read_to_string(root().join(OPEN)).unwrap_or_default();
+    let lines = |text: &str| text.lines().map(str::to_owned).collect::<BTreeSet<_>>();
+    let (old, new) = (lines(&there), lines(&made));
+    let hint = format!("{OPEN} is not what the tree proves; write it anew: {RENEW}");
+    let (gone, come): (Vec<_>, Vec<_>) = (old.difference(&new).collect(), new.difference(&old).collect());
+    assert!(there == made, "{hint}\nin the page: {gone:#?}\nin the tree: {come:#?}");
+}
+
+/// The forms in which the books print their requirements.
+#[test]
+fn a_requirement_begins_its_line() {
+    for (line, id) in [
+        ("**MACS-ENC-04** ENCODERTYPE values", Some("MACS-ENC-04")),
+        ("| O-26 | POSERR guide |", Some("MACS-O-26")),
+        ("- MACS-CMD-08: x", Some("MACS-CMD-08")),
+        ("| `CMD-08` | VEL |", Some("MACS-CMD-08")),
+        ("as MACS-CMD-08 says", None),
+        ("| POSERR (15) | ERR-06 |", None),
+        ("MACS-CAN-01..21 are", Some("MACS-CAN-01")),
+        ("MACS-CAN-01/21 are", None),
+        ("AMK-FIPW-O12 an oracle", Some("AMK-FIPW-O12")),
+    ] {
+        assert_eq!(requirement(line, "MACS").as_deref(), id, "{line}");
+    }
+}
+
+#[test]
+fn a_proof_that_is_wrong_is_named_with_its_place() {
+    let text = format!(
+        "/// One line.\n///\n/// {PROVES} MACS-ENC-04, MACS-STO-02..04,\n/// SAIA-ENC-01, MACS-ENC-99\n#[test]\n\
+         # {PROVES} MACS-ENC-04 and more\n// {PROVES} MACS-STO-04..02\n// {PROVES}\n"
+    );
+    let id = |id: &str, place: &str| (id.to_owned(), place.to_owned());
+    let spec = ["MACS-ENC-04", "MACS-STO-02", "MACS-STO-04", "SAIA-ENC-01"].map(|known| id(known, "book:1"));
+    let (known, aside) = (BTreeMap::from(spec), BTreeMap::from([id("SAIA-ENC-01", "aside:7")]));
+    let found: Vec<_> = named("a.rs", &text).iter().flat_map(|proof| faults(proof, &known, &aside)).collect();
+    let expected = [
+        "a.rs:3: MACS-STO-03 stands in no book of docs/spec",
+        "a.rs:4: SAIA-ENC-01 is proved here and set aside in aside:7",
+        "a.rs:4: MACS-ENC-99 stands in no book of docs/spec",
+        "a.rs:6: `MACS-ENC-04 and more` is no ID of a requirement",
+        "a.rs:7: `MACS-STO-04..02` is no ID of a requirement",
+        "a.rs:8: `` is no ID of a requirement",
+    ];
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn the_page_has_a_line_per_group() {
+    let open = ["AMK-CAM-01", "AMK-CAM-02", "AMK-CAM-04", "AMK-CAM-O1", "AMK-CAM-O2", "WF-IF-09", "WF-IF-10"];
+    let page = page(&open.map(str::to_owned).into());
+    assert!(page.ends_with("anew.\n\n- AMK-CAM: 01..02, 04, O1..O2\n- WF-IF: 09..10\n"), "{page}");
 }
