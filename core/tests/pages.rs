@@ -1,0 +1,134 @@
+//! The pages of the project lead somewhere: every link to a file or a heading, every page that a text names.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").to_owned()
+}
+
+/// Every page below the root, by its path from there, with its text.
+fn pages() -> Vec<(PathBuf, String)> {
+    let (mut found, mut folders) = (Vec::new(), vec![root()]);
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
+            let entry = entry.expect("an entry of the folder");
+            let (path, name) = (entry.path(), entry.file_name());
+            let name = name.to_string_lossy();
+            if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                if !["target", ".git", "node_modules", ".venv"].contains(&&*name) {
+                    folders.push(path);
+                }
+            } else if name.ends_with(".md") {
+                let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+                found.push((path.strip_prefix(root()).expect("below the root").to_owned(), text));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// A path from a folder, both from the root, without its dots; none where it leaves the root.
+fn join(folder: &Path, path: &str) -> Option<PathBuf> {
+    let mut joined = PathBuf::new();
+    for part in folder.join(path).components() {
+        match part {
+            Component::Normal(name) => joined.push(name),
+            Component::CurDir => {}
+            Component::ParentDir if joined.pop() => {}
+            _ => return None,
+        }
+    }
+    Some(joined)
+}
+
+/// The name by which a link finds a heading: small letters, hyphens for spaces, no other signs.
+fn anchor(heading: &str) -> String {
+    let sign = |sign: char| match sign {
+        ' ' => Some('-'),
+        '-' | '_' => Some(sign),
+        _ => sign.is_alphanumeric().then_some(sign),
+    };
+    heading.trim_start_matches('#').trim().to_lowercase().chars().filter_map(sign).collect()
+}
+
+fn anchors(text: &str) -> BTreeSet<String> {
+    text.lines().filter(|line| line.starts_with('#')).map(anchor).collect()
+}
+
+/// The targets of the links of a line, `[text](target)`, to what is no address.
+fn links(line: &str) -> impl Iterator<Item = &str> {
+    let targets = line.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next());
+    targets.filter(|target| !target.contains("://") && !target.starts_with("mailto:"))
+}
+
+/// Names of pages in a line, links or not: `docs/io.md`, not `wf.md42` and not `x.wf.md`.
+fn names(line: &str) -> impl Iterator<Item = &str> {
+    let words = line.split(|sign: char| !(sign.is_ascii_alphanumeric() || "_-./".contains(sign)));
+    words.map(|word| word.trim_end_matches('.')).filter(|word| {
+        let file = word.rsplit('/').next().unwrap_or(word);
+        file.strip_suffix(".md").is_some_and(|stem| !stem.is_empty() && !stem.contains('.'))
+    })
+}
+
+#[test]
+fn every_link_leads_to_a_file_and_to_a_heading_of_it() {
+    let (mut broken, mut count) = (Vec::new(), 0);
+    for (page, text) in pages() {
+        let folder = page.parent().unwrap_or(Path::new(""));
+        for (number, line) in (1..).zip(text.lines()) {
+            for link in links(line) {
+                count += 1;
+                let (path, heading) =
+                    link.split_once('#').map_or((link, None), |(path, heading)| (path, Some(heading)));
+                let file = if path.is_empty() { Some(page.clone()) } else { join(folder, path) };
+                let place = format!("{}:{number}", page.display());
+                let Some(file) = file.map(|file| root().join(file)).filter(|file| file.exists()) else {
+                    broken.push(format!("{place}: no file is called {path}"));
+                    continue;
+                };
+                let has = |heading| fs::read_to_string(&file).is_ok_and(|text| anchors(&text).contains(heading));
+                if heading.is_some_and(|heading| !has(heading)) {
+                    broken.push(format!("{place}: {link} leads to no heading"));
+                }
+            }
+        }
+    }
+    assert!(broken.is_empty(), "\n{}\n", broken.join("\n"));
+    assert!(count > 50, "{count} links");
+}
+
+/// A page is named from its own folder, from the root, or by what it is called in docs.
+#[test]
+fn every_page_that_a_page_names_is_there() {
+    let (mut missing, mut count) = (Vec::new(), 0);
+    for (page, text) in pages() {
+        let folders =
+            [page.parent().unwrap_or(Path::new("")), Path::new(""), Path::new("docs"), Path::new("docs/spec")];
+        for (number, line) in (1..).zip(text.lines()) {
+            for name in names(line) {
+                count += 1;
+                if !folders.iter().filter_map(|folder| join(folder, name)).any(|file| root().join(file).exists()) {
+                    missing.push(format!("{}:{number}: no page is called {name}", page.display()));
+                }
+            }
+        }
+    }
+    assert!(missing.is_empty(), "\n{}\n", missing.join("\n"));
+    assert!(count > 100, "{count} names");
+}
+
+#[test]
+fn links_names_and_headings_are_read_as_a_browser_does() {
+    let line = "see [io](docs/io.md#a-b), ![x](../images/x.svg) and [it](https://a.b/c.md); `x.wf.md*`, wf.md42, spec/macs.md.";
+    assert_eq!(links(line).collect::<Vec<_>>(), ["docs/io.md#a-b", "../images/x.svg"]);
+    assert_eq!(
+        names("docs/io.md, `x.wf.md*`, wf.md42, spec/macs.md.").collect::<Vec<_>>(),
+        ["docs/io.md", "spec/macs.md"]
+    );
+    assert_eq!(anchor("## Where the words, of `x`, live"), "where-the-words-of-x-live");
+    assert_eq!(join(Path::new("docs"), "../README.md"), Some("README.md".into()));
+    assert_eq!(join(Path::new(""), "../README.md"), None);
+}
