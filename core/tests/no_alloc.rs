@@ -1,21 +1,24 @@
 //! The cycle takes no memory and gives none back, whatever happens in it: an armed allocator watches.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
-use lineshaft_core::axis::Safety;
+use lineshaft_core::axis::{Safety, Wired};
+use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Commands, Direction, Disengage, HomeAxis, HomingMethod, Length, Move, MoveMode, Probe,
-    ProbeEdge, SetPosition, Setpoint, Setpoints, Source, SyncMode, Synchronize,
+    Action, BufferMode, Command, Commands, Direction, Disengage, HomeAxis, HomingMethod, Length, MasterPosition, Move,
+    MoveMode, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Setpoints, Source,
+    SyncMode, Synchronize,
 };
 use lineshaft_core::config::{
     AxisConfig, BrakeConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, MachineConfig, MemoryConfig,
     MemoryKind,
 };
 use lineshaft_core::drive::{Backend, Edge, EncoderInput, Interface, Latch};
+use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{
-    AssignedOutputs, AxisParameters, Change, Layer, MachineParameters, Row, Supervision, Value,
+    AssignedOutputs, AxisParameters, Change, Encoders, Layer, MachineParameters, Row, Supervision, Value,
 };
 use lineshaft_core::position::Position;
 use lineshaft_core::sim::{Fixtures, Index, Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
@@ -23,6 +26,7 @@ use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
 use lineshaft_core::vocabulary::{amc, wf};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 #[global_allocator]
@@ -53,6 +57,67 @@ fn model(index: u16) -> Model {
     }
 }
 
+macro_rules! kinds {
+    ($($name:ident),* $(,)?) => {
+        /// Names of all actions.
+        const KINDS: &[&str] = &[$(stringify!($name)),*];
+
+        /// The name of an action. An action that the list lacks does not compile, and an action that it has must be given.
+        fn kind(action: &Action) -> &'static str {
+            match action {
+                $(Action::$name { .. } => stringify!($name),)*
+            }
+        }
+    };
+}
+
+kinds! {
+    Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, Trajectory, HomeAxis,
+    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Saia, Wf, Cancel, SetParameters, SaveParameters,
+    ResetParameters, DeleteParameters, PowerCycle, SetMemory, SetOutputs, Refuse, Note,
+}
+
+/// How often each kind of action was given, and accepted.
+#[derive(Default)]
+struct Tally(BTreeMap<&'static str, [usize; 2]>);
+
+impl Tally {
+    fn count(&mut self, commands: &[Command], events: &[Event]) {
+        for Command { sequence, action, .. } in commands {
+            let [given, accepted] = self.0.entry(kind(action)).or_default();
+            *given += 1;
+            *accepted +=
+                events.iter().filter(|event| event.kind == Kind::Accepted && event.command == *sequence).count();
+        }
+    }
+
+    /// Each kind was given and accepted; a request that is none is refused, and a note is answered by its warning.
+    fn is_whole(&self) {
+        for kind in KINDS {
+            let [given, accepted] = self.0.get(kind).copied().unwrap_or_default();
+            let is_answered = accepted > 0 || ["Refuse", "Note"].contains(kind);
+            assert!(given > 0 && is_answered, "{kind} was given {given} times and accepted {accepted} times");
+        }
+    }
+}
+
+/// The same machine where every kind of absolute encoder is read: words in Gray code with turns that are corrected, binary ones of a
+/// drive that closes its own loop, an entry of `encoders`, and the words of a positioning module with parity.
+fn absolute() -> MachineConfig {
+    let mut config = config();
+    let gray = |steps, turns| Absolute { turns, code: WordCode::Gray, ..Absolute::single_turn(steps) };
+    let scale = config.encoders[0].scale;
+    let disc = Form::Absolute(Absolute { parity: Some(Parity::Odd), ..gray(4_096, 16) });
+    config.encoders.push(EncoderConfig { name: "disc".into(), form: disc, check: None, scale });
+    config.axes[1].wired = Wired::Drive(Form::Absolute(gray(8_192, 4_096)));
+    config.axes[1].parameters.encoder.encodertype = 3;
+    config.axes[3].wired = Wired::Drive(Form::Absolute(Absolute::single_turn(40_000)));
+    config.axes[5].wired = Wired::Encoder(1);
+    let module = &mut config.axes[7].parameters;
+    (module.encoder.md4, module.encoder.md5, module.wf.md16) = (1, 16_384, 1);
+    config
+}
+
 fn config() -> MachineConfig {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
     let scale = Scale::new(Fraction::from_integer(1000), per).expect("a legal scale");
@@ -64,6 +129,7 @@ fn config() -> MachineConfig {
             supervision,
             max_position: index.is_multiple_of(2).then_some(40_000),
             error_reaction: i64::from(index % 6),
+            encoder: Encoders { mencodertype: if index == 2 { 10 } else { 0 }, ..Encoders::default() },
             outputs: AssignedOutputs { brake: if index == 3 { -2 } else { 0 }, axmove: if index == 3 { 5 } else { 0 } },
             ..AxisParameters::new(1e5, 1e6)
         };
@@ -120,7 +186,21 @@ impl Numbers {
     }
 }
 
-fn action(numbers: &mut Numbers) -> Action {
+fn action(numbers: &mut Numbers, sequence: u64) -> Action {
+    if numbers.below(6) == 0 {
+        let position = Length::whole(numbers.below(20_000) as i64);
+        return match numbers.below(8) {
+            0 => Action::SetEncoderPosition(SetEncoderPosition { encoder: 0, position }),
+            1 => {
+                let position = MasterPosition::Increments(position);
+                Action::SetMasterPosition(SetMasterPosition { axis: numbers.below(3) as u16, position })
+            }
+            2 => Action::Refuse("nobody knows what this is".into()),
+            3 => Action::Note { code: Code::NOTES[numbers.below(3) as usize], number: 7 },
+            4 | 5 => Action::Cancel { goal: sequence.saturating_sub(1 + numbers.below(20)) },
+            _ => Action::Wf(Box::new(module(numbers))),
+        };
+    }
     if numbers.below(30) == 0 {
         let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);
         return match numbers.below(12) {
@@ -204,6 +284,24 @@ fn action(numbers: &mut Numbers) -> Action {
     }
 }
 
+/// What a positioning module is asked for; its modes come by themselves, so that some of it can be done.
+fn module(numbers: &mut Numbers) -> wf::Request {
+    let mode = [wf::Mode::Mdi, wf::Mode::Automatic, wf::Mode::Continuous, wf::Mode::Jog, wf::Mode::ActualValue];
+    let mode = mode[numbers.below(5) as usize];
+    let request = wf::Request { axis: numbers.below(8) as u16, mode: Some(mode), ..wf::Request::default() };
+    let mut block = || wf::Block {
+        position: Position::whole(numbers.below(40_000) as i64),
+        speed: wf::Speed::Value(numbers.below(90) as f64),
+        absolute: true,
+    };
+    match mode {
+        wf::Mode::Jog => wf::Request { jog: Some(wf::Jog::Plus), fixed_speed: Some(1), ..request },
+        wf::Mode::ActualValue => wf::Request { value: Some(Length::whole(100)), ..request },
+        wf::Mode::Mdi => wf::Request { blocks: wf::Blocks::new(&[block()]), start: true, ..request },
+        _ => wf::Request { blocks: wf::Blocks::new(&[block(), block()]), block: Some(1), start: true, ..request },
+    }
+}
+
 /// Something for a reference selector.
 fn select(axis: u16, numbers: &mut Numbers) -> Action {
     const KEYS: [(&str, u64); 6] = [
@@ -262,15 +360,33 @@ fn trajectory(numbers: &mut Numbers) -> Arc<Trajectory> {
     Arc::new(Trajectory::new(start, times, tracks, Some(100_000_000)).expect("a sound one"))
 }
 
+/// Of all axes, in file order.
+fn actual_positions(machine: &Machine) -> [f64; AXES as usize] {
+    std::array::from_fn(|axis| {
+        let directory = machine.directory();
+        let signal = directory.find(&format!("a{axis}.actual.position")).expect("a signal of each axis");
+        machine.board().value(signal, directory.entry(signal).kind).to_f64()
+    })
+}
+
 #[test]
 fn no_cycle_takes_or_gives_back_memory() {
-    let config = config();
+    assert_eq!(cycles_take_and_give_back_no_memory(config()), 0);
+}
+
+#[test]
+fn no_cycle_of_absolute_encoders_takes_or_gives_back_memory() {
+    assert!(cycles_take_and_give_back_no_memory(absolute()) > 0);
+}
+
+/// Everything that there is comes by chance; the number of words of an encoder that were replaced.
+fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     let models: Vec<_> = (1..AXES).map(|index| Some(model(index))).collect();
     let mut plant = Plant::new(&config, &models);
     let index = Some(Index { every: 2_000, at: 300 });
     let fixtures = Fixtures { index, home: Some((2_000, 4_000)), ..Fixtures::default() };
-    (0..7).for_each(|drive| plant.drive(drive).unwrap().fit(fixtures));
-    let mut machine = Machine::new(config).unwrap();
+    (0..7).for_each(|drive| plant.drive(drive).expect("a drive of each axis but the first").fit(fixtures));
+    let mut machine = Machine::new(config).expect("a legal machine");
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
     let mut numbers = Numbers(7);
@@ -278,14 +394,27 @@ fn no_cycle_takes_or_gives_back_memory() {
     let (mut sequence, mut count, mut events, mut marks) = (0, 0_i64, 0, 0);
     // As whoever gives them does: kept for as long as the machine may have them.
     let (mut trajectories, mut runs) = (Vec::new(), 0);
+    let mut tally = Tally::default();
+    let (mut positions, mut moved) = (actual_positions(&machine), [0; AXES as usize]);
+    let mut substituted = 0;
     for cycle in 0..40_000_u64 {
-        let mut commands: Vec<Command> = (0..numbers.below(40).saturating_sub(37))
-            .map(|_| {
-                sequence += 1;
-                Command { sequence, source: Source::Scenario, action: action(&mut numbers) }
-            })
+        // Now and then all axes are switched off, and so is the power; nothing else is asked for then.
+        let pause = (cycle % 4_000).checked_sub(3_000).filter(|pause| *pause < 500);
+        let all = AxisSet::first(usize::from(AXES));
+        let planned = match pause {
+            Some(0 | 300) => Some(Action::ResetErrors(all)),
+            Some(50 | 400) => Some(Action::Disable(all)),
+            Some(480) => Some(Action::PowerCycle),
+            _ => None,
+        };
+        let by_chance = if pause.is_some() { 0 } else { numbers.below(40).saturating_sub(37) };
+        let actions = (0..by_chance).map(|_| action(&mut numbers, sequence)).collect::<Vec<_>>();
+        let mut commands: Vec<Command> = (sequence + 1..)
+            .zip(planned.into_iter().chain(actions))
+            .map(|(sequence, action)| Command { sequence, source: Source::Scenario, action })
             .collect();
-        if numbers.below(40) == 0 {
+        sequence += commands.len() as u64;
+        if pause.is_none() && numbers.below(40) == 0 {
             let trajectory = trajectory(&mut numbers);
             trajectories.push(Arc::clone(&trajectory));
             sequence += 1;
@@ -301,6 +430,12 @@ fn no_cycle_takes_or_gives_back_memory() {
         {
             // Limit switches come and go.
             drive.stick(3, numbers.below(16).saturating_sub(12) as u32);
+        }
+        if numbers.below(600) == 0
+            && let Some(drive) = plant.drive(numbers.below(7) as usize)
+        {
+            // Some words of its encoder are bad.
+            drive.disturb(1 << numbers.below(16), numbers.below(5) as u32);
         }
         // The emergency stop is pressed now and then.
         plant.set_digital(0, numbers.below(3_000) != 0);
@@ -328,6 +463,12 @@ fn no_cycle_takes_or_gives_back_memory() {
             kept.clone_from(machine.state());
         });
         assert_eq!(violation_count(), 0, "in cycle {cycle}");
+        tally.count(&commands, machine.events());
+        let before = std::mem::replace(&mut positions, actual_positions(&machine));
+        for (cycles, (was, is)) in moved.iter_mut().zip(before.iter().zip(&positions)) {
+            *cycles += u32::from(was != is);
+        }
+        substituted += machine.events().iter().filter(|event| event.code == Code::ENCODER_SUBSTITUTED).count();
         events += machine.events().len();
         let begins = |event: &Event| {
             event.kind == Kind::Accepted
@@ -341,9 +482,12 @@ fn no_cycle_takes_or_gives_back_memory() {
     assert!(events > 20_000, "a run in which little happens proves little: {events} events");
     assert!(marks > 10, "{marks} marks were found");
     assert!(runs > 10, "{runs} trajectories ran");
+    assert!(moved.iter().all(|cycles| *cycles > 500), "cycles in which each axis moved: {moved:?}");
+    tally.is_whole();
     drop(machine);
     drop(kept);
     assert!(trajectories.iter().all(|trajectory| Arc::strong_count(trajectory) == 1));
+    substituted
 }
 
 /// The watch is armed: a cycle that did take memory would be seen.
