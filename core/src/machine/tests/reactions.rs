@@ -492,7 +492,7 @@ fn an_emergency_stop_takes_the_power_of_a_drive_that_stops_by_itself() {
     assert_eq!(told, [Code::FOLLOWING_ERROR, Code::EMERGENCY_STOP], "it takes the power, and says so once");
 }
 
-/// One that opens while the axis brakes for another error takes the power once it stands, and is told in its cycle, once.
+/// A contact that opens while the axis brakes for another error takes the power once it stands, and is told in its cycle, once.
 #[test]
 fn an_emergency_stop_during_another_stop_is_told_once() {
     let mut rig = closed();
