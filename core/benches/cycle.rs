@@ -7,7 +7,7 @@ use lineshaft_core::command::{
     Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
 };
 use lineshaft_core::config::{AxisConfig, MachineConfig};
-use lineshaft_core::drive::{DriveInput, DriveState, Inputs, Outputs};
+use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Leader};
 use lineshaft_core::parameter::AxisParameters;
@@ -24,7 +24,9 @@ impl Rig {
     fn new(axes: u16) -> Self {
         let per = Quantity::new(Fraction::from_integer(1), Unit::METRE);
         let scale = Scale::new(Fraction::from_integer(1_000_000), per).expect("a legal scale");
-        let axis = |index: u16| AxisConfig::new(format!("a{index}"), scale, Some(0), AxisParameters::new(1e6, 1e7));
+        let axis = |index: u16| {
+            AxisConfig::new(format!("a{index}"), scale, Some(Capabilities::all(0)), AxisParameters::new(1e6, 1e7))
+        };
         let config =
             MachineConfig { cycle_ns: 1_000_000, axes: (0..axes).map(axis).collect(), ..MachineConfig::default() };
         let machine = Machine::new(config).expect("a legal machine");
@@ -45,7 +47,7 @@ impl Rig {
     fn cycle(&mut self, commands: Commands<'_>) {
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
         for (input, output) in self.inputs.drive.iter_mut().zip(&self.outputs.drive) {
-            input.count = output.position;
+            (input.count, input.mode) = (output.position, output.mode.number());
         }
     }
 }

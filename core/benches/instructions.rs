@@ -8,7 +8,7 @@ use lineshaft_core::command::{
     Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
 };
 use lineshaft_core::config::{AxisConfig, MachineConfig};
-use lineshaft_core::drive::{DriveInput, DriveState, Inputs, Outputs};
+use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::object::{AxisSet, Leader};
 use lineshaft_core::parameter::AxisParameters;
@@ -62,7 +62,7 @@ impl Rig {
         let leaders = u16::from(case == Case::Geared);
         let axis = |index: u16| {
             let delay = (index >= leaders).then_some(0);
-            AxisConfig::new(format!("a{index}"), scale, delay, AxisParameters::new(1e6, 1e7))
+            AxisConfig::new(format!("a{index}"), scale, delay.map(Capabilities::all), AxisParameters::new(1e6, 1e7))
         };
         let axes = (0..axes.max(1 + leaders)).map(axis).collect();
         let config = MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() };
@@ -116,7 +116,7 @@ impl Rig {
     fn cycle(&mut self, commands: Commands<'_>) {
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
         for (input, output) in self.inputs.drive.iter_mut().zip(&self.outputs.drive) {
-            input.count = output.position;
+            (input.count, input.mode) = (output.position, output.mode.number());
         }
     }
 

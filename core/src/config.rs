@@ -10,7 +10,7 @@ pub use numbers::{IoCounts, NoSuchIo};
 
 use crate::axis::{AxisSetup, MAX_DELAY, Modulo, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop};
 use crate::code::Code;
-use crate::drive::{Backend, Interface};
+use crate::drive::{Backend, Capabilities, Interface};
 use crate::encoder::{Form, PulseCheck};
 use crate::object::{Leader, MAX_AXES, Object};
 use crate::parameter::{AxisParameters, Contradiction, MachineParameters};
@@ -24,6 +24,25 @@ const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
 /// The highest velocity that a cycle of that length can do (inc/s).
 pub fn highest_velocity(cycle_ns: u64) -> f64 {
     MOST_PER_CYCLE * 1e9 / cycle_ns as f64
+}
+
+/// Does the drive of an axis offer what the axis asks of it?
+fn check_drive(axis: &AxisConfig, offers: &Capabilities) -> Result<(), ConfigError> {
+    let name = || axis.name.clone();
+    if offers.delay > MAX_DELAY {
+        return Err(ConfigError::Delay { axis: name(), delay: offers.delay });
+    }
+    if axis.interface == Interface::Torque {
+        return Err(ConfigError::Torque { axis: name() });
+    }
+    if !offers.offers(axis.interface) {
+        return Err(ConfigError::NotOffered { axis: name(), interface: axis.interface });
+    }
+    let homes = [Some(axis.parameters), axis.saved].into_iter().flatten().any(|p| p.homing.in_drive);
+    if homes && !offers.homes {
+        return Err(ConfigError::HomesNot { axis: name() });
+    }
+    Ok(())
 }
 
 /// Kind of an input or output.
@@ -98,8 +117,8 @@ pub struct AxisConfig {
     pub scale: Scale,
     /// Length of a turn.
     pub modulo: Option<Modulo>,
-    /// Delay of its drive in cycles; none for a virtual axis.
-    pub drive: Option<u32>,
+    /// What its drive offers, as its backend says; none for a virtual axis.
+    pub drive: Option<Capabilities>,
     /// How its drive is commanded.
     pub interface: Interface,
     /// What the reference selector is wired to.
@@ -118,7 +137,7 @@ pub struct AxisConfig {
 
 impl AxisConfig {
     /// An axis in closed loop, wired to nothing else.
-    pub fn new(name: String, scale: Scale, drive: Option<u32>, parameters: AxisParameters) -> Self {
+    pub fn new(name: String, scale: Scale, drive: Option<Capabilities>, parameters: AxisParameters) -> Self {
         Self {
             name,
             scale,
@@ -247,11 +266,8 @@ impl MachineConfig {
         }
         for (place, axis) in self.axes.iter().enumerate() {
             let name = || axis.name.clone();
-            if let Some(delay) = axis.drive.filter(|&delay| delay > MAX_DELAY) {
-                return Err(ConfigError::Delay { axis: name(), delay });
-            }
-            if axis.drive.is_some() && axis.interface == Interface::Torque {
-                return Err(ConfigError::Torque { axis: name() });
+            if let Some(offers) = axis.drive {
+                check_drive(axis, &offers)?;
             }
             self.check_outputs(axis)?;
             for parameters in [Some(axis.parameters), axis.saved].into_iter().flatten() {
@@ -395,19 +411,19 @@ impl MachineConfig {
         Ok(())
     }
 
-    /// Does a backend offer what the axes ask of its drives? To be asked before it starts.
+    /// Does each drive hang on one of these backends, which offers what the cell says of it? To be asked before they start.
     ///
     /// # Errors
-    /// The first drive that cannot be commanded as its axis does.
-    pub fn check_backend(&self, backend: &dyn Backend) -> Result<(), ConfigError> {
+    /// The first drive that nobody serves, or another one than the cell describes.
+    pub fn check_backends(&self, backends: &[&dyn Backend]) -> Result<(), ConfigError> {
         for (place, axis) in self.axes.iter().filter(|axis| axis.drive.is_some()).enumerate() {
-            let offered = backend.capabilities(place).is_none_or(|offers| axis.interface.is_offered(&offers));
-            if !offered {
-                return Err(ConfigError::NotOffered { axis: axis.name.clone(), interface: axis.interface });
-            }
-            let homes = backend.capabilities(place).is_none_or(|offers| offers.homes);
-            if axis.power_on().homing.in_drive && !homes {
-                return Err(ConfigError::HomesNot { axis: axis.name.clone() });
+            let mut offers = backends.iter().filter_map(|backend| backend.capabilities(place));
+            let axis_name = || axis.name.clone();
+            match (offers.next(), offers.next()) {
+                (None, _) => return Err(ConfigError::NotServed { axis: axis_name() }),
+                (_, Some(_)) => return Err(ConfigError::ServedTwice { axis: axis_name() }),
+                (offers, None) if offers != axis.drive => return Err(ConfigError::OtherDrive { axis: axis_name() }),
+                _ => {}
             }
         }
         Ok(())
@@ -465,7 +481,7 @@ impl MachineConfig {
             .enumerate()
             .map(|(index, axis)| AxisSetup {
                 index: index as u16,
-                drive: axis.drive.and_then(|delay| drives.next().map(|place| (place, delay))),
+                drive: axis.drive.and_then(|offers| drives.next().map(|place| (place, offers))),
                 modulo: axis.modulo,
                 interface: axis.interface,
                 unit: axis.increments_per_unit(),

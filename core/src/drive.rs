@@ -1,6 +1,11 @@
 //! The backend contract: what enters and leaves a cycle, and who exchanges it (contract section 8).
 
+mod backend;
+mod cia402;
+
 use crate::object::Object;
+pub use backend::{Backend, Capabilities, Objects, Terminal};
+pub use cia402::*;
 use serde::{Deserialize, Serialize};
 
 /// Most latches of one cycle; what comes beyond is counted in [`Inputs::latches_lost`].
@@ -17,6 +22,42 @@ pub struct EncoderInput {
     pub valid: bool,
     /// Raw counts at the last index pulse of (t_k-1, t_k].
     pub index: Option<i64>,
+}
+
+/// How the bus of a drive does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BusState {
+    /// It transmits.
+    #[default]
+    Active = 0,
+    /// It transmits, with many errors (error passive).
+    Passive = 1,
+    /// It transmits nothing: switched off by its errors, its cable cut, its adapter pulled.
+    Off = 2,
+}
+
+/// Emergency message of a drive (CiA 301, EMCY), which stands in the inputs of one cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Emergency {
+    /// Error code, as in object 603Fh.
+    pub code: u16,
+    /// Error register (1001h).
+    pub register: u8,
+    /// What the manufacturer adds.
+    pub data: [u8; 5],
+}
+
+impl Emergency {
+    /// As on the bus.
+    pub fn to_bytes(self) -> [u8; 8] {
+        let ([low, high], [a, b, c, d, e]) = (self.code.to_le_bytes(), self.data);
+        [low, high, self.register, a, b, c, d, e]
+    }
+
+    /// Reads it from there.
+    pub fn from_bytes([low, high, register, a, b, c, d, e]: [u8; 8]) -> Self {
+        Self { code: u16::from_le_bytes([low, high]), register, data: [a, b, c, d, e] }
+    }
 }
 
 /// What a drive tells.
@@ -40,6 +81,10 @@ pub struct DriveInput {
     pub online: bool,
     /// The values are of this cycle; else the last ones.
     pub fresh: bool,
+    /// How its bus does.
+    pub bus: BusState,
+    /// What it has sent since the last cycle; the newest, where it was more.
+    pub emergency: Option<Emergency>,
     /// Digital inputs (60FDh): bits 0 to 2 are the switches of the travel, see [`inputs`].
     pub inputs: u32,
     /// Raw counts at the last index pulse of (t_k-1, t_k].
@@ -112,6 +157,22 @@ pub fn set_bit(words: &mut [u64], place: usize, on: bool) {
 }
 
 impl Inputs {
+    /// A new cycle, before any backend has filled it in: digital inputs are 0, analog ones 0 V; drives and encoders keep their last values,
+    /// and answer to nobody.
+    pub fn begin(&mut self, cycle: u64, missed: u32) {
+        (self.cycle, self.missed, self.latches_lost) = (cycle, missed, 0);
+        self.digital.fill(0);
+        self.analog.fill(0.0);
+        for encoder in &mut self.encoder {
+            (encoder.valid, encoder.index) = (false, None);
+        }
+        for drive in &mut self.drive {
+            let DriveInput { count, epoch, velocity, effort, status, mode, fault, .. } = *drive;
+            *drive = DriveInput { count, epoch, velocity, effort, status, mode, fault, ..DriveInput::default() };
+        }
+        self.latch.clear();
+    }
+
     /// Copies all of another one of the same shape; takes no memory then.
     pub fn copy_from(&mut self, other: &Self) {
         (self.cycle, self.missed, self.latches_lost) = (other.cycle, other.missed, other.latches_lost);
@@ -142,6 +203,51 @@ impl Inputs {
     }
 }
 
+/// Homing that a drive runs by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HomingOrder {
+    /// Method (6098h).
+    pub method: i8,
+    /// Towards the switch (6099h, sub-index 1; counts/s).
+    pub search_velocity: f64,
+    /// Towards the zero (6099h, sub-index 2; counts/s).
+    pub zero_velocity: f64,
+    /// Of both (609Ah; counts/s^2).
+    pub acceleration: f64,
+}
+
+/// How a drive is to take what it is asked for: its mode of operation (6060h), with what that needs beside the setpoints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Mode {
+    /// None.
+    #[default]
+    None,
+    /// It closes the position loop (csp).
+    Position,
+    /// It closes the velocity loop (csv).
+    Velocity,
+    /// It closes the torque loop (cst).
+    Torque,
+    /// It runs at a speed, and closes nothing (vl).
+    Speed,
+    /// It homes by itself.
+    Homing(HomingOrder),
+}
+
+impl Mode {
+    /// Its number (6060h).
+    pub fn number(self) -> i8 {
+        match self {
+            Mode::None => 0,
+            Mode::Position => MODE_CSP,
+            Mode::Velocity => MODE_CSV,
+            Mode::Torque => MODE_CST,
+            Mode::Speed => MODE_VELOCITY,
+            Mode::Homing(_) => MODE_HOMING,
+        }
+    }
+}
+
 /// What a drive is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DriveOutput {
@@ -155,10 +261,8 @@ pub struct DriveOutput {
     pub effort: f64,
     /// Control word (6040h).
     pub control: u16,
-    /// Mode of operation (6060h).
-    pub mode: i8,
-    /// Homing method to run in the drive.
-    pub homing: Option<i8>,
+    /// Mode of operation.
+    pub mode: Mode,
 }
 
 /// Everything that a cycle asks for. The arrays are in file order and never change their lengths.
@@ -173,6 +277,13 @@ pub struct Outputs {
 }
 
 impl Outputs {
+    /// Copies all of another one of the same shape; takes no memory then.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.digital.clone_from(&other.digital);
+        self.analog.clone_from(&other.analog);
+        self.drive.clone_from(&other.drive);
+    }
+
     /// A digital output by its number.
     pub fn digital(&self, index: usize) -> bool {
         bit(&self.digital, index)
@@ -216,167 +327,20 @@ impl Interface {
         }
     }
 
-    /// Mode of operation of such a drive (6060h).
-    pub fn mode(self) -> i8 {
+    /// Mode of operation of such a drive.
+    pub fn mode(self) -> Mode {
         match self {
-            Interface::Position => MODE_CSP,
-            Interface::Velocity => MODE_CSV,
-            Interface::Torque => MODE_CST,
-            Interface::OpenLoop => MODE_VELOCITY,
-        }
-    }
-
-    /// Can a drive of these capabilities be commanded so?
-    pub fn is_offered(self, capabilities: &Capabilities) -> bool {
-        match self {
-            Interface::Position => true,
-            Interface::Velocity | Interface::OpenLoop => capabilities.velocity,
-            Interface::Torque => capabilities.torque,
+            Interface::Position => Mode::Position,
+            Interface::Velocity => Mode::Velocity,
+            Interface::Torque => Mode::Torque,
+            Interface::OpenLoop => Mode::Speed,
         }
     }
 }
-
-/// What a backend offers for one drive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Capabilities {
-    /// What the outputs of k ask shows in the inputs of k + 1 + delay.
-    pub delay: u32,
-    /// It commands velocity as well as position.
-    pub velocity: bool,
-    /// It commands torque as well as position.
-    pub torque: bool,
-    /// It latches positions.
-    pub latches: bool,
-    /// It homes by itself.
-    pub homes: bool,
-    /// It has a brake.
-    pub brake: bool,
-}
-
-/// Whatever drives hang on. A backend reads and writes only its own objects, so that several share a machine.
-pub trait Backend {
-    /// What it offers for a drive, by the drive's place in [`Inputs::drive`]; none for a drive of another backend.
-    fn capabilities(&self, drive: usize) -> Option<Capabilities>;
-
-    /// Makes it ready to exchange.
-    ///
-    /// # Errors
-    /// A sentence that says what is not there.
-    fn start(&mut self) -> Result<(), String>;
-
-    /// Fills in what it knows of cycle `inputs.cycle`; does not block.
-    fn read(&mut self, inputs: &mut Inputs);
-
-    /// Hands over what the cycle asks for; does not block.
-    fn write(&mut self, outputs: &Outputs);
-
-    /// Leaves its drives in a safe state.
-    fn stop(&mut self);
-}
-
-/// State of a drive (CiA 402), numbered as in the interface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum DriveState {
-    /// Not ready to switch on.
-    #[default]
-    NotReady = 0,
-    /// Switch on disabled.
-    SwitchOnDisabled = 1,
-    /// Ready to switch on.
-    Ready = 2,
-    /// Switched on.
-    SwitchedOn = 3,
-    /// Operation enabled.
-    Enabled = 4,
-    /// Quick stop active.
-    QuickStop = 5,
-    /// Fault reaction active.
-    FaultReaction = 6,
-    /// Fault.
-    Fault = 7,
-}
-
-impl DriveState {
-    /// The state that a status word shows (CiA 402-2, table of the status word).
-    pub fn from_status(status: u16) -> Self {
-        match (status & 0x4F, status & 0x6F) {
-            (0x00, _) => Self::NotReady,
-            (0x40, _) => Self::SwitchOnDisabled,
-            (_, 0x21) => Self::Ready,
-            (_, 0x23) => Self::SwitchedOn,
-            (_, 0x27) => Self::Enabled,
-            (_, 0x07) => Self::QuickStop,
-            (0x0F, _) => Self::FaultReaction,
-            (0x08, _) => Self::Fault,
-            // Any other pattern is none of CiA 402: nothing may be asked of such a drive.
-            _ => Self::NotReady,
-        }
-    }
-
-    /// The status word that shows this state, with voltage enabled (bit 4) from ready on.
-    pub fn status(self) -> u16 {
-        match self {
-            Self::NotReady => 0x0000,
-            Self::SwitchOnDisabled => 0x0040,
-            Self::Ready => 0x0031,
-            Self::SwitchedOn => 0x0033,
-            Self::Enabled => 0x0037,
-            Self::QuickStop => 0x0017,
-            Self::FaultReaction => 0x001F,
-            Self::Fault => 0x0008,
-        }
-    }
-}
-
-/// Control words (CiA 402-2, table of the control word).
-pub mod control {
-    /// Switches the voltage off: the drive coasts.
-    pub const DISABLE_VOLTAGE: u16 = 0x00;
-    /// Quick stop: the drive stops on its own ramp.
-    pub const QUICK_STOP: u16 = 0x02;
-    /// Shutdown: to ready to switch on.
-    pub const SHUTDOWN: u16 = 0x06;
-    /// To switched on.
-    pub const SWITCH_ON: u16 = 0x07;
-    /// To operation enabled.
-    pub const ENABLE: u16 = 0x0F;
-    /// Its rising edge resets a fault.
-    pub const FAULT_RESET: u16 = 0x80;
-    /// In mode homing, together with [`ENABLE`]: its rising edge starts.
-    pub const START_HOMING: u16 = 0x10;
-}
-
-/// Status word bit 7: the drive warns.
-pub const STATUS_WARNING: u16 = 0x80;
-/// Status word bit 12 in mode homing: the zero is known.
-pub const STATUS_HOMING_ATTAINED: u16 = 0x1000;
-/// Status word bit 13 in mode homing: it was not found.
-pub const STATUS_HOMING_ERROR: u16 = 0x2000;
-/// Status word bit 10: the target is reached, and in mode homing the axis stands.
-pub const STATUS_TARGET_REACHED: u16 = 0x0400;
-/// Mode of operation: homing by the drive.
-pub const MODE_HOMING: i8 = 6;
-/// Mode of operation: cyclic synchronous position.
-pub const MODE_CSP: i8 = 8;
-/// Mode of operation: cyclic synchronous velocity.
-pub const MODE_CSV: i8 = 9;
-/// Mode of operation: cyclic synchronous torque.
-pub const MODE_CST: i8 = 10;
-/// Mode of operation: velocity mode of frequency converters and switched motors.
-pub const MODE_VELOCITY: i8 = 2;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_state_reads_back_from_its_status_word() {
-        use DriveState::*;
-        for state in [NotReady, SwitchOnDisabled, Ready, SwitchedOn, Enabled, QuickStop, FaultReaction, Fault] {
-            assert_eq!(DriveState::from_status(state.status()), state);
-            assert_eq!(DriveState::from_status(state.status() | STATUS_WARNING | 0x1600), state, "don't-care bits");
-        }
-    }
 
     #[test]
     fn a_bit_is_set_alone_and_one_beyond_the_words_is_none() {

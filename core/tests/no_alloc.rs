@@ -12,7 +12,7 @@ use lineshaft_core::config::{
     AxisConfig, BrakeConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, MachineConfig, MemoryConfig,
     MemoryKind,
 };
-use lineshaft_core::drive::{Backend, Edge, EncoderInput, Interface, Latch};
+use lineshaft_core::drive::{Backend, Capabilities, Edge, EncoderInput, Interface, Latch};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
@@ -148,7 +148,7 @@ fn config() -> MachineConfig {
                 master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
                 freeze: Some(Object::Axis(index)),
             },
-            ..AxisConfig::new(format!("a{index}"), scale, drive, parameters)
+            ..AxisConfig::new(format!("a{index}"), scale, drive.map(Capabilities::all), parameters)
         }
     };
     let io = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
@@ -440,7 +440,7 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
         // The emergency stop is pressed now and then.
         plant.set_digital(0, numbers.below(3_000) != 0);
         stream.axes[3] = (cycle % 4_000 < 1_000).then_some(Setpoint { velocity: 1_000.0, duration: None });
-        inputs.cycle = cycle;
+        inputs.begin(cycle, 0);
         if numbers.below(200) == 0 {
             plant.set_digital(0, numbers.below(2) == 0);
         }
@@ -523,6 +523,7 @@ fn no_change_of_a_layer_takes_or_gives_back_memory() {
     for (sequence, action) in (1..).zip(actions) {
         let commands = [Command { sequence, source: Source::Scenario, action }];
         assert_no_alloc(|| {
+            inputs.begin(0, 0);
             plant.read(&mut inputs);
             machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
             machine.copy_parameters(&mut image);
@@ -566,8 +567,8 @@ fn homing_takes_no_memory() {
     for (sequence, action) in (1_u64..).zip(actions) {
         let mut commands = vec![Command { sequence, source: Source::Scenario, action }];
         for _ in 0..10_000 {
-            inputs.cycle = machine.next_cycle();
             assert_no_alloc(|| {
+                inputs.begin(machine.next_cycle(), 0);
                 plant.read(&mut inputs);
                 machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
                 plant.write(&outputs);

@@ -84,7 +84,7 @@ impl Rig {
 
     /// Runs a cycle and says how long the cycle thread's share of it took.
     fn cycle(&mut self, commands: &[Command], frames: Option<&mut FrameSender>) -> Duration {
-        self.inputs.cycle = self.machine.next_cycle();
+        self.inputs.begin(self.machine.next_cycle(), 0);
         self.plant.read(&mut self.inputs);
         let start = Instant::now();
         if let Some(frames) = frames {

@@ -56,7 +56,7 @@ pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
-use crate::drive::{DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface, control};
+use crate::drive::{Capabilities, DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface, control};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::object::Object;
@@ -90,8 +90,8 @@ pub const MAX_DELAY: u32 = 32;
 pub struct AxisSetup {
     /// Place among the axes.
     pub index: u16,
-    /// Place among the drives and the drive's delay; none for a virtual axis.
-    pub drive: Option<(usize, u32)>,
+    /// Place among the drives and what the drive offers; none for a virtual axis.
+    pub drive: Option<(usize, Capabilities)>,
     /// Length of a turn.
     pub modulo: Option<Modulo>,
     /// How its drive is commanded.
@@ -233,7 +233,7 @@ impl Axis {
     /// An axis at rest, switched off; a virtual one is always on.
     pub fn new(setup: AxisSetup, parameters: AxisParameters, signals: Signal) -> Self {
         let is_virtual = setup.drive.is_none();
-        let delay = setup.drive.map_or(0, |(_, delay)| delay.min(MAX_DELAY));
+        let delay = setup.drive.map_or(0, |(_, offers)| offers.delay.min(MAX_DELAY));
         let sensor = Sensor::new(setup.wired, setup.encoders, &parameters);
         Self {
             setup,

@@ -3,7 +3,7 @@
 use super::reaction::closes_brake;
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::{Class, Code};
-use crate::drive::{DriveInput, DriveOutput, DriveState, Interface, control};
+use crate::drive::{BusState, DriveInput, DriveOutput, DriveState, Emergency, Interface, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
 use crate::regulator::{KV, Proportional};
@@ -47,6 +47,8 @@ pub(super) struct Watch {
     is_told: bool,
     /// When the last one was.
     told: Option<u64>,
+    /// Code of the emergency message that was told last, and when.
+    emergency: Option<(u16, u64)>,
 }
 
 impl Axis {
@@ -63,7 +65,7 @@ impl Axis {
 
     /// Cycles until the drive can have answered, beside the one that every drive takes.
     pub(super) fn delay(&self) -> u64 {
-        self.setup.drive.map_or(0, |(_, delay)| delay.into())
+        self.setup.drive.map_or(0, |(_, offers)| offers.delay.into())
     }
 
     /// Takes over whether the machine is active.
@@ -93,6 +95,9 @@ impl Axis {
     /// Sees to it that a drive that fails, goes away or falls silent stops the axis in the same cycle.
     pub(super) fn supervise(&mut self, cx: &mut Context<'_>) {
         let Some(input) = cx.input else { return };
+        if let Some(emergency) = input.emergency {
+            self.tell_emergency(cx, emergency);
+        }
         let failure = self.failure(input);
         self.watch_idle_drive(cx, failure);
         match self.power {
@@ -108,7 +113,7 @@ impl Axis {
             Power::SwitchingOn { since } => {
                 if let Some(code) = failure {
                     self.fail_off(cx, code);
-                } else if self.drive_state == DriveState::Enabled && cx.cycle > since.saturating_add(self.delay()) {
+                } else if self.is_enabled_as_asked(input) && cx.cycle > since.saturating_add(self.delay()) {
                     self.power = self.power_is_on(cx.cycle);
                     self.command = Motion::at_rest(self.actual.position);
                     self.judge.fill(self.asked());
@@ -140,20 +145,44 @@ impl Axis {
         }
     }
 
+    /// Would the drive take what it is asked for? In another mode it would take it for something else.
+    fn is_enabled_as_asked(&self, input: &DriveInput) -> bool {
+        self.drive_state == DriveState::Enabled && input.mode == self.setup.interface.mode().number()
+    }
+
+    /// A drive that repeats itself is told once a second.
+    fn tell_emergency(&mut self, cx: &mut Context<'_>, emergency: Emergency) {
+        let Emergency { code, register, data: [a, b, c, d, e] } = emergency;
+        let told = self.watch.emergency.filter(|(last, _)| *last == code);
+        if told.is_some_and(|(_, cycle)| !self.is_time_to_tell(cx.cycle, cycle)) {
+            return;
+        }
+        self.watch.emergency = Some((code, cx.cycle));
+        let told = Number::Count(i64::from(code) | i64::from(register) << 16);
+        let data = Number::Count(i64::from_le_bytes([a, b, c, d, e, 0, 0, 0]));
+        // Code 0 says that an error is over.
+        let severity = if code == 0 { Severity::Info } else { Severity::Warn };
+        let event = Event::new(severity, Kind::Warning, self.object(), Code::EMERGENCY).with(told, data);
+        cx.events.push(Event { position: self.actual.position, ..event });
+    }
+
+    fn is_time_to_tell(&self, cycle: u64, told: u64) -> bool {
+        cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns) >= TELL_AGAIN_NS
+    }
+
     /// A drive that fails while its axis is off stops nothing: that is a warning. One that has not come yet does not fail.
     fn watch_idle_drive(&mut self, cx: &mut Context<'_>, failure: Option<Code>) {
         let failure = failure.filter(|code| code.class() != Some(Class::Feedback));
-        let watch = &mut self.watch;
         let Some(code) = failure else {
-            (watch.was_well, watch.is_told) = (true, false);
+            (self.watch.was_well, self.watch.is_told) = (true, false);
             return;
         };
+        let watch = self.watch;
         // While it is on, the same is an error.
         let is_idle = self.power == Power::Off && self.error.is_none();
-        let age = watch.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
-        if is_idle && watch.was_well && !watch.is_told && age.is_none_or(|age| age >= TELL_AGAIN_NS) {
-            watch.told = Some(cx.cycle);
-            watch.is_told = true;
+        let may_tell = watch.told.is_none_or(|told| self.is_time_to_tell(cx.cycle, told));
+        if is_idle && watch.was_well && !watch.is_told && may_tell {
+            (self.watch.told, self.watch.is_told) = (Some(cx.cycle), true);
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), code);
             cx.events.push(Event { position: self.actual.position, ..event });
         }
@@ -182,6 +211,9 @@ impl Axis {
     }
 
     pub(super) fn failure(&self, input: &DriveInput) -> Option<Code> {
+        if input.bus == BusState::Off {
+            return Some(Code::BUS_ERROR);
+        }
         if !input.online {
             return Some(Code::DRIVE_LOST);
         }
@@ -311,7 +343,6 @@ impl Axis {
             effort: 0.0,
             control: word,
             mode: self.setup.interface.mode(),
-            homing: None,
         };
     }
 

@@ -160,9 +160,11 @@ impl Axis {
 
 /// Is it the same but for what a motion changes? An index pulse is never the same.
 fn is_alike(one: &DriveInput, other: &DriveInput) -> bool {
-    let DriveInput { epoch, status, mode, fault, online, fresh, inputs, index, .. } = *one;
+    let DriveInput { epoch, status, mode, fault, online, fresh, inputs, index, bus, emergency, .. } = *one;
     (epoch, inputs, status, fault) == (other.epoch, other.inputs, other.status, other.fault)
-        && (mode, online, fresh) == (other.mode, other.online, other.fresh)
+        && (mode, online, fresh, bus) == (other.mode, other.online, other.fresh, other.bus)
+        && emergency.is_none()
+        && other.emergency.is_none()
         && index.is_none()
         && other.index.is_none()
 }

@@ -257,6 +257,27 @@ codes! {
         remedy: "Give each function an output of its own.",
     }
 
+    /// A drive is to home by itself and cannot.
+    HOMING_NOT_OFFERED = 10357, NoError {
+        says: "homing.in_drive may not be true: the drive cannot home by itself",
+        cause: "homing.in_drive is set, and the backend of the drive offers no homing.",
+        remedy: "Leave homing.in_drive false: the axis homes with its own motion.",
+    }
+
+    /// A latch of a drive that has none is waited for.
+    LATCH_NOT_OFFERED = 10358, NoError {
+        says: "",
+        cause: "A touch probe waits for a latch of a drive, and the backend of the drive offers none.",
+        remedy: "Search with an input that has `latch: true`, or with an encoder.",
+    }
+
+    /// A drive has sent an emergency message.
+    EMERGENCY = 10359, NoError {
+        says: "",
+        cause: "The drive has sent an emergency message: error code (as in 603Fh), error register (1001h), five bytes of its maker.",
+        remedy: "Look the code up in the manual of the drive. An error of the axis follows only where the drive goes into fault.",
+    }
+
     /// A newer command took the axis over.
     REPLACED = 10101, NoError {
         says: "a newer command took the axis over",

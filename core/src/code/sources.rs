@@ -24,11 +24,12 @@ codes! {
         remedy: "Check supply, cable and address, then reset_errors; while it stays away the reset fails.",
     }
 
-    /// A field bus reports errors of communication (MACS error 89).
-    BUS_ERROR = 89, NoError {
-        says: "the field bus reports errors of communication",
-        cause: "The field bus reports errors of communication.",
-        remedy: "Check termination, shield and bit rate of the bus, then reset_errors.",
+    /// The bus of a drive transmits nothing (MACS error 89).
+    BUS_ERROR = 89, Drive {
+        says: "the bus of the drive transmits nothing",
+        cause: "The bus of the drive is off: by its own errors, a cut cable, an adapter that was pulled. The drives on it do what they \
+            do without a master.",
+        remedy: "Check cable, termination, shield, bit rate and adapter, then reset_errors; while the bus stays off the reset fails.",
     }
 
     /// Motion into a limit at which the axis stands already (MACS error 98, F_LIMIT_VIOLATION).

@@ -49,6 +49,24 @@ pub enum ConfigError {
         /// Whose.
         axis: String,
     },
+    /// A drive without a backend.
+    #[error("drive of {axis}: no backend serves it")]
+    NotServed {
+        /// Whose.
+        axis: String,
+    },
+    /// A drive of two backends.
+    #[error("drive of {axis}: two backends serve it")]
+    ServedTwice {
+        /// Whose.
+        axis: String,
+    },
+    /// A drive that is another one than its cell describes.
+    #[error("drive of {axis}: its backend offers something else than the cell was read for")]
+    OtherDrive {
+        /// Whose.
+        axis: String,
+    },
     /// An output of an open-loop axis.
     #[error("{axis}: {key} is wired to entry {entry} of io, which is no {kind}")]
     Output {

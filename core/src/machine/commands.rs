@@ -2,7 +2,7 @@
 
 use super::{MAX_COMMANDS, Machine};
 use crate::code::Code;
-use crate::command::{Action, Command, Commands, Synchronize};
+use crate::command::{Action, Command, Commands, Probe, ProbeEdge, Synchronize};
 use crate::config::IoKind;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
@@ -31,6 +31,19 @@ impl Machine {
         }
         self.couples = couples;
         admitted
+    }
+
+    /// Can the drive latch whose latch a goal waits for?
+    fn check_latch(&self, request: &Probe) -> Result<(), Refusal> {
+        let Object::Axis(source) = request.source else { return Ok(()) };
+        let axis = self.config.axes.get(usize::from(source));
+        let latches = axis.and_then(|axis| axis.drive).is_none_or(|offers| offers.latches);
+        // Index pulses come with the position.
+        if latches || request.edge == ProbeEdge::Index {
+            return Ok(());
+        }
+        let refusal = Refusal::new(Code::LATCH_NOT_OFFERED, Object::Axis(request.axis));
+        Err(refusal.with(Number::Count(source.into()), Number::None))
     }
 
     pub(super) fn note_couplings(&mut self) {
@@ -70,8 +83,11 @@ impl Machine {
                 Ok(true)
             }
             Action::Synchronize(request) => self.admit_synchronize(request),
+            Action::Probe(request) => {
+                self.check_latch(request)?;
+                Ok(true)
+            }
             Action::Move(_)
-            | Action::Probe(_)
             | Action::HomeAxis(_)
             | Action::Saia(_)
             | Action::Wf(_)

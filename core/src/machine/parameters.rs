@@ -284,6 +284,7 @@ impl Machine {
         self.state.axes[index].admits_sense(candidate)?;
         self.state.axes[index].admits_source(candidate)?;
         self.check_named(index)?;
+        self.check_offered(index)?;
         self.state.axes[index].admits_zero(candidate)?;
         IoCounts::of(&self.config).check_axis(candidate).map_err(|missing| no_such_io(index as u16, missing))?;
         let of_axis = || changes.iter().filter(|change| usize::from(change.axis) == index);
@@ -359,6 +360,7 @@ impl Machine {
         axis.admits_sense(candidate)?;
         axis.admits_source(candidate)?;
         self.check_named(index)?;
+        self.check_offered(index)?;
         axis.admits_zero(candidate)?;
         match self.left_out(index) {
             Some(place) => {
@@ -378,6 +380,16 @@ impl Machine {
             let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
             blame(&Change { value: value_of(&change, candidate), ..change }, code)
         })
+    }
+
+    /// Does the drive offer what the candidate asks of it?
+    fn check_offered(&self, index: usize) -> Result<(), Refusal> {
+        let offers = self.config.axes.get(index).and_then(|axis| axis.drive);
+        if !self.candidates[index].homing.in_drive || offers.is_none_or(|offers| offers.homes) {
+            return Ok(());
+        }
+        let change = Change { axis: index as u16, row: find("homing.in_drive"), value: Value::Int(1) };
+        Err(blame(&change, Code::HOMING_NOT_OFFERED))
     }
 
     /// A place that the motion under way reaches and new limits would leave out.

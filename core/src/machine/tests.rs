@@ -4,6 +4,7 @@ mod activity;
 mod amc;
 mod anything;
 mod buffer;
+mod buses;
 mod changes;
 mod direction;
 mod edges;

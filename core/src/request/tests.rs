@@ -156,7 +156,7 @@ fn a_probe_is_a_search_with_an_end_in_the_same_units() {
         ],
         ..config()
     };
-    config.axes[1].drive = Some(0);
+    config.axes[1].drive = Some(crate::drive::Capabilities::all(0));
     let request = |event: &str| ProbeRequest {
         search: MoveRequest { mode: 1, velocity: Amount::Number(2.0), ..to("x", Units::AxisUnit, 7.0) },
         event: event.into(),

@@ -8,8 +8,8 @@ use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
 use super::word::Word;
 use super::{Fixtures, Mechanics, Model, SecondOrder, Sign};
 use crate::drive::{
-    DriveInput, DriveOutput, DriveState, MODE_CSV, MODE_HOMING, MODE_VELOCITY, Outputs, STATUS_HOMING_ATTAINED,
-    STATUS_HOMING_ERROR, STATUS_TARGET_REACHED, control,
+    BusState, Capabilities, DriveInput, DriveOutput, DriveState, Emergency, HomingOrder, MODE_HOMING, Mode, Outputs,
+    STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED, control,
 };
 use crate::encoder::Form;
 
@@ -53,7 +53,8 @@ pub struct SimDrive {
     motion: Motion,
     /// Outputs on their way, oldest first; one for each cycle of the delay and one more.
     on_the_way: VecDeque<DriveOutput>,
-    delay: u32,
+    capabilities: Capabilities,
+    emergency: Option<Emergency>,
     state: DriveState,
     count: i64,
     travel: Travel,
@@ -107,7 +108,8 @@ impl SimDrive {
         Self {
             motion,
             on_the_way,
-            delay,
+            capabilities: model.capabilities(delay),
+            emergency: None,
             state: DriveState::NotReady,
             count: 0,
             travel: Travel::default(),
@@ -134,9 +136,14 @@ impl SimDrive {
         }
     }
 
-    /// Delay of the drive in cycles.
-    pub fn delay(&self) -> u32 {
-        self.delay
+    /// What it offers.
+    pub fn capabilities(&self) -> Capabilities {
+        self.capabilities
+    }
+
+    /// Sends an emergency message with the next inputs.
+    pub fn send_emergency(&mut self, emergency: Emergency) {
+        self.emergency = Some(emergency);
     }
 
     /// Lets its encoder tell words of that form.
@@ -269,6 +276,8 @@ impl SimDrive {
             fault: self.fault,
             online: self.online,
             fresh: self.online,
+            bus: BusState::Active,
+            emergency: self.emergency.take().filter(|_| self.online),
             inputs: self.actuated() & !self.hidden,
             index: passed.map(|place| self.word.of(place.wrapping_sub(self.origin))),
         }
@@ -286,9 +295,9 @@ impl SimDrive {
     }
 
     /// One cycle of homing of its own.
-    fn home(&mut self, output: DriveOutput, starts: bool) {
+    fn home(&mut self, order: HomingOrder, starts: bool) {
         if starts {
-            self.homing = InDrive::start(output.homing.unwrap_or(0));
+            self.homing = InDrive::start(order.method);
         }
         self.velocity = 0.0;
         if !self.homing.runs {
@@ -297,7 +306,8 @@ impl SimDrive {
         let start = self.count.wrapping_add(self.origin);
         let cycle_s = self.cycle_ns as f64 / 1e9;
         let way = Way { fixtures: self.fixtures, has_index: !self.index_lost, stuck: self.stuck };
-        let (place, reference) = self.homing.step(start, output.velocity * cycle_s, &way);
+        let steps = [order.search_velocity, order.zero_velocity].map(|velocity| velocity * cycle_s);
+        let (place, reference) = self.homing.step(start, steps, &way);
         self.velocity = place.wrapping_sub(start) as f64 / cycle_s;
         if let Some(reference) = reference {
             self.origin = reference;
@@ -320,19 +330,19 @@ impl SimDrive {
     }
 
     fn obey(&mut self, output: DriveOutput) {
-        self.mode = output.mode;
+        self.mode = output.mode.number();
         let starts = output.control & control::START_HOMING != 0 && self.last_control & control::START_HOMING == 0;
         self.change_state(output.control);
         self.last_control = output.control;
         let is_on = self.state == DriveState::Enabled;
-        self.homing.runs &= output.mode == MODE_HOMING && is_on;
+        self.homing.runs &= matches!(output.mode, Mode::Homing(_)) && is_on;
         if self.brake.is_some_and(|brake| brake.closed) {
             self.stand();
         } else if !is_on && self.state != DriveState::QuickStop && self.load != 0.0 {
             self.fall();
-        } else if is_on && output.mode == MODE_HOMING {
-            self.home(output, starts);
-        } else if self.motion.has_velocity_only() || matches!(output.mode, MODE_CSV | MODE_VELOCITY) {
+        } else if is_on && let Mode::Homing(order) = output.mode {
+            self.home(order, starts);
+        } else if self.motion.has_velocity_only() || matches!(output.mode, Mode::Velocity | Mode::Speed) {
             // Without its voltage a motor is asked for nothing, and runs down.
             let asked = if is_on && output.velocity.is_finite() { output.velocity } else { 0.0 };
             let asked = if self.motion.is_inverted() { 0.0 - asked } else { asked };

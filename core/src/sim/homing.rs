@@ -55,8 +55,9 @@ impl InDrive {
         legs(self.method.into()).get(self.leg)
     }
 
-    /// One cycle from `place` on, with `step` increments along `way`: where it is then, and the reference once it is found.
-    pub(super) fn step(&mut self, place: i64, step: f64, way: &Way) -> (i64, Option<i64>) {
+    /// One cycle from `place` on, with the increments of a search and those towards the zero along `way`: where it is then, and the reference
+    /// once it is found.
+    pub(super) fn step(&mut self, place: i64, [search, zero]: [f64; 2], way: &Way) -> (i64, Option<i64>) {
         if let Some(reference) = self.found {
             (self.runs, self.attained) = (false, true);
             return (place, Some(reference));
@@ -69,8 +70,8 @@ impl InDrive {
             (self.runs, self.failed) = (false, true);
             return (place, None);
         };
-        let share = if leg.speed == Speed::Slow { 0.1 } else { 1.0 };
-        let count = (step.abs() * share).clamp(1.0, MOST) as i64;
+        let step = if leg.speed == Speed::Slow { zero } else { search };
+        let count = step.abs().clamp(1.0, MOST) as i64;
         let mut here = place;
         for _ in 0..count {
             let Some(leg) = self.leg().filter(|_| self.runs && self.found.is_none()) else { break };

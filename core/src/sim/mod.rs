@@ -23,7 +23,10 @@ pub use second_order::{ModelError, SecondOrder};
 
 use crate::axis::Source;
 use crate::config::{AxisConfig, IoKind, MachineConfig};
-use crate::drive::{Backend, Capabilities, Edge, Inputs, Interface, Latch, MAX_LATCHES, Outputs, set_bit};
+use crate::drive::{
+    Backend, BusState, Capabilities, Edge, Inputs, Interface, Latch, MAX_LATCHES, Objects, Outputs, Terminal, bit,
+    set_bit,
+};
 use crate::object::Object;
 use encoder::SimEncoder;
 
@@ -56,6 +59,19 @@ impl Model {
         model
     }
 
+    /// What a drive of this kind offers.
+    pub fn capabilities(&self, delay: u32) -> Capabilities {
+        Capabilities {
+            delay,
+            position: self.fits(Interface::Position),
+            velocity: self.fits(Interface::Velocity),
+            torque: self.fits(Interface::Torque),
+            open_loop: self.fits(Interface::OpenLoop),
+            latches: true,
+            homes: true,
+        }
+    }
+
     /// Does a drive of this kind take what `interface` gives it?
     pub fn fits(&self, interface: Interface) -> bool {
         match self {
@@ -67,7 +83,15 @@ impl Model {
     }
 }
 
-/// The plant of one machine. Where a cell mixes backends, it serves the drives that have a model.
+/// A simulated bus of the plant.
+#[derive(Clone, Debug)]
+struct Bus {
+    objects: Objects,
+    is_off: bool,
+}
+
+/// The plant of one machine, behind all simulated buses of it: what an axis turns and what stands along its way may hang on different
+/// buses. Where a cell mixes backends, it serves the objects of its buses.
 #[derive(Clone, Debug)]
 pub struct Plant {
     drives: Vec<Option<SimDrive>>,
@@ -75,6 +99,11 @@ pub struct Plant {
     digital: Vec<u64>,
     analog: Vec<f64>,
     latches: Vec<Latch>,
+    buses: Vec<Bus>,
+    /// Room for the outputs as they arrive where a bus is off.
+    arriving: Outputs,
+    /// By place among the drives: the axis.
+    axes: Vec<u16>,
     /// Switches that are wired to digital inputs, and whose drive they belong to.
     wires: Vec<(usize, Wire)>,
     /// By place among the digital inputs: the entry of `io` that latches, if it does.
@@ -82,11 +111,31 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// A plant for a machine: one model for each axis that has a drive, in file order; none leaves the drive to others.
+    /// A plant for a machine, with all of it on one bus: one model for each axis that has a drive, in file order; none leaves the drive to
+    /// others.
     pub fn new(config: &MachineConfig, models: &[Option<Model>]) -> Self {
+        let terminals = |count: usize| -> Vec<Terminal> {
+            (0_u16..).zip(0..count).map(|(address, place)| Terminal { place, address }).collect()
+        };
+        let mut drives = terminals(config.count_drives());
+        drives.retain(|drive| models.get(drive.place).copied().flatten().is_some());
+        let all = Objects {
+            digital_inputs: terminals(config.count_io(IoKind::DigitalInput)),
+            digital_outputs: terminals(config.count_io(IoKind::DigitalOutput)),
+            analog_inputs: terminals(config.count_io(IoKind::AnalogInput)),
+            analog_outputs: terminals(config.count_io(IoKind::AnalogOutput)),
+            encoders: terminals(config.encoders.len()),
+            drives,
+        };
+        Self::with_buses(config, models, vec![all])
+    }
+
+    /// The same with the objects of each simulated bus.
+    pub fn with_buses(config: &MachineConfig, models: &[Option<Model>], buses: Vec<Objects>) -> Self {
         let count = config.encoders.len();
         let source = |axis: &AxisConfig| Source::of(axis.wired, count, &axis.power_on()).ok();
-        let drives: Vec<&AxisConfig> = config.axes.iter().filter(|axis| axis.drive.is_some()).collect();
+        let (axes, drives): (Vec<u16>, Vec<&AxisConfig>) =
+            (0..).zip(&config.axes).filter(|(_, axis)| axis.drive.is_some()).unzip();
         // An encoder that an axis reads is turned by it; of several axes, by the first.
         let turned_by = |encoder: usize| {
             let reads = |axis: &&AxisConfig| matches!(source(axis), Some(Source::Encoder(place)) if usize::from(place) == encoder);
@@ -96,11 +145,12 @@ impl Plant {
         let latching = inputs.map(|(entry, io)| u16::try_from(entry).ok().filter(|_| io.latch)).collect();
         let encoders = config.encoders.iter().enumerate();
         let encoders = encoders.map(|(place, encoder)| SimEncoder::new(encoder, turned_by(place))).collect();
+        let count_drives = drives.len();
         let drives = drives
             .iter()
             .zip(models)
             .map(|(axis, model)| {
-                let mut drive = SimDrive::new((*model)?, axis.drive?, config.cycle_ns);
+                let mut drive = SimDrive::new((*model)?, axis.drive?.delay, config.cycle_ns);
                 if let Some(Source::Drive(form)) = source(axis) {
                     drive.speak(form);
                 }
@@ -113,9 +163,41 @@ impl Plant {
             digital: vec![0; config.count_io(IoKind::DigitalInput).div_ceil(64)],
             analog: vec![0.0; config.count_io(IoKind::AnalogInput)],
             latches: Vec::with_capacity(MAX_LATCHES),
+            buses: buses.into_iter().map(|objects| Bus { objects, is_off: false }).collect(),
+            arriving: Outputs {
+                digital: vec![0; config.count_io(IoKind::DigitalOutput).div_ceil(64)],
+                analog: vec![0.0; config.count_io(IoKind::AnalogOutput)],
+                drive: vec![Default::default(); count_drives],
+            },
+            axes,
             wires: Vec::new(),
             latching,
         }
+    }
+
+    /// Switches one of its buses off for good: nobody hears of its objects, and its outputs and drives are without voltage. False where
+    /// there is no such bus.
+    pub fn lose_bus(&mut self, place: usize) -> bool {
+        let bus = self.buses.get_mut(place);
+        bus.map(|bus| bus.is_off = true).is_some()
+    }
+
+    /// Does an object hang on a bus that is off?
+    fn is_cut_off(&self, object: Object) -> bool {
+        let place = match object {
+            Object::Io(entry) => self.latching.iter().position(|latching| *latching == Some(entry)),
+            Object::Encoder(place) => Some(usize::from(place)),
+            Object::Axis(axis) => self.axes.iter().position(|driven| *driven == axis),
+            Object::Machine | Object::Memory(_) => None,
+        };
+        self.buses.iter().filter(|bus| bus.is_off).any(|bus| {
+            let all = match object {
+                Object::Io(_) => &bus.objects.digital_inputs,
+                Object::Encoder(_) => &bus.objects.encoders,
+                _ => &bus.objects.drives,
+            };
+            all.iter().any(|terminal| Some(terminal.place) == place)
+        })
     }
 
     /// Hangs something on a drive. Its switches with a wire read at their digital inputs from now on.
@@ -191,9 +273,9 @@ impl Plant {
         }
     }
 
-    /// Adds a latch to the next inputs; false when there is no room.
+    /// Adds a latch to the next inputs; false when there is no room, or nobody who would hear of it.
     pub fn add_latch(&mut self, latch: Latch) -> bool {
-        let room = self.latches.len() < MAX_LATCHES;
+        let room = self.latches.len() < MAX_LATCHES && !self.is_cut_off(latch.object);
         if room {
             self.latches.push(latch);
         }
@@ -201,60 +283,94 @@ impl Plant {
     }
 }
 
-impl Backend for Plant {
-    fn capabilities(&self, drive: usize) -> Option<Capabilities> {
-        let drive = self.drives.get(drive)?.as_ref()?;
-        Some(Capabilities { delay: drive.delay(), velocity: true, homes: true, ..Capabilities::default() })
-    }
-
-    fn start(&mut self) -> Result<(), String> {
-        Ok(())
-    }
-
-    fn read(&mut self, inputs: &mut Inputs) {
-        for (input, drive) in inputs.drive.iter_mut().zip(&mut self.drives) {
-            if let Some(drive) = drive {
-                *input = drive.read();
-            }
-        }
-        inputs.latch.clear();
-        inputs.latches_lost = 0;
+impl Plant {
+    /// Switches that are wired to digital inputs, at their inputs; those that latch, in the inputs of the machine.
+    fn work_wires(&mut self, inputs: &mut Inputs) {
         for place in 0..self.wires.len() {
             let (drive, wire) = self.wires[place];
             let drive = self.drives.get(drive).and_then(Option::as_ref);
             let actuated = drive.map_or(0, SimDrive::actuated);
             set_bit(&mut self.digital, wire.input, wire.level(actuated));
             let (Some(drive), Some(Some(entry))) = (drive, self.latching.get(wire.input)) else { continue };
+            let object = Object::Io(*entry);
             for (age, is_on) in drive.switched(wire.switch).into_iter().flatten() {
                 let edge = if is_on != wire.normally_closed { Edge::Rising } else { Edge::Falling };
-                let latch = Latch { object: Object::Io(*entry), edge, age_ns: Some(age), position: None };
-                inputs.add_latch(latch);
+                if !self.is_cut_off(object) {
+                    inputs.add_latch(Latch { object, edge, age_ns: Some(age), position: None });
+                }
             }
         }
-        for (input, encoder) in inputs.encoder.iter_mut().zip(&mut self.encoders) {
-            let drive = encoder.drive().and_then(|place| self.drives.get(place)).and_then(Option::as_ref);
-            if let Some(drive) = drive {
-                encoder.turn_to(drive.place());
+    }
+}
+
+impl Backend for Plant {
+    fn capabilities(&self, drive: usize) -> Option<Capabilities> {
+        self.drives.get(drive)?.as_ref().map(SimDrive::capabilities)
+    }
+
+    fn read(&mut self, inputs: &mut Inputs) {
+        for bus in &self.buses {
+            for &Terminal { place, .. } in &bus.objects.drives {
+                let Some(drive) = self.drives.get_mut(place).and_then(Option::as_mut) else { continue };
+                let (told, Some(input)) = (drive.read(), inputs.drive.get_mut(place)) else { continue };
+                if bus.is_off { input.bus = BusState::Off } else { *input = told }
             }
-            *input = encoder.read();
         }
-        inputs.digital.copy_from_slice(&self.digital);
-        inputs.analog.copy_from_slice(&self.analog);
+        self.work_wires(inputs);
+        for bus in &self.buses {
+            for &Terminal { place, .. } in &bus.objects.encoders {
+                let (Some(encoder), Some(input)) = (self.encoders.get_mut(place), inputs.encoder.get_mut(place)) else {
+                    continue;
+                };
+                let drive = encoder.drive().and_then(|place| self.drives.get(place)).and_then(Option::as_ref);
+                if let Some(drive) = drive {
+                    encoder.turn_to(drive.place());
+                }
+                let told = encoder.read();
+                if !bus.is_off {
+                    *input = told;
+                }
+            }
+        }
+        for bus in self.buses.iter().filter(|bus| !bus.is_off) {
+            for terminal in &bus.objects.digital_inputs {
+                inputs.set_digital(terminal.place, bit(&self.digital, terminal.place));
+            }
+            for terminal in &bus.objects.analog_inputs {
+                if let (Some(input), Some(volts)) =
+                    (inputs.analog.get_mut(terminal.place), self.analog.get(terminal.place))
+                {
+                    *input = *volts;
+                }
+            }
+        }
         for latch in self.latches.drain(..) {
             inputs.add_latch(latch);
         }
     }
 
     fn write(&mut self, outputs: &Outputs) {
-        for (output, drive) in outputs.drive.iter().zip(&mut self.drives) {
+        let Self { drives, buses, arriving, .. } = self;
+        let outputs = if buses.iter().any(|bus| bus.is_off) {
+            arriving.copy_from(outputs);
+            for bus in buses.iter().filter(|bus| bus.is_off) {
+                bus.objects.digital_outputs.iter().for_each(|terminal| arriving.set_digital(terminal.place, false));
+                bus.objects.analog_outputs.iter().for_each(|terminal| arriving.set_analog(terminal.place, 0.0));
+                for terminal in &bus.objects.drives {
+                    arriving.drive[terminal.place] = Default::default();
+                }
+            }
+            &*arriving
+        } else {
+            outputs
+        };
+        for (output, drive) in outputs.drive.iter().zip(drives) {
             if let Some(drive) = drive {
                 let output = drive.wired_to(*output, outputs);
                 drive.write(output);
             }
         }
     }
-
-    fn stop(&mut self) {}
 }
 
 #[cfg(test)]

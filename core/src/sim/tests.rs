@@ -54,7 +54,7 @@ fn an_ideal_drive_shows_a_command_one_cycle_and_its_delay_later() {
         assert!(seen[..late].iter().all(|&count| count == 0), "delay {delay}: {seen:?}");
         let expected: Vec<i64> = (1..=10 - late as i64).map(|k| k * 100).collect();
         assert_eq!(seen[late..], expected, "delay {delay}");
-        assert_eq!(drive.delay(), delay);
+        assert_eq!(drive.capabilities().delay, delay);
     }
 }
 

@@ -118,6 +118,14 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             "homing.in_drive is true, and the drive has no {}; methods of CiA 402 are allowed",
             method(event.asked)
         ),
+        Code::LATCH_NOT_OFFERED => match event.asked {
+            Number::Count(axis) => {
+                let name = u16::try_from(axis).map_or("another axis", |axis| config.name(Object::Axis(axis)));
+                format!("the drive of {name} latches nothing; an input with `latch: true` or an encoder is allowed")
+            }
+            _ => by_row(),
+        },
+        Code::EMERGENCY => emergency(event),
         Code::SOFTWARE_LIMIT_POSITIVE => format!("stopped at max_position {}", limit_of(event, config)),
         Code::SOFTWARE_LIMIT_NEGATIVE => format!("stopped at min_position {}", limit_of(event, config)),
         Code::ENCODER_JUMP if event.limit == Number::None => format!("the leader jumped by {} in one cycle", asked()),
@@ -233,4 +241,16 @@ pub(super) fn limit_of(event: &Event, config: &MachineConfig) -> String {
         Number::None => number_text(Number::Position(event.position.floor()), event.source, config),
         limit => number_text(limit, event.source, config),
     }
+}
+
+/// What a drive has sent, in the order of its bytes.
+fn emergency(event: &Event) -> String {
+    let number = |number| if let Number::Count(count) = number { count } else { 0 };
+    let (told, data) = (number(event.asked), number(event.limit));
+    let bytes = data.to_le_bytes();
+    let [a, b, c, d, e, ..] = bytes;
+    let (code, register) = (told & 0xFFFF, told >> 16 & 0xFF);
+    format!(
+        "the drive sends emergency {code:04X}h, register {register:02X}h, data {a:02X} {b:02X} {c:02X} {d:02X} {e:02X}"
+    )
 }

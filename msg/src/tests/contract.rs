@@ -65,7 +65,7 @@ const OWN_INTERFACES: [(&str, &str); 21] = [
     ),
     (
         "msg/CycleInputs",
-        "uint8 FALLING=0 RISING=1
+        "uint8 FALLING=0 RISING=1 ACTIVE=0 PASSIVE=1 OFF=2
         uint64 cycle
         uint32 missed
         uint64[] digital
@@ -90,7 +90,10 @@ const OWN_INTERFACES: [(&str, &str); 21] = [
         uint32[] latch_age_ns
         bool[] latch_has_position
         int64[] latch_position
-        uint32 latches_lost",
+        uint32 latches_lost
+        uint8[] drive_bus
+        bool[] drive_has_emergency
+        uint64[] drive_emergency",
     ),
     (
         "action/MoveAxis",
@@ -414,7 +417,7 @@ fn every_constant_has_its_value() {
             SYNCHRONIZED_MOTION = 5, STOPPING = 6, ERROR_STOP = 7
         }
         Event { INFO = 0, WARN = 1, ERROR = 2 }
-        CycleInputs { FALLING = 0, RISING = 1 }
+        CycleInputs { FALLING = 0, RISING = 1, ACTIVE = 0, PASSIVE = 1, OFF = 2 }
         MoveAxisGoal {
             ABSOLUTE = 0, RELATIVE = 1, ADDITIVE = 2, VELOCITY = 3, SUPERIMPOSED = 4, SI = 0, AXIS_UNIT = 1,
             INCREMENTS = 2, ABORTING = 0, BUFFERED = 1, BLENDING_LOW = 2, BLENDING_PREVIOUS = 3, BLENDING_NEXT = 4,

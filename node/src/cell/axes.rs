@@ -1,5 +1,6 @@
 //! Section `axes`: what an axis is made of. Its parameters are read beside.
 
+use super::Hardware;
 use super::amc;
 use super::backends::{Backend, Context, backend_of, name_of};
 use super::brake;
@@ -27,7 +28,7 @@ use std::cmp::Ordering;
 const SOME_CYCLE_NS: u64 = 1_000_000;
 
 /// An axis, how its drive is simulated and what it is called; none for a virtual one.
-pub(super) type Axis = (AxisConfig, Option<(Model, Mechanics)>, Option<String>);
+pub(super) type Axis = (AxisConfig, Option<(Model, Mechanics)>, Option<Hardware>);
 
 /// Address of a drive and what it is called, by backend.
 type Taken = Once<(usize, &'static str, u16)>;
@@ -151,8 +152,8 @@ fn axis<'d>(
     let (drive, hardware) = match drive? {
         Drive::Virtual => (None, None),
         Drive::Real { backend, number, delay, .. } => {
-            let backend = cx.names.section(Section::Backends).get(backend).map_or("", Entry::name);
-            (Some(delay), Some(format!("{backend}:{number}")))
+            let model = simulated.as_ref().map_or(Model::Ideal, |(model, _)| *model);
+            (Some(model.capabilities(delay)), Some(Hardware { backend, number }))
         }
     };
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;

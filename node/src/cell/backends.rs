@@ -3,6 +3,8 @@
 use super::names::{Entry, Names, Once, Section, quote};
 use crate::document::{Map, Value};
 use lineshaft_core::axis::MAX_DELAY;
+use lineshaft_core::config::{IoConfig, IoKind};
+use lineshaft_core::drive::{Objects, Terminal};
 
 /// Cycles from a setpoint to the answer of a CANopen drive in csp (contract section 1).
 const CAN_DELAY: u32 = 1;
@@ -22,6 +24,48 @@ impl Backend {
             Self::Can => CAN_DELAY,
         }
     }
+}
+
+/// Where an object is: the place of its backend in the section, and its number there.
+pub(super) type At = (usize, u16);
+
+/// The list of the objects of a kind.
+type List = fn(&mut Objects) -> &mut Vec<Terminal>;
+
+const IO_LISTS: [(IoKind, List); 4] = [
+    (IoKind::DigitalInput, |objects| &mut objects.digital_inputs),
+    (IoKind::DigitalOutput, |objects| &mut objects.digital_outputs),
+    (IoKind::AnalogInput, |objects| &mut objects.analog_inputs),
+    (IoKind::AnalogOutput, |objects| &mut objects.analog_outputs),
+];
+
+/// The objects of each of `count` backends; `io` with where it is, then encoders and drives in their order. An input that reads an output
+/// is nowhere.
+pub(super) fn objects(
+    count: usize,
+    io: (&[IoConfig], &[Option<At>]),
+    encoders: &[Option<At>],
+    drives: &[At],
+) -> Vec<Objects> {
+    let mut all = vec![Objects::default(); count];
+    let mut note = |at: Option<At>, place: usize, list: List| {
+        if let Some((backend, address)) = at
+            && let Some(objects) = all.get_mut(backend)
+        {
+            list(objects).push(Terminal { place, address });
+        }
+    };
+    for (kind, list) in IO_LISTS {
+        let of_kind = io.0.iter().zip(io.1).filter(|(entry, _)| entry.kind == kind);
+        of_kind.enumerate().for_each(|(place, (_, at))| note(*at, place, list));
+    }
+    for (place, at) in encoders.iter().enumerate() {
+        note(*at, place, |objects| &mut objects.encoders);
+    }
+    for (place, at) in drives.iter().enumerate() {
+        note(Some(*at), place, |objects| &mut objects.drives);
+    }
+    all
 }
 
 /// What the readers of all sections need.

@@ -1,6 +1,6 @@
 //! Sections `io`, `memory` and `encoders`.
 
-use super::backends::{Context, address};
+use super::backends::{At, Context, address};
 use super::brake;
 use super::encoders;
 use super::names::{Entry, Once, Section, limit, quote};
@@ -34,6 +34,8 @@ const MEMORY_KINDS: [(&str, MemoryKind); 5] = [
 pub(super) struct Io {
     /// None where one has problems.
     pub entries: Vec<Option<IoConfig>>,
+    /// Where each entry is; none that is nowhere, or has problems.
+    pub terminals: Vec<Option<At>>,
     pub filters: Vec<FilterConfig>,
     pub virtual_inputs: Vec<VirtualInput>,
 }
@@ -45,6 +47,7 @@ struct Terminal<'d> {
     filter: Option<u64>,
     /// What it reads, by its place in the section.
     output: Option<(u16, Value<'d>)>,
+    at: Option<At>,
 }
 
 /// The entries of `io`, the filters of digital inputs, and those that read an output.
@@ -53,8 +56,11 @@ pub(super) fn io(cx: &Context<'_>) -> Io {
     limit(entries, MOST);
     let mut taken = Once::new();
     let (mut filters, mut outputs, mut inputs) = (Vec::new(), Vec::new(), 0);
+    let mut terminals = Vec::with_capacity(entries.len());
     let read = |entry| {
-        let Terminal { io, filter, output } = one_io(entry, cx, &mut taken)?;
+        let terminal = one_io(entry, cx, &mut taken);
+        terminals.push(terminal.as_ref().and_then(|terminal| terminal.at));
+        let Terminal { io, filter, output, .. } = terminal?;
         filters.extend(filter.filter(|time_ns| *time_ns > 0).map(|time_ns| FilterConfig { input: inputs, time_ns }));
         outputs.extend(output.map(|(output, value)| (VirtualInput { input: inputs, output }, value)));
         inputs += usize::from(io.kind == IoKind::DigitalInput);
@@ -69,7 +75,7 @@ pub(super) fn io(cx: &Context<'_>) -> Io {
         }
         read
     });
-    Io { virtual_inputs: virtual_inputs.collect(), entries, filters }
+    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, filters }
 }
 
 /// Does an entry without problems read an output?
@@ -86,17 +92,18 @@ fn one_io<'d>(
     let mut map = entry.value.map(format!("io `{}`", entry.name()))?;
     let kind = map.required("type").and_then(|value| value.choice(&IO_KINDS.map(|(name, kind)| (name, (name, kind)))));
     let reads_output = map.has("output");
-    let output = if reads_output {
-        output(&mut map, kind, cx).map(Some)
+    let wire = if reads_output {
+        output(&mut map, kind, cx).map(|output| (Some(output), None))
     } else {
         map.allow(&["output"]);
-        address(&mut map, &cx.names, kind.map(|(name, _)| name), taken).map(|_| None)
+        address(&mut map, &cx.names, kind.map(|(name, _)| name), taken).map(|at| (None, Some(at)))
     };
     let latch = map.optional("latch").map_or(Some(false), |value| latch(&value, kind, reads_output));
     let filter = map.optional("filter").map_or(Some(None), |value| filter(&value, kind).map(Some));
     map.finish();
     let io = IoConfig { name: entry.name().to_owned(), kind: kind?.1, latch: latch? };
-    Some(Terminal { io, filter: filter?, output: output? })
+    let (output, at) = wire?;
+    Some(Terminal { io, filter: filter?, output, at })
 }
 
 /// The output that an input without a terminal reads, by its place in the section.
@@ -173,25 +180,25 @@ fn initial(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
     }
 }
 
-/// The entries of `encoders`, none where one has problems.
-pub(super) fn encoders(cx: &Context<'_>) -> Vec<Option<EncoderConfig>> {
+/// The entries of `encoders` and where they are, none where one has problems.
+pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Option<At>>) {
     let entries = cx.names.section(Section::Encoders);
     limit(entries, MOST);
     let mut taken = Once::new();
-    entries.iter().map(|entry| one_encoder(entry, cx, &mut taken)).collect()
+    entries.iter().map(|entry| one_encoder(entry, cx, &mut taken).unzip()).unzip()
 }
 
 fn one_encoder<'d>(
     entry: &Entry<'d>,
     cx: &Context<'d>,
     taken: &mut Once<(usize, &'static str, u16)>,
-) -> Option<EncoderConfig> {
+) -> Option<(EncoderConfig, At)> {
     let mut map = entry.value.map(format!("encoder `{}`", entry.name()))?;
     let address = address(&mut map, &cx.names, Some("encoder"), taken);
     let travel = Travel::read(&mut map);
     let check = encoders::check(&mut map, &travel);
     let form = encoders::form(&mut map, &travel, 32);
     map.finish();
-    address?;
-    Some(EncoderConfig { name: entry.name().to_owned(), form: form?, check: check?, scale: travel.scale? })
+    let config = EncoderConfig { name: entry.name().to_owned(), form: form?, check: check?, scale: travel.scale? };
+    Some((config, address?))
 }

@@ -39,6 +39,7 @@ use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{GlobalConfig, MachineConfig};
+use lineshaft_core::drive::Objects;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
 use lineshaft_ros::layer::NodeName;
@@ -65,18 +66,38 @@ pub struct Cell {
     pub models: Vec<Model>,
     /// One for each axis that has a drive, in file order: what hangs on it in the simulation.
     pub mechanics: Vec<Mechanics>,
-    /// One for each axis, in file order: what its drive is called, `backend:address`; none for a virtual one.
-    pub hardware: Vec<Option<String>>,
+    /// One for each axis, in file order: where its drive is; none for a virtual one.
+    pub hardware: Vec<Option<Hardware>>,
     /// How it appears in ROS 2.
     pub ros: RosOptions,
     /// Groups of axes, in file order: name, places of the axes.
     pub groups: Vec<(String, Vec<u16>)>,
-    /// Names of backends that are no simulation, in file order: `run` without `--sim` needs them.
-    pub real_backends: Vec<String>,
+    /// In file order.
+    pub backends: Vec<CellBackend>,
     /// The file as it was read.
     pub text: String,
     /// The description that `ros` names; none from a text, which has no files beside it.
     pub robot: Option<Robot>,
+}
+
+/// A backend of a cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellBackend {
+    /// Name.
+    pub name: String,
+    /// It is a simulation; else `run` without `--sim` needs it.
+    pub is_simulated: bool,
+    /// What hangs on it.
+    pub objects: Objects,
+}
+
+/// Where a drive is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hardware {
+    /// Its backend, by its place in the section.
+    pub backend: usize,
+    /// Its `address` or `node` there.
+    pub number: u16,
 }
 
 /// Section `ros`.
@@ -165,11 +186,19 @@ impl Cell {
     /// A simulation of all that it is made of, whatever its backends are.
     pub fn plant(&self) -> Plant {
         let models: Vec<_> = self.models.iter().copied().map(Some).collect();
-        let mut plant = Plant::new(&self.machine, &models);
+        let buses = self.backends.iter().map(|backend| backend.objects.clone()).collect();
+        let mut plant = Plant::with_buses(&self.machine, &models, buses);
         for (place, mechanics) in self.mechanics.iter().enumerate() {
             plant.install(place, mechanics);
         }
         plant
+    }
+
+    /// What the drive of each axis is called, `backend:address`; none for a virtual one.
+    pub fn hardware_names(&self) -> Vec<Option<String>> {
+        let name =
+            |at: Hardware| format!("{}:{}", self.backends.get(at.backend).map_or("", |found| &found.name), at.number);
+        self.hardware.iter().map(|at| at.map(name)).collect()
     }
 
     fn of(document: Document) -> Result<Self, Problems> {
@@ -192,11 +221,12 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
 
     let backends = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
-    let devices::Io { entries: io, filters, virtual_inputs } = devices::io(&cx);
+    let devices::Io { entries: io, terminals, filters, virtual_inputs } = devices::io(&cx);
     let mut functions = machine::Functions::new();
     let parameters = machine::read(&mut map, &io, &mut functions);
     map.finish();
-    let (memory, encoders) = (devices::memory(&cx), devices::encoders(&cx));
+    let memory = devices::memory(&cx);
+    let (encoders, encoders_at) = devices::encoders(&cx);
     let axes = axes::read(&cx, &io, &encoders, functions);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
     functions::check(&cx, &io);
@@ -218,21 +248,17 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
         safety: safety?,
         global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },
     };
-    let backends = cx.names.section(Section::Backends).iter().zip(&cx.backends);
-    let real = backends.filter(|(_, backend)| **backend == Some(Backend::Can));
-    let real_backends = real.map(|(entry, _)| entry.name().to_owned()).collect();
+    let drives: Vec<_> = hardware.iter().flatten().map(|at: &Hardware| (at.backend, at.number)).collect();
+    let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &drives);
+    let backends = cx.names.section(Section::Backends).iter().zip(&cx.backends).zip(objects);
+    let backends = backends.map(|((entry, backend), objects)| CellBackend {
+        name: entry.name().to_owned(),
+        is_simulated: matches!(backend, Some(Backend::Sim { .. })),
+        objects,
+    });
+    let backends = backends.collect();
     let (models, mechanics) = simulated.into_iter().flatten().unzip();
-    Some(Cell {
-        machine,
-        models,
-        mechanics,
-        hardware,
-        ros: ros?,
-        groups,
-        real_backends,
-        text: text.to_owned(),
-        robot: None,
-    })
+    Some(Cell { machine, models, mechanics, hardware, ros: ros?, groups, backends, text: text.to_owned(), robot: None })
 }
 
 fn check_format(value: &Value<'_>) {

@@ -9,6 +9,7 @@ use super::check::{summary, warnings};
 use super::logging::Logging;
 use super::{Exit, RunArgs, complain, say, store};
 use crate::cell::{Cell, OnLoss};
+use crate::run::backends::Backends;
 use crate::run::bridge::Handle;
 use crate::scenario::{Report, Scenario};
 use lineshaft_core::command::{Action, Command, Commands, Source};
@@ -67,8 +68,11 @@ fn start(
     ros: &RosArguments,
     logging: &Logging,
 ) -> Result<Exit, String> {
-    if let (Some(backend), false) = (cell.real_backends.first(), args.sim) {
-        return Err(format!("backend {backend}: CAN does not exist yet; `lineshaft run --sim` simulates its drives"));
+    if let (Some(backend), false) = (cell.backends.iter().find(|backend| !backend.is_simulated), args.sim) {
+        return Err(format!(
+            "backend {}: CAN does not exist yet; `lineshaft run --sim` simulates its drives",
+            backend.name
+        ));
     }
     if scenario.as_ref().is_some_and(Scenario::switches_activity) {
         let why = "the lifecycle services of the node do that (~/change_state); `lineshaft sim` plays such a scenario";
@@ -82,8 +86,8 @@ fn start(
     };
     let cell = &cell;
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
-    let plant = cell.plant();
-    cell.machine.check_backend(&plant).map_err(|error| error.to_string())?;
+    let backends = Backends::simulated(cell.plant());
+    cell.machine.check_backends(&backends.all()).map_err(|error| error.to_string())?;
     let first = start_command(&cell.machine, &mut options.overrides)?;
     first.as_ref().map_or(Ok(()), |action| try_first(&cell.machine, action))?;
     tracing::info!("lineshaft {}: {title}: {}, simulated", env!("CARGO_PKG_VERSION"), summary(cell));
@@ -99,7 +103,8 @@ fn start(
     let exit = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        let (prepared, heard) = Prepared::new(args, cell, machine, plant, scenario, Given { store, first });
+        let (prepared, heard) =
+            Prepared::new(args, cell, machine, (backends, Vec::new()), scenario, Given { store, first });
         serve(Start { args, cell, options, environment: &environment, logging }, prepared, heard, signals).await
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));

@@ -1,8 +1,9 @@
 //! What a run holds, in a few lines.
 
 use super::clean::clean;
+use super::inputs;
 use super::run::{Run, RunError, grouped};
-use super::series::{SeriesError, decode};
+use super::series::{SeriesError, refused};
 use lineshaft_msgs::Message as _;
 use lineshaft_msgs::msg::CycleInputs;
 use std::collections::BTreeMap;
@@ -162,9 +163,9 @@ impl Info {
                 }
             }
             if message.kind == CycleInputs::NAME && message.is_cdr() {
-                match decode::<CycleInputs>(&message, &self.files[message.file].0) {
+                match inputs::decode(&message) {
                     Ok(inputs) => self.cycles.take(inputs.cycle),
-                    Err(error) => break Err(error),
+                    Err(reason) => break Err(refused(&message, &self.files[message.file].0, reason)),
                 }
             }
         };

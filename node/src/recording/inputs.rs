@@ -3,10 +3,12 @@
 //! Law      reading what was written gives the same inputs, bit by bit, NaN among them
 //! Refuses  arrays that do not have the shape of the machine, latches of unknown objects or without age and position
 
+use super::run::Message;
 use lineshaft_core::config::{IoKind, MachineConfig};
-use lineshaft_core::drive::{DriveInput, Edge, EncoderInput, Inputs, Latch, MAX_LATCHES};
+use lineshaft_core::drive::{BusState, DriveInput, Edge, Emergency, EncoderInput, Inputs, Latch, MAX_LATCHES};
 use lineshaft_core::object::Object;
 use lineshaft_core::unit::excerpt;
+use lineshaft_msgs::cdr::decode_with_header;
 use lineshaft_msgs::msg::CycleInputs;
 
 /// The message of a cycle's inputs, in the memory of one that is there.
@@ -35,6 +37,10 @@ pub(super) fn fill(message: &mut CycleInputs, inputs: &Inputs, config: &MachineC
     set(&mut message.drive_inputs, drives().map(|drive| drive.inputs));
     set(&mut message.drive_has_index, drives().map(|drive| drive.index.is_some()));
     set(&mut message.drive_index, drives().map(|drive| drive.index.unwrap_or(0)));
+    set(&mut message.drive_bus, drives().map(|drive| bus_number(drive.bus)));
+    set(&mut message.drive_has_emergency, drives().map(|drive| drive.emergency.is_some()));
+    let emergency = |drive: &DriveInput| drive.emergency.map_or(0, |sent| u64::from_le_bytes(sent.to_bytes()));
+    set(&mut message.drive_emergency, drives().map(emergency));
     let latches = || inputs.latch.iter();
     set(&mut message.latch_object, latches().map(|latch| config.name(latch.object).to_owned()));
     set(&mut message.latch_edge, latches().map(|latch| edge_number(latch.edge)));
@@ -54,6 +60,30 @@ fn edge_number(edge: Edge) -> u8 {
         Edge::Rising => CycleInputs::RISING,
         Edge::Falling => CycleInputs::FALLING,
     }
+}
+
+fn bus_number(state: BusState) -> u8 {
+    match state {
+        BusState::Active => CycleInputs::ACTIVE,
+        BusState::Passive => CycleInputs::PASSIVE,
+        BusState::Off => CycleInputs::OFF,
+    }
+}
+
+/// The message in a recording, also in one of before the last three arrays existed.
+///
+/// # Errors
+/// A sentence: it is not in CDR, or not what its type says.
+pub(super) fn decode(message: &Message<'_>) -> Result<CycleInputs, String> {
+    message.decode().or_else(|error| {
+        // Each of them has a length of four bytes.
+        let padded = [message.cdr()?, &[0; 12]].concat();
+        decode_with_header(&padded).ok().filter(is_of_before).ok_or(error)
+    })
+}
+
+fn is_of_before(message: &CycleInputs) -> bool {
+    message.drive_bus.is_empty() && message.drive_has_emergency.is_empty() && message.drive_emergency.is_empty()
 }
 
 /// Reads the message of a cycle's inputs into `inputs`, in its memory. After an error they are of no use.
@@ -85,6 +115,7 @@ pub fn read_inputs(message: &CycleInputs, config: &MachineConfig, inputs: &mut I
 /// With it every array holds a value at each place that is read.
 fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), String> {
     let (encoders, drives, latches) = (config.encoders.len(), config.count_drives(), message.latch_object.len());
+    let added = if is_of_before(message) { 0 } else { drives };
     let lengths = [
         ("digital", message.digital.len(), config.count_io(IoKind::DigitalInput).div_ceil(64)),
         ("analog", message.analog.len(), config.count_io(IoKind::AnalogInput)),
@@ -105,6 +136,9 @@ fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), Stri
         ("drive_inputs", message.drive_inputs.len(), drives),
         ("drive_has_index", message.drive_has_index.len(), drives),
         ("drive_index", message.drive_index.len(), drives),
+        ("drive_bus", message.drive_bus.len(), added),
+        ("drive_has_emergency", message.drive_has_emergency.len(), added),
+        ("drive_emergency", message.drive_emergency.len(), added),
         ("latch_edge", message.latch_edge.len(), latches),
         ("latch_has_age", message.latch_has_age.len(), latches),
         ("latch_age_ns", message.latch_age_ns.len(), latches),
@@ -147,8 +181,27 @@ fn drive(message: &CycleInputs, place: usize) -> Result<DriveInput, String> {
         online: message.drive_online[place],
         fresh: message.drive_fresh[place],
         inputs: message.drive_inputs[place],
+        bus: bus(message, place)?,
+        emergency: emergency(message, place)?,
         index: index("drive", place, &message.drive_has_index, &message.drive_index)?,
     })
+}
+
+fn bus(message: &CycleInputs, place: usize) -> Result<BusState, String> {
+    match message.drive_bus.get(place).copied().unwrap_or(CycleInputs::ACTIVE) {
+        CycleInputs::ACTIVE => Ok(BusState::Active),
+        CycleInputs::PASSIVE => Ok(BusState::Passive),
+        CycleInputs::OFF => Ok(BusState::Off),
+        other => Err(format!("drive_bus[{place}] is {other}; 0 (active), 1 (passive) and 2 (off) are allowed")),
+    }
+}
+
+fn emergency(message: &CycleInputs, place: usize) -> Result<Option<Emergency>, String> {
+    let has = message.drive_has_emergency.get(place).is_some_and(|has| *has);
+    let bytes = message.drive_emergency.get(place).copied().unwrap_or(0);
+    let sent = optional(has, bytes)
+        .ok_or_else(|| format!("drive_emergency[{place}] is not 0, though drive_has_emergency is false"))?;
+    Ok(sent.map(|bytes| Emergency::from_bytes(bytes.to_le_bytes())))
 }
 
 fn latch(message: &CycleInputs, place: usize, config: &MachineConfig) -> Result<Latch, String> {

@@ -47,7 +47,7 @@ pub(crate) fn record(cell: &Cell, scenario: &str, cycles: u64, start_ns: u64) ->
     let key = 1_000_000_000 / cell.machine.cycle_ns;
     for cycle in 0..cycles {
         player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
-        inputs.cycle = cycle;
+        inputs.begin(cycle, 0);
         plant.read(&mut inputs);
         player.override_inputs(&mut inputs);
         let is_key = cycle.is_multiple_of(key);

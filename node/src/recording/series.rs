@@ -315,7 +315,8 @@ pub(crate) fn decode<T: DeserializeOwned>(message: &Message<'_>, file: &str) -> 
     message.decode().map_err(|reason| refused(message, file, reason))
 }
 
-fn refused(message: &Message<'_>, file: &str, reason: String) -> SeriesError {
+/// Why the content of a message is not taken.
+pub(crate) fn refused(message: &Message<'_>, file: &str, reason: String) -> SeriesError {
     let topic = excerpt(message.topic);
     SeriesError::Message { file: file.to_owned(), topic, log_time: message.log_time, reason }
 }

@@ -6,7 +6,7 @@
 
 use lineshaft_ros::surface::host::GateState;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::Thread;
 use std::time::Duration;
 
@@ -18,12 +18,19 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct Gate {
     /// Cycles should run.
     wanted: AtomicBool,
-    /// Cycles run.
-    is_open: AtomicBool,
-    /// Why a backend did not start.
-    failure: Mutex<Option<String>>,
+    inner: Mutex<Inner>,
     /// Who sleeps before it.
     sleeper: OnceLock<Thread>,
+}
+
+#[derive(Debug, Default)]
+struct Inner {
+    /// Cycles run.
+    is_open: bool,
+    /// Backends have to be started, and are not.
+    is_unready: bool,
+    /// Why a backend did not start.
+    failure: Option<String>,
 }
 
 impl Gate {
@@ -32,10 +39,18 @@ impl Gate {
         Self { wanted: AtomicBool::new(true), ..Self::default() }
     }
 
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Has the cycles run. It takes its time: [`Gate::state`] tells when they do.
     pub fn open(&self) {
-        *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        self.inner().failure = None;
         self.wanted.store(true, Ordering::Release);
+        self.wake();
+    }
+
+    fn wake(&self) {
         if let Some(sleeper) = self.sleeper.get() {
             sleeper.unpark();
         }
@@ -48,11 +63,12 @@ impl Gate {
 
     /// How it stands.
     pub fn state(&self) -> GateState {
-        if self.is_open.load(Ordering::Acquire) {
-            return GateState::Open;
+        let inner = self.inner();
+        match &inner.failure {
+            _ if inner.is_open => GateState::Open,
+            Some(failure) => GateState::Failed(failure.clone()),
+            None => GateState::Closed,
         }
-        let failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        failure.map_or(GateState::Closed, GateState::Failed)
     }
 
     /// Should cycles run? One load, for the cycle thread.
@@ -60,30 +76,53 @@ impl Gate {
         self.wanted.load(Ordering::Acquire)
     }
 
-    /// Sleeps until cycles should run; false when the program ends.
+    /// Sleeps until cycles run, which they do from then on; false when the program ends.
     pub fn wait(&self, stop: &AtomicBool) -> bool {
         let _ = self.sleeper.set(std::thread::current());
         loop {
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-            if self.is_wanted() {
+            let mut inner = self.inner();
+            if self.is_wanted() && !inner.is_unready {
+                inner.is_open = true;
                 return true;
             }
+            drop(inner);
             std::thread::park_timeout(LOOK);
         }
     }
 
-    /// The cycle thread tells that the backends exchange, or no longer do.
-    pub fn set_open(&self, is_open: bool) {
-        self.is_open.store(is_open, Ordering::Release);
+    /// The cycle thread tells that no cycle runs any more.
+    pub fn set_closed(&self) {
+        self.inner().is_open = false;
     }
 
-    /// The cycle thread tells why a backend does not start.
+    /// From now on cycles wait for backends to be started.
+    pub fn wait_for_services(&self) {
+        self.inner().is_unready = true;
+    }
+
+    /// All backends have started.
+    pub fn set_ready(&self) {
+        self.inner().is_unready = false;
+        self.wake();
+    }
+
+    /// Are the backends no longer needed? Then cycles wait for them anew.
+    pub fn end_of_cycles(&self) -> bool {
+        let mut inner = self.inner();
+        // Both under one lock: no cycle begins in between.
+        let is_over = !inner.is_open && !self.is_wanted();
+        inner.is_unready |= is_over;
+        is_over
+    }
+
+    /// A backend does not start.
     pub fn fail(&self, reason: String) {
         // First: who sees the failure may try again at once.
         self.wanted.store(false, Ordering::Release);
-        *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason);
+        self.inner().failure = Some(reason);
     }
 }
 
@@ -116,8 +155,10 @@ mod tests {
         assert_eq!((gate.state(), gate.is_wanted()), (GateState::Failed("no bus".to_owned()), false));
         gate.open();
         assert_eq!((gate.state(), gate.is_wanted()), (GateState::Closed, true));
-        gate.set_open(true);
+        assert!(gate.wait(&AtomicBool::new(false)));
         gate.close();
         assert_eq!((gate.state(), gate.is_wanted()), (GateState::Open, false), "until the last cycle has run");
+        gate.set_closed();
+        assert_eq!(gate.state(), GateState::Closed);
     }
 }

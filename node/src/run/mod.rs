@@ -4,6 +4,7 @@
 //! and a newest-wins mailbox; events leave it through a ring, signals through a newest-wins snapshot. Nothing that others
 //! do can make it wait. It never writes files, sockets or logs: [`bridge`] does that for it.
 
+pub mod backends;
 pub mod bridge;
 pub mod flight;
 pub mod frames;
@@ -13,5 +14,6 @@ pub mod lanes;
 pub mod realtime;
 pub mod recorder;
 pub mod samples;
+pub mod services;
 pub mod thread;
 pub mod writer;

@@ -1,15 +1,15 @@
 //! The cycle thread: absolute deadlines, one cycle after the other, and nothing that could make it wait.
 
+use super::backends::Backends;
 use super::frames::FrameSender;
 use super::gate::Gate;
 use super::lanes::{Lanes, Numbers};
 use super::realtime::{self, Processor};
 use super::samples::SampleSender;
 use crate::scenario::{Player, Report};
-use lineshaft_core::drive::{Backend, Inputs, Outputs};
+use lineshaft_core::drive::{Inputs, Outputs};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::ParameterImage;
-use lineshaft_core::sim::Plant;
 use lineshaft_ros::surface::host::{self, Snapshot, StampedEvent};
 use rtrb::Producer;
 use rustix::thread::clock_nanosleep_absolute;
@@ -88,8 +88,8 @@ impl Statistics {
 pub struct CycleThread {
     /// The machine.
     pub machine: Machine,
-    /// Simulation of its drives.
-    pub plant: Plant,
+    /// What it exchanges with.
+    pub backends: Backends,
     /// A scenario that plays on it.
     pub play: Option<Play>,
     /// Ways in.
@@ -139,14 +139,8 @@ impl CycleThread {
         let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
         let mut earliest = 0;
         while gate.wait(&stop) {
-            if let Err(reason) = self.plant.start() {
-                gate.fail(reason);
-                continue;
-            }
-            gate.set_open(true);
             earliest = self.cycles(&mut inputs, &mut outputs, earliest);
-            self.plant.stop();
-            gate.set_open(false);
+            gate.set_closed();
         }
     }
 
@@ -162,8 +156,7 @@ impl CycleThread {
         while !self.stop.load(Ordering::Relaxed) && (self.gate.is_wanted() || !self.lanes.are_empty()) {
             sleep_until(deadline);
             let woken = nanoseconds(ClockId::Monotonic);
-            inputs.cycle = self.machine.next_cycle();
-            inputs.missed = missed;
+            inputs.begin(self.machine.next_cycle(), missed);
             self.one(inputs, outputs, wall_start.saturating_add(deadline - start));
             let done = nanoseconds(ClockId::Monotonic);
             self.statistics.count(woken.saturating_sub(deadline), done.saturating_sub(woken));
@@ -177,19 +170,19 @@ impl CycleThread {
         let room = self.lanes.take_stops();
         if let Some(play) = &mut self.play {
             let mut number = play.numbers.reserve(play.player.most_commands());
-            play.player.before(inputs.cycle, &mut number, Some(&mut self.plant), room);
+            play.player.before(inputs.cycle, &mut number, self.backends.plant.as_mut(), room);
             self.lanes.take_others(play.player.commands().iter().count());
             self.lanes.add(play.player.commands());
         } else {
             self.lanes.take_others(0);
         }
-        self.plant.read(inputs);
+        self.backends.read(inputs);
         if let Some(play) = &self.play {
             play.player.override_inputs(inputs);
         }
         self.frames.before(&self.machine);
         self.machine.cycle(inputs, self.lanes.commands(), outputs);
-        self.plant.write(outputs);
+        self.backends.write(outputs);
         self.end_play();
         let snapshot = self.snapshot.input_buffer_mut();
         snapshot.cycle = inputs.cycle;

@@ -5,10 +5,11 @@ use super::names::Names;
 use super::ruler::Ruler;
 use crate::document::Value;
 use lineshaft_core::config::IoKind;
-use lineshaft_core::drive::{Edge, Latch, inputs};
+use lineshaft_core::drive::{Edge, Emergency, Latch, inputs};
 use lineshaft_core::object::Object;
 use lineshaft_core::signal::Value as Number;
 use lineshaft_core::sim::Plant;
+use lineshaft_core::unit::excerpt;
 
 /// Something that happens to the plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,14 @@ pub(super) enum Injection {
     },
     DriveLost {
         drive: usize,
+    },
+    /// Place of the backend in the cell.
+    BusLost {
+        bus: usize,
+    },
+    Emergency {
+        drive: usize,
+        emergency: Emergency,
     },
     DriveJump {
         drive: usize,
@@ -77,6 +86,7 @@ impl Injection {
     pub(super) fn apply(self, plant: &mut Plant) -> bool {
         match self {
             Self::Latch(latch) => return plant.add_latch(latch),
+            Self::BusLost { bus } => return plant.lose_bus(bus),
             Self::Digital { place, on } => plant.set_digital(place, on),
             Self::Analog { place, volts } => plant.set_analog(place, volts),
             Self::EncoderJump { encoder, by } => plant.jump_encoder(encoder, by),
@@ -93,6 +103,7 @@ impl Injection {
             },
             Self::Fault { drive, .. }
             | Self::DriveLost { drive }
+            | Self::Emergency { drive, .. }
             | Self::DriveJump { drive, .. }
             | Self::IndexLost { drive }
             | Self::StuckSwitch { drive, .. } => {
@@ -100,6 +111,7 @@ impl Injection {
                 match self {
                     Self::Fault { code, .. } => drive.inject_fault(code),
                     Self::DriveJump { by, .. } => drive.jump(by),
+                    Self::Emergency { emergency, .. } => drive.send_emergency(emergency),
                     Self::IndexLost { .. } => drive.lose_index(),
                     Self::StuckSwitch { mask, value, .. } => drive.stick(mask, value),
                     _ => drive.lose(),
@@ -112,8 +124,8 @@ impl Injection {
 
 /// Reads what to inject.
 pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
-    const KINDS: &str = "latch, input, fault, drive_lost, encoder_jump, encoder_bits, encoder_cut, encoder_slip, index_lost, \
-                         stuck_switch, power_cycle";
+    const KINDS: &str = "latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, encoder_cut, \
+                         encoder_slip, index_lost, stuck_switch, power_cycle";
     let entries = value.entries()?;
     let [(kind, arguments)] = entries.as_slice() else {
         value.refuse(format!("inject does one thing: one of {KINDS}"), None);
@@ -124,6 +136,8 @@ pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         "input" => input(arguments, names),
         "fault" => fault(arguments, names),
         "drive_lost" => drive_alone("drive_lost", arguments, names).map(|drive| Injection::DriveLost { drive }),
+        "bus_lost" => bus_lost(arguments, names),
+        "emergency" => emergency(arguments, names),
         "encoder_jump" => encoder_jump(arguments, names),
         "index_lost" => drive_alone("index_lost", arguments, names).map(|drive| Injection::IndexLost { drive }),
         "stuck_switch" => stuck_switch(arguments, names),
@@ -221,6 +235,46 @@ fn fault(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let code = map.required("code").and_then(|code| code.integer(1..=u16::MAX));
     map.finish();
     Some(Injection::Fault { drive: axis?.0, code: code? })
+}
+
+fn bus_lost(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
+    let mut map = value.map("bus_lost")?;
+    let backend = map.required("backend");
+    map.finish();
+    let backend = backend?;
+    let name = backend.text()?;
+    let place = names.backends.iter().position(|known| known.name == name);
+    if place.is_none() {
+        let known: Vec<_> = names.backends.iter().map(|known| known.name.as_str()).collect();
+        let sentence = format!("no backend is called `{}`; the cell has {}", excerpt(name), known.join(", "));
+        backend.refuse(sentence, None);
+    }
+    Some(Injection::BusLost { bus: place? })
+}
+
+/// An emergency message: `{axis: x, code: 0x8130, register: 0x11, data: [1, 2, 3, 4, 5]}`.
+fn emergency(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
+    let mut map = value.map("emergency")?;
+    let axis = map.required("axis").and_then(|axis| drive(&axis, names));
+    let code = map.required("code").and_then(|code| code.integer(0..=u16::MAX));
+    let register = map.optional("register").map_or(Some(0), |register| register.integer(0..=u8::MAX));
+    let data = map.optional("data").map_or(Some([0; 5]), |data| bytes(&data));
+    map.finish();
+    Some(Injection::Emergency {
+        drive: axis?.0,
+        emergency: Emergency { code: code?, register: register?, data: data? },
+    })
+}
+
+fn bytes(value: &Value<'_>) -> Option<[u8; 5]> {
+    let items = value.list()?;
+    let bytes: Vec<u8> = items.iter().map(|item| item.integer(0..=u8::MAX)).collect::<Option<_>>()?;
+    let found = bytes.len();
+    let bytes = bytes.try_into().ok();
+    if bytes.is_none() {
+        value.refuse(format!("data has {found} bytes; 5 are expected"), None);
+    }
+    bytes
 }
 
 fn encoder_jump(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {

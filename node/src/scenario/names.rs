@@ -1,5 +1,6 @@
 //! What a scenario may name: the signals and objects of a cell.
 
+use crate::cell::CellBackend;
 use crate::document::Value;
 use lineshaft_core::config::{IoKind, MachineConfig};
 use lineshaft_core::object::Object;
@@ -11,6 +12,8 @@ use lineshaft_core::unit::{Scale, excerpt};
 /// The names of a cell.
 pub(super) struct Names<'c> {
     pub config: &'c MachineConfig,
+    /// Backends that can be named, in the order of the cell.
+    pub backends: &'c [CellBackend],
     pub directory: &'c Directory,
 }
 

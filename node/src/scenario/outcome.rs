@@ -121,7 +121,9 @@ impl Outcome {
             (Answer::None, _) => format!("{verb} was not answered"),
             (Answer::NoRoom, _) => format!("{verb} was not given: {MOST_HELD} commands wait for a cycle already"),
             (Answer::NotInjected, _) => {
-                format!("{verb} had no effect: the plant has no such drive, or no room for another latch")
+                format!(
+                    "{verb} had no effect: the plant has no such drive, its bus is off, or there is no room for another latch"
+                )
             }
         };
         let sentence = format!("{said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.wrong_times));

@@ -97,7 +97,7 @@ pub fn simulate_with(
     let mut lines = options.events.then(|| BufWriter::new(io::stdout().lock()));
     for cycle in 0..scenario.cycles() {
         player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
-        inputs.cycle = cycle;
+        inputs.begin(cycle, 0);
         plant.read(&mut inputs);
         player.override_inputs(&mut inputs);
         if let Some(recorder) = &mut recorder {

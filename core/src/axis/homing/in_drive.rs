@@ -10,7 +10,8 @@ use super::super::{Axis, Context};
 use super::{Run, Stage};
 use crate::code::Code;
 use crate::drive::{
-    DriveOutput, MODE_HOMING, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED, control,
+    DriveOutput, HomingOrder, MODE_HOMING, Mode, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED,
+    control,
 };
 use crate::event::Number;
 use crate::position::Position;
@@ -97,16 +98,23 @@ impl Axis {
 
     /// What the drive is asked for while it homes; nothing else is asked of it then.
     pub(in super::super) fn ask_for_homing(&self, output: DriveOutput) -> DriveOutput {
-        let Some(Run { method, speeds: [fast, ..], stage: Stage::InDrive(drive), .. }) = self.homing.run else {
+        let Some(Run { method, speeds: [fast, _, slow], limits, stage: Stage::InDrive(drive), .. }) = self.homing.run
+        else {
             return output;
         };
         let start = if drive.started { control::START_HOMING } else { 0 };
+        let order = HomingOrder {
+            // Numbers beyond those of CiA 402 are refused when homing begins.
+            method: i8::try_from(method).unwrap_or(0),
+            search_velocity: fast,
+            zero_velocity: slow,
+            acceleration: limits.acceleration,
+        };
         DriveOutput {
             velocity: fast,
             acceleration: 0.0,
             control: output.control | start,
-            mode: MODE_HOMING,
-            homing: i8::try_from(method).ok(),
+            mode: Mode::Homing(order),
             ..output
         }
     }

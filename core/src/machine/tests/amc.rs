@@ -160,6 +160,7 @@ fn a_lost_master_is_refused_and_changes_nothing() {
     rig.run(100);
     let (mut inputs, mut outputs) = (rig.machine.inputs(), rig.machine.outputs());
     rig.plant.add_latch(latch(MARK, 0, None));
+    inputs.begin(0, 0);
     rig.plant.read(&mut inputs);
     inputs.encoder[0] = EncoderInput { count: 0, epoch: 0, valid: false, index: None };
     rig.machine.cycle(&inputs, Default::default(), &mut outputs);
@@ -173,6 +174,7 @@ fn a_lost_master_is_refused_and_changes_nothing() {
         source: crate::command::Source::Scenario,
         action: changes(X, &[("reference_select", 4)]),
     };
+    inputs.begin(0, 0);
     rig.plant.read(&mut inputs);
     inputs.encoder[0] = EncoderInput { count: 0, epoch: 0, valid: false, index: None };
     rig.machine.cycle(&inputs, crate::command::Commands::queue(&[command]), &mut outputs);

@@ -296,7 +296,10 @@ proptest! {
         let (mut inputs, mut outputs) = (fresh.inputs(), fresh.outputs());
         let mut others = (fresh.inputs(), fresh.outputs());
         // The cycle of the power counts no time.
-        rig.machine.cycle(&{ plants[1].read(&mut others.0); others.0.clone() }, Commands::default(), &mut others.1);
+        others.0.begin(0, 0);
+        plants[1].read(&mut others.0);
+        rig.machine.cycle(&others.0, Commands::default(), &mut others.1);
+        inputs.begin(0, 0);
         plants[0].read(&mut inputs);
         fresh.cycle(&inputs, Commands::default(), &mut outputs);
         for cycle in 0_u64..600 {
@@ -308,9 +311,11 @@ proptest! {
             };
             let commands = [Command { sequence: 1_000 + cycle, source: Source::Scenario, action }];
             let commands = Commands::queue(if matches!(commands[0].action, Action::Cancel { .. }) { &[] } else { &commands });
+            inputs.begin(0, 0);
             plants[0].read(&mut inputs);
             fresh.cycle(&inputs, commands, &mut outputs);
             plants[0].write(&outputs);
+            others.0.begin(0, 0);
             plants[1].read(&mut others.0);
             rig.machine.cycle(&others.0, commands, &mut others.1);
             plants[1].write(&others.1);

@@ -5,6 +5,7 @@ use crate::code::Code;
 use crate::command::Action;
 use crate::config::{ConfigError, MachineConfig};
 use crate::drive::{Backend, Capabilities, Inputs, Interface, Outputs};
+use crate::machine::Machine;
 use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
 use crate::sim::{Model, SecondOrder, VelocityLag};
@@ -130,41 +131,61 @@ fn a_restored_machine_closes_the_same_loop() {
     assert_eq!(rig.int("x.actual.position"), -3);
 }
 
-/// A backend that offers positions only, for the first drive.
-struct Positions;
+/// A backend of one drive.
+struct One(usize, Capabilities);
 
-impl Backend for Positions {
+impl Backend for One {
     fn capabilities(&self, drive: usize) -> Option<Capabilities> {
-        (drive == 0).then(Capabilities::default)
-    }
-
-    fn start(&mut self) -> Result<(), String> {
-        Ok(())
+        (drive == self.0).then_some(self.1)
     }
 
     fn read(&mut self, _: &mut Inputs) {}
 
     fn write(&mut self, _: &Outputs) {}
-
-    fn stop(&mut self) {}
 }
 
 #[test]
-fn a_backend_must_offer_the_interface_of_its_drives() {
+fn a_drive_must_offer_the_interface_of_its_axis() {
+    let positions = Capabilities { position: true, ..Capabilities::default() };
     for (interface, name) in [(Interface::Velocity, "velocity"), (Interface::OpenLoop, "open_loop")] {
         let mut config = config(0);
         config.axes[1].interface = interface;
-        let rig = Rig::of(config.clone());
-        assert_eq!(config.check_backend(&rig.plant), Ok(()));
-        assert_eq!(
-            config.check_backend(&Positions).unwrap_err().to_string(),
-            format!("drive of x: interface is {name}, which its backend does not offer")
-        );
-        // The drive of y hangs on another backend.
-        config.axes[1].interface = Interface::Position;
-        config.axes[usize::from(Y)].interface = interface;
-        assert_eq!(config.check_backend(&Positions), Ok(()));
+        assert_eq!(config.check(), Ok(()));
+        config.axes[1].drive = Some(positions);
+        let sentence = format!("drive of x: interface is {name}, which its backend does not offer");
+        assert_eq!(Machine::new(config).unwrap_err().to_string(), sentence);
     }
+}
+
+#[test]
+fn each_drive_has_one_backend_and_that_offers_what_the_cell_says() {
+    let config = config(2);
+    let all = Capabilities::all;
+    let check = |backends: &[&dyn Backend]| config.check_backends(backends).map_err(|error| error.to_string());
+    let (x, y) = (One(0, all(2)), One(1, all(0)));
+    assert_eq!(check(&[&y, &x]), Ok(()));
+    assert_eq!(check(&[&x]), Err("drive of y: no backend serves it".to_owned()));
+    assert_eq!(check(&[&x, &y, &y]), Err("drive of y: two backends serve it".to_owned()));
+    let sentence = "drive of x: its backend offers something else than the cell was read for";
+    assert_eq!(check(&[&One(0, all(1)), &y]), Err(sentence.to_owned()));
+}
+
+#[test]
+fn a_drive_that_cannot_home_is_not_asked_to_at_the_start_or_later() {
+    let mut config = config(0);
+    config.axes[1].drive = Some(Capabilities { homes: false, ..Capabilities::all(0) });
+    let mut rig = Rig::of(config.clone());
+    let row = Row::find("homing.in_drive").unwrap().0;
+    let set = |axis, value| Action::SetParameters(Box::new([Change { axis, row, value: Value::Int(value) }]));
+    let sequence = rig.give(set(X, 1));
+    assert_eq!(rig.refusal(sequence), "x: homing.in_drive may not be true: the drive cannot home by itself");
+    let sequence = rig.give(set(X, 0));
+    assert!(rig.was_accepted(sequence));
+    let sequence = rig.give(set(Y, 1));
+    assert!(rig.was_accepted(sequence));
+    config.axes[1].parameters.homing.in_drive = true;
+    let sentence = "drive of x: homing.in_drive is true, and its backend offers no homing";
+    assert_eq!(Machine::new(config).unwrap_err().to_string(), sentence);
 }
 
 #[test]

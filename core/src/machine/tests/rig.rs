@@ -6,7 +6,7 @@ use crate::command::{
     SyncMode, Synchronize,
 };
 use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
-use crate::drive::{Backend, Inputs, Outputs};
+use crate::drive::{Backend, Capabilities, Inputs, Outputs};
 use crate::event::{Event, Kind, Refusal};
 use crate::machine::Machine;
 use crate::object::{AxisSet, Leader, Object};
@@ -55,7 +55,9 @@ pub(super) fn saia_verb(commands: &[saia::Command]) -> Action {
 }
 
 pub(super) fn config(delay: u32) -> MachineConfig {
-    let axis = |name: &str, drive| AxisConfig::new(name.into(), scale(), drive, parameters());
+    let axis = |name: &str, drive: Option<u32>| {
+        AxisConfig::new(name.into(), scale(), drive.map(Capabilities::all), parameters())
+    };
     MachineConfig {
         cycle_ns: 1_000_000,
         encoders: vec![EncoderConfig {
@@ -152,7 +154,7 @@ impl Rig {
     }
 
     pub(super) fn cycle(&mut self, commands: Commands<'_>) {
-        self.inputs.cycle = self.machine.next_cycle();
+        self.inputs.begin(self.machine.next_cycle(), 0);
         self.plant.read(&mut self.inputs);
         (self.tamper)(&mut self.inputs);
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);

@@ -4,7 +4,7 @@ use super::rig::{Rig, X, Y, cases, config, couple, to};
 use crate::axis::Modulo;
 use crate::command::{Action, BufferMode, Move, MoveMode};
 use crate::config::MachineConfig;
-use crate::drive::Interface;
+use crate::drive::{Capabilities, Interface};
 use crate::machine::{Machine, State, StateError};
 use crate::object::{AxisSet, Leader};
 use crate::vocabulary::Order;
@@ -55,7 +55,7 @@ fn a_state_of_another_cell_is_refused() {
     let all = Machine::new(config(0)).unwrap().directory().len();
     let one = (all - others) / axes;
     assert_eq!(fewer.to_string(), format!("the state holds {all} signals; the cell has {}", all - one));
-    let slower = of(|config| config.axes[1].drive = Some(3));
+    let slower = of(|config| config.axes[1].drive = Some(Capabilities::all(3)));
     assert_eq!(slower, StateError::Setup { axis: "x".to_owned() });
     assert_eq!(slower.to_string(), "the state holds another set-up of axis x than the cell");
     let longer = of(|config| config.cycle_ns = 2_000_000);

@@ -150,6 +150,7 @@ fn an_encoder_leads_through_its_wrap_and_its_loss_stops_the_follower() {
     let mut inputs = rig.machine.inputs();
     let mut outputs = rig.machine.outputs();
     let mut read = |rig: &mut Rig, count: i64, valid| {
+        inputs.begin(0, 0);
         rig.plant.read(&mut inputs);
         inputs.encoder[0] = EncoderInput { count, epoch: 0, valid, index: None };
         rig.machine.cycle(&inputs, Commands::default(), &mut outputs);

@@ -273,7 +273,7 @@ fn the_path_tolerance_stops_all_axes_with_one_event() {
     // An ideal drive answers with its delay, and keeps the smallest tolerance.
     for delay in [0, 3] {
         let mut config = config.clone();
-        config.axes[1].drive = Some(delay);
+        config.axes[1].drive = Some(crate::drive::Capabilities::all(delay));
         let mut rig = Rig::of(config);
         rig.enable();
         let tight = Tolerance { position: Some(1.0), ..Tolerance::default() };

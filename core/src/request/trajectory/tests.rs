@@ -9,8 +9,15 @@ fn config() -> MachineConfig {
         let scale = Scale::new(Fraction::from_integer(increments), per).unwrap();
         AxisConfig::new(name.into(), scale, drive, AxisParameters::new(1e5, 1e6))
     };
-    let valve = AxisConfig { interface: Interface::OpenLoop, ..axis("valve", Unit::MILLIMETRE, 1, Some(0)) };
-    let axes = vec![axis("x", Unit::MILLIMETRE, 1000, Some(0)), axis("y", Unit::REVOLUTION, 36_000, None), valve];
+    let valve = AxisConfig {
+        interface: Interface::OpenLoop,
+        ..axis("valve", Unit::MILLIMETRE, 1, Some(crate::drive::Capabilities::all(0)))
+    };
+    let axes = vec![
+        axis("x", Unit::MILLIMETRE, 1000, Some(crate::drive::Capabilities::all(0))),
+        axis("y", Unit::REVOLUTION, 36_000, None),
+        valve,
+    ];
     MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() }
 }
 

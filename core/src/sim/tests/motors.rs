@@ -1,11 +1,11 @@
 //! Drives that are given a velocity.
 
 use super::*;
-use crate::drive::{DriveInput, MODE_CSV, MODE_VELOCITY};
+use crate::drive::{DriveInput, Mode};
 use proptest::prelude::*;
 
 fn at(velocity: f64) -> DriveOutput {
-    DriveOutput { velocity, control: control::ENABLE, mode: MODE_VELOCITY, ..DriveOutput::default() }
+    DriveOutput { velocity, control: control::ENABLE, mode: Mode::Speed, ..DriveOutput::default() }
 }
 
 /// A drive in operation and at rest, which has seen nothing but a speed of 0.
@@ -117,9 +117,9 @@ fn a_valve_answers_after_its_dead_time_to_the_part_of_a_cycle() {
 #[test]
 fn a_second_order_drive_follows_a_velocity_as_well() {
     let mut drive = ready(Model::SecondOrder(law(60.0, 0.8)));
-    let input = run(&mut drive, DriveOutput { mode: MODE_CSV, ..at(100_000.0) }, 1_000);
+    let input = run(&mut drive, DriveOutput { mode: Mode::Velocity, ..at(100_000.0) }, 1_000);
     assert_eq!((input.velocity, input.count), (100_000.0, 99_575));
-    let input = run(&mut drive, DriveOutput { mode: MODE_CSV, ..at(0.0) }, 1_000);
+    let input = run(&mut drive, DriveOutput { mode: Mode::Velocity, ..at(0.0) }, 1_000);
     assert_eq!(input.velocity, 0.0);
     assert!((input.count - 100_000).abs() <= 1, "{}", input.count);
 }

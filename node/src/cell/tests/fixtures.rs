@@ -53,10 +53,12 @@ fn a_wired_switch_reads_at_its_input() {
         let read = Cell::parse("c.yaml", cell(&sim)).unwrap();
         let mut plant = read.plant();
         let mut inputs = lineshaft_core::machine::Machine::new(read.machine.clone()).unwrap().inputs();
+        inputs.begin(0, 0);
         plant.read(&mut inputs);
         assert_eq!((inputs.digital(0), inputs.digital(1), inputs.drive[0].inputs), (a, b, drive), "{start}");
         // Stuck by hand: the switch no longer matters.
         plant.set_digital(0, !a);
+        inputs.begin(0, 0);
         plant.read(&mut inputs);
         assert_eq!(inputs.digital(0), !a, "{start}");
     }

@@ -5,6 +5,7 @@ use crate::cell::Cell;
 use crate::recording::bag::{Bag, Subject};
 use crate::recording::cadence::Cadence;
 use crate::recording::encoder::Encoder;
+use crate::run::backends::Backends;
 use crate::run::bridge::{Bridge, Handle};
 use crate::run::flight::Flight;
 use crate::run::flight::folder::FlightFolder;
@@ -14,6 +15,7 @@ use crate::run::keeper::Keeper;
 use crate::run::lanes;
 use crate::run::recorder::{Asked, FlightRecorder, Recorder};
 use crate::run::samples::{Cadences, samples};
+use crate::run::services::{Service, Services};
 use crate::run::thread::{CycleThread, Play, Statistics};
 use crate::scenario::{Player, Report, Scenario};
 use crate::store::Store;
@@ -22,7 +24,6 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::signal::Signal;
 use lineshaft_core::signal::axis::AxisSignal;
-use lineshaft_core::sim::Plant;
 use lineshaft_ros::layer::NodeName;
 use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
 use lineshaft_ros::surface::{StateReceiver, states};
@@ -99,6 +100,8 @@ pub(super) struct Running {
     /// Ends bridge and recorder.
     stop_others: Arc<AtomicBool>,
     pub cycle: JoinHandle<()>,
+    /// Of backends that have to be started.
+    services: Option<JoinHandle<()>>,
     pub bridge: JoinHandle<()>,
     /// True where all bags have a good end.
     pub recorder: JoinHandle<bool>,
@@ -112,6 +115,7 @@ pub(super) struct Running {
 pub(super) struct Prepared {
     pub handle: Arc<Handle>,
     cycle: CycleThread,
+    services: Option<Services>,
     bridge: Bridge,
     keeper: Option<Keeper>,
     encoder: Encoder,
@@ -132,7 +136,7 @@ impl Prepared {
         args: &RunArgs,
         cell: &Cell,
         machine: Machine,
-        plant: Plant,
+        (backends, services): (Backends, Vec<Box<dyn Service>>),
         scenario: Option<Scenario>,
         given: Given,
     ) -> (Self, Heard) {
@@ -153,9 +157,11 @@ impl Prepared {
         let (config, directory) = (machine.config().clone(), machine.directory().clone());
         let statistics = Arc::new(Statistics::default());
         let gate = Arc::new(if cell.ros.autostart { Gate::opening() } else { Gate::default() });
+        // Without any, cycles wait for nobody.
+        let services = (!services.is_empty()).then(|| Services::new(services, Arc::clone(&gate)));
         let handle = Handle::new(config.clone(), directory, commander, ask, first, image)
             .with_cycles(Arc::clone(&gate), Arc::clone(&statistics))
-            .with_hardware(cell.hardware.clone())
+            .with_hardware(cell.hardware_names())
             .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
         // Before the first cycle, and so before anything else that is asked.
         if let Some(Err(busy)) = given.first.map(|action| handle.submit_as(Source::Cli, action)) {
@@ -192,7 +198,7 @@ impl Prepared {
         );
         let cycle = CycleThread {
             machine,
-            plant,
+            backends,
             play,
             lanes,
             events,
@@ -207,18 +213,20 @@ impl Prepared {
             processor: args.cpu.unwrap_or_default(),
         };
         let heard = Heard { events: events_heard, states: states_heard };
-        (Self { handle, cycle, bridge, keeper, encoder, frames: frames_out, asked, report }, heard)
+        (Self { handle, cycle, services, bridge, keeper, encoder, frames: frames_out, asked, report }, heard)
     }
 
     /// Runs it.
     pub(super) fn start(self, recording: Recording) -> Running {
-        let Self { handle, cycle, bridge, keeper, encoder, frames, asked, report } = self;
+        let Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, report } = self;
         let Recording { subject, bag, flight } = recording;
         let (stop_cycle, stop_others) = (Arc::clone(&cycle.stop), Arc::<AtomicBool>::default());
         let statistics = Arc::clone(&cycle.statistics);
         let keeper = keeper.map(|keeper| std::thread::spawn(move || keeper.run()));
         let recorder = Recorder::new(Arc::clone(&handle), frames, encoder, subject, asked, bag, flight);
         let (ready, granted) = channel();
+        let end = Arc::clone(&stop_others);
+        let services = services.map(|services| std::thread::spawn(move || services.run(&end)));
         let cycle = std::thread::spawn(move || cycle.run(ready));
         if let Ok(refused) = granted.recv() {
             warn(&refused);
@@ -227,7 +235,7 @@ impl Prepared {
         let bridge = std::thread::spawn(move || bridge.run(&for_bridge, &end));
         let end = Arc::clone(&stop_others);
         let recorder = std::thread::spawn(move || recorder.run(&end));
-        Running { handle, statistics, stop_cycle, stop_others, cycle, bridge, recorder, keeper, report }
+        Running { handle, services, statistics, stop_cycle, stop_others, cycle, bridge, recorder, keeper, report }
     }
 }
 
@@ -237,6 +245,7 @@ impl Running {
         self.stop_cycle.store(true, Ordering::Relaxed);
         let cycle = self.cycle.join();
         self.stop_others.store(true, Ordering::Relaxed);
+        let services = self.services.map_or(Ok(()), JoinHandle::join);
         let (bridge, recorder) = (self.bridge.join(), self.recorder.join());
         // After the bridge: it has passed on what was saved last.
         self.handle.end_keeping();
@@ -250,7 +259,7 @@ impl Running {
             of(&statistics.worst_lateness_ns) / 1000,
             of(&statistics.worst_duration_ns) / 1000,
         );
-        if cycle.is_err() || bridge.is_err() || recorder.is_err() || keeper.is_err() {
+        if cycle.is_err() || bridge.is_err() || recorder.is_err() || keeper.is_err() || services.is_err() {
             tracing::error!("a thread of the machine has failed; drives are left to their own supervision");
             return Exit::Failed;
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::machine::Machine;
-use lineshaft_msgs::cdr;
+use lineshaft_msgs::{Message as _, cdr};
 use proptest::prelude::*;
 
 const CELL: &str = "
@@ -45,19 +45,25 @@ fn real() -> impl Strategy<Value = f64> {
 fn drive_input() -> impl Strategy<Value = DriveInput> {
     let numbers = (any::<i64>(), any::<u32>(), real(), real(), any::<u16>(), any::<i8>(), any::<u16>());
     let switches = (any::<u32>(), any::<Option<i64>>());
-    (numbers, any::<bool>(), any::<bool>(), switches).prop_map(
-        |((count, epoch, velocity, effort, status, mode, fault), online, fresh, (inputs, index))| DriveInput {
-            count,
-            epoch,
-            velocity,
-            effort,
-            status,
-            mode,
-            fault,
-            online,
-            fresh,
-            inputs,
-            index,
+    let bus = prop::sample::select(vec![BusState::Active, BusState::Passive, BusState::Off]);
+    let bus = (bus, any::<Option<[u8; 8]>>().prop_map(|sent| sent.map(Emergency::from_bytes)));
+    (numbers, any::<bool>(), any::<bool>(), switches, bus).prop_map(
+        |((count, epoch, velocity, effort, status, mode, fault), online, fresh, (inputs, index), (bus, emergency))| {
+            DriveInput {
+                bus,
+                emergency,
+                count,
+                epoch,
+                velocity,
+                effort,
+                status,
+                mode,
+                fault,
+                online,
+                fresh,
+                inputs,
+                index,
+            }
         },
     )
 }
@@ -98,6 +104,51 @@ fn any_inputs() -> impl Strategy<Value = Inputs> {
             latches_lost,
         },
     )
+}
+
+/// What was recorded before drives told of their bus ends with the number of lost latches.
+#[test]
+fn inputs_of_before_have_buses_that_transmit() {
+    let config = cell().machine;
+    let mut inputs = Machine::new(config.clone()).unwrap().inputs();
+    inputs.drive[1].count = 77;
+    let mut message = inputs_message(&inputs, &config);
+    message.drive_bus.clear();
+    message.drive_has_emergency.clear();
+    message.drive_emergency.clear();
+    let mut data = cdr::encode_with_header(&message);
+    data.truncate(data.len() - 12);
+    let of = |data: &'static [u8]| Message {
+        topic: "/inputs",
+        kind: CycleInputs::NAME,
+        encoding: "cdr",
+        log_time: 0,
+        publish_time: 0,
+        sequence: 0,
+        data,
+        file: 0,
+    };
+    let data: &[u8] = data.leak();
+    let read = decode(&of(data)).unwrap();
+    let mut again = inputs.clone();
+    again.drive[0].bus = BusState::Off;
+    assert_eq!(read_inputs(&read, &config, &mut again), Ok(()));
+    assert_eq!(again, inputs);
+    let cut = decode(&of(&data[..data.len() - 4])).unwrap_err();
+    assert!(!cut.is_empty(), "{cut}");
+    for (bus, sentence) in [
+        (vec![1], "drive_bus has 1 elements; 2 are needed"),
+        (vec![1, 3], "drive_has_emergency has 0 elements; 2 are needed"),
+    ] {
+        message.drive_bus = bus;
+        assert_eq!(read_inputs(&message, &config, &mut again), Err(sentence.to_owned()));
+    }
+    (message.drive_has_emergency, message.drive_emergency) = (vec![false, false], vec![0, 9]);
+    let sentence = "drive_bus[1] is 3; 0 (active), 1 (passive) and 2 (off) are allowed";
+    assert_eq!(read_inputs(&message, &config, &mut again), Err(sentence.to_owned()));
+    message.drive_bus = vec![0, 2];
+    let sentence = "drive_emergency[1] is not 0, though drive_has_emergency is false";
+    assert_eq!(read_inputs(&message, &config, &mut again), Err(sentence.to_owned()));
 }
 
 proptest! {

@@ -1,8 +1,8 @@
 //! The recorded messages of one cycle.
 
 use super::ReplayError;
-use crate::recording::Topic;
 use crate::recording::run::Message;
+use crate::recording::{Topic, inputs};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::msg::{AppliedCommand, CycleInputs};
 
@@ -59,7 +59,7 @@ impl Group {
         match Topic::of_type(message.kind) {
             Some(Topic::Commands) => self.commands.push(message.decode().map_err(bad)?),
             Some(Topic::Inputs) => {
-                let inputs = message.decode().map_err(bad)?;
+                let inputs = inputs::decode(message).map_err(bad)?;
                 self.inputs = Some(RecordedInputs { message: inputs, crc: crc32fast::hash(message.data) });
             }
             Some(topic) => self.others.push((topic, message.cdr().map_err(bad)?.to_vec())),

@@ -92,6 +92,7 @@ fn play(text: &str, cycles: u64) -> Report {
     // The machine has run before the scenario starts, and others have given commands.
     let mut sequence = 17;
     for _ in 0..100 {
+        inputs.begin(0, 0);
         plant.read(&mut inputs);
         machine.cycle(&inputs, Default::default(), &mut outputs);
         plant.write(&outputs);
@@ -99,6 +100,7 @@ fn play(text: &str, cycles: u64) -> Report {
     for cycle in 0..cycles {
         assert!(!player.is_over());
         player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
+        inputs.begin(0, 0);
         plant.read(&mut inputs);
         player.override_inputs(&mut inputs);
         machine.cycle(&inputs, player.commands(), &mut outputs);

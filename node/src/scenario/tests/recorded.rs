@@ -35,7 +35,7 @@ fn play(cell: &Cell, scenario: &Scenario, recorded: Option<&[Inputs]>) -> Played
         match recorded {
             Some(recorded) => inputs = recorded[cycle as usize].clone(),
             None => {
-                inputs.cycle = cycle;
+                inputs.begin(cycle, 0);
                 plant.read(&mut inputs);
                 player.override_inputs(&mut inputs);
             }

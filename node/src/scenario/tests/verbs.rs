@@ -169,6 +169,11 @@ fn the_plant_is_made_to_fail() {
     inject("{fault: {axis: x, code: 1}}", "event: {kind: error, source: x, code: 0x10001}, since: go, at: 0, count: 1");
     inject("{drive_lost: {axis: x}}", "signal: x.error, since: go, at: 0, is: DRIVE_LOST");
     inject("{drive_lost: {axis: x}}", "signal: turret.error, is: 0");
+    inject("{bus_lost: {backend: plant}}", "signal: turret.error, since: go, at: 0, is: BUS_ERROR");
+    inject(
+        "{emergency: {axis: x, code: 0x8130, data: [1, 2, 3, 4, 255]}}",
+        "event: {kind: warning, source: x, text: \"8130h, register 00h, data 01 02 03 04 FF\"}, since: go, at: 0, count: 1",
+    );
     inject("{encoder_jump: {axis: x, by: 3 mm}}", "signal: x.actual.position, since: go, at: 0, is: 3 mm");
     inject("{encoder_jump: {axis: x, by: 11000}}", "signal: x.error, since: go, at: 0, is: FOLLOWING_ERROR");
     inject("{encoder_jump: {axis: belt, by: -80}}", "signal: belt.position, since: go, from: 0, to: end, is: -2 mm");
@@ -191,7 +196,7 @@ fn more_latches_than_a_cycle_holds_are_told() {
     let latches = "{inject: {latch: {input: mark}}}, ".repeat(17);
     assert_eq!(
         failure(&format!("steps: [{{at: 1, do: [{latches}]}}]")),
-        "inject had no effect: the plant has no such drive, or no room for another latch; in cycle 1 (0.001 s)"
+        "inject had no effect: the plant has no such drive, its bus is off, or there is no room for another latch; in cycle 1 (0.001 s)"
     );
 }
 
@@ -372,19 +377,23 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{inject: {fault: {axis: ^line, code: 5}}}"), "line is virtual: it has no drive");
     assert_eq!(bad("{inject: {fault: {axis: x, code: ^0}}}"), "code is 0; 1..65535 is allowed");
     assert_eq!(bad("{inject: {drive_lost: {axis: ^q}}}"), "no axis is called `q`; there are line, x, turret");
+    assert_eq!(bad("{inject: {bus_lost: {backend: ^bus9}}}"), "no backend is called `bus9`; the cell has plant");
+    let short = "data has 2 bytes; 5 are expected";
+    assert_eq!(bad("{inject: {emergency: {axis: x, code: 0x8130, data: ^[1, 2]}}}"), short);
+    assert_eq!(bad("{inject: {emergency: {axis: x, code: 1, register: ^256}}}"), "register is 256; 0..255 is allowed");
     assert_eq!(bad("{inject: {index_lost: {axis: ^line}}}"), "line is virtual: it has no drive");
     assert_eq!(bad("{inject: {stuck_switch: {axis: ^line, home: 1}}}"), "line is virtual: it has no drive");
     assert_eq!(bad("{inject: {stuck_switch: {axis: x, home: ^2}}}"), "home is 2; 0..1 is allowed");
     assert_eq!(bad("{inject: {stuck_switch: ^{home: 1}}}"), "missing key `axis` in stuck_switch");
     assert_eq!(
         bad("{inject: {^explode: {}}}"),
-        "`explode` cannot be injected; latch, input, fault, drive_lost, encoder_jump, encoder_bits, encoder_cut, \
-         encoder_slip, index_lost, stuck_switch, power_cycle can"
+        "`explode` cannot be injected; latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, \
+         encoder_cut, encoder_slip, index_lost, stuck_switch, power_cycle can"
     );
     assert_eq!(
         bad("{inject: ^{}}"),
-        "inject does one thing: one of latch, input, fault, drive_lost, encoder_jump, encoder_bits, encoder_cut, \
-         encoder_slip, index_lost, stuck_switch, power_cycle"
+        "inject does one thing: one of latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, \
+         encoder_cut, encoder_slip, index_lost, stuck_switch, power_cycle"
     );
     let refused = problem("steps", "{at: 1, refused: x, do: {inject: ^{latch: {input: mark}}}}");
     assert_eq!(refused, "inject is never refused; leave `refused` out of this step");

@@ -19,8 +19,9 @@ pub(crate) fn parameter_change(
     directory: &Directory,
 ) -> Option<Change> {
     let mut ids = Ids::default();
-    let change = Reader { names: &Names { config, directory }, ids: &mut ids, refused: None, recorded: true }
-        .change(Some(name), value)?;
+    let change =
+        Reader { names: &Names { config, backends: &[], directory }, ids: &mut ids, refused: None, recorded: true }
+            .change(Some(name), value)?;
     let noted = change.map_err(|error| match &error {
         RequestError::UnknownParameter { .. } => key.refuse(error.to_string(), meant_parameter(name)),
         RequestError::UnknownAxis { .. } | RequestError::NotApplicable { .. } => key.refuse(error.to_string(), None),
@@ -32,7 +33,7 @@ pub(crate) fn parameter_change(
 /// Reads the command of one verb. Notes a problem where it returns `None`.
 pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Action> {
     let (mut ids, mut acts) = (Ids::default(), Vec::new());
-    Reader { names: &Names { config, directory }, ids: &mut ids, refused: None, recorded: true }
+    Reader { names: &Names { config, backends: &[], directory }, ids: &mut ids, refused: None, recorded: true }
         .read_one(value, &mut acts);
     let count = acts.len();
     let Act { verb, deed, id, .. } = acts.pop()?;

@@ -18,8 +18,12 @@ pub(crate) fn recorded_setpoints(
     config: &MachineConfig,
     directory: &Directory,
 ) -> Option<Setpoints> {
-    let reader =
-        Reader { names: &Names { config, directory }, ids: &mut Ids::default(), refused: None, recorded: false };
+    let reader = Reader {
+        names: &Names { config, backends: &[], directory },
+        ids: &mut Ids::default(),
+        refused: None,
+        recorded: false,
+    };
     match reader.setpoints(arguments, source)? {
         Deed::Stream(setpoints) => Some(setpoints),
         // Without an expectation a refused request is a problem, which stands already.

@@ -4,7 +4,7 @@ use super::super::rig::{Rig, X, Y, couple, to};
 use super::{FAR, assign, cell, home, place, rig_with, run_to_end, set, way, zero};
 use crate::code::Code;
 use crate::command::Action;
-use crate::drive::{MODE_CSP, MODE_HOMING};
+use crate::drive::{MODE_CSP, Mode};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::Value;
 use crate::sim::Model;
@@ -30,7 +30,8 @@ fn the_drive_finds_the_zero_and_its_counts_begin_there() {
             rig.run(1);
             assert_eq!((rig.int("x.homing.phase"), rig.state("x")), (5, "HOMING"));
             let output = rig.outputs().drive[0];
-            assert_eq!((output.mode, output.homing), (MODE_HOMING, i8::try_from(method).ok()));
+            let Mode::Homing(order) = output.mode else { panic!("{:?}", output.mode) };
+            assert_eq!(i64::from(order.method), method);
             let done = run_to_end(&mut rig, sequence);
             assert_eq!((done.code, rig.int("x.homed")), (Code::NONE, 1), "{method}");
             // Counts are from the reference on, so that it is at 0.
@@ -38,7 +39,7 @@ fn the_drive_finds_the_zero_and_its_counts_begin_there() {
             assert_eq!(rig.int("x.actual.count") - rig.int("x.actual.position"), offset, "{method}");
             assert_eq!(zero(&rig, reference), expected, "{method}");
             rig.run(10);
-            assert_eq!((rig.outputs().drive[0].mode, rig.int("x.error")), (MODE_CSP, 0));
+            assert_eq!((rig.outputs().drive[0].mode, rig.int("x.error")), (Mode::Position, 0));
             let sequence = rig.give(Action::Move(to(X, 100)));
             assert!(rig.was_accepted(sequence));
             assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
@@ -91,7 +92,7 @@ fn a_stop_takes_the_axis_from_its_drive() {
         assert_eq!(rig.real("x.actual.velocity"), 10_000.0);
         rig.give(action);
         assert_eq!(rig.done(sequence)[0].code, code);
-        assert_eq!(rig.outputs().drive[0].mode, MODE_CSP);
+        assert_eq!(rig.outputs().drive[0].mode, Mode::Position);
         let mut before = rig.real("x.actual.velocity");
         for _ in 0..300 {
             rig.run(1);
@@ -154,7 +155,7 @@ fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
     assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.real("x.actual.velocity")), (0, "HOMING", 0.0));
     rig.run(1);
     assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
-    assert_eq!((rig.state("x"), rig.int("x.homed"), rig.outputs().drive[0].mode), ("ERROR_STOP", 0, MODE_CSP));
+    assert_eq!((rig.state("x"), rig.int("x.homed"), rig.outputs().drive[0].mode), ("ERROR_STOP", 0, Mode::Position));
     let mut rig = in_drive(0, 0);
     let sequence = home(&mut rig, 3);
     rig.run(300);

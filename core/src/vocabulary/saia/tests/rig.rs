@@ -2,7 +2,7 @@
 
 use crate::command::{Action, Command, Commands, Source};
 use crate::config::{AxisConfig, MachineConfig};
-use crate::drive::{Backend, Edge, Inputs, Latch, Outputs};
+use crate::drive::{Backend, Capabilities, Edge, Inputs, Latch, Outputs};
 use crate::event::{Event, Kind};
 use crate::machine::Machine;
 use crate::object::{AxisSet, Object};
@@ -36,7 +36,11 @@ pub(super) fn config() -> MachineConfig {
     let parameters =
         AxisParameters { error_reaction: 2, max_following_error: 1_000_000_000, ..AxisParameters::new(1e9, 1e10) };
     let axis = |name: &str, drive| AxisConfig::new(name.into(), scale, drive, parameters);
-    MachineConfig { cycle_ns: 1_000_000, axes: vec![axis("x", Some(0)), axis("v", None)], ..MachineConfig::default() }
+    MachineConfig {
+        cycle_ns: 1_000_000,
+        axes: vec![axis("x", Some(Capabilities::all(0))), axis("v", None)],
+        ..MachineConfig::default()
+    }
 }
 
 impl Rig {
@@ -91,7 +95,7 @@ impl Rig {
     }
 
     pub(super) fn cycle(&mut self, commands: Commands<'_>) {
-        self.inputs.cycle = self.machine.next_cycle();
+        self.inputs.begin(self.machine.next_cycle(), 0);
         self.plant.read(&mut self.inputs);
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
         if let Some(mirror) = &mut self.mirror {

@@ -3,7 +3,7 @@
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, Source};
 use crate::config::{AxisConfig, MachineConfig};
-use crate::drive::{Backend, Inputs, Outputs};
+use crate::drive::{Backend, Capabilities, Inputs, Outputs};
 use crate::event::{Event, Kind};
 use crate::machine::Machine;
 use crate::object::AxisSet;
@@ -31,7 +31,7 @@ pub(super) fn config() -> MachineConfig {
     let mut parameters = AxisParameters::new(500_000.0, 1_000_000.0);
     parameters.error_reaction = 2;
     (parameters.wf.md1, parameters.wf.md2) = (Some(100_000.0), Some(200_000.0));
-    let axis = AxisConfig::new("x".into(), scale.expect("a scale"), Some(0), parameters);
+    let axis = AxisConfig::new("x".into(), scale.expect("a scale"), Some(Capabilities::all(0)), parameters);
     MachineConfig { cycle_ns: 1_000_000, axes: vec![axis], ..MachineConfig::default() }
 }
 
@@ -66,7 +66,7 @@ impl Rig {
     }
 
     fn cycle(&mut self, commands: Commands<'_>) {
-        self.inputs.cycle = self.machine.next_cycle();
+        self.inputs.begin(self.machine.next_cycle(), 0);
         self.plant.read(&mut self.inputs);
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
         if let Some(mirror) = &mut self.mirror {

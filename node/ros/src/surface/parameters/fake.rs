@@ -9,7 +9,9 @@ pub(in crate::surface) fn config() -> MachineConfig {
     let scale = Scale::new(Fraction::from_integer(1000), per).and_then(|scale| scale.with_unit(Unit::MILLIMETRE));
     let scale = scale.expect("a sound scale");
     let parameters = AxisParameters::new(1_000_000.0, 5_000_000.0);
-    let axis = |name: &str, drive| AxisConfig::new(name.to_owned(), scale, drive, parameters);
+    let axis = |name: &str, drive: Option<u32>| {
+        AxisConfig::new(name.to_owned(), scale, drive.map(lineshaft_core::drive::Capabilities::all), parameters)
+    };
     MachineConfig {
         cycle_ns: 1_000_000,
         axes: vec![axis("line", None), axis("x", Some(0))],

@@ -1,0 +1,108 @@
+//! What CiA 402 says of drives: states, words, modes of operation.
+
+use serde::{Deserialize, Serialize};
+
+/// State of a drive (CiA 402), numbered as in the interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DriveState {
+    /// Not ready to switch on.
+    #[default]
+    NotReady = 0,
+    /// Switch on disabled.
+    SwitchOnDisabled = 1,
+    /// Ready to switch on.
+    Ready = 2,
+    /// Switched on.
+    SwitchedOn = 3,
+    /// Operation enabled.
+    Enabled = 4,
+    /// Quick stop active.
+    QuickStop = 5,
+    /// Fault reaction active.
+    FaultReaction = 6,
+    /// Fault.
+    Fault = 7,
+}
+
+impl DriveState {
+    /// The state that a status word shows (CiA 402-2, table of the status word).
+    pub fn from_status(status: u16) -> Self {
+        match (status & 0x4F, status & 0x6F) {
+            (0x00, _) => Self::NotReady,
+            (0x40, _) => Self::SwitchOnDisabled,
+            (_, 0x21) => Self::Ready,
+            (_, 0x23) => Self::SwitchedOn,
+            (_, 0x27) => Self::Enabled,
+            (_, 0x07) => Self::QuickStop,
+            (0x0F, _) => Self::FaultReaction,
+            (0x08, _) => Self::Fault,
+            // Any other pattern is none of CiA 402: nothing may be asked of such a drive.
+            _ => Self::NotReady,
+        }
+    }
+
+    /// The status word that shows this state, with voltage enabled (bit 4) from ready on.
+    pub fn status(self) -> u16 {
+        match self {
+            Self::NotReady => 0x0000,
+            Self::SwitchOnDisabled => 0x0040,
+            Self::Ready => 0x0031,
+            Self::SwitchedOn => 0x0033,
+            Self::Enabled => 0x0037,
+            Self::QuickStop => 0x0017,
+            Self::FaultReaction => 0x001F,
+            Self::Fault => 0x0008,
+        }
+    }
+}
+
+/// Control words (CiA 402-2, table of the control word).
+pub mod control {
+    /// Switches the voltage off: the drive coasts.
+    pub const DISABLE_VOLTAGE: u16 = 0x00;
+    /// Quick stop: the drive stops on its own ramp.
+    pub const QUICK_STOP: u16 = 0x02;
+    /// Shutdown: to ready to switch on.
+    pub const SHUTDOWN: u16 = 0x06;
+    /// To switched on.
+    pub const SWITCH_ON: u16 = 0x07;
+    /// To operation enabled.
+    pub const ENABLE: u16 = 0x0F;
+    /// Its rising edge resets a fault.
+    pub const FAULT_RESET: u16 = 0x80;
+    /// In mode homing, together with [`ENABLE`]: its rising edge starts.
+    pub const START_HOMING: u16 = 0x10;
+}
+
+/// Status word bit 7: the drive warns.
+pub const STATUS_WARNING: u16 = 0x80;
+/// Status word bit 12 in mode homing: the zero is known.
+pub const STATUS_HOMING_ATTAINED: u16 = 0x1000;
+/// Status word bit 13 in mode homing: it was not found.
+pub const STATUS_HOMING_ERROR: u16 = 0x2000;
+/// Status word bit 10: the target is reached, and in mode homing the axis stands.
+pub const STATUS_TARGET_REACHED: u16 = 0x0400;
+/// Mode of operation: homing by the drive.
+pub const MODE_HOMING: i8 = 6;
+/// Mode of operation: cyclic synchronous position.
+pub const MODE_CSP: i8 = 8;
+/// Mode of operation: cyclic synchronous velocity.
+pub const MODE_CSV: i8 = 9;
+/// Mode of operation: cyclic synchronous torque.
+pub const MODE_CST: i8 = 10;
+/// Mode of operation: velocity mode of frequency converters and switched motors.
+pub const MODE_VELOCITY: i8 = 2;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_state_reads_back_from_its_status_word() {
+        use DriveState::*;
+        for state in [NotReady, SwitchOnDisabled, Ready, SwitchedOn, Enabled, QuickStop, FaultReaction, Fault] {
+            assert_eq!(DriveState::from_status(state.status()), state);
+            assert_eq!(DriveState::from_status(state.status() | STATUS_WARNING | 0x1600), state, "don't-care bits");
+        }
+    }
+}

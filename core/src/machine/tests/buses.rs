@@ -1,0 +1,140 @@
+//! Backends that fail, drives that take something else than they are asked for, and what drives send by themselves.
+
+use super::rig::{Rig, X, Y, config, to};
+use crate::code::Code;
+use crate::command::Action;
+use crate::config::{IoConfig, IoKind, MachineConfig};
+use crate::drive::{BusState, Edge, Emergency, Latch, Objects, Terminal};
+use crate::event::{Event, Kind, Severity};
+use crate::object::{AxisSet, Object};
+use crate::sim::{Model, Plant};
+
+fn io(name: &str, kind: IoKind) -> IoConfig {
+    IoConfig { name: name.into(), kind, latch: kind == IoKind::DigitalInput }
+}
+
+/// x, the encoder and the first input and output hang on a slow bus, y and the second ones on a fast one.
+fn two_buses() -> Rig {
+    use IoKind::{DigitalInput, DigitalOutput};
+    let io = vec![io("a", DigitalInput), io("b", DigitalInput), io("c", DigitalOutput), io("d", DigitalOutput)];
+    let config = MachineConfig { io, ..config(3) };
+    let at = |place| vec![Terminal { place, address: 0 }];
+    let bus = |place| Objects {
+        digital_inputs: at(place),
+        digital_outputs: at(place),
+        drives: at(place),
+        ..Objects::default()
+    };
+    let buses = vec![Objects { encoders: at(0), ..bus(0) }, bus(1)];
+    let plant = Plant::with_buses(&config, &[Some(Model::Ideal); 2], buses);
+    let mut rig = Rig::of(config);
+    rig.plant = plant;
+    rig.plant.set_digital(0, true);
+    rig.plant.set_digital(1, true);
+    rig
+}
+
+fn told(rig: &Rig, code: Code) -> Vec<&Event> {
+    rig.events.iter().filter(|event| event.code == code).collect()
+}
+
+/// Each drive answers after the delay of its own bus.
+#[test]
+fn two_buses_of_different_delay_share_a_machine() {
+    let mut rig = two_buses();
+    rig.enable();
+    for axis in [X, Y] {
+        rig.give(Action::Move(to(axis, 50_000)));
+    }
+    for _ in 0..100 {
+        let before = (rig.int("x.command.position"), rig.int("y.command.position"));
+        rig.run(1);
+        assert_eq!(rig.int("y.actual.position"), before.1);
+        rig.run(3);
+        assert_eq!(rig.int("x.actual.position"), before.0);
+    }
+    assert_eq!((rig.int("a"), rig.int("b"), rig.int("belt.error")), (1, 1, 0));
+}
+
+/// The bus of x goes off in motion: x has error 89 and no power in that cycle, and nothing on that bus says anything any more; what
+/// hangs on the other one goes on.
+///
+/// Proves: MACS-ERR-01
+#[test]
+fn a_bus_that_goes_off_is_an_error_of_its_axes_alone() {
+    let mut rig = two_buses();
+    rig.enable();
+    let moves = [X, Y].map(|axis| rig.give(Action::Move(to(axis, 50_000))));
+    rig.run(100);
+    assert!(rig.plant.lose_bus(0));
+    assert!(!rig.plant.lose_bus(2));
+    rig.run(1);
+    assert_eq!((rig.state("x"), rig.int("x.error"), rig.int("x.output.control")), ("ERROR_STOP", 89, 0));
+    assert_eq!(rig.done(moves[0])[0].code, Code::BUS_ERROR);
+    let invalid = i64::from(Code::ENCODER_INVALID.0);
+    assert_eq!((rig.int("a"), rig.int("b"), rig.int("belt.error")), (0, 1, invalid));
+    assert_eq!((rig.state("y"), rig.int("y.error")), ("DISCRETE_MOTION", 0));
+    let latch = |place| Latch { object: Object::Io(place), edge: Edge::Rising, age_ns: Some(0), position: None };
+    assert!(!rig.plant.add_latch(latch(0)) && rig.plant.add_latch(latch(1)));
+    rig.run(2_000);
+    assert_eq!((rig.int("y.actual.position"), rig.done(moves[1])[0].code), (50_000, Code::NONE));
+    // The drive is without voltage, as where its own supervision has seen that nobody talks to it.
+    let place = rig.int("x.actual.position");
+    rig.run(100);
+    assert_eq!(rig.int("x.actual.position"), place);
+    // While the bus stays off the reset fails; y does not ask for it.
+    let reset = rig.give(Action::ResetErrors(AxisSet::one(X)));
+    rig.run(5_100);
+    assert_eq!((rig.done(reset)[0].code, rig.int("x.error")), (Code::RESET_FAILED, 89));
+    assert_eq!(told(&rig, Code::BUS_ERROR).iter().filter(|event| event.kind == Kind::Error).count(), 1);
+}
+
+/// A bus that is passive still transmits.
+#[test]
+fn a_bus_with_many_errors_stops_nothing() {
+    let mut rig = Rig::enabled();
+    let sequence = rig.give(Action::Move(to(X, 10_000)));
+    rig.run(50);
+    rig.tamper = |inputs| inputs.drive[0].bus = BusState::Passive;
+    rig.run(1_000);
+    assert_eq!((rig.done(sequence)[0].code, rig.int("x.error")), (Code::NONE, 0));
+}
+
+/// Operation enabled in another mode is not on: what is meant as a position would be taken for something else.
+#[test]
+fn power_is_on_once_the_drive_shows_the_mode_that_was_asked_for() {
+    let mut rig = Rig::new();
+    rig.tamper = |inputs| inputs.drive[0].mode = 3;
+    let sequence = rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run(1_000);
+    assert_eq!((rig.int("x.enabled"), rig.done(sequence).len(), rig.state("x")), (0, 0, "DISABLED"));
+    rig.tamper = |_| {};
+    rig.run(2);
+    assert_eq!((rig.int("x.enabled"), rig.done(sequence)[0].code, rig.state("x")), (1, Code::NONE, "STANDSTILL"));
+    let mut rig = Rig::new();
+    rig.tamper = |inputs| inputs.drive[0].mode = 3;
+    let sequence = rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run(5_010);
+    assert_eq!((rig.done(sequence)[0].code, rig.int("x.enabled")), (Code::ENABLE_TIMEOUT, 0));
+}
+
+/// In every cycle, at rest and in motion: once a second, and at once where it is another one.
+#[test]
+fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
+    let mut rig = Rig::enabled();
+    rig.tamper = |inputs| {
+        inputs.drive[0].emergency = Some(Emergency { code: 0x8130, register: 0x11, data: [0xDE, 0xAD, 0, 0xBE, 0xEF] });
+    };
+    let sequence = rig.give(Action::Move(to(X, 50_000)));
+    rig.run(2_500);
+    assert_eq!((rig.done(sequence)[0].code, rig.int("x.error")), (Code::NONE, 0));
+    let events = told(&rig, Code::EMERGENCY);
+    assert_eq!(events.len(), 3);
+    assert!(events.iter().all(|event| (event.severity, event.kind) == (Severity::Warn, Kind::Warning)));
+    let sentence = crate::text::sentence(events[0], rig.machine.config());
+    assert_eq!(sentence, "x: the drive sends emergency 8130h, register 11h, data DE AD 00 BE EF");
+    rig.tamper = |inputs| inputs.drive[0].emergency = Some(Emergency { code: 0, register: 0, data: [0; 5] });
+    rig.run(1);
+    let events = told(&rig, Code::EMERGENCY);
+    assert_eq!((events.len(), events[3].severity), (4, Severity::Info), "an error that is over");
+}

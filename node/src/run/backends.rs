@@ -1,0 +1,126 @@
+//! The backends of a machine: what the cycle thread exchanges with.
+//!
+//! Law      each touches its own objects; the inputs begin a cycle as those of objects that are not there, so the order counts for nothing
+//! Source   contract section 8
+
+use lineshaft_core::drive::{Backend, Inputs, Outputs};
+use lineshaft_core::sim::Plant;
+
+/// Any number of them, of any kind.
+#[derive(Default)]
+pub struct Backends {
+    /// The simulated ones, which scenarios act upon.
+    pub plant: Option<Plant>,
+    others: Vec<Box<dyn Backend>>,
+}
+
+impl Backends {
+    /// A simulation alone.
+    pub fn simulated(plant: Plant) -> Self {
+        Self { plant: Some(plant), others: Vec::new() }
+    }
+
+    /// One more.
+    pub fn with(mut self, backend: Box<dyn Backend>) -> Self {
+        self.others.push(backend);
+        self
+    }
+
+    /// All of them.
+    pub fn all(&self) -> Vec<&dyn Backend> {
+        let plant = self.plant.iter().map(|plant| plant as &dyn Backend);
+        plant.chain(self.others.iter().map(AsRef::as_ref)).collect()
+    }
+
+    /// What they know of a cycle that has begun.
+    pub fn read(&mut self, inputs: &mut Inputs) {
+        if let Some(plant) = &mut self.plant {
+            plant.read(inputs);
+        }
+        self.others.iter_mut().for_each(|backend| backend.read(inputs));
+    }
+
+    /// Hands over what the cycle asks for.
+    pub fn write(&mut self, outputs: &Outputs) {
+        if let Some(plant) = &mut self.plant {
+            plant.write(outputs);
+        }
+        self.others.iter_mut().for_each(|backend| backend.write(outputs));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::Cell;
+    use lineshaft_core::command::{Action, Command, Commands, Source};
+    use lineshaft_core::drive::{Capabilities, DriveInput};
+    use lineshaft_core::machine::Machine;
+    use lineshaft_core::object::AxisSet;
+
+    const CELL: &str = "lineshaft: 1
+cycle: 1 ms
+backends: {plant: {type: sim}, bus0: {type: can, transport: 'socketcan:can0'}}
+axes:
+  x: {type: linear, scale: {increments: 1000, per: 1 mm}, drive: {backend: plant, address: 4}, max_velocity: 1 m/s,
+      max_acceleration: 1 m/s^2}
+  y: {type: linear, scale: {increments: 1000, per: 1 mm}, drive: {backend: bus0, node: 3}, max_velocity: 1 m/s,
+      max_acceleration: 1 m/s^2}
+";
+
+    /// A drive of another kind: it does at once what it is asked for, and does not know of power.
+    struct Direct {
+        place: usize,
+        count: i64,
+        mode: i8,
+    }
+
+    impl Backend for Direct {
+        fn capabilities(&self, drive: usize) -> Option<Capabilities> {
+            (drive == self.place).then(|| Capabilities { delay: 1, position: true, ..Capabilities::default() })
+        }
+
+        fn read(&mut self, inputs: &mut Inputs) {
+            let Self { place, count, mode } = *self;
+            inputs.drive[place] =
+                DriveInput { count, mode, status: 0x37, online: true, fresh: true, ..Default::default() };
+        }
+
+        fn write(&mut self, outputs: &Outputs) {
+            let asked = outputs.drive[self.place];
+            (self.count, self.mode) = (asked.position, asked.mode.number());
+        }
+    }
+
+    #[test]
+    fn two_kinds_of_backends_share_a_machine_and_touch_their_own_objects() {
+        let mut cell = Cell::parse("c.yaml", CELL).unwrap();
+        // What the cell says of a drive on CAN is what its simulation offers.
+        cell.machine.axes[1].drive = Some(Capabilities { delay: 1, position: true, ..Capabilities::default() });
+        cell.backends[1].objects = Default::default();
+        let direct = || Box::new(Direct { place: 1, count: 0, mode: 0 });
+        let models = [Some(cell.models[0]), None];
+        let plant =
+            Plant::with_buses(&cell.machine, &models, cell.backends.iter().map(|b| b.objects.clone()).collect());
+        let alone = Backends::simulated(plant.clone());
+        let error = cell.machine.check_backends(&alone.all()).unwrap_err();
+        assert_eq!(error.to_string(), "drive of y: no backend serves it");
+        let mut backends = Backends::simulated(plant).with(direct());
+        assert_eq!(cell.machine.check_backends(&backends.all()), Ok(()));
+        let mut machine = Machine::new(cell.machine).unwrap();
+        let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+        for cycle in 0..40 {
+            inputs.begin(cycle, 0);
+            backends.read(&mut inputs);
+            let enable = [Command { sequence: 1, source: Source::Cli, action: Action::Enable(AxisSet::first(2)) }];
+            let commands = if cycle == 5 { Commands::queue(&enable) } else { Commands::default() };
+            machine.cycle(&inputs, commands, &mut outputs);
+            backends.write(&outputs);
+        }
+        for name in ["x.enabled", "y.enabled"] {
+            assert!(machine.board().bit(machine.directory().find(name).unwrap()), "{name}");
+        }
+        inputs.begin(40, 0);
+        assert!(inputs.drive.iter().all(|drive| !drive.online), "nobody has answered yet");
+    }
+}

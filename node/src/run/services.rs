@@ -1,0 +1,200 @@
+//! The half of the backends that takes its time: starting, stopping, health. It has a thread of its own.
+//!
+//! Law      all have started before the first cycle, and none stops before the last one is over; they stop in reverse order
+//! Refuses  to let cycles run where one does not start: those that have started stop then
+
+use super::gate::Gate;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// How often the health of the backends is looked at.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// What a backend has to say of itself outside the cycle.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("backend {backend}: {problem}")]
+pub struct ServiceError {
+    /// Name.
+    pub backend: String,
+    /// What is wrong, and with what.
+    pub problem: String,
+}
+
+/// The service half of a backend. The other half, on the cycle thread, is its
+/// [`Backend`](lineshaft_core::drive::Backend).
+pub trait Service: Send {
+    /// Makes it ready to exchange; may take its time.
+    ///
+    /// # Errors
+    /// What is not there, or not as the cell says.
+    fn start(&mut self) -> Result<(), ServiceError>;
+
+    /// Does what is due beside the cycles, and tells how it is; does not wait.
+    ///
+    /// # Errors
+    /// What is wrong at present.
+    fn look(&mut self) -> Result<(), ServiceError>;
+
+    /// Leaves its drives in a safe state.
+    fn stop(&mut self);
+}
+
+/// Starts, watches and stops them.
+pub struct Services {
+    all: Vec<Box<dyn Service>>,
+    gate: Arc<Gate>,
+}
+
+impl Services {
+    /// Those of a machine. Its gate waits for them from now on.
+    pub fn new(all: Vec<Box<dyn Service>>, gate: Arc<Gate>) -> Self {
+        gate.wait_for_services();
+        Self { all, gate }
+    }
+
+    /// Runs until `stop` is set and no cycle runs.
+    pub fn run(mut self, stop: &AtomicBool) {
+        let mut told = vec![None; self.all.len()];
+        while !stop.load(Ordering::Relaxed) {
+            if !self.gate.is_wanted() {
+                std::thread::sleep(LOOK);
+                continue;
+            }
+            if let Err(error) = self.start() {
+                self.gate.fail(error.to_string());
+                continue;
+            }
+            self.gate.set_ready();
+            // The cycle thread ends first: the program sees to that.
+            while !self.gate.end_of_cycles() && !stop.load(Ordering::Relaxed) {
+                self.look(&mut told);
+                std::thread::sleep(LOOK);
+            }
+            self.stop(self.all.len());
+        }
+    }
+
+    fn start(&mut self) -> Result<(), ServiceError> {
+        for place in 0..self.all.len() {
+            if let Err(error) = self.all[place].start() {
+                self.stop(place);
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells what is wrong once, and once that it is over.
+    fn look(&mut self, told: &mut [Option<ServiceError>]) {
+        for (service, told) in self.all.iter_mut().zip(told) {
+            match (service.look(), told.as_ref()) {
+                (Ok(()), Some(before)) => {
+                    tracing::info!("backend {}: over: {}", before.backend, before.problem);
+                    *told = None;
+                }
+                (Err(error), before) if before != Some(&error) => {
+                    tracing::warn!("{error}");
+                    *told = Some(error);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn stop(&mut self, started: usize) {
+        self.all[..started].iter_mut().rev().for_each(|service| service.stop());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_ros::surface::host::GateState;
+    use std::sync::Mutex;
+
+    type Diary = Arc<Mutex<Vec<String>>>;
+
+    struct Fake {
+        name: &'static str,
+        /// Starts that fail.
+        failures: usize,
+        diary: Diary,
+    }
+
+    impl Fake {
+        fn note(&self, what: &str) {
+            self.diary.lock().unwrap().push(format!("{} {what}", self.name));
+        }
+    }
+
+    impl Service for Fake {
+        fn start(&mut self) -> Result<(), ServiceError> {
+            if self.failures > 0 {
+                self.failures -= 1;
+                self.note("fails");
+                return Err(ServiceError { backend: self.name.to_owned(), problem: "can0 is down".to_owned() });
+            }
+            self.note("starts");
+            Ok(())
+        }
+
+        fn look(&mut self) -> Result<(), ServiceError> {
+            Ok(())
+        }
+
+        fn stop(&mut self) {
+            self.note("stops");
+        }
+    }
+
+    fn until(mut holds: impl FnMut() -> bool) {
+        while !holds() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn cycles_run_between_the_last_start_and_the_first_stop() {
+        let diary = Diary::default();
+        let fake =
+            |name, failures| -> Box<dyn Service> { Box::new(Fake { name, failures, diary: Arc::clone(&diary) }) };
+        let (gate, stop) = (Arc::new(Gate::opening()), Arc::new(AtomicBool::new(false)));
+        let services = Services::new(vec![fake("a", 0), fake("b", 1)], Arc::clone(&gate));
+        let (of_services, of_cycles, end) = (Arc::clone(&stop), Arc::new(AtomicBool::new(false)), Arc::clone(&gate));
+        let thread = std::thread::spawn(move || services.run(&of_services));
+        // b is not there: a stops, nothing runs, until somebody asks again.
+        until(|| gate.state() != GateState::Closed);
+        assert_eq!(gate.state(), GateState::Failed("backend b: can0 is down".to_owned()));
+        gate.open();
+        let (cycles, written) = (Arc::clone(&of_cycles), Arc::clone(&diary));
+        let cycle_thread = std::thread::spawn(move || {
+            while end.wait(&cycles) {
+                written.lock().unwrap().push("cycles begin".to_owned());
+                until(|| !end.is_wanted() || cycles.load(Ordering::Relaxed));
+                std::thread::sleep(2 * LOOK);
+                written.lock().unwrap().push("cycles end".to_owned());
+                end.set_closed();
+            }
+        });
+        until(|| gate.state() == GateState::Open);
+        gate.close();
+        until(|| diary.lock().unwrap().iter().filter(|line| line.ends_with("stops")).count() == 3);
+        of_cycles.store(true, Ordering::Relaxed);
+        cycle_thread.join().unwrap();
+        stop.store(true, Ordering::Relaxed);
+        thread.join().unwrap();
+        let expected = [
+            "a starts",
+            "b fails",
+            "a stops",
+            "a starts",
+            "b starts",
+            "cycles begin",
+            "cycles end",
+            "b stops",
+            "a stops",
+        ];
+        assert_eq!(*diary.lock().unwrap(), expected);
+    }
+}
