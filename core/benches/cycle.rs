@@ -1,6 +1,7 @@
 //! Time of a cycle by the number of moving axes, each with a drive that obeys at once.
 //!
-//! `cargo bench -p lineshaft-core`: the figure per element is the time per axis and cycle.
+//! `cargo bench -p lineshaft-core`: the figure per element is the time per axis and cycle; group `step` of the bench `profile`, in the same
+//! run, is Ruckig's step beside it.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lineshaft_core::command::{
@@ -96,5 +97,19 @@ fn cycles(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, cycles);
+/// What a key cycle of a recording takes on top: the state of the machine is copied whole.
+fn key_cycles(c: &mut Criterion) {
+    let mut group = c.benchmark_group("key_cycle");
+    for axes in [64_u16, 512] {
+        group.throughput(Throughput::Elements(axes.into()));
+        let rig = Rig::new(axes);
+        let mut copy = rig.machine.state().clone();
+        group.bench_function(BenchmarkId::new("copy", axes), |b| {
+            b.iter(|| copy.clone_from(std::hint::black_box(rig.machine.state())))
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, cycles, key_cycles);
 criterion_main!(benches);

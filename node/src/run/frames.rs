@@ -171,7 +171,7 @@ impl FrameSender {
             return;
         };
         frame.stamp_ns = stamp_ns;
-        copy(&mut frame.inputs, inputs);
+        frame.inputs.copy_from(inputs);
         frame.stream.clear();
         if let Some(stream) = stream {
             frame.stream.take(stream);
@@ -181,16 +181,6 @@ impl FrameSender {
         // There are no more frames than places, so this one finds its place.
         drop(self.full.push(frame));
     }
-}
-
-/// Copies inputs of the same machine without taking memory.
-fn copy(to: &mut Inputs, from: &Inputs) {
-    (to.cycle, to.missed, to.latches_lost) = (from.cycle, from.missed, from.latches_lost);
-    to.digital.clone_from(&from.digital);
-    to.analog.clone_from(&from.analog);
-    to.encoder.clone_from(&from.encoder);
-    to.drive.clone_from(&from.drive);
-    to.latch.clone_from(&from.latch);
 }
 
 impl FrameReceiver {
