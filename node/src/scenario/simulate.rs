@@ -7,14 +7,17 @@ use crate::recording::encoder::sentence;
 use crate::recording::simulation::SimulationRecorder;
 use crate::store::{Store, StoreError};
 use indicatif::{ProgressBar, ProgressStyle};
-use lineshaft_core::command::Commands;
+use lineshaft_core::command::{Action, Commands};
 use lineshaft_core::config::{ConfigError, MachineConfig};
 use lineshaft_core::drive::Backend;
 use lineshaft_core::event::{Event, Severity};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImage};
-use std::fs::File;
+use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
+use rustix::io::Errno;
+use std::fs::{self, File};
 use std::io::{self, BufWriter, IsTerminal, Write};
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -109,7 +112,7 @@ pub fn simulate_with(
             recorder.after(&inputs, player.commands(), &machine)?;
         }
         if let Some(keeper) = &mut keeper {
-            keeper.after(&machine)?;
+            keeper.after(&machine, player.commands())?;
         }
         if let Some(lines) = &mut lines {
             for event in machine.events() {
@@ -163,13 +166,15 @@ impl Keeper {
         Self { store, seen: (image.user.clone(), image.machine[1]), image }
     }
 
-    fn after(&mut self, machine: &Machine) -> Result<(), StoreError> {
+    fn after(&mut self, machine: &Machine, commands: Commands<'_>) -> Result<(), StoreError> {
         if machine.parameter_version() == self.image.version {
             return Ok(());
         }
         machine.copy_parameters(&mut self.image);
         let (user, own) = (&self.image.user, self.image.machine[1]);
-        if (user, &own) != (&self.seen.0, &self.seen.1) {
+        // Who saves what is saved already asks for it to be there: others may have written into the file.
+        let saves = commands.iter().any(|command| matches!(command.action, Action::SaveParameters(_)));
+        if saves || (user, &own) != (&self.seen.0, &self.seen.1) {
             self.store.keep_all(machine.config(), user, &own)?;
             self.seen.0.clone_from(user);
             self.seen.1 = own;
@@ -185,7 +190,7 @@ struct TraceFile<'a> {
 
 impl<'a> TraceFile<'a> {
     fn create(path: &'a Path, scenario: &Scenario, machine: &Machine) -> Result<Self, SimulateError> {
-        let file = File::create(path).map_err(|error| failed(path, error))?;
+        let file = create(path).map_err(|error| failed(path, error))?;
         let trace = Trace::new(BufWriter::new(file), scenario, machine.directory());
         Ok(Self { path, trace: trace.map_err(|error| failed(path, error))? })
     }
@@ -197,6 +202,20 @@ impl<'a> TraceFile<'a> {
     fn finish(self) -> Result<(), SimulateError> {
         self.trace.finish().map(drop).map_err(|error| failed(self.path, error))
     }
+}
+
+/// Whoever opens a named pipe for writing waits for its reader: without one it is refused.
+fn create(path: &Path) -> io::Result<File> {
+    if !fs::metadata(path).is_ok_and(|about| about.file_type().is_fifo()) {
+        return File::create(path);
+    }
+    let nobody = |error: Errno| match error {
+        Errno::NXIO => io::Error::other("it is a named pipe that nobody reads"),
+        error => error.into(),
+    };
+    let pipe = open(path, OFlags::WRONLY | OFlags::NONBLOCK, Mode::empty()).map_err(nobody)?;
+    fcntl_setfl(&pipe, OFlags::WRONLY)?;
+    Ok(pipe.into())
 }
 
 fn failed(path: &Path, error: io::Error) -> SimulateError {

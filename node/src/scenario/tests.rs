@@ -9,6 +9,7 @@ mod moments;
 mod probe;
 mod problems;
 mod recorded;
+mod saved;
 mod shares;
 mod steps;
 mod traces;

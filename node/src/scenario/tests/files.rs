@@ -62,3 +62,8 @@ fn no_scenario_is_forgotten_here() {
     names.sort();
     assert_eq!(names, ["first_move.yaml", "home.yaml", "motion.yaml", "stop.yaml", "sync.yaml", "trajectory.yaml"]);
 }
+
+#[test]
+fn a_bus_that_goes_off_passes() {
+    passes_on("buses.yaml", "buses/bus_lost.yaml");
+}
