@@ -4,14 +4,15 @@
 //! run, is Ruckig's step beside it.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use lineshaft_core::command::{
-    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
-};
+use lineshaft_core::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Source, Synchronize};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
+use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader};
 use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::position::Length;
+use lineshaft_core::sync::{Disengage, SyncMode};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 
 /// The machine and the least that stands for its drives.

@@ -4,14 +4,15 @@
 //! `Machine::cycle` alone, and fails where a figure is more than 5 % above the stored one (`instructions.txt`).
 //! `LINESHAFT_RENEW=1` stores the figures of this run instead.
 
-use lineshaft_core::command::{
-    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Source, SyncMode, Synchronize,
-};
+use lineshaft_core::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Source, Synchronize};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
+use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader};
 use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::position::Length;
+use lineshaft_core::sync::{Disengage, SyncMode};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -129,7 +130,7 @@ impl Rig {
             Case::Velocity => "CONTINUOUS_MOTION",
             Case::Geared => "SYNCHRONIZED_MOTION",
         };
-        let place = lineshaft_core::axis::AXIS_STATES.iter().position(|name| *name == wanted);
+        let place = lineshaft_core::state::AXIS_STATES.iter().position(|name| *name == wanted);
         let last = self.machine.config().axes.last().map(|axis| axis.name.as_str()).unwrap_or_default();
         let signal = self.machine.directory().find(&format!("{last}.state")).expect("the state of the last axis");
         assert_eq!(Some(self.machine.board().int(signal) as usize), place, "{case:?}");

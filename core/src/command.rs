@@ -4,11 +4,13 @@
 //! values that the sentence needs (contract section 1); a note is answered by its `warning`. It carries increments; units end
 //! at the border.
 
-use crate::axis::Reference;
 use crate::code::Code;
+use crate::modulo::Direction;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer};
-use crate::position::Position;
+use crate::position::Length;
+use crate::state::Reference;
+use crate::sync::{Disengage, SyncMode};
 use crate::trajectory::Trajectory;
 use crate::vocabulary::{saia, wf};
 use serde::{Deserialize, Serialize};
@@ -171,28 +173,6 @@ impl Action {
     }
 }
 
-/// A length at the border: nearest whole increments and what the rounding left, so that `rest` is half an increment only
-/// towards 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Length {
-    /// Nearest whole increments, half away from zero.
-    pub nearest: i64,
-    /// Exact value minus `nearest`, to 2^-32 inc: with it repeated relative moves do not drift (MACS-UNIT-05).
-    pub rest: Position,
-}
-
-impl Length {
-    /// A length of whole increments.
-    pub const fn whole(increments: i64) -> Self {
-        Self { nearest: increments, rest: Position::ZERO }
-    }
-
-    /// The value to 2^-32 inc.
-    pub fn exact(self) -> Position {
-        Position::whole(self.nearest) + self.rest
-    }
-}
-
 /// How [`Move::target`] is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MoveMode {
@@ -235,20 +215,6 @@ pub enum BufferMode {
     BlendingNext,
     /// With the higher velocity of both.
     BlendingHigh,
-}
-
-/// Which way an absolute move on a modulo axis goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Direction {
-    /// The nearer way; up when both are equal.
-    #[default]
-    Shortest,
-    /// Up only.
-    Positive,
-    /// Down only.
-    Negative,
-    /// As the axis moves now, or moved last; the nearer way when it never moved.
-    Current,
 }
 
 /// A positioning or velocity goal of one axis. Velocity, acceleration and deceleration of 0 ask for the defaults.
@@ -386,25 +352,6 @@ pub enum MasterPosition {
     Increments(Length),
     /// As `x.master.position` shows it: in master units where MENCODER is negative (MACS-UNIT-09), else in increments.
     Shown(f64),
-}
-
-/// How a follower relates to its leader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum SyncMode {
-    /// SYNCV: equal velocity times the ratio.
-    Velocity,
-    /// SYNCP: what is lost while the follower speeds up is caught up.
-    Position,
-}
-
-/// What a follower does when it is uncoupled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Disengage {
-    /// Stops.
-    #[default]
-    Stop,
-    /// Goes on at its velocity.
-    KeepVelocity,
 }
 
 /// A coupling of one axis to a leader.

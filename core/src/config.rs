@@ -6,17 +6,17 @@ mod numbers;
 
 pub use error::ConfigError;
 pub use functions::{Function, OutputShared, Switcher};
-pub use numbers::{IoCounts, NoSuchIo};
+pub use numbers::{IoCounts, NoSuchIo, names_no_io};
 
-use crate::axis::{AxisSetup, MAX_DELAY, Modulo, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop};
+use crate::axis::{AxisSetup, BrakeConfig, MAX_DELAY, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop};
 use crate::code::Code;
 use crate::drive::{Backend, Capabilities, Interface};
 use crate::encoder::{Form, PulseCheck};
+use crate::modulo::Modulo;
 use crate::object::{Leader, MAX_AXES, Object};
-use crate::parameter::{AxisParameters, Contradiction, MachineParameters};
+use crate::parameter::{Applies, AxisParameters, Contradiction, MachineParameters};
 use crate::unit::{Fraction, Scale, fraction_to_f64};
 use crate::vocabulary::{amc, wf};
-use serde::{Deserialize, Serialize};
 
 /// Increments that an axis may move in one cycle.
 const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
@@ -171,17 +171,11 @@ impl AxisConfig {
     }
 }
 
-/// A brake that its axis closes before the power goes and opens once the power is there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct BrakeConfig {
-    /// Its output, by its place in section `io`.
-    pub output: u16,
-    /// The output is 1 while it is closed; else while it is open.
-    pub closes_with_one: bool,
-    /// How long it takes to open (ns): until then the axis holds, and does not move.
-    pub release_ns: u64,
-    /// How long it takes to close (ns): until then the axis holds with its power.
-    pub engage_ns: u64,
+impl Applies {
+    /// Has that axis it?
+    pub fn to(self, axis: &AxisConfig) -> bool {
+        self.to_interface(axis.drive.map(|_| axis.interface))
+    }
 }
 
 /// A time for which a digital input must have a level before it counts.

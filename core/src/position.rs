@@ -158,6 +158,28 @@ impl Neg for Position {
     }
 }
 
+/// A length at the border: nearest whole increments and what the rounding left, so that `rest` is half an increment only
+/// towards 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Length {
+    /// Nearest whole increments, half away from zero.
+    pub nearest: i64,
+    /// Exact value minus `nearest`, to 2^-32 inc: with it repeated relative moves do not drift (MACS-UNIT-05).
+    pub rest: Position,
+}
+
+impl Length {
+    /// A length of whole increments.
+    pub const fn whole(increments: i64) -> Self {
+        Self { nearest: increments, rest: Position::ZERO }
+    }
+
+    /// The value to 2^-32 inc.
+    pub fn exact(self) -> Position {
+        Position::whole(self.nearest) + self.rest
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

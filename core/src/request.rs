@@ -6,6 +6,7 @@
 mod error;
 mod homing;
 mod outputs;
+mod saia;
 mod setpoints;
 mod trajectory;
 
@@ -14,11 +15,11 @@ pub use homing::{HomeRequest, SetPositionRequest};
 pub use setpoints::SetpointRequest;
 pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
 
-use crate::command::{Length, Move, MoveMode, Probe, ProbeEdge, Synchronize};
+use crate::command::{Move, MoveMode, Probe, ProbeEdge, Synchronize};
 use crate::config::{AxisConfig, IoKind, MachineConfig};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{self, Applies, Change, MACHINE, ParameterInput, Row, Word};
-use crate::position::Position;
+use crate::position::{Length, Position};
 use crate::text::expected_text;
 use crate::unit::{AxisUnit, Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
 
@@ -320,7 +321,7 @@ impl MachineConfig {
     /// # Errors
     /// What is wrong in the request itself.
     pub fn resolve_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
-        use crate::command::{Disengage, SyncMode};
+        use crate::sync::{Disengage, SyncMode};
         let (index, axis) = self.find_axis(&request.axis)?;
         let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
         let bad = |field: &str, error| RequestError::BadValue { field: field.to_owned(), error: Box::new(error) };
@@ -432,8 +433,8 @@ fn buffer_mode(mode: u8) -> Result<crate::command::BufferMode, RequestError> {
     }
 }
 
-fn direction(direction: u8) -> Result<crate::command::Direction, RequestError> {
-    use crate::command::Direction;
+fn direction(direction: u8) -> Result<crate::modulo::Direction, RequestError> {
+    use crate::modulo::Direction;
     match direction {
         0 => Ok(Direction::Shortest),
         1 => Ok(Direction::Positive),

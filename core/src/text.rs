@@ -2,11 +2,12 @@
 //!
 //! Every sentence names the object, what was asked or found, and what is allowed, in the axis' own units.
 
-use crate::axis::{AXIS_STATES, STREAM};
+use crate::axis::STREAM;
 use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
 use crate::parameter::{ROWS, Row, Value};
+use crate::state::AXIS_STATES;
 use crate::unit::{Scale, number_to_text};
 
 mod parameter;
@@ -14,7 +15,6 @@ mod reason;
 mod set;
 
 pub use parameter::{expected_text, range_text, refused_text, value_text};
-pub use set::{names_no_io, not_built_here};
 
 use reason::reason;
 

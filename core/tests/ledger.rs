@@ -4,9 +4,11 @@
 //! with commas between them; `MACS-STO-02..08` are seven of them. docs/spec/not-applicable.md sets some aside, a line each,
 //! with the reason. All others stand in docs/spec/open.md.
 
+mod tree;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use tree::{files, read, root};
 
 /// What stands before the IDs of a proof; in two parts, so that this line is none.
 const PROVES: &str = concat!("Pro", "ves:");
@@ -38,14 +40,6 @@ Requirements that no test proves and that are not [set aside](not-applicable.md)
 struct Named {
     place: String,
     word: String,
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").to_owned()
-}
-
-fn read(file: &str) -> String {
-    fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
 /// Is it an ID as `AMK-FIPW-07`, `MACS-O-26` or `AMK-CAM-O3`: system, group, number?
@@ -119,30 +113,10 @@ fn ids(word: &str) -> Option<Vec<String>> {
         .then(|| (from..=to).map(|number| format!("{stem}-{number:0width$}")).collect())
 }
 
-/// Everything below a folder that may prove something, by its path from the root.
-fn files() -> Vec<String> {
-    let (mut found, mut folders) = (Vec::new(), vec![root()]);
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
-            let entry = entry.expect("an entry of the folder");
-            let (path, name) = (entry.path(), entry.file_name());
-            let name = name.to_string_lossy();
-            if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-                if !["target", ".git", "node_modules", "docs", ".venv"].contains(&&*name) {
-                    folders.push(path);
-                }
-            } else if [".rs", ".py", ".yaml", ".yml"].iter().any(|end| name.ends_with(end)) {
-                found.push(path.strip_prefix(root()).expect("below the root").to_string_lossy().into_owned());
-            }
-        }
-    }
-    found.sort();
-    found
-}
-
-/// Everything that the tree names as proved.
+/// Everything that the tree names as proved; its pages prove nothing.
 fn proofs() -> Vec<Named> {
-    files().iter().flat_map(|file| named(file, &fs::read_to_string(root().join(file)).unwrap_or_default())).collect()
+    let files = files(&[".rs", ".py", ".yaml", ".yml"]).into_iter().filter(|file| !file.starts_with("docs/"));
+    files.flat_map(|file| named(&file, &fs::read_to_string(root().join(&file)).unwrap_or_default())).collect()
 }
 
 /// What is set aside: `- ID: reason`, a line each.

@@ -1,27 +1,27 @@
 //! The cycle takes no memory and gives none back, whatever happens in it: an armed allocator watches.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
-use lineshaft_core::axis::{Safety, Wired};
+use lineshaft_core::axis::{BrakeConfig, Safety, Wired};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Commands, Direction, Disengage, HomeAxis, HomingMethod, Length, MasterPosition, Move,
-    MoveMode, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Setpoints, Source,
-    SyncMode, Synchronize,
+    Action, BufferMode, Command, Commands, HomeAxis, HomingMethod, MasterPosition, Move, MoveMode, Probe, ProbeEdge,
+    SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Setpoints, Source, Synchronize,
 };
 use lineshaft_core::config::{
-    AxisConfig, BrakeConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, MachineConfig, MemoryConfig,
-    MemoryKind,
+    AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, MachineConfig, MemoryConfig, MemoryKind,
 };
 use lineshaft_core::drive::{Backend, Capabilities, Edge, EncoderInput, Interface, Latch};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
+use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{
     AssignedOutputs, AxisParameters, Change, Encoders, Layer, MachineParameters, Row, Supervision, Value,
 };
-use lineshaft_core::position::Position;
+use lineshaft_core::position::{Length, Position};
 use lineshaft_core::sim::{Fixtures, Index, Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
+use lineshaft_core::sync::{Disengage, SyncMode};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
@@ -143,7 +143,7 @@ fn config() -> MachineConfig {
             interface,
             brake: Some(brake).filter(|_| index == 4),
             open_loop,
-            modulo: lineshaft_core::axis::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
+            modulo: lineshaft_core::modulo::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
             amc: amc::Wiring {
                 master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
                 freeze: Some(Object::Axis(index)),

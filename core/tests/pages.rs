@@ -1,33 +1,15 @@
 //! The pages of the project lead somewhere: every link to a file or a heading, every page that a text names.
 
+mod tree;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
+use tree::{files, read, root};
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").to_owned()
-}
-
-/// Every page below the root, by its path from there, with its text.
-fn pages() -> Vec<(PathBuf, String)> {
-    let (mut found, mut folders) = (Vec::new(), vec![root()]);
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
-            let entry = entry.expect("an entry of the folder");
-            let (path, name) = (entry.path(), entry.file_name());
-            let name = name.to_string_lossy();
-            if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-                if !["target", ".git", "node_modules", ".venv"].contains(&&*name) {
-                    folders.push(path);
-                }
-            } else if name.ends_with(".md") {
-                let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-                found.push((path.strip_prefix(root()).expect("below the root").to_owned(), text));
-            }
-        }
-    }
-    found.sort();
-    found
+/// Every page, by its path from the root, with its text.
+fn pages() -> impl Iterator<Item = (PathBuf, String)> {
+    files(&[".md"]).into_iter().map(|file| (file.clone().into(), read(&file)))
 }
 
 /// A path from a folder, both from the root, without its dots; none where it leaves the root.

@@ -10,10 +10,22 @@
 use super::power::Power;
 use super::{Axis, AxisState, Context};
 use crate::code::Code;
-use crate::config::BrakeConfig;
 use crate::drive::DriveState;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
+
+/// A brake that its axis closes before the power goes and opens once the power is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BrakeConfig {
+    /// Its output, by its place in section `io`.
+    pub output: u16,
+    /// The output is 1 while it is closed; else while it is open.
+    pub closes_with_one: bool,
+    /// How long it takes to open (ns): until then the axis holds, and does not move.
+    pub release_ns: u64,
+    /// How long it takes to close (ns): until then the axis holds with its power.
+    pub engage_ns: u64,
+}
 
 /// What inputs of the machine ask of all axes in this cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,14 +4,12 @@
 //! Reads    the values, as an [`AxisParameters`]; methods of the same name as those of its values answer from what is kept
 //! Writes   its values, and whether the axis itself has changed some in this cycle
 
-use super::direction::{Reversing, Sense};
 use super::judge;
 use super::master::Grid;
 use crate::encoder::source::{Feedback, Master};
-use crate::parameter::AxisParameters;
+use crate::parameter::{AxisParameters, Reversing, Sense, saia};
 use crate::position::Position;
 use crate::profile::Limits;
-use crate::vocabulary::saia;
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 

@@ -18,7 +18,6 @@ mod in_force;
 mod judge;
 mod limit_switch;
 mod master;
-mod modulo;
 mod motion;
 mod open_loop;
 mod overlay;
@@ -28,7 +27,6 @@ mod publish;
 mod reaction;
 mod rhythm;
 mod safety;
-mod state;
 mod stops;
 mod stream;
 mod switches;
@@ -36,18 +34,15 @@ mod track;
 mod vocabulary;
 mod waiting;
 
-pub use brake::Edges;
-pub use direction::{Polarity, Reversing, Rule, Sense, may_tell_sign, may_turn_loop};
+pub use brake::{BrakeConfig, Edges};
+pub use direction::{may_tell_sign, may_turn_loop};
 pub use feedback::{Claim, Source, Wired, may_read};
-pub use homing::Travel;
 pub(crate) use homing::methods as homing_methods;
 pub use in_force::InForce;
 pub use master::may_name;
-pub use modulo::Modulo;
 pub use reaction::stops_all;
 pub use rhythm::Pace;
 pub use safety::{Fault, Safety};
-pub use state::{AXIS_STATES, AxisState, DRIVE_STATES, HOMING_PHASES, HomingPhase, REFERENCES, Reference};
 pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
@@ -59,11 +54,13 @@ use crate::command::{Action, Command, Setpoints};
 use crate::drive::{Capabilities, DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface, control};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
+use crate::modulo::Modulo;
 use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::signal::Signal;
+use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
 use crate::vocabulary::{Latched, Owner, amc, saia, wf};
 use brake::Holding;
@@ -111,7 +108,7 @@ pub struct AxisSetup {
     /// How many encoders the machine has.
     pub encoders: usize,
     /// Brake that it closes and opens itself.
-    pub brake: Option<crate::config::BrakeConfig>,
+    pub brake: Option<BrakeConfig>,
     /// Length of a cycle (ns).
     pub cycle_ns: u64,
 }

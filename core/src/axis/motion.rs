@@ -1,9 +1,10 @@
 //! What moves an axis in a cycle, and what keeps it within its limits.
 
 use super::course::{self, Aim, Course};
-use super::{Axis, AxisState, Context, Reference, Rule};
+use super::{Axis, AxisState, Context, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
+use crate::parameter::Rule;
 use crate::position::Position;
 use crate::profile::{self, Limits, Motion, Plan, Shape};
 use crate::sync::follower::{Follower, Phase};

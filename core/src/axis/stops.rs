@@ -7,11 +7,12 @@ use super::power::Power;
 use super::waiting::Until;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
-use crate::command::{Action, Disengage};
+use crate::command::Action;
 use crate::drive::DriveState;
 use crate::event::{Event, Kind, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
+use crate::sync::Disengage;
 
 impl Axis {
     /// May a command for several axes be applied to this one? Asked of all of them before any changes.

@@ -9,16 +9,17 @@
 
 use super::course::{Aim, ROUNDING};
 use super::goal::Goal;
-use super::{Axis, AxisState, Context, Generator, Reference, Rule};
+use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
-use crate::command::{Disengage, SyncMode};
 use crate::encoder::Lead;
 use crate::event::{Number, Refusal};
 use crate::object::Leader;
+use crate::parameter::Rule;
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::follower::{Bounds, Follower, Phase, Reserve};
 use crate::sync::gear::{Gear, Ratio};
+use crate::sync::{Disengage, SyncMode};
 use crate::trajectory::{Begin, Reach, Tolerance, Trajectory};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};

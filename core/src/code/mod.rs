@@ -10,10 +10,12 @@ pub struct Code(pub u32);
 
 mod class;
 mod ended;
+mod missing;
 mod refused;
 mod sources;
 
 pub use class::Class;
+pub use missing::not_built_here;
 
 /// All that is to be said of a code.
 #[derive(Clone, Copy, Debug)]

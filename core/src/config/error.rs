@@ -1,9 +1,9 @@
 //! Why a machine cannot be made.
 
+use super::names_no_io;
 use crate::axis::MAX_DELAY;
-use crate::code::Code;
+use crate::code::{Code, not_built_here};
 use crate::drive::Interface;
-use crate::text::names_no_io;
 
 /// Why a machine cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -160,7 +160,7 @@ pub enum ConfigError {
         key: &'static str,
     },
     /// A parameter that asks for something that does not exist.
-    #[error("{axis}: {key} {}", crate::text::not_built_here(*code))]
+    #[error("{axis}: {key} {}", not_built_here(*code))]
     NotBuilt {
         /// Whose.
         axis: String,

@@ -5,8 +5,7 @@
 //! Source   MACS-IO-04, MACS-IO-06, MACS-IO-07, MACS-DIR-08, MACS-DIR-09
 
 use super::{ConfigError, IoKind, MachineConfig};
-use crate::axis::Polarity;
-use crate::parameter::{AxisParameters, MACHINE};
+use crate::parameter::{AxisParameters, MACHINE, Polarity};
 
 /// Outputs that parameters can name are below that: O_* to 8, REVERS to 10.
 const OUTPUTS: usize = 16;

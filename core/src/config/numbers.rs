@@ -23,6 +23,19 @@ pub struct NoSuchIo {
     pub count: usize,
 }
 
+/// Why a number names no input, or output: `o_error is 8; the cell has 2 digital outputs`.
+pub fn names_no_io(key: &str, number: &str, outputs: bool, count: &str) -> String {
+    // The output that revers needs stands in its tens.
+    let is = if key == "revers" { "needs output" } else { "is" };
+    format!("{key} {is} {number}; {}", cell_has(outputs, count))
+}
+
+/// How many digital inputs, or outputs, the cell has.
+fn cell_has(outputs: bool, count: &str) -> String {
+    let what = if outputs { "output" } else { "input" };
+    format!("the cell has {count} digital {what}{}", if count == "1" { "" } else { "s" })
+}
+
 impl NoSuchIo {
     pub(super) fn of(self, axis: Option<String>) -> ConfigError {
         let Self { key, number, is_output, count } = self;

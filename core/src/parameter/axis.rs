@@ -1,11 +1,10 @@
 //! The parameters of one axis, and what follows from them.
 
 use super::rows::ROWS;
-use super::{Assigned, AssignedOutputs, Encoders, Homing, Macs, Row, Supervision, Value};
+use super::{Assigned, AssignedOutputs, Encoders, Homing, Macs, Row, Supervision, Value, amc, saia, wf};
 use crate::code::Code;
 use crate::position::Position;
 use crate::profile::{Jerks, Limits, Shape};
-use crate::vocabulary::{amc, saia, wf};
 use serde::{Deserialize, Serialize};
 
 /// Largest velocity, acceleration and jerk (inc/s, ..).

@@ -4,9 +4,11 @@
 //! rows. Values are kept in increments; units exist only at the border. A row whose function does not exist yet is there,
 //! with what is missing, and takes its default only.
 
+pub mod amc;
 mod axis;
 mod border;
 mod convert;
+mod direction;
 mod encoder;
 mod homing;
 mod layers;
@@ -14,12 +16,15 @@ mod machine;
 mod macs;
 mod row;
 mod rows;
+pub mod saia;
 mod supervision;
+pub mod wf;
 mod words;
 
 pub use axis::{AxisParameters, Contradiction};
 pub use border::{BorderRange, BorderType, BorderValue};
 pub use convert::{ConvertError, ParameterInput, convert};
+pub use direction::{Polarity, Reversing, Rule, Sense};
 pub use encoder::Encoders;
 pub use homing::{Assigned, AssignedOutputs, Homing, HomingParts};
 pub use layers::{Layer, ParameterImage};

@@ -2,7 +2,6 @@
 
 use super::rows::ROWS;
 use super::{AxisParameters, MachineParameters};
-use crate::config::AxisConfig;
 use crate::drive::Interface;
 
 /// What a parameter measures, and so how it is kept and written.
@@ -207,11 +206,6 @@ pub enum Applies {
 }
 
 impl Applies {
-    /// Has that axis it?
-    pub fn to(self, axis: &AxisConfig) -> bool {
-        self.to_interface(axis.drive.map(|_| axis.interface))
-    }
-
     /// Has an axis it whose drive is commanded so; none for a virtual one?
     pub fn to_interface(self, interface: Option<Interface>) -> bool {
         match self {

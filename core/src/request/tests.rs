@@ -213,8 +213,8 @@ fn a_position_is_set_of_an_axis_an_encoder_or_a_master() {
     };
     assert!(matches!(ask(name.clone(), 0.5, Units::Si), Ok(Action::SetPosition(_))));
     assert!(matches!(ask("belt".into(), 0.5, Units::Si), Ok(Action::SetEncoderPosition(_))));
-    assert_eq!(master(0.0, Units::Si), Ok(MasterPosition::Increments(crate::command::Length::whole(0))));
-    assert_eq!(master(-5.0, Units::Increments), Ok(MasterPosition::Increments(crate::command::Length::whole(-5))));
+    assert_eq!(master(0.0, Units::Si), Ok(MasterPosition::Increments(crate::position::Length::whole(0))));
+    assert_eq!(master(-5.0, Units::Increments), Ok(MasterPosition::Increments(crate::position::Length::whole(-5))));
     assert_eq!(master(0.1, Units::AxisUnit), Ok(MasterPosition::Shown(0.1)));
     assert_eq!(master(1e-300, Units::AxisUnit), Ok(MasterPosition::Shown(0.0)));
     let refused = master(0.5, Units::Si).unwrap_err();

@@ -2,7 +2,7 @@
 
 use super::Type::{Bit, Enum, Int, Real, Word};
 use super::signal_block;
-use crate::axis::{AXIS_STATES, DRIVE_STATES, HOMING_PHASES, REFERENCES};
+use crate::state::{AXIS_STATES, DRIVE_STATES, HOMING_PHASES, REFERENCES};
 
 signal_block! {
     /// A signal of an axis, by its place in the axis' block.

@@ -11,10 +11,10 @@
 //! Source   MACS-SYNC-02, MACS-SYNC-04, MACS-SYNC-06, MACS-SYNC-07, A-30
 
 use super::gear::Gear;
-use crate::axis::Rule;
-use crate::command::{Disengage, SyncMode};
+use super::{Disengage, SyncMode};
 use crate::encoder::Lead;
 use crate::object::Leader;
+use crate::parameter::Rule;
 use crate::position::Position;
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};

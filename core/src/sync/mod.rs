@@ -21,6 +21,25 @@ pub mod status {
     pub const SLAVE_MARKER_MISSED: u64 = 1 << 4;
 }
 
+/// How a follower relates to its leader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SyncMode {
+    /// SYNCV: equal velocity times the ratio.
+    Velocity,
+    /// SYNCP: what is lost while the follower speeds up is caught up.
+    Position,
+}
+
+/// What a follower does when it is uncoupled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Disengage {
+    /// Stops.
+    #[default]
+    Stop,
+    /// Goes on at its velocity.
+    KeepVelocity,
+}
+
 /// Everything that can lead, as far as this cycle has come.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Leads {

@@ -1,15 +1,12 @@
 //! Why something was refused, ended or failed: the sentence of each code, by its row or, where the event has to be looked at, here.
 
-use super::set::{
-    contradict, given_twice, key, names_no_io, not_built, not_built_here, not_disabled, out_of_range, read_only,
-    reverse_forbidden,
-};
+use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_range, read_only, reverse_forbidden};
 use super::{number_text, plain, row};
-use crate::axis::AxisState;
-use crate::code::Code;
-use crate::config::MachineConfig;
+use crate::code::{Code, not_built_here};
+use crate::config::{MachineConfig, names_no_io};
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
+use crate::state::AxisState;
 use crate::vocabulary::saia::Register;
 
 /// Why something was refused, ended or failed.

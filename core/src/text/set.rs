@@ -1,23 +1,9 @@
 //! Why the set of a parameter was refused.
 
 use super::{number_text, parameter_value, range_text, refused_text, row, scale_of, value_of, value_text};
-use crate::code::Code;
 use crate::config::MachineConfig;
 use crate::event::{Event, Number};
 use crate::parameter::{Refused, Row, Value};
-
-/// Why a number names no input, or output: `o_error is 8; the cell has 2 digital outputs`.
-pub fn names_no_io(key: &str, number: &str, outputs: bool, count: &str) -> String {
-    // The output that revers needs stands in its tens.
-    let is = if key == "revers" { "needs output" } else { "is" };
-    format!("{key} {is} {number}; {}", cell_has(outputs, count))
-}
-
-/// How many digital inputs, or outputs, the cell has.
-fn cell_has(outputs: bool, count: &str) -> String {
-    let what = if outputs { "output" } else { "input" };
-    format!("the cell has {count} digital {what}{}", if count == "1" { "" } else { "s" })
-}
 
 pub(super) fn key(event: &Event) -> &'static str {
     row(event).map_or("parameter", |row| row.key)
@@ -31,53 +17,6 @@ pub(super) fn not_built(event: &Event, config: &MachineConfig) -> String {
             format!("{} {value} does not exist yet", row.key)
         }
         None => "this does not exist yet".to_owned(),
-    }
-}
-
-/// What is missing for a value, behind its name.
-pub fn not_built_here(code: Code) -> &'static str {
-    match code {
-        Code::LOOP_IN_DRIVE => {
-            "inverts the position loop, which a drive with interface position closes itself; 1, 11, -1 and -11 are allowed"
-        }
-        Code::NO_VELOCITY_LOOP => {
-            "inverts one loop and not the other, but the velocity loop does not exist yet; 1, 2, 11, 22 and their negatives \
-             are allowed"
-        }
-        Code::ENCODER_UNKNOWN_TYPE => "is no type of encoder",
-        Code::WF_NO_CAM_SIDE => {
-            "is no side of the cam; with an incremental encoder 0 (the one that JOG leads to), 1 (plus) and 2 (minus) are allowed"
-        }
-        Code::ENCODER_NEEDS_BUS => {
-            "names a node of a bus, which does not exist yet; the types 0 to 5, 9, 10, 20, 30 exist, for a master 0, 1, 2, \
-             5, 6, 10, 20, 30 and -1 to -999"
-        }
-        Code::ENCODER_NO_TERMINAL => {
-            "names an entry of section encoders that the cell does not have: 10 is the first one"
-        }
-        Code::LEADER_LOOP => "names the axis itself; another one is allowed",
-        Code::NO_MASTER => "names an axis that the cell does not have: -1 is the first one",
-        Code::ENCODER_LOOP_IN_DRIVE => {
-            "names an encoder that a drive with interface position does not close its loop with; 0, 1, 2, 5 and 9 are allowed"
-        }
-        Code::ENCODER_CHOSEN_TWICE => {
-            "names another encoder than key feedback of the axis or its wf.md4 does; one of them may choose"
-        }
-        Code::WF_LOOP_IN_DRIVE => {
-            "asks for words in Gray code, which a drive with interface position decodes itself; 0 (incremental) is allowed"
-        }
-        Code::ENCODER_NO_RATE => {
-            "is no clock rate; 39000 to 5000000 Hz are allowed, or with encodertype 9 any distance of marks above 0"
-        }
-        Code::WF_NO_PARITY => {
-            "is no parity; with wf.md4 absolute 0 inc (none), 1 inc (even) and 2 inc (odd) are allowed"
-        }
-        Code::NO_REVERSING_OUTPUTS => "asks for a node on a bus, which does not exist yet; below 100 is allowed",
-        Code::REVERSING_BY_POSITION => {
-            "asks for outputs, which tell the sign of a velocity to drives with interface velocity or open_loop; 0, 1 and 2 \
-             are allowed"
-        }
-        _ => "does not exist yet",
     }
 }
 

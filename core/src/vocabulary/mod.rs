@@ -11,15 +11,16 @@ pub mod amc;
 pub mod saia;
 pub mod wf;
 
-use crate::axis::{Modulo, Reference, Travel};
 use crate::code::Code;
 use crate::drive::Interface;
 use crate::encoder::Lead;
 use crate::event::{Number, Refusal};
+use crate::modulo::Modulo;
 use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::{Limits, Motion};
+use crate::state::Reference;
 use crate::sync::Leads;
 use serde::{Deserialize, Serialize};
 
@@ -124,6 +125,23 @@ impl View<'_> {
     pub fn largest_limits(&self) -> Limits {
         self.parameters.largest_limits()
     }
+}
+
+/// Reference travel, as the positioning modules ask for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel {
+    /// 1 or -1.
+    pub direction: i8,
+    /// It turns round on the cam: the zero mark lies on the side that it comes from.
+    pub back: bool,
+    /// To the cam, on it, beside it to the zero mark (inc/s).
+    pub speeds: [f64; 3],
+    /// Of all of its motions.
+    pub limits: Limits,
+    /// From the zero mark to the reference point (inc).
+    pub shift: i64,
+    /// Position of the reference point (inc).
+    pub value: i64,
 }
 
 /// What a vocabulary asks of its axis.

@@ -1,8 +1,7 @@
 //! Keys `amc` of an axis: what its reference selector is wired to, and whether its parameters fit the axis.
 
-use super::axes;
 use super::backends::Context;
-use super::names::{Entry, Section, quote};
+use super::names::{Entry, Section, is_virtual, quote};
 use super::parameters::{Given, Sections};
 use crate::document::{Map, Value};
 use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig};
@@ -80,7 +79,7 @@ fn freeze<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> O
             _ => refuse("is no digital input", None),
         },
         Section::Encoders => Some(Object::Encoder(index)),
-        _ if axes::is_virtual(cx.names.section(Section::Axes).get(place)?) => refuse("has no drive to latch", None),
+        _ if is_virtual(cx.names.section(Section::Axes).get(place)?) => refuse("has no drive to latch", None),
         _ => Some(Object::Axis(index)),
     }
 }

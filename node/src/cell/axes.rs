@@ -1,10 +1,9 @@
 //! Section `axes`: what an axis is made of. Its parameters are read beside.
 
-use super::Hardware;
 use super::amc;
-use super::backends::{Backend, Context, backend_of, name_of};
+use super::backends::{Backend, Context, Hardware, backend_of, name_of};
 use super::brake;
-use super::encoders;
+use super::encoders::{self, Reads};
 use super::fixtures;
 use super::machine;
 use super::models::model;
@@ -13,13 +12,14 @@ use super::parameters;
 use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
-use lineshaft_core::axis::{Modulo, may_read, may_tell_sign};
+use lineshaft_core::axis::{may_read, may_tell_sign};
+use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::encoder::source::Master;
+use lineshaft_core::modulo::Modulo;
 use lineshaft_core::object::MAX_AXES;
 use lineshaft_core::sim::{Mechanics, Model};
-use lineshaft_core::text::not_built_here;
 use lineshaft_core::unit::{Dimension, ScaleKind};
 use lineshaft_core::vocabulary::wf::Wiring;
 use std::cmp::Ordering;
@@ -78,12 +78,6 @@ pub(super) fn read<'d>(
     machine::refuse_shared(&once.functions, io, &once.outputs);
     amc::refuse_loops(&once.masters, cx);
     axes
-}
-
-/// Is the axis without a drive, as far as can be seen?
-pub(super) fn is_virtual(entry: &Entry<'_>) -> bool {
-    let entries = if entry.value.is_map() { entry.value.entries() } else { None };
-    entries.into_iter().flatten().any(|(key, value)| key.peek() == Some("drive") && value.peek() == Some("virtual"))
 }
 
 fn axis<'d>(
@@ -164,14 +158,6 @@ fn axis<'d>(
     check_master(&config, place, &given, cx);
     amc::check(&config, &given, cx.cycle_ns);
     Some((config, simulated, hardware))
-}
-
-/// Has the axis something that it could read?
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Reads<'a> {
-    /// A virtual axis of that name.
-    Nothing(&'a str),
-    Something,
 }
 
 /// Refuses a source that is not there, or that its drive does not close its loop with.

@@ -26,6 +26,26 @@ impl Backend {
     }
 }
 
+/// A backend of a cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellBackend {
+    /// Name.
+    pub name: String,
+    /// It is a simulation; else `run` without `--sim` needs it.
+    pub is_simulated: bool,
+    /// What hangs on it.
+    pub objects: Objects,
+}
+
+/// Where a drive is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hardware {
+    /// Its backend, by its place in the section.
+    pub backend: usize,
+    /// Its `address` or `node` there.
+    pub number: u16,
+}
+
 /// Where an object is: the place of its backend in the section, and its number there.
 pub(super) type At = (usize, u16);
 

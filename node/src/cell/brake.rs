@@ -4,7 +4,8 @@ use super::backends::Context;
 use super::names::quote;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
-use lineshaft_core::config::{BrakeConfig, IoConfig, IoKind};
+use lineshaft_core::axis::BrakeConfig;
+use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::sim::SimBrake;
 use lineshaft_core::unit::Dimension;
 

@@ -1,6 +1,5 @@
 //! Keys that say what the words of an encoder are: in section `encoders`, and in `feedback` of an axis.
 
-use super::axes::Reads;
 use super::backends::Context;
 use super::names::Section;
 use super::scale::Travel;
@@ -13,6 +12,14 @@ use lineshaft_core::unit::Dimension;
 const ABSOLUTE: [&str; 7] = ["turns", "code", "parity", "omitted", "overflow", "error_correction", "max_step"];
 /// More words than any encoder has.
 const MOST_WORDS: u64 = 1 << 62;
+
+/// Has the axis something that it could read?
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Reads<'a> {
+    /// A virtual axis of that name.
+    Nothing(&'a str),
+    Something,
+}
 
 /// Reads `bits`, or `steps` and what belongs to it; `usual` bits where nothing is given.
 pub(super) fn form(map: &mut Map<'_>, travel: &Travel, usual: u32) -> Option<Form> {

@@ -9,10 +9,9 @@ use super::devices;
 use super::names::{Once, Section, quote};
 use super::scale::Travel;
 use crate::document::{Allowed, Map, Value};
-use lineshaft_core::axis::Polarity;
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::inputs;
-use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::parameter::{AxisParameters, Polarity};
 use lineshaft_core::sim::{Fixtures, Index, Mechanics, Sign, Wire};
 use lineshaft_core::unit::Dimension;
 

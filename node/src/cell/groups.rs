@@ -1,8 +1,7 @@
 //! Section `groups`.
 
-use super::axes::is_virtual;
 use super::backends::Context;
-use super::names::{Entry, Once, Section, quote};
+use super::names::{Entry, Once, Section, is_virtual, quote};
 use crate::document::Value;
 
 /// The groups: name, places of the axes.

@@ -2,12 +2,13 @@
 //! and have one function each.
 
 use super::names::quote;
-use super::parameters::{Given, refuse_range, whole};
+use super::parameters::Given;
+use super::row::{refuse_range, whole};
 use super::wiring;
 use crate::document::{Map, Value};
-use lineshaft_core::config::{Function, IoConfig, IoCounts, IoKind, NoSuchIo};
+use lineshaft_core::config::{Function, IoConfig, IoCounts, IoKind, NoSuchIo, names_no_io};
 use lineshaft_core::parameter::{self, Applies, AxisParameters, MachineParameters, ROWS, Refused};
-use lineshaft_core::text::{names_no_io, refused_text};
+use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::Scale;
 
 /// Functions that parameters give to digital outputs, in file order.

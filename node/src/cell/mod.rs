@@ -31,24 +31,24 @@ mod names;
 mod parameters;
 mod robot;
 mod ros;
+mod row;
 mod safety;
 mod scale;
 mod wiring;
 
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
+pub use backends::{CellBackend, Hardware};
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{GlobalConfig, MachineConfig};
-use lineshaft_core::drive::Objects;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
-use lineshaft_ros::layer::NodeName;
 pub(crate) use machine::refuse_missing;
 use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
 pub use robot::Robot;
+pub use ros::{OnLoss, RosOptions};
 use std::path::Path;
-use std::time::Duration;
 
 /// The format that this program reads.
 const FORMAT: &str = "1";
@@ -78,81 +78,6 @@ pub struct Cell {
     pub text: String,
     /// The description that `ros` names; none from a text, which has no files beside it.
     pub robot: Option<Robot>,
-}
-
-/// A backend of a cell.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CellBackend {
-    /// Name.
-    pub name: String,
-    /// It is a simulation; else `run` without `--sim` needs it.
-    pub is_simulated: bool,
-    /// What hangs on it.
-    pub objects: Objects,
-}
-
-/// Where a drive is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Hardware {
-    /// Its backend, by its place in the section.
-    pub backend: usize,
-    /// Its `address` or `node` there.
-    pub number: u16,
-}
-
-/// Section `ros`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RosOptions {
-    /// Node name.
-    pub name: String,
-    /// Namespace, starting with `/`.
-    pub namespace: String,
-    /// joint_states per second, 1 to 1000.
-    pub joint_states_rate: f64,
-    /// ~/axis_states per second, 1 to 1000.
-    pub axis_states_rate: f64,
-    /// Go to active by itself.
-    pub autostart: bool,
-    /// The URDF file, from the folder of the cell; none: nothing is described.
-    pub robot_description: Option<String>,
-    /// Network interfaces by name or address; empty: as the environment says.
-    pub interfaces: Vec<String>,
-    /// What the machine does when its ROS side is lost.
-    pub on_loss: OnLoss,
-    /// How old a request may be that is carried out, 0.1 s to 1 h.
-    pub request_timeout: Duration,
-}
-
-/// What the machine does when nobody can reach it through ROS any more.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OnLoss {
-    /// It halts all axes.
-    Halt,
-    /// It goes on.
-    None,
-}
-
-impl Default for RosOptions {
-    fn default() -> Self {
-        Self {
-            name: "lineshaft".to_owned(),
-            namespace: "/".to_owned(),
-            joint_states_rate: 100.0,
-            axis_states_rate: 100.0,
-            autostart: true,
-            robot_description: None,
-            interfaces: Vec::new(),
-            on_loss: OnLoss::Halt,
-            request_timeout: Duration::from_secs(2),
-        }
-    }
-}
-
-impl RosOptions {
-    /// The whole name of the node.
-    pub fn node_name(&self) -> NodeName {
-        NodeName::new(&self.namespace, &self.name).expect("both were checked by the same rules when the cell was read")
-    }
 }
 
 impl Cell {

@@ -198,3 +198,9 @@ pub(super) fn limit(entries: &[Entry<'_>], most: usize) {
         beyond.key.refuse(sentence, None);
     }
 }
+
+/// Is the axis without a drive, as far as can be seen?
+pub(super) fn is_virtual(entry: &Entry<'_>) -> bool {
+    let entries = if entry.value.is_map() { entry.value.entries() } else { None };
+    entries.into_iter().flatten().any(|(key, value)| key.peek() == Some("drive") && value.peek() == Some("virtual"))
+}

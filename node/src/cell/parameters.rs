@@ -2,12 +2,12 @@
 
 mod agree;
 
-use super::names::quote;
+use super::row::{refuse_range, refuse_type, whole};
 use super::scale::Travel;
 use crate::document::{Allowed, Map, Value};
 pub(crate) use agree::{contradictions, double_views, turned_views};
 use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
-use lineshaft_core::code::Code;
+use lineshaft_core::code::{Code, not_built_here};
 use lineshaft_core::config::highest_velocity;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::encoder::source::AbsoluteSources;
@@ -15,7 +15,7 @@ use lineshaft_core::parameter::{
     self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Range, Refused, Row,
     Storage, Word,
 };
-use lineshaft_core::text::{expected_text, not_built_here, range_text, refused_text, value_text};
+use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 
 /// Largest velocity and acceleration that a row takes.
@@ -239,35 +239,4 @@ impl Reader<'_, '_> {
         let highest = self.highest_velocity().unwrap_or(f64::INFINITY);
         refuse_range(self.row, self.value, scale, highest);
     }
-}
-
-/// The value of a row for whole numbers, if it is one; its range is checked by the row.
-pub(super) fn whole(row: &Row, value: &Value<'_>, scale: &Scale) -> Option<i64> {
-    match value.peek() {
-        Some(text) if !value.is_integer() => {
-            // Only quotes keep it from being one.
-            let hint = text.parse::<i64>().is_ok().then(|| "write it without quotes".to_owned());
-            refuse_type(row, value, text, scale, hint);
-            None
-        }
-        _ => {
-            let number = value.integer(i128::MIN..=i128::MAX)?;
-            let number = i64::try_from(number);
-            number.map_err(|_| refuse_range(row, value, scale, f64::INFINITY)).ok()
-        }
-    }
-}
-
-fn refuse_type(row: &Row, value: &Value<'_>, written: &str, scale: &Scale, hint: Option<String>) {
-    value.refuse(format!("{} is {}; {} is expected", row.key, quote(written), expected_text(row, scale)), hint);
-}
-
-/// Tells the range of a row, of which a velocity may use up to `highest` (inc/s).
-pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: f64) {
-    let range = range_text(row, |end| match end {
-        parameter::Value::Real(end) => value_text(row, parameter::Value::Real(end.min(highest)), scale),
-        end => value_text(row, end, scale),
-    });
-    let written = value.peek().unwrap_or_default();
-    value.refuse(format!("{} is {}; {range} is allowed", row.key, quote(written)), None);
 }

@@ -1,13 +1,68 @@
 //! Section `ros`.
 
 use super::names::quote;
-use super::{OnLoss, RosOptions};
 use crate::document::Value;
 use lineshaft_core::unit::Dimension;
+use lineshaft_ros::layer::NodeName;
 use std::time::Duration;
 
 /// Longest node name, and longest namespace.
 const LONGEST: usize = 245;
+
+/// Section `ros`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RosOptions {
+    /// Node name.
+    pub name: String,
+    /// Namespace, starting with `/`.
+    pub namespace: String,
+    /// joint_states per second, 1 to 1000.
+    pub joint_states_rate: f64,
+    /// ~/axis_states per second, 1 to 1000.
+    pub axis_states_rate: f64,
+    /// Go to active by itself.
+    pub autostart: bool,
+    /// The URDF file, from the folder of the cell; none: nothing is described.
+    pub robot_description: Option<String>,
+    /// Network interfaces by name or address; empty: as the environment says.
+    pub interfaces: Vec<String>,
+    /// What the machine does when its ROS side is lost.
+    pub on_loss: OnLoss,
+    /// How old a request may be that is carried out, 0.1 s to 1 h.
+    pub request_timeout: Duration,
+}
+
+/// What the machine does when nobody can reach it through ROS any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnLoss {
+    /// It halts all axes.
+    Halt,
+    /// It goes on.
+    None,
+}
+
+impl Default for RosOptions {
+    fn default() -> Self {
+        Self {
+            name: "lineshaft".to_owned(),
+            namespace: "/".to_owned(),
+            joint_states_rate: 100.0,
+            axis_states_rate: 100.0,
+            autostart: true,
+            robot_description: None,
+            interfaces: Vec::new(),
+            on_loss: OnLoss::Halt,
+            request_timeout: Duration::from_secs(2),
+        }
+    }
+}
+
+impl RosOptions {
+    /// The whole name of the node.
+    pub fn node_name(&self) -> NodeName {
+        NodeName::new(&self.namespace, &self.name).expect("both were checked by the same rules when the cell was read")
+    }
+}
 
 pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
     let usual = RosOptions::default();

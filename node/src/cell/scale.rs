@@ -1,7 +1,7 @@
 //! Keys `type`, `unit` and `scale` of axes and encoders.
 
 use super::names::quote;
-use super::parameters::{refuse_range, whole};
+use super::row::{refuse_range, whole};
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::parameter::{self, Row};
 use lineshaft_core::unit::{

@@ -87,7 +87,7 @@ fn the_example_of_the_contract_without_it_is_good() {
     assert_eq!((x.max_following_error, axes[2].parameters.max_following_error), (1_048_576, 1000));
     assert_eq!((x.min_position, x.max_position), (Some(-5_242_880), Some(89_128_960)));
     assert_eq!((x.max_velocity, x.max_jerk), (125_829_120.0, Some(20_971_520_000.0)));
-    assert_eq!(axes[2].modulo, lineshaft_core::axis::Modulo::new(36_000, 1));
+    assert_eq!(axes[2].modulo, lineshaft_core::modulo::Modulo::new(36_000, 1));
 }
 
 #[test]

@@ -21,6 +21,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Limits;
+use crate::vocabulary::Travel;
 use in_drive::InDrive;
 use search::Search;
 use serde::{Deserialize, Serialize};
@@ -80,23 +81,6 @@ impl Run {
             methods::Speed::Slow => slow,
         }
     }
-}
-
-/// Reference travel, as the positioning modules ask for it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Travel {
-    /// 1 or -1.
-    pub direction: i8,
-    /// It turns round on the cam: the zero mark lies on the side that it comes from.
-    pub back: bool,
-    /// To the cam, on it, beside it to the zero mark (inc/s).
-    pub speeds: [f64; 3],
-    /// Of all of its motions.
-    pub limits: Limits,
-    /// From the zero mark to the reference point (inc).
-    pub shift: i64,
-    /// Position of the reference point (inc).
-    pub value: i64,
 }
 
 impl Homing {

@@ -2,10 +2,9 @@
 
 use super::super::{Axis, Context, Reference};
 use crate::code::Code;
-use crate::command::Length;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::{AxisParameters, Change, Row};
-use crate::position::Position;
+use crate::position::{Length, Position};
 use crate::vocabulary::Owner;
 
 impl Axis {

@@ -1,13 +1,13 @@
 //! The reference selector on an axis: what a scenario does not show.
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
-use crate::axis::Modulo;
 use crate::code::Code;
 use crate::command::{Action, Move};
 use crate::config::{ConfigError, IoConfig, IoKind, MachineConfig};
 use crate::drive::{Backend, Edge, EncoderInput, Latch};
 use crate::event::Kind;
 use crate::machine::Machine;
+use crate::modulo::Modulo;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Row, Value};
 use crate::text::sentence;

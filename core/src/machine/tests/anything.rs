@@ -5,17 +5,18 @@ mod limits;
 mod locks;
 
 use super::rig::{Rig, at, cases, config, to};
-use crate::axis::{HomingPhase, Modulo};
 use crate::code::Code;
 use crate::command::{
-    Action, BufferMode, Direction, Disengage, HomeAxis, HomingMethod, Length, Move, MoveMode, Probe, ProbeEdge,
-    SetPosition, SyncMode, Synchronize,
+    Action, BufferMode, HomeAxis, HomingMethod, Move, MoveMode, Probe, ProbeEdge, SetPosition, Synchronize,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
+use crate::modulo::{Direction, Modulo};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer, Row, Value};
-use crate::position::Position;
+use crate::position::{Length, Position};
+use crate::state::HomingPhase;
+use crate::sync::{Disengage, SyncMode};
 use crate::trajectory::{Tolerance, Track, Trajectory};
 use crate::vocabulary::{Order, saia, wf};
 use cell::{fixtures, interface, model, output, posdrct, terminals};

@@ -2,9 +2,9 @@
 
 use super::rig::{LINE, Rig, X, at, couple, to};
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Length, Move, MoveMode};
+use crate::command::{Action, BufferMode, Move, MoveMode};
 use crate::object::{AxisSet, Leader};
-use crate::position::Position;
+use crate::position::{Length, Position};
 
 /// 50 mm/s with 1 m/s^2: a ramp takes 50 ms and 1250 inc.
 fn quick(position: i64) -> Move {

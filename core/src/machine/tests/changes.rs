@@ -2,8 +2,8 @@
 //! at rest on a whole increment in the end.
 
 use super::rig::{Rig, X, at, cases, config, to};
-use crate::axis::Modulo;
-use crate::command::{Action, BufferMode, Direction, Move, MoveMode};
+use crate::command::{Action, BufferMode, Move, MoveMode};
+use crate::modulo::{Direction, Modulo};
 use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
 use proptest::prelude::*;

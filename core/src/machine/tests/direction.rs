@@ -4,12 +4,13 @@ mod mirror;
 mod reversing;
 
 use super::rig::{Rig, X, Y, at, config, couple, to};
-use crate::command::{Action, Length};
+use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::drive::{Edge, Interface, Latch};
 use crate::machine::Machine;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer, Row, Value};
+use crate::position::Length;
 use crate::sim::{Model, TwoSpeed, VelocityLag};
 use crate::vocabulary::{Order, wf};
 

@@ -1,14 +1,15 @@
 //! Cases at the edge: two things in one cycle, limits met exactly, numbers that no machine has.
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
-use crate::axis::Modulo;
 use crate::code::Code;
-use crate::command::{Action, Direction, Disengage, Length, Move, Synchronize};
+use crate::command::{Action, Move, Synchronize};
 use crate::drive::{Edge, Latch};
 use crate::event::Kind;
+use crate::modulo::{Direction, Modulo};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Row, Value};
-use crate::position::Position;
+use crate::position::{Length, Position};
+use crate::sync::Disengage;
 
 fn x() -> AxisSet {
     AxisSet::one(X)

@@ -3,13 +3,14 @@
 use super::rig::{Rig, X, Y, at, config, couple, to};
 use crate::axis::Wired;
 use crate::code::Code;
-use crate::command::{Action, HomeAxis, HomingMethod, Length, Move, MoveMode, SetPosition};
+use crate::command::{Action, HomeAxis, HomingMethod, Move, MoveMode, SetPosition};
 use crate::config::{ConfigError, EncoderConfig, MachineConfig};
 use crate::drive::Interface;
 use crate::encoder::{Absolute, Form, PulseCheck, WordCode};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
+use crate::position::Length;
 use crate::sim::{Fixtures, Index, Model};
 use crate::vocabulary::wf::Request;
 

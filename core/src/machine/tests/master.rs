@@ -2,10 +2,11 @@
 
 use super::rig::{LINE, Rig, X, Y, config, couple, to};
 use crate::code::Code;
-use crate::command::{Action, Length, SetPosition, Synchronize};
+use crate::command::{Action, SetPosition, Synchronize};
 use crate::config::{IoConfig, IoKind};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
+use crate::position::Length;
 
 fn set(rig: &mut Rig, axis: u16, values: &[(&str, Value)]) -> u64 {
     let change = |&(key, value): &(&str, Value)| Change { axis, row: Row::find(key).unwrap().0, value };

@@ -3,11 +3,11 @@
 //! Two machines do the same, and in one of them a row is set in between.
 
 use super::rig::{LINE, Rig, X, at, config, couple, to};
-use crate::command::{Action, Length, Move, Synchronize};
+use crate::command::{Action, Move, Synchronize};
 use crate::config::MachineConfig;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{AxisParameters, Change, Effect, ROWS, Row, System, Value};
-use crate::position::Position;
+use crate::position::{Length, Position};
 use crate::sim::{Model, SecondOrder};
 use crate::vocabulary::wf::{Block, Blocks, Jog, Mode, Request, Speed};
 

@@ -1,7 +1,7 @@
 use super::rig::{LINE, Rig, X, at, config, to};
 use crate::code::Code;
-use crate::command::{Action, Length, Move, MoveMode};
-use crate::position::Position;
+use crate::command::{Action, Move, MoveMode};
+use crate::position::{Length, Position};
 use proptest::prelude::*;
 
 /// 10 mm at the defaults: 50 mm/s, 500 mm/s^2: ramps of 100 ms and 2.5 mm each, 5 mm cruise: 300 ms.

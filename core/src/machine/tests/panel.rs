@@ -9,8 +9,9 @@ mod one_cycle;
 mod virtual_inputs;
 
 use super::rig::{LINE, Rig, X, Y, at, config, to};
+use crate::axis::BrakeConfig;
 use crate::command::{Action, OutputValue};
-use crate::config::{BrakeConfig, FilterConfig, IoConfig, IoKind, MachineConfig};
+use crate::config::{FilterConfig, IoConfig, IoKind, MachineConfig};
 use crate::event::Kind;
 use crate::object::AxisSet;
 use crate::parameter::{Change, Layer, MACHINE, Row, Value};

@@ -2,13 +2,13 @@
 
 use super::rig::{LINE, Rig, X, config, to};
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Length, Move, MoveMode, Probe, ProbeEdge};
+use crate::command::{Action, BufferMode, Move, MoveMode, Probe, ProbeEdge};
 use crate::config::{IoConfig, IoKind};
 use crate::drive::{Edge, Latch};
 use crate::event::{Event, Kind};
 use crate::object::{AxisSet, Object};
 use crate::parameter::{Change, Row, Value};
-use crate::position::Position;
+use crate::position::{Length, Position};
 
 const MARK: Object = Object::Io(0);
 const OTHER: Object = Object::Io(1);

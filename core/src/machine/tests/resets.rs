@@ -1,9 +1,10 @@
 //! Resets: what they wait for, what comes back, and what ends them.
 
 use super::rig::{LINE, Rig, X, at, config, saia_verb};
+use crate::axis::BrakeConfig;
 use crate::code::Code;
 use crate::command::Action;
-use crate::config::{BrakeConfig, IoConfig, IoKind, MachineConfig};
+use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::drive::{Interface, inputs};
 use crate::event::Kind;
 use crate::object::AxisSet;

@@ -1,18 +1,18 @@
 //! A small machine with a simulated plant, for the tests of the cycle.
 
 use crate::axis::Context;
-use crate::command::{
-    Action, BufferMode, Command, Commands, Direction, Disengage, Length, Move, MoveMode, Setpoint, Setpoints, Source,
-    SyncMode, Synchronize,
-};
+use crate::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Setpoint, Setpoints, Source, Synchronize};
 use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
 use crate::drive::{Backend, Capabilities, Inputs, Outputs};
 use crate::event::{Event, Kind, Refusal};
 use crate::machine::Machine;
+use crate::modulo::Direction;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{self, AxisParameters};
+use crate::position::Length;
 use crate::signal::Value;
 use crate::sim::{Model, Plant};
+use crate::sync::{Disengage, SyncMode};
 use crate::unit::{Fraction, Quantity, Scale, Unit};
 use crate::vocabulary::{Order, Owner, saia};
 
@@ -242,7 +242,7 @@ impl Rig {
     }
 
     pub(super) fn state(&self, axis: &str) -> &'static str {
-        crate::axis::AXIS_STATES[self.int(&format!("{axis}.state")) as usize]
+        crate::state::AXIS_STATES[self.int(&format!("{axis}.state")) as usize]
     }
 
     fn of_command(&self, sequence: u64, kind: Kind) -> Vec<Event> {

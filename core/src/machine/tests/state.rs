@@ -1,11 +1,11 @@
 //! A machine goes on from the state of another one, or says why it does not.
 
 use super::rig::{Rig, X, Y, cases, config, couple, to};
-use crate::axis::Modulo;
 use crate::command::{Action, BufferMode, Move, MoveMode};
 use crate::config::MachineConfig;
 use crate::drive::{Capabilities, Interface};
 use crate::machine::{Machine, State, StateError};
+use crate::modulo::Modulo;
 use crate::object::{AxisSet, Leader};
 use crate::vocabulary::Order;
 use proptest::prelude::*;

@@ -1,8 +1,9 @@
 use super::rig::{LINE, Rig, X, Y, at, couple, to};
 use crate::code::Code;
-use crate::command::{Action, Commands, Disengage, Move, Synchronize};
+use crate::command::{Action, Commands, Move, Synchronize};
 use crate::drive::{Backend, EncoderInput};
 use crate::object::{AxisSet, Leader};
+use crate::sync::Disengage;
 
 const TO_LINE: Leader = Leader::AxisCommand(LINE);
 

@@ -1,12 +1,12 @@
 //! Several mechanisms at once: goals that wait, superimposed motion, the override, limits that change, streams.
 
 use super::rig::{Rig, X, at, cases, config, to};
-use crate::axis::Modulo;
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Direction, Length, Move, MoveMode};
+use crate::command::{Action, BufferMode, Move, MoveMode};
+use crate::modulo::{Direction, Modulo};
 use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
-use crate::position::Position;
+use crate::position::{Length, Position};
 use proptest::prelude::*;
 
 fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {

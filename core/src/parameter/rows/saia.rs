@@ -3,8 +3,8 @@
 //!
 //! A register holds any 32 bits, as on the module; the command that reads it checks what it takes (SAIA-DET-02, SAIA-HND-04).
 
+use super::super::saia::{COMMAND_ERRORS, Parameters};
 use super::{BASE, Bare, Effect, Group, Measure, Range, Row, Storage, System, Value, int, real};
-use crate::vocabulary::saia::{COMMAND_ERRORS, Parameters};
 
 const WORD: Range = Range::Int(i32::MIN as i64, i32::MAX as i64);
 const SWITCH: &[&str] = &["false", "true"];

@@ -1,11 +1,12 @@
 //! Which values of the selector's parameters the rest of the axis allows.
 
-use super::parameters::{CAM, CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, HOME, Parameters, Wiring};
+use super::parameters::{CAM, CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, HOME, Wiring};
 use super::rotary::{Circle, Mode};
-use crate::axis::Modulo;
 use crate::code::Code;
 use crate::event::Number;
+use crate::modulo::Modulo;
 use crate::parameter::AxisParameters;
+use crate::parameter::amc::Parameters;
 use crate::position::Position;
 
 /// What is fixed about the axis of a selector.

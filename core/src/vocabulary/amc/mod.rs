@@ -24,13 +24,14 @@ mod rotary;
 mod signals;
 
 pub use check::{Problem, Setting, check};
-pub use parameters::{Parameters, Wiring};
+pub use parameters::Wiring;
 pub use signals::AmcSignal;
 
 use super::{Latched, Order, View};
 use crate::code::Code;
 use crate::event::Number;
 use crate::object::{Leader, Object};
+use crate::parameter::amc::Parameters;
 use crate::position::Position;
 use parameters::{CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, POSITION_ABSOLUTE, POSITION_PROFILE, POSITION_RELATIVE};
 use parameters::{HOME, SPEED, STOP};

@@ -3,11 +3,11 @@
 use super::parameters::POSITION_RELATIVE;
 use super::rotary::{Circle, Exact, Mode};
 use super::{Amc, Problem};
-use crate::axis::Reference;
 use crate::code::Code;
 use crate::event::Number;
 use crate::position::Position;
 use crate::profile::{self, Limits, Motion};
+use crate::state::Reference;
 use crate::vocabulary::{Order, View};
 
 /// Cycles ahead of which a software limit has to be seen, so that a stop with the maximum deceleration still ends at it.

@@ -6,7 +6,7 @@
 //! Refuses  nothing; modes 4 and 5 ignore some changes, which gives 0
 //! Source   AMC-ROT-01..20, M04..M06
 
-use crate::axis::Modulo;
+use crate::modulo::Modulo;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
 //! Verbs: the order of their commands, three tries, and what the whole asks of the axis.
 
-use super::parameters::{MOTOR_OFF, REFUSE};
 use super::{Command, Errors, Fault, MOST, Outcome, Phase, Request, Saia};
 use crate::code::Code;
 use crate::event::Refusal;
+use crate::parameter::saia::{MOTOR_OFF, REFUSE};
 use crate::vocabulary::{Order, View};
 
 /// How often a command is tried (SAIA-ERR-03).

@@ -13,22 +13,23 @@ mod command;
 mod execute;
 mod load;
 mod motion;
-mod parameters;
 mod pid;
 mod read;
+mod register;
 mod request;
 mod scale;
 mod signals;
 mod watch;
 
 pub use command::{Command, Commands};
-pub use parameters::{COMMAND_ERRORS, Parameters, Register};
+pub use register::Register;
 pub use request::Request;
 pub use signals::{STATES, SaiaSignal};
 
 use super::{Order, View};
 use crate::code::Code;
 use crate::event::{Number, Refusal};
+use crate::parameter::saia::Parameters;
 use crate::position::Position;
 use crate::profile::Motion;
 use pid::{Gains, Pid};

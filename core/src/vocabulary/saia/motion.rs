@@ -3,11 +3,11 @@
 use super::execute::Deed;
 use super::scale::{HIGHEST, LOWEST};
 use super::{Fault, Load, Phase, Register, Saia, Starting};
-use crate::axis::Reference;
 use crate::code::Code;
 use crate::event::Number;
 use crate::position::Position;
 use crate::profile::Limits;
+use crate::state::Reference;
 use crate::vocabulary::{Order, View};
 
 /// MCW bits 8 to 10: which stop.

@@ -8,9 +8,9 @@
 
 use super::request::{Mode, Speed};
 use super::{State, Wf, direction, is_open};
-use crate::axis::Reference;
 use crate::code::Code;
 use crate::profile::{self, Limits};
+use crate::state::Reference;
 use crate::vocabulary::{Order, View};
 
 impl Wf {

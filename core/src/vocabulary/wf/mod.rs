@@ -26,7 +26,7 @@ mod signals;
 mod steps;
 
 pub use enable::enable;
-pub use parameters::{Parameters, Wiring};
+pub use parameters::Wiring;
 pub use request::{Block, Blocks, FIXED_SPEEDS, FULL_SPEED, Jog, MAX_BLOCKS, MODES, MOST_BCD, Mode, Request, Speed};
 pub use signals::WfSignal;
 
@@ -36,6 +36,7 @@ use crate::drive::Interface;
 use crate::event::{Number, Refusal};
 use crate::object::Object;
 use crate::parameter::Row;
+use crate::parameter::wf::Parameters;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 

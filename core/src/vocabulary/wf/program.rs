@@ -3,8 +3,8 @@
 use super::request::{Blocks, FULL_SPEED, MOST_BCD, Mode, Speed};
 use super::{Objection, State, Wf, is_open, offsets};
 use crate::code::Code;
-use crate::command::Direction;
 use crate::event::Number;
+use crate::modulo::Direction;
 use crate::position::Position;
 use crate::vocabulary::{Order, View};
 

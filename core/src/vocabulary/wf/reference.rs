@@ -13,9 +13,8 @@
 use super::program::check_speed;
 use super::request::{FULL_SPEED, Speed};
 use super::{Objection, State, Wf, is_moved, is_open};
-use crate::axis::Travel;
 use crate::code::Code;
-use crate::vocabulary::{Order, View};
+use crate::vocabulary::{Order, Travel, View};
 
 impl Wf {
     /// Does what the inputs say now.

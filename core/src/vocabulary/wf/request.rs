@@ -1,7 +1,6 @@
 //! What a verb of the vocabulary asks for.
 
-use crate::command::Length;
-use crate::position::Position;
+use crate::position::{Length, Position};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

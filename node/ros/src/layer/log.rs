@@ -1,6 +1,34 @@
-//! What the program should let through of the DDS library's log.
+//! How much a log line matters, and what the program should let through of the DDS library's log.
 
 use crate::side::NOISE;
+use lineshaft_msgs::foreign::rcl_interfaces::msg::Log;
+
+/// How much a line matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Details for developers.
+    Debug,
+    /// Expected.
+    Info,
+    /// Worth a look.
+    Warn,
+    /// Something failed.
+    Error,
+    /// The process cannot go on.
+    Fatal,
+}
+
+impl Severity {
+    pub(super) fn level(self) -> u8 {
+        match self {
+            Self::Debug => Log::DEBUG,
+            Self::Info => Log::INFO,
+            Self::Warn => Log::WARN,
+            Self::Error => Log::ERROR,
+            Self::Fatal => Log::FATAL,
+        }
+    }
+}
 
 /// Directives for a log filter (`EnvFilter` of `tracing-subscriber`): `level` for everything, warnings of the DDS
 /// library, and not those of it that repeat themselves where nothing is wrong.

@@ -7,8 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use lineshaft_msgs::foreign::rcl_interfaces::msg::LoggerLevel;
 
-use super::log::log_filter;
-use super::rosout::Severity;
+use super::log::{Severity, log_filter};
 
 /// What all targets of the program's log begin with.
 const PROGRAM: &str = "lineshaft";

@@ -5,38 +5,12 @@ use lineshaft_msgs::foreign::rcl_interfaces::msg::Log;
 use std::sync::Arc;
 
 use super::clock::Clock;
+use super::log::Severity;
 use super::loggers::Loggers;
 use crate::link::Writer;
 
 /// Target of lines of the program's log that are sent to `/rosout` beside it: whoever passes the log on leaves them out.
 pub const TOLD: &str = "lineshaft_ros::told";
-
-/// How much a line matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// Details for developers.
-    Debug,
-    /// Expected.
-    Info,
-    /// Worth a look.
-    Warn,
-    /// Something failed.
-    Error,
-    /// The process cannot go on.
-    Fatal,
-}
-
-impl Severity {
-    pub(super) fn level(self) -> u8 {
-        match self {
-            Self::Debug => Log::DEBUG,
-            Self::Info => Log::INFO,
-            Self::Warn => Log::WARN,
-            Self::Error => Log::ERROR,
-            Self::Fatal => Log::FATAL,
-        }
-    }
-}
 
 /// Where a line comes from.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

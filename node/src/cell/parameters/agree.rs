@@ -2,9 +2,10 @@
 
 use super::MOST;
 use crate::document::Value;
+use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::highest_velocity;
 use lineshaft_core::parameter::{self, AxisParameters, Contradiction, Row};
-use lineshaft_core::text::{not_built_here, range_text, value_text};
+use lineshaft_core::text::{range_text, value_text};
 use lineshaft_core::unit::{Scale, excerpt};
 
 /// Keys that stand in the file, with their values.

@@ -1,8 +1,8 @@
 //! Axes, problem by problem.
 
 use super::{HEAD, good, said};
-use lineshaft_core::axis::Modulo;
 use lineshaft_core::config::AxisConfig;
+use lineshaft_core::modulo::Modulo;
 use lineshaft_core::sim::{Model, SecondOrder};
 
 const LINEAR: [(&str, &str); 6] = [

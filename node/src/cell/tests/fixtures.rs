@@ -99,7 +99,7 @@ fn with(keys: &str, machine: &str) -> String {
 
 #[test]
 fn a_brake_and_what_hangs_on_it() {
-    use lineshaft_core::config::BrakeConfig;
+    use lineshaft_core::axis::BrakeConfig;
     use lineshaft_core::sim::{Sign, SimBrake};
     let sim = "    sim: {model: ideal, hanging_load: -9.81 m/s^2, brake_opens: 50 ms, brake_closes: 40 ms}\n";
     let brake = "    brake: {output: lamp, release_delay: 60 ms, engage_delay: 50 ms, inverted: true}\n";

@@ -5,8 +5,8 @@
 use super::select::{Select, alias};
 use super::{Budget, Refusal, Track, stamp};
 use crate::recording::run::Message;
-use lineshaft_core::axis::{AXIS_STATES, DRIVE_STATES, REFERENCES};
 use lineshaft_core::signal::Type;
+use lineshaft_core::state::{AXIS_STATES, DRIVE_STATES, REFERENCES};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::Message as _;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;

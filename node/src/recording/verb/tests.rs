@@ -6,13 +6,15 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, Direction, Disengage, HomeAxis, HomingMethod, Length, MasterPosition, Move, MoveMode, OutputValue,
-    Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, SyncMode, Synchronize as Coupling,
+    BufferMode, HomeAxis, HomingMethod, MasterPosition, Move, MoveMode, OutputValue, Probe, ProbeEdge,
+    SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
+use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Row, Value as Set};
-use lineshaft_core::position::Position;
+use lineshaft_core::position::{Length, Position};
+use lineshaft_core::sync::{Disengage, SyncMode};
 
 /// Scales that are handy (x, turret), that no decimal holds (odd), and that are as fine and as coarse as a cell may ask for.
 const CELL: &str = "

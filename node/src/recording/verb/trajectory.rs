@@ -1,9 +1,8 @@
 //! The text of a verb `follow_joint_trajectory`.
 
 use super::write::{axis, length, rate};
-use lineshaft_core::command::Length;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::position::Position;
+use lineshaft_core::position::{Length, Position};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use serde::{Serialize, Serializer};
 

@@ -1,8 +1,7 @@
 //! The text of a verb `wf`.
 
 use super::write::{length, rate};
-use lineshaft_core::command::Length;
-use lineshaft_core::position::Position;
+use lineshaft_core::position::{Length, Position};
 use lineshaft_core::vocabulary::wf::{self, Jog, Mode, Request, Speed};
 use serde::Serialize;
 

@@ -2,12 +2,15 @@
 
 use super::{saia, trajectory, wf};
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Direction, Disengage, HomeAxis as Homing, HomingMethod, Length, MasterPosition, Move,
-    MoveMode, Probe, ProbeEdge, Setpoint, Setpoints, SyncMode, Synchronize as Coupling,
+    Action, BufferMode, Command, HomeAxis as Homing, HomingMethod, MasterPosition, Move, MoveMode, Probe, ProbeEdge,
+    Setpoint, Setpoints, Synchronize as Coupling,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
+use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
+use lineshaft_core::position::Length;
+use lineshaft_core::sync::{Disengage, SyncMode};
 use lineshaft_core::unit::Unit;
 use serde::{Serialize, Serializer};
 use serde_json::ser::Formatter;

@@ -17,7 +17,8 @@
 use super::amount::amount;
 use super::{Deed, Reader};
 use crate::document::{Map, Value};
-use lineshaft_core::command::{Action, Length};
+use lineshaft_core::command::Action;
+use lineshaft_core::position::Length;
 use lineshaft_core::request::{Amount, RequestError, Units};
 use lineshaft_core::unit::Scale;
 use lineshaft_core::vocabulary::wf::{Block, Blocks, FIXED_SPEEDS, Jog, MAX_BLOCKS, Mode, Request, Speed};

@@ -1,10 +1,10 @@
 //! Any writes, goals, stops and events in any order.
 
 use super::{MARK, Rig, X, Y, changes, latch, wired};
-use crate::axis::Modulo;
 use crate::command::{Action, Move, MoveMode};
 use crate::event::Kind;
 use crate::machine::tests::rig::{LINE, at, couple, to};
+use crate::modulo::Modulo;
 use crate::object::{AxisSet, Leader};
 use crate::text::sentence;
 use proptest::prelude::*;

@@ -1,8 +1,8 @@
 //! The cell in which anything happens: its ways, contacts, outputs and drives.
 
-use crate::axis::Safety;
+use crate::axis::{BrakeConfig, Safety};
 use crate::command::{Action, OutputValue};
-use crate::config::{BrakeConfig, IoConfig, IoKind, MachineConfig};
+use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::drive::Interface;
 use crate::sim::{Fixtures, Index, Model, TwoSpeed, VelocityLag};
 use proptest::prelude::*;

@@ -2,8 +2,8 @@
 
 use super::super::rig::Rig;
 use super::AXES;
-use crate::axis::HomingPhase;
 use crate::drive::Interface;
+use crate::state::HomingPhase;
 use proptest::prelude::*;
 
 /// Where the axes are commanded to that are on and closed, and whose zero stands.

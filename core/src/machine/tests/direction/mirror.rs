@@ -5,10 +5,11 @@
 
 use super::super::rig::{Rig, X, at, cases, couple, to};
 use super::{closed_here, servo, turned};
-use crate::command::{Action, BufferMode, Length, Move, MoveMode, Synchronize};
+use crate::command::{Action, BufferMode, Move, MoveMode, Synchronize};
 use crate::event::{Event, Number};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
+use crate::position::Length;
 use crate::sim::Model;
 use proptest::prelude::*;
 

@@ -3,10 +3,11 @@
 use super::super::rig::{Rig, X, at, cases, config, couple, to};
 use super::set;
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Disengage, Move, MoveMode, Synchronize};
+use crate::command::{Action, BufferMode, Move, MoveMode, Synchronize};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
+use crate::sync::Disengage;
 use proptest::prelude::*;
 
 fn ruled(rule: i64, posdrct: i64) -> Rig {
@@ -130,7 +131,7 @@ fn a_slave_that_is_ahead_waits() {
     for rule in [1, 2] {
         let mut rig = ruled(rule, 1);
         let request = couple(X, Leader::AxisCommand(0), 1, 1);
-        rig.give(Action::Synchronize(Synchronize { offset: crate::command::Length::whole(-3_000), ..request }));
+        rig.give(Action::Synchronize(Synchronize { offset: crate::position::Length::whole(-3_000), ..request }));
         rig.run(500);
         assert_eq!(rig.int("x.command.position"), 0);
         rig.give(Action::Move(slow(10_000)));
@@ -232,7 +233,7 @@ proptest! {
                 Deed::Halt => drop(rig.give(Action::Halt(AxisSet::one(X)))),
                 Deed::Couple(ratio, offset) => {
                     let request = couple(X, Leader::AxisCommand(0), ratio, 1);
-                    let offset = crate::command::Length::whole(offset);
+                    let offset = crate::position::Length::whole(offset);
                     rig.give(Action::Synchronize(Synchronize { offset, ..request }));
                 }
             }

@@ -3,9 +3,10 @@
 use super::super::rig::{Rig, X, Y, config, couple, to};
 use super::{error, set, shared_config, velocity_config, zero};
 use crate::code::Code;
-use crate::command::{Action, HomeAxis, HomingMethod, Length};
+use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::object::Leader;
 use crate::parameter::{Change, Row, Value};
+use crate::position::Length;
 use crate::vocabulary::wf::{Mode, Request};
 
 /// One wrong track of a Gray word is a step of one increment somewhere: without parity nobody sees it.

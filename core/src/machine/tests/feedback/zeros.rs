@@ -3,8 +3,9 @@
 use super::super::rig::{Rig, X, Y, to};
 use super::{shared_config, zero};
 use crate::code::Code;
-use crate::command::{Action, Length, MasterPosition, SetEncoderPosition, SetMasterPosition};
+use crate::command::{Action, MasterPosition, SetEncoderPosition, SetMasterPosition};
 use crate::object::AxisSet;
+use crate::position::Length;
 
 const LINE: u16 = 0;
 

@@ -4,10 +4,11 @@ use super::super::rig::{Rig, X, at, couple, to};
 use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, set, way, zero};
 use crate::axis::Safety;
 use crate::code::Code;
-use crate::command::{Action, HomeAxis, HomingMethod, Length, SetPosition};
+use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
 use crate::config::{IoConfig, IoKind};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::Value;
+use crate::position::Length;
 use crate::sim::Model;
 
 const START: i64 = -12_000;

@@ -208,7 +208,7 @@ fn an_axis_that_turns_for_ever_looks_for_its_switch_for_two_turns() {
     for (value, method) in [(0, 19), (4, 19), (0, -2)] {
         let mut config = cell(0);
         let x = &mut config.axes[usize::from(X)];
-        x.modulo = crate::axis::Modulo::new(21_601, 3);
+        x.modulo = crate::modulo::Modulo::new(21_601, 3);
         x.parameters.homing.max_distance = None;
         let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
         let mut rig = rig_with(config, Model::Ideal, fixtures);
@@ -232,8 +232,10 @@ fn nothing_else_moves_an_axis_that_homes() {
     }
     let sequence = home(&mut rig, 3);
     assert_eq!(rig.refusal(sequence), under_way);
-    let sequence = rig
-        .give(Action::SetPosition(crate::command::SetPosition { axis: X, position: crate::command::Length::whole(0) }));
+    let sequence = rig.give(Action::SetPosition(crate::command::SetPosition {
+        axis: X,
+        position: crate::position::Length::whole(0),
+    }));
     assert_eq!(rig.refusal(sequence), "x: the axis is homing; wait for its end, or halt it first");
     rig.stream(X, 1_000.0);
     assert_eq!(rig.state("x"), "HOMING");

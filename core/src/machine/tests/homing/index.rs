@@ -4,12 +4,13 @@ use super::super::rig::{Rig, X};
 use super::{cell, home, place, rig, rig_with, run_to_end, set, way};
 use crate::axis::Wired;
 use crate::code::Code;
-use crate::command::{Action, Length, Probe, ProbeEdge};
+use crate::command::{Action, Probe, ProbeEdge};
 use crate::drive::Interface;
 use crate::encoder::PulseCheck;
 use crate::event::{Event, Kind};
 use crate::object::{AxisSet, Object};
 use crate::parameter::Value;
+use crate::position::Length;
 use crate::sim::Model;
 
 /// Marks at 300 + 2000 n, the next one at 2300; no switch is near.

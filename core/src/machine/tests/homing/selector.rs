@@ -3,12 +3,13 @@
 use super::super::rig::{LINE, Rig, X, at, to};
 use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
 use crate::code::Code;
-use crate::command::{Action, Length, SetPosition};
+use crate::command::{Action, SetPosition};
 use crate::config::MachineConfig;
 use crate::drive::{Edge, Latch};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Row, Value};
+use crate::position::Length;
 use crate::sim::Model;
 use crate::text::sentence;
 use crate::vocabulary::amc::Wiring;

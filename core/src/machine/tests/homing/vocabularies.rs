@@ -390,7 +390,7 @@ fn a_zero_is_not_set_while_the_drive_homes_for_a_vocabulary() {
     let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
     set(&mut rig, "amc.reference_select", Value::Int(5));
     rig.run(100);
-    let zero = crate::command::SetPosition { axis: X, position: crate::command::Length::whole(1_000) };
+    let zero = crate::command::SetPosition { axis: X, position: crate::position::Length::whole(1_000) };
     let refused = rig.give(Action::SetPosition(zero));
     assert_eq!(
         (rig.refusal(refused), rig.state("x")),

@@ -3,11 +3,12 @@
 use super::super::rig::{LINE, Rig, X, at, couple, to};
 use super::{FAR, assign, cell, home, homed_events, place, rig, rig_with, run_to_end, set, way, zero};
 use crate::code::Code;
-use crate::command::{Action, Length, SetPosition};
+use crate::command::{Action, SetPosition};
 use crate::drive::{Edge, Latch};
 use crate::event::{Kind, Number};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Layer, Value};
+use crate::position::Length;
 use crate::sim::{Fixtures, Model};
 use crate::unit::MLONG;
 

@@ -2,10 +2,12 @@
 
 use super::super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use crate::code::Code;
-use crate::command::{Action, Disengage, Length, Move, MoveMode, SyncMode, Synchronize};
+use crate::command::{Action, Move, MoveMode, Synchronize};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
+use crate::position::Length;
+use crate::sync::{Disengage, SyncMode};
 use proptest::prelude::*;
 
 /// Where the limits of x are (inc).

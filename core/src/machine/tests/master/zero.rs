@@ -2,13 +2,14 @@
 
 use super::super::rig::{LINE, Rig, X, Y, config, couple, to};
 use super::{follow, set};
-use crate::command::{Action, Length, MasterPosition, SetEncoderPosition, SetMasterPosition, SetPosition, Synchronize};
+use crate::command::{Action, MasterPosition, SetEncoderPosition, SetMasterPosition, SetPosition, Synchronize};
 use crate::config::MachineConfig;
 use crate::drive::Interface;
 use crate::encoder::{Absolute, Form};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::Value;
+use crate::position::Length;
 
 fn master(axis: u16, position: i64) -> Action {
     let position = MasterPosition::Increments(Length::whole(position));

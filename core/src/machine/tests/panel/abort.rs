@@ -2,9 +2,9 @@
 
 use super::super::rig::{LINE, Rig, X, at, to};
 use super::{P, Q, R, ready, set, with_io};
+use crate::axis::BrakeConfig;
 use crate::code::Code;
 use crate::command::Action;
-use crate::config::BrakeConfig;
 use crate::object::AxisSet;
 
 fn put(rig: &mut Rig, index: u16, value: f64) {

@@ -2,8 +2,9 @@
 
 use super::super::rig::{Rig, X, at, parameters, to};
 use super::{P, R, set, with_io};
+use crate::axis::BrakeConfig;
 use crate::command::Action;
-use crate::config::{BrakeConfig, MachineConfig};
+use crate::config::MachineConfig;
 use crate::drive::inputs;
 use crate::object::AxisSet;
 use crate::sim::{Fixtures, Mechanics, Model, SimBrake};

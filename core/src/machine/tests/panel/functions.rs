@@ -2,8 +2,9 @@
 
 use super::super::rig::{Rig, X, Y, to};
 use super::{R, set, with_io};
+use crate::axis::BrakeConfig;
 use crate::command::Action;
-use crate::config::{BrakeConfig, ConfigError, MachineConfig};
+use crate::config::{ConfigError, MachineConfig};
 use crate::drive::inputs;
 use crate::object::AxisSet;
 use crate::parameter::{Change, Layer, MACHINE, Row, Value};

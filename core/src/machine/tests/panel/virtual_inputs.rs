@@ -1,9 +1,10 @@
 //! Inputs without a terminal: they read an output of the machine.
 
 use super::{P, Q, R, ready, set, with_io};
+use crate::axis::BrakeConfig;
 use crate::code::Code;
 use crate::command::Action;
-use crate::config::{BrakeConfig, FilterConfig, MachineConfig, VirtualInput};
+use crate::config::{FilterConfig, MachineConfig, VirtualInput};
 use crate::event::Kind;
 use crate::machine::Machine;
 use crate::machine::tests::rig::{Rig, X, at};

@@ -1,7 +1,8 @@
 //! The zero of the vocabulary and its break position where a coordinate is set anew: nothing moves by that.
 
 use super::rig::{FAST, Rig, X};
-use crate::command::{Action, HomeAxis, HomingMethod, Length, SetPosition};
+use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
+use crate::position::Length;
 
 fn set_position(rig: &mut Rig, position: i64) {
     rig.give(vec![Action::SetPosition(SetPosition { axis: X, position: Length::whole(position) })]).unwrap();

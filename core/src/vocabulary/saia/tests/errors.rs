@@ -1,10 +1,10 @@
 //! Command errors: three tries, and the three ways to answer them.
 
-use super::super::COMMAND_ERRORS;
 use super::rig::{FAST, Rig, X};
 use crate::code::Code;
 use crate::event::Kind;
 use crate::parameter::Value;
+use crate::parameter::saia::COMMAND_ERRORS;
 use crate::vocabulary::saia::Register;
 
 /// Proves: SAIA-ERR-01, SAIA-ERR-02, SAIA-ERR-04
@@ -107,7 +107,7 @@ fn with_motor_off_an_error_also_stops_the_axis() {
     rig.parameter("saia.command_error", Value::Int(2));
     rig.verb(X, &[("veloc", -100.0), ("destp", 55.0)], "fldva fldda fstart").unwrap();
     assert_eq!((rig.state(), rig.int("x.enabled"), rig.int("x.saia.ondest")), ("OFF", 0, 1));
-    assert_eq!(crate::axis::AXIS_STATES[rig.int("x.state") as usize], "ERROR_STOP");
+    assert_eq!(crate::state::AXIS_STATES[rig.int("x.state") as usize], "ERROR_STOP");
     assert_eq!(rig.int("x.error"), i64::from(Code::SAIA_VELOCITY_OUT_OF_RANGE.0));
     assert_eq!(rig.int("x.saia.destination"), 55, "the next command was done");
     rig.run(5);

@@ -324,6 +324,6 @@ fn software_limits_hold_for_starts_and_jogs() {
     rig.run_until("x.saia.ondest", 1.0);
     rig.run(100);
     assert_eq!((rig.int("x.command.position"), rig.state()), (-20_000, "HOLD"));
-    assert_eq!(crate::axis::AXIS_STATES[rig.int("x.state") as usize], "ERROR_STOP");
+    assert_eq!(crate::state::AXIS_STATES[rig.int("x.state") as usize], "ERROR_STOP");
     rig.refuses(&[], "fforw", "reset_errors first");
 }

@@ -1,7 +1,6 @@
 //! A start is judged when it comes, also where the drive has to switch on first: what is refused moves and switches nothing.
 
 use super::rig::{FAST, Rig, X, config};
-use crate::axis::AXIS_STATES;
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::{IoConfig, IoKind, MachineConfig};
@@ -10,6 +9,7 @@ use crate::event::Kind;
 use crate::object::AxisSet;
 use crate::parameter::{AxisParameters, Value};
 use crate::sim::Fixtures;
+use crate::state::AXIS_STATES;
 
 /// From the present state, and with the motor off before.
 const STARTS: [&str; 4] = ["fldda fstart", "fldda fldva fstart", "fldda fldva fldaa fstart", "axinit fldda fstart"];

@@ -2,11 +2,11 @@
 
 use super::bench::{Bench, MAX_VELOCITY, MM, by, to};
 use super::rig::Rig;
-use crate::axis::Modulo;
-use crate::command::{Action, Length};
+use crate::command::Action;
 use crate::drive::Interface;
+use crate::modulo::Modulo;
 use crate::object::AxisSet;
-use crate::position::Position;
+use crate::position::{Length, Position};
 use crate::vocabulary::wf::steps::Steps;
 use crate::vocabulary::wf::{Block, Blocks, Jog, MODES, Mode, Request, Speed, State, Wf, WfSignal};
 use proptest::prelude::*;

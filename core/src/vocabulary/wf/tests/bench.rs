@@ -1,10 +1,10 @@
 //! An open-loop axis that is where the test says, and does what it is told at once.
 
-use crate::axis::Modulo;
 use crate::code::Code;
 use crate::drive::Interface;
 use crate::encoder::Lead;
 use crate::event::Refusal;
+use crate::modulo::Modulo;
 use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::position::Position;

@@ -1,9 +1,8 @@
 //! Modes, ends of blocks, change on the fly, distance to go, turns.
 
 use super::bench::{Bench, MM, again, by, load, start, to};
-use crate::axis::Modulo;
-use crate::command::Length;
-use crate::position::Position;
+use crate::modulo::Modulo;
+use crate::position::{Length, Position};
 use crate::vocabulary::wf::{Block, Jog, Mode, Request, Speed, WfSignal};
 
 fn going(blocks: &[Block]) -> Bench {

@@ -3,8 +3,10 @@
 use super::bench::{by, reset, start, to};
 use super::rig::{Rig, config};
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Direction, Length, Move, MoveMode, SetPosition};
+use crate::command::{Action, BufferMode, Move, MoveMode, SetPosition};
+use crate::modulo::Direction;
 use crate::object::AxisSet;
+use crate::position::Length;
 use crate::vocabulary::wf::{Block, Jog, Mode, Request, Speed};
 
 /// To a position (mm) at a velocity (mm/s).

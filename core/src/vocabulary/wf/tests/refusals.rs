@@ -2,9 +2,8 @@
 
 use super::bench::{Bench, MAX_VELOCITY, MM, again, by, load, start, to};
 use crate::code::Code;
-use crate::command::Length;
 use crate::drive::Interface;
-use crate::position::Position;
+use crate::position::{Length, Position};
 use crate::vocabulary::wf::{Block, Blocks, Jog, Mode, Request, Speed};
 
 #[track_caller]

@@ -4,11 +4,11 @@ use super::Recorder;
 use crate::surface::history::fault;
 use crate::surface::host::Snapshot;
 use crate::surface::messages::AxisView;
-use lineshaft_core::axis::{AXIS_STATES, AxisState, DRIVE_STATES};
 use lineshaft_core::code::Code;
 use lineshaft_core::drive::DriveState;
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_core::signal::{Directory, Signal};
+use lineshaft_core::state::{AXIS_STATES, AxisState, DRIVE_STATES};
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::{DiagnosticStatus, KeyValue};
 use std::time::{Duration, Instant};
 

@@ -1,8 +1,21 @@
 //! The turn of a rotary axis. Its length is an exact fraction, so it need not be whole increments and never drifts.
 
-use crate::command::Direction;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
+
+/// Which way an absolute move on a modulo axis goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Direction {
+    /// The nearer way; up when both are equal.
+    #[default]
+    Shortest,
+    /// Up only.
+    Positive,
+    /// Down only.
+    Negative,
+    /// As the axis moves now, or moved last; the nearer way when it never moved.
+    Current,
+}
 
 /// Length of a turn (inc) as a fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,0 +1,215 @@
+//! The sense in which an axis counts, and whether it may reverse, as its parameters say.
+//!
+//! Source   MACS-DIR-01, MACS-DIR-05 to MACS-DIR-10, A-07, A-08
+
+use super::AxisParameters;
+use crate::position::Position;
+
+/// What POSDRCT says (MACS-DIR-01): each true where it is inverted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sense {
+    /// The user's units count against the encoder.
+    pub units: bool,
+    /// A positive reference of the position loop moves the encoder negative.
+    pub position: bool,
+    /// The same of the velocity loop.
+    pub velocity: bool,
+}
+
+impl Sense {
+    /// Decodes POSDRCT; none for a value that it does not have.
+    pub fn decode(posdrct: i64) -> Option<Self> {
+        let digits = posdrct.unsigned_abs();
+        let (tens, ones) = if digits < 10 { (digits, digits) } else { (digits / 10, digits % 10) };
+        let inverted = |digit: u64| match digit {
+            1 => Some(false),
+            2 => Some(true),
+            _ => None,
+        };
+        Some(Self { units: posdrct < 0, position: inverted(ones)?, velocity: inverted(tens)? })
+    }
+
+    /// Counts as the user counts them, and the other way round (inc).
+    #[inline]
+    pub(crate) fn turn(self, counts: i64) -> i64 {
+        if self.units { counts.wrapping_neg() } else { counts }
+    }
+
+    /// The same of a position.
+    #[inline]
+    pub(crate) fn turn_position(self, position: Position) -> Position {
+        if self.units { -position } else { position }
+    }
+
+    /// The same of a velocity, an acceleration or an effort. Never -0: a mirror of nothing is nothing.
+    #[inline]
+    pub(crate) fn turn_real(self, value: f64) -> f64 {
+        if self.units { 0.0 - value } else { value }
+    }
+}
+
+/// When an axis may move backwards (MACS-DIR-06).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rule {
+    /// Always.
+    #[default]
+    Always,
+    /// While the master that it is coupled to does: geared, with the sign of the ratio. Without a coupling never.
+    WithMaster,
+    /// Never.
+    Never,
+}
+
+/// What REVERS makes of the sign of the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Polarity {
+    /// It has one (MACS-DIR-08, output 0).
+    #[default]
+    Bipolar,
+    /// This output shows it (MACS-DIR-08).
+    Direction(u8),
+    /// This output enables one sense, the next one the other (MACS-DIR-09).
+    Enables(u8),
+}
+
+/// What REVERS says (MACS-DIR-05, -09).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reversing {
+    /// When it may.
+    pub rule: Rule,
+    /// How the drive is told the sign.
+    pub polarity: Polarity,
+    /// Bus ID of the drive; 0 for none (MACS-DIR-10).
+    pub node: u8,
+}
+
+impl Reversing {
+    /// Decodes REVERS: rule + 10 output + 100 node, or -10 to -90; none for a value that it does not have.
+    pub fn decode(revers: i64) -> Option<Self> {
+        if revers < 0 {
+            let output = u8::try_from(revers.unsigned_abs() / 10).ok().filter(|output| (1..=9).contains(output))?;
+            return (revers % 10 == 0).then_some(Self { polarity: Polarity::Enables(output), ..Self::default() });
+        }
+        let rule = match revers % 10 {
+            0 => Rule::Always,
+            1 => Rule::WithMaster,
+            2 => Rule::Never,
+            _ => return None,
+        };
+        let polarity = match u8::try_from(revers / 10 % 10).ok()? {
+            0 => Polarity::Bipolar,
+            output => Polarity::Direction(output),
+        };
+        let node = u8::try_from(revers / 100).ok().filter(|node| *node <= 127)?;
+        Some(Self { rule, polarity, node })
+    }
+
+    /// Is all of it built: rule and outputs?
+    pub fn is_built(self) -> bool {
+        self.node == 0
+    }
+
+    /// The highest number of an output that it names; 0 for none.
+    pub fn last_output(self) -> i64 {
+        match self.polarity {
+            Polarity::Bipolar => 0,
+            Polarity::Direction(output) => output.into(),
+            Polarity::Enables(output) => i64::from(output) + 1,
+        }
+    }
+}
+
+impl AxisParameters {
+    /// What POSDRCT says.
+    pub fn sense(&self) -> Sense {
+        // The row lets nothing else pass.
+        Sense::decode(self.macs.posdrct).unwrap_or_default()
+    }
+
+    /// What REVERS says.
+    pub fn reversing(&self) -> Reversing {
+        Reversing::decode(self.macs.revers).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sense(units: bool, position: bool, velocity: bool) -> Option<Sense> {
+        Some(Sense { units, position, velocity })
+    }
+
+    /// The table of the source; 11 is 1, and every other value is none.
+    ///
+    /// Proves: MACS-DIR-01
+    #[test]
+    fn posdrct_decodes_by_its_table() {
+        let table = [
+            (1, sense(false, false, false)),
+            (-1, sense(true, false, false)),
+            (2, sense(false, true, true)),
+            (-2, sense(true, true, true)),
+            (12, sense(false, true, false)),
+            (21, sense(false, false, true)),
+            (22, sense(false, true, true)),
+            (-12, sense(true, true, false)),
+            (-21, sense(true, false, true)),
+            (-22, sense(true, true, true)),
+            (11, sense(false, false, false)),
+            (-11, sense(true, false, false)),
+        ];
+        for value in -300..=300 {
+            let expected = table.iter().find(|(known, _)| *known == value).and_then(|(_, sense)| *sense);
+            assert_eq!(Sense::decode(value), expected, "{value}");
+        }
+        for value in [i64::MIN, i64::MAX, 112, 211] {
+            assert_eq!(Sense::decode(value), None, "{value}");
+        }
+    }
+
+    /// The row takes what decodes, and nothing else.
+    ///
+    /// Proves: MACS-DIR-01, MACS-DIR-05
+    #[test]
+    fn rows_take_what_decodes() {
+        use crate::parameter::{Row, Value};
+        let (_, posdrct) = Row::find("posdrct").unwrap();
+        let (_, revers) = Row::find("revers").unwrap();
+        for value in -200..=13_000 {
+            let takes = |row: &Row| row.check(Value::Int(value)).is_ok();
+            assert_eq!(takes(posdrct), Sense::decode(value).is_some(), "posdrct {value}");
+            assert_eq!(takes(revers), Reversing::decode(value).is_some(), "revers {value}");
+        }
+    }
+
+    /// rule + 10 output + 100 node, and the two enables.
+    ///
+    /// Proves: MACS-DIR-05
+    #[test]
+    fn revers_decodes_into_rule_output_and_node() {
+        let of = |rule, polarity, node| Some(Reversing { rule, polarity, node });
+        for (value, expected) in [
+            (0, of(Rule::Always, Polarity::Bipolar, 0)),
+            (1, of(Rule::WithMaster, Polarity::Bipolar, 0)),
+            (2, of(Rule::Never, Polarity::Bipolar, 0)),
+            (3, None),
+            (12, of(Rule::Never, Polarity::Direction(1), 0)),
+            // The sample that the printed range leaves out.
+            (20, of(Rule::Always, Polarity::Direction(2), 0)),
+            (300, of(Rule::Always, Polarity::Bipolar, 3)),
+            (12_702, of(Rule::Never, Polarity::Bipolar, 127)),
+            (12_792, of(Rule::Never, Polarity::Direction(9), 127)),
+            (12_793, None),
+            (12_800, None),
+            (-10, of(Rule::Always, Polarity::Enables(1), 0)),
+            (-90, of(Rule::Always, Polarity::Enables(9), 0)),
+            (-11, None),
+            (-100, None),
+            (i64::MIN, None),
+            (i64::MAX, None),
+        ] {
+            assert_eq!(Reversing::decode(value), expected, "{value}");
+        }
+    }
+}

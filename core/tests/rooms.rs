@@ -1,0 +1,423 @@
+//! The rooms of the tree import downwards only.
+//!
+//! A room is a module of core, of the cells, or of the ROS layer; docs/ARCHITECTURE.md has the order of the rooms, the lowest
+//! first. What a file of a room imports is every path that begins with `crate`, `super` or `self` and leads out of it: in a `use`, in an
+//! expression, through a re-export. What is built for tests alone may import what it likes. Inside a room files may import each
+//! other; docs/ARCHITECTURE.md says of how many files the largest circle is at most.
+
+mod tree;
+
+use std::collections::{BTreeMap, BTreeSet};
+use tree::{files, read};
+
+const PAGE: &str = "docs/ARCHITECTURE.md";
+
+/// Folders whose modules are rooms, with the path of the folder in its crate and how many imports it has at least.
+const HOUSES: [(&str, &[&str], usize); 3] =
+    [("core/src", &[], 500), ("node/src/cell", &["cell"], 50), ("node/ros/src/layer", &["layer"], 50)];
+
+/// A word of the program or a sign, with its line.
+type Token = (usize, String);
+
+/// A path of modules, from the crate on.
+type Module = Vec<String>;
+
+/// Something that a file names by its path.
+#[derive(Clone, Debug, PartialEq)]
+struct Import {
+    line: usize,
+    path: Module,
+}
+
+/// What a file names, and its modules that are built for tests alone.
+#[derive(Debug, Default)]
+struct Named {
+    imports: Vec<Import>,
+    tests: Vec<Module>,
+}
+
+/// The production files of a folder, by their module.
+struct House {
+    folder: &'static str,
+    /// The path of the folder's own module.
+    own: Module,
+    files: BTreeMap<Module, (String, Vec<Import>)>,
+}
+
+/// What the page says of a house.
+struct Order {
+    rooms: Vec<String>,
+    /// Where the largest circle of files is, and of how many.
+    circle: (String, usize),
+}
+
+/// Behind a comment, a string or a character that begins there; none where nothing of the kind does.
+fn behind_text(signs: &[char], at: usize) -> Option<usize> {
+    let from = |place: usize| signs.get(place).copied().unwrap_or('\n');
+    let find = |mut place: usize, ends: &dyn Fn(usize) -> bool| {
+        while place < signs.len() && !ends(place) {
+            place += 1;
+        }
+        place
+    };
+    match (signs.get(at)?, from(at + 1)) {
+        ('/', '/') => Some(find(at, &|place| from(place) == '\n')),
+        ('/', '*') => {
+            let (mut depth, mut place) = (1, at + 2);
+            while depth > 0 && place < signs.len() {
+                match (from(place), from(place + 1)) {
+                    ('/', '*') => (depth, place) = (depth + 1, place + 2),
+                    ('*', '/') => (depth, place) = (depth - 1, place + 2),
+                    _ => place += 1,
+                }
+            }
+            Some(place)
+        }
+        ('r', '"' | '#') => {
+            let hashes = find(at + 1, &|place| from(place) != '#') - at - 1;
+            let begin = at + 1 + hashes;
+            let is_end = |place: usize| from(place) == '"' && (1..=hashes).all(|more| from(place + more) == '#');
+            (from(begin) == '"').then(|| find(begin + 1, &is_end) + 1 + hashes)
+        }
+        ('"', _) => {
+            let mut place = at + 1;
+            while place < signs.len() && from(place) != '"' {
+                place += if from(place) == '\\' { 2 } else { 1 };
+            }
+            Some(place + 1)
+        }
+        ('\'', '\\') => Some(find(at + 3, &|place| from(place) == '\'') + 1),
+        ('\'', _) if from(at + 2) == '\'' => Some(at + 3),
+        _ => None,
+    }
+}
+
+/// The words and signs of a program, without comments, strings and characters; `::` is one sign.
+fn tokens(text: &str) -> Vec<Token> {
+    let signs: Vec<char> = text.chars().collect();
+    let is_word = |sign: &char| sign.is_alphanumeric() || *sign == '_';
+    let (mut found, mut line, mut at) = (Vec::new(), 1, 0);
+    while let Some(sign) = signs.get(at) {
+        let word = signs.iter().skip(at).take_while(|sign| is_word(sign)).count();
+        let end = match behind_text(&signs, at) {
+            Some(end) => end,
+            None if word > 0 => at + word,
+            None if *sign == ':' && signs.get(at + 1) == Some(&':') => at + 2,
+            None => at + 1,
+        };
+        let end = end.min(signs.len());
+        if !sign.is_whitespace() && behind_text(&signs, at).is_none() {
+            found.push((line, signs[at..end].iter().collect()));
+        }
+        line += signs[at..end].iter().filter(|sign| **sign == '\n').count();
+        at = end;
+    }
+    found
+}
+
+/// Behind the item, field or statement that begins there.
+fn behind_item(tokens: &[Token], mut at: usize) -> usize {
+    let mut depth = 0_i32;
+    while let Some((_, word)) = tokens.get(at) {
+        match word.as_str() {
+            "{" | "(" | "[" => depth += 1,
+            "}" | ")" | "]" if depth == 0 => return at,
+            "}" if depth == 1 => return at + 1,
+            "}" | ")" | "]" => depth -= 1,
+            ";" | "," if depth == 0 => return at + 1,
+            _ => {}
+        }
+        at += 1;
+    }
+    at
+}
+
+/// The paths of a tree of paths (`a::{b, c::d}`) that begins there, behind `base`, and where it ends.
+fn paths(tokens: &[Token], mut at: usize, mut base: Module, found: &mut Vec<Import>) -> usize {
+    let is = |at: usize, sign: &str| tokens.get(at).is_some_and(|(_, word)| word == sign);
+    while let Some((line, word)) = tokens.get(at) {
+        if word == "{" {
+            at += 1;
+            while at < tokens.len() && !is(at, "}") {
+                let end = paths(tokens, at, base.clone(), found);
+                at = (end..tokens.len()).find(|end| is(*end, ",") || is(*end, "}")).unwrap_or(tokens.len());
+                at += usize::from(is(at, ","));
+            }
+            return at + 1;
+        }
+        match word.as_str() {
+            "super" => drop(base.pop()),
+            "self" | "crate" => {}
+            name if name.starts_with(|sign: char| sign.is_alphabetic() || sign == '_') => base.push(name.to_owned()),
+            // A glob, or the types of a generic.
+            _ => {
+                found.push(Import { line: *line, path: base });
+                return at;
+            }
+        }
+        if !is(at + 1, "::") {
+            found.push(Import { line: *line, path: base });
+            return at + 1;
+        }
+        at += 2;
+    }
+    at
+}
+
+/// What a file of that module names.
+fn named(text: &str, module: &Module) -> Named {
+    let tokens = tokens(text);
+    let word = |at: usize| tokens.get(at).map_or("", |(_, word)| word.as_str());
+    let is_test =
+        |at: usize| ["#", "[", "cfg", "(", "test", ")", "]"].iter().zip(at..).all(|(sign, at)| word(at) == *sign);
+    let (mut named, mut inner, mut depth, mut at) = (Named::default(), vec![(0, module.clone())], 0, 0);
+    let mut macro_end = 0;
+    while at < tokens.len() {
+        let here = inner.last().map_or_else(Module::new, |(_, module)| module.clone());
+        match word(at) {
+            "#" if is_test(at) => {
+                let names = (at..behind_item(&tokens, at + 7)).find(|at| word(*at) == "mod").map(|at| word(at + 1));
+                named.tests.extend(names.map(|name| [here, vec![name.to_owned()]].concat()));
+                at = behind_item(&tokens, at + 7);
+                continue;
+            }
+            "mod" if word(at + 2) == "{" => inner.push((depth + 1, [here, vec![word(at + 1).to_owned()]].concat())),
+            "{" => depth += 1,
+            "}" => {
+                inner.retain(|(at, _)| *at < depth || *at == 0);
+                depth -= 1;
+            }
+            // Who may see something is no import.
+            "in" if word(at.wrapping_sub(1)) == "(" => {
+                at = (at..tokens.len()).find(|at| word(*at) == ")").unwrap_or(tokens.len());
+                continue;
+            }
+            "crate" if word(at + 1) == "::" => {
+                at = paths(&tokens, at + 2, Module::new(), &mut named.imports);
+                continue;
+            }
+            "macro_rules" => macro_end = behind_item(&tokens, at),
+            // The place where a macro is expanded decides what these mean in it.
+            "super" | "self" | "use" if at < macro_end => {}
+            "super" | "self" if word(at + 1) == "::" && word(at.wrapping_sub(1)) != "::" => {
+                at = paths(&tokens, at, here, &mut named.imports);
+                continue;
+            }
+            // A module of its own, unless it is a library's.
+            "use" if !matches!(word(at + 1), "crate" | "super" | "self" | "::") => {
+                at = paths(&tokens, at + 1, here, &mut named.imports);
+                continue;
+            }
+            _ => {}
+        }
+        at += 1;
+    }
+    named
+}
+
+impl House {
+    fn new(folder: &'static str, own: &[&str]) -> Self {
+        let own: Module = own.iter().map(|name| (*name).to_owned()).collect();
+        let below = files(&[".rs"]).into_iter().filter_map(|file| {
+            let inside = file.strip_prefix(folder)?.strip_prefix('/')?.strip_suffix(".rs")?.to_owned();
+            let parts = inside.split('/').map(str::to_owned).filter(|part| part != "mod" && part != "lib");
+            Some((own.iter().cloned().chain(parts).collect(), file))
+        });
+        let texts: Vec<(Module, String, Named)> = below
+            .map(|(module, file)| {
+                let named = named(&read(&file), &module);
+                (module, file, named)
+            })
+            .collect();
+        let tests: Vec<Module> = texts.iter().flat_map(|(_, _, named)| named.tests.clone()).collect();
+        let is_test = |module: &Module| tests.iter().any(|test| module.starts_with(test));
+        let texts = texts.into_iter().filter(|(module, ..)| !is_test(module));
+        let files = texts.map(|(module, file, named)| (module, (file, named.imports))).collect();
+        Self { folder, own, files }
+    }
+
+    /// The room of a module; none of the door of the house, which stands above all of them.
+    fn room<'m>(&self, module: &'m Module) -> Option<&'m str> {
+        module.strip_prefix(self.own.as_slice())?.first().map(String::as_str)
+    }
+
+    fn rooms(&self) -> BTreeSet<&str> {
+        self.files.keys().filter_map(|module| self.room(module)).collect()
+    }
+
+    /// Each import that leads out of its room and not out of the house: where, the room, what is imported.
+    fn arrows(&self) -> Vec<(String, &str, &Module)> {
+        let mut found = Vec::new();
+        for (module, (file, imports)) in &self.files {
+            // The door may import what it likes.
+            let Some(room) = self.room(module) else { continue };
+            for Import { line, path } in imports {
+                if path.starts_with(&self.own) && self.room(path) != Some(room) {
+                    found.push((format!("{file}:{line}"), room, path));
+                }
+            }
+        }
+        found
+    }
+
+    /// What is wrong with the rooms, a sentence each.
+    fn faults(&self, order: &[String]) -> Vec<String> {
+        let rooms = self.rooms();
+        let place = |room: &str| order.iter().position(|known| known == room);
+        let mut found = Vec::new();
+        for room in &rooms {
+            if place(room).is_none() {
+                found.push(format!("{}/{room}: {PAGE} gives this room no place", self.folder));
+            }
+        }
+        for (index, room) in order.iter().enumerate() {
+            if !rooms.contains(room.as_str()) || place(room) != Some(index) {
+                found.push(format!("{PAGE}: {}/{room} is no room, or stands twice", self.folder));
+            }
+        }
+        for (line, room, path) in self.arrows() {
+            // What is in no room is the door's.
+            let is_below = |other: &str| rooms.contains(other) && place(other) < place(room);
+            if !self.room(path).is_some_and(is_below) {
+                let what = if path.is_empty() { "the door".to_owned() } else { path.join("::") };
+                found.push(format!("{line}: {room} imports {what}, which stands above it"));
+            }
+        }
+        found
+    }
+
+    /// The largest circle of files in one room, that room first: each of them reaches each other one by imports.
+    fn circle(&self) -> (String, Vec<&str>) {
+        let modules: Vec<&Module> = self.files.keys().collect();
+        let file_of = |path: &Module| {
+            (0..=path.len()).rev().find_map(|end| modules.iter().position(|module| **module == path[..end]))
+        };
+        let mut reaches = vec![vec![false; modules.len()]; modules.len()];
+        for (from, (_, imports)) in self.files.values().enumerate() {
+            for to in imports.iter().filter_map(|import| file_of(&import.path)) {
+                reaches[from][to] = self.room(modules[from]) == self.room(modules[to]);
+            }
+        }
+        for over in 0..modules.len() {
+            for from in 0..modules.len() {
+                for to in 0..modules.len() {
+                    reaches[from][to] |= reaches[from][over] && reaches[over][to];
+                }
+            }
+        }
+        let circle =
+            |from: usize| (0..modules.len()).filter(|to| reaches[from][*to] && reaches[*to][from]).collect::<Vec<_>>();
+        let circles = (0..modules.len()).filter(|from| self.room(modules[*from]).is_some()).map(circle);
+        let largest = circles.max_by_key(Vec::len).unwrap_or_default();
+        let room = largest.first().and_then(|file| self.room(modules[*file])).unwrap_or("no room").to_owned();
+        (room, largest.into_iter().filter_map(|file| Some(self.files.get(modules[file])?.0.as_str())).collect())
+    }
+}
+
+/// The row of a house in the page: rooms in their order, and the largest circle of files.
+fn order(page: &str, folder: &str) -> Order {
+    let row = page.lines().find_map(|line| line.strip_prefix(&format!("| `{folder}` |")));
+    let row = row.unwrap_or_else(|| panic!("{PAGE} has no row `{folder}`"));
+    let (rooms, circle) = row.split_once('|').unwrap_or((row, ""));
+    let words = |text: &str| text.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+    let count = circle.split(|sign: char| !sign.is_ascii_digit()).find_map(|number| number.parse().ok());
+    Order { rooms: words(rooms), circle: (words(circle).pop().unwrap_or_default(), count.unwrap_or_default()) }
+}
+
+#[test]
+fn no_room_imports_one_that_stands_above_it() {
+    let page = read(PAGE);
+    let mut faults = Vec::new();
+    for (folder, own, least) in HOUSES {
+        let house = House::new(folder, own);
+        let count = house.arrows().len();
+        assert!(count >= least, "{folder} has {count} imports between rooms");
+        faults.extend(house.faults(&order(&page, folder).rooms));
+    }
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+#[test]
+fn no_circle_of_files_is_larger_than_the_page_says() {
+    let page = read(PAGE);
+    for (folder, own, _) in HOUSES {
+        let house = House::new(folder, own);
+        let ((room, files), (named, most)) = (house.circle(), order(&page, folder).circle);
+        println!("{folder}: {} files of {room} import each other", files.len());
+        let fits = files.len() <= most && (room == named || files.len() < most);
+        let list = files.join("\n");
+        assert!(fits, "{} files of {room} import each other; {PAGE} says {most} of {named}:\n{list}", files.len());
+    }
+}
+
+fn house(texts: &[(&str, &str)]) -> House {
+    let module = |path: &str| path.split('/').filter(|part| !part.is_empty()).map(str::to_owned).collect::<Module>();
+    let files = texts.iter().map(|(path, text)| {
+        let module = module(path);
+        let imports = named(text, &module).imports;
+        (module, (format!("{path}.rs"), imports))
+    });
+    House { folder: "src", own: Module::new(), files: files.collect() }
+}
+
+#[test]
+fn an_arrow_upwards_is_named_with_its_place() {
+    let house = house(&[
+        ("", "use b::B;"),
+        ("a", "use crate::b::{B, c};\n\n/// [`b`](crate::b)\nfn f() { crate::e::g(\"crate::b\") }"),
+        ("b", "use crate::a::A;\npub use super::a;\npub(in crate::e) fn f() {}"),
+        ("b/c", "use super::super::{a::{A, B}, d::D};\nuse super::d;\nuse crate::{Door, *};"),
+        ("d", ""),
+    ]);
+    let order = ["a", "b", "x", "d", "d"].map(str::to_owned);
+    let expected = [
+        "docs/ARCHITECTURE.md: src/x is no room, or stands twice",
+        "docs/ARCHITECTURE.md: src/d is no room, or stands twice",
+        "a.rs:1: a imports b::B, which stands above it",
+        "a.rs:1: a imports b::c, which stands above it",
+        "a.rs:4: a imports e::g, which stands above it",
+        "b/c.rs:1: b imports d::D, which stands above it",
+        "b/c.rs:3: b imports Door, which stands above it",
+        "b/c.rs:3: b imports the door, which stands above it",
+    ];
+    assert_eq!(house.faults(&order), expected);
+    assert_eq!(house.faults(&order[1..4])[0], "src/a: docs/ARCHITECTURE.md gives this room no place");
+}
+
+#[test]
+fn what_tests_alone_import_is_no_arrow() {
+    let text = "
+        #[cfg(test)] mod tests { use crate::b; fn f(a: u8, b: u8) { super::b() } }
+        #[cfg(test)] use crate::{b, c::d};
+        struct A { #[cfg(test)] b: crate::b::B, c: crate::c::C<'a, 'b> }
+        mod inner { use super::super::d; fn f() { self::e() } }
+        #[cfg(test)] mod fixtures;
+        const X: &str = r#\"crate::\"b\"#; /* crate::b /* b */ crate::b */ const Y: char = '\\'';
+        macro_rules! m { () => { $crate::f::<u8>::F; super::F } }
+        fn f() -> Self { self.b; Self::b; x::super_b(crate::g) }
+    ";
+    let named = named(text, &vec!["a".to_owned()]);
+    let paths: Vec<_> = named.imports.iter().map(|import| (import.line, import.path.join("::"))).collect();
+    let expected = [(4, "c::C"), (5, "d"), (5, "a::inner::e"), (8, "f"), (9, "g")];
+    assert_eq!(paths, expected.map(|(line, path)| (line, path.to_owned())));
+    assert_eq!(named.tests, [["a", "tests"], ["a", "fixtures"]].map(|names| names.map(str::to_owned).to_vec()));
+}
+
+#[test]
+fn files_that_import_each_other_round_a_corner_are_a_circle() {
+    let house = house(&[
+        ("a", "mod b; mod c; use b::B;"),
+        ("a/b", "use crate::a::c::C;"),
+        ("a/c", "use super::A;"),
+        ("a/d", "use super::c;\nuse serde::Serialize;"),
+        ("e", "use crate::f;"),
+        ("f", "use crate::e;"),
+    ]);
+    assert_eq!(house.circle(), ("a".to_owned(), vec!["a.rs", "a/b.rs", "a/c.rs"]));
+}
+
+#[test]
+fn the_page_gives_the_order_and_the_largest_circle() {
+    let order = order("| in | rooms | circle |\n| `core/src` | `a`, `b` | `b`: 12 files |\n", "core/src");
+    assert_eq!((order.rooms, order.circle), (vec!["a".to_owned(), "b".to_owned()], ("b".to_owned(), 12)));
+}

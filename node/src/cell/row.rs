@@ -1,0 +1,38 @@
+//! What the row of a parameter says of a number in the file.
+
+use super::names::quote;
+use crate::document::Value;
+use lineshaft_core::parameter::{self, Row};
+use lineshaft_core::text::{expected_text, range_text, value_text};
+use lineshaft_core::unit::Scale;
+
+/// The value of a row for whole numbers, if it is one; its range is checked by the row.
+pub(super) fn whole(row: &Row, value: &Value<'_>, scale: &Scale) -> Option<i64> {
+    match value.peek() {
+        Some(text) if !value.is_integer() => {
+            // Only quotes keep it from being one.
+            let hint = text.parse::<i64>().is_ok().then(|| "write it without quotes".to_owned());
+            refuse_type(row, value, text, scale, hint);
+            None
+        }
+        _ => {
+            let number = value.integer(i128::MIN..=i128::MAX)?;
+            let number = i64::try_from(number);
+            number.map_err(|_| refuse_range(row, value, scale, f64::INFINITY)).ok()
+        }
+    }
+}
+
+pub(super) fn refuse_type(row: &Row, value: &Value<'_>, written: &str, scale: &Scale, hint: Option<String>) {
+    value.refuse(format!("{} is {}; {} is expected", row.key, quote(written), expected_text(row, scale)), hint);
+}
+
+/// Tells the range of a row, of which a velocity may use up to `highest` (inc/s).
+pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: f64) {
+    let range = range_text(row, |end| match end {
+        parameter::Value::Real(end) => value_text(row, parameter::Value::Real(end.min(highest)), scale),
+        end => value_text(row, end, scale),
+    });
+    let written = value.peek().unwrap_or_default();
+    value.refuse(format!("{} is {}; {range} is allowed", row.key, quote(written)), None);
+}
