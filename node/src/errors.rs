@@ -35,7 +35,43 @@ The reaction is one of:
 A following error that 5 has told, and that lasts or comes again after another value was set, is answered as that says. A brake that
 `o_brake` names closes with 1 and 3 also where a fault takes the power at once.
 
-Column *reaction* of the tables says what applies to a code; where it is empty, the code is no error of an axis, but a refusal, the
+What becomes of that, by what column *reaction* says of a code (its text, as far as it stands here), and by `error_reaction`:
+
+| reaction | where | 0 | 1 | 2 | 3 | 4 | 5 |
+|-|-|-|-|-|-|-|-|
+| as `error_reaction` says | | off | off + brake | hold | hold + brake | drive | go on |
+| as `error_reaction` says; 5 stops as 2 | | off | off + brake | hold | hold + brake | drive | hold |
+| where it ends a homing or a search | | off | off + brake | hold | hold + brake | drive | end |
+| `endswmod` 1: stop and hold | `endswmod` 0 | off | off + brake | hold | hold + brake | drive | hold |
+| `endswmod` 1: stop and hold | `endswmod` 1 | hold | hold | hold | hold | hold | hold |
+| stops at the limit | | stop, off | stop, off + brake | hold | hold + brake | stop, drive | hold |
+| drive off where the position loop is closed here | loop closed here | off | off + brake | off + brake | off + brake | off + brake | off + brake |
+| drive off where the position loop is closed here | loop in the drive | off | off + brake | hold | hold + brake | drive | hold |
+| drive off | | off | off + brake | off | off + brake | off | off |
+| stop with `max_deceleration`, then hold | | hold | hold | hold | hold + brake | hold | hold |
+| stop with `max_deceleration`, then drive off and brake closed | | stop, off + brake | stop, off + brake | stop, off + brake | stop, off + brake | stop, off + brake | stop, off + brake |
+| none; with `saia.command_error` motor_off | | off | off + brake | off | off + brake | off | off |
+
+The words of that table, one by one; *brake* is that of `o_brake`, a brake of section `brake` closes wherever nothing else holds the axis:
+
+| word | in the cycle of the error | once it stands | locked |
+|-|-|-|-|
+| off | no power | no power | yes |
+| off + brake | no power, brake | no power, brake | yes |
+| hold | stops | power | yes |
+| hold + brake | stops | power, brake | yes |
+| stop, off | stops | no power | yes |
+| stop, off + brake | stops | no power, brake | yes |
+| drive | quick stop | quick stop | yes |
+| stop, drive | stops | quick stop | yes |
+| end | stops | power | no |
+| go on | goes on | goes on | no |
+
+*stops* is with `max_deceleration`, at a software limit so that it ends there; with interface open_loop the speed is 0 and the axis
+coasts, under power. *Locked* is ERROR_STOP: enable and every motion are refused until the reset. A virtual axis, which has no power,
+stops instead of losing it, and a brake that it has closes once it stands. The error output `o_error` is on with every one of them until the reset.
+
+Column *reaction* of the tables below says what applies to a code; where it is empty, the code is no error of an axis, but a refusal, the
 end of a goal, a warning or a notice. (With `saia.command_error` motor_off whatever refuses a command of `saia` switches the drive
 off as an error, also where the code is one of ours. Nothing raises 89 and 99 yet.) Where an axis says `following_error_stops_all: 1`, its following error
 stops all axes with a drive, each by its own `error_reaction`, as MACS does (MACS-ERR-05).

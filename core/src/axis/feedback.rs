@@ -8,7 +8,8 @@
 //! Refuses  sources that the cell does not have, sources that a drive which closes the loop itself does not read
 //! Source   MACS-ENC-01, -04, -07, -08, -11, -12, -13; WF-ABS, WF-MON-01, -02; contract section 8
 
-use super::{Axis, AxisState, Context};
+use super::reaction::Failure;
+use super::{Axis, Context};
 use crate::code::Code;
 use crate::drive::{DriveInput, EncoderInput, Interface};
 use crate::encoder::source::AbsoluteSources;
@@ -460,7 +461,7 @@ impl Axis {
             Some(Found::Pulses { by, tolerance }) => {
                 let (found, allowed) = (Number::Position(by), Number::Position(tolerance));
                 if self.is_on() {
-                    self.fail_with(cx, Code::WF_PULSES, found, allowed);
+                    self.raise(cx, Failure::of(Code::WF_PULSES).with(found, allowed).before_motion());
                 } else {
                     let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::WF_PULSES);
                     cx.events.push(Event { position: self.actual.position, ..event.with(found, allowed) });
@@ -585,10 +586,7 @@ impl Axis {
     /// A jump stops an axis that is on in its cycle, whatever time a following error may take.
     pub(super) fn judge_jump(&mut self, cx: &mut Context<'_>) {
         let Some((found, allowed)) = self.jump().filter(|_| !self.is_virtual()) else { return };
-        // An error that stops nothing does not stand for it.
-        if self.state != AxisState::ErrorStop {
-            self.react(cx, Code::ENCODER_JUMP, found, allowed);
-        }
+        self.raise(cx, Failure::of(Code::ENCODER_JUMP).with(found, allowed));
     }
 
     /// Is its actual position its command (MACS-ENC-13)?

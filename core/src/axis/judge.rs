@@ -1,7 +1,8 @@
-//! Judging a cycle: following error, arrival, and what an error does to the axis.
+//! Judging a cycle: following error and arrival.
 
 use super::goal::NO_NUMBERS;
 use super::power::{MAX_STALE_CYCLES, Power};
+use super::reaction::Failure;
 use super::{Axis, AxisState, Context, MAX_DELAY};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
@@ -254,7 +255,7 @@ impl Axis {
     /// The reaction to a following error.
     pub(super) fn tell_following_error(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
         self.judge.told = Some(cx.cycle);
-        self.react(cx, Code::FOLLOWING_ERROR, found, allowed);
+        self.raise(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
     }
 
     /// Does it go away from its command, further than it may be off?
@@ -335,9 +336,7 @@ impl Axis {
         let age = self.judge.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
         if age.is_none_or(|age| age >= REPEAT_NS) {
             self.judge.told = Some(cx.cycle);
-            let event = Event::new(Severity::Error, Kind::Error, self.object(), Code::FOLLOWING_ERROR);
-            let event = event.with(found, allowed);
-            cx.events.push(Event { position: self.actual.position, ..event });
+            self.tell_error(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
         }
     }
 

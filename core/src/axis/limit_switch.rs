@@ -8,6 +8,7 @@
 //! Source   MACS-LIM-05, MACS-LIM-07, MACS-LIM-08, MACS-LIM-09, A-16, A-17, A-56
 
 use super::course::{Aim, Course, ROUNDING};
+use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -80,7 +81,7 @@ impl Axis {
         if code == Code::LIMIT_VIOLATION && slows && self.homing.is_ending() && self.only_stops() {
             return false;
         }
-        self.react_at_once(cx, code, Number::None, Number::None);
+        self.raise(cx, Failure::of(code).before_motion());
         true
     }
 
@@ -95,7 +96,7 @@ impl Axis {
     }
 
     /// What a switch has to tell while an error stops the axis already: it stands beside that.
-    pub(super) fn tell_switches(&self, cx: &mut Context<'_>) {
+    pub(super) fn tell_switches(&mut self, cx: &mut Context<'_>) {
         if self.state != AxisState::ErrorStop {
             return;
         }
@@ -104,7 +105,7 @@ impl Axis {
             return;
         }
         let code = if upper && lower { Code::BOTH_LIMIT_SWITCHES } else { self.switch_code(upper) };
-        self.tell_beside(cx, code, Number::None, Number::None);
+        self.raise(cx, Failure::of(code).before_motion());
     }
 
     /// The error that the switches make of a motion in this direction (0 at rest).

@@ -1,6 +1,7 @@
 //! What moves an axis in a cycle, and what keeps it within its limits.
 
 use super::course::{self, Aim, Course};
+use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
@@ -218,7 +219,8 @@ impl Axis {
         if !lead.valid || lead.change > bound || lead.change < -bound {
             let code = if lead.valid { Code::ENCODER_JUMP } else { Code::LEADER_LOST };
             // The motion of this cycle is not known.
-            self.react_at_once(cx, code, Number::Position(lead.change.floor()), Number::None);
+            let change = Number::Position(lead.change.floor());
+            self.raise(cx, Failure::of(code).with(change, Number::None).before_motion());
             return None;
         }
         let was = follower.phase();
@@ -286,10 +288,8 @@ impl Axis {
             true => (Code::LIMIT_VIOLATION, Number::Velocity(next.velocity)),
             false => (code, Number::None),
         };
-        self.raise(cx, raised, asked, place);
+        self.raise(cx, Failure::of(raised).with(asked, place).at_limit());
         self.stopped_at = Some(Stopped { up, room: self.room(up, course.end()) });
-        self.judge.after_stop = self.after_stop_of(raised);
-        self.set_state(cx, AxisState::ErrorStop);
         true
     }
 

@@ -8,6 +8,7 @@
 //! Source   WF-OLC-01, WF-OLC-09, WF-OLC-11, WF-SET-02
 
 use super::power::Power;
+use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::drive::Interface;
@@ -68,10 +69,7 @@ impl Axis {
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         let event = Event::new(Severity::Warn, Kind::Limit, self.object(), code);
         cx.events.push(Event { position: Position::whole(limit), ..event });
-        self.raise(cx, code, Number::None, Number::Position(limit));
-        self.switch_speed_off(cx);
-        self.judge.after_stop = self.after_stop_of(code);
-        self.set_state(cx, AxisState::ErrorStop);
+        self.raise(cx, Failure::of(code).with(Number::None, Number::Position(limit)).at_limit());
     }
 
     /// Runs the drive at a speed (inc/s), or switches it off.

@@ -1,6 +1,6 @@
 //! Switching a drive on and off (CiA 402 state machine, seen from the master).
 
-use super::reaction::closes_brake;
+use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::{Class, Code};
 use crate::drive::{BusState, DriveInput, DriveOutput, DriveState, Emergency, Interface, control};
@@ -103,16 +103,16 @@ impl Axis {
         match self.power {
             Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => {
                 if let Some(code) = failure {
-                    self.fail_by_table(cx, code);
+                    self.raise(cx, Failure::of(code).before_motion());
                 } else if self.drive_state != DriveState::Enabled {
-                    self.fail_off(cx, Code::DRIVE_DISABLED);
+                    self.raise(cx, Failure::of(Code::DRIVE_DISABLED).before_motion());
                 } else {
                     self.follow_brake(cx);
                 }
             }
             Power::SwitchingOn { since } => {
                 if let Some(code) = failure {
-                    self.fail_off(cx, code);
+                    self.raise(cx, Failure::of(code).before_motion());
                 } else if self.is_enabled_as_asked(input) && cx.cycle > since.saturating_add(self.delay()) {
                     self.power = self.power_is_on(cx.cycle);
                     self.command = Motion::at_rest(self.actual.position);
@@ -121,7 +121,7 @@ impl Axis {
                         self.set_state(cx, AxisState::Standstill);
                     }
                 } else if self.has_timed_out(cx.cycle, since) {
-                    self.fail_off(cx, Code::ENABLE_TIMEOUT);
+                    self.raise(cx, Failure::of(Code::ENABLE_TIMEOUT).before_motion());
                 }
             }
             Power::Resetting { since } => {
@@ -136,7 +136,7 @@ impl Axis {
             Power::DriveStops { then_off, .. } => {
                 if let Some(code) = failure.filter(|code| code.class() != Some(Class::Feedback)) {
                     // Nobody knows any more whether it does.
-                    self.fail_off(cx, code);
+                    self.raise(cx, Failure::of(code).before_motion());
                 } else if then_off && self.has_stopped_by_itself(cx.cycle) {
                     self.switch_off(cx);
                 }
@@ -222,71 +222,6 @@ impl Axis {
         }
         let in_fault = matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction);
         in_fault.then(|| Code::drive_fault(input.fault)).or_else(|| self.source_failure())
-    }
-
-    /// What fails while the axis is on: without its encoder the drive may still stop it.
-    fn fail_by_table(&mut self, cx: &mut Context<'_>, code: Code) {
-        if code.class() != Some(Class::Feedback) {
-            self.fail_off(cx, code);
-        } else if self.state != AxisState::ErrorStop {
-            self.react_at_once(cx, code, Number::None, Number::None);
-        } else if self.closes_loop_here() {
-            // It was to stop for something else, and cannot.
-            self.fail_off(cx, code);
-            self.brake |= self.parameters.error_reaction != 0;
-        }
-    }
-
-    /// An error that leaves no way to command the drive.
-    fn fail_off(&mut self, cx: &mut Context<'_>, code: Code) {
-        self.fail_with(cx, code, Number::None, Number::None);
-    }
-
-    /// The same with what was found and what is allowed.
-    pub(super) fn fail_with(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
-        let stops_already = !self.error.is_none() && self.state == AxisState::ErrorStop;
-        self.raise(cx, code, found, allowed);
-        if stops_already {
-            self.tell_beside(cx, code, found, allowed);
-        }
-        if code.is_alarm() && self.error == code {
-            self.note_alarm((code.0 % 100) as u8);
-        }
-        // Nothing stops it any more: a brake that was to close once it stands closes now (MACS-IO-04).
-        self.ask_for_brake(closes_brake(self.parameters.error_reaction) || closes_brake(self.judge.after_stop));
-        self.power = Power::Off;
-        self.generator = Generator::Rest;
-        self.command = Motion::at_rest(self.actual.position);
-        self.set_state(cx, AxisState::ErrorStop);
-    }
-
-    /// Records the first error and tells it.
-    pub(super) fn report(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
-        if self.error.is_none() {
-            (self.error, self.error_numbers) = (code, (found, allowed));
-            self.capture(cx.cycle, code);
-            // A reset that waits was meant for what was there before.
-            self.waiting.fail_with(cx.events, self.setup.index, code, super::waiting::Until::Healthy, (found, allowed));
-            let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
-            cx.events.push(Event { position: self.actual.position, ..event });
-        } else if self.state != AxisState::ErrorStop {
-            self.tell_beside(cx, code, found, allowed);
-        }
-    }
-
-    /// The first error stands; another one that stops the axis, which the first did not, or takes its power, is told beside it.
-    pub(super) fn tell_beside(&self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
-        if self.error != code {
-            let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
-            cx.events.push(Event { position: self.actual.position, ..event });
-        }
-    }
-
-    /// Records the first error, tells it, and ends what runs.
-    pub(super) fn raise(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
-        self.report(cx, code, found, allowed);
-        self.reference = super::Reference::Stop;
-        self.abandon_with(cx, code, (found, allowed));
     }
 
     /// Switches the axis off at once.

@@ -8,6 +8,7 @@
 //! Source   PLCopen part 1 (MC_TouchProbe), contract section 7; MACS-CMD-02, MACS-HOME-05 (INDEX)
 
 use super::course::Aim;
+use super::reaction::Failure;
 use super::{Axis, Context, Generator};
 use crate::code::Code;
 use crate::command::{Probe, ProbeEdge};
@@ -121,13 +122,8 @@ impl Axis {
         if search.edge != ProbeEdge::Index || gone <= most {
             return;
         }
-        let code = Code::HOMING_INDEX_MISSED;
-        self.react(cx, code, Number::Position(gone), Number::Position(most));
-        if self.probes() {
-            // Error reaction 5 leaves the motion to others, but there is nothing left to search for.
-            self.abandon(cx, code);
-            self.brake_to_rest(cx, &self.stop_limits());
-        }
+        let missed = Failure::of(Code::HOMING_INDEX_MISSED);
+        self.raise(cx, missed.with(Number::Position(gone), Number::Position(most)));
     }
 
     /// How long before this cycle its encoder was there (ns), on the straight line of the change of the cycle.

@@ -6,6 +6,7 @@
 //! Source   MACS-ERR-04; the contacts of a safety relay must act on the power of the drives as well
 
 use super::power::Power;
+use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Reference};
 use crate::code::Code;
 use crate::drive::Inputs;
@@ -72,24 +73,11 @@ impl Axis {
             return;
         }
         let runs = if self.is_virtual() { !self.rests() } else { !matches!(self.power, Power::Off) };
-        if !runs {
+        let stops_for_it = self.state == AxisState::ErrorStop && self.error == now;
+        if !runs || stops_for_it {
             return;
         }
-        let is_new = self.error != self.open_contact;
-        let stops_already = self.state == AxisState::ErrorStop;
-        if self.open_contact == Code::EMERGENCY_STOP && stops_already && is_new {
-            if before != Code::EMERGENCY_STOP {
-                self.tell_beside(cx, Code::EMERGENCY_STOP, Number::None, Number::None);
-            }
-            // What stops it may leave it under power, and so may a drive that has stopped by itself.
-            self.judge.after_stop = 1;
-            if matches!(self.power, Power::DriveStops { .. }) && self.has_stopped_by_itself(cx.cycle) {
-                self.power = Power::Off;
-                self.brake = true;
-            }
-        } else if !stops_already {
-            self.react_at_once(cx, self.open_contact, Number::None, Number::None);
-        }
+        self.raise(cx, Failure::of(now).before_motion().lasting(now == before));
     }
 
     /// Nothing begins while a contact is open.
@@ -100,7 +88,7 @@ impl Axis {
     /// After a reset: an error whose cause persists comes back (MACS-ERR-04).
     pub(super) fn return_error(&mut self, cx: &mut Context<'_>, before: Code, lasting: Option<(Number, Number)>) {
         if !self.open_contact.is_none() && before == self.open_contact {
-            self.react(cx, before, Number::None, Number::None);
+            self.raise(cx, Failure::of(before));
         } else if let Some((found, allowed)) = lasting {
             self.tell_following_error(cx, found, allowed);
         }

@@ -4,6 +4,7 @@ mod saia;
 
 use super::course::{Aim, Course};
 use super::power::Power;
+use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -321,7 +322,7 @@ impl Axis {
     }
 
     /// Switches the axis off: at once, but one that stands leaves its load to its brake first.
-    fn let_go(&mut self, cx: &mut Context<'_>) {
+    pub(super) fn let_go(&mut self, cx: &mut Context<'_>) {
         if matches!(self.power, Power::Closing { .. }) {
             return;
         }
@@ -390,13 +391,7 @@ impl Axis {
                 }
             }
             Order::FailOff { refusal } => {
-                self.raise(cx, refusal.code, refusal.asked, refusal.limit);
-                self.set_state(cx, AxisState::ErrorStop);
-                if self.is_virtual() {
-                    self.brake_to_rest(cx, &self.stop_limits());
-                } else {
-                    self.let_go(cx);
-                }
+                self.raise(cx, Failure::of_refusal(refusal));
             }
             Order::Position { target, limits, reference } => {
                 self.check_closed_loop()?;
@@ -458,7 +453,7 @@ impl Axis {
                 if self.is_open_loop() {
                     self.switch_speed_off(cx);
                 }
-                self.react(cx, code, found, allowed);
+                self.raise(cx, Failure::of(code).with(found, allowed));
                 self.owner = Owner::Native;
                 return Ok(());
             }

@@ -18,13 +18,14 @@ pub enum Class {
     /// Its own encoder cannot be trusted: where the position loop is closed here the drive is switched off, with the brake
     /// for all but error_reaction 0; else as [`Class::Ends`].
     Feedback,
-    /// Nothing is left to command: the drive gets no voltage.
+    /// Nothing is left to command: the drive gets no voltage, and the brake closes for 1 and 3.
     Drive,
     /// It stops with max_deceleration and holds; with error_reaction 3 the brake closes then.
     Interlock,
     /// It stops with max_deceleration, then the drive is switched off and the brake closed.
     EmergencyStop,
-    /// A SAIA command that is refused; only saia.command_error motor_off makes an error of it, which switches the drive off.
+    /// A SAIA command that is refused; only saia.command_error motor_off makes an error of it, which switches the drive off, with the
+    /// brake for 1 and 3.
     Command,
 }
 
@@ -39,9 +40,7 @@ impl Class {
                 "where it ends a homing or a search: as `error_reaction` says; with 5 the axis stops, and takes goals"
             }
             Self::Switch => "`endswmod` 1: stop and hold; else as `error_reaction` says, 5 as 2",
-            Self::SoftwareLimit => {
-                "stops at the limit, then as `error_reaction` says; drive off there with interface open_loop"
-            }
+            Self::SoftwareLimit => "stops at the limit, then as `error_reaction` says; 5 holds",
             Self::Feedback => "drive off where the position loop is closed here; else as `error_reaction` says, 5 as 2",
             Self::Drive => "drive off",
             Self::Interlock => "stop with `max_deceleration`, then hold",

@@ -14,6 +14,7 @@ pub(crate) mod methods;
 mod origin;
 mod search;
 
+use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, HomingPhase, Reference};
 use crate::code::Code;
 use crate::command::HomingMethod;
@@ -375,12 +376,7 @@ impl Axis {
     /// Homing has failed: the error ends it, and the axis stops.
     fn fail_homing(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
         self.homing.stop();
-        self.react(cx, code, found, allowed);
-        if self.state == AxisState::Homing {
-            // Error reaction 5 leaves the motion to others, but nobody has asked for this one any more.
-            self.abandon_with(cx, code, (found, allowed));
-            self.brake_to_rest(cx, &self.stop_limits());
-        }
+        self.raise(cx, Failure::of(code).with(found, allowed));
     }
 
     /// The raw coordinate of the drive was set anew: what was known of it does not hold any more, but where homing did that.

@@ -4,6 +4,8 @@
 
 mod cut;
 mod idle;
+mod page;
+mod table;
 mod ways;
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
