@@ -30,7 +30,7 @@ pub(super) struct Derived {
     pub high: i64,
     /// How finely it shows its master.
     pub grid: Grid,
-    largest: Limits,
+    pub largest: Limits,
 }
 
 impl Derived {
@@ -115,11 +115,13 @@ impl InForce {
     }
 
     /// As [`AxisParameters::sense`].
+    #[inline]
     pub(super) fn sense(&self) -> Sense {
         self.derived.sense
     }
 
     /// As [`AxisParameters::reversing`].
+    #[inline]
     pub(super) fn reversing(&self) -> Reversing {
         self.derived.reversing
     }
