@@ -59,6 +59,8 @@ pub struct Machine {
     couples: bool,
     /// The last command of this cycle that has set each encoder, or 0.
     set_by: Vec<u64>,
+    /// Some axis switches outputs itself.
+    has_wiring: bool,
     /// Room for the inputs as the machine sees them.
     seen: Inputs,
     /// It passes over nothing: what others are compared with.
@@ -118,6 +120,7 @@ impl Machine {
             digital_inputs: config.digital_inputs().collect(),
             couples: false,
             set_by,
+            has_wiring: axes.iter().any(|axis| axis.wiring().is_some()),
             seen: Inputs::default(),
             #[cfg(test)]
             steps_all: false,
@@ -172,26 +175,35 @@ impl Machine {
     fn run_cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, admitted: u64, outputs: &mut Outputs) {
         self.read_inputs(inputs, commands, admitted);
         let mut answered = 0;
-        match first_trajectory(commands, admitted) {
-            None => (0..self.state.order.len()).for_each(|place| {
-                self.step_axis(place, inputs, commands, admitted, &mut answered);
-            }),
-            Some(first) => self.step_together(first, inputs, commands, admitted, &mut answered),
+        let is_calm = match first_trajectory(commands, admitted) {
+            None => self.step_axes(inputs, commands, admitted, &mut answered),
+            Some(first) => {
+                self.step_together(first, inputs, commands, admitted, &mut answered);
+                false
+            }
+        };
+        // Where no axis has had a full cycle, none has anything for others, and outputs follow what they followed before.
+        if !is_calm {
+            self.stop_others(inputs, commands);
+            self.share_shifts();
+            self.judge_trajectories(inputs);
         }
-        self.stop_others(inputs, commands);
-        self.share_shifts();
-        self.judge_trajectories(inputs);
         self.answer_the_rest(commands, admitted & !answered);
         if self.couples {
             // New couplings move first in the next cycle; this one still ran in the order of the old ones.
             self.note_couplings();
             self.sort_axes();
         }
-        self.state.panel.follow(&self.state.axes);
+        if !is_calm {
+            self.state.panel.follow(&self.state.axes);
+        }
         self.state.panel.write(&self.signals, &mut self.state.board, outputs);
         self.write_outputs(inputs, outputs);
         self.settle_deactivation();
-        self.signals.publish_machine(&mut self.state.board, &self.state.axes, self.state.active, self.state.overruns);
+        let mut errors = self.state.axes.iter().map(Axis::error);
+        let error = if is_calm { None } else { errors.find(|error| !error.is_none()) };
+        let (active, overruns) = (self.state.active, self.state.overruns);
+        self.signals.publish_machine(&mut self.state.board, error.unwrap_or(Code::NONE), active, overruns);
         self.state.cycle = self.state.cycle.wrapping_add(1);
         self.state.next_event = self.events.next();
     }
@@ -207,7 +219,9 @@ impl Machine {
             if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
                 *output = axis.output();
             }
-            if let Some(wiring) = axis.wiring() {
+            if self.has_wiring
+                && let Some(wiring) = axis.wiring()
+            {
                 self.signals.publish_switching(board, wiring, axis.switching(), outputs);
             }
             if axis.pace() == Pace::Full {
@@ -272,12 +286,31 @@ impl Machine {
         self.take_latches(inputs);
     }
 
-    fn step_axis(&mut self, place: usize, inputs: &Inputs, commands: Commands<'_>, admitted: u64, answered: &mut u64) {
-        let index = usize::from(self.state.order[place]);
-        let axis = &mut self.state.axes[index];
-        if axis.pace() == Pace::Passed {
-            return axis.pass_over();
+    /// All axes, a leader before its followers. Has none of them had a full cycle?
+    fn step_axes(&mut self, inputs: &Inputs, commands: Commands<'_>, admitted: u64, answered: &mut u64) -> bool {
+        // A machine without axes has nothing that tells when its outputs are to be looked at.
+        let mut is_calm = !self.state.axes.is_empty();
+        for place in 0..self.state.order.len() {
+            let State { axes, order, board, leads, cycle, .. } = &mut self.state;
+            let index = order.get(place).map_or(0, |index| usize::from(*index));
+            let Some(axis) = axes.get_mut(index) else { continue };
+            match axis.pace() {
+                Pace::Passed => axis.pass_over(),
+                Pace::Calm if axis.step_calmly(*cycle, leads) => {
+                    axis.publish_motion(board, leads);
+                    note_command(leads, index, axis);
+                }
+                _ => {
+                    self.step_axis(index, inputs, commands, admitted, answered);
+                    is_calm = false;
+                }
+            }
         }
+        is_calm
+    }
+
+    fn step_axis(&mut self, index: usize, inputs: &Inputs, commands: Commands<'_>, admitted: u64, answered: &mut u64) {
+        let axis = &mut self.state.axes[index];
         let mut cx = Context {
             cycle: self.state.cycle,
             input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
@@ -290,10 +323,7 @@ impl Machine {
             runs: &self.state.runs,
             events: &mut self.events,
         };
-        match axis.pace() {
-            Pace::Calm => axis.step_calmly(&mut cx),
-            _ => axis.step(&mut cx, live(commands, admitted), answered),
-        }
+        axis.step(&mut cx, live(commands, admitted), answered);
         if axis.take_own_change() {
             self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
         }
@@ -355,16 +385,9 @@ impl Machine {
     }
 
     /// What others see of an axis.
-    #[inline]
     fn note_lead(&mut self, index: usize) {
         self.note_zero(index);
-        let axis = &self.state.axes[index];
-        let shown = &mut self.state.leads.command[index];
-        let Motion { position, velocity, .. } = axis.command();
-        *shown = Lead { position, change: position - shown.position, velocity, counted: false, valid: true };
-        if axis.shows_command() {
-            self.state.leads.actual[index] = axis.actual();
-        }
+        note_command(&mut self.state.leads, index, &self.state.axes[index]);
     }
 
     /// The cycle that comes next: how many have run.
@@ -400,6 +423,20 @@ impl Machine {
     /// Parameters in force.
     pub fn parameters(&self, axis: u16) -> Option<&AxisParameters> {
         self.state.axes.get(usize::from(axis)).map(|axis| &*axis.parameters)
+    }
+}
+
+/// What others see of the motion of an axis in this cycle.
+#[inline]
+fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
+    let Motion { position, velocity, .. } = axis.command();
+    if let Some(shown) = leads.command.get_mut(index) {
+        *shown = Lead { position, change: position - shown.position, velocity, counted: false, valid: true };
+    }
+    if axis.shows_command()
+        && let Some(shown) = leads.actual.get_mut(index)
+    {
+        *shown = axis.actual();
     }
 }
 

@@ -80,6 +80,7 @@ impl Course {
     }
 
     /// The motion of a cycle.
+    #[inline]
     pub(super) fn at(&self, cycle: u64) -> Motion {
         let motion = self.plan.at(cycle.saturating_sub(self.start));
         let place = motion.position + self.shift;
@@ -90,7 +91,24 @@ impl Course {
         if position == place { Motion { position, ..motion } } else { Motion::at_rest(position) }
     }
 
+    /// The motion of a cycle that neither ends it nor changes it.
+    #[inline]
+    pub(super) fn going_on(&self, cycle: u64) -> Option<Motion> {
+        // What has its velocity and keeps it.
+        let stays = || matches!(self.aim, Aim::Velocity(_)) && self.end_velocity() != 0.0 && !self.is_old(cycle);
+        let goes_on = self.bound.is_none() && (!self.has_ended(cycle) || stays());
+        goes_on.then(|| self.at(cycle))
+    }
+
+    /// Is the motion of each cycle judged by the limits? One that ends at rest was checked as a whole, and one that passes its
+    /// target with the goal behind it.
+    #[inline]
+    pub(super) fn is_watched(&self) -> bool {
+        self.end_velocity() != 0.0 && self.pass == 0.0
+    }
+
     /// The plan has come to its end.
+    #[inline]
     pub(super) fn has_ended(&self, cycle: u64) -> bool {
         cycle.saturating_sub(self.start) >= self.plan.cycles()
     }

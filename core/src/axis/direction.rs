@@ -93,6 +93,7 @@ impl Axis {
     }
 
     /// The whole increment that the drive is asked for in this cycle, in the user's sense.
+    #[inline]
     pub(super) fn asked(&self) -> i64 {
         self.asked_at(self.command.position)
     }

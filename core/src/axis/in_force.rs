@@ -28,7 +28,7 @@ pub(super) struct Derived {
     pub high: i64,
     /// How finely it shows its master.
     pub grid: Grid,
-    largest: Limits,
+    pub largest: Limits,
 }
 
 impl Derived {
@@ -113,11 +113,13 @@ impl InForce {
     }
 
     /// As [`AxisParameters::sense`].
+    #[inline]
     pub(super) fn sense(&self) -> Sense {
         self.derived.sense
     }
 
     /// As [`AxisParameters::reversing`].
+    #[inline]
     pub(super) fn reversing(&self) -> Reversing {
         self.derived.reversing
     }

@@ -114,6 +114,19 @@ impl Judge {
         (self.exceeded_since, self.exceeded_times) = (None, 0);
     }
 
+    /// Is a following error allowed, and was the last one? Then judging it would change nothing.
+    #[inline]
+    pub(super) fn stays_within(&self, error: i64, p: &AxisParameters) -> bool {
+        let is_within = error.unsigned_abs() <= p.max_following_error.unsigned_abs();
+        is_within && self.exceeded_since.is_none() && self.exceeded_times == 0
+    }
+
+    /// Has it nothing of a rest that it would have to leave?
+    pub(super) fn has_left_rest(&self) -> bool {
+        let is_inside = self.in_position || self.inside_since.is_some() || self.reading.is_some();
+        !is_inside && self.waits_since.is_none()
+    }
+
     /// The actual position is not in the target window.
     fn leave_window(&mut self) {
         (self.inside_since, self.reading) = (None, None);
@@ -129,7 +142,7 @@ impl Judge {
 
     /// Notes a step of the encoder; what stays within `most` from where it began is none.
     #[inline]
-    fn note_step(&mut self, cycle: u64, step: Position, most: Position) {
+    pub(super) fn note_step(&mut self, cycle: u64, step: Position, most: Position) {
         self.drift += step;
         if self.drift > most || self.drift < -most {
             (self.drift, self.drifted) = (Position::ZERO, Some(cycle));
@@ -189,16 +202,7 @@ impl Axis {
         if self.is_open_loop() {
             self.judge.following_error = 0;
         } else if !self.is_virtual() {
-            self.judge_following(cx, self.judge.answered());
-        }
-    }
-
-    /// As [`judge_errors`](Self::judge_errors), of an axis that is on, in a closed loop, and has not jumped.
-    #[inline]
-    pub(super) fn judge_motion(&mut self, cx: &mut Context<'_>) {
-        self.judge.note_step(cx.cycle, self.actual.change, self.slack());
-        if !self.is_virtual() {
-            self.judge_following(cx, self.judge.answered());
+            self.judge_following(cx, self.following_error());
         }
     }
 
@@ -219,18 +223,21 @@ impl Axis {
     }
 
     /// It moves.
-    pub(super) fn leave_rest(&mut self) {
+    fn leave_rest(&mut self) {
         self.holding.settles_since = None;
         self.judge.leave_window();
         self.judge.waits_since = None;
         self.judge.in_position = false;
     }
 
+    /// The command that the actual position of this cycle answers, minus that position (inc).
     #[inline]
-    fn judge_following(&mut self, cx: &mut Context<'_>, answered: i64) {
+    pub(super) fn following_error(&self) -> i64 {
         // A simulated encoder shows the command itself.
-        let shown = if self.is_simulated() { answered } else { self.actual.position.floor() };
-        let error = answered.saturating_sub(shown);
+        if self.is_simulated() { 0 } else { self.judge.answered().saturating_sub(self.actual.position.floor()) }
+    }
+
+    fn judge_following(&mut self, cx: &mut Context<'_>, error: i64) {
         self.judge.following_error = error;
         let is_within = error.unsigned_abs() <= self.parameters.max_following_error.unsigned_abs();
         let lasts = match self.parameters.supervision.following_error_check {

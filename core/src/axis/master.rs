@@ -74,8 +74,8 @@ impl Grid {
     fn decimal(&self, value: f64) -> f64 {
         /// Rounding of the few operations that made the value.
         const DIGITS: f64 = 4.0 * f64::EPSILON;
-        let step = self.step.max(value.abs() * DIGITS);
-        match if step == self.step { self.power } else { power(step) } {
+        let digits = value.abs() * DIGITS;
+        match if digits > self.step { power(digits) } else { self.power } {
             Some(power) => round(value * power) / power,
             None => value,
         }

@@ -9,6 +9,7 @@
 
 mod brake;
 mod buffer;
+mod calm;
 mod course;
 mod direction;
 mod feedback;
@@ -51,7 +52,7 @@ pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
-use crate::drive::{Capabilities, DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface, control};
+use crate::drive::{Capabilities, DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::modulo::Modulo;
@@ -335,28 +336,6 @@ impl Axis {
         self.show_virtual();
     }
 
-    /// The same of an axis that only moves, in a cycle without commands.
-    pub fn step_calmly(&mut self, cx: &mut Context<'_>) {
-        if self.supervision_tells() {
-            self.disturb();
-            return self.step(cx, std::iter::empty(), &mut 0);
-        }
-        let told = cx.events.next();
-        self.move_on(cx);
-        self.judge_motion(cx);
-        if cx.events.next() != told || !matches!(self.generator, Generator::Plan(_) | Generator::Follow(_)) {
-            self.disturb();
-            self.end_step(cx);
-        } else {
-            self.streamed.pass();
-            let asked = self.asked();
-            self.judge.keep(asked);
-            self.leave_rest();
-            self.command_drive(asked, control::ENABLE);
-        }
-        self.show_virtual();
-    }
-
     /// The part of a cycle before its commands.
     pub fn begin_step(&mut self, cx: &mut Context<'_>) {
         self.take_shifts(cx);
@@ -541,15 +520,6 @@ impl Axis {
             let locks = matches!(state, AxisState::Stopping | AxisState::ErrorStop);
             let is_outdated = |last: &Event| locks && last.kind == Kind::State && last.source == object;
             cx.events.push_over(Event { position: self.command.position, ..event }, is_outdated);
-        }
-    }
-
-    /// As [`sense`](Self::sense), where nothing but the motion of the drive can have changed.
-    pub fn sense_calmly(&mut self, input: Option<&DriveInput>) {
-        let Some(input) = input else { return };
-        self.effort = self.across(input.effort);
-        if !self.read_counts(input) {
-            self.disturb();
         }
     }
 

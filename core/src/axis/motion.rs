@@ -84,7 +84,7 @@ impl Axis {
     }
 
     /// The command of this cycle of an axis that is on, by what generates it.
-    pub(super) fn move_on(&mut self, cx: &mut Context<'_>) {
+    fn move_on(&mut self, cx: &mut Context<'_>) {
         self.is_led = matches!(self.generator, Generator::Follow(_));
         let base = match &self.generator {
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => {
@@ -108,7 +108,8 @@ impl Axis {
     }
 
     /// The way that it goes, for direction CURRENT.
-    fn note_direction(&mut self) {
+    #[inline]
+    pub(super) fn note_direction(&mut self) {
         if self.command.velocity != 0.0 {
             self.last_direction = self.command.velocity;
         }
@@ -239,8 +240,7 @@ impl Axis {
     #[inline]
     fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion, is_added: bool) -> bool {
         let watched = match &self.generator {
-            // One that passes its target was checked with the goal behind it.
-            Generator::Plan(course) => course.end_velocity() != 0.0 && course.pass == 0.0,
+            Generator::Plan(course) => course.is_watched(),
             Generator::Follow(_) | Generator::Track(_) => true,
             Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
         };
@@ -351,11 +351,17 @@ impl Axis {
         })
     }
 
+    /// Can no stop after `next` lead beyond a limit? One that stands beyond a limit is judged by how far in it has come.
+    #[inline]
+    fn is_clear_of_limits(&self, next: Motion) -> bool {
+        self.beyond.is_none() && self.is_far_from_limits(next)
+    }
+
     /// Is `next` so far within the limits that no stop after it can lead beyond one? A stop with constant deceleration takes
     /// v^2 / 2 d, and one in whole steps less than twice that.
     #[inline]
-    fn is_clear_of_limits(&self, next: Motion) -> bool {
-        let limits = self.parameters.largest_limits();
+    pub(super) fn is_far_from_limits(&self, next: Motion) -> bool {
+        let limits = &self.parameters.derived.largest;
         let is_constant = !matches!(self.generator, Generator::Plan(_)) || limits.shape == Shape::Trapezoid;
         let most = next.velocity * next.velocity / limits.deceleration * 1.01 + 2.0;
         let here = next.position.floor();
@@ -364,8 +370,8 @@ impl Axis {
             let limit = self.limit(up);
             (if up { limit.saturating_sub(here) } else { here.saturating_sub(limit) }) as f64
         };
-        // One that stands beyond a limit is judged by how far in it has come; NaN is not clear of anything.
-        is_constant && self.beyond.is_none() && room(true) > most && room(false) > most
+        // NaN is not far from anything.
+        is_constant && room(true) > most && room(false) > most
     }
 
     /// By how much a step of this cycle may differ from another one at the same speed of its leader (inc).

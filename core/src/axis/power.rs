@@ -263,25 +263,25 @@ impl Axis {
     }
 
     /// Fills in the drive's outputs: the increment that it is asked for, in the user's sense, and the control word.
+    fn command_drive(&mut self, asked: i64, word: u16) {
+        let mode = self.setup.interface.mode();
+        self.output = DriveOutput { effort: 0.0, control: word, mode, ..self.output };
+        self.lead_drive(asked);
+    }
+
+    /// The part of the drive's outputs that changes while it moves.
     #[inline]
-    pub(super) fn command_drive(&mut self, asked: i64, word: u16) {
+    pub(super) fn lead_drive(&mut self, asked: i64) {
         let velocity = self.reference_across(self.drive_velocity());
         self.is_backwards = velocity < 0.0;
-        self.output = DriveOutput {
-            position: self.turn_counts(asked).wrapping_sub(self.origin),
-            velocity: self.unipolar(velocity),
-            acceleration: if self.setup.interface == Interface::Position {
-                self.across(self.command.acceleration)
-            } else {
-                0.0
-            },
-            effort: 0.0,
-            control: word,
-            mode: self.setup.interface.mode(),
-        };
+        self.output.position = self.turn_counts(asked).wrapping_sub(self.origin);
+        self.output.velocity = self.unipolar(velocity);
+        let is_position = self.setup.interface == Interface::Position;
+        self.output.acceleration = if is_position { self.across(self.command.acceleration) } else { 0.0 };
     }
 
     /// The velocity for the drive in the user's sense (inc/s): to be followed, to be told beside the position, or to run at.
+    #[inline]
     fn drive_velocity(&self) -> f64 {
         match self.setup.interface {
             Interface::Velocity if self.is_on() => {

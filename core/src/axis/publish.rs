@@ -1,12 +1,30 @@
 //! Writing an axis' signals.
 
 use super::course::Aim;
-use super::{Axis, AxisState, Generator, Pace};
+use super::{Axis, AxisState, Generator};
 use crate::position::Position;
-use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
+use crate::signal::{Board, Signal};
 use crate::sync::follower::Phase;
 use crate::sync::{Leads, status};
+
+/// The signals of an axis.
+type Words = [u64; AxisSignal::COUNT];
+
+/// Those of one axis on the board. One look at the length, and none at each signal.
+#[inline]
+fn words(board: &mut Board, first: Signal) -> Option<&mut Words> {
+    board.block(first, AxisSignal::COUNT).try_into().ok()
+}
+
+#[inline]
+fn show_coupling(words: &mut Words, coupling: Coupling) {
+    let mut set = |signal: AxisSignal, word: u64| words[signal as usize] = word;
+    set(AxisSignal::InSync, u64::from(coupling.in_sync));
+    set(AxisSignal::SyncMaster, coupling.master.cast_unsigned());
+    set(AxisSignal::SyncError, coupling.error.cast_unsigned());
+    set(AxisSignal::SyncStatus, if coupling.accurate { status::ACCURATE } else { 0 });
+}
 
 /// What the axis shows of its coupling.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,70 +64,16 @@ impl Axis {
 
     /// Writes all signals of this cycle.
     pub fn publish(&mut self, board: &mut Board, leads: &Leads) {
-        let is_calm = self.pace() == Pace::Calm;
-        let master = self.watch_master(leads);
-        let command = self.command;
-        let position = command.position.floor();
-        let (turns, within) = match self.setup.modulo {
-            Some(modulo) => {
-                let (turns, within) = modulo.split(command.position);
-                (turns, within.floor())
-            }
-            None => (0, position),
-        };
-        let target = self.course_end().unwrap_or(command.position).floor();
-        let in_velocity = matches!(&self.generator, Generator::Plan(course)
-            if matches!(course.aim, Aim::Velocity(velocity) if command.velocity == velocity)
-                && command.acceleration == 0.0);
-        let actual = self.actual.position.floor();
-        let asked = if self.turned().units { self.asked() } else { position };
-        let p = &self.parameters;
-
-        // One look at the length, and none at each signal.
-        let block = board.block(self.signals, AxisSignal::COUNT);
-        let Ok(words) = <&mut [u64; AxisSignal::COUNT]>::try_from(block) else { return };
+        let Some(words) = words(board, self.signals) else { return };
+        let shows_a_master = self.show_motion(words, leads);
         let mut set = |signal: AxisSignal, word: u64| words[signal as usize] = word;
         let int = i64::cast_unsigned;
         let bit = u64::from;
         let real = f64::to_bits;
         use AxisSignal::*;
-        set(CommandPosition, int(position));
-        set(CommandFraction, real(command.position.fraction()));
-        set(CommandVelocity, real(command.velocity));
-        set(CommandAcceleration, real(command.acceleration));
-        set(CommandJerk, real(command.jerk));
-        set(TargetPosition, int(target));
-        set(ActualCount, int(self.sensor.raw));
-        set(ActualPosition, int(actual));
-        set(ActualVelocity, real(self.actual.velocity));
-        set(ActualEffort, real(self.effort));
-        set(FollowingError, int(self.judge.following_error));
-        set(RegulatorError, int(if self.is_on() { asked.saturating_sub(actual) } else { 0 }));
-        set(RegulatorOutput, real(self.regulator_output()));
-        set(ModuloPosition, int(within));
-        set(Turns, int(turns));
-        set(InVelocity, bit(in_velocity));
-        set(LimitSoftwarePositive, bit(p.max_position.is_some_and(|limit| position >= limit)));
-        set(LimitSoftwareNegative, bit(p.min_position.is_some_and(|limit| position <= limit)));
-        set(OutputPosition, int(self.output.position));
-        set(OutputVelocity, real(self.output.velocity));
-        set(TrackError, real(self.track_error()));
-        if let Some(master) = master {
-            set(MasterPosition, real(master.position));
-            set(MasterVelocity, real(master.velocity));
-        }
-        if !is_calm || !matches!(self.generator, Generator::Plan(_)) {
-            let coupling = self.coupling(leads);
-            set(InSync, bit(coupling.in_sync));
-            set(SyncMaster, int(coupling.master));
-            set(SyncError, int(coupling.error));
-            set(SyncStatus, if coupling.accurate { status::ACCURATE } else { 0 });
-        }
-        if is_calm {
-            // A motion changes nothing else.
-            return;
-        }
-        if master.is_none() {
+        let target = self.course_end().unwrap_or(self.command.position);
+        set(TargetPosition, int(target.floor()));
+        if !shows_a_master {
             set(MasterPosition, 0);
             set(MasterVelocity, 0);
         }
@@ -140,7 +104,75 @@ impl Axis {
         set(FaultActual, int(fault.actual));
         set(FaultFollowingError, int(fault.following_error));
         set(EncoderErrors, self.encoder_errors());
+        show_coupling(words, self.coupling(leads));
         self.publish_vocabularies(board, leads);
+    }
+
+    /// Writes the signals that change while it only moves.
+    #[inline]
+    pub fn publish_motion(&mut self, board: &mut Board, leads: &Leads) {
+        let Some(words) = words(board, self.signals) else { return };
+        self.show_motion(words, leads);
+        // Where a plan leads to stays; what has no end shows where it is.
+        let is_led = matches!(&self.generator, Generator::Follow(_));
+        if is_led || matches!(&self.generator, Generator::Plan(course) if matches!(course.aim, Aim::Velocity(_))) {
+            words[AxisSignal::TargetPosition as usize] = self.command.position.floor().cast_unsigned();
+        }
+        if is_led {
+            show_coupling(words, self.coupling(leads));
+        }
+    }
+
+    /// Shows the motion of this cycle, and its master, if there is one.
+    #[inline]
+    fn show_motion(&mut self, words: &mut Words, leads: &Leads) -> bool {
+        let master = self.watch_master(leads);
+        let command = self.command;
+        let position = command.position.floor();
+        let (turns, within) = match self.setup.modulo {
+            Some(modulo) => {
+                let (turns, within) = modulo.split(command.position);
+                (turns, within.floor())
+            }
+            None => (0, position),
+        };
+        let in_velocity = matches!(&self.generator, Generator::Plan(course)
+            if matches!(course.aim, Aim::Velocity(velocity) if command.velocity == velocity)
+                && command.acceleration == 0.0);
+        let actual = self.actual.position.floor();
+        let asked = if self.turned().units { self.asked() } else { position };
+        let p = &self.parameters;
+
+        let mut set = |signal: AxisSignal, word: u64| words[signal as usize] = word;
+        let int = i64::cast_unsigned;
+        let bit = u64::from;
+        let real = f64::to_bits;
+        use AxisSignal::*;
+        set(CommandPosition, int(position));
+        set(CommandFraction, real(command.position.fraction()));
+        set(CommandVelocity, real(command.velocity));
+        set(CommandAcceleration, real(command.acceleration));
+        set(CommandJerk, real(command.jerk));
+        set(ActualCount, int(self.sensor.raw));
+        set(ActualPosition, int(actual));
+        set(ActualVelocity, real(self.actual.velocity));
+        set(ActualEffort, real(self.effort));
+        set(FollowingError, int(self.judge.following_error));
+        set(RegulatorError, int(if self.is_on() { asked.saturating_sub(actual) } else { 0 }));
+        set(RegulatorOutput, real(self.regulator_output()));
+        set(ModuloPosition, int(within));
+        set(Turns, int(turns));
+        set(InVelocity, bit(in_velocity));
+        set(LimitSoftwarePositive, bit(p.max_position.is_some_and(|limit| position >= limit)));
+        set(LimitSoftwareNegative, bit(p.min_position.is_some_and(|limit| position <= limit)));
+        set(OutputPosition, int(self.output.position));
+        set(OutputVelocity, real(self.output.velocity));
+        set(TrackError, real(self.track_error()));
+        if let Some(master) = master {
+            set(MasterPosition, real(master.position));
+            set(MasterVelocity, real(master.velocity));
+        }
+        master.is_some()
     }
 
     /// Shows a latched position.

@@ -127,6 +127,9 @@ impl Axis {
             && !self.has_track()
             && !self.probes()
             && !self.judge.has_left_something()
+            && self.judge.has_left_rest()
+            // Outputs that tell the sign of a velocity follow it.
+            && !self.tells_sign()
     }
 
     /// Do the parts sleep that a cycle which is not full leaves out?

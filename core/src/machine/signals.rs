@@ -179,8 +179,7 @@ impl Signals {
         board.set_int(first.plus(4), errors.min(i64::MAX as u64).cast_signed());
     }
 
-    pub(super) fn publish_machine(&self, board: &mut Board, axes: &[Axis], active: bool, overruns: u64) {
-        let error = axes.iter().map(Axis::error).find(|error| !error.is_none()).unwrap_or(Code::NONE);
+    pub(super) fn publish_machine(&self, board: &mut Board, error: Code, active: bool, overruns: u64) {
         board.set_int(
             self.machine,
             if !error.is_none() {

@@ -97,6 +97,17 @@ pub struct Follower {
     mean: f64,
 }
 
+/// A step that leaves the slave on its leader.
+#[derive(Clone, Copy, Debug)]
+pub struct Following {
+    /// The slave's next motion.
+    pub motion: Motion,
+    gear: Gear,
+    change: Position,
+    /// The same (inc).
+    geared: f64,
+}
+
 /// Cycles over which the speed of a counted leader is smoothed.
 const MEAN_CYCLES: f64 = 64.0;
 /// Cycles from which the least speed of a counted leader is told.
@@ -229,9 +240,7 @@ impl Follower {
         // A counted leader is uneven by one increment even at constant speed: that much of its change, where it did
         // change, is no acceleration.
         let uneven = self.uneven().min((geared - self.recent[0]).abs());
-        let [a, b, c, d, e, f, g, _] = self.recent;
-        self.recent = [geared, a, b, c, d, e, f, g];
-        self.mean += (geared - self.mean) / MEAN_CYCLES;
+        self.note_change(geared);
         let forward_only = match rule {
             Rule::Always => false,
             Rule::WithMaster => geared >= 0.0,
@@ -252,6 +261,49 @@ impl Follower {
         };
         let velocity = (position - slave.position).to_f64() / cycle_s;
         Motion { position, velocity, acceleration: (velocity - slave.velocity) / cycle_s, jerk: 0.0 }
+    }
+
+    /// The step of a slave that is on its leader and stays there, which is most of them; none where [`step`](Self::step) has to
+    /// look closer. Nothing is changed: that is up to [`keep`](Self::keep).
+    #[inline]
+    pub fn follow(&self, slave: Motion, lead: Lead, cycle_s: f64, rule: Rule) -> Option<Following> {
+        let (change, gear) = self.gear.stepped(lead.change).filter(|_| lead.valid)?;
+        // In inc per cycle.
+        let geared = change.to_f64();
+        let before = slave.velocity * cycle_s;
+        let uneven = if self.counted { self.uneven().min((geared - self.recent[0]).abs()) } else { 0.0 };
+        let Bounds { max_velocity, max_acceleration, max_deceleration, .. } = self.bounds;
+        let rate = if geared.abs() > before.abs() { max_acceleration } else { max_deceleration };
+        // As `can_follow`, which allows for rounding as well.
+        let follows = self.phase == Phase::Synchronized
+            && self.halt.is_none()
+            && (rule != Rule::Never || geared >= 0.0)
+            && geared.abs() <= max_velocity * cycle_s + uneven
+            && (geared - before).abs() <= rate * cycle_s * cycle_s + uneven;
+        let position = slave.position + change;
+        let velocity = geared / cycle_s;
+        let acceleration = (velocity - slave.velocity) / cycle_s;
+        follows.then_some(Following {
+            motion: Motion { position, velocity, acceleration, jerk: 0.0 },
+            gear,
+            change,
+            geared,
+        })
+    }
+
+    /// Takes the step.
+    #[inline]
+    pub fn keep(&mut self, following: &Following) {
+        self.gear = following.gear;
+        self.target += following.change;
+        self.note_change(following.geared);
+    }
+
+    #[inline]
+    fn note_change(&mut self, geared: f64) {
+        let [a, b, c, d, e, f, g, _] = self.recent;
+        self.recent = [geared, a, b, c, d, e, f, g];
+        self.mean += (geared - self.mean) / MEAN_CYCLES;
     }
 
     fn can_follow(&self, geared: f64, before: f64, uneven: f64, cycle_s: f64, bounds: Bounds) -> bool {

@@ -85,7 +85,8 @@ impl Gear {
     /// Advances by the master's change and returns the slave's.
     pub fn step(&mut self, master_change: Position) -> Position {
         // What fits 64 bits lies within the largest change.
-        if let Some(change) = self.step_narrow(master_change.raw()) {
+        if let Some((change, gear)) = self.stepped(master_change) {
+            *self = gear;
             return change;
         }
         let bound = Position::whole(Self::MAX_CHANGE).raw();
@@ -97,14 +98,20 @@ impl Gear {
         Position::from_raw(total.div_euclid(denominator))
     }
 
-    /// The same in 64 bits, where the numbers fit: that is a tenth of the work.
+    /// The slave's change, and the gear behind it, where 64 bits hold all of it: that is a tenth of the work.
     #[inline]
-    fn step_narrow(&mut self, change: i128) -> Option<Position> {
-        let (change, remainder) = (i64::try_from(change).ok()?, i64::try_from(self.remainder).ok()?);
-        let total = self.ratio.numerator.checked_mul(change)?.checked_add(remainder)?;
-        let denominator = self.ratio.denominator;
-        self.remainder = i128::from(total.rem_euclid(denominator));
-        Some(Position::from_raw(i128::from(total.div_euclid(denominator))))
+    pub fn stepped(self, master_change: Position) -> Option<(Position, Self)> {
+        let change = i64::try_from(master_change.raw()).ok()?;
+        let remainder = i64::try_from(self.remainder).ok()?;
+        let Ratio { numerator, denominator } = self.ratio;
+        let total = numerator.checked_mul(change)?.checked_add(remainder)?;
+        if denominator < 1 {
+            return None;
+        }
+        // One division gives both.
+        let (slave, rest) = (total / denominator, total % denominator);
+        let (slave, rest) = if rest < 0 { (slave - 1, rest + denominator) } else { (slave, rest) };
+        Some((Position::from_raw(slave.into()), Self { remainder: rest.into(), ..self }))
     }
 }
 

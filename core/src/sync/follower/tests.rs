@@ -140,4 +140,38 @@ proptest! {
         let total = Position::whole(3000 * leader_step);
         prop_assert_eq!(slave.position, offset + Gear::new(ratio).step(total));
     }
+
+    /// The short way is the long one, bit for bit, in what it makes of the slave and of the follower; and a slave that follows takes it.
+    #[test]
+    fn who_follows_makes_the_same_step(
+        numerator in prop_oneof![-1000_i64..-1, 1_i64..1000],
+        denominator in 1_i64..1000,
+        speed in -90_i64..90,
+        leaps in prop::collection::vec(-3_i64..=3, 100),
+        reads in prop_oneof![Just(Leader::Encoder(0)), Just(Leader::AxisCommand(0))],
+        rule in prop_oneof![Just(Rule::Always), Just(Rule::WithMaster), Just(Rule::Never)],
+        slow in 1_i64..50,
+    ) {
+        let gear = Gear::new(Ratio::new(numerator, denominator).unwrap());
+        let step = gear.ratio().to_f64() * speed as f64 / 3.0;
+        let mut slave = Motion { velocity: step / T, ..Motion::default() };
+        let (mode, end) = (SyncMode::Position, Disengage::Stop);
+        let mut follower = Follower::new(reads, gear, mode, end, slave, Position::ZERO, BOUNDS).at_once();
+        let mut steady = 0;
+        for (cycle, leap) in (0..).zip(&leaps) {
+            let change = Position::from_f64((speed + leap * i64::from(cycle % slow == slow - 1)) as f64 / 3.0);
+            let lead = Lead { change, valid: true, ..Lead::default() };
+            let short = follower.follow(slave, lead, T, rule);
+            let mut other = follower;
+            slave = follower.step(slave, lead, T, Reserve::default(), rule);
+            if let Some(short) = short {
+                other.keep(&short);
+                prop_assert_eq!(format!("{:?}", short.motion), format!("{slave:?}"));
+                prop_assert_eq!(format!("{other:?}"), format!("{follower:?}"));
+                steady += 1;
+            }
+        }
+        let may_follow = step.abs() < 90.0 && (rule != Rule::Never || step >= 0.0);
+        prop_assert!(steady > 0 || slow == 1 || !may_follow, "it never followed");
+    }
 }

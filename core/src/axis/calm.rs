@@ -1,0 +1,100 @@
+//! The cycle of an axis that only moves.
+//!
+//! Law      what a full cycle does, where the rest of a full cycle would find nothing to do
+//! Reads    its plan or its leader, its limits, what its drive tells
+//! Writes   nothing at all, where anything needs more than that: the cycle is a full one then, from its beginning
+//! Refuses  everything that tells something, ends, or comes near a limit
+
+use super::{Axis, Generator};
+use crate::drive::DriveInput;
+use crate::parameter::Rule;
+use crate::position::Position;
+use crate::profile::Motion;
+use crate::sync::Leads;
+use crate::sync::follower::Following;
+
+impl Axis {
+    /// As [`sense`](Self::sense), where nothing but the motion of the drive can have changed.
+    #[inline]
+    pub fn sense_calmly(&mut self, input: Option<&DriveInput>) {
+        let Some(input) = input else { return };
+        self.effort = self.across(input.effort);
+        if !self.read_counts(input) {
+            self.disturb();
+        }
+    }
+
+    /// As [`step`](Self::step), in a cycle without commands; false where it needs all of that.
+    #[inline]
+    pub fn step_calmly(&mut self, cycle: u64, leads: &Leads) -> bool {
+        let goes_on = self.go_on(cycle, leads).is_some();
+        if !goes_on {
+            self.disturb();
+        }
+        goes_on
+    }
+
+    #[inline]
+    fn go_on(&mut self, cycle: u64, leads: &Leads) -> Option<()> {
+        let error = self.following_error();
+        if self.supervision_tells() || !self.is_virtual() && !self.judge.stays_within(error, &self.parameters) {
+            return None;
+        }
+        let next = match &self.generator {
+            Generator::Plan(course) => {
+                let next = course.going_on(cycle)?;
+                self.may_go_on(next, course.is_watched()).then_some(())?;
+                self.is_inside(next.position).then_some(())?;
+                next
+            }
+            Generator::Follow(follower) => {
+                let rule = self.parameters.reversing().rule;
+                let lead = leads.get(follower.leader);
+                let following = follower.follow(self.command, lead, self.cycle_s(), rule)?;
+                self.may_go_on(following.motion, true).then_some(())?;
+                self.take_following(&following);
+                following.motion
+            }
+            _ => return None,
+        };
+        self.is_led = matches!(self.generator, Generator::Follow(_));
+        self.beyond = None;
+        self.command = next;
+        self.note_direction();
+        self.judge.note_step(cycle, self.actual.change, self.slack());
+        if !self.is_virtual() {
+            self.judge.following_error = error;
+        }
+        self.streamed.pass();
+        let asked = self.asked();
+        self.judge.keep(asked);
+        self.lead_drive(asked);
+        self.show_virtual();
+        Some(())
+    }
+
+    fn take_following(&mut self, following: &Following) {
+        if let Generator::Follow(follower) = &mut self.generator {
+            follower.keep(following);
+        }
+    }
+
+    /// May it go on with `next`, which nobody has to stop or to turn, and from where it is?
+    #[inline]
+    fn may_go_on(&self, next: Motion, is_watched: bool) -> bool {
+        // NaN leads nowhere.
+        let leads_on = next.velocity >= 0.0
+            || next.velocity < 0.0 && (self.command.velocity < 0.0 || self.parameters.reversing().rule == Rule::Always);
+        leads_on
+            && self.stopped_at.is_none()
+            && self.is_inside(self.command.position)
+            && (!is_watched || self.is_far_from_limits(next))
+    }
+
+    /// Is it within the limits, by the whole increment below it? The upper limit itself is not.
+    #[inline]
+    fn is_inside(&self, place: Position) -> bool {
+        let limits = &self.parameters.derived;
+        (limits.low..limits.high).contains(&place.floor())
+    }
+}
