@@ -15,11 +15,11 @@ pub use setpoints::SetpointRequest;
 pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
 
 use crate::command::{Length, Move, MoveMode, Probe, ProbeEdge, Synchronize};
-use crate::config::{AxisConfig, IoKind, MachineConfig};
+use crate::config::{AxisConfig, IoKind, MachineConfig, highest_of};
 use crate::object::{AxisSet, Leader, Object};
-use crate::parameter::{self, Applies, Change, MACHINE, ParameterInput, Row, Word};
+use crate::parameter::{self, Applies, Change, ConvertError, MACHINE, ParameterInput, Row, Word};
 use crate::position::Position;
-use crate::text::expected_text;
+use crate::text::{allowed_text, expected_text};
 use crate::unit::{AxisUnit, Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
 
 /// In which units a request gives its bare numbers.
@@ -364,7 +364,15 @@ impl MachineConfig {
     /// A name that no parameter has, a value of the wrong type or unit; ranges are checked by the machine.
     pub fn resolve_parameter(&self, name: &str, input: &ParameterInput) -> Result<Change, RequestError> {
         let (axis, row, entry, scale) = self.find_parameter(name)?;
-        let value = parameter::convert(entry, &scale, input).map_err(|error| error.named(name, entry, &scale))?;
+        let value = parameter::convert(entry, &scale, input).map_err(|error| match error {
+            // The range of the row says more than that of all rates.
+            ConvertError::Unit(UnitError::RateTooHigh { given, .. }) => RequestError::BadParameter {
+                name: name.to_owned(),
+                value: given.to_string(),
+                allowed: allowed_text(entry, &scale, highest_of(entry, self.cycle_ns)),
+            },
+            error => error.named(name, entry, &scale),
+        })?;
         Ok(Change { axis, row, value })
     }
 
@@ -389,7 +397,7 @@ impl MachineConfig {
     }
 }
 
-impl parameter::ConvertError {
+impl ConvertError {
     fn named(self, name: &str, row: &Row, scale: &Scale) -> RequestError {
         match self {
             Self::Unit(error) => RequestError::BadValue { field: name.to_owned(), error: Box::new(error) },

@@ -8,14 +8,14 @@ use crate::document::{Allowed, Map, Value};
 pub(crate) use agree::{contradictions, double_views, turned_views};
 use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
 use lineshaft_core::code::Code;
-use lineshaft_core::config::highest_velocity;
+use lineshaft_core::config::highest_of;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::encoder::source::AbsoluteSources;
 use lineshaft_core::parameter::{
-    self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Range, Refused, Row,
-    Storage, Word,
+    self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Refused, Row, Storage,
+    Word,
 };
-use lineshaft_core::text::{expected_text, not_built_here, range_text, refused_text, value_text};
+use lineshaft_core::text::{allowed_text, expected_text, not_built_here, refused_text};
 use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 
 /// Largest velocity and acceleration that a row takes.
@@ -160,7 +160,10 @@ impl Reader<'_, '_> {
             Ok(()) => return Some(()),
             Err(Refused::OutOfRange) => self.refuse_range(scale),
             Err(Refused::WrongType) => self.refuse_type(ConvertError::Type(self.written().to_owned()), scale),
-            Err(why) => self.value.refuse(refused_text(self.row, why, value, scale), Some("leave it out".to_owned())),
+            Err(why) => {
+                let sentence = refused_text(self.row, why, value, scale, self.highest_velocity());
+                self.value.refuse(sentence, Some("leave it out".to_owned()));
+            }
         }
         None
     }
@@ -213,8 +216,7 @@ impl Reader<'_, '_> {
 
     /// Highest velocity (inc/s) that the row may have, where the cycle sets one.
     fn highest_velocity(&self) -> Option<f64> {
-        let is_limit = self.row.measure == Measure::Velocity && matches!(self.row.range, Range::PositiveUpTo(_));
-        self.cycle_ns.filter(|_| is_limit).map(highest_velocity)
+        self.cycle_ns.and_then(|cycle_ns| highest_of(self.row, cycle_ns))
     }
 
     fn is_too_fast(&self, value: parameter::Value) -> bool {
@@ -226,6 +228,7 @@ impl Reader<'_, '_> {
 
     fn refuse_type(&self, error: ConvertError, scale: &Scale) {
         match error {
+            ConvertError::Unit(UnitError::RateTooHigh { .. }) => self.refuse_range(scale),
             ConvertError::Unit(error) => self.refuse_unit(&error),
             ConvertError::Type(value) => refuse_type(self.row, self.value, &value, scale, None),
         }
@@ -236,8 +239,7 @@ impl Reader<'_, '_> {
     }
 
     fn refuse_range(&self, scale: &Scale) {
-        let highest = self.highest_velocity().unwrap_or(f64::INFINITY);
-        refuse_range(self.row, self.value, scale, highest);
+        refuse_range(self.row, self.value, scale, self.highest_velocity());
     }
 }
 
@@ -253,7 +255,7 @@ pub(super) fn whole(row: &Row, value: &Value<'_>, scale: &Scale) -> Option<i64> 
         _ => {
             let number = value.integer(i128::MIN..=i128::MAX)?;
             let number = i64::try_from(number);
-            number.map_err(|_| refuse_range(row, value, scale, f64::INFINITY)).ok()
+            number.map_err(|_| refuse_range(row, value, scale, None)).ok()
         }
     }
 }
@@ -263,11 +265,8 @@ fn refuse_type(row: &Row, value: &Value<'_>, written: &str, scale: &Scale, hint:
 }
 
 /// Tells the range of a row, of which a velocity may use up to `highest` (inc/s).
-pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: f64) {
-    let range = range_text(row, |end| match end {
-        parameter::Value::Real(end) => value_text(row, parameter::Value::Real(end.min(highest)), scale),
-        end => value_text(row, end, scale),
-    });
+pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: Option<f64>) {
+    let range = allowed_text(row, scale, highest);
     let written = value.peek().unwrap_or_default();
     value.refuse(format!("{} is {}; {range} is allowed", row.key, quote(written)), None);
 }

@@ -114,7 +114,7 @@ fn factor(key: &str, value: &Value<'_>) -> Option<i64> {
     let (_, row) = Row::find(key)?;
     let number = whole(row, value, &Scale::increments())?;
     if row.check(parameter::Value::Int(number)).is_err() {
-        refuse_range(row, value, &Scale::increments(), f64::INFINITY);
+        refuse_range(row, value, &Scale::increments(), None);
         return None;
     }
     Some(number)

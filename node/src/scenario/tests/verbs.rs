@@ -249,6 +249,23 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
     assert_eq!(failure(&step(", every: 100, count: 2")), format!("{sentence}; in cycle 10 (0.01 s), and once more"));
 }
 
+/// Whether a number is too large for the row, for the cycle or for a whole number, the range that is told is one.
+#[test]
+fn every_large_velocity_is_refused_with_one_range() {
+    for (given, shown) in
+        [("3e9 mm/s", "3000000000 mm/s"), ("2e12 mm/s", "2000000000000 mm/s"), ("2147483650 mm/s", "2147483650 mm/s")]
+    {
+        let steps = format!("steps: [{{at: 10, do: {{set_parameters: {{x.max_velocity: {given}}}}}}}]");
+        let sentence = format!("x: max_velocity is {shown}; more than 0 up to 2147483648 mm/s is allowed");
+        assert_eq!(failure(&steps), format!("set_parameters was refused: {sentence}; in cycle 10 (0.01 s)"), "{given}");
+    }
+    for (given, shown) in [("^1e37", "1e37 m/s"), ("^-1e37", "-1e37 m/s"), ("^1e37 mm/s", "1e37 mm/s")] {
+        let said = bad(&format!("{{set_parameters: {{x.max_velocity: {given}}}}}"));
+        let sentence = format!("x.max_velocity is `{shown}`; more than 0 up to 2147483648 mm/s is expected");
+        assert_eq!(said, sentence, "{given}");
+    }
+}
+
 #[test]
 fn what_is_no_request_counts_as_refused_where_that_is_expected() {
     passes(
