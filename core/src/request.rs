@@ -5,6 +5,7 @@
 
 mod error;
 mod homing;
+mod meaning;
 mod outputs;
 mod setpoints;
 mod trajectory;
@@ -228,6 +229,16 @@ impl MachineConfig {
     /// # Errors
     /// What is wrong in the request itself.
     pub fn resolve_move(&self, request: &MoveRequest) -> Result<Move, RequestError> {
+        let resolved = self.resolve_recorded_move(request)?;
+        let (_, axis) = self.find_axis(&request.axis)?;
+        meaning::check_move(request, &resolved, axis).map(|()| resolved)
+    }
+
+    /// As [`MachineConfig::resolve_move`], of what was a command once: older programs took fields without a meaning.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn resolve_recorded_move(&self, request: &MoveRequest) -> Result<Move, RequestError> {
         let (index, axis) = self.find_axis(&request.axis)?;
         let (units, scale) = (request.units, &axis.scale);
         let rate = |field: &str, amount: Amount, order| {
@@ -320,10 +331,20 @@ impl MachineConfig {
     /// # Errors
     /// What is wrong in the request itself.
     pub fn resolve_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
+        let resolved = self.resolve_recorded_synchronize(request)?;
+        let (_, axis) = self.find_axis(&request.axis)?;
+        meaning::check_synchronize(request, &resolved, axis).map(|()| resolved)
+    }
+
+    /// As [`MachineConfig::resolve_synchronize`], of what was a command once: older programs took fields without a meaning.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn resolve_recorded_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
         use crate::command::{Disengage, SyncMode};
         let (index, axis) = self.find_axis(&request.axis)?;
         let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
-        let bad = |field: &str, error| RequestError::BadValue { field: field.to_owned(), error: Box::new(error) };
+        let bad = bad_value;
         let mode = match request.mode {
             0 => SyncMode::Velocity,
             1 => SyncMode::Position,
@@ -406,6 +427,10 @@ impl ConvertError {
             }
         }
     }
+}
+
+fn bad_value(field: &str, error: UnitError) -> RequestError {
+    RequestError::BadValue { field: field.to_owned(), error: Box::new(error) }
 }
 
 fn move_mode(mode: u8) -> Result<MoveMode, RequestError> {

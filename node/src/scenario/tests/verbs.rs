@@ -351,6 +351,15 @@ fn what_is_wrong_with_a_verb_is_told() {
         bad("{synchronize: {axis: x, master: line, master_increments: ^5}}"),
         "master_increments belongs to `engage: at_position`"
     );
+    assert_eq!(bad("{synchronize: {axis: x, master: line, event: ^mark}}"), "event belongs to `engage: on_event`");
+    assert_eq!(
+        bad("{synchronize: ^{axis: x, master: line, mode: velocity, offset: 5 mm}}"),
+        "offset is `5 mm`; 0 is allowed with mode VELOCITY, which keeps no position"
+    );
+    assert_eq!(
+        bad("{move_axis: ^{axis: x, position: 5 mm, direction: positive}}"),
+        "direction is 1; 0 SHORTEST is allowed, as the axis has no modulo"
+    );
     assert_eq!(bad("{cancel: {id: ^m}}"), "no command has the id `m`");
     assert_eq!(bad("[{move_axis: {id: m, axis: x}}, {move_axis: {id: ^m, axis: x}}]"), "id `m` stands twice");
     assert_eq!(bad("{set_parameters: ^{}}"), "set_parameters is empty; `axis.key: value` is expected");
