@@ -41,6 +41,7 @@ pub struct Report {
 impl Report {
     pub(super) fn new(run: &Run, verdict: Verdict, first: u64, cycles: u64, counts: Counts) -> Self {
         let mut notes: Vec<String> = run.cuts().map(ToString::to_string).collect();
+        notes.extend(run.flaws().map(|flaw| flaw.to_string()));
         let ends = || run.files().iter().map(|file| file.metadata.iter().find(|(name, _)| name == "lineshaft_end"));
         let lost = |end: Option<&(_, BTreeMap<String, String>)>| end?.1.get("lost")?.parse::<u64>().ok();
         let lost: u64 = ends().filter_map(lost).sum();
