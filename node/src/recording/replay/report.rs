@@ -51,7 +51,7 @@ impl Report {
         match ends().next_back().flatten() {
             None if notes.is_empty() => notes.push("the recording has no end: its recorder was stopped".to_owned()),
             Some((_, end)) if end.get("continued").is_some_and(|continued| continued == "true") => {
-                notes.push("the recording goes on in a further file, which is not here".to_owned());
+                notes.push("the recording goes on in a further file, which was not read".to_owned());
             }
             _ => {}
         }
