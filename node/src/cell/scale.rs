@@ -120,6 +120,9 @@ fn factor(key: &str, value: &Value<'_>) -> Option<i64> {
     Some(number)
 }
 
+/// How people write inches.
+const INCH: [&str; 3] = ["in", "inch", "inches"];
+
 /// A unit by its name, or a positive number of one: `mm`, `0.1 mm`.
 fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
     if value.peek().is_some_and(|text| text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))) {
@@ -131,6 +134,12 @@ fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
         None => [of(ScaleKind::Linear), of(ScaleKind::Rotary)].join(", "),
     };
     let units: Vec<_> = names.split(", ").chain(["inc"]).filter_map(|name| Some((name, Unit::parse(name)?))).collect();
+    // What is nearest by its letters is an increment, which nobody means by that.
+    if let Some(text) = value.peek().filter(|text| INCH.contains(&text.to_lowercase().as_str())) {
+        let sentence = format!("unit is {}; one of {names}, inc is allowed", quote(text));
+        value.refuse(sentence, (kind != Some(ScaleKind::Rotary)).then(|| "an inch is `25.4 mm`".to_owned()));
+        return None;
+    }
     value.choice(&units).map(AxisUnit::from)
 }
 

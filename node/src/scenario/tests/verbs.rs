@@ -245,6 +245,16 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
         problem("steps", "{at: 1, do: {enable: {}}, refused: {code: ^NOT_ENABLD}}"),
         "no code is called `NOT_ENABLD`; a number or a name is expected, did you mean `NOT_ENABLED`?"
     );
+    assert_eq!(
+        problem("steps", "{at: 1, do: {enable: {}}, refused: {code: ^above_max_position}}"),
+        "no code is called `above_max_position`; a number or a name is expected, did you mean `ABOVE_MAX_POSITION`?"
+    );
+    assert_eq!(
+        failure(&step(", refused: 10007")),
+        format!(
+            "{sentence}; a refusal with the text `10007` (a code is written `{{code: 10007}}`) was expected; in cycle 10 (0.01 s)"
+        )
+    );
     assert_eq!(failure(&step(", every: 100, count: 3")), format!("{sentence}; in cycle 10 (0.01 s), and 2 times more"));
     assert_eq!(failure(&step(", every: 100, count: 2")), format!("{sentence}; in cycle 10 (0.01 s), and once more"));
 }
