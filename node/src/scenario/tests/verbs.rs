@@ -67,6 +67,19 @@ fn a_modulo_axis_turns_in_the_direction_that_is_asked() {
     }
 }
 
+/// At rest there is no sense of motion but that of the last one.
+#[test]
+fn current_at_rest_is_the_way_of_the_last_motion() {
+    for (first, place, then, end) in [("negative", 350, 20, -34_000), ("positive", 10, 0, 36_000)] {
+        passes(&enabled(&format!(
+            "do: {{move_axis: {{axis: turret, position: {place} deg, direction: {first}}}}}}}\n\
+             - {{name: again, at: 900, do: {{move_axis: {{axis: turret, position: {then} deg, direction: current}}}}}}\nexpect:\n\
+             - {{signal: turret.command.velocity, since: again, at: -1, is: 0}}\n\
+             - {{signal: turret.target.position, since: again, at: 0, is: {end}}}\n"
+        )));
+    }
+}
+
 #[test]
 fn velocity_goals_halts_and_quick_stops() {
     // 20 mm/s after 40 ms at 500 mm/s^2; halt at 500 mm/s^2 takes 40 ms, quick_stop at 1 m/s^2 20 ms.
