@@ -236,7 +236,7 @@ fn interfaces_are_listed_and_explained() {
     assert!(markdown.lines().count() > 300 && markdown.lines().all(|line| page.lines().any(|known| known == line)));
     let unknown = lineshaft(&here, &["interfaces", "MoveAxes"]);
     assert_eq!((code(&unknown), unknown.stdout.is_empty()), (2, true));
-    let sentence = "error: no topic, service, action or type `MoveAxes`; `lineshaft interfaces` lists all\n";
+    let sentence = "error: no topic, service, action or type `MoveAxes`; did you mean `MoveAxis`? `lineshaft interfaces` lists all\n";
     assert_eq!(text(&unknown.stderr), sentence);
 }
 

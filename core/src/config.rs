@@ -14,7 +14,7 @@ use crate::drive::{Backend, Capabilities, Interface};
 use crate::encoder::{Form, PulseCheck};
 use crate::modulo::Modulo;
 use crate::object::{Leader, MAX_AXES, Object};
-use crate::parameter::{Applies, AxisParameters, Contradiction, MachineParameters};
+use crate::parameter::{Applies, AxisParameters, Contradiction, MachineParameters, Row};
 use crate::unit::{Fraction, Scale, fraction_to_f64};
 use crate::vocabulary::{amc, wf};
 
@@ -24,6 +24,11 @@ const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
 /// The highest velocity that a cycle of that length can do (inc/s).
 pub fn highest_velocity(cycle_ns: u64) -> f64 {
     MOST_PER_CYCLE * 1e9 / cycle_ns as f64
+}
+
+/// The end that a cycle of that length sets to the range of a row (inc/s); none for what is no limit of a velocity.
+pub fn highest_of(row: &Row, cycle_ns: u64) -> Option<f64> {
+    row.is_bound_by_cycle().then(|| highest_velocity(cycle_ns))
 }
 
 /// Does the drive of an axis offer what the axis asks of it?

@@ -5,6 +5,7 @@
 
 mod error;
 mod homing;
+mod meaning;
 mod outputs;
 mod saia;
 mod setpoints;
@@ -16,11 +17,11 @@ pub use setpoints::SetpointRequest;
 pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
 
 use crate::command::{Move, MoveMode, Probe, ProbeEdge, Synchronize};
-use crate::config::{AxisConfig, IoKind, MachineConfig};
+use crate::config::{AxisConfig, IoKind, MachineConfig, highest_of};
 use crate::object::{AxisSet, Leader, Object};
-use crate::parameter::{self, Applies, Change, MACHINE, ParameterInput, Row, Word};
+use crate::parameter::{self, Applies, Change, ConvertError, MACHINE, ParameterInput, Row, Word};
 use crate::position::{Length, Position};
-use crate::text::expected_text;
+use crate::text::{allowed_text, expected_text};
 use crate::unit::{AxisUnit, Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
 
 /// In which units a request gives its bare numbers.
@@ -229,6 +230,16 @@ impl MachineConfig {
     /// # Errors
     /// What is wrong in the request itself.
     pub fn resolve_move(&self, request: &MoveRequest) -> Result<Move, RequestError> {
+        let resolved = self.resolve_recorded_move(request)?;
+        let (_, axis) = self.find_axis(&request.axis)?;
+        meaning::check_move(request, &resolved, axis).map(|()| resolved)
+    }
+
+    /// As [`MachineConfig::resolve_move`], of what was a command once: older programs took fields without a meaning.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn resolve_recorded_move(&self, request: &MoveRequest) -> Result<Move, RequestError> {
         let (index, axis) = self.find_axis(&request.axis)?;
         let (units, scale) = (request.units, &axis.scale);
         let rate = |field: &str, amount: Amount, order| {
@@ -321,10 +332,20 @@ impl MachineConfig {
     /// # Errors
     /// What is wrong in the request itself.
     pub fn resolve_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
+        let resolved = self.resolve_recorded_synchronize(request)?;
+        let (_, axis) = self.find_axis(&request.axis)?;
+        meaning::check_synchronize(request, &resolved, axis).map(|()| resolved)
+    }
+
+    /// As [`MachineConfig::resolve_synchronize`], of what was a command once: older programs took fields without a meaning.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn resolve_recorded_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
         use crate::sync::{Disengage, SyncMode};
         let (index, axis) = self.find_axis(&request.axis)?;
         let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
-        let bad = |field: &str, error| RequestError::BadValue { field: field.to_owned(), error: Box::new(error) };
+        let bad = bad_value;
         let mode = match request.mode {
             0 => SyncMode::Velocity,
             1 => SyncMode::Position,
@@ -365,7 +386,15 @@ impl MachineConfig {
     /// A name that no parameter has, a value of the wrong type or unit; ranges are checked by the machine.
     pub fn resolve_parameter(&self, name: &str, input: &ParameterInput) -> Result<Change, RequestError> {
         let (axis, row, entry, scale) = self.find_parameter(name)?;
-        let value = parameter::convert(entry, &scale, input).map_err(|error| error.named(name, entry, &scale))?;
+        let value = parameter::convert(entry, &scale, input).map_err(|error| match error {
+            // The range of the row says more than that of all rates.
+            ConvertError::Unit(UnitError::RateTooHigh { given, .. }) => RequestError::BadParameter {
+                name: name.to_owned(),
+                value: given.to_string(),
+                allowed: allowed_text(entry, &scale, highest_of(entry, self.cycle_ns)),
+            },
+            error => error.named(name, entry, &scale),
+        })?;
         Ok(Change { axis, row, value })
     }
 
@@ -390,7 +419,7 @@ impl MachineConfig {
     }
 }
 
-impl parameter::ConvertError {
+impl ConvertError {
     fn named(self, name: &str, row: &Row, scale: &Scale) -> RequestError {
         match self {
             Self::Unit(error) => RequestError::BadValue { field: name.to_owned(), error: Box::new(error) },
@@ -399,6 +428,10 @@ impl parameter::ConvertError {
             }
         }
     }
+}
+
+fn bad_value(field: &str, error: UnitError) -> RequestError {
+    RequestError::BadValue { field: field.to_owned(), error: Box::new(error) }
 }
 
 fn move_mode(mode: u8) -> Result<MoveMode, RequestError> {

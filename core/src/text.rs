@@ -14,7 +14,7 @@ mod parameter;
 mod reason;
 mod set;
 
-pub use parameter::{expected_text, range_text, refused_text, value_text};
+pub use parameter::{allowed_text, expected_text, outside_text, range_text, refused_text, value_text};
 
 use reason::reason;
 
@@ -196,6 +196,17 @@ mod tests {
             text(Code::PARAMETER_OUT_OF_RANGE, "max_velocity", Number::Velocity(3.0), speed),
             "machine: max_velocity is 3 inc/s; more than 0 up to 2 inc/s is allowed"
         );
+        // Whether the row or the cycle refuses it, the range is one.
+        let config = MachineConfig { cycle_ns: 1_000_000, ..MachineConfig::default() };
+        let event = Event::new(Severity::Warn, Kind::Refused, Object::Machine, Code::PARAMETER_OUT_OF_RANGE);
+        let parameter = Row::find("max_velocity").map(|(row, _)| row);
+        for limit in [Number::None, Number::Velocity(2_147_483_648_000.0)] {
+            let event = Event { parameter, ..event.with(Number::Velocity(2e15), limit) };
+            assert_eq!(
+                sentence(&event, &config),
+                "machine: max_velocity is 2000000000000000 inc/s; more than 0 up to 2147483648000 inc/s is allowed"
+            );
+        }
     }
 
     #[test]

@@ -29,6 +29,16 @@ pub enum ConvertError {
 }
 
 impl Measure {
+    /// Of which derivative of a position it is a rate: 1 for a velocity, 2 for an acceleration, 3 for a jerk; none for what is no rate.
+    pub fn order(self) -> Option<u8> {
+        match self {
+            Measure::Velocity => Some(1),
+            Measure::Acceleration => Some(2),
+            Measure::Jerk => Some(3),
+            _ => None,
+        }
+    }
+
     /// Dimensions that a quantity of this measure may have on an axis; none for plain numbers and names.
     pub fn dimensions(self, scale: &Scale) -> Option<[Dimension; 2]> {
         match self {

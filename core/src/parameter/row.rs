@@ -334,6 +334,11 @@ impl Row {
         matches!(self.storage, Storage::Cell | Storage::Derived | Storage::Signal(_))
     }
 
+    /// Is it a limit of a velocity? Those end with what a cycle can do, below the end of their range.
+    pub fn is_bound_by_cycle(&self) -> bool {
+        self.measure == Measure::Velocity && matches!(self.range, Range::PositiveUpTo(_))
+    }
+
     /// Smallest step between two values; 0 for reals.
     pub fn step(&self) -> u64 {
         u64::from(matches!(self.range, Range::Int(..) | Range::Among(_)))

@@ -57,6 +57,16 @@ pub enum RequestError {
         /// What it may be.
         allowed: &'static str,
     },
+    /// A value of a field that the rest of the request gives no meaning.
+    #[error("{field} is {value}; {allowed}")]
+    NoMeaning {
+        /// The field.
+        field: &'static str,
+        /// The value given.
+        value: String,
+        /// What it may be, and why.
+        allowed: &'static str,
+    },
     /// A value that the request's units cannot hold.
     #[error("{field}: {error}")]
     BadValue {

@@ -76,6 +76,36 @@ fn what_is_wrong_in_a_request_is_said_with_what_is_allowed() {
     assert!(Units::from_number(3).is_err());
 }
 
+/// What would be accepted and do nothing is refused; a field that is left at its default is not.
+#[test]
+fn a_field_without_a_meaning_is_refused() {
+    let mut config = config();
+    config.axes[1].modulo = crate::modulo::Modulo::new(36_000, 1);
+    let moved = |request: MoveRequest| config.resolve_move(&request).map(drop).map_err(|error| error.to_string());
+    for direction in 1..=3 {
+        let round = |axis| MoveRequest { direction, ..to(axis, Units::Si, 0.1) };
+        let sentence = format!("direction is {direction}; 0 SHORTEST is allowed, as the axis has no modulo");
+        assert_eq!(moved(round("x")), Err(sentence));
+        assert_eq!(moved(round("turret")), Ok(()));
+    }
+    let at_speed = |position, units| MoveRequest { mode: 3, velocity: Amount::Number(0.1), ..to("x", units, position) };
+    assert_eq!(moved(at_speed(0.0, Units::Si)), Ok(()));
+    let sentence = "position is `10 mm`; 0 is allowed with mode VELOCITY, which has no target";
+    assert_eq!(moved(at_speed(10.0, Units::AxisUnit)), Err(sentence.into()));
+    let coupled = |mode, offset| {
+        let offset = Amount::Number(offset);
+        let request =
+            SynchronizeRequest { axis: "x".into(), master: "belt".into(), mode, offset, ..Default::default() };
+        config.resolve_synchronize(&request).map(drop).map_err(|error| error.to_string())
+    };
+    assert_eq!((coupled(0, 0.0), coupled(1, 0.005)), (Ok(()), Ok(())));
+    let sentence = "offset is `0.005 m`; 0 is allowed with mode VELOCITY, which keeps no position";
+    assert_eq!(coupled(0, 0.005), Err(sentence.into()));
+    // Bags of before hold such commands, and the machine did nothing with the fields.
+    let recorded = MoveRequest { direction: 1, ..at_speed(10.0, Units::AxisUnit) };
+    assert!(config.resolve_recorded_move(&recorded).is_ok());
+}
+
 /// A method that scheme CONFIGURED would not take is no motion by another one.
 #[test]
 fn a_method_of_homing_stands_with_its_scheme() {

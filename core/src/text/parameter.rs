@@ -39,6 +39,31 @@ pub fn range_text(row: &Row, text: impl Fn(Value) -> String) -> String {
     }
 }
 
+/// The values that a row permits on an axis of that scale, in words; a velocity ends with `highest` (inc/s), where that is given.
+pub fn allowed_text(row: &Row, scale: &Scale, highest: Option<f64>) -> String {
+    let end = |end: f64| highest.map_or(end, |highest| end.min(highest));
+    let low_end = match row.range {
+        Range::Real(low, _) => low,
+        _ => f64::NAN,
+    };
+    range_text(row, |value| match (value, row.measure.order()) {
+        (Value::Real(low), Some(order)) if low == low_end => scale.format_bound(low, order, false),
+        (Value::Real(high), Some(order)) => scale.format_bound(end(high), order, true),
+        (value, _) => value_text(row, value, scale),
+    })
+}
+
+/// A value that lies outside its range: with all of its digits where fewer of them stand in the range.
+pub fn outside_text(row: &Row, value: Value, scale: &Scale, allowed: &str) -> String {
+    let text = value_text(row, value, scale);
+    match (value, row.measure.order()) {
+        (Value::Real(rate), Some(order)) if allowed.ends_with(&text) || allowed.starts_with(&text) => {
+            scale.format_rate_precisely(rate, order)
+        }
+        _ => text,
+    }
+}
+
 /// Ranges one by one; a regular row of them by its beginning and its end: `0 to 2, 10 to 12, .. 90 to 92`.
 fn ranges_text(ranges: &[(i64, i64)]) -> String {
     /// A shorter row is written out.
@@ -73,7 +98,7 @@ pub fn expected_text(row: &Row, scale: &Scale) -> String {
         ScaleKind::Linear => ["10 mm", "0.5 m/s", "2 m/s^2", "50 m/s^3"],
         ScaleKind::Rotary => ["10 deg", "90 deg/s", "360 deg/s^2", "9000 deg/s^3"],
     };
-    let range = || range_text(row, |value| value_text(row, value, scale));
+    let range = || allowed_text(row, scale, None);
     match row.measure {
         Measure::Position | Measure::Distance => format!("a position such as {}", unit[0]),
         Measure::Velocity => format!("a velocity such as {}", unit[1]),
@@ -85,13 +110,15 @@ pub fn expected_text(row: &Row, scale: &Scale) -> String {
     }
 }
 
-/// Why a row refuses a value: key, value and what is permitted, without the name of the axis.
-pub fn refused_text(row: &Row, why: Refused, value: Value, scale: &Scale) -> String {
+/// Why a row refuses a value: key, value and what is permitted, without the name of the axis. A velocity ends with `highest`
+/// (inc/s), where that is given.
+pub fn refused_text(row: &Row, why: Refused, value: Value, scale: &Scale, highest: Option<f64>) -> String {
     let key = row.key;
     let text = |value| value_text(row, value, scale);
     match why {
         Refused::OutOfRange | Refused::WrongType => {
-            format!("{key} is {}; {} is allowed", text(value), range_text(row, text))
+            let allowed = allowed_text(row, scale, highest);
+            format!("{key} is {}; {allowed} is allowed", outside_text(row, value, scale, &allowed))
         }
         Refused::NotBuilt => {
             let (value, default) = (text(value), text(row.default));
@@ -133,6 +160,28 @@ mod tests {
         assert_eq!(range("max_velocity"), "more than 0 up to 1000000000000 mm/s");
     }
 
+    /// An end that is rounded to nine digits would read as a value beyond it, and a value beyond it as the end.
+    #[test]
+    fn an_end_of_a_range_never_reads_as_a_value_that_is_refused() {
+        let allowed = |key: &str, highest| allowed_text(row(key), &millimetres(), highest);
+        // 2^31 increments in 1 ms.
+        let highest = Some(2_147_483_648_000.0);
+        assert_eq!(allowed("max_velocity", highest), "more than 0 up to 2147483648 mm/s");
+        assert_eq!(allowed("max_velocity", None), "more than 0 up to 1000000000000 mm/s");
+        assert_eq!(allowed("master_simulation_velocity", None), "-1000000 mm/s to 1000000 mm/s");
+        let refused = |rate, highest| {
+            refused_text(row("max_velocity"), Refused::OutOfRange, Value::Real(rate), &millimetres(), highest)
+        };
+        assert_eq!(
+            refused(2_147_483_650_000.0, highest),
+            "max_velocity is 2147483650 mm/s; more than 0 up to 2147483648 mm/s is allowed"
+        );
+        assert_eq!(
+            refused(1_000_000_000_000_125.0, None),
+            "max_velocity is 1000000000000.125 mm/s; more than 0 up to 1000000000000 mm/s is allowed"
+        );
+    }
+
     #[test]
     fn many_ranges_are_told_by_their_rule() {
         // rule 0 to 2 + 10 output + 100 node, and -10 to -90.
@@ -154,7 +203,7 @@ mod tests {
 
     #[test]
     fn a_refusal_names_key_value_and_what_is_permitted() {
-        let text = |key, why, value| refused_text(row(key), why, value, &millimetres());
+        let text = |key, why, value| refused_text(row(key), why, value, &millimetres(), None);
         assert_eq!(
             text("max_following_error", Refused::OutOfRange, Value::Int(0)),
             "max_following_error is 0 mm; 0.001 mm (1 inc) and above is allowed"

@@ -1,7 +1,7 @@
 //! Why the set of a parameter was refused.
 
-use super::{number_text, parameter_value, range_text, refused_text, row, scale_of, value_of, value_text};
-use crate::config::MachineConfig;
+use super::{allowed_text, number_text, parameter_value, refused_text, row, scale_of, value_of};
+use crate::config::{MachineConfig, highest_of};
 use crate::event::{Event, Number};
 use crate::parameter::{Refused, Row, Value};
 
@@ -36,7 +36,11 @@ pub(super) fn read_only(event: &Event, config: &MachineConfig) -> String {
 }
 
 pub(super) fn refused(event: &Event, row: &Row, why: Refused, config: &MachineConfig) -> String {
-    refused_text(row, why, value_of(event.asked), &scale_of(event.source, config))
+    let highest = match event.limit {
+        Number::Velocity(highest) => Some(highest),
+        _ => highest_of(row, config.cycle_ns),
+    };
+    refused_text(row, why, value_of(event.asked), &scale_of(event.source, config), highest)
 }
 
 pub(super) fn not_disabled(event: &Event, config: &MachineConfig) -> String {
@@ -58,15 +62,14 @@ pub(super) fn out_of_range(event: &Event, config: &MachineConfig) -> String {
     match event.limit {
         Number::None => refused(event, row, Refused::OutOfRange, config),
         // What a cycle can do is less than what the row says.
-        limit => {
-            let limit = number_text(limit, event.source, config);
-            match row.root() {
-                "max_velocity" if !row.is_view() => {
-                    format!("{} is {value}; more than 0 up to {limit} is allowed", row.key)
-                }
-                _ => format!("{} {value} makes max_velocity more than {limit}, the most that a cycle can do", row.key),
+        limit => match (row.root(), limit) {
+            ("max_velocity", _) if !row.is_view() => refused(event, row, Refused::OutOfRange, config),
+            (_, Number::Velocity(highest)) => {
+                let highest = scale_of(event.source, config).format_bound(highest, 1, true);
+                format!("{} {value} makes max_velocity more than {highest}, the most that a cycle can do", row.key)
             }
-        }
+            _ => format!("{} {value} makes max_velocity more than a cycle can do", row.key),
+        },
     }
 }
 
@@ -91,7 +94,7 @@ pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
         && let Some((_, native)) = Row::find(native)
         && native.check(Value::Real(number)).is_err()
     {
-        let range = range_text(native, |value| value_text(native, value, &scale_of(event.source, config)));
+        let range = allowed_text(native, &scale_of(event.source, config), highest_of(native, config.cycle_ns));
         return format!("{} {value} makes {} {limit}; {range} is allowed", row.key, native.key);
     }
     // What MACS gives as a part or a count is told beside what MACS has there.

@@ -65,7 +65,7 @@ pub enum UnitError {
         increments: Option<Fraction>,
     },
     /// Exact arithmetic left 128 bits.
-    #[error("`{given}` cannot be converted exactly: numerator and denominator of the result exceed 128 bits")]
+    #[error("`{given}` has too many digits to be converted exactly; fewer digits, or a smaller exponent, are allowed")]
     Inexact {
         /// The value as given.
         given: Quantity,
@@ -76,6 +76,16 @@ pub enum UnitError {
         /// The value as given.
         given: Quantity,
         /// What it is in increments.
+        rate: f64,
+        /// Unit of `rate`.
+        unit: Unit,
+    },
+    /// A velocity, acceleration or jerk beyond all ranges.
+    #[error("`{given}` is {rate:e} {unit}; less than 1e30 {unit} is allowed")]
+    RateTooHigh {
+        /// The value as given.
+        given: Quantity,
+        /// About what it is in increments.
         rate: f64,
         /// Unit of `rate`.
         unit: Unit,

@@ -3,7 +3,7 @@
 use super::fraction::nine_digits;
 use super::{
     AxisUnit, Dimension, Fraction, MacsFactors, Quantity, Unit, UnitError, fraction_from_f64, fraction_to_f64,
-    fraction_to_text, round,
+    fraction_to_text, number_to_text, round,
 };
 use num_traits::{CheckedDiv, CheckedMul, Signed};
 use std::f64::consts::TAU;
@@ -13,6 +13,9 @@ const LIMIT: u64 = 1 << 62;
 /// Least rate that is not 0 (inc/s^n). No machine is that slow, and above it every f64 written as its shortest decimal has a
 /// last digit that [`parse_decimal`](super::parse_decimal) still reads: a recorded rate comes back.
 const LEAST_RATE: f64 = 1e-22;
+
+/// From here on a rate lies outside every range (inc/s^n).
+const BEYOND_ALL: f64 = 1e30;
 
 /// Whether an axis moves along a line (m) or turns (rad).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -161,12 +164,20 @@ impl Scale {
     ///
     /// # Errors
     /// As [`Scale::exact`]; another order is [`UnitError::WrongDimension`]; [`UnitError::RateTooLow`] between 0 and
-    /// 1e-22 inc/s^order.
+    /// 1e-22 inc/s^order; [`UnitError::RateTooHigh`] where it is inexact from 1e30 inc/s^order on.
     pub fn rate(&self, quantity: &Quantity, order: u8) -> Result<f64, UnitError> {
         if !self.dimensions(order).contains(&quantity.unit().dimension()) {
             return Err(UnitError::WrongDimension { given: *quantity, expected: self.kind.dimension(order) });
         }
-        let rate = fraction_to_f64(&self.exact(quantity)?);
+        let rate = match self.exact(quantity) {
+            Ok(exact) => fraction_to_f64(&exact),
+            Err(error) => {
+                // Its size is what is wrong with it, not its digits.
+                let (rate, unit) = (self.rough(quantity), Unit::INCREMENT.with_order(order));
+                let is_high = matches!(error, UnitError::Inexact { .. }) && rate.abs() >= BEYOND_ALL;
+                return Err(if is_high { UnitError::RateTooHigh { given: *quantity, rate, unit } } else { error });
+            }
+        };
         if rate != 0.0 && rate.abs() < LEAST_RATE {
             return Err(UnitError::RateTooLow { given: *quantity, rate, unit: Unit::INCREMENT.with_order(order) });
         }
@@ -236,6 +247,30 @@ impl Scale {
     /// A velocity, acceleration or jerk (`order` 1..=3) in inc/s^order for a message: `0.5 m/s`, at most nine digits.
     pub fn format_rate(&self, rate: f64, order: u8) -> String {
         self.unit.with_order(order).text(&nine_digits(self.rate_to_unit(rate)))
+    }
+
+    /// The end of a range of rates for a message: with as few digits as read as a rate on the permitted side of `rate`,
+    /// nine or more of them.
+    pub fn format_bound(&self, rate: f64, order: u8, is_high: bool) -> String {
+        let unit = self.unit.with_order(order);
+        let exact = self.rate_to_unit(rate);
+        let is_inside = |number: &f64| {
+            let read = self.rate_from_unit(*number, order);
+            read.is_ok_and(|read| if is_high { read <= rate } else { read >= rate })
+        };
+        let rounded = (8..=16).filter_map(|digits| format!("{exact:.digits$e}").parse().ok());
+        // In rad the last digit may lie outside however it is rounded.
+        let inwards = if is_high { f64::next_down } else { f64::next_up };
+        let beside = std::iter::successors(Some(inwards(exact)), |number| Some(inwards(*number))).take(16);
+        unit.text(&number_to_text(rounded.chain(beside).find(is_inside).unwrap_or(exact)))
+    }
+
+    /// [`Scale::format_rate`] with as many digits as it takes to read as `rate`, nine or more.
+    pub fn format_rate_precisely(&self, rate: f64, order: u8) -> String {
+        let exact = self.rate_to_unit(rate);
+        let mut rounded = (8..=16).filter_map(|digits| format!("{exact:.digits$e}").parse().ok());
+        let number = rounded.find(|number| self.rate_from_unit(*number, order) == Ok(rate)).unwrap_or(exact);
+        self.unit.with_order(order).text(&number_to_text(number))
     }
 
     fn si_unit(&self) -> Unit {

@@ -12,7 +12,7 @@ use super::parameters;
 use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
-use lineshaft_core::axis::{may_read, may_tell_sign};
+use lineshaft_core::axis::{Wired, may_read, may_tell_sign};
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig};
 use lineshaft_core::drive::Interface;
@@ -124,10 +124,17 @@ fn axis<'d>(
         }
         _ => {
             let cycle_ns = cx.cycle_ns.unwrap_or(SOME_CYCLE_NS);
+            // A drive that homes by itself looks for the index of its own encoder, whatever the axis reads.
+            let indexed = match wired {
+                Some(Wired::Encoder(place)) if !parameters.homing.in_drive => {
+                    cx.names.section(Section::Encoders).get(usize::from(place)).map(Entry::name)
+                }
+                _ => None,
+            };
             let read = |value: Value<'d>| {
                 let mut map = value.map("sim")?;
                 let model = model(&mut map, interface_of(drive), cycle_ns);
-                let mechanics = fixtures::read(&mut map, &travel, cx, io, switches);
+                let mechanics = fixtures::read(&mut map, &travel, cx, io, switches, indexed);
                 // One with problems of its own is a brake, too.
                 let has_brake = brake != Some(None) || parameters.outputs.brake != 0;
                 let times = fixtures::brake_times(&mut map, has_brake);

@@ -26,17 +26,24 @@ struct Reader<'r, 'd> {
     taken: &'r mut Taken,
 }
 
-/// Reads the keys that are not of the model.
+/// Reads the keys that are not of the model. `encoder` is the entry of section `encoders` that the axis reads in place of its drive.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     travel: &Travel,
     cx: &Context<'d>,
     io: &[Option<IoConfig>],
     taken: &mut Taken,
+    encoder: Option<&str>,
 ) -> Option<Mechanics> {
     let mut reader = Reader { travel, cx, io, taken };
     let start = map.optional("start").map_or(Some(0), |value| reader.place(&value));
-    let index = optional(map.optional("index"), |value| reader.index(&value));
+    let index = optional(map.optional("index"), |value| {
+        if let Some(encoder) = encoder {
+            let sentence = format!("index belongs to entry {} of encoders, which the axis reads", quote(encoder));
+            value.refuse(sentence, Some("give it there".to_owned()));
+        }
+        reader.index(&value)
+    });
     let home = optional(map.optional("home_switch"), |value| reader.home(&value));
     let mut end = |key, bit| optional(map.optional(key), |value| reader.end(&value, key, bit));
     let negative = end("negative_limit_switch", inputs::NEGATIVE_LIMIT);

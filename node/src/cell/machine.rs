@@ -30,8 +30,8 @@ pub(super) fn read<'d>(
         let number = parameter::Value::Int(number);
         match row.assign_to_machine(&mut parameters, number) {
             Ok(()) => given.push((row.key, value)),
-            Err(Refused::OutOfRange) => refuse_range(row, &value, &scale, f64::INFINITY),
-            Err(why) => value.refuse(refused_text(row, why, number, &scale), Some("leave it out".to_owned())),
+            Err(Refused::OutOfRange) => refuse_range(row, &value, &scale, None),
+            Err(why) => value.refuse(refused_text(row, why, number, &scale, None), Some("leave it out".to_owned())),
         }
     }
     map.finish();

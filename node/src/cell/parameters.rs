@@ -8,12 +8,12 @@ use crate::document::{Allowed, Map, Value};
 pub(crate) use agree::{contradictions, double_views, turned_views};
 use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
 use lineshaft_core::code::{Code, not_built_here};
-use lineshaft_core::config::highest_velocity;
+use lineshaft_core::config::highest_of;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::encoder::source::AbsoluteSources;
 use lineshaft_core::parameter::{
-    self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Range, Refused, Row,
-    Storage, Word,
+    self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Refused, Row, Storage,
+    Word,
 };
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
@@ -160,7 +160,10 @@ impl Reader<'_, '_> {
             Ok(()) => return Some(()),
             Err(Refused::OutOfRange) => self.refuse_range(scale),
             Err(Refused::WrongType) => self.refuse_type(ConvertError::Type(self.written().to_owned()), scale),
-            Err(why) => self.value.refuse(refused_text(self.row, why, value, scale), Some("leave it out".to_owned())),
+            Err(why) => {
+                let sentence = refused_text(self.row, why, value, scale, self.highest_velocity());
+                self.value.refuse(sentence, Some("leave it out".to_owned()));
+            }
         }
         None
     }
@@ -213,8 +216,7 @@ impl Reader<'_, '_> {
 
     /// Highest velocity (inc/s) that the row may have, where the cycle sets one.
     fn highest_velocity(&self) -> Option<f64> {
-        let is_limit = self.row.measure == Measure::Velocity && matches!(self.row.range, Range::PositiveUpTo(_));
-        self.cycle_ns.filter(|_| is_limit).map(highest_velocity)
+        self.cycle_ns.and_then(|cycle_ns| highest_of(self.row, cycle_ns))
     }
 
     fn is_too_fast(&self, value: parameter::Value) -> bool {
@@ -226,6 +228,7 @@ impl Reader<'_, '_> {
 
     fn refuse_type(&self, error: ConvertError, scale: &Scale) {
         match error {
+            ConvertError::Unit(UnitError::RateTooHigh { .. }) => self.refuse_range(scale),
             ConvertError::Unit(error) => self.refuse_unit(&error),
             ConvertError::Type(value) => refuse_type(self.row, self.value, &value, scale, None),
         }
@@ -236,7 +239,6 @@ impl Reader<'_, '_> {
     }
 
     fn refuse_range(&self, scale: &Scale) {
-        let highest = self.highest_velocity().unwrap_or(f64::INFINITY);
-        refuse_range(self.row, self.value, scale, highest);
+        refuse_range(self.row, self.value, scale, self.highest_velocity());
     }
 }

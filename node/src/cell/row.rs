@@ -2,8 +2,8 @@
 
 use super::names::quote;
 use crate::document::Value;
-use lineshaft_core::parameter::{self, Row};
-use lineshaft_core::text::{expected_text, range_text, value_text};
+use lineshaft_core::parameter::Row;
+use lineshaft_core::text::{allowed_text, expected_text};
 use lineshaft_core::unit::Scale;
 
 /// The value of a row for whole numbers, if it is one; its range is checked by the row.
@@ -18,7 +18,7 @@ pub(super) fn whole(row: &Row, value: &Value<'_>, scale: &Scale) -> Option<i64> 
         _ => {
             let number = value.integer(i128::MIN..=i128::MAX)?;
             let number = i64::try_from(number);
-            number.map_err(|_| refuse_range(row, value, scale, f64::INFINITY)).ok()
+            number.map_err(|_| refuse_range(row, value, scale, None)).ok()
         }
     }
 }
@@ -28,11 +28,8 @@ pub(super) fn refuse_type(row: &Row, value: &Value<'_>, written: &str, scale: &S
 }
 
 /// Tells the range of a row, of which a velocity may use up to `highest` (inc/s).
-pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: f64) {
-    let range = range_text(row, |end| match end {
-        parameter::Value::Real(end) => value_text(row, parameter::Value::Real(end.min(highest)), scale),
-        end => value_text(row, end, scale),
-    });
+pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: Option<f64>) {
+    let range = allowed_text(row, scale, highest);
     let written = value.peek().unwrap_or_default();
     value.refuse(format!("{} is {}; {range} is allowed", row.key, quote(written)), None);
 }

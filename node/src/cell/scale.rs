@@ -114,11 +114,14 @@ fn factor(key: &str, value: &Value<'_>) -> Option<i64> {
     let (_, row) = Row::find(key)?;
     let number = whole(row, value, &Scale::increments())?;
     if row.check(parameter::Value::Int(number)).is_err() {
-        refuse_range(row, value, &Scale::increments(), f64::INFINITY);
+        refuse_range(row, value, &Scale::increments(), None);
         return None;
     }
     Some(number)
 }
+
+/// How people write inches.
+const INCH: [&str; 3] = ["in", "inch", "inches"];
 
 /// A unit by its name, or a positive number of one: `mm`, `0.1 mm`.
 fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
@@ -131,6 +134,12 @@ fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
         None => [of(ScaleKind::Linear), of(ScaleKind::Rotary)].join(", "),
     };
     let units: Vec<_> = names.split(", ").chain(["inc"]).filter_map(|name| Some((name, Unit::parse(name)?))).collect();
+    // What is nearest by its letters is an increment, which nobody means by that.
+    if let Some(text) = value.peek().filter(|text| INCH.contains(&text.to_lowercase().as_str())) {
+        let sentence = format!("unit is {}; one of {names}, inc is allowed", quote(text));
+        value.refuse(sentence, (kind != Some(ScaleKind::Rotary)).then(|| "an inch is `25.4 mm`".to_owned()));
+        return None;
+    }
     value.choice(&units).map(AxisUnit::from)
 }
 

@@ -21,11 +21,16 @@ fn info(path: &Path) -> Exit {
     };
     let info = Info::of(&mut run);
     say(&info.to_string().trim_end());
+    let flaws: Vec<_> = run.flaws().collect();
+    for flaw in &flaws {
+        complain(flaw);
+    }
     match info.error() {
         Some(error) => {
             complain(error);
             Exit::Usage
         }
-        None => Exit::Good,
+        None if flaws.is_empty() => Exit::Good,
+        None => Exit::Usage,
     }
 }

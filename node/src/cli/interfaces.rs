@@ -2,7 +2,8 @@
 
 use super::params::width;
 use super::{Exit, InterfacesArgs, say_all};
-use crate::interfaces::{details, listing, markdown};
+use crate::interfaces::{details, listing, markdown, meant};
+use crate::scenario::did_you_mean;
 
 pub(super) fn interfaces(args: &InterfacesArgs) -> Exit {
     let text = match &args.name {
@@ -11,7 +12,9 @@ pub(super) fn interfaces(args: &InterfacesArgs) -> Exit {
         Some(name) => match details(name, width()) {
             Some(text) => text,
             None => {
-                let sentence = format!("no topic, service, action or type `{name}`; `lineshaft interfaces` lists all");
+                let meant = meant(name).map_or(String::new(), |meant| format!("{} ", did_you_mean(meant)));
+                let sentence =
+                    format!("no topic, service, action or type `{name}`; {meant}`lineshaft interfaces` lists all");
                 super::complain(&sentence);
                 return Exit::Usage;
             }

@@ -19,7 +19,7 @@ use crate::recording::clean::clean_lines;
 use crate::recording::plot::{HEIGHTS, WIDTHS};
 use crate::recording::validate::{Align, Tolerance};
 use crate::run::realtime::Processor;
-use crate::run::recorder::MOST_SECONDS;
+use crate::run::recorder::{BAG_DURATIONS, is_bag_duration};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use lineshaft_core::parameter::System;
@@ -244,10 +244,10 @@ struct RecordArgs {
     /// Record the run from its first cycle on: `NAME.mcap` is that file, anything else a new folder (a rosbag2 bag)
     #[arg(long, value_name = "PATH")]
     record: Option<PathBuf>,
-    /// Begin a new file of the bag beyond this size (bytes, 0 never); folders only
+    /// Begin a new file of the bag beyond this size (bytes, 0 never), at the next full second of cycles; folders only
     #[arg(long, value_name = "BYTES", default_value_t = 0, requires = "record")]
     max_bag_size: u64,
-    /// Begin a new file of the bag beyond this time (s, 0 never); folders only
+    /// Begin a new file of the bag beyond this time (s, 0 never, 1 and more), at the next full second of cycles; folders only
     #[arg(long, value_name = "SECONDS", default_value = "0", requires = "record", value_parser = bag_duration)]
     max_bag_duration: u64,
 }
@@ -407,8 +407,8 @@ fn pixels((least, most): (u32, u32)) -> RangedU64ValueParser<u32> {
 /// Seconds as nanoseconds.
 fn bag_duration(text: &str) -> Result<u64, String> {
     match text.parse::<f64>() {
-        Ok(seconds) if (0.0..=MOST_SECONDS).contains(&seconds) => Ok((seconds * 1e9) as u64),
-        _ => Err(format!("0 to {MOST_SECONDS} s is allowed")),
+        Ok(seconds) if is_bag_duration(seconds) => Ok((seconds * 1e9) as u64),
+        _ => Err(format!("{BAG_DURATIONS} is allowed")),
     }
 }
 

@@ -7,7 +7,7 @@ mod markdown;
 mod terminal;
 
 pub use markdown::{markdown, renewed};
-pub use terminal::{details, listing};
+pub use terminal::{details, listing, meant};
 
 use lineshaft_ros::layer::Qos;
 use lineshaft_ros::surface::table::Kind;

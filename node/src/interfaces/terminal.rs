@@ -2,6 +2,7 @@
 
 use super::{kind_text, qos_text, short};
 use crate::parameters::wrap;
+use crate::scenario::nearest;
 use lineshaft_msgs::INTERFACES;
 use lineshaft_msgs::about::{Interface, Section};
 use lineshaft_ros::surface::table::{Kind, ROWS, Row};
@@ -58,6 +59,13 @@ pub fn details(name: &str, width: usize) -> Option<String> {
 }
 
 /// Is it the row's name: with `~/`, without, or as it is in the graph?
+/// The topic, service, action or type that is most like a name which none has.
+pub fn meant(name: &str) -> Option<&'static str> {
+    let own = |name: &'static str| name.rsplit('/').next().unwrap_or(name);
+    let all = ROWS.iter().map(|row| row.name).chain(INTERFACES.iter().map(|interface| interface.name));
+    nearest(name, all.map(own))
+}
+
 fn is_called(row: &Row, name: &str) -> bool {
     let own = row.name.trim_start_matches("~/").trim_start_matches('/');
     let before = name.strip_suffix(own);

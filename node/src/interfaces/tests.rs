@@ -1,6 +1,6 @@
 //! The interfaces as they are shown.
 
-use super::{details, listing, markdown, qos_text, renewed};
+use super::{details, listing, markdown, meant, qos_text, renewed};
 use lineshaft_msgs::INTERFACES;
 use lineshaft_ros::layer::Qos;
 use lineshaft_ros::surface::table::{PARAMETERS, ROWS};
@@ -105,6 +105,7 @@ fn details_are_found_by_type_and_by_name() {
         assert_eq!(details(name, 80).as_ref(), Some(&text));
     }
     assert_eq!(details("a/move_axis", 80), None);
+    assert_eq!((meant("MoveAxs"), meant("~/mov_axis"), meant("furlong")), (Some("MoveAxis"), Some("move_axis"), None));
     assert_eq!(details("remove_axis", 80), None);
     let text = details("joint_states", 80).unwrap();
     assert!(text.ends_with("`ros2 interface show sensor_msgs/msg/JointState`\n"), "{text}");

@@ -29,7 +29,8 @@ A parameter whose function does not exist yet is there and has its default; anyt
 A quantity is `NUMBER UNIT`: `120 mm`, `0.5 m/s`, `20 ms`, `4000 inc`. A bare number is in the unit of the column *unit*: SI (m for
 linear axes, rad for rotary ones) for native names, the source's own unit for the others. *Axis unit* is the key `unit` of the axis, the
 user unit (UU) of the sources: a unit, or so many of one (`0.1 mm`). A parameter that counts increments (inc, the qc of MACS)
-takes whole numbers. Ranges and defaults that are lengths stand here in increments, times in ms.
+takes whole numbers. Ranges and defaults that are lengths stand here in increments, times in ms. An axis moves at most 2^31 increments in a
+cycle, which is where limits of its velocity end: 2147483648000 inc/s with a cycle of 1 ms.
 
 Whole numbers have the step 1. What lies outside its range is refused, with the value and the range, and changes nothing. A default that
 lies outside its range means *not set* and is taken too.

@@ -9,7 +9,7 @@ use crate::cell::{contradictions, double_views, refuse_missing, refuse_senses, t
 use crate::document::{Document, Problems, Value};
 use crate::scenario::parameter_change;
 use lineshaft_core::axis::may_tell_sign;
-use lineshaft_core::config::{IoCounts, MachineConfig, Switcher};
+use lineshaft_core::config::{IoCounts, MachineConfig, Switcher, highest_of};
 use lineshaft_core::parameter::{self, AxisParameters, Change, MACHINE, MachineParameters, Row, in_order};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text::refused_text;
@@ -178,7 +178,8 @@ fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory:
     let scale = axis.map_or(Scale::increments(), |axis| axis.scale);
     let mut copy = axis.map_or(AxisParameters::new(1.0, 1.0), |axis| axis.parameters);
     let taken = if axis.is_some() { row.change(&mut copy, change.value) } else { row.check(change.value) };
-    taken.map_err(|why| value.refuse(refused_text(row, why, change.value, &scale), None)).ok()?;
+    let highest = highest_of(row, config.cycle_ns);
+    taken.map_err(|why| value.refuse(refused_text(row, why, change.value, &scale, highest), None)).ok()?;
     Some(change)
 }
 

@@ -45,6 +45,7 @@ pub(super) fn range_words(row: &Row) -> String {
         (_, Measure::Choice(names)) => names.join(", "),
         (_, _) if matches!(row.storage, Storage::Derived | Storage::Signal(_)) => String::new(),
         (Range::Int(low, LARGEST_POSITION), Measure::Position) if low == -LARGEST_POSITION => "any".to_owned(),
+        _ if row.is_bound_by_cycle() => "more than 0 up to 2^31 inc per cycle".to_owned(),
         _ => range_text(row, |value| value_words(row, value)),
     }
 }

@@ -135,6 +135,14 @@ impl Run {
         self.files.iter().filter_map(|file| file.cut.as_ref())
     }
 
+    /// What is wrong behind the data of its files, of which no message is lost.
+    pub fn flaws(&self) -> impl Iterator<Item = RunError> {
+        self.files.iter().filter_map(|file| {
+            let (at, damage) = file.flaw.clone()?;
+            Some(RunError::Damaged { file: file.name.clone(), at, damage })
+        })
+    }
+
     /// The next message; none at the end of the run.
     ///
     /// # Errors

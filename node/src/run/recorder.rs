@@ -26,7 +26,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::oneshot;
 
-pub use requests::MOST_SECONDS;
+pub use requests::{BAG_DURATIONS, is_bag_duration};
 
 /// How often it looks for cycles.
 const PERIOD: Duration = Duration::from_millis(5);

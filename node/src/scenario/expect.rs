@@ -227,8 +227,8 @@ impl Reader<'_> {
                 Mode::Eventually => (1, None),
                 Mode::Never => (0, Some(0)),
                 Mode::Always => {
-                    let sentence = "mode is always, which has no meaning for an event: it has no length";
-                    mode.refuse(sentence, Some("eventually, never, or count, min and max have".to_owned()));
+                    let sentence = "mode is always, but an event stands in one cycle; eventually or never is allowed";
+                    mode.refuse(sentence, Some("count, min and max say how often it comes".to_owned()));
                     return None;
                 }
             };

@@ -97,6 +97,9 @@ pub(super) fn cycles(value: &Value<'_>, cycle_ns: u64) -> Option<u64> {
 
 /// As [`cycles`], but at least one.
 pub(super) fn positive_cycles(value: &Value<'_>, cycle_ns: u64) -> Option<u64> {
+    if value.is_integer() {
+        return value.integer(1..=MAX_CYCLES);
+    }
     let cycles = cycles(value, cycle_ns)?;
     if cycles == 0 {
         value.refuse(format!("{} is 0; at least one cycle is allowed", value.label()), None);

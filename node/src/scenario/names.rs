@@ -111,13 +111,14 @@ pub(crate) fn did_you_mean(name: &str) -> String {
     format!("did you mean `{name}`?")
 }
 
-/// The name that is most like `text`, if anything is: a third of its letters may be wrong.
+/// The name that is most like `text`, if anything is: a third of its letters may be wrong, and all of them small or large.
 pub(crate) fn nearest<'n>(text: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     /// Nothing that long is a misspelt name, and the distance takes time as the product of the lengths.
     const LONGEST: usize = 64;
     if text.len() > LONGEST {
         return None;
     }
-    let near = names.map(|name| (strsim::damerau_levenshtein(text, name), name));
+    let text = text.to_lowercase();
+    let near = names.map(|name| (strsim::damerau_levenshtein(&text, &name.to_lowercase()), name));
     near.filter(|(far, name)| far * 3 <= text.len().max(name.len())).min_by_key(|(far, _)| *far).map(|(_, name)| name)
 }

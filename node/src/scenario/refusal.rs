@@ -51,6 +51,10 @@ impl fmt::Display for Refusal {
         match (self.code, &self.text) {
             (Some(code), Some(text)) => write!(f, "code {code} and `{}`", excerpt(text)),
             (Some(code), None) => write!(f, "code {code}"),
+            // Part of a sentence it may be, but seldom is.
+            (None, Some(text)) if text.parse::<u32>().is_ok() => {
+                write!(f, "the text `{text}` (a code is written `{{code: {text}}}`)")
+            }
             (None, text) => write!(f, "`{}`", excerpt(text.as_deref().unwrap_or_default())),
         }
     }

@@ -173,7 +173,12 @@ fn read_parameter(value: &Value<'_>, row: &Row, scale: &Scale) -> Option<Number>
         Ok(found) => Some(number(found)),
         Err(ConvertError::Unit(error)) => good(value, Err(error)),
         Err(ConvertError::Type(text)) => {
-            value.refuse(format!("{} is {text}; {} is allowed", value.label(), expected_text(row, scale)), None);
+            let names = match row.measure {
+                parameter::Measure::Choice(names) => names,
+                _ => &[],
+            };
+            let hint = nearest(value.peek().unwrap_or_default(), names.iter().copied()).map(did_you_mean);
+            value.refuse(format!("{} is {text}; {} is allowed", value.label(), expected_text(row, scale)), hint);
             None
         }
     }
@@ -194,6 +199,10 @@ fn parameter_text(row: &Row, number: Number, scale: &Scale) -> String {
         Number::Real(value) if value.is_nan() => return "not set".to_owned(),
         Number::Real(value) => parameter::Value::Real(value),
     };
+    // Two values that differ are never told as one.
+    if let (parameter::Value::Real(rate), Some(order)) = (value, row.measure.order()) {
+        return scale.format_rate_precisely(rate, order);
+    }
     let unit = row.own_unit().map_or_else(String::new, |unit| format!(" {unit}"));
     value_text(row, value, scale) + &unit
 }

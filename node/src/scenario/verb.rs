@@ -74,7 +74,8 @@ const BUFFER_MODES: [(&str, u8); 6] = [
 const DIRECTIONS: [(&str, u8); 4] = [("shortest", 0), ("positive", 1), ("negative", 2), ("current", 3)];
 const SYNC_MODES: [(&str, u8); 3] = [("velocity", 0), ("position", 1), ("marker", 2)];
 const AT_POSITION: u8 = 1;
-const ENGAGES: [(&str, u8); 3] = [("immediately", 0), ("at_position", AT_POSITION), ("on_event", 2)];
+const ON_EVENT: u8 = 2;
+const ENGAGES: [(&str, u8); 3] = [("immediately", 0), ("at_position", AT_POSITION), ("on_event", ON_EVENT)];
 const DISENGAGES: [(&str, u8); 2] = [("stop", 0), ("keep_velocity", 1)];
 
 /// One deed of a step.
@@ -319,7 +320,10 @@ impl Reader<'_> {
                 buffer_mode: buffer_mode?,
                 direction: direction?,
             };
-            self.settle(value, self.names.config.resolve_move(&request).map(Action::Move))
+            let config = self.names.config;
+            let resolved =
+                if self.recorded { config.resolve_recorded_move(&request) } else { config.resolve_move(&request) };
+            self.settle(value, resolved.map(Action::Move))
         })();
         (deed, id.flatten())
     }
@@ -330,7 +334,8 @@ impl Reader<'_> {
         let axis = map.required("axis");
         let master = map.optional("master").map_or(Some(String::new()), |master| master.text().map(str::to_owned));
         let scale = self.scale(axis.as_ref());
-        let event = map.optional("event").map_or(Some(String::new()), |event| event.text().map(str::to_owned));
+        let given_event = map.optional("event");
+        let event = given_event.as_ref().map_or(Some(String::new()), |event| event.text().map(str::to_owned));
         let [mode, engage, disengage] = [("mode", &SYNC_MODES[..]), ("engage", &ENGAGES), ("disengage", &DISENGAGES)]
             .map(|(key, names)| number(&mut map, key, names));
         let [numerator, denominator] = ["numerator", "denominator"].map(|key| whole(&mut map, key));
@@ -341,6 +346,12 @@ impl Reader<'_> {
             {
                 given.refuse(format!("{key} belongs to `engage: at_position`"), None);
             }
+        }
+        if let (Some(given), Some(name)) = (given_event, &event)
+            && !name.is_empty()
+            && engage != Some(ON_EVENT)
+        {
+            given.refuse("event belongs to `engage: on_event`", None);
         }
         let [offset, velocity, acceleration] = [("offset", 0), ("velocity", 1), ("acceleration", 2)]
             .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), false));
@@ -359,7 +370,13 @@ impl Reader<'_> {
                 velocity: velocity?,
                 acceleration: acceleration?,
             };
-            self.settle(value, self.names.config.resolve_synchronize(&request).map(Action::Synchronize))
+            let config = self.names.config;
+            let resolved = if self.recorded {
+                config.resolve_recorded_synchronize(&request)
+            } else {
+                config.resolve_synchronize(&request)
+            };
+            self.settle(value, resolved.map(Action::Synchronize))
         })();
         (deed, id.flatten())
     }

@@ -145,6 +145,35 @@ fn positions_stay_below_two_to_the_62() {
     assert!(matches!(x().rate_from_si(f64::INFINITY, 1), Err(UnitError::NotFinite { .. })));
 }
 
+/// An end that is written as a file would give it reads as itself, or as what lies next to it on the permitted side.
+#[test]
+fn the_end_of_a_range_reads_as_a_permitted_rate() {
+    let third = Scale::new(Fraction::from(1000), length("3 mm")).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
+    let radian = turret().with_unit(Unit::RADIAN).unwrap();
+    for scale in [x(), turret(), third, radian] {
+        for rate in [2_147_483_648_000.0, 1e15, 1e9, 7.0, 0.1] {
+            for (is_high, rate) in [(true, rate), (false, -rate)] {
+                let text = scale.format_bound(rate, 1, is_high);
+                let read = scale.rate(&Quantity::parse(&text, &scale.dimensions(1)).unwrap(), 1).unwrap();
+                assert!(if is_high { read <= rate } else { read >= rate }, "{text} is {read}, beyond {rate}");
+                assert!((read / rate - 1.0).abs() < 1e-8, "{text} is {read}, far from {rate}");
+            }
+        }
+    }
+}
+
+/// What is wrong with a number that no exact fraction holds may be its size.
+#[test]
+fn a_rate_beyond_all_limits_is_no_matter_of_digits() {
+    let fast = quantity("1e37 m/s", Dimension::Length(1));
+    let error = x().rate(&fast, 1).unwrap_err().to_string();
+    assert!(error.starts_with("`1e37 m/s` is 1.0"), "{error}");
+    assert!(error.ends_with("e45 inc/s; less than 1e30 inc/s is allowed"), "{error}");
+    let inexact = quantity("0.1234567890123456789012345678901234567 m/s", Dimension::Length(1));
+    let small = Scale::new(Fraction::from(1), length("123456789 m")).unwrap();
+    assert!(matches!(small.rate(&inexact, 1), Err(UnitError::Inexact { .. })));
+}
+
 #[test]
 fn a_small_number_with_too_many_digits_is_inexact_not_out_of_range() {
     let scale = Scale::new(Fraction::from(1), length("123456789 m")).unwrap();

@@ -5,7 +5,7 @@ use crate::document::Value;
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::highest_velocity;
 use lineshaft_core::parameter::{self, AxisParameters, Contradiction, Row};
-use lineshaft_core::text::{range_text, value_text};
+use lineshaft_core::text::{allowed_text, value_text};
 use lineshaft_core::unit::{Scale, excerpt};
 
 /// Keys that stand in the file, with their values.
@@ -112,8 +112,8 @@ impl<'g, 'd> File<'g, 'd> {
             return;
         };
         if parameters.max_velocity > highest {
-            let text = |velocity| self.scale.format_rate(velocity, 1);
-            let (velocity, highest) = (text(parameters.max_velocity), text(highest));
+            let velocity = self.scale.format_rate(parameters.max_velocity, 1);
+            let highest = self.scale.format_bound(highest, 1, true);
             let said = said(key, value);
             let sentence = if *key == "max_velocity" {
                 format!("{}; more than 0 up to {highest} is allowed", said.replacen(' ', " is ", 1))
@@ -155,7 +155,7 @@ impl<'g, 'd> File<'g, 'd> {
         }
         let blamed = self.of_root(native).or_else(|| self.of_root("max_velocity")).or(self.given.first());
         let (Some((key, value)), Some((_, row))) = (blamed, Row::find(native)) else { return };
-        let range = range_text(row, |end| value_text(row, end, self.scale));
+        let range = allowed_text(row, self.scale, None);
         let sentence =
             format!("{} makes {native} {}; {range} is allowed", said(key, value), self.text(row, parameters));
         value.refuse(sentence, None);

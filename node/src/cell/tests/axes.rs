@@ -116,6 +116,8 @@ fn parameters_tell_their_range_in_the_axis_unit() {
         ("max_velocity", "-1", "is `-1`; more than 0 up to 20480000 mm/s is allowed"),
         // 2^31 inc in a cycle of 1 ms, and one more.
         ("max_velocity", "2147483648001 inc/s", "is `2147483648001 inc/s`; more than 0 up to 20480000 mm/s is allowed"),
+        ("max_velocity", "20480001 mm/s", "is `20480001 mm/s`; more than 0 up to 20480000 mm/s is allowed"),
+        ("max_velocity", "1e37", "is `1e37`; more than 0 up to 20480000 mm/s is allowed"),
         ("default_velocity", "1e9 m/s", "is `1e9 m/s`; more than 0 up to 20480000 mm/s is allowed"),
         ("max_acceleration", "-8 m/s^2", "is `-8 m/s^2`; more than 0 up to 9536743160 mm/s^2 is allowed"),
         ("max_jerk", "0", "is `0`; more than 0 up to 9536743160 mm/s^3 is allowed"),

@@ -72,6 +72,21 @@ fn what_an_axis_reads() {
     assert_eq!(good(&axis("velocity", "encodertype: 10")).machine.axes[0].parameters.encoder.encodertype, 10);
 }
 
+/// The index that homing looks for is that of what the axis reads: another one would be accepted and never found.
+#[test]
+fn an_index_belongs_to_what_the_axis_reads() {
+    let sim = "sim: {model: velocity, index: ^{every: 2.5 mm, at: 0.3 mm}}";
+    assert_said(
+        &axis("velocity", &format!("feedback: {{encoder: belt}}, {sim}")),
+        "index belongs to entry `belt` of encoders, which the axis reads, give it there",
+    );
+    let own = sim.replace('^', "");
+    good(&axis("velocity", &own));
+    good(&axis("velocity", &format!("feedback: {{bits: 32}}, {own}")));
+    // A drive that homes by itself finds its own.
+    good(&axis("velocity", &format!("feedback: {{encoder: belt}}, homing: {{in_drive: true}}, {own}")));
+}
+
 #[test]
 fn sources_that_an_axis_cannot_read() {
     let own = "an encoder that a drive with interface position does not close its loop with";

@@ -101,6 +101,11 @@ fn what_is_wrong_with_factors_has_its_place() {
         (&[("posfact_n", "1073741824")][..], "8:16: posfact_n is `1073741824`; 1 to 1073741823 is allowed"),
         (&[("feedrev", "1.5")][..], "8:14: feedrev is `1.5`; a whole number, 1 to 1073741823, is expected"),
         (&[("unit", "deg"), ("posfact_z", "5")][..], "8:11: unit is `deg`; one of nm, um, mm, cm, m, inc is allowed"),
+        // Nobody means an increment by it, which is nearest by its letters.
+        (
+            &[("unit", "inch"), ("posfact_z", "5")][..],
+            "8:11: unit is `inch`; one of nm, um, mm, cm, m, inc is allowed, an inch is `25.4 mm`",
+        ),
     ] {
         assert_eq!(said(&with(keys)), expected);
     }

@@ -1,9 +1,9 @@
 //! One value, every door: a cell, a scenario, an import, `~/vocabulary`, the machine itself. The catalogue decides; the doors agree.
 
 use super::rig::{DRIVES, Door, Rig};
-use lineshaft_core::config::highest_velocity;
+use lineshaft_core::config::{highest_of, highest_velocity};
 use lineshaft_core::parameter::{Applies, Change, MACHINE, Measure, ROWS, Range, Row, Storage, Value};
-use lineshaft_core::text::{range_text, value_text};
+use lineshaft_core::text::{allowed_text, value_text};
 use lineshaft_core::unit::Scale;
 
 const TEXT_DOORS: [Door; 4] = [Door::Cell, Door::Scenario, Door::Import, Door::Vocabulary];
@@ -147,7 +147,7 @@ fn every_row_refuses_what_lies_beyond_its_range_at_every_door() {
         let text = |value| value_text(row, value, &scale);
         for value in beyond(row) {
             let said = rig.give_change(object, change(&rig, object, row, value)).expect_err(row.key);
-            let range = range_text(row, text);
+            let range = allowed_text(row, &scale, highest_of(row, rig.config().cycle_ns));
             assert_eq!(said, format!("{object}: {} is {}; {range} is allowed", row.key, text(value)));
             let written = written(row, value);
             for door in TEXT_DOORS.into_iter().filter(|door| has(*door, row)) {

@@ -130,11 +130,11 @@ fn what_contradicts_the_cell_or_the_file_names_what_was_written() {
         ("x.max_velocity: 3 km/s", "1:17: x.max_velocity: `3 km/s` has no unit that is known"),
         (
             "x.max_velocity: 3000000 m/s",
-            "1:17: max_velocity is `3000000 m/s`; more than 0 up to 2147483650 mm/s is allowed",
+            "1:17: max_velocity is `3000000 m/s`; more than 0 up to 2147483648 mm/s is allowed",
         ),
         (
             "x.encoder: 1073741823\nx.velmax: 65535",
-            "2:11: velmax `65535` makes max_velocity 4691178020 mm/s; up to 2147483650 mm/s is allowed",
+            "2:11: velmax `65535` makes max_velocity 4691178020 mm/s; up to 2147483648 mm/s is allowed",
         ),
     ] {
         let said = refused(text);

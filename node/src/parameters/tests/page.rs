@@ -79,7 +79,7 @@ fn details_tell_all_that_a_row_says() {
     let (_, row) = Row::find("max_velocity").unwrap();
     let text = details(row, 100);
     assert!(
-        text.contains("views         velmax") && text.contains("required") && text.contains("1e15 inc/s"),
+        text.contains("views         velmax") && text.contains("required") && text.contains("2^31 inc per cycle"),
         "{text}"
     );
 }

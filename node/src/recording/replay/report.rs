@@ -41,6 +41,7 @@ pub struct Report {
 impl Report {
     pub(super) fn new(run: &Run, verdict: Verdict, first: u64, cycles: u64, counts: Counts) -> Self {
         let mut notes: Vec<String> = run.cuts().map(ToString::to_string).collect();
+        notes.extend(run.flaws().map(|flaw| flaw.to_string()));
         let ends = || run.files().iter().map(|file| file.metadata.iter().find(|(name, _)| name == "lineshaft_end"));
         let lost = |end: Option<&(_, BTreeMap<String, String>)>| end?.1.get("lost")?.parse::<u64>().ok();
         let lost: u64 = ends().filter_map(lost).sum();
@@ -50,7 +51,7 @@ impl Report {
         match ends().next_back().flatten() {
             None if notes.is_empty() => notes.push("the recording has no end: its recorder was stopped".to_owned()),
             Some((_, end)) if end.get("continued").is_some_and(|continued| continued == "true") => {
-                notes.push("the recording goes on in a further file, which is not here".to_owned());
+                notes.push("the recording goes on in a further file, which was not read".to_owned());
             }
             _ => {}
         }

@@ -136,6 +136,26 @@ pub enum Damage {
         /// As it was written.
         written: u32,
     },
+    /// The index and the footer.
+    #[error("the index from here on has the checksum {found:08x}, {written:08x} was written")]
+    IndexCrc {
+        /// Of what is there.
+        found: u32,
+        /// As it was written.
+        written: u32,
+    },
+    /// A record of the data behind its end.
+    #[error("{0} stands within the index")]
+    InIndex(&'static str),
+    /// Another end than the format's mark.
+    #[error("the mark of the format is expected behind the footer")]
+    NoMark,
+    /// More than a file.
+    #[error("{} bytes follow the end of the recording, they are not read", grouped(*.bytes))]
+    Behind {
+        /// How many.
+        bytes: u64,
+    },
     /// An attachment's content.
     #[error("attachment {name} has the checksum {found:08x}, {written:08x} was written")]
     AttachmentCrc {

@@ -15,6 +15,9 @@ const MAX_KEPT: u64 = 16 << 20;
 const ENTRY: u64 = 128;
 /// Bytes of an attachment in which its names end.
 const ATTACHMENT_HEAD: u64 = 4096;
+/// Bytes of a footer, and of the checksum at its end.
+const FOOTER: u64 = 8 + 8 + CRC;
+const CRC: u64 = 4;
 /// Bytes of a message or a chunk in which its time stands.
 const MESSAGE_HEAD: u64 = MessageHead::LENGTH as u64;
 
@@ -52,6 +55,8 @@ pub struct Outline {
     pub first_time: Option<u64>,
     /// What of it is missing, if anything.
     pub cut: Option<Cut>,
+    /// What is wrong behind its data, and where (bytes): no message is lost by that.
+    pub(super) flaw: Option<(u64, Damage)>,
     /// The byte behind the last record that is read.
     pub(super) end: u64,
     /// Checksum of the data, where one was written.
@@ -79,6 +84,7 @@ impl Outline {
             metadata: Vec::new(),
             first_time: None,
             cut: None,
+            flaw: None,
             end: 0,
             crc: None,
         };
@@ -137,8 +143,11 @@ impl Look {
             self.records.skip_to(frame.end())?;
             if frame.kind == op::DATA_END {
                 self.outline.end = frame.end();
-                if !self.is_finished {
-                    self.cut(frame.end(), Reason::Index);
+                match self.index(frame.end())? {
+                    Some((_, damage)) if !self.is_finished && !matches!(damage, Damage::Behind { .. }) => {
+                        self.cut(frame.end(), Reason::Index);
+                    }
+                    flaw => self.outline.flaw = flaw,
                 }
                 break;
             }
@@ -178,6 +187,74 @@ impl Look {
             return Ok(None);
         }
         Ok(Some(frame))
+    }
+
+    /// What is wrong with the index, which begins at `start`, with the footer, and with what follows them, if anything is. None
+    /// of them is read for itself.
+    fn index(&mut self, start: u64) -> Result<Option<(u64, Damage)>, RunError> {
+        let footer = loop {
+            let (at, left) = (self.records.at(), self.records.left());
+            if left < HEAD {
+                return Ok(Some((at, Damage::Length { claimed: HEAD, left })));
+            }
+            let frame = self.records.head()?;
+            let left = self.records.left();
+            if frame.length > left {
+                return Ok(Some((at, Damage::Length { claimed: frame.length, left })));
+            }
+            let damage = match frame.kind {
+                op::FOOTER if frame.length == FOOTER => break frame,
+                op::FOOTER => Damage::Record,
+                op::SCHEMA
+                | op::CHANNEL
+                | op::CHUNK_INDEX
+                | op::ATTACHMENT_INDEX
+                | op::STATISTICS
+                | op::METADATA_INDEX
+                | op::SUMMARY_OFFSET
+                | 0x80.. => {
+                    self.records.skip_to(frame.end())?;
+                    continue;
+                }
+                kind @ op::HEADER..=op::DATA_END => Damage::InIndex(what(kind)),
+                kind => Damage::Opcode(kind),
+            };
+            return Ok(Some((at, damage)));
+        };
+        let mut body = Vec::new();
+        self.records.body(footer, &mut body)?;
+        let (covered, crc) = body.split_at(body.len() - CRC as usize);
+        let Ok(written) = Fields::new(crc).u32() else { return Ok(Some((footer.at, Damage::Record))) };
+        let found = self.crc_of(start, footer.end() - covered.len() as u64 - CRC, covered)?;
+        if written != 0 && written != found {
+            return Ok(Some((start, Damage::IndexCrc { found, written })));
+        }
+        let mut mark = [0; mcap::MAGIC.len()];
+        if self.records.left() < mark.len() as u64 {
+            return Ok(Some((footer.end(), Damage::NoMark)));
+        }
+        self.records.take(&mut mark)?;
+        if mark != *mcap::MAGIC {
+            return Ok(Some((footer.end(), Damage::NoMark)));
+        }
+        let (at, bytes) = (self.records.at(), self.records.left());
+        Ok((bytes > 0).then_some((at, Damage::Behind { bytes })))
+    }
+
+    /// The checksum of the bytes from `start` to `end`, and of what was read behind them.
+    fn crc_of(&mut self, start: u64, end: u64, behind: &[u8]) -> Result<u32, RunError> {
+        let back = self.records.at();
+        self.records.seek(start)?;
+        let mut crc = crc32fast::Hasher::new();
+        let mut piece = [0; 4096];
+        while self.records.at() < end {
+            let length = piece.len().min((end - self.records.at()) as usize);
+            self.records.take(&mut piece[..length])?;
+            crc.update(&piece[..length]);
+        }
+        crc.update(behind);
+        self.records.seek(back)?;
+        Ok(crc.finalize())
     }
 
     fn cut(&mut self, read: u64, reason: Reason) {

@@ -7,8 +7,13 @@ use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Longest time of a file of a bag (s): a year.
-pub const MOST_SECONDS: f64 = 31_536_000.0;
+/// What the longest time of a file of a bag may be, in words.
+pub const BAG_DURATIONS: &str = "0 or 1 to 31536000 s";
+
+/// May a file of a bag last that long (s)? It ends before a key cycle, and those are a second apart; a year is the most.
+pub fn is_bag_duration(seconds: f64) -> bool {
+    seconds == 0.0 || (1.0..=31_536_000.0).contains(&seconds)
+}
 
 impl Recorder {
     pub(super) fn answer(&mut self, request: RecordRequest, answer: Answer) {
@@ -101,8 +106,8 @@ impl Recorder {
             return Err(format!("{} is about to be recorded already", options.path.display()));
         }
         let seconds = request.max_bag_duration;
-        if !(0.0..=MOST_SECONDS).contains(&seconds) {
-            return Err(format!("max_bag_duration is {seconds} s; 0 to {MOST_SECONDS} s is allowed"));
+        if !is_bag_duration(seconds) {
+            return Err(format!("max_bag_duration is {seconds} s; {BAG_DURATIONS} is allowed"));
         }
         let path = if request.path.is_empty() { free_path() } else { PathBuf::from(&request.path) };
         Ok(BagOptions::split(path, request.max_bag_size, (seconds * 1e9) as u64))

@@ -174,9 +174,10 @@ fn bad_requests_are_refused_with_a_sentence_and_change_nothing() {
         assert!(response.recording);
     }
     let mut rig = Rig::new(false, None);
-    for duration in [-1.0, f64::NAN, f64::INFINITY, 4e7] {
+    // A file begins at a key cycle, of which there is one a second.
+    for duration in [-1.0, 0.5, f64::NAN, f64::INFINITY, 4e7] {
         let response = rig.asks(bad(duration)).try_recv().unwrap();
-        let sentence = format!("max_bag_duration is {duration} s; 0 to 31536000 s is allowed");
+        let sentence = format!("max_bag_duration is {duration} s; 0 or 1 to 31536000 s is allowed");
         assert_eq!((response.success, response.message), (false, sentence));
     }
 }

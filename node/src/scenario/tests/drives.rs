@@ -156,7 +156,8 @@ fn what_cannot_be_driven_is_refused() {
         bad("{signal: feed, values: [1], then: ^stop}"),
         "then is `stop`; one of hold, repeat, release is allowed"
     );
-    assert_eq!(bad("{signal: feed, values: [1], then: {hold: ^0}}"), "hold is 0; at least one cycle is allowed");
+    assert_eq!(bad("{signal: feed, values: [1], then: {hold: ^0}}"), "hold is 0; 1..1000000000000 is allowed");
+    assert_eq!(bad("{signal: feed, values: [1], then: {hold: ^-1}}"), "hold is -1; 1..1000000000000 is allowed");
     assert_eq!(bad("{signal: feed, values: [1], then: ^{}}"), "missing key `hold` in then");
     assert_eq!(
         bad("{signal: feed, values: [1], then: {hold: ^0.5}}"),

@@ -53,7 +53,7 @@ fn a_mode_says_of_events_what_it_says_of_signals() {
     let bad = |expectation: &str| problem("expect", expectation);
     assert_eq!(
         bad("{event: {kind: latch}, mode: ^always}"),
-        "mode is always, which has no meaning for an event: it has no length, eventually, never, or count, min and max have"
+        "mode is always, but an event stands in one cycle; eventually or never is allowed, count, min and max say how often it comes"
     );
     assert_eq!(
         bad("{event: {kind: latch}, count: 1, mode: ^never}"),

@@ -206,6 +206,15 @@ fn parameters_are_asked_as_they_are_set() {
         fails("{parameter: x.profile, at: 9, is: s_ramp}"),
         "x.profile is trapezoid in cycle 9 (0.009 s); s_ramp was expected"
     );
+    // What differs by less than nine digits would be told as two equal numbers.
+    assert_eq!(
+        fails("{parameter: x.max_velocity, at: 10, is: 80.0000000001 mm/s}"),
+        "x.max_velocity is 80 mm/s in cycle 10 (0.01 s); 80.0000000001 mm/s was expected"
+    );
+    assert_eq!(
+        bad("{parameter: x.profile, is: ^TRAPEZOID}"),
+        "x.profile is TRAPEZOID; one of trapezoid, s_ramp, jerk is allowed, did you mean `trapezoid`?"
+    );
     assert_eq!(
         bad("{parameter: ^x.max_velosity, is: 1}"),
         "no parameter is called `x.max_velosity`, did you mean `x.max_velocity`?"

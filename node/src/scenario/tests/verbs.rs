@@ -67,6 +67,19 @@ fn a_modulo_axis_turns_in_the_direction_that_is_asked() {
     }
 }
 
+/// At rest there is no sense of motion but that of the last one.
+#[test]
+fn current_at_rest_is_the_way_of_the_last_motion() {
+    for (first, place, then, end) in [("negative", 350, 20, -34_000), ("positive", 10, 0, 36_000)] {
+        passes(&enabled(&format!(
+            "do: {{move_axis: {{axis: turret, position: {place} deg, direction: {first}}}}}}}\n\
+             - {{name: again, at: 900, do: {{move_axis: {{axis: turret, position: {then} deg, direction: current}}}}}}\nexpect:\n\
+             - {{signal: turret.command.velocity, since: again, at: -1, is: 0}}\n\
+             - {{signal: turret.target.position, since: again, at: 0, is: {end}}}\n"
+        )));
+    }
+}
+
 #[test]
 fn velocity_goals_halts_and_quick_stops() {
     // 20 mm/s after 40 ms at 500 mm/s^2; halt at 500 mm/s^2 takes 40 ms, quick_stop at 1 m/s^2 20 ms.
@@ -245,8 +258,35 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
         problem("steps", "{at: 1, do: {enable: {}}, refused: {code: ^NOT_ENABLD}}"),
         "no code is called `NOT_ENABLD`; a number or a name is expected, did you mean `NOT_ENABLED`?"
     );
+    assert_eq!(
+        problem("steps", "{at: 1, do: {enable: {}}, refused: {code: ^above_max_position}}"),
+        "no code is called `above_max_position`; a number or a name is expected, did you mean `ABOVE_MAX_POSITION`?"
+    );
+    assert_eq!(
+        failure(&step(", refused: 10007")),
+        format!(
+            "{sentence}; a refusal with the text `10007` (a code is written `{{code: 10007}}`) was expected; in cycle 10 (0.01 s)"
+        )
+    );
     assert_eq!(failure(&step(", every: 100, count: 3")), format!("{sentence}; in cycle 10 (0.01 s), and 2 times more"));
     assert_eq!(failure(&step(", every: 100, count: 2")), format!("{sentence}; in cycle 10 (0.01 s), and once more"));
+}
+
+/// Whether a number is too large for the row, for the cycle or for a whole number, the range that is told is one.
+#[test]
+fn every_large_velocity_is_refused_with_one_range() {
+    for (given, shown) in
+        [("3e9 mm/s", "3000000000 mm/s"), ("2e12 mm/s", "2000000000000 mm/s"), ("2147483650 mm/s", "2147483650 mm/s")]
+    {
+        let steps = format!("steps: [{{at: 10, do: {{set_parameters: {{x.max_velocity: {given}}}}}}}]");
+        let sentence = format!("x: max_velocity is {shown}; more than 0 up to 2147483648 mm/s is allowed");
+        assert_eq!(failure(&steps), format!("set_parameters was refused: {sentence}; in cycle 10 (0.01 s)"), "{given}");
+    }
+    for (given, shown) in [("^1e37", "1e37 m/s"), ("^-1e37", "-1e37 m/s"), ("^1e37 mm/s", "1e37 mm/s")] {
+        let said = bad(&format!("{{set_parameters: {{x.max_velocity: {given}}}}}"));
+        let sentence = format!("x.max_velocity is `{shown}`; more than 0 up to 2147483648 mm/s is expected");
+        assert_eq!(said, sentence, "{given}");
+    }
 }
 
 #[test]
@@ -333,6 +373,15 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(
         bad("{synchronize: {axis: x, master: line, master_increments: ^5}}"),
         "master_increments belongs to `engage: at_position`"
+    );
+    assert_eq!(bad("{synchronize: {axis: x, master: line, event: ^mark}}"), "event belongs to `engage: on_event`");
+    assert_eq!(
+        bad("{synchronize: ^{axis: x, master: line, mode: velocity, offset: 5 mm}}"),
+        "offset is `5 mm`; 0 is allowed with mode VELOCITY, which keeps no position"
+    );
+    assert_eq!(
+        bad("{move_axis: ^{axis: x, position: 5 mm, direction: positive}}"),
+        "direction is 1; 0 SHORTEST is allowed, as the axis has no modulo"
     );
     assert_eq!(bad("{cancel: {id: ^m}}"), "no command has the id `m`");
     assert_eq!(bad("[{move_axis: {id: m, axis: x}}, {move_axis: {id: ^m, axis: x}}]"), "id `m` stands twice");

@@ -33,7 +33,9 @@ pub(in crate::scenario) fn parameter_input(
     }
     let text = value.text()?;
     // Where no unit is possible every f64 is a number: those too large for an integer, too small for a fraction, and -0.
-    let plain = dimensions.is_none().then(|| text.parse::<f64>().ok()).flatten().filter(|number| number.is_finite());
+    // Where one is, no integer is asked for, and a large number is for the range of the parameter to refuse.
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+    let plain = number.filter(|number| dimensions.is_none() || number.abs() >= I64_END && value.is_integer());
     let is_real = plain.is_some_and(|number| number.abs() >= I64_END || (number == 0.0 && text.starts_with("-0.")));
     if value.is_integer() && !is_real {
         return value.integer(i64::MIN..=i64::MAX).map(ParameterInput::Integer);

@@ -37,7 +37,7 @@ impl Declared {
     /// The end of its range that the cycle sets.
     fn limit(&self) -> Option<f64> {
         match self.row.shown(&self.scale, Value::Real(self.highest_velocity)) {
-            BorderValue::Real(limit) if self.row.key == "max_velocity" => Some(limit),
+            BorderValue::Real(limit) if self.row.is_bound_by_cycle() => Some(limit),
             _ => None,
         }
     }

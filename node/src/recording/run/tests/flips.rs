@@ -28,13 +28,42 @@ fn a_changed_byte_is_noticed_or_changes_no_message() {
                     assert!(messages.iter().all(|message| all.contains(message)), "byte {at}: {error:?}");
                 }
                 if error.is_none() {
-                    let is_cut = Run::open(&disk.path).unwrap().cuts().count() > 0;
-                    assert!(at as u64 >= covered || is_cut, "byte {at} of {} was not noticed", bytes.len());
+                    let run = Run::open(&disk.path).unwrap();
+                    let is_cut = run.cuts().count() > 0;
+                    let is_told = is_cut || run.flaws().count() > 0;
+                    assert!(is_told, "byte {at} of {} was not noticed", bytes.len());
+                    assert!(at as u64 >= covered || is_cut, "byte {at} is no matter of the index");
                     assert!(messages.len() == all.len() || is_cut, "byte {at}");
                 }
             }
             file.write_all_at(&[bytes[at]], at as u64).unwrap();
         }
+    }
+}
+
+/// What stands behind the data is no message, and still not what was written.
+#[test]
+fn a_damaged_index_and_bytes_behind_the_end_are_told() {
+    let bytes = small(crate::recording::test_bags::options());
+    let flaws = |bytes: &[u8]| {
+        let disk = disk(bytes);
+        let run = Run::open(&disk.path).unwrap();
+        let cuts = run.cuts().count();
+        let flaws: Vec<String> = run.flaws().map(|flaw| flaw.to_string()).collect();
+        assert_eq!(read(&disk.path).0.len(), 12, "every message is read");
+        (cuts, flaws)
+    };
+    assert_eq!(flaws(&bytes), (0, Vec::new()));
+    let start = mcap::read::footer(&bytes).unwrap().summary_start as usize;
+    let mut changed = bytes.clone();
+    // The first record of the index keeps its kind and its length.
+    changed[start + 20] ^= 0x5a;
+    let (cuts, told) = flaws(&changed);
+    assert!(cuts == 0 && told.len() == 1 && told[0].contains(": the index from here on has the checksum "), "{told:?}");
+    for (more, text) in [(&b"junk"[..], "4".to_owned()), (&bytes, super::super::grouped(bytes.len() as u64))] {
+        let (cuts, told) = flaws(&[&bytes, more].concat());
+        let end = format!(": {text} bytes follow the end of the recording, they are not read");
+        assert!(cuts == 0 && told.len() == 1 && told[0].ends_with(&end), "{told:?}");
     }
 }
 

@@ -298,8 +298,8 @@ fn share<T: std::fmt::Debug>(strategy: impl Strategy<Value = T>, is_good: impl F
 #[test]
 fn enough_requests_become_commands_for_the_laws_to_mean_something() {
     let config = &DESK.config;
-    let moves = share(move_request(), |request| config.resolve_move(&request).is_ok());
-    let couplings = share(synchronize_request(), |request| config.resolve_synchronize(&request).is_ok());
+    let moves = share(move_request(), |request| config.resolve_recorded_move(&request).is_ok());
+    let couplings = share(synchronize_request(), |request| config.resolve_recorded_synchronize(&request).is_ok());
     let trajectories = share(trajectory_request(), |request| config.resolve_trajectory(&request).is_ok());
     assert!(trajectories > 0.2, "{trajectories}");
     assert!(share(home_request(), |request| config.resolve_home(&request).is_ok()) > 0.5);
@@ -345,7 +345,7 @@ proptest! {
 
     #[test]
     fn every_move_that_a_request_makes(request in move_request()) {
-        if let Ok(action) = DESK.config.resolve_move(&request) {
+        if let Ok(action) = DESK.config.resolve_recorded_move(&request) {
             comes_back(&Action::Move(action))?;
         }
     }
@@ -359,7 +359,7 @@ proptest! {
 
     #[test]
     fn every_coupling_that_a_request_makes(request in synchronize_request()) {
-        if let Ok(action) = DESK.config.resolve_synchronize(&request) {
+        if let Ok(action) = DESK.config.resolve_recorded_synchronize(&request) {
             comes_back(&Action::Synchronize(action))?;
         }
     }
@@ -443,7 +443,7 @@ proptest! {
         let mut request = MoveRequest { axis: "x".into(), units, ..MoveRequest::default() };
         let MoveRequest { position, velocity, acceleration, deceleration, jerk, .. } = &mut request;
         *[position, velocity, acceleration, deceleration, jerk][field as usize] = Amount::Number(value);
-        prop_assert!(DESK.config.resolve_move(&request).is_err());
+        prop_assert!(DESK.config.resolve_recorded_move(&request).is_err());
     }
 
     #[test]

@@ -1,0 +1,45 @@
+//! Fields that the rest of a request gives no meaning.
+//!
+//! Law      what would be accepted and do nothing is refused; a field at its default asks for nothing
+//! Refuses  a direction on an axis without modulo; with mode VELOCITY a position, and an offset of a coupling
+
+use super::{Amount, MoveRequest, RequestError, SynchronizeRequest, Units, bad_value};
+use crate::command::{Move, MoveMode, Synchronize};
+use crate::config::AxisConfig;
+use crate::modulo::Direction;
+use crate::position::Length;
+use crate::sync::SyncMode;
+use crate::unit::Scale;
+
+/// Has each field of a positioning goal a meaning on that axis?
+pub(super) fn check_move(request: &MoveRequest, resolved: &Move, axis: &AxisConfig) -> Result<(), RequestError> {
+    if resolved.direction != Direction::Shortest && axis.modulo.is_none() {
+        let allowed = "0 SHORTEST is allowed, as the axis has no modulo";
+        return Err(RequestError::BadChoice { field: "direction", value: request.direction.into(), allowed });
+    }
+    if resolved.mode == MoveMode::Velocity && resolved.target != Length::whole(0) {
+        let allowed = "0 is allowed with mode VELOCITY, which has no target";
+        return Err(no_meaning("position", request.position, request.units, &axis.scale, allowed));
+    }
+    Ok(())
+}
+
+/// Has each field of a coupling a meaning on that axis?
+pub(super) fn check_synchronize(
+    request: &SynchronizeRequest,
+    resolved: &Synchronize,
+    axis: &AxisConfig,
+) -> Result<(), RequestError> {
+    if resolved.mode == SyncMode::Velocity && resolved.offset != Length::whole(0) {
+        let allowed = "0 is allowed with mode VELOCITY, which keeps no position";
+        return Err(no_meaning("offset", request.offset, Units::Si, &axis.scale, allowed));
+    }
+    Ok(())
+}
+
+fn no_meaning(field: &'static str, given: Amount, units: Units, scale: &Scale, allowed: &'static str) -> RequestError {
+    match given.quantity(units, scale, 0) {
+        Ok(quantity) => RequestError::NoMeaning { field, value: format!("`{quantity}`"), allowed },
+        Err(error) => bad_value(field, error),
+    }
+}
