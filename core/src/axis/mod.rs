@@ -190,6 +190,9 @@ pub struct Axis {
     /// The trajectory that it has left in this cycle, and why.
     #[serde(skip)]
     left: Option<(u64, Code, goal::Numbers)>,
+    /// The cycle in which an error has taken it from a vocabulary, and from which.
+    #[serde(skip)]
+    lost: Option<(u64, Owner)>,
     overlay: Option<Overlay>,
     buffer: Buffer,
     /// The override that the motion under way was planned with (%).
@@ -262,6 +265,7 @@ impl Axis {
             generator: Generator::Rest,
             goal: None,
             left: None,
+            lost: None,
             overlay: None,
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,

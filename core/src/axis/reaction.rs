@@ -14,6 +14,7 @@ use crate::code::{Class, Code};
 use crate::drive::Interface;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::profile::Motion;
+use crate::vocabulary::Owner;
 
 /// Is the brake closed in the end, by this number of error_reaction (MACS-IO-04)?
 fn closes_brake(reaction: i64) -> bool {
@@ -277,6 +278,9 @@ impl Axis {
     /// Ends what runs.
     fn end_all(&mut self, cx: &mut Context<'_>, failure: Failure) {
         self.reference = Reference::Stop;
+        if self.owner != Owner::Native {
+            self.lost = Some((cx.cycle, self.owner));
+        }
         self.abandon_with(cx, failure.code, failure.numbers);
     }
 

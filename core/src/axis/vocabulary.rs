@@ -48,6 +48,7 @@ impl Axis {
             cycle,
             cycle_ns: self.setup.cycle_ns,
             owns: self.owner == owner,
+            owned: self.lost == Some((cycle, owner)),
             free: self.check_ready().is_ok(),
             // Not before its brake is open, and no more once that closes.
             on: matches!(self.power, Power::On | Power::SwitchingOff),

@@ -64,6 +64,8 @@ pub struct View<'a> {
     pub cycle_ns: u64,
     /// It gave the last order, and nothing has taken the axis over since.
     pub owns: bool,
+    /// It did until an error of this cycle, known before the commands, took the axis over.
+    pub owned: bool,
     /// The axis can be moved: on, without error and lock.
     pub free: bool,
     /// The drive is on, and its brake open.

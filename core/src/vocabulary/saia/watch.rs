@@ -19,6 +19,7 @@ impl Saia {
         self.wrap(view);
         self.watch_index(view);
         self.watch_break(view);
+        self.note_error_of_axis(view);
         self.keep_pace(view);
         if self.supervise_error(view) {
             let mut deed = Deed::default();
@@ -125,9 +126,20 @@ impl Saia {
     /// Sets the flag of the position error; true where that switches the regulator off (SAIA-STA-07).
     fn supervise_error(&mut self, view: &View<'_>) -> bool {
         let regulates = !self.is_off() && view.owns && view.on && !self.starting.waits;
-        let exceeds = regulates && view.following_error.unsigned_abs() > self.error_limit.unsigned_abs();
+        let exceeds = regulates && self.exceeds(view);
         self.flags.error |= exceeds;
         exceeds && self.error_stops
+    }
+
+    /// Sets the flag where the error that ends what it does is found in the same inputs: until then it regulated (SAIA-FSM-15).
+    /// What becomes of the drive is the axis' own affair, by its error_reaction.
+    fn note_error_of_axis(&mut self, view: &View<'_>) {
+        let regulated = view.owned && !self.is_off() && !self.starting.waits;
+        self.flags.error |= regulated && self.exceeds(view);
+    }
+
+    fn exceeds(&self, view: &View<'_>) -> bool {
+        view.following_error.unsigned_abs() > self.error_limit.unsigned_abs()
     }
 
     /// The regulator, in chip samples, of which a cycle has some and a rest (SAIA-SW-01).

@@ -2,8 +2,12 @@
 
 use super::rig::{FAST, Rig, X};
 use super::takeover::Bench;
+use crate::code::Code;
+use crate::command::{Action, BufferMode, Move, MoveMode};
+use crate::modulo::Direction;
 use crate::object::Object;
 use crate::parameter::Value;
+use crate::position::Length;
 use crate::position::Position;
 use crate::sim::{Fixtures, Index};
 use crate::vocabulary::{Latched, Order};
@@ -234,6 +238,67 @@ fn with_the_other_reaction_the_regulator_goes_off_and_a_start_brings_it_back() {
     let mut rig = Rig::ready(&[("poser", 5.0), FLAG_AND_OFF]);
     rig.plant.drive(0).unwrap().jump(1000);
     rig.run(3);
+    assert_eq!(rig.int("x.saia.excper"), 0);
+}
+
+/// PosEr and max_following_error are both 500 counts: 500 is allowed, 501 is an error of the axis and of the module in one cycle, by
+/// whatever the axis does for it, and what is said to the module in that very cycle takes nothing back.
+///
+/// Proves: SAIA-STA-04, SAIA-FSM-15
+#[test]
+fn a_position_error_that_is_an_error_of_the_axis_sets_the_flag_in_its_cycle() {
+    for reaction in 0..=5 {
+        for (begin, mode) in [
+            (Rig::moving as fn() -> Rig, FLAG_ONLY),
+            (Rig::moving, FLAG_AND_OFF),
+            (Rig::holding, FLAG_ONLY),
+            (Rig::holding, FLAG_AND_OFF),
+        ] {
+            let mut rig = begin();
+            rig.parameter("error_reaction", Value::Int(reaction));
+            rig.parameter("max_following_error", Value::Int(500));
+            rig.does(&[("poser", 500.0), mode], "fsetpe");
+            rig.plant.drive(0).unwrap().jump(-500);
+            rig.run(1);
+            assert_eq!((rig.int("x.following_error"), rig.int("x.saia.excper"), rig.int("x.error")), (500, 0, 0));
+            rig.run(1);
+            rig.plant.drive(0).unwrap().jump(-501);
+            rig.does(&[("stafrr", 0.0)], "fressf");
+            let text = format!("error_reaction {reaction}, {mode:?}");
+            let error = i64::from(Code::FOLLOWING_ERROR.0);
+            assert_eq!((rig.int("x.error"), rig.int("x.saia.excper")), (error, 1), "{text}");
+            // Once only: nothing regulates any more.
+            if reaction != 5 {
+                rig.does(&[("stafrr", 0.0)], "fressf");
+                rig.run(200);
+                assert_eq!(rig.int("x.saia.excper"), 0, "{text}");
+            }
+        }
+    }
+}
+
+/// Motion that a goal has taken over is no longer the module's, and neither is its error.
+#[test]
+fn a_position_error_of_a_goal_sets_no_flag() {
+    let mut rig = Rig::holding();
+    rig.parameter("max_following_error", Value::Int(500));
+    rig.does(&[("poser", 500.0), FLAG_ONLY], "fsetpe");
+    let goal = Move {
+        axis: X,
+        mode: MoveMode::Relative,
+        target: Length::whole(10_000),
+        velocity: 0.0,
+        acceleration: 0.0,
+        deceleration: 0.0,
+        jerk: 0.0,
+        direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
+    };
+    rig.give(vec![Action::Move(goal)]).unwrap();
+    rig.run(5);
+    rig.plant.drive(0).unwrap().jump(-501);
+    rig.run(1);
+    assert_eq!(rig.int("x.error"), i64::from(Code::FOLLOWING_ERROR.0));
     assert_eq!(rig.int("x.saia.excper"), 0);
 }
 

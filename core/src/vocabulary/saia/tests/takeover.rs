@@ -61,6 +61,7 @@ impl Bench {
             cycle: self.cycle,
             cycle_ns: 1_000_000,
             owns: self.owns,
+            owned: false,
             free: self.on && !self.in_error,
             on: self.on,
             closing: false,

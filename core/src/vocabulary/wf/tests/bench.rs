@@ -73,6 +73,7 @@ impl Bench {
             cycle: self.cycle,
             cycle_ns: self.cycle_ns,
             owns: self.owns,
+            owned: false,
             free: self.on && !self.in_error,
             on: self.on,
             closing: false,
