@@ -171,11 +171,11 @@ impl Axis {
             self.sight = Sight { leader: Some(leader), offset, claim: None, ..self.sight };
         }
         self.sight.last = lead.position + self.sight.offset;
-        // Multiplied first: whole turns of the master stay whole units.
+        // Multiplied first: whole turns of the master stay whole units. A negative ratio makes -0.0 of 0; there is one zero.
         let (increments, units) = master_unit(&self.parameters);
         let shown = |value: f64| value * units / increments;
         let position = self.parameters.derived.grid.decimal(shown(self.sight.last.to_f64()));
-        Some(Shown { position, velocity: shown(lead.velocity) })
+        Some(Shown { position: position + 0.0, velocity: shown(lead.velocity) + 0.0 })
     }
 
     /// An axis has its coordinate anew, which is `by` more: who sees it as its master counts on (MACS-ENC-15).

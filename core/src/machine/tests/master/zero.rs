@@ -125,6 +125,28 @@ fn a_master_unit_is_shown_as_it_was_given() {
     }
 }
 
+/// There is one zero, also where a negative ratio turns the master round.
+///
+/// Proves: MACS-CMD-17
+#[test]
+fn zero_has_no_sign() {
+    for (slave, master) in [(13, -7), (13, 7)] {
+        let mut cell = cell(-1, 0);
+        let p = &mut cell.axes[usize::from(X)].parameters;
+        (p.macs.mencoder, p.sync_slave, p.sync_master) = (-500, slave, master);
+        let mut rig = Rig::of(cell);
+        rig.enable();
+        for shown in [5.0, 0.0, -0.0] {
+            let position = MasterPosition::Shown(shown);
+            rig.give(Action::SetMasterPosition(SetMasterPosition { axis: X, position }));
+            rig.give(Action::SetPosition(SetPosition { axis: LINE, position: Length::whole(0) }));
+            rig.run(2);
+            let words = ["x.master.position", "x.master.velocity"].map(|name| rig.real(name).to_bits());
+            assert_eq!(words, [(shown + 0.0).to_bits(), 0], "{slave}:{master}, {shown}");
+        }
+    }
+}
+
 /// An encoder that leads: hard, its value is another one for all of its users, whose limits keep their places; soft, it is what
 /// one axis shows.
 ///
