@@ -288,7 +288,8 @@ impl MachineConfig {
     /// # Errors
     /// What is wrong in the request itself.
     pub fn resolve_probe(&self, request: &ProbeRequest) -> Result<Probe, RequestError> {
-        let search = self.resolve_move(&MoveRequest { buffer_mode: 0, direction: 0, ..request.search.clone() })?;
+        let search =
+            self.resolve_recorded_move(&MoveRequest { buffer_mode: 0, direction: 0, ..request.search.clone() })?;
         let relative = match search.mode {
             MoveMode::Absolute => false,
             MoveMode::Relative => true,

@@ -277,6 +277,47 @@ fn against_the_motion_under_way_the_lower_limit_holds() {
     assert!(rig.refusal(back).contains("leaves: 0 mm/s^2"), "{}", rig.refusal(back));
 }
 
+/// max_acceleration 3 m/s^2, max_deceleration 1 m/s^2. A goal that slows down with 0.5 m/s^2 leaves what it does not speed up with:
+/// also one that has its velocity, for it may speed up again. Here the override lets it, while what goes against it slows down:
+/// 0.9 and 0.1 m/s^2 are all of the lower limit.
+#[test]
+fn against_a_goal_that_has_its_velocity_its_acceleration_counts() {
+    let cruising = |acceleration: f64| {
+        let mut config = config(0);
+        let p = &mut config.axes[usize::from(X)].parameters;
+        (p.max_acceleration, p.max_deceleration) = (3e6, Some(1e6));
+        let mut rig = Rig::of(config);
+        rig.enable();
+        rig.give(Action::Move(Move { acceleration, deceleration: 0.5e6, ..to(X, 500_000) }));
+        rig.run(700);
+        assert_eq!((rig.real("x.command.velocity"), rig.real("x.command.acceleration")), (50_000.0, 0.0));
+        rig
+    };
+    for acceleration in [1e6, 1.5e6] {
+        let mut rig = cruising(acceleration);
+        let against = rig.give(Action::Move(over(-20_000)));
+        assert!(rig.refusal(against).ends_with("leaves: 0 mm/s^2"), "{}", rig.refusal(against));
+        let along = rig.give(Action::Move(over(20_000)));
+        assert!(rig.was_accepted(along));
+    }
+    let mut rig = cruising(0.9e6);
+    let against = rig.give(Action::Move(over(-20_000)));
+    assert!(rig.was_accepted(against));
+    let mut most: f64 = 0.0;
+    for cycle in 0..2_000 {
+        match cycle {
+            // At 5 mm/s it has 0.5 s to go, and 50 ms to slow down from 1.1 s on.
+            150 => _ = set(&mut rig, "velocity_override", Value::Real(10.0)),
+            1_120 => _ = set(&mut rig, "velocity_override", Value::Real(100.0)),
+            _ => rig.run(1),
+        }
+        let rate = rig.real("x.command.acceleration").abs();
+        assert!(rate <= 1e6 * (1.0 + 1e-9), "{rate} in cycle {cycle}");
+        most = most.max(rate);
+    }
+    assert_eq!((rig.done(against)[0].code, (most / 1e3).round()), (Code::NONE, 1_000.0));
+}
+
 /// A coupling keeps within what it is left: what is added has half of the lower limit by default.
 #[test]
 fn a_coupling_leaves_half_to_the_defaults() {

@@ -163,7 +163,7 @@ fn views_that_do_not_fit_name_what_was_written() {
         ),
         (
             &[("velmax", "60000"), ("encoder", "1073741823"), ("rampmin", "500")][..],
-            "8:13: velmax `60000` makes max_velocity 4294967290 mm/s; up to 2147483650 mm/s is allowed\n",
+            "8:13: velmax `60000` makes max_velocity 4294967290 mm/s; up to 2147483648 mm/s is allowed\n",
         ),
         (&[("velmax", "0"), ("rampmin", "500")][..], "8:13: velmax is `0`; 1 to 65535 is allowed"),
         (&[("velmax", "fast"), ("rampmin", "500")][..], "8:13: velmax is `fast`; a finite number is expected"),
@@ -205,5 +205,5 @@ fn a_value_that_follows_from_others_may_leave_its_range() {
         "10:14: jerkmin `1` makes max_jerk 2000000000000 mm/s^3; more than 0 up to 1000000000000 mm/s^3 is allowed"
     );
     let text = macs(&[("max_velocity", "0 m/s"), ("rampmin", "1"), ("jerkmin", "1")]);
-    assert_eq!(said(&text), "8:19: max_velocity is `0 m/s`; more than 0 up to 2147483650 mm/s is allowed");
+    assert_eq!(said(&text), "8:19: max_velocity is `0 m/s`; more than 0 up to 2147483648 mm/s is allowed");
 }

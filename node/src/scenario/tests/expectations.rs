@@ -226,7 +226,7 @@ fn parameters_are_asked_as_they_are_set() {
     );
     assert_eq!(
         bad("{parameter: x.profile, is: ^s_rmp}"),
-        "x.profile is s_rmp; one of trapezoid, s_ramp, jerk is allowed"
+        "x.profile is s_rmp; one of trapezoid, s_ramp, jerk is allowed, did you mean `s_ramp`?"
     );
     assert_eq!(
         bad("{parameter: x.max_velocity, signal: ^feed, is: 1}"),
