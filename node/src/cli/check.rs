@@ -58,7 +58,6 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings
 }
 
-/// Gains of the SAIA module whose regulator commands no drive: it runs beside the loop of the axis (SAIA-EXT-06).
 /// An event that starts what does not exist yet.
 fn idle_event(axis: &AxisConfig) -> Option<String> {
     (axis.parameters.amc.action_on_event == 1).then(|| {
@@ -70,6 +69,7 @@ fn idle_event(axis: &AxisConfig) -> Option<String> {
     })
 }
 
+/// Gains of the SAIA module whose regulator commands no drive: it runs beside the loop of the axis (SAIA-EXT-06).
 fn idle_gains(axis: &AxisConfig) -> Option<String> {
     let p = &axis.parameters.saia;
     let gains = [("saia.kprop", p.kprop), ("saia.kint", p.kint), ("saia.kder", p.kder)];
