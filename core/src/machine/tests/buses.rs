@@ -7,7 +7,7 @@ use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::drive::{BusState, Edge, Emergency, Latch, Objects, Terminal};
 use crate::event::{Event, Kind, Severity};
 use crate::object::{AxisSet, Object};
-use crate::sim::{Model, Plant};
+use crate::sim::{Mechanics, Model, Plant, SimBrake};
 
 fn io(name: &str, kind: IoKind) -> IoConfig {
     IoConfig { name: name.into(), kind, latch: kind == IoKind::DigitalInput }
@@ -87,6 +87,26 @@ fn a_bus_that_goes_off_is_an_error_of_its_axes_alone() {
     rig.run(5_100);
     assert_eq!((rig.done(reset)[0].code, rig.int("x.error")), (Code::RESET_FAILED, 89));
     assert_eq!(told(&rig, Code::BUS_ERROR).iter().filter(|event| event.kind == Kind::Error).count(), 1);
+}
+
+/// The output that opens the brake of y hangs on the bus that goes off: without its voltage the brake closes.
+#[test]
+fn outputs_of_a_bus_that_is_off_have_no_voltage() {
+    let mut rig = two_buses();
+    let brake = SimBrake { output: 0, closes_with_one: false, opens_ns: 0, closes_ns: 0 };
+    rig.plant.install(1, &Mechanics { brake: Some(brake), ..Mechanics::default() });
+    rig.give(Action::set_output(2, 1.0));
+    rig.enable();
+    rig.give(Action::Move(to(Y, 50_000)));
+    rig.run(100);
+    let before = rig.int("y.actual.position");
+    rig.run(1);
+    assert_ne!(rig.int("y.actual.position"), before);
+    rig.plant.lose_bus(0);
+    rig.run(2);
+    let place = rig.int("y.actual.position");
+    rig.run(5);
+    assert_eq!(rig.int("y.actual.position"), place);
 }
 
 /// A bus that is passive still transmits.

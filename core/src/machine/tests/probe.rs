@@ -1,10 +1,10 @@
 //! Touch probe to position: a search, a latch between two cycles, and the way from there.
 
-use super::rig::{LINE, Rig, X, config, to};
+use super::rig::{LINE, Rig, X, Y, config, to};
 use crate::code::Code;
 use crate::command::{Action, BufferMode, Move, MoveMode, Probe, ProbeEdge};
 use crate::config::{IoConfig, IoKind};
-use crate::drive::{Edge, Latch};
+use crate::drive::{Capabilities, Edge, Latch};
 use crate::event::{Event, Kind};
 use crate::object::{AxisSet, Object};
 use crate::parameter::{Change, Row, Value};
@@ -164,6 +164,23 @@ fn a_search_without_its_latch_is_missed() {
     latch(&mut rig, MARK, Edge::Rising, 0);
     rig.run(100);
     assert_eq!((position(&rig), marks(&rig, goal).len()), (3_000.0, 0), "it is over");
+}
+
+/// Its index is none: pulses come with the position.
+#[test]
+fn a_latch_of_a_drive_that_has_none_is_not_waited_for() {
+    let mut config = config(0);
+    config.axes[1].drive = Some(Capabilities { latches: false, ..Capabilities::all(0) });
+    let mut rig = Rig::of(config);
+    rig.enable();
+    let own = Probe { source: Object::Axis(X), ..probe(1_000) };
+    let goal = rig.give(Action::Probe(own));
+    let allowed = "an input with `latch: true` or an encoder is allowed";
+    assert_eq!(rig.refusal(goal), format!("x: the drive of x latches nothing; {allowed}"));
+    for may in [Probe { edge: ProbeEdge::Index, ..own }, Probe { source: Object::Axis(Y), ..own }] {
+        let goal = rig.give(Action::Probe(may));
+        assert!(rig.was_accepted(goal));
+    }
 }
 
 #[test]
