@@ -417,11 +417,11 @@ impl MachineConfig {
     pub fn check_backends(&self, backends: &[&dyn Backend]) -> Result<(), ConfigError> {
         for (place, axis) in self.axes.iter().filter(|axis| axis.drive.is_some()).enumerate() {
             let mut offers = backends.iter().filter_map(|backend| backend.capabilities(place));
-            let axis_name = || axis.name.clone();
+            let name = axis.name.clone();
             match (offers.next(), offers.next()) {
-                (None, _) => return Err(ConfigError::NotServed { axis: axis_name() }),
-                (_, Some(_)) => return Err(ConfigError::ServedTwice { axis: axis_name() }),
-                (offers, None) if offers != axis.drive => return Err(ConfigError::OtherDrive { axis: axis_name() }),
+                (None, _) => return Err(ConfigError::NotServed { axis: name }),
+                (_, Some(_)) => return Err(ConfigError::ServedTwice { axis: name }),
+                (offers, None) if offers != axis.drive => return Err(ConfigError::OtherDrive { axis: name }),
                 _ => {}
             }
         }

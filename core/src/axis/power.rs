@@ -37,6 +37,8 @@ pub(super) enum Power {
 
 /// Time between two warnings of a drive that fails while its axis is off (ns).
 const TELL_AGAIN_NS: u64 = 1_000_000_000;
+/// Most emergency messages of a drive that are told within that time.
+const MOST_EMERGENCIES: u8 = 8;
 
 /// What is known of a drive whose axis is off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,6 +51,8 @@ pub(super) struct Watch {
     told: Option<u64>,
     /// Code of the emergency message that was told last, and when.
     emergency: Option<(u16, u64)>,
+    /// Since when emergency messages are counted, and how many were told since then.
+    emergencies: (u64, u8),
 }
 
 impl Axis {
@@ -150,14 +154,19 @@ impl Axis {
         self.drive_state == DriveState::Enabled && input.mode == self.setup.interface.mode().number()
     }
 
-    /// A drive that repeats itself is told once a second.
+    /// A drive that repeats itself is told once a second, and one that says this and that eight times.
     fn tell_emergency(&mut self, cx: &mut Context<'_>, emergency: Emergency) {
         let Emergency { code, register, data: [a, b, c, d, e] } = emergency;
         let told = self.watch.emergency.filter(|(last, _)| *last == code);
         if told.is_some_and(|(_, cycle)| !self.is_time_to_tell(cx.cycle, cycle)) {
             return;
         }
-        self.watch.emergency = Some((code, cx.cycle));
+        let (since, count) = self.watch.emergencies;
+        let (since, count) = if self.is_time_to_tell(cx.cycle, since) { (cx.cycle, 0) } else { (since, count) };
+        if count >= MOST_EMERGENCIES {
+            return;
+        }
+        (self.watch.emergency, self.watch.emergencies) = (Some((code, cx.cycle)), (since, count + 1));
         let told = Number::Count(i64::from(code) | i64::from(register) << 16);
         let data = Number::Count(i64::from_le_bytes([a, b, c, d, e, 0, 0, 0]));
         // Code 0 says that an error is over.

@@ -37,17 +37,14 @@ pub struct CellBackend {
     pub objects: Objects,
 }
 
-/// Where a drive is.
+/// Where an object is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hardware {
     /// Its backend, by its place in the section.
     pub backend: usize,
-    /// Its `address` or `node` there.
+    /// Its number there: `address`, or `node` of a drive on CAN.
     pub number: u16,
 }
-
-/// Where an object is: the place of its backend in the section, and its number there.
-pub(super) type At = (usize, u16);
 
 /// The list of the objects of a kind.
 type List = fn(&mut Objects) -> &mut Vec<Terminal>;
@@ -63,16 +60,16 @@ const IO_LISTS: [(IoKind, List); 4] = [
 /// is nowhere.
 pub(super) fn objects(
     count: usize,
-    io: (&[IoConfig], &[Option<At>]),
-    encoders: &[Option<At>],
-    drives: &[At],
+    io: (&[IoConfig], &[Option<Hardware>]),
+    encoders: &[Option<Hardware>],
+    drives: &[Hardware],
 ) -> Vec<Objects> {
     let mut all = vec![Objects::default(); count];
-    let mut note = |at: Option<At>, place: usize, list: List| {
-        if let Some((backend, address)) = at
+    let mut note = |at: Option<Hardware>, place: usize, list: List| {
+        if let Some(Hardware { backend, number }) = at
             && let Some(objects) = all.get_mut(backend)
         {
-            list(objects).push(Terminal { place, address });
+            list(objects).push(Terminal { place, address: number });
         }
     };
     for (kind, list) in IO_LISTS {
@@ -156,11 +153,11 @@ pub(super) fn address<'d, K: Ord + Copy + std::fmt::Display>(
     names: &Names<'d>,
     kind: Option<K>,
     taken: &mut Once<(usize, K, u16)>,
-) -> Option<(usize, u16)> {
+) -> Option<Hardware> {
     let backend = backend_of(map, names);
     let value = map.required("address")?;
     let address = value.integer(0..=u16::MAX)?;
     let (backend, kind) = (backend?, kind?);
     let what = || format!("{kind} address {address} of backend {}", name_of(backend, names));
-    taken.take((backend, kind, address), &value, what).then_some((backend, address))
+    taken.take((backend, kind, address), &value, what).then_some(Hardware { backend, number: address })
 }

@@ -1,6 +1,6 @@
 //! Sections `io`, `memory` and `encoders`.
 
-use super::backends::{At, Context, address};
+use super::backends::{Context, Hardware, address};
 use super::brake;
 use super::encoders;
 use super::names::{Entry, Once, Section, limit, quote};
@@ -35,7 +35,7 @@ pub(super) struct Io {
     /// None where one has problems.
     pub entries: Vec<Option<IoConfig>>,
     /// Where each entry is; none that is nowhere, or has problems.
-    pub terminals: Vec<Option<At>>,
+    pub terminals: Vec<Option<Hardware>>,
     pub filters: Vec<FilterConfig>,
     pub virtual_inputs: Vec<VirtualInput>,
 }
@@ -47,7 +47,7 @@ struct Terminal<'d> {
     filter: Option<u64>,
     /// What it reads, by its place in the section.
     output: Option<(u16, Value<'d>)>,
-    at: Option<At>,
+    at: Option<Hardware>,
 }
 
 /// The entries of `io`, the filters of digital inputs, and those that read an output.
@@ -181,7 +181,7 @@ fn initial(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
 }
 
 /// The entries of `encoders` and where they are, none where one has problems.
-pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Option<At>>) {
+pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Option<Hardware>>) {
     let entries = cx.names.section(Section::Encoders);
     limit(entries, MOST);
     let mut taken = Once::new();
@@ -192,7 +192,7 @@ fn one_encoder<'d>(
     entry: &Entry<'d>,
     cx: &Context<'d>,
     taken: &mut Once<(usize, &'static str, u16)>,
-) -> Option<(EncoderConfig, At)> {
+) -> Option<(EncoderConfig, Hardware)> {
     let mut map = entry.value.map(format!("encoder `{}`", entry.name()))?;
     let address = address(&mut map, &cx.names, Some("encoder"), taken);
     let travel = Travel::read(&mut map);

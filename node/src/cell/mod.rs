@@ -173,7 +173,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
         safety: safety?,
         global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },
     };
-    let drives: Vec<_> = hardware.iter().flatten().map(|at: &Hardware| (at.backend, at.number)).collect();
+    let drives: Vec<_> = hardware.iter().flatten().copied().collect();
     let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &drives);
     let backends = cx.names.section(Section::Backends).iter().zip(&cx.backends).zip(objects);
     let backends = backends.map(|((entry, backend), objects)| CellBackend {

@@ -1,7 +1,7 @@
 //! Verb `inject`: what happens to the simulated plant.
 
 use super::moment;
-use super::names::Names;
+use super::names::{Names, did_you_mean, nearest};
 use super::ruler::Ruler;
 use crate::document::Value;
 use lineshaft_core::config::IoKind;
@@ -245,9 +245,8 @@ fn bus_lost(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let name = backend.text()?;
     let place = names.backends.iter().position(|known| known.name == name);
     if place.is_none() {
-        let known: Vec<_> = names.backends.iter().map(|known| known.name.as_str()).collect();
-        let sentence = format!("no backend is called `{}`; the cell has {}", excerpt(name), known.join(", "));
-        backend.refuse(sentence, None);
+        let hint = nearest(name, names.backends.iter().map(|known| known.name.as_str())).map(did_you_mean);
+        backend.refuse(format!("no backend is called `{}` in the cell", excerpt(name)), hint);
     }
     Some(Injection::BusLost { bus: place? })
 }

@@ -158,3 +158,15 @@ fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
     let events = told(&rig, Code::EMERGENCY);
     assert_eq!((events.len(), events[3].severity), (4, Severity::Info), "an error that is over");
 }
+
+/// A drive that says another thing in each cycle: eight of them in a second, in the three seconds that are touched here.
+#[test]
+fn emergency_messages_of_many_kinds_flood_nothing() {
+    let mut rig = Rig::enabled();
+    rig.tamper = |inputs| {
+        let code = 0x8100 + (inputs.cycle % 3) as u16;
+        inputs.drive[0].emergency = Some(Emergency { code, register: 1, data: [0; 5] });
+    };
+    rig.run(2_900);
+    assert_eq!(told(&rig, Code::EMERGENCY).len(), 24);
+}

@@ -426,7 +426,10 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{inject: {fault: {axis: ^line, code: 5}}}"), "line is virtual: it has no drive");
     assert_eq!(bad("{inject: {fault: {axis: x, code: ^0}}}"), "code is 0; 1..65535 is allowed");
     assert_eq!(bad("{inject: {drive_lost: {axis: ^q}}}"), "no axis is called `q`; there are line, x, turret");
-    assert_eq!(bad("{inject: {bus_lost: {backend: ^bus9}}}"), "no backend is called `bus9`; the cell has plant");
+    assert_eq!(
+        bad("{inject: {bus_lost: {backend: ^plnt}}}"),
+        "no backend is called `plnt` in the cell, did you mean `plant`?"
+    );
     let short = "data has 2 bytes; 5 are expected";
     assert_eq!(bad("{inject: {emergency: {axis: x, code: 0x8130, data: ^[1, 2]}}}"), short);
     assert_eq!(bad("{inject: {emergency: {axis: x, code: 1, register: ^256}}}"), "register is 256; 0..255 is allowed");
