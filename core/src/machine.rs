@@ -19,12 +19,12 @@ mod trajectories;
 
 use crate::axis::{Axis, Context, Edges, Fault, MAX_WAITING, Pace};
 use crate::code::Code;
-use crate::command::{Action, Command, Commands};
+use crate::command::{Command, Commands, Setpoints};
 use crate::config::{ConfigError, IoKind, MachineConfig};
 use crate::drive::{DriveOutput, EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::{Encoder, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
-use crate::object::{Leader, Object};
+use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::profile::Motion;
 use crate::signal::{Board, Directory};
@@ -36,6 +36,14 @@ pub use state::{State, StateError};
 
 /// Most commands of one cycle. Whoever has more keeps them for the next one; what is given beyond that is refused.
 pub const MAX_COMMANDS: usize = 64;
+
+/// What a cycle is told from outside, beside its commands.
+#[derive(Clone, Copy)]
+struct Told<'a> {
+    inputs: &'a Inputs,
+    /// Streamed setpoints that are new.
+    stream: Option<&'a Setpoints>,
+}
 
 /// A machine, as far as it has run.
 #[derive(Debug)]
@@ -49,8 +57,6 @@ pub struct Machine {
     events: EventQueue,
     /// Room for the parameters of axes while a set of changes is checked.
     candidates: Vec<AxisParameters>,
-    /// Room for who will follow whom once the commands of this cycle have applied.
-    couplings: Vec<Option<Leader>>,
     /// The latches of this cycle.
     latched: Vec<Latched>,
     /// Places of the digital inputs in section `io`.
@@ -115,7 +121,6 @@ impl Machine {
             // Each command may be answered, and ended by each axis; each axis may end all that wait for it, and tell of more.
             events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + (MAX_WAITING + 16) * axes.len()),
             candidates: axes.iter().map(|axis| *axis.parameters).collect(),
-            couplings: vec![None; axes.len()],
             latched: Vec::with_capacity(MAX_LATCHES),
             digital_inputs: config.digital_inputs().collect(),
             couples: false,
@@ -167,38 +172,33 @@ impl Machine {
         // Taking it leaves empty lists, which hold no memory.
         let mut room = std::mem::take(&mut self.seen);
         let read = self.signals.virtual_inputs(&self.state.board);
-        let seen = self.state.panel.condition(inputs, &self.config, read, self.state.cycle, &mut room);
-        self.run_cycle(seen, commands, admitted, outputs);
+        let inputs = self.state.panel.condition(inputs, &self.config, read, self.state.cycle, &mut room);
+        self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
         self.seen = room;
     }
 
-    fn run_cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, admitted: u64, outputs: &mut Outputs) {
-        self.read_inputs(inputs, commands, admitted);
-        let mut answered = 0;
-        let is_calm = match first_trajectory(commands, admitted) {
-            None => self.step_axes(inputs, commands, admitted, &mut answered),
-            Some(first) => {
-                self.step_together(first, inputs, commands, admitted, &mut answered);
-                false
-            }
-        };
-        // Where no axis has had a full cycle, none has anything for others, and outputs follow what they followed before.
+    fn run_cycle(&mut self, told: Told<'_>, commands: Commands<'_>, admitted: u64, outputs: &mut Outputs) {
+        self.read_inputs(told.inputs, commands, admitted);
+        let (is_calm, is_shown) = self.begin_axes(told);
+        for command in live(commands, admitted) {
+            self.carry_out(told, command);
+        }
+        if !is_shown {
+            self.end_axes(told);
+        }
+        // Where no axis has a full cycle, none has anything for others, and outputs follow what they followed before.
         if !is_calm {
-            self.stop_others(inputs, commands);
+            self.stop_others(told);
             self.share_shifts();
-            self.judge_trajectories(inputs);
-        }
-        self.answer_the_rest(commands, admitted & !answered);
-        if self.couples {
-            // New couplings move first in the next cycle; this one still ran in the order of the old ones.
-            self.note_couplings();
-            self.sort_axes();
-        }
-        if !is_calm {
+            self.judge_trajectories(told);
             self.state.panel.follow(&self.state.axes);
         }
+        if std::mem::take(&mut self.couples) {
+            // New couplings move first in the next cycle; this one still ran in the order of the old ones.
+            self.sort_axes();
+        }
         self.state.panel.write(&self.signals, &mut self.state.board, outputs);
-        self.write_outputs(inputs, outputs);
+        self.write_outputs(told.inputs, outputs);
         self.settle_deactivation();
         let mut errors = self.state.axes.iter().map(Axis::error);
         let error = if is_calm { None } else { errors.find(|error| !error.is_none()) };
@@ -286,10 +286,11 @@ impl Machine {
         self.take_latches(inputs);
     }
 
-    /// All axes, a leader before its followers. Has none of them had a full cycle?
-    fn step_axes(&mut self, inputs: &Inputs, commands: Commands<'_>, admitted: u64, answered: &mut u64) -> bool {
+    /// All axes as far as their commands, a leader before its followers. Has none of them a full cycle, and are the signals of all
+    /// of them written?
+    fn begin_axes(&mut self, told: Told<'_>) -> (bool, bool) {
         // A machine without axes has nothing that tells when its outputs are to be looked at.
-        let mut is_calm = !self.state.axes.is_empty();
+        let (mut is_calm, mut is_shown) = (!self.state.axes.is_empty(), true);
         for place in 0..self.state.order.len() {
             let State { axes, order, board, leads, cycle, .. } = &mut self.state;
             let index = order.get(place).map_or(0, |index| usize::from(*index));
@@ -297,76 +298,79 @@ impl Machine {
             match axis.pace() {
                 Pace::Passed => axis.pass_over(),
                 Pace::Calm if axis.step_calmly(*cycle, leads) => {
-                    axis.publish_motion(board, leads);
                     note_command(leads, index, axis);
+                    // Its master may stand behind it in the order.
+                    if axis.sees_a_master() {
+                        is_shown = false;
+                    } else {
+                        axis.publish_motion(board, leads);
+                    }
                 }
                 _ => {
-                    self.step_axis(index, inputs, commands, admitted, answered);
-                    is_calm = false;
+                    self.with_axis(index, told, Axis::begin_step);
+                    self.note_lead(index);
+                    (is_calm, is_shown) = (false, false);
                 }
             }
         }
-        is_calm
+        (is_calm, is_shown)
     }
 
-    fn step_axis(&mut self, index: usize, inputs: &Inputs, commands: Commands<'_>, admitted: u64, answered: &mut u64) {
-        let axis = &mut self.state.axes[index];
+    /// The rest of the full cycles, behind the commands, and the signals that are not written yet.
+    fn end_axes(&mut self, told: Told<'_>) {
+        for place in 0..self.state.order.len() {
+            let State { axes, order, board, leads, .. } = &mut self.state;
+            let index = order.get(place).map_or(0, |index| usize::from(*index));
+            let Some(axis) = axes.get_mut(index) else { continue };
+            match axis.pace() {
+                Pace::Calm if axis.sees_a_master() => axis.publish_motion(board, leads),
+                Pace::Full => {
+                    self.with_axis(index, told, Axis::end_step);
+                    self.note_zero(index);
+                    self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Does something with one axis in its cycle.
+    fn with_axis<T>(
+        &mut self,
+        index: usize,
+        told: Told<'_>,
+        act: impl FnOnce(&mut Axis, &mut Context<'_>) -> T,
+    ) -> Option<T> {
+        let State { axes, cycle, leads, encoders, runs, parameter_version, .. } = &mut self.state;
+        let axis = axes.get_mut(index)?;
         let mut cx = Context {
-            cycle: self.state.cycle,
-            input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
-            inputs,
+            cycle: *cycle,
+            input: axis.drive().and_then(|drive| told.inputs.drive.get(drive)),
+            inputs: told.inputs,
             digital_inputs: &self.digital_inputs,
-            leads: &self.state.leads,
-            encoders: &self.state.encoders,
+            leads,
+            encoders,
             latches: &self.latched,
-            stream: commands.stream,
-            runs: &self.state.runs,
+            stream: told.stream,
+            runs,
             events: &mut self.events,
         };
-        axis.step(&mut cx, live(commands, admitted), answered);
+        let result = act(axis, &mut cx);
         if axis.take_own_change() {
-            self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
+            *parameter_version = parameter_version.wrapping_add(1);
         }
-        axis.publish(&mut self.state.board, &self.state.leads);
-        self.note_lead(index);
+        Some(result)
     }
 
-    /// A cycle with a trajectory among its commands: it concerns several axes at once, so that all of them move before it, and
-    /// what comes behind it waits for it. Others see in this cycle what an axis was before these commands.
-    fn step_together(
+    /// Does something with one axis that is none of the steps of its cycle: the next one is a full one.
+    fn act_on<T>(
         &mut self,
-        first: usize,
-        inputs: &Inputs,
-        commands: Commands<'_>,
-        admitted: u64,
-        answered: &mut u64,
-    ) {
-        for place in 0..self.state.order.len() {
-            let index = usize::from(self.state.order[place]);
-            self.with_axis(index, inputs, commands.stream, |axis, cx| {
-                axis.begin_step(cx);
-                for (place, command) in live(commands, admitted).take_while(|(place, _)| *place < first) {
-                    axis.take(cx, place, command, answered);
-                }
-                axis.show_virtual();
-            });
-            self.note_lead(index);
-        }
-        for (place, command) in live(commands, admitted).skip_while(|(place, _)| *place < first) {
-            if let Action::Trajectory(trajectory) = &command.action {
-                self.start_trajectory(inputs, command, trajectory);
-                continue;
-            }
-            for index in 0..self.state.axes.len() {
-                self.with_axis(index, inputs, commands.stream, |axis, cx| axis.take(cx, place, command, answered));
-            }
-        }
-        for place in 0..self.state.order.len() {
-            let index = usize::from(self.state.order[place]);
-            self.with_axis(index, inputs, commands.stream, |axis, cx| axis.end_step(cx));
-            self.note_zero(index);
-            self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
-        }
+        index: usize,
+        told: Told<'_>,
+        act: impl FnOnce(&mut Axis, &mut Context<'_>) -> T,
+    ) -> Option<T> {
+        self.state.axes.get_mut(index)?.disturb();
+        self.with_axis(index, told, act)
     }
 
     /// Who follows an axis does not follow a coordinate that was set anew.
@@ -436,20 +440,15 @@ fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
     if axis.shows_command()
         && let Some(shown) = leads.actual.get_mut(index)
     {
-        *shown = axis.actual();
+        let actual = axis.actual();
+        *shown = Lead { change: actual.position - shown.position, ..actual };
     }
 }
 
-/// The commands that the axes have to look at, with their places.
-fn live(commands: Commands<'_>, admitted: u64) -> impl Iterator<Item = (usize, &Command)> {
-    commands.iter().take(MAX_COMMANDS).enumerate().filter(move |(place, _)| admitted >> place & 1 == 1)
-}
-
-/// The place of the first trajectory among them.
-fn first_trajectory(commands: Commands<'_>, admitted: u64) -> Option<usize> {
-    live(commands, admitted)
-        .find(|(_, command)| matches!(command.action, Action::Trajectory(_)))
-        .map(|(place, _)| place)
+/// The commands that are left for the axes.
+fn live(commands: Commands<'_>, admitted: u64) -> impl Iterator<Item = &Command> {
+    let is_live = move |(place, command): (usize, _)| (admitted >> place & 1 == 1).then_some(command);
+    commands.iter().take(MAX_COMMANDS).enumerate().filter_map(is_live)
 }
 
 #[cfg(test)]

@@ -60,6 +60,15 @@ impl AxisSet {
         }
     }
 
+    /// Takes the first axis out of it.
+    pub fn pop(&mut self) -> Option<u16> {
+        let place = self.0.iter().position(|word| *word != 0)?;
+        let word = self.0.get_mut(place)?;
+        let bit = word.trailing_zeros();
+        *word &= *word - 1;
+        Some((place * 64) as u16 + bit as u16)
+    }
+
     /// Is the axis in the set?
     pub fn contains(&self, axis: u16) -> bool {
         self.0.get(usize::from(axis) / 64).is_some_and(|word| word >> (axis % 64) & 1 == 1)
@@ -99,5 +108,8 @@ mod tests {
         assert_eq!(set.iter().collect::<Vec<_>>(), [0, 63, 64, 511]);
         assert_eq!((set.len(), set.contains(1), set.contains(600)), (4, false, false));
         assert_eq!(AxisSet::first(600).len(), MAX_AXES);
+        let mut rest = set;
+        assert_eq!(std::iter::from_fn(|| rest.pop()).collect::<Vec<_>>(), [0, 63, 64, 511]);
+        assert!(rest.is_empty());
     }
 }

@@ -69,7 +69,7 @@ impl Axis {
         let asked = self.asked();
         self.judge.keep(asked);
         self.lead_drive(asked);
-        self.show_virtual();
+        self.show_virtual(Position::ZERO);
         Some(())
     }
 

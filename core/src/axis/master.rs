@@ -153,6 +153,12 @@ impl Axis {
         self.seen_leader(axes).is_ok() || self.sight.claim.is_some()
     }
 
+    /// Has it shown one?
+    #[inline]
+    pub fn sees_a_master(&self) -> bool {
+        self.sight.leader.is_some()
+    }
+
     /// The encoder that a new value of its master would move for all (MACS-ENC-11).
     pub fn shares_master(&self, axes: usize) -> Option<u16> {
         match self.seen_leader(axes) {

@@ -324,22 +324,6 @@ impl Axis {
         is_off && self.goal.is_none() && self.waiting.is_empty()
     }
 
-    /// One cycle up to its outputs. `commands` are all commands of the cycle; the axis takes those that name it, and
-    /// `answered` tells for each whether some axis has answered it.
-    pub fn step<'c>(
-        &mut self,
-        cx: &mut Context<'_>,
-        commands: impl Iterator<Item = (usize, &'c Command)>,
-        answered: &mut u64,
-    ) {
-        self.begin_step(cx);
-        for (place, command) in commands {
-            self.take(cx, place, command, answered);
-        }
-        self.end_step(cx);
-        self.show_virtual();
-    }
-
     /// The part of a cycle before its commands.
     pub fn begin_step(&mut self, cx: &mut Context<'_>) {
         self.take_shifts(cx);
@@ -353,6 +337,7 @@ impl Axis {
         self.take_mark(cx);
         self.step_homing(cx);
         self.judge_errors(cx);
+        self.show_virtual(Position::ZERO);
     }
 
     /// The part of a cycle after its commands.
@@ -365,6 +350,8 @@ impl Axis {
         self.heed_stop(cx);
         self.judge_arrival(cx);
         self.settle_step(cx);
+        // What commands have made of the position since it was advanced.
+        self.show_virtual(self.actual.change);
     }
 
     /// The part behind everything that may stop or end something.
@@ -375,50 +362,41 @@ impl Axis {
         self.settle_waiting(cx);
     }
 
-    /// The actual position of a virtual axis is its command, and so is that of a simulated encoder.
+    /// The actual position of a virtual axis is its command, and so is that of a simulated encoder; `moved`: in this cycle already.
     #[inline]
-    pub fn show_virtual(&mut self) {
+    pub(super) fn show_virtual(&mut self, moved: Position) {
         if self.is_virtual() || self.is_simulated() && self.is_on() {
-            let change = self.command.position - self.actual.position;
+            let change = moved + (self.command.position - self.actual.position);
             let Motion { position, velocity, .. } = self.command;
             self.actual = Lead { position, change, velocity, counted: false, valid: true };
         }
     }
 
-    /// Applies a command that names this axis and answers it. Set commands were admitted for all their axes before.
-    pub fn take(&mut self, cx: &mut Context<'_>, place: usize, command: &Command, answered: &mut u64) {
+    /// Does what a command asks of this axis, and answers one that is of this axis alone. Those of several axes were admitted
+    /// for all of them.
+    pub fn take(&mut self, cx: &mut Context<'_>, command: &Command) {
         let sequence = command.sequence;
         let result = match &command.action {
-            Action::Enable(axes) if axes.contains(self.setup.index) => return self.enable(cx, sequence),
-            Action::Disable(axes) if axes.contains(self.setup.index) => return self.disable(cx, sequence),
-            Action::Halt(axes) if axes.contains(self.setup.index) => return self.halt(cx, sequence),
+            Action::Enable(_) => return self.enable(cx, sequence),
+            Action::Disable(_) => return self.disable(cx, sequence),
+            Action::Halt(_) => return self.halt(cx, sequence),
             Action::Deactivate => return self.begin_disable(cx),
             Action::Abort => {
                 self.stop_simulated_master(cx);
                 return self.abort(cx, sequence);
             }
-            Action::QuickStop(axes) if axes.contains(self.setup.index) => return self.quick_stop(cx, sequence),
-            Action::ResetErrors(axes) if axes.contains(self.setup.index) => return self.reset(cx, sequence),
-            Action::Move(request) if request.axis == self.setup.index => self.start_move(cx, sequence, request),
-            Action::Probe(request) if request.axis == self.setup.index => self.start_probe(cx, sequence, request),
-            Action::HomeAxis(request) if request.axis == self.setup.index => {
-                self.start_homing(cx, sequence, request.method)
-            }
-            Action::SetPosition(request) if request.axis == self.setup.index => {
-                self.set_position(cx, sequence, request.position)
-            }
-            Action::SetMasterPosition(request) if request.axis == self.setup.index => {
-                self.set_master_position(cx, sequence, request.position)
-            }
-            Action::Synchronize(request) if request.axis == self.setup.index => {
-                self.start_synchronize(cx, sequence, request)
-            }
-            Action::Saia(request) if request.axis == self.setup.index => self.run_saia(cx, sequence, request),
-            Action::Wf(request) if request.axis == self.setup.index => self.run_wf(cx, sequence, request),
-            Action::Cancel { goal } if self.cancel(cx, sequence, *goal, *answered >> place & 1 == 1) => Ok(()),
+            Action::QuickStop(_) => return self.quick_stop(cx, sequence),
+            Action::ResetErrors(_) => return self.reset(cx, sequence),
+            Action::Move(request) => self.start_move(cx, sequence, request),
+            Action::Probe(request) => self.start_probe(cx, sequence, request),
+            Action::HomeAxis(request) => self.start_homing(cx, sequence, request.method),
+            Action::SetPosition(request) => self.set_position(cx, sequence, request.position),
+            Action::SetMasterPosition(request) => self.set_master_position(cx, sequence, request.position),
+            Action::Synchronize(request) => self.start_synchronize(cx, sequence, request),
+            Action::Saia(request) => self.run_saia(cx, sequence, request),
+            Action::Wf(request) => self.run_wf(cx, sequence, request),
             _ => return,
         };
-        *answered |= 1 << place;
         if let Err(refusal) = result {
             cx.events.push(Event { position: self.command.position, ..refusal.event(sequence) });
         }

@@ -15,23 +15,12 @@ use crate::position::Position;
 use crate::sync::Disengage;
 
 impl Axis {
-    /// May a command for several axes be applied to this one? Asked of all of them before any changes.
+    /// May a command for several axes be applied to this one of them? Asked of all of them before any changes.
     ///
     /// # Errors
     /// Why not.
     pub fn admits(&self, action: &Action) -> Result<(), Refusal> {
-        let axes = match action {
-            Action::Enable(axes)
-            | Action::Disable(axes)
-            | Action::Halt(axes)
-            | Action::QuickStop(axes)
-            | Action::ResetErrors(axes) => axes,
-            _ => return Ok(()),
-        };
         let refuse = |code| Err(Refusal::new(code, self.object()));
-        if !axes.contains(self.setup.index) {
-            return Ok(());
-        }
         // A stop is never refused: with nobody left to tell, it still stops.
         let stops = matches!(action, Action::Disable(_) | Action::Halt(_) | Action::QuickStop(_));
         if !stops && !self.waiting.has_room() {
@@ -227,7 +216,7 @@ impl Axis {
 
     /// Ends a goal of this axis with a controlled stop; the active one lives until the axis stands. False for another's.
     /// `is_told`: another axis of the same goal has answered.
-    pub(super) fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64, goal: u64, is_told: bool) -> bool {
+    pub fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64, goal: u64, is_told: bool) -> bool {
         let is_active = self.goal.is_some_and(|active| active.sequence == goal);
         let is_overlay = self.overlay.is_some_and(|overlay| overlay.sequence == goal);
         let answer = |kind| Event::new(Severity::Info, kind, self.object(), Code::NONE).of_command(sequence);

@@ -1,6 +1,6 @@
 //! Commands before the axes see them: what concerns several objects at once is checked for all of them, then done.
 
-use super::{MAX_COMMANDS, Machine};
+use super::{MAX_COMMANDS, Machine, Told};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, Probe, ProbeEdge, Synchronize};
 use crate::config::IoKind;
@@ -8,28 +8,21 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
 
 impl Machine {
-    /// Answers what is answered here and returns which commands the axes have to look at, as bits.
+    /// Carries out and answers what is of the machine, before its inputs are read, and returns as bits which commands are left for
+    /// the axes.
     pub(super) fn admit(&mut self, commands: Commands<'_>) -> u64 {
         let mut admitted = 0;
-        let mut couples = false;
         for (place, command) in commands.iter().enumerate() {
-            if place == 0 {
-                self.note_couplings();
-            }
             let result = if place < MAX_COMMANDS {
                 self.admit_one(command)
             } else {
                 Err(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine))
             };
             match result {
-                Ok(to_axes) => {
-                    admitted |= u64::from(to_axes) << place;
-                    couples |= to_axes && matches!(command.action, Action::Synchronize(_));
-                }
+                Ok(to_axes) => admitted |= u64::from(to_axes) << place,
                 Err(refusal) => self.events.push(refusal.event(command.sequence)),
             }
         }
-        self.couples = couples;
         admitted
     }
 
@@ -46,13 +39,7 @@ impl Machine {
         Err(refusal.with(Number::Count(source.into()), Number::None))
     }
 
-    pub(super) fn note_couplings(&mut self) {
-        for (coupling, axis) in self.couplings.iter_mut().zip(&self.state.axes) {
-            *coupling = axis.leader();
-        }
-    }
-
-    /// True where the axes have to look at the command.
+    /// True where the command is left for the axes.
     fn admit_one(&mut self, command: &Command) -> Result<bool, Refusal> {
         if command.action.needs_active() && !self.state.active {
             return Err(Refusal::new(Code::NOT_ACTIVE, Object::Machine));
@@ -72,40 +59,26 @@ impl Machine {
                 self.accept(command, Object::Machine);
                 Ok(true)
             }
-            Action::Enable(axes)
-            | Action::Disable(axes)
-            | Action::Halt(axes)
-            | Action::QuickStop(axes)
-            | Action::ResetErrors(axes) => {
-                self.check_axes(*axes)?;
-                self.state.axes.iter().try_for_each(|axis| axis.admits(&command.action))?;
-                self.accept(command, Object::Machine);
-                Ok(true)
-            }
-            Action::Synchronize(request) => self.admit_synchronize(request),
-            Action::Probe(request) => {
-                self.check_latch(request)?;
-                Ok(true)
-            }
-            Action::Move(_)
+            Action::Enable(_)
+            | Action::Disable(_)
+            | Action::Halt(_)
+            | Action::QuickStop(_)
+            | Action::ResetErrors(_)
+            | Action::Move(_)
+            | Action::Probe(_)
+            | Action::Trajectory(_)
             | Action::HomeAxis(_)
+            | Action::SetPosition(_)
+            | Action::SetMasterPosition(_)
+            | Action::Synchronize(_)
             | Action::Saia(_)
             | Action::Wf(_)
-            | Action::Cancel { .. }
-            | Action::Trajectory(_) => Ok(true),
+            | Action::Cancel { .. } => Ok(true),
             Action::SetEncoderPosition(request) if usize::from(request.encoder) >= self.state.encoders.len() => {
                 Err(Refusal::new(Code::BAD_REQUEST, Object::Machine))
             }
             // Once the encoders of the cycle are read.
             Action::SetEncoderPosition(_) => Ok(true),
-            Action::SetPosition(request) => {
-                self.admit_shared_zero(request.axis)?;
-                Ok(true)
-            }
-            Action::SetMasterPosition(request) => {
-                self.admit_master_zero(request.axis)?;
-                Ok(true)
-            }
             Action::SetParameters(changes) => {
                 self.set_parameters(command, changes)?;
                 Ok(false)
@@ -156,41 +129,81 @@ impl Machine {
         self.events.push(event.of_command(command.sequence));
     }
 
-    fn admit_synchronize(&mut self, request: &Synchronize) -> Result<bool, Refusal> {
-        // An axis that does not exist is answered at the end of the cycle.
-        let Some(axis) = self.state.axes.get(usize::from(request.axis)) else { return Ok(true) };
+    /// Carries out a command of the axes, once all of them have moved and judged in this cycle: what it is checked by is this cycle's.
+    pub(super) fn carry_out(&mut self, told: Told<'_>, command: &Command) {
+        if let Err(refusal) = self.try_command(told, command) {
+            self.events.push(refusal.event(command.sequence));
+        }
+    }
+
+    fn try_command(&mut self, told: Told<'_>, command: &Command) -> Result<(), Refusal> {
+        match &command.action {
+            Action::Enable(axes)
+            | Action::Disable(axes)
+            | Action::Halt(axes)
+            | Action::QuickStop(axes)
+            | Action::ResetErrors(axes) => {
+                self.check_axes(*axes)?;
+                let mut named = axes.iter().filter_map(|index| self.state.axes.get(usize::from(index)));
+                named.try_for_each(|axis| axis.admits(&command.action))?;
+                self.accept(command, Object::Machine);
+                axes.iter().try_for_each(|axis| self.give(told, axis, command))
+            }
+            Action::Abort | Action::Deactivate => {
+                (0..self.state.axes.len() as u16).try_for_each(|axis| self.give(told, axis, command))
+            }
+            Action::Move(request) => self.give(told, request.axis, command),
+            Action::Probe(request) => {
+                self.check_latch(request)?;
+                self.give(told, request.axis, command)
+            }
+            Action::HomeAxis(request) => self.give(told, request.axis, command),
+            Action::SetPosition(request) => {
+                self.admit_shared_zero(request.axis)?;
+                self.give(told, request.axis, command)
+            }
+            Action::SetMasterPosition(request) => {
+                self.admit_master_zero(request.axis)?;
+                self.give(told, request.axis, command)
+            }
+            Action::Synchronize(request) => {
+                self.admit_synchronize(request)?;
+                self.couples = true;
+                self.give(told, request.axis, command)
+            }
+            Action::Saia(request) => self.give(told, request.axis, command),
+            Action::Wf(request) => self.give(told, request.axis, command),
+            Action::Cancel { goal } => self.cancel(told, command.sequence, *goal),
+            Action::Trajectory(trajectory) => self.start_trajectory(told, command, trajectory),
+            _ => Ok(()),
+        }
+    }
+
+    /// One axis takes a command, and answers it.
+    fn give(&mut self, told: Told<'_>, axis: u16, command: &Command) -> Result<(), Refusal> {
+        let given = self.act_on(axis.into(), told, |axis, cx| axis.take(cx, command));
+        given.ok_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine))
+    }
+
+    /// All axes of a goal end it.
+    fn cancel(&mut self, told: Told<'_>, sequence: u64, goal: u64) -> Result<(), Refusal> {
+        let mut is_told = false;
+        for index in 0..self.state.axes.len() {
+            let ended = self.act_on(index, told, |axis, cx| axis.cancel(cx, sequence, goal, is_told));
+            is_told |= ended == Some(true);
+        }
+        let number = Number::Count(goal.cast_signed());
+        let unknown = || Refusal::new(Code::UNKNOWN_GOAL, Object::Machine).with(number, Number::None);
+        is_told.then_some(()).ok_or_else(unknown)
+    }
+
+    /// Would nobody follow itself?
+    fn admit_synchronize(&self, request: &Synchronize) -> Result<(), Refusal> {
+        let Some(axis) = self.state.axes.get(usize::from(request.axis)) else { return Ok(()) };
         let leader = axis.leader_of(request.leader, self.state.axes.len())?;
         if self.closes_loop(request.axis, leader) {
             return Err(Refusal::new(Code::LEADER_LOOP, Object::Axis(request.axis)));
         }
-        // Should the axis refuse, the note only keeps others of this cycle from closing a loop with it.
-        if let Some(coupling) = self.couplings.get_mut(usize::from(request.axis)) {
-            *coupling = Some(leader);
-        }
-        Ok(true)
-    }
-
-    /// What no axis has answered: a goal that is not active, an axis that does not exist.
-    pub(super) fn answer_the_rest(&mut self, commands: Commands<'_>, left: u64) {
-        for (place, command) in commands.iter().take(MAX_COMMANDS).enumerate() {
-            let refusal = match command.action {
-                Action::Cancel { goal } => {
-                    let goal = Number::Count(goal.cast_signed());
-                    Refusal::new(Code::UNKNOWN_GOAL, Object::Machine).with(goal, Number::None)
-                }
-                Action::Move(_)
-                | Action::Probe(_)
-                | Action::HomeAxis(_)
-                | Action::SetPosition(_)
-                | Action::SetMasterPosition(_)
-                | Action::Synchronize(_)
-                | Action::Saia(_)
-                | Action::Wf(_) => Refusal::new(Code::BAD_REQUEST, Object::Machine),
-                _ => continue,
-            };
-            if left >> place & 1 == 1 {
-                self.events.push(refusal.event(command.sequence));
-            }
-        }
+        Ok(())
     }
 }

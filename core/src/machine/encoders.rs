@@ -53,7 +53,7 @@ impl Machine {
     /// New values of an encoder, in the cycle in which it has been read. What its users were before is what they are judged by.
     pub(super) fn set_encoder(&mut self, index: usize, commands: Commands<'_>, admitted: u64) {
         self.set_by[index] = 0;
-        for (_, command) in super::live(commands, admitted) {
+        for command in super::live(commands, admitted) {
             let Action::SetEncoderPosition(request) = &command.action else { continue };
             if usize::from(request.encoder) != index {
                 continue;

@@ -7,32 +7,30 @@ use super::Machine;
 use crate::object::{AxisSet, Leader};
 
 impl Machine {
-    /// The axes that `axis` follows or may follow: as asked in this cycle, at present, by its reference selector.
+    /// The axes that `axis` follows or may follow: at present, by its reference selector.
     fn leaders(&self, axis: u16) -> impl Iterator<Item = u16> {
-        let index = usize::from(axis);
-        let asked = self.couplings.get(index).copied().flatten();
-        let axis = self.state.axes.get(index);
-        let leaders = [asked, axis.and_then(|axis| axis.leader()), axis.and_then(|axis| axis.master())];
+        let axis = self.state.axes.get(usize::from(axis));
+        let leaders = [axis.and_then(|axis| axis.leader()), axis.and_then(|axis| axis.master())];
         leaders.into_iter().flatten().filter_map(|leader| match leader {
             Leader::AxisCommand(leader) => Some(leader),
             _ => None,
         })
     }
 
-    /// Would axis `follower` follow itself through `leader`? Counted are the couplings there are, those that were asked for
-    /// in this cycle, and those that may come: whichever of them is refused in the end, no loop can be left.
+    /// Would axis `follower` follow itself through `leader`? Counted are the couplings that there are, and those that may come.
     pub(super) fn closes_loop(&self, follower: u16, leader: Leader) -> bool {
         let Leader::AxisCommand(first) = leader else { return false };
-        let mut reached = AxisSet::one(first);
-        loop {
-            let before = reached;
-            for axis in before.iter() {
-                self.leaders(axis).for_each(|next| reached.insert(next));
-            }
-            if reached == before {
-                return reached.contains(follower);
+        let (mut reached, mut next) = (AxisSet::one(first), AxisSet::one(first));
+        // Each axis is looked at once.
+        while let Some(axis) = next.pop() {
+            for leader in self.leaders(axis) {
+                if !reached.contains(leader) {
+                    reached.insert(leader);
+                    next.insert(leader);
+                }
             }
         }
+        reached.contains(follower)
     }
 
     /// Sorts the axes by those that they follow, which have no loop.

@@ -125,7 +125,6 @@ impl Machine {
         }
         self.accept(command, Object::Machine);
         self.state.power_up_from(&self.first);
-        self.note_couplings();
         self.count_change();
         Ok(())
     }

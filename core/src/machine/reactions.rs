@@ -4,16 +4,14 @@
 //!          error_reaction
 //! Source   MACS-ERR-05, A-44
 
-use super::Machine;
-use crate::command::Commands;
-use crate::drive::Inputs;
+use super::{Machine, Told};
 
 impl Machine {
     /// Stops the other axes, where an error of this cycle asks for that.
-    pub(super) fn stop_others(&mut self, inputs: &Inputs, commands: Commands<'_>) {
+    pub(super) fn stop_others(&mut self, told: Told<'_>) {
         let Some(cause) = self.state.axes.iter().position(|axis| axis.stops_others()) else { return };
         for index in (0..self.state.axes.len()).filter(|index| *index != cause) {
-            self.with_axis(index, inputs, commands.stream, |axis, cx| axis.stop_with_other(cx, cause as u16));
+            self.act_on(index, told, |axis, cx| axis.stop_with_other(cx, cause as u16));
             self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
         }
     }

@@ -6,11 +6,10 @@
 //! Refuses  a trajectory of which every point is past; whatever one of its axes refuses
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
-use super::Machine;
-use crate::axis::{Context, Run};
+use super::{Machine, Told};
+use crate::axis::Run;
 use crate::code::Code;
-use crate::command::{Command, Setpoints};
-use crate::drive::Inputs;
+use crate::command::Command;
 use crate::event::{Event, Number, Refusal};
 use crate::object::Object;
 use crate::trajectory::Trajectory;
@@ -33,36 +32,38 @@ impl End {
 }
 
 impl Machine {
-    /// Begins a trajectory on all of its axes, after they have moved in this cycle, or answers why not.
-    pub(super) fn start_trajectory(&mut self, inputs: &Inputs, command: &Command, trajectory: &Arc<Trajectory>) {
+    /// Begins a trajectory on all of its axes, after they have moved in this cycle.
+    pub(super) fn start_trajectory(
+        &mut self,
+        told: Told<'_>,
+        command: &Command,
+        trajectory: &Arc<Trajectory>,
+    ) -> Result<(), Refusal> {
         let run = self.run_of(command.sequence, trajectory);
-        if let Err(refusal) = self.check_run(&run) {
-            self.events.push(refusal.event(command.sequence));
-            return;
-        }
+        self.check_run(&run)?;
         // Whom it takes its axes from. A place is free after that: each of the others has an axis that this one has not.
         for of in trajectory.tracks() {
-            self.with_axis(usize::from(of.axis), inputs, None, |axis, cx| axis.abandon_track(cx));
+            self.act_on(usize::from(of.axis), told, |axis, cx| axis.abandon_track(cx));
         }
         for slot in 0..self.state.runs.len() {
-            self.settle_trajectory(slot, inputs, Self::left_by);
+            self.settle_trajectory(slot, told, Self::left_by);
         }
         let Some(slot) = self.state.runs.iter().position(Option::is_none) else {
-            self.events.push(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine).event(command.sequence));
-            return;
+            return Err(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine));
         };
         let cycle = self.state.cycle;
         for (track, of) in trajectory.tracks().iter().enumerate() {
             let index = usize::from(of.axis);
             let begin = self.state.axes.get(index).map(|axis| axis.motion_at(cycle, run.begins));
             if let Some(begin) = begin {
-                self.with_axis(index, inputs, None, |axis, cx| axis.begin_track(cx, &run, (slot, track), begin));
+                self.act_on(index, told, |axis, cx| axis.begin_track(cx, &run, (slot, track), begin));
             }
         }
         self.accept(command, Object::Machine);
         if let Some(place) = self.state.runs.get_mut(slot) {
             *place = Some(run);
         }
+        Ok(())
     }
 
     /// When it begins: in this cycle, or in the first one with a time of 0 or later.
@@ -95,19 +96,19 @@ impl Machine {
     }
 
     /// Judges the trajectories that run, after all axes have moved in this cycle.
-    pub(super) fn judge_trajectories(&mut self, inputs: &Inputs) {
+    pub(super) fn judge_trajectories(&mut self, told: Told<'_>) {
         for slot in 0..self.state.runs.len() {
             if self.state.runs[slot].is_some() {
-                self.settle_trajectory(slot, inputs, Self::end_of);
+                self.settle_trajectory(slot, told, Self::end_of);
             }
         }
     }
 
     /// Ends the trajectory of a place, if something ends it.
-    fn settle_trajectory(&mut self, slot: usize, inputs: &Inputs, ends: fn(&mut Self, &Run) -> Option<End>) {
+    fn settle_trajectory(&mut self, slot: usize, told: Told<'_>, ends: fn(&mut Self, &Run) -> Option<End>) {
         let Some(run) = self.state.runs.get_mut(slot).and_then(Option::take) else { return };
         match ends(self, &run) {
-            Some(end) => self.end_trajectory(&run, &end, inputs),
+            Some(end) => self.end_trajectory(&run, &end, told),
             None => self.state.runs[slot] = Some(run),
         }
     }
@@ -154,7 +155,7 @@ impl Machine {
         }
     }
 
-    fn end_trajectory(&mut self, run: &Run, end: &End, inputs: &Inputs) {
+    fn end_trajectory(&mut self, run: &Run, end: &End, told: Told<'_>) {
         let position = match end.object {
             Object::Axis(index) => self.state.axes.get(usize::from(index)).map(|axis| axis.command().position),
             _ => None,
@@ -168,44 +169,8 @@ impl Machine {
                 continue;
             }
             let reached = end.reached;
-            self.with_axis(
-                index,
-                inputs,
-                None,
-                |axis, cx| {
-                    if reached { axis.finish_track(cx) } else { axis.release_track(cx) }
-                },
-            );
+            self.act_on(index, told, |axis, cx| if reached { axis.finish_track(cx) } else { axis.release_track(cx) });
             self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
         }
-    }
-
-    /// Does something with one axis, beside its step.
-    pub(super) fn with_axis<T>(
-        &mut self,
-        index: usize,
-        inputs: &Inputs,
-        stream: Option<&Setpoints>,
-        act: impl FnOnce(&mut crate::axis::Axis, &mut Context<'_>) -> T,
-    ) -> Option<T> {
-        let axis = self.state.axes.get_mut(index)?;
-        axis.disturb();
-        let mut cx = Context {
-            cycle: self.state.cycle,
-            input: axis.drive().and_then(|drive| inputs.drive.get(drive)),
-            inputs,
-            digital_inputs: &self.digital_inputs,
-            leads: &self.state.leads,
-            encoders: &self.state.encoders,
-            latches: &self.latched,
-            stream,
-            runs: &self.state.runs,
-            events: &mut self.events,
-        };
-        let result = act(axis, &mut cx);
-        if axis.take_own_change() {
-            self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
-        }
-        Some(result)
     }
 }

@@ -20,7 +20,7 @@ fn code(code: Code) -> i64 {
     i64::from(code.0)
 }
 
-/// The command was checked while the axis was sound: the error of its cycle comes between.
+/// The command is checked once the errors of its cycle are known.
 ///
 /// Proves: MACS-ERR-03
 #[test]
@@ -40,8 +40,7 @@ fn an_enable_in_the_cycle_of_an_error_switches_nothing_on() {
             rig.run(1);
             assert_eq!(rig.state("x"), "ERROR_STOP", "{reaction}");
         }
-        let done = rig.done(enable);
-        assert_eq!((done.len(), done[0].code), (1, Code::HARDWARE_LIMIT_POSITIVE), "{reaction}");
+        assert_eq!(rig.refusal(enable), "x: the axis stands in ERROR_STOP; reset_errors first", "{reaction}");
     }
 }
 

@@ -190,10 +190,15 @@ fn a_hard_zero_of_the_master_waits_for_the_users() {
     assert_eq!(rig.refusal(refused), "x: the axis moves (DISCRETE_MOTION); wait for its end, or halt it first");
     let refused = rig.give(encoder(0));
     assert_eq!(rig.refusal(refused), "x: the axis moves (DISCRETE_MOTION); wait for its end, or halt it first");
-    // In one cycle with the start: only y has its new zero, and that is told.
+    // In one cycle with the start, and behind it: the same.
     let mut rig = shared(0);
     rig.enable();
-    rig.give_all(vec![Action::Move(to(X, 1_000)), master(Y, 77)]);
+    let refused = rig.give_all(vec![Action::Move(to(X, 1_000)), master(Y, 77)]);
+    assert_eq!(rig.refusal(refused), "x: the axis moves (DISCRETE_MOTION); wait for its end, or halt it first");
+    // Before it: only y has its new zero, and that is told.
+    let mut rig = shared(0);
+    rig.enable();
+    rig.give_all(vec![master(Y, 77), Action::Move(to(X, 1_000))]);
     rig.run(1);
     assert_eq!((rig.real("y.master.position"), rig.int("belt.position")), (77.0, 0));
     assert!(rig.events.iter().any(|event| event.code == crate::code::Code::ENCODER_NOT_SHARED));
