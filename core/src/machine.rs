@@ -24,7 +24,7 @@ use crate::config::{ConfigError, IoKind, MachineConfig};
 use crate::drive::{DriveOutput, EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::{Encoder, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
-use crate::object::Object;
+use crate::object::{Leader, Object};
 use crate::parameter::AxisParameters;
 use crate::profile::Motion;
 use crate::signal::{Board, Directory};
@@ -92,12 +92,13 @@ impl Machine {
         let encoders: Vec<Encoder> =
             config.encoders.iter().map(|encoder| Encoder::new(encoder.form, encoder.check)).collect();
         let set_by = vec![0; encoders.len()];
-        let leads = Leads {
-            command: vec![Lead { valid: true, ..Lead::default() }; axes.len()],
-            actual: axes.iter().map(Axis::actual).collect(),
-            encoder: encoders.iter().map(Encoder::lead).collect(),
-            simulated: vec![Lead::default(); axes.len()],
-        };
+        let mut leads = Leads::new(axes.len(), encoders.len());
+        for (index, axis) in (0..).zip(&axes) {
+            leads.set(Leader::AxisActual(index), axis.actual());
+        }
+        for (index, encoder) in (0..).zip(&encoders) {
+            leads.set(Leader::Encoder(index), encoder.lead());
+        }
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
         let state = State {
@@ -211,7 +212,7 @@ impl Machine {
     fn write_outputs(&mut self, inputs: &Inputs, outputs: &mut Outputs) {
         let State { axes, board, panel, leads, .. } = &mut self.state;
         let count = axes.len();
-        for (axis, shown) in axes.iter_mut().zip(&leads.command) {
+        for (index, axis) in (0..).zip(axes.iter_mut()) {
             let closed = panel.brake_of(axis);
             if closed.is_some() || axis.has_own_brake() {
                 self.signals.publish_brake(board, axis, closed, outputs);
@@ -226,7 +227,7 @@ impl Machine {
             }
             if axis.pace() == Pace::Full {
                 let input = axis.drive().and_then(|drive| inputs.drive.get(drive));
-                axis.note_rhythm(input, shown, count);
+                axis.note_rhythm(input, &leads.get(Leader::AxisCommand(index)), count);
             }
         }
     }
@@ -260,24 +261,26 @@ impl Machine {
             let (lead, errors) = (encoder.lead(), encoder.errors());
             let problem = told.map_or(Code::NONE, encoders::code);
             self.signals.publish_encoder(&mut self.state.board, index, input, lead, problem, errors);
-            self.state.leads.encoder[index] = lead;
+            self.state.leads.set(Leader::Encoder(index as u16), lead);
             if let Some(told) = told {
                 self.events.push(encoders::event(told, index as u16, errors));
             }
         }
-        let Leads { actual, simulated, .. } = &mut self.state.leads;
-        for ((axis, actual), simulated) in self.state.axes.iter_mut().zip(actual).zip(simulated) {
+        let State { axes, leads, encoders, .. } = &mut self.state;
+        for (index, axis) in (0..).zip(axes.iter_mut()) {
             let drive = axis.drive().and_then(|drive| inputs.drive.get(drive));
             match axis.begin_cycle(is_quiet, drive) {
                 Pace::Passed => continue,
                 Pace::Calm => axis.sense_calmly(drive),
                 Pace::Full => {
-                    axis.sense(drive, &self.state.encoders, &inputs.encoder);
+                    axis.sense(drive, encoders, &inputs.encoder);
                     axis.read_switches(inputs);
                 }
             }
-            *actual = axis.actual();
-            axis.simulate_master(simulated);
+            leads.set(Leader::AxisActual(index), axis.actual());
+            if let Some(simulated) = leads.get_mut(Leader::Simulated(index)) {
+                axis.simulate_master(simulated);
+            }
         }
         let edges = self.state.panel.edges(inputs);
         if edges != Edges::default() {
@@ -383,8 +386,10 @@ impl Machine {
 
     fn move_leads(&mut self, index: usize) {
         let moved = self.state.axes[index].take_moved();
-        self.state.leads.command[index].position += moved;
-        self.state.leads.actual[index] = self.state.axes[index].actual();
+        if let Some(command) = self.state.leads.get_mut(Leader::AxisCommand(index as u16)) {
+            command.position += moved;
+        }
+        self.state.leads.set(Leader::AxisActual(index as u16), self.state.axes[index].actual());
         self.count_on(index, moved);
     }
 
@@ -433,12 +438,13 @@ impl Machine {
 /// What others see of the motion of an axis in this cycle.
 #[inline]
 fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
+    let index = index as u16;
     let Motion { position, velocity, .. } = axis.command();
-    if let Some(shown) = leads.command.get_mut(index) {
+    if let Some(shown) = leads.get_mut(Leader::AxisCommand(index)) {
         *shown = Lead { position, change: position - shown.position, velocity, counted: false, valid: true };
     }
     if axis.shows_command()
-        && let Some(shown) = leads.actual.get_mut(index)
+        && let Some(shown) = leads.get_mut(Leader::AxisActual(index))
     {
         let actual = axis.actual();
         *shown = Lead { change: actual.position - shown.position, ..actual };

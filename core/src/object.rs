@@ -33,6 +33,13 @@ pub enum Leader {
     Simulated(u16),
 }
 
+impl Leader {
+    /// Is it counted, so that its changes are uneven by one increment? Else it is generated.
+    pub fn is_counted(self) -> bool {
+        !matches!(self, Self::AxisCommand(_) | Self::Simulated(_))
+    }
+}
+
 /// A set of axes, without a heap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AxisSet([u64; MAX_AXES / 64]);

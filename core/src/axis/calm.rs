@@ -5,6 +5,7 @@
 //! Writes   nothing at all, where anything needs more than that: the cycle is a full one then, from its beginning
 //! Refuses  everything that tells something, ends, or comes near a limit
 
+use super::generator::Coupling;
 use super::{Axis, Generator};
 use crate::drive::DriveInput;
 use crate::parameter::Rule;
@@ -47,9 +48,9 @@ impl Axis {
                 self.is_inside(next.position).then_some(())?;
                 next
             }
-            Generator::Follow(follower) => {
+            Generator::Follow(Coupling { leader, follower, .. }) => {
                 let rule = self.parameters.reversing().rule;
-                let lead = leads.get(follower.leader);
+                let lead = leads.get(*leader);
                 let following = follower.follow(self.command, lead, self.cycle_s(), rule)?;
                 self.may_go_on(following.motion, true).then_some(())?;
                 self.take_following(&following);
@@ -74,7 +75,7 @@ impl Axis {
     }
 
     fn take_following(&mut self, following: &Following) {
-        if let Generator::Follow(follower) = &mut self.generator {
+        if let Some(follower) = self.generator.follower_mut() {
             follower.keep(following);
         }
     }

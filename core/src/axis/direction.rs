@@ -177,7 +177,7 @@ impl Axis {
     fn may_reverse(&self) -> bool {
         match self.parameters.reversing().rule {
             Rule::Always => true,
-            Rule::WithMaster => matches!(&self.generator, Generator::Follow(follower) if follower.leader_reverses()),
+            Rule::WithMaster => self.coupling().is_some_and(|coupling| coupling.follower.leader_reverses()),
             Rule::Never => false,
         }
     }

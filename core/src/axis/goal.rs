@@ -1,19 +1,16 @@
-//! Goals: positioning, velocity and synchronization, from the command to the generator.
+//! Goals: positioning and velocity, from the command to the generator.
 
 use super::course::{Aim, Course, ROUNDING};
 use super::power::Power;
 use super::probe::Search;
 use super::track::Tracker;
-use super::{Axis, AxisState, Context, Generator, Reference};
+use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
-use crate::command::{BufferMode, Move, MoveMode, Synchronize};
+use crate::command::{BufferMode, Move, MoveMode};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::{self, Limits, Motion, Plan};
-use crate::sync::SyncMode;
-use crate::sync::follower::{Bounds, Follower};
-use crate::sync::gear::{Gear, Ratio};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
@@ -145,7 +142,7 @@ impl Axis {
     }
 
     /// A value that may be left out as 0: the default then, and no more than its maximum.
-    fn check_rate(&self, asked: f64, usual: f64, most: f64, code: Code) -> Result<f64, Refusal> {
+    pub(super) fn check_rate(&self, asked: f64, usual: f64, most: f64, code: Code) -> Result<f64, Refusal> {
         let number = match code {
             Code::VELOCITY_TOO_HIGH => Number::Velocity,
             Code::JERK_TOO_HIGH => Number::Jerk,
@@ -325,59 +322,6 @@ impl Axis {
         if lowest < Position::whole(self.limit(false)).min(now) {
             return beyond(Code::CANNOT_STOP_BEFORE_MIN_POSITION, lowest);
         }
-        Ok(())
-    }
-
-    /// Couples the axis to a leader.
-    pub(super) fn start_synchronize(
-        &mut self,
-        cx: &mut Context<'_>,
-        sequence: u64,
-        request: &Synchronize,
-    ) -> Result<(), Refusal> {
-        self.check_closed_loop()?;
-        self.check_free()?;
-        let p = &self.parameters;
-        let (numerator, denominator) = match (request.numerator, request.denominator) {
-            (0, 0) => (p.sync_slave, p.sync_master),
-            given => given,
-        };
-        let ratio = Ratio::new(numerator, denominator)
-            .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))?;
-        let velocity =
-            self.check_rate(request.velocity, p.usual_velocity(), p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
-        let acceleration = self.check_rate(
-            request.acceleration,
-            p.usual_acceleration(),
-            p.max_acceleration,
-            Code::ACCELERATION_TOO_HIGH,
-        )?;
-        let leader = self.leader_of(request.leader, cx.leads.command.len())?;
-        if !cx.leads.get(leader).valid {
-            return Err(self.refuse(Code::LEADER_LOST));
-        }
-        let bounds = Bounds {
-            velocity,
-            acceleration: acceleration.min(p.deceleration_limit()),
-            max_velocity: p.max_velocity,
-            max_acceleration: p.max_acceleration,
-            max_deceleration: p.deceleration_limit(),
-        };
-        let offset = match request.mode {
-            SyncMode::Position => request.offset.exact(),
-            SyncMode::Velocity => Position::ZERO,
-        };
-        // From one coupling to the next the remainder passes on.
-        let gear = match &self.generator {
-            Generator::Follow(follower) => follower.gear().with_ratio(ratio),
-            _ => Gear::new(ratio),
-        };
-        let follower = Follower::new(leader, gear, request.mode, request.disengage, self.present(), offset, bounds)
-            .with_accuracy(self.parameters.sync_accuracy);
-        self.begin_goal(cx, sequence, None);
-        self.reference = Reference::Gear;
-        self.generator = Generator::Follow(follower);
-        self.set_state(cx, AxisState::SynchronizedMotion);
         Ok(())
     }
 }

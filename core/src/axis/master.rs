@@ -11,7 +11,7 @@
 //! Source   MACS-ENC-10, -11, -14, -15, -16, A-13, MACS-CMD-17, MACS-UNIT-09, MACS-ERR-09
 
 use super::feedback::Claim;
-use super::{Axis, Context, Generator, Pace};
+use super::{Axis, Context, Pace};
 use crate::code::Code;
 use crate::command::MasterPosition;
 use crate::encoder::{Lead, source::Master};
@@ -142,10 +142,7 @@ impl Axis {
 
     /// What it follows, or may follow.
     fn seen_leader(&self, axes: usize) -> Result<Leader, Refusal> {
-        match &self.generator {
-            Generator::Follow(follower) => Ok(follower.leader),
-            _ => self.leader_of(self.master(), axes),
-        }
+        self.leader().map_or_else(|| self.leader_of(self.master(), axes), Ok)
     }
 
     /// Does it show anything of a master?
@@ -169,7 +166,7 @@ impl Axis {
 
     /// Looks at its master, in this cycle, and shows it; none without one.
     pub(super) fn watch_master(&mut self, leads: &Leads) -> Option<Shown> {
-        let leader = self.seen_leader(leads.command.len()).ok()?;
+        let leader = self.seen_leader(leads.axes()).ok()?;
         let lead = leads.get(leader);
         if self.sight.leader != Some(leader) {
             let is_soft = self.sight.leader.is_some() && self.parameters.encoder.menccontrol & 1 == 1;
@@ -198,7 +195,7 @@ impl Axis {
         sequence: u64,
         position: MasterPosition,
     ) -> Result<(), Refusal> {
-        let axes = cx.leads.command.len();
+        let axes = cx.leads.axes();
         let leader = self.seen_leader(axes)?;
         let encoder = match leader {
             Leader::Encoder(place) => cx.encoders.get(usize::from(place)).map(|encoder| (place, encoder)),

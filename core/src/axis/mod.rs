@@ -10,14 +10,17 @@
 mod brake;
 mod buffer;
 mod calm;
+mod coupling;
 mod course;
 mod direction;
 mod feedback;
+mod generator;
 mod goal;
 mod homing;
 mod in_force;
 mod judge;
 mod limit_switch;
+mod limits;
 mod master;
 mod motion;
 mod open_loop;
@@ -67,11 +70,11 @@ use crate::vocabulary::{Latched, Owner, amc, saia, wf};
 use brake::Holding;
 use buffer::Buffer;
 use feedback::Sensor;
+use generator::Generator;
 use goal::Goal;
 use homing::Homing;
 use judge::Judge;
 use master::Sight;
-use motion::Generator;
 use overlay::Overlay;
 use power::Power;
 use rhythm::Rhythm;
@@ -200,9 +203,9 @@ pub struct Axis {
     waiting: Waiting,
     judge: Judge,
     /// How it stands beyond a software limit, while it follows.
-    beyond: Option<motion::Beyond>,
+    beyond: Option<limits::Beyond>,
     /// The software limit that has stopped it, until it leaves that.
-    stopped_at: Option<motion::Stopped>,
+    stopped_at: Option<limits::Stopped>,
     error: Code,
     /// What was found, and is allowed, when it came.
     error_numbers: goal::Numbers,
@@ -472,14 +475,6 @@ impl Axis {
     #[inline]
     pub fn error(&self) -> Code {
         self.error
-    }
-
-    /// The axis whose command it follows, if any.
-    pub fn leader(&self) -> Option<crate::object::Leader> {
-        match &self.generator {
-            Generator::Follow(follower) => Some(follower.leader),
-            _ => None,
-        }
     }
 
     /// The leader that its reference selector may couple it to at any time.

@@ -141,10 +141,10 @@ impl Axis {
         // One that the override holds goes on later.
         let ended = elapsed >= overlay.plan.cycles() && overlay.plan.end() == overlay.end;
         let (sequence, ending) = (overlay.sequence, overlay.ending);
-        match &mut self.generator {
-            Generator::Plan(course) => course.shift(change),
-            Generator::Follow(follower) | Generator::Track(follower) => follower.shift(change),
-            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => {}
+        if let Generator::Plan(course) = &mut self.generator {
+            course.shift(change);
+        } else if let Some(follower) = self.generator.follower_mut() {
+            follower.shift(change);
         }
         if let Some(target) = self.goal.as_mut().and_then(|goal| goal.target.as_mut()) {
             *target += change;

@@ -18,7 +18,7 @@ fn words(board: &mut Board, first: Signal) -> Option<&mut Words> {
 }
 
 #[inline]
-fn show_coupling(words: &mut Words, coupling: Coupling) {
+fn show_coupling(words: &mut Words, coupling: Shown) {
     let mut set = |signal: AxisSignal, word: u64| words[signal as usize] = word;
     set(AxisSignal::InSync, u64::from(coupling.in_sync));
     set(AxisSignal::SyncMaster, coupling.master.cast_unsigned());
@@ -28,7 +28,7 @@ fn show_coupling(words: &mut Words, coupling: Coupling) {
 
 /// What the axis shows of its coupling.
 #[derive(Clone, Copy, Debug, Default)]
-struct Coupling {
+struct Shown {
     master: i64,
     error: i64,
     accurate: bool,
@@ -36,17 +36,18 @@ struct Coupling {
 }
 
 impl Axis {
-    fn coupling(&self, leads: &Leads) -> Coupling {
+    fn shown_coupling(&self, leads: &Leads) -> Shown {
         if let Some(error) = self.track_error_position() {
-            return Coupling { error: error.nearest(), ..Coupling::default() };
+            return Shown { error: error.nearest(), ..Shown::default() };
         }
-        let Generator::Follow(follower) = &self.generator else { return Coupling::default() };
+        let Some(coupling) = self.coupling() else { return Shown::default() };
+        let follower = &coupling.follower;
         let error = follower.error(self.command.position).floor();
-        let window = follower.accuracy();
+        let window = coupling.accuracy;
         // MACS-SYNC-16: a positive window shows the error without its sign.
         let shown = if window >= 0 { error.saturating_abs() } else { error };
-        Coupling {
-            master: leads.get(follower.leader).position.floor(),
+        Shown {
+            master: leads.get(coupling.leader).position.floor(),
             error: shown,
             accurate: error.unsigned_abs() <= window.unsigned_abs(),
             in_sync: follower.phase() == Phase::Synchronized,
@@ -104,7 +105,7 @@ impl Axis {
         set(FaultActual, int(fault.actual));
         set(FaultFollowingError, int(fault.following_error));
         set(EncoderErrors, self.encoder_errors());
-        show_coupling(words, self.coupling(leads));
+        show_coupling(words, self.shown_coupling(leads));
         self.publish_vocabularies(board, leads);
     }
 
@@ -119,7 +120,7 @@ impl Axis {
             words[AxisSignal::TargetPosition as usize] = self.command.position.floor().cast_unsigned();
         }
         if is_led {
-            show_coupling(words, self.coupling(leads));
+            show_coupling(words, self.shown_coupling(leads));
         }
     }
 

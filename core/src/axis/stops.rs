@@ -247,7 +247,7 @@ impl Axis {
         self.homing.stop();
         self.end_overlay(cx, Code::CANCELLED, NO_NUMBERS);
         self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
-        let goes_on = matches!(&self.generator, Generator::Follow(f) if f.disengage == Disengage::KeepVelocity);
+        let goes_on = self.coupling().is_some_and(|coupling| coupling.disengage == Disengage::KeepVelocity);
         if goes_on {
             self.end_goal(cx, Code::CANCELLED);
             let steady = self.steady_velocity();
@@ -262,14 +262,6 @@ impl Axis {
                 goal.ending = Some(Code::CANCELLED);
             }
             self.brake_to_rest(cx, &limits);
-        }
-    }
-
-    /// Velocity with which a coupled axis goes on alone.
-    fn steady_velocity(&self) -> f64 {
-        match &self.generator {
-            Generator::Follow(follower) => follower.steady_velocity(self.command.velocity, self.cycle_s()),
-            _ => self.command.velocity,
         }
     }
 

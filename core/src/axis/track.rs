@@ -13,13 +13,12 @@ use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::encoder::Lead;
 use crate::event::{Number, Refusal};
-use crate::object::Leader;
 use crate::parameter::Rule;
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::follower::{Bounds, Follower, Phase, Reserve};
 use crate::sync::gear::{Gear, Ratio};
-use crate::sync::{Disengage, SyncMode};
+use crate::sync::{SyncMode, Transmission};
 use crate::trajectory::{Begin, Reach, Tolerance, Trajectory};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
@@ -78,10 +77,6 @@ impl Tracker {
         self.begin.is_sound() && self.moved.is_finite()
     }
 
-    pub(super) fn is_exact(&self) -> bool {
-        self.exact
-    }
-
     /// Lowest and highest position of all of it.
     pub(super) fn extent(&self) -> (Position, Position) {
         (self.low, self.high)
@@ -98,6 +93,11 @@ pub type Violation = (Number, Number);
 impl Axis {
     pub(super) fn tracker(&self) -> Option<Tracker> {
         self.goal.as_ref().and_then(|goal| goal.track)
+    }
+
+    /// Is its command its trajectory itself?
+    pub(super) fn is_on_track(&self) -> bool {
+        self.goal.as_ref().and_then(|goal| goal.track.as_ref()).is_some_and(|tracker| tracker.exact)
     }
 
     /// Is it one of a trajectory?
@@ -240,11 +240,8 @@ impl Axis {
             max_acceleration: p.max_acceleration * (1.0 + STEP_SLACK),
             max_deceleration: down * (1.0 + STEP_SLACK),
         };
-        let Some(ratio) = Ratio::new(1, 1) else { return Generator::Rest };
-        // The trajectory leads; no axis does, and nobody asks which.
-        let leader = Leader::AxisCommand(self.setup.index);
-        let (mode, disengage) = (SyncMode::Position, Disengage::Stop);
-        let follower = Follower::new(leader, Gear::new(ratio), mode, disengage, begin, Position::ZERO, bounds);
+        let transmission = Transmission::Gear(Gear::new(Ratio::ONE));
+        let follower = Follower::new(false, transmission, SyncMode::Position, begin, Position::ZERO, bounds);
         Generator::Track(follower.at_once())
     }
 

@@ -3,6 +3,7 @@
 mod saia;
 
 use super::course::{Aim, Course};
+use super::generator::Coupling;
 use super::power::Power;
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, Reference};
@@ -15,7 +16,7 @@ use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
 use crate::sync::follower::{Bounds, Follower};
 use crate::sync::gear::{Gear, Ratio};
-use crate::sync::{Disengage, Leads, SyncMode};
+use crate::sync::{Disengage, Leads, SyncMode, Transmission};
 use crate::vocabulary::amc::{self, Amc, AmcSignal};
 use crate::vocabulary::saia::SaiaSignal;
 use crate::vocabulary::wf::{self, WfSignal};
@@ -66,7 +67,7 @@ impl Axis {
             idle: self.stands_idle(),
             has_end: self.course_end().is_some(),
             target: match &self.generator {
-                Generator::Follow(follower) => follower.target(),
+                Generator::Follow(coupling) => coupling.follower.target(),
                 _ => self.course_end().unwrap_or(self.command.position),
             },
             actual: self.actual,
@@ -282,7 +283,7 @@ impl Axis {
     }
 
     /// The coupling that reference 4 begins.
-    fn gear_of_selector(&self, leads: &Leads) -> Result<Follower, Refusal> {
+    fn gear_of_selector(&self, leads: &Leads) -> Result<Coupling, Refusal> {
         let refuse = |code| Refusal::new(code, self.object());
         let p = &self.parameters;
         let leader = self.setup.amc.master.ok_or_else(|| refuse(Code::LEADER_LOST))?;
@@ -301,8 +302,9 @@ impl Axis {
         };
         // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
         let (gear, mode) = (Gear::new(ratio), SyncMode::Position);
-        let follower = Follower::new(leader, gear, mode, Disengage::Stop, self.command, Position::ZERO, bounds);
-        Ok(follower.with_accuracy(p.sync_accuracy))
+        let transmission = Transmission::Gear(gear);
+        let follower = Follower::new(leader.is_counted(), transmission, mode, self.command, Position::ZERO, bounds);
+        Ok(Coupling { leader, disengage: Disengage::Stop, accuracy: p.sync_accuracy, follower })
     }
 
     /// Does an order that no command waits for; what the axis refuses is told.
@@ -440,11 +442,12 @@ impl Axis {
             Order::Gear { past } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
-                let follower = self.gear_of_selector(cx.leads)?.with_past(past);
+                let coupling = self.gear_of_selector(cx.leads)?;
+                let follower = coupling.follower.with_past(past);
                 self.abandon(cx, Code::REPLACED);
                 self.judge.rested_at = None;
                 self.reference = Reference::Gear;
-                self.generator = Generator::Follow(follower);
+                self.generator = Generator::Follow(Coupling { follower, ..coupling });
                 self.set_state(cx, AxisState::SynchronizedMotion);
             }
             Order::Home => self.home_as_configured(cx)?,

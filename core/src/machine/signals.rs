@@ -7,7 +7,7 @@ use crate::config::{IoKind, MachineConfig, MemoryKind};
 use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
-use crate::object::Object;
+use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
 use crate::signal::{Board, Directory, Entry, Measure, Signal, Type};
@@ -237,8 +237,8 @@ impl Machine {
         self.latched.clear();
         for latch in &inputs.latch {
             let lead = match latch.object {
-                Object::Encoder(index) => self.state.leads.encoder.get(usize::from(index)).copied(),
-                Object::Axis(index) => self.state.leads.actual.get(usize::from(index)).copied(),
+                Object::Encoder(index) => self.state.leads.find(Leader::Encoder(index)),
+                Object::Axis(index) => self.state.leads.find(Leader::AxisActual(index)),
                 _ => None,
             };
             let raw = latch.position.map(|count| self.locate(latch.object, count));

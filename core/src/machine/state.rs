@@ -77,6 +77,9 @@ pub enum StateError {
     /// Inputs and outputs of another cell, or parameters that the machine cannot have.
     #[error("the state holds inputs, outputs or parameters of the machine that the cell has not")]
     Panel,
+    /// Leads of other axes and encoders.
+    #[error("the state holds leads of other axes or encoders than the cell")]
+    Leads,
     /// Encoders of another width.
     #[error("the state holds encoders of another width than the cell")]
     Encoders,
@@ -127,10 +130,9 @@ impl State {
         shape("saved sets of parameters", self.user.len(), fresh.user.len())?;
         shape("encoders", self.encoders.len(), fresh.encoders.len())?;
         shape("places for trajectories", self.runs.len(), fresh.runs.len())?;
-        shape("leading commands", self.leads.command.len(), fresh.leads.command.len())?;
-        shape("leading actual positions", self.leads.actual.len(), fresh.leads.actual.len())?;
-        shape("leading encoders", self.leads.encoder.len(), fresh.leads.encoder.len())?;
-        shape("simulated masters", self.leads.simulated.len(), fresh.leads.simulated.len())?;
+        if !self.leads.has_shape_of(&fresh.leads) {
+            return Err(StateError::Leads);
+        }
         let mut order = self.order.clone();
         order.sort_unstable();
         if !order.iter().copied().eq(0..self.axes.len() as u16) {

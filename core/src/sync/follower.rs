@@ -10,10 +10,8 @@
 //! Refuses  nothing here: ratio, velocity and acceleration were checked by the axis
 //! Source   MACS-SYNC-02, MACS-SYNC-04, MACS-SYNC-06, MACS-SYNC-07, A-30
 
-use super::gear::Gear;
-use super::{Disengage, SyncMode};
+use super::{SyncMode, Transmission};
 use crate::encoder::Lead;
-use crate::object::Leader;
 use crate::parameter::Rule;
 use crate::position::Position;
 use crate::profile::Motion;
@@ -73,25 +71,19 @@ impl Bounds {
     }
 }
 
-/// A coupling of one axis.
+/// How one axis follows a lead, whatever that is.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Follower {
-    /// What it follows.
-    pub leader: Leader,
-    /// What happens at the end.
-    pub disengage: Disengage,
     mode: SyncMode,
-    gear: Gear,
+    transmission: Transmission,
     phase: Phase,
-    /// Where the gear wants the slave.
+    /// Where the transmission wants the slave.
     target: Position,
     /// Where the leader will stop at once, if that is known: the slave slows down before.
     halt: Option<Position>,
     bounds: Bounds,
     counted: bool,
-    /// Error up to which it counts as accurate (inc); negative: the error is shown with its sign.
-    accuracy: i64,
-    /// The geared leader's changes of the last cycles (inc), the newest first.
+    /// The changes of the last cycles that the transmission made (inc), the newest first.
     recent: [f64; RECENT],
     /// The same, smoothed.
     mean: f64,
@@ -102,7 +94,7 @@ pub struct Follower {
 pub struct Following {
     /// The slave's next motion.
     pub motion: Motion,
-    gear: Gear,
+    transmission: Transmission,
     change: Position,
     /// The same (inc).
     geared: f64,
@@ -118,23 +110,22 @@ impl Follower {
     pub fn is_sound(&self) -> bool {
         let Bounds { velocity, acceleration, max_velocity, max_acceleration, max_deceleration } = self.bounds;
         let bounds = [velocity, acceleration, max_velocity, max_acceleration, max_deceleration];
-        self.gear.is_sound() && bounds.iter().all(|bound| *bound > 0.0 && bound.is_finite())
+        self.transmission.is_sound() && bounds.iter().all(|bound| *bound > 0.0 && bound.is_finite())
     }
 
-    /// Couples an axis that stands or moves as `slave` says; `offset` shifts it against the leader.
+    /// Begins with an axis that stands or moves as `slave` says; `offset` shifts it against the leader, which is `counted`, or
+    /// smooth.
     pub fn new(
-        leader: Leader,
-        gear: Gear,
+        counted: bool,
+        transmission: Transmission,
         mode: SyncMode,
-        disengage: Disengage,
         slave: Motion,
         offset: Position,
         bounds: Bounds,
     ) -> Self {
-        let counted = !matches!(leader, Leader::AxisCommand(_) | Leader::Simulated(_));
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
         let (halt, recent) = (None, [0.0; RECENT]);
-        Self { leader, disengage, mode, gear, phase, target, halt, bounds, counted, accuracy: 0, recent, mean: 0.0 }
+        Self { mode, transmission, phase, target, halt, bounds, counted, recent, mean: 0.0 }
     }
 
     /// The same, exactly on its leader from the first cycle on, as far as its limits allow.
@@ -149,34 +140,25 @@ impl Follower {
     }
 
     /// The same with a way of the leader that is past already and counts.
+    #[must_use]
     pub fn with_past(mut self, past: Position) -> Self {
-        self.target += self.gear.step(past);
+        self.target += self.transmission.step(Lead { change: past, ..Lead::default() });
         self
     }
 
-    /// The same with this window of accuracy (inc), which it keeps (MACS-STO-09); negative: the error is shown with its sign.
-    pub fn with_accuracy(self, accuracy: i64) -> Self {
-        Self { accuracy, ..self }
-    }
-
-    /// Window of accuracy (inc).
-    pub fn accuracy(&self) -> i64 {
-        self.accuracy
-    }
-
-    /// Where the gear wants the slave.
+    /// Where the transmission wants the slave.
     pub fn target(&self) -> Position {
         self.target
     }
 
-    /// Its gear, with what its remainder holds.
-    pub fn gear(&self) -> Gear {
-        self.gear
+    /// Its transmission, with what its remainder holds.
+    pub fn transmission(&self) -> Transmission {
+        self.transmission
     }
 
     /// What a leader's change may differ from its speed (inc): one geared count, where it is counted.
     pub fn uneven(&self) -> f64 {
-        if self.counted { self.gear.ratio().to_f64().abs() } else { 0.0 }
+        if self.counted { self.transmission.slope() } else { 0.0 }
     }
 
     /// By how much the leader's last change may exceed its speed in the direction of `way` (inc), if that falls by no more than
@@ -232,7 +214,7 @@ impl Follower {
     /// slave stands, and the gear waits for it ahead or behind.
     pub fn step(&mut self, slave: Motion, lead: Lead, cycle_s: f64, reserve: Reserve, rule: Rule) -> Motion {
         let bounds = self.bounds.less(reserve);
-        let change = self.gear.step(lead.change);
+        let change = self.transmission.step(lead);
         self.target += change;
         // From here on in inc per cycle.
         let geared = change.to_f64();
@@ -267,7 +249,7 @@ impl Follower {
     /// look closer. Nothing is changed: that is up to [`keep`](Self::keep).
     #[inline]
     pub fn follow(&self, slave: Motion, lead: Lead, cycle_s: f64, rule: Rule) -> Option<Following> {
-        let (change, gear) = self.gear.stepped(lead.change).filter(|_| lead.valid)?;
+        let (change, transmission) = self.transmission.stepped(lead).filter(|_| lead.valid)?;
         // In inc per cycle.
         let geared = change.to_f64();
         let before = slave.velocity * cycle_s;
@@ -285,7 +267,7 @@ impl Follower {
         let acceleration = (velocity - slave.velocity) / cycle_s;
         follows.then_some(Following {
             motion: Motion { position, velocity, acceleration, jerk: 0.0 },
-            gear,
+            transmission,
             change,
             geared,
         })
@@ -294,7 +276,7 @@ impl Follower {
     /// Takes the step.
     #[inline]
     pub fn keep(&mut self, following: &Following) {
-        self.gear = following.gear;
+        self.transmission = following.transmission;
         self.target += following.change;
         self.note_change(following.geared);
     }
@@ -309,7 +291,7 @@ impl Follower {
     fn can_follow(&self, geared: f64, before: f64, uneven: f64, cycle_s: f64, bounds: Bounds) -> bool {
         // Positions are multiples of 2^-32: the leader's two steps may be off by one each, times the ratio, and the
         // slave's as well.
-        let grid = 2.0 * (1.0 + self.gear.ratio().to_f64().abs()) / (1_u64 << 32) as f64;
+        let grid = 2.0 * (1.0 + self.transmission.slope()) / (1_u64 << 32) as f64;
         let rate = if geared.abs() > before.abs() { bounds.max_acceleration } else { bounds.max_deceleration };
         geared.abs() <= bounds.max_velocity * cycle_s + uneven + grid
             && (geared - before).abs() <= rate * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + grid

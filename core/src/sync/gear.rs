@@ -20,6 +20,9 @@ impl Ratio {
     /// Largest magnitude of a part, exclusive: 2^62.
     pub const LIMIT: i64 = 1 << 62;
 
+    /// The slave moves as its master does.
+    pub const ONE: Self = Self { numerator: 1, denominator: 1 };
+
     /// A ratio of slave increments to master increments, reduced; none for a part that is 0 or not below 2^62.
     pub fn new(numerator: i64, denominator: i64) -> Option<Self> {
         let legal = |part: i64| part != 0 && part.unsigned_abs() < Self::LIMIT.unsigned_abs();

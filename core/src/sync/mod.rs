@@ -1,11 +1,13 @@
-//! Following a leader: exact gears and the way into and out of them.
+//! Following a lead: exact transmissions and the way into and out of them.
 
 pub mod follower;
 pub mod gear;
+mod leads;
+mod transmission;
 
-use crate::encoder::Lead;
-use crate::object::Leader;
+pub use leads::Leads;
 use serde::{Deserialize, Serialize};
+pub use transmission::Transmission;
 
 /// Bits of `x.sync.status`, what MACS calls SYNCSTAT; the text gives no numbers (MACS-SYS-04, A-55).
 pub mod status {
@@ -38,38 +40,4 @@ pub enum Disengage {
     Stop,
     /// Goes on at its velocity.
     KeepVelocity,
-}
-
-/// Everything that can lead, as far as this cycle has come.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Leads {
-    /// Command positions of the axes.
-    pub command: Vec<Lead>,
-    /// Actual positions of the axes.
-    pub actual: Vec<Lead>,
-    /// Encoders.
-    pub encoder: Vec<Lead>,
-    /// Simulated masters of the axes.
-    pub simulated: Vec<Lead>,
-}
-
-impl Leads {
-    /// Copies others of the same machine, without taking memory.
-    pub fn copy_from(&mut self, other: &Self) {
-        self.command.clone_from(&other.command);
-        self.actual.clone_from(&other.actual);
-        self.encoder.clone_from(&other.encoder);
-        self.simulated.clone_from(&other.simulated);
-    }
-
-    /// The leader's values; an invalid lead for one that does not exist.
-    pub fn get(&self, leader: Leader) -> Lead {
-        let place = match leader {
-            Leader::AxisCommand(axis) => self.command.get(usize::from(axis)),
-            Leader::AxisActual(axis) => self.actual.get(usize::from(axis)),
-            Leader::Encoder(encoder) => self.encoder.get(usize::from(encoder)),
-            Leader::Simulated(axis) => self.simulated.get(usize::from(axis)),
-        };
-        place.copied().unwrap_or_default()
-    }
 }

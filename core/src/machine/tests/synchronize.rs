@@ -18,9 +18,9 @@ fn a_coupled_axis_follows_a_virtual_axis_exactly_at_355_to_113() {
     rig.give(Action::Move(Move { velocity: 20_000.0, acceleration: 2e5, deceleration: 2e5, ..to(LINE, 30_000) }));
     for _ in 0..1_700 {
         rig.run(1);
-        let line = rig.machine.state.leads.command[usize::from(LINE)].position;
+        let line = rig.machine.state.leads.get(Leader::AxisCommand(LINE)).position;
         let exact = (line.raw() * 355).div_euclid(113);
-        assert_eq!(rig.machine.state.leads.command[usize::from(X)].position.raw(), exact);
+        assert_eq!(rig.machine.state.leads.get(Leader::AxisCommand(X)).position.raw(), exact);
         assert_eq!((rig.int("x.sync.error"), rig.int("x.in_sync")), (0, 1));
     }
     assert_eq!((rig.state("line"), rig.int("x.command.position")), ("STANDSTILL", 30_000 * 355 / 113));
@@ -31,15 +31,15 @@ fn coupled_on_the_run_it_catches_up_and_then_follows_without_error() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(at(LINE, 20_000.0)));
     rig.run(200);
-    let start = rig.machine.state.leads.command[usize::from(LINE)].position;
+    let start = rig.machine.state.leads.get(Leader::AxisCommand(LINE)).position;
     rig.give(Action::Synchronize(couple(X, TO_LINE, -1, 2)));
-    let at_coupling = rig.machine.state.leads.command[usize::from(LINE)].position;
+    let at_coupling = rig.machine.state.leads.get(Leader::AxisCommand(LINE)).position;
     assert!(at_coupling > start);
     assert_eq!((rig.int("x.in_sync"), rig.int("x.sync.status")), (0, 1));
     rig.run_until("x.in_sync", 1);
     rig.run(500);
-    let way = rig.machine.state.leads.command[usize::from(LINE)].position - at_coupling;
-    let x = rig.machine.state.leads.command[usize::from(X)].position;
+    let way = rig.machine.state.leads.get(Leader::AxisCommand(LINE)).position - at_coupling;
+    let x = rig.machine.state.leads.get(Leader::AxisCommand(X)).position;
     assert_eq!(x.raw(), (-way.raw()).div_euclid(2));
     assert!((rig.real("x.command.velocity") + 10_000.0).abs() < 1e-3);
 }
@@ -69,7 +69,7 @@ fn a_new_ratio_takes_the_remainder_along() {
     rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 3)));
     rig.plant.jump_encoder(0, 1);
     rig.run(1);
-    let raw = rig.machine.state.leads.command[usize::from(X)].position.raw();
+    let raw = rig.machine.state.leads.get(Leader::AxisCommand(X)).position.raw();
     assert_eq!(raw, 2_863_311_530 + 1 + 1_431_655_765);
 }
 

@@ -1,4 +1,4 @@
-use super::super::gear::Ratio;
+use super::super::gear::{Gear, Ratio};
 use super::*;
 use proptest::prelude::*;
 
@@ -8,15 +8,11 @@ const BOUNDS: Bounds =
 
 fn follower(numerator: i64, denominator: i64, mode: SyncMode) -> Follower {
     let ratio = Ratio::new(numerator, denominator).unwrap();
-    Follower::new(
-        Leader::Encoder(0),
-        Gear::new(ratio),
-        mode,
-        Disengage::Stop,
-        Motion::default(),
-        Position::ZERO,
-        BOUNDS,
-    )
+    Follower::new(true, gear(ratio), mode, Motion::default(), Position::ZERO, BOUNDS)
+}
+
+fn gear(ratio: Ratio) -> Transmission {
+    Transmission::Gear(Gear::new(ratio))
 }
 
 fn lead(change: i64) -> Lead {
@@ -101,9 +97,7 @@ fn a_leader_that_is_too_fast_is_left_and_caught_again() {
 fn an_offset_is_worked_off_and_kept() {
     let ratio = Ratio::new(1, 1).unwrap();
     let offset = Position::whole(-777);
-    let (mode, end) = (SyncMode::Position, Disengage::Stop);
-    let mut follower =
-        Follower::new(Leader::Encoder(0), Gear::new(ratio), mode, end, Motion::default(), offset, BOUNDS);
+    let mut follower = Follower::new(true, gear(ratio), SyncMode::Position, Motion::default(), offset, BOUNDS);
     let mut slave = Motion::default();
     for _ in 0..1000 {
         slave = follower.step(slave, lead(3), T, Reserve::default(), Rule::Always);
@@ -123,9 +117,8 @@ proptest! {
     ) {
         let ratio = Ratio::new(numerator, 500).unwrap();
         let start = Motion { velocity: start_velocity, ..Motion::default() };
-        let (mode, end) = (SyncMode::Position, Disengage::Stop);
         let offset = Position::whole(offset);
-        let mut follower = Follower::new(Leader::Encoder(0), Gear::new(ratio), mode, end, start, offset, BOUNDS);
+        let mut follower = Follower::new(true, gear(ratio), SyncMode::Position, start, offset, BOUNDS);
         let mut slave = start;
         let mut uneven = numerator.abs() as f64 / 500.0 / T;
         for _ in 0..3000 {
@@ -148,15 +141,15 @@ proptest! {
         denominator in 1_i64..1000,
         speed in -90_i64..90,
         leaps in prop::collection::vec(-3_i64..=3, 100),
-        reads in prop_oneof![Just(Leader::Encoder(0)), Just(Leader::AxisCommand(0))],
+        counted in any::<bool>(),
         rule in prop_oneof![Just(Rule::Always), Just(Rule::WithMaster), Just(Rule::Never)],
         slow in 1_i64..50,
     ) {
         let gear = Gear::new(Ratio::new(numerator, denominator).unwrap());
         let step = gear.ratio().to_f64() * speed as f64 / 3.0;
         let mut slave = Motion { velocity: step / T, ..Motion::default() };
-        let (mode, end) = (SyncMode::Position, Disengage::Stop);
-        let mut follower = Follower::new(reads, gear, mode, end, slave, Position::ZERO, BOUNDS).at_once();
+        let (transmission, mode) = (Transmission::Gear(gear), SyncMode::Position);
+        let mut follower = Follower::new(counted, transmission, mode, slave, Position::ZERO, BOUNDS).at_once();
         let mut steady = 0;
         for (cycle, leap) in (0..).zip(&leaps) {
             let change = Position::from_f64((speed + leap * i64::from(cycle % slow == slow - 1)) as f64 / 3.0);

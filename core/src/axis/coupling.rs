@@ -1,0 +1,123 @@
+//! A coupling: an axis follows one of the leads of its machine.
+//!
+//! Law      as a follower does ([`Follower`]); the coupling adds which lead, and what becomes of the axis when the coupling ends
+//! Reads    the lead, this cycle's where the leader stands before the axis in their order
+//! Refuses  ratios that are none, rates beyond the limits, a leader that is lost
+//! Source   MACS-SYNC-01, -02, -04, PLCopen (MC_GearIn)
+
+use super::generator::Coupling;
+use super::reaction::Failure;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::command::Synchronize;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::object::Leader;
+use crate::parameter::Rule;
+use crate::position::Position;
+use crate::profile::Motion;
+use crate::sync::follower::{Bounds, Follower, Phase};
+use crate::sync::gear::{Gear, Ratio};
+use crate::sync::{SyncMode, Transmission};
+
+impl Axis {
+    /// Its coupling to a leader, if there is one.
+    #[inline]
+    pub(super) fn coupling(&self) -> Option<&Coupling> {
+        match &self.generator {
+            Generator::Follow(coupling) => Some(coupling),
+            _ => None,
+        }
+    }
+
+    /// What it is coupled to, if anything.
+    pub fn leader(&self) -> Option<Leader> {
+        self.coupling().map(|coupling| coupling.leader)
+    }
+
+    /// Couples the axis to a leader.
+    pub(super) fn start_synchronize(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        request: &Synchronize,
+    ) -> Result<(), Refusal> {
+        self.check_closed_loop()?;
+        self.check_free()?;
+        let p = &self.parameters;
+        let (numerator, denominator) = match (request.numerator, request.denominator) {
+            (0, 0) => (p.sync_slave, p.sync_master),
+            given => given,
+        };
+        let ratio = Ratio::new(numerator, denominator)
+            .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))?;
+        let velocity =
+            self.check_rate(request.velocity, p.usual_velocity(), p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
+        let acceleration = self.check_rate(
+            request.acceleration,
+            p.usual_acceleration(),
+            p.max_acceleration,
+            Code::ACCELERATION_TOO_HIGH,
+        )?;
+        let leader = self.leader_of(request.leader, cx.leads.axes())?;
+        if !cx.leads.get(leader).valid {
+            return Err(self.refuse(Code::LEADER_LOST));
+        }
+        let bounds = Bounds {
+            velocity,
+            acceleration: acceleration.min(p.deceleration_limit()),
+            max_velocity: p.max_velocity,
+            max_acceleration: p.max_acceleration,
+            max_deceleration: p.deceleration_limit(),
+        };
+        let offset = match request.mode {
+            SyncMode::Position => request.offset.exact(),
+            SyncMode::Velocity => Position::ZERO,
+        };
+        // From one coupling to the next the remainder passes on.
+        let gear = match &self.generator {
+            Generator::Follow(coupling) => match coupling.follower.transmission() {
+                Transmission::Gear(gear) => gear.with_ratio(ratio),
+            },
+            _ => Gear::new(ratio),
+        };
+        let transmission = Transmission::Gear(gear);
+        let follower = Follower::new(leader.is_counted(), transmission, request.mode, self.present(), offset, bounds);
+        let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
+        self.begin_goal(cx, sequence, None);
+        self.reference = Reference::Gear;
+        self.generator = Generator::Follow(Coupling { leader, disengage, accuracy, follower });
+        self.set_state(cx, AxisState::SynchronizedMotion);
+        Ok(())
+    }
+
+    /// The motion of this cycle by the leader; none where the coupling is lost, and the axis stops already.
+    pub(super) fn follow(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
+        let (slave, cycle_s, reserve) = (self.underlying(), self.cycle_s(), self.reserve());
+        let rule = self.parameters.reversing().rule;
+        let Generator::Follow(Coupling { leader, follower, .. }) = &mut self.generator else { return None };
+        let lead = cx.leads.get(*leader);
+        let bound = Position::whole(Gear::MAX_CHANGE);
+        if !lead.valid || lead.change > bound || lead.change < -bound {
+            let code = if lead.valid { Code::ENCODER_JUMP } else { Code::LEADER_LOST };
+            // The motion of this cycle is not known.
+            let change = Number::Position(lead.change.floor());
+            self.raise(cx, Failure::of(code).with(change, Number::None).before_motion());
+            return None;
+        }
+        let was = follower.phase();
+        let next = follower.step(slave, lead, cycle_s, reserve, rule);
+        if was == Phase::Synchronized && follower.phase() == Phase::CatchingUp {
+            let waits = follower.leader_reverses() && rule == Rule::Never;
+            let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
+            let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
+            cx.events.push(Event { position: next.position, ..event });
+        }
+        Some(next)
+    }
+
+    /// Velocity with which a coupled axis goes on alone.
+    pub(super) fn steady_velocity(&self) -> f64 {
+        let present = self.command.velocity;
+        self.coupling().map_or(present, |coupling| coupling.follower.steady_velocity(present, self.cycle_s()))
+    }
+}

@@ -1,0 +1,424 @@
+//! Software limits: what keeps the motion of an axis within them.
+//!
+//! Law      no motion passes a software limit: what has an end was checked as a whole when it was planned; everything else stops in
+//!          the cycle whose next motion would leave no way to stop, from the motion before, which could
+//! Writes   the stop at a limit, and the error that it is
+//! Source   MACS-LIM-01 to -05, MACS-PROF-13
+
+use super::course::{self, Aim, Course};
+use super::reaction::Failure;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::event::{Event, Kind, Number, Severity};
+use crate::position::Position;
+use crate::profile::{self, Limits, Motion, Plan, Shape};
+use crate::sync::follower::Follower;
+use serde::{Deserialize, Serialize};
+
+/// What rounding may put a stopping point beyond a limit (inc).
+const ROUNDING: f64 = 1e-6;
+
+/// An axis that follows and stands beyond a software limit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Beyond {
+    /// When it was seen there last.
+    cycle: u64,
+    /// Beyond the upper one.
+    up: bool,
+    /// Next to the limit, since then without a break.
+    inmost: Position,
+}
+
+/// The software limit that has stopped an axis, until it leaves that.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Stopped {
+    /// The upper one.
+    up: bool,
+    /// From where the stop ends to the limit: what has more than that has left it.
+    room: Position,
+}
+
+impl Axis {
+    /// What a plan goes beyond a limit by nothing but its rounding stays on it: the whole increment below it would not.
+    pub(super) fn rounded(&self, next: Motion) -> Motion {
+        let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
+        let within = next.position.max(low).min(high);
+        let is_rounding = (next.position - within).to_f64().abs() <= course::ROUNDING;
+        Motion { position: if is_rounding { within } else { next.position }, ..next }
+    }
+
+    #[inline]
+    pub(super) fn is_within_limits(&self, place: Position) -> bool {
+        place >= Position::whole(self.limit(false)) && place <= Position::whole(self.limit(true))
+    }
+
+    /// Would `next` leave no way to stop before a limit? Then the axis stops at it instead, from its last motion, and
+    /// that is an error. A motion to a target was checked as a whole when it was planned, but for what is added to it since.
+    #[inline]
+    pub(super) fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion, is_added: bool) -> bool {
+        let watched = match &self.generator {
+            Generator::Plan(course) => course.is_watched(),
+            Generator::Follow(_) | Generator::Track(_) => true,
+            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
+        };
+        self.watch_beyond(cx.cycle);
+        if !watched && !is_added {
+            return false;
+        }
+        if self.is_clear_of_limits(next) {
+            debug_assert!(self.crossed_limit(next, is_added).is_none() && self.passed_limit(next).is_none());
+            return false;
+        }
+        self.judge_limit(cx, next, watched, is_added)
+    }
+
+    fn judge_limit(&mut self, cx: &mut Context<'_>, next: Motion, watched: bool, is_added: bool) -> bool {
+        let crossed = self.crossed_limit(next, is_added);
+        let Some(up) = crossed.or_else(|| self.passed_limit(next).filter(|_| watched)) else { return false };
+        let limit = Position::whole(self.limit(up));
+        let ahead = is_towards(up, self.command.velocity);
+        let is_within = if up { self.command.position < limit } else { self.command.position > limit };
+        // The motion before kept the rule, so it can stop in time; it started a cycle ago.
+        let before = Motion { acceleration: self.present().acceleration, ..self.command };
+        let limits = self.sharpened(before, self.stop_limits());
+        let stop = profile::stop(before, &limits, self.setup.cycle_ns).duration() + 2.0 * self.cycle_s();
+        // One that hardly moves yet would creep there for long: it stops where it is.
+        let is_near = (limit - before.position).to_f64().abs() <= before.velocity.abs() * stop;
+        let from = self.eased(before, limit, &limits);
+        let (plan, bound) = match ahead && is_within && is_near {
+            true if self.fits_in_steps(from, limit, &limits) => {
+                (profile::stop(from, &limits, self.setup.cycle_ns), Some((limit, up)))
+            }
+            true => (self.plan_stop_at(from, limit, &limits), None),
+            false => (self.plan_stop(before, &limits), None),
+        };
+        let course = Course::new(plan, cx.cycle.saturating_sub(1), Aim::Stop, limits).within(bound);
+        self.command = course.at(cx.cycle);
+        self.generator = Generator::Plan(course);
+        self.reference = Reference::Stop;
+        let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
+        cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
+        let place = Number::Position(limit.floor());
+        // It has not left it since: that is a new attempt (MACS-LIM-05).
+        let is_anew = self.stopped_at.is_some_and(|stopped| stopped.up == up);
+        let (raised, asked) = match is_anew {
+            true => (Code::LIMIT_VIOLATION, Number::Velocity(next.velocity)),
+            false => (code, Number::None),
+        };
+        self.raise(cx, Failure::of(raised).with(asked, place).at_limit());
+        self.stopped_at = Some(Stopped { up, room: self.room(up, course.end()) });
+        true
+    }
+
+    /// The motion with which a stop at `limit` begins. The velocity of a coupled axis is that of its last step: at the end of the
+    /// step it may be half of what a cycle may change less, and so the deceleration need not be larger than its limit. What a single
+    /// count adds to the speed of its leader is none.
+    fn eased(&self, before: Motion, limit: Position, limits: &Limits) -> Motion {
+        let ripple = match &self.generator {
+            Generator::Follow(coupling) => coupling.follower.ripple(before.velocity),
+            Generator::Track(_) if !self.is_on_track() => 0.0,
+            _ => return before,
+        };
+        let most = (2.0 * limits.deceleration * (limit - before.position).to_f64().abs()).sqrt();
+        let least = before.velocity.abs() - ripple / self.cycle_s() - limits.deceleration * self.cycle_s() / 2.0;
+        let speed = before.velocity.abs().min(most.max(least));
+        Motion { velocity: speed.copysign(before.velocity), ..before }
+    }
+
+    /// Stops it in whole steps before the limit with its deceleration, where continuous time has no room for that? Then it stops so:
+    /// with more, what follows it might not keep up. The way in steps is up to an eighth of what a cycle may change shorter.
+    fn fits_in_steps(&self, from: Motion, limit: Position, limits: &Limits) -> bool {
+        let steps_whole = match &self.generator {
+            Generator::Follow(_) => true,
+            Generator::Track(_) => !self.is_on_track(),
+            _ => false,
+        };
+        let way = (limit - from.position).to_f64().abs();
+        let less = limits.deceleration * self.cycle_s() * self.cycle_s();
+        // At the beginning of its last step, in what a cycle may change.
+        let step = from.velocity.abs() * self.cycle_s() / less + 0.5;
+        let steps = (step * (1.0 + 1e-9)).floor();
+        let in_steps = less * steps * (step - (steps + 1.0) / 2.0);
+        steps_whole && profile::stopping_way(from, limits).abs() > way && in_steps <= way + ROUNDING
+    }
+
+    /// Which limit `next` itself lies beyond, further out than the last motion: true for the upper one. What is slow enough stops
+    /// within a cycle, and no way to stop would tell of it. A plan that ends or turns back was checked as a whole, and so was a
+    /// trajectory that is met exactly: but for rounding, and for what is added.
+    fn crossed_limit(&self, next: Motion, is_added: bool) -> Option<bool> {
+        let is_exact = |up: bool| match &self.generator {
+            Generator::Plan(course) if is_added => course.end_velocity() != 0.0,
+            Generator::Plan(course) => is_towards(up, course.end_velocity()),
+            Generator::Follow(_) => true,
+            Generator::Track(_) => !self.is_on_track(),
+            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
+        };
+        [true, false].into_iter().find(|up| {
+            let outwards = |place: Position| if *up { place } else { -place };
+            let limit = outwards(Position::whole(self.limit(*up)));
+            let (now, next) = (outwards(self.command.position), outwards(next.position));
+            let bound = limit + Position::from_f64(course::ROUNDING);
+            if !is_exact(*up) {
+                return next > now && next > bound && now <= bound;
+            }
+            // One that is led back from beyond may tremble with its leader, but not creep on.
+            let inmost = self.beyond.filter(|beyond| beyond.up == *up).map(|beyond| outwards(beyond.inmost));
+            let bound = inmost.map_or(limit, |inmost| inmost + Position::from_f64(1.0 + self.uneven()));
+            next > now && next > bound
+        })
+    }
+
+    /// Can no stop after `next` lead beyond a limit? One that stands beyond a limit is judged by how far in it has come.
+    #[inline]
+    fn is_clear_of_limits(&self, next: Motion) -> bool {
+        self.beyond.is_none() && self.is_far_from_limits(next)
+    }
+
+    /// Is `next` so far within the limits that no stop after it can lead beyond one? A stop with constant deceleration takes
+    /// v^2 / 2 d, and one in whole steps less than twice that.
+    #[inline]
+    pub(super) fn is_far_from_limits(&self, next: Motion) -> bool {
+        let limits = &self.parameters.derived.largest;
+        let is_constant = !matches!(self.generator, Generator::Plan(_)) || limits.shape == Shape::Trapezoid;
+        let most = next.velocity * next.velocity / limits.deceleration * 1.01 + 2.0;
+        let here = next.position.floor();
+        // To an increment.
+        let room = |up: bool| {
+            let limit = self.limit(up);
+            (if up { limit.saturating_sub(here) } else { here.saturating_sub(limit) }) as f64
+        };
+        // NaN is not far from anything.
+        is_constant && room(true) > most && room(false) > most
+    }
+
+    /// By how much a step of this cycle may differ from another one at the same speed of its leader (inc).
+    fn uneven(&self) -> f64 {
+        self.generator.follower().map_or(0.0, Follower::uneven)
+    }
+
+    /// Keeps how far in an axis beyond a limit has come, from cycle to cycle, and whether it still is where one has stopped it.
+    #[inline]
+    fn watch_beyond(&mut self, cycle: u64) {
+        if self.stopped_at.is_none() && self.is_within_limits(self.command.position) {
+            self.beyond = None;
+        } else {
+            self.note_beyond(cycle);
+        }
+    }
+
+    fn note_beyond(&mut self, cycle: u64) {
+        let now = self.command.position;
+        self.stopped_at = self.stopped_at.and_then(|stopped| match &self.generator {
+            // The stop is still under way, and ends closer to the limit than it is now, or elsewhere than it was to.
+            Generator::Plan(course) if self.state == AxisState::ErrorStop => {
+                Some(Stopped { room: self.room(stopped.up, course.end()), ..stopped })
+            }
+            _ => (self.room(stopped.up, now) <= stopped.room + self.slack()).then_some(stopped),
+        });
+        let up = match () {
+            () if now > Position::whole(self.limit(true)) => Some(true),
+            () if now < Position::whole(self.limit(false)) => Some(false),
+            () => {
+                self.beyond = None;
+                return;
+            }
+        };
+        let before = self.beyond.filter(|beyond| Some(beyond.up) == up && beyond.cycle.saturating_add(1) == cycle);
+        self.beyond = up.map(|up| {
+            let inmost = before.map_or(now, |beyond| if up { beyond.inmost.min(now) } else { beyond.inmost.max(now) });
+            Beyond { cycle, up, inmost }
+        });
+    }
+
+    /// Which limit a stop after `next` would lead beyond: true for the upper one. A stop whose acceleration has to run out
+    /// may turn before it ends, so the limit ahead counts although it ends behind its start.
+    fn passed_limit(&self, next: Motion) -> Option<bool> {
+        let end = self.stopping_way(next);
+        let (mut down, mut up) = (end.min(0.0), end.max(0.0));
+        let limits = self.stop_limits();
+        if next.velocity * next.acceleration < 0.0 && limits.shape != Shape::Trapezoid {
+            let (low, high) = profile::stop(next, &limits, self.setup.cycle_ns).extent();
+            (down, up) = (down.min((low - next.position).to_f64()), up.max((high - next.position).to_f64()));
+        }
+        let room = |up: bool| (Position::whole(self.limit(up)) - next.position).to_f64();
+        // What lies ahead comes first.
+        let beyond = |is_up: bool| {
+            if is_up { up > 0.0 && room(true) + ROUNDING < up } else { down < 0.0 && room(false) - ROUNDING > down }
+        };
+        let first = next.velocity > 0.0;
+        [first, !first].into_iter().find(|up| beyond(*up))
+    }
+
+    /// From `place` to the software limit in a direction.
+    fn room(&self, up: bool, place: Position) -> Position {
+        let limit = Position::whole(self.limit(up));
+        if up { limit - place } else { place - limit }
+    }
+
+    /// The software limit in a direction, or the end of all positions.
+    #[inline]
+    pub(super) fn limit(&self, up: bool) -> i64 {
+        // They refer to a zero that homing is looking for.
+        let holds = !self.homing.is_running();
+        let limits = &self.parameters.derived;
+        match (holds, up) {
+            (true, true) => limits.high,
+            (true, false) => limits.low,
+            (false, true) => Position::LIMIT - 1,
+            (false, false) => 1 - Position::LIMIT,
+        }
+    }
+
+    /// Limits of stops that cannot wait (MACS-PROF-13); a coupling knows no shapes (MACS-PROF-07).
+    pub(super) fn stop_limits(&self) -> Limits {
+        let limits = self.parameters.largest_limits();
+        match &self.generator {
+            Generator::Follow(_) | Generator::Track(_) => Limits { shape: Shape::Trapezoid, ..limits },
+            // Maxima that were lowered meanwhile hold from the next motion on.
+            Generator::Plan(course) => limits.at_least(&course.limits),
+            _ => limits,
+        }
+    }
+
+    /// The signed way that it takes to stop after `next`. A profile stops in continuous time; a coupled axis makes whole
+    /// steps, of which one may be a count more than its leader's speed: it counts for no more than the leader surely has.
+    fn stopping_way(&self, next: Motion) -> f64 {
+        let limits = self.stop_limits();
+        match self.generator.follower() {
+            Some(follower) if !self.is_on_track() => {
+                let cycle_s = self.cycle_s();
+                let less = limits.deceleration * cycle_s * cycle_s;
+                let step = (next.velocity.abs() * cycle_s - follower.excess(next.velocity, less)).max(0.0);
+                let steps = (step / less * (1.0 + 1e-9)).floor();
+                // Where the leader itself is on its way is exact to a count as well.
+                let way = (steps * step - less * steps * (steps + 1.0) / 2.0 - follower.uneven()).max(0.0);
+                way * next.velocity.signum()
+            }
+            _ => profile::stopping_way(next, &limits),
+        }
+    }
+
+    /// A plan to rest at `target`, which lies ahead, without going faster than now and never beyond it. Where the shape of
+    /// the ramps allows no stop there, it turns before the target and comes to rest as near as it can; where it does not
+    /// even allow that, the deceleration is constant: that stops before it from every motion that could.
+    fn plan_stop_at(&self, from: Motion, target: Position, limits: &Limits) -> Plan {
+        let constant = || profile::stop_at(from, target, self.setup.cycle_ns);
+        if limits.shape == Shape::Trapezoid {
+            return constant();
+        }
+        let limits = Limits { velocity: from.velocity.abs(), ..*limits };
+        let plan_to = |end: Position| {
+            let plan = profile::to_rest(from, end, &limits, self.setup.cycle_ns);
+            self.passed_by(&plan, from).is_none().then_some(plan)
+        };
+        if let Some(plan) = plan_to(target) {
+            return plan;
+        }
+        let Some(mut best) = plan_to(from.position) else { return constant() };
+        let (mut near, mut far) = (from.position, target);
+        for _ in 0..16 {
+            let middle = Position::from_raw(near.raw() / 2 + far.raw() / 2);
+            match plan_to(middle) {
+                Some(plan) => (best, near) = (plan, middle),
+                None => far = middle,
+            }
+        }
+        best
+    }
+
+    /// Where it would come to rest from its present motion at best.
+    fn earliest_rest(&self) -> Position {
+        profile::stop(self.present(), &self.stop_limits(), self.setup.cycle_ns).end()
+    }
+
+    /// Lowest and highest position that the motion under way, what is superimposed and the goals that wait will or must
+    /// take; none at rest.
+    pub fn reach(&self) -> Option<(i64, i64)> {
+        if self.homing.is_running() {
+            return None;
+        }
+        let now = self.command.position;
+        let stopping = match &self.generator {
+            Generator::Plan(course) if course.end_velocity() != 0.0 => Some(self.earliest_rest()),
+            Generator::Follow(_) | Generator::Track(_) => Some(self.earliest_rest()),
+            Generator::Rest if self.overlay.is_some() => Some(now),
+            // Where an axis coasts to is not known.
+            _ => None,
+        };
+        let stopping = stopping.map(|rest| (now.min(rest), now.max(rest)));
+        let tracked = self.tracker().map(|tracker| tracker.extent());
+        let (low, high) = [stopping, self.known_reach(), tracked].into_iter().flatten().reduce(union)?;
+        let (down, up) = self.overlay_ahead();
+        Some(((low + down).floor(), (high + up).ceil()))
+    }
+
+    /// Lowest and highest position of what is planned and of the goals that wait, without what is superimposed; none where
+    /// no place is known.
+    pub(super) fn known_reach(&self) -> Option<(Position, Position)> {
+        let (way, target) = match &self.generator {
+            Generator::Plan(course) => {
+                let ends = course.end_velocity() == 0.0;
+                // Into a velocity it passes with room to stop.
+                let passing = Motion { velocity: course.pass, ..Motion::default() };
+                let way = Position::from_f64(profile::stopping_way(passing, &self.stop_limits()));
+                let target = match course.aim {
+                    Aim::Target(target) => Some((target.min(target + way), target.max(target + way))),
+                    Aim::Velocity(_) | Aim::Stop => None,
+                };
+                (ends.then(|| course.extent_from(self.command.position)), target)
+            }
+            _ => (None, None),
+        };
+        let ends = self.waiting_ends().flatten().map(|end| Position::whole(end.nearest()));
+        let places = ends.map(|place| (place, place));
+        way.into_iter().chain(target).chain(places).reduce(union)
+    }
+
+    /// A plan to rest with `limits`, or as much more as it takes to stay within the limit.
+    pub(super) fn plan_stop(&self, from: Motion, limits: &Limits) -> Plan {
+        let is_up = from.velocity > 0.0;
+        // (inc per cycle)
+        let less = self.stop_limits().deceleration * self.cycle_s() * self.cycle_s();
+        let uneven = self.uneven();
+        let most = less + uneven + (2.0 * uneven * less).sqrt() + ROUNDING;
+        let ends_here = from.velocity.abs() * self.cycle_s() <= most;
+        if from.velocity != 0.0 && ends_here && from.position == Position::whole(self.limit(is_up)) {
+            // There is no way left, and none was kept as it was so slow, or as its counts are so coarse.
+            return profile::stop(Motion::at_rest(from.position), limits, self.setup.cycle_ns);
+        }
+        let plan = profile::stop(from, limits, self.setup.cycle_ns);
+        let Some(up) = self.passed_by(&plan, from) else { return plan };
+        let sharpest = self.sharpened(from, self.stop_limits());
+        let limit = Position::whole(self.limit(up));
+        if is_towards(up, from.velocity) {
+            return self.plan_stop_at(from, limit, &sharpest);
+        }
+        // Its acceleration would swing it back, beyond the limit behind it: one that ends at once does not.
+        let plan = profile::stop(from, &Limits { shape: Shape::Trapezoid, ..sharpest }, self.setup.cycle_ns);
+        match self.passed_by(&plan, from) {
+            Some(up) => profile::stop_at(from, Position::whole(self.limit(up)), self.setup.cycle_ns),
+            None => plan,
+        }
+    }
+
+    /// Which limit a plan from `from` leads beyond: true for the upper one. Beyond a limit already, it can only stop.
+    fn passed_by(&self, plan: &Plan, from: Motion) -> Option<bool> {
+        let (low, high) = plan.extent();
+        let (lowest, highest) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
+        match () {
+            () if high > highest && from.position < highest => Some(true),
+            () if low < lowest && from.position > lowest => Some(false),
+            () => None,
+        }
+    }
+}
+
+/// Does a velocity lead up, or down?
+fn is_towards(up: bool, velocity: f64) -> bool {
+    if up { velocity > 0.0 } else { velocity < 0.0 }
+}
+
+/// From the lowest to the highest of both.
+fn union(one: (Position, Position), other: (Position, Position)) -> (Position, Position) {
+    (one.0.min(other.0), one.1.max(other.1))
+}
