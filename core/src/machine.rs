@@ -24,11 +24,11 @@ use crate::config::{ConfigError, IoKind, MachineConfig};
 use crate::drive::{DriveOutput, EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::{Encoder, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
-use crate::object::{Leader, Object};
+use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::profile::Motion;
 use crate::signal::{Board, Directory};
-use crate::sync::Leads;
+use crate::sync::{Leads, OfAxis};
 use crate::vocabulary::Latched;
 use panel::Panel;
 use signals::Signals;
@@ -92,13 +92,12 @@ impl Machine {
         let encoders: Vec<Encoder> =
             config.encoders.iter().map(|encoder| Encoder::new(encoder.form, encoder.check)).collect();
         let set_by = vec![0; encoders.len()];
-        let mut leads = Leads::new(axes.len(), encoders.len());
-        for (index, axis) in (0..).zip(&axes) {
-            leads.set(Leader::AxisActual(index), axis.actual());
-        }
-        for (index, encoder) in (0..).zip(&encoders) {
-            leads.set(Leader::Encoder(index), encoder.lead());
-        }
+        let command = Lead { valid: true, ..Lead::default() };
+        let of_axis = |axis: &Axis| OfAxis { command, actual: axis.actual(), simulated: Lead::default() };
+        let leads = Leads {
+            of_axes: axes.iter().map(of_axis).collect(),
+            encoders: encoders.iter().map(Encoder::lead).collect(),
+        };
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
         let state = State {
@@ -212,7 +211,7 @@ impl Machine {
     fn write_outputs(&mut self, inputs: &Inputs, outputs: &mut Outputs) {
         let State { axes, board, panel, leads, .. } = &mut self.state;
         let count = axes.len();
-        for (index, axis) in (0..).zip(axes.iter_mut()) {
+        for (axis, shown) in axes.iter_mut().zip(&leads.of_axes) {
             let closed = panel.brake_of(axis);
             if closed.is_some() || axis.has_own_brake() {
                 self.signals.publish_brake(board, axis, closed, outputs);
@@ -227,7 +226,7 @@ impl Machine {
             }
             if axis.pace() == Pace::Full {
                 let input = axis.drive().and_then(|drive| inputs.drive.get(drive));
-                axis.note_rhythm(input, &leads.get(Leader::AxisCommand(index)), count);
+                axis.note_rhythm(input, &shown.command, count);
             }
         }
     }
@@ -261,13 +260,13 @@ impl Machine {
             let (lead, errors) = (encoder.lead(), encoder.errors());
             let problem = told.map_or(Code::NONE, encoders::code);
             self.signals.publish_encoder(&mut self.state.board, index, input, lead, problem, errors);
-            self.state.leads.set(Leader::Encoder(index as u16), lead);
+            self.state.leads.encoders[index] = lead;
             if let Some(told) = told {
                 self.events.push(encoders::event(told, index as u16, errors));
             }
         }
         let State { axes, leads, encoders, .. } = &mut self.state;
-        for (index, axis) in (0..).zip(axes.iter_mut()) {
+        for (axis, of) in axes.iter_mut().zip(&mut leads.of_axes) {
             let drive = axis.drive().and_then(|drive| inputs.drive.get(drive));
             match axis.begin_cycle(is_quiet, drive) {
                 Pace::Passed => continue,
@@ -277,10 +276,8 @@ impl Machine {
                     axis.read_switches(inputs);
                 }
             }
-            leads.set(Leader::AxisActual(index), axis.actual());
-            if let Some(simulated) = leads.get_mut(Leader::Simulated(index)) {
-                axis.simulate_master(simulated);
-            }
+            of.actual = axis.actual();
+            axis.simulate_master(&mut of.simulated);
         }
         let edges = self.state.panel.edges(inputs);
         if edges != Edges::default() {
@@ -386,10 +383,10 @@ impl Machine {
 
     fn move_leads(&mut self, index: usize) {
         let moved = self.state.axes[index].take_moved();
-        if let Some(command) = self.state.leads.get_mut(Leader::AxisCommand(index as u16)) {
-            command.position += moved;
+        if let Some(of) = self.state.leads.of_axes.get_mut(index) {
+            of.command.position += moved;
+            of.actual = self.state.axes[index].actual();
         }
-        self.state.leads.set(Leader::AxisActual(index as u16), self.state.axes[index].actual());
         self.count_on(index, moved);
     }
 
@@ -438,16 +435,12 @@ impl Machine {
 /// What others see of the motion of an axis in this cycle.
 #[inline]
 fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
-    let index = index as u16;
+    let Some(of) = leads.of_axes.get_mut(index) else { return };
     let Motion { position, velocity, .. } = axis.command();
-    if let Some(shown) = leads.get_mut(Leader::AxisCommand(index)) {
-        *shown = Lead { position, change: position - shown.position, velocity, counted: false, valid: true };
-    }
-    if axis.shows_command()
-        && let Some(shown) = leads.get_mut(Leader::AxisActual(index))
-    {
+    of.command = Lead { position, change: position - of.command.position, velocity, counted: false, valid: true };
+    if axis.shows_command() {
         let actual = axis.actual();
-        *shown = Lead { change: actual.position - shown.position, ..actual };
+        of.actual = Lead { change: actual.position - of.actual.position, ..actual };
     }
 }
 

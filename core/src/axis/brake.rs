@@ -178,7 +178,7 @@ impl Axis {
 
     /// Does it stand, has it switched itself off, or should it have stopped long ago?
     fn has_drive_stopped(&self, cycle: u64, since: u64) -> bool {
-        let stops = matches!(self.drive_state, DriveState::QuickStop | DriveState::Enabled);
+        let stops = matches!(self.shown.state(), DriveState::QuickStop | DriveState::Enabled);
         !stops || self.encoder_stands() || self.has_timed_out(cycle, since)
     }
 
@@ -222,7 +222,7 @@ impl Axis {
     /// Does what inputs of the machine ask.
     pub(super) fn obey_inputs(&mut self, cx: &mut Context<'_>) {
         let edges = std::mem::take(&mut self.holding.edges);
-        if edges.clears && (!self.error.is_none() || self.drive_fails(cx)) {
+        if edges.clears && (!self.alarm.is_none() || self.drive_fails(cx)) {
             self.holding.clears = true;
         }
         if edges.interrupts {
@@ -233,7 +233,7 @@ impl Axis {
             self.holding.interrupted = false;
         }
         self.holding.resumes |= edges.resumes;
-        self.holding.resumes &= self.holding.interrupted && self.error.is_none();
+        self.holding.resumes &= self.holding.interrupted && self.alarm.is_none();
     }
 
     /// Has I_BREAK stopped it?

@@ -6,8 +6,9 @@
 //!          both can be driven without turning back: at rest in the end
 //! Refuses  too many goals, a goal behind a coupling
 
+use super::alarm::{NO_NUMBERS, Numbers};
 use super::course::{Aim, Course, ROUNDING};
-use super::goal::{Goal, NO_NUMBERS, Numbers};
+use super::goal::Goal;
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::command::{BufferMode, Move, MoveMode};
@@ -215,10 +216,10 @@ impl Axis {
             Ok(course) => {
                 self.goal = Some(Goal { sequence: next.sequence, ending: None, target, search: None, track: None });
                 self.judge.rested_at = None;
-                self.reference = next.request.mode.reference();
-                self.generator = Generator::Plan(course.with_lead(lead));
                 let moves_on = matches!(course.aim, Aim::Velocity(_));
-                self.set_state(cx, if moves_on { AxisState::ContinuousMotion } else { AxisState::DiscreteMotion });
+                let state = if moves_on { AxisState::ContinuousMotion } else { AxisState::DiscreteMotion };
+                let generator = Generator::Plan(course.with_lead(lead));
+                self.begin_motion(cx, state, next.request.mode.reference(), generator);
             }
             Err(refusal) => {
                 let event = Event::done(self.object(), next.sequence, refusal.code, self.command.position);

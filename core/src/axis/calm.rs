@@ -19,7 +19,7 @@ impl Axis {
     #[inline]
     pub fn sense_calmly(&mut self, input: Option<&DriveInput>) {
         let Some(input) = input else { return };
-        self.effort = self.across(input.effort);
+        self.shown.read_effort(self.across(input.effort));
         if !self.read_counts(input) {
             self.disturb();
         }
@@ -59,7 +59,7 @@ impl Axis {
             _ => return None,
         };
         self.is_led = matches!(self.generator, Generator::Follow(_));
-        self.beyond = None;
+        self.at_limits.note_within();
         self.command = next;
         self.note_direction();
         self.judge.note_step(cycle, self.actual.change, self.slack());
@@ -87,7 +87,7 @@ impl Axis {
         let leads_on = next.velocity >= 0.0
             || next.velocity < 0.0 && (self.command.velocity < 0.0 || self.parameters.reversing().rule == Rule::Always);
         leads_on
-            && self.stopped_at.is_none()
+            && self.at_limits.is_free()
             && self.is_inside(self.command.position)
             && (!is_watched || self.is_far_from_limits(next))
     }

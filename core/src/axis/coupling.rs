@@ -84,9 +84,8 @@ impl Axis {
         let follower = Follower::new(leader.is_counted(), transmission, request.mode, self.present(), offset, bounds);
         let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
         self.begin_goal(cx, sequence, None);
-        self.reference = Reference::Gear;
-        self.generator = Generator::Follow(Coupling { leader, disengage, accuracy, follower });
-        self.set_state(cx, AxisState::SynchronizedMotion);
+        let coupling = Coupling { leader, disengage, accuracy, follower };
+        self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Gear, Generator::Follow(coupling));
         Ok(())
     }
 

@@ -8,8 +8,8 @@
 //! Refuses  a motion backwards where REVERS forbids it
 //! Source   MACS-DIR-01..10, A-07, A-08, A-09
 
+use super::alarm::NO_NUMBERS;
 use super::course::{Aim, Course, ROUNDING};
-use super::goal::NO_NUMBERS;
 use super::overlay::Overlay;
 use super::{Axis, Context, Generator};
 use crate::code::Code;

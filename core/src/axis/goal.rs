@@ -1,5 +1,6 @@
 //! Goals: positioning and velocity, from the command to the generator.
 
+use super::alarm::{NO_NUMBERS, Numbers};
 use super::course::{Aim, Course, ROUNDING};
 use super::power::Power;
 use super::probe::Search;
@@ -20,12 +21,6 @@ pub(super) const LEAST_RATE: f64 = 1e-6;
 /// Highest jerk of a goal where the axis has no limit of its own (inc/s^3), as for all its rates: f64 computes with more, but
 /// not for ever.
 const MOST_JERK: f64 = 1e15;
-
-/// What was found and what is allowed.
-pub(super) type Numbers = (Number, Number);
-
-/// For codes whose sentence needs none.
-pub(super) const NO_NUMBERS: Numbers = (Number::None, Number::None);
 
 /// The goal that the axis works on.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -217,10 +212,8 @@ impl Axis {
         };
         self.check_course(&course, from, limits)?;
         self.begin_goal(cx, sequence, target);
-        self.reference = request.mode.reference();
-        self.generator = Generator::Plan(course);
         let state = if target.is_some() { AxisState::DiscreteMotion } else { AxisState::ContinuousMotion };
-        self.set_state(cx, state);
+        self.begin_motion(cx, state, request.mode.reference(), Generator::Plan(course));
         Ok(())
     }
 

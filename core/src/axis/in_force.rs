@@ -72,9 +72,10 @@ impl Own {
 /// The parameters in force. A state image holds the values alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "AxisParameters", into = "AxisParameters")]
+#[repr(C)]
 pub struct InForce {
-    values: AxisParameters,
     pub(super) derived: Derived,
+    values: AxisParameters,
     /// They were written since this was asked last.
     is_new: bool,
     /// What the axis changes by itself, before it did so in this cycle.

@@ -1,7 +1,7 @@
 //! Judging a cycle: following error and arrival.
 
-use super::goal::NO_NUMBERS;
-use super::power::{MAX_STALE_CYCLES, Power};
+use super::alarm::NO_NUMBERS;
+use super::power::Power;
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context, MAX_DELAY};
 use crate::code::Code;
@@ -24,10 +24,8 @@ const TOLD: u64 = u64::MAX;
 
 /// What an axis remembers to judge itself.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[repr(C)]
 pub(super) struct Judge {
-    /// Command positions of the last cycles, in a ring.
-    #[serde(with = "past")]
-    past: [i64; PAST],
     /// Length of the ring: one per cycle of the drive's delay and one more.
     length: usize,
     place: usize,
@@ -53,12 +51,17 @@ pub(super) struct Judge {
     pub after_stop: i64,
     /// Where the last goal rested, before rounding to whole increments.
     pub rested_at: Option<Position>,
+    /// Command positions of the last cycles, in a ring. A cycle touches two places of it.
+    #[serde(with = "past")]
+    past: [i64; PAST],
 }
 
 impl Judge {
+    /// Bytes in front of the ring.
+    pub(super) const HOT_BYTES: usize = std::mem::offset_of!(Judge, past);
+
     pub(super) fn new(delay: u32) -> Self {
         Self {
-            past: [0; PAST],
             length: delay as usize + 1,
             place: 0,
             following_error: 0,
@@ -73,6 +76,7 @@ impl Judge {
             in_position: false,
             after_stop: -1,
             rested_at: None,
+            past: [0; PAST],
         }
     }
 
@@ -248,10 +252,10 @@ impl Axis {
             return;
         }
         let (error, allowed) = (Number::Position(error), Number::Position(self.parameters.max_following_error));
-        if self.error.is_none() || !self.only_reports(Code::FOLLOWING_ERROR) {
+        if self.alarm.is_none() || !self.only_reports(Code::FOLLOWING_ERROR) {
             // Since it was reported error_reaction has become one that stops the axis: it is an error anew.
-            if self.error == Code::FOLLOWING_ERROR {
-                self.error = Code::NONE;
+            if self.alarm.code() == Code::FOLLOWING_ERROR {
+                self.alarm.clear();
             }
             self.tell_following_error(cx, error, allowed);
         } else {
@@ -292,16 +296,14 @@ impl Axis {
     /// this cycle is waited for.
     pub(super) fn turns(&self, cycle: u64) -> bool {
         let age = |drifted| cycle.saturating_sub(drifted).saturating_mul(self.setup.cycle_ns);
-        (1..=MAX_STALE_CYCLES).contains(&self.stale_cycles)
-            || self.judge.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
+        self.shown.is_awaited() || self.judge.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
     }
 
     /// Did its encoder move in this cycle, faster than one that stands may creep? One look tells, where a reset waits for a while: what
     /// is braked by its drive does not coast.
     pub(super) fn moves(&self) -> bool {
         let moved = self.actual.change.to_f64().abs() * STILL_NS as f64;
-        (1..=MAX_STALE_CYCLES).contains(&self.stale_cycles)
-            || moved > self.slack().to_f64() * self.setup.cycle_ns as f64
+        self.shown.is_awaited() || moved > self.slack().to_f64() * self.setup.cycle_ns as f64
     }
 
     /// Longer than it may? In each cycle anew.

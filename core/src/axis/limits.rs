@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// An axis that follows and stands beyond a software limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Beyond {
+struct Beyond {
     /// When it was seen there last.
     cycle: u64,
     /// Beyond the upper one.
@@ -31,11 +31,40 @@ pub(super) struct Beyond {
 
 /// The software limit that has stopped an axis, until it leaves that.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Stopped {
+struct Stopped {
     /// The upper one.
     up: bool,
     /// From where the stop ends to the limit: what has more than that has left it.
     room: Position,
+}
+
+/// How an axis stands to the software limits, until it leaves them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct AtLimits {
+    /// Beyond one, while it follows.
+    beyond: Option<Beyond>,
+    /// Where one has stopped it.
+    stopped: Option<Stopped>,
+}
+
+impl AtLimits {
+    /// Is it within them, as far as anybody has to remember?
+    #[inline]
+    pub(super) fn is_within(&self) -> bool {
+        self.beyond.is_none()
+    }
+
+    /// Did none of them stop it?
+    #[inline]
+    pub(super) fn is_free(&self) -> bool {
+        self.stopped.is_none()
+    }
+
+    /// It is within them in this cycle.
+    #[inline]
+    pub(super) fn note_within(&mut self) {
+        self.beyond = None;
+    }
 }
 
 impl Axis {
@@ -100,13 +129,13 @@ impl Axis {
         cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
         let place = Number::Position(limit.floor());
         // It has not left it since: that is a new attempt (MACS-LIM-05).
-        let is_anew = self.stopped_at.is_some_and(|stopped| stopped.up == up);
+        let is_anew = self.at_limits.stopped.is_some_and(|stopped| stopped.up == up);
         let (raised, asked) = match is_anew {
             true => (Code::LIMIT_VIOLATION, Number::Velocity(next.velocity)),
             false => (code, Number::None),
         };
         self.raise(cx, Failure::of(raised).with(asked, place).at_limit());
-        self.stopped_at = Some(Stopped { up, room: self.room(up, course.end()) });
+        self.at_limits.stopped = Some(Stopped { up, room: self.room(up, course.end()) });
         true
     }
 
@@ -162,7 +191,7 @@ impl Axis {
                 return next > now && next > bound && now <= bound;
             }
             // One that is led back from beyond may tremble with its leader, but not creep on.
-            let inmost = self.beyond.filter(|beyond| beyond.up == *up).map(|beyond| outwards(beyond.inmost));
+            let inmost = self.at_limits.beyond.filter(|beyond| beyond.up == *up).map(|beyond| outwards(beyond.inmost));
             let bound = inmost.map_or(limit, |inmost| inmost + Position::from_f64(1.0 + self.uneven()));
             next > now && next > bound
         })
@@ -171,7 +200,7 @@ impl Axis {
     /// Can no stop after `next` lead beyond a limit? One that stands beyond a limit is judged by how far in it has come.
     #[inline]
     fn is_clear_of_limits(&self, next: Motion) -> bool {
-        self.beyond.is_none() && self.is_far_from_limits(next)
+        self.at_limits.beyond.is_none() && self.is_far_from_limits(next)
     }
 
     /// Is `next` so far within the limits that no stop after it can lead beyond one? A stop with constant deceleration takes
@@ -199,8 +228,8 @@ impl Axis {
     /// Keeps how far in an axis beyond a limit has come, from cycle to cycle, and whether it still is where one has stopped it.
     #[inline]
     fn watch_beyond(&mut self, cycle: u64) {
-        if self.stopped_at.is_none() && self.is_within_limits(self.command.position) {
-            self.beyond = None;
+        if self.at_limits.stopped.is_none() && self.is_within_limits(self.command.position) {
+            self.at_limits.beyond = None;
         } else {
             self.note_beyond(cycle);
         }
@@ -208,7 +237,7 @@ impl Axis {
 
     fn note_beyond(&mut self, cycle: u64) {
         let now = self.command.position;
-        self.stopped_at = self.stopped_at.and_then(|stopped| match &self.generator {
+        self.at_limits.stopped = self.at_limits.stopped.and_then(|stopped| match &self.generator {
             // The stop is still under way, and ends closer to the limit than it is now, or elsewhere than it was to.
             Generator::Plan(course) if self.state == AxisState::ErrorStop => {
                 Some(Stopped { room: self.room(stopped.up, course.end()), ..stopped })
@@ -219,12 +248,13 @@ impl Axis {
             () if now > Position::whole(self.limit(true)) => Some(true),
             () if now < Position::whole(self.limit(false)) => Some(false),
             () => {
-                self.beyond = None;
+                self.at_limits.beyond = None;
                 return;
             }
         };
-        let before = self.beyond.filter(|beyond| Some(beyond.up) == up && beyond.cycle.saturating_add(1) == cycle);
-        self.beyond = up.map(|up| {
+        let before =
+            self.at_limits.beyond.filter(|beyond| Some(beyond.up) == up && beyond.cycle.saturating_add(1) == cycle);
+        self.at_limits.beyond = up.map(|up| {
             let inmost = before.map_or(now, |beyond| if up { beyond.inmost.min(now) } else { beyond.inmost.max(now) });
             Beyond { cycle, up, inmost }
         });

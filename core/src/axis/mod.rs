@@ -7,6 +7,7 @@
 //! Refuses  each command with a code and the numbers of its sentence; a refused command changes nothing
 //! Source   PLCopen state diagram, CiA 402 states, MACS-ERR-02, contract sections 1 and 7
 
+mod alarm;
 mod brake;
 mod buffer;
 mod calm;
@@ -31,6 +32,7 @@ mod publish;
 mod reaction;
 mod rhythm;
 mod safety;
+mod shown;
 mod stops;
 mod stream;
 mod switches;
@@ -38,6 +40,7 @@ mod track;
 mod vocabulary;
 mod waiting;
 
+pub use alarm::Fault;
 pub use brake::{BrakeConfig, Edges};
 pub use direction::{may_tell_sign, may_turn_loop};
 pub use feedback::{Claim, Source, Wired, may_read};
@@ -46,7 +49,7 @@ pub use in_force::InForce;
 pub use master::may_name;
 pub use reaction::stops_all;
 pub use rhythm::Pace;
-pub use safety::{Fault, Safety};
+pub use safety::Safety;
 pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
@@ -55,7 +58,7 @@ pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
-use crate::drive::{Capabilities, DriveInput, DriveOutput, DriveState, EncoderInput, Inputs, Interface};
+use crate::drive::{Capabilities, DriveInput, DriveOutput, EncoderInput, Inputs, Interface};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::modulo::Modulo;
@@ -67,6 +70,7 @@ use crate::signal::Signal;
 use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
 use crate::vocabulary::{Latched, Owner, amc, saia, wf};
+use alarm::Alarm;
 use brake::Holding;
 use buffer::Buffer;
 use feedback::Sensor;
@@ -74,11 +78,13 @@ use generator::Generator;
 use goal::Goal;
 use homing::Homing;
 use judge::Judge;
+use limits::AtLimits;
 use master::Sight;
 use overlay::Overlay;
 use power::Power;
 use rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
+use shown::DriveShown;
 use stream::Streamed;
 use vocabulary::Awake;
 use waiting::Waiting;
@@ -149,23 +155,50 @@ pub struct Context<'a> {
     pub events: &'a mut EventQueue,
 }
 
-/// One axis.
+/// One axis. What every cycle of it touches stands first in memory, up to `judge` and what is kept of its parameters; of what
+/// stands behind that a cycle touches a part, or nothing.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[repr(C)]
 pub struct Axis {
-    setup: AxisSetup,
+    #[serde(skip)]
+    rhythm: Rhythm,
     /// First of its signals.
     signals: Signal,
-    /// In force for the next command, and at once where the row says so.
-    pub parameters: InForce,
     state: AxisState,
     reference: Reference,
     power: Power,
+    /// The command of this cycle came from a leader or an encoder: its acceleration is that of single counts.
+    is_led: bool,
+    /// The reference of the drive is below 0: outputs may have to tell.
+    is_backwards: bool,
+    brake: bool,
+    owner: Owner,
+    streamed: Streamed,
+    command: Motion,
+    actual: Lead,
+    counter: Reader,
+    /// Counts of its coordinate minus raw count, both in the sense of the drive.
+    origin: i64,
+    /// What the drive shows.
+    shown: DriveShown,
+    output: DriveOutput,
+    /// Sign of the last motion, for direction CURRENT.
+    last_direction: f64,
+    /// How it stands to the software limits.
+    at_limits: AtLimits,
+    judge: Judge,
+    /// In force for the next command, and at once where the row says so.
+    pub parameters: InForce,
+    setup: AxisSetup,
+    sensor: Sensor,
+    sight: Sight,
+    /// Its own brake, and what inputs of the machine ask.
+    holding: Holding,
+    generator: Generator,
+    homing: Homing,
+    goal: Option<Goal>,
     /// As the machine is: it may be switched on and moved.
     active: bool,
-    drive_state: DriveState,
-    /// Status bit 7 of the drive.
-    warning: bool,
-    stale_cycles: u32,
     watch: power::Watch,
     /// The switches of its way, as they are.
     switches: Switches,
@@ -173,65 +206,34 @@ pub struct Axis {
     switches_before: Switches,
     /// Index pulses so far, and where the last one was.
     index: (u32, Position),
-    homing: Homing,
     /// By how much its coordinate was moved, until others know: that is no motion.
     moved: Position,
-    counter: Reader,
-    sensor: Sensor,
-    sight: Sight,
-    /// Counts of its coordinate minus raw count, both in the sense of the drive.
-    origin: i64,
-    actual: Lead,
-    effort: f64,
-    /// Mode of operation that the drive shows.
-    mode: i8,
-    command: Motion,
-    /// The command of this cycle came from a leader or an encoder: its acceleration is that of single counts.
-    is_led: bool,
-    generator: Generator,
-    goal: Option<Goal>,
     /// The trajectory that it has left in this cycle, and why.
     #[serde(skip)]
-    left: Option<(u64, Code, goal::Numbers)>,
+    left: Option<(u64, Code, alarm::Numbers)>,
     /// The cycle in which an error has taken it from a vocabulary, and from which.
     #[serde(skip)]
     lost: Option<(u64, Owner)>,
-    overlay: Option<Overlay>,
-    buffer: Buffer,
     /// The override that the motion under way was planned with (%).
     override_seen: f64,
-    waiting: Waiting,
-    judge: Judge,
-    /// How it stands beyond a software limit, while it follows.
-    beyond: Option<limits::Beyond>,
-    /// The software limit that has stopped it, until it leaves that.
-    stopped_at: Option<limits::Stopped>,
-    error: Code,
-    /// What was found, and is allowed, when it came.
-    error_numbers: goal::Numbers,
+    /// Its error.
+    alarm: Alarm,
     /// Why nothing may move: the contact of the cell that is open.
     open_contact: Code,
-    /// How it stood when its last error came.
-    fault: Fault,
     /// An error of this cycle stops the others, too.
     stops_others: bool,
-    brake: bool,
-    /// Its own brake, and what inputs of the machine ask.
-    holding: Holding,
-    /// The reference of the drive is below 0: outputs may have to tell.
-    is_backwards: bool,
-    /// Sign of the last motion, for direction CURRENT.
-    last_direction: f64,
-    streamed: Streamed,
-    owner: Owner,
     amc: amc::Amc,
     saia: saia::Saia,
     wf: wf::Wf,
     awake: Awake,
-    output: DriveOutput,
-    #[serde(skip)]
-    rhythm: Rhythm,
+    overlay: Option<Overlay>,
+    buffer: Buffer,
+    waiting: Waiting,
 }
+
+/// Bytes of an axis that each of its cycles touches: its present motion, what judges it and limits it.
+pub const HOT_BYTES: usize = std::mem::offset_of!(Axis, judge) + Judge::HOT_BYTES + size_of::<in_force::Derived>();
+const _: () = assert!(HOT_BYTES <= 1024, "a cycle of an axis touches more than 1 KiB");
 
 impl Axis {
     /// An axis at rest, switched off; a virtual one is always on.
@@ -247,9 +249,7 @@ impl Axis {
             reference: Reference::Stop,
             power: if is_virtual { Power::On } else { Power::Off },
             active: true,
-            drive_state: if is_virtual { DriveState::Enabled } else { DriveState::NotReady },
-            warning: false,
-            stale_cycles: 0,
+            shown: DriveShown::new(is_virtual),
             watch: power::Watch::default(),
             switches: Switches::default(),
             switches_before: Switches::default(),
@@ -261,8 +261,6 @@ impl Axis {
             sight: Sight::default(),
             origin: 0,
             actual: Lead { valid: is_virtual, ..Lead::default() },
-            effort: 0.0,
-            mode: 0,
             command: Motion::default(),
             is_led: false,
             generator: Generator::Rest,
@@ -274,12 +272,9 @@ impl Axis {
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
             judge: Judge::new(delay),
-            beyond: None,
-            stopped_at: None,
-            error: Code::NONE,
-            error_numbers: goal::NO_NUMBERS,
+            at_limits: AtLimits::default(),
+            alarm: Alarm::default(),
             open_contact: Code::NONE,
-            fault: Fault::default(),
             stops_others: false,
             brake: false,
             holding: Holding::default(),
@@ -429,7 +424,7 @@ impl Axis {
             && waits
             && self.command.is_sound()
             && self.override_seen.is_finite()
-            && self.fault.is_sound()
+            && self.fault().is_sound()
     }
 
     /// Is it the same axis of the same machine, whatever it is doing?
@@ -474,7 +469,12 @@ impl Axis {
     /// The error that stopped it.
     #[inline]
     pub fn error(&self) -> Code {
-        self.error
+        self.alarm.code()
+    }
+
+    /// How it stood when its last error came.
+    pub fn fault(&self) -> &Fault {
+        self.alarm.fault()
     }
 
     /// The leader that its reference selector may couple it to at any time.
@@ -503,11 +503,7 @@ impl Axis {
     /// Reads the drive, and where the position comes from. Inputs of all axes are read before any axis moves.
     pub fn sense(&mut self, input: Option<&DriveInput>, encoders: &[Encoder], raw: &[EncoderInput]) {
         let Some(input) = input else { return };
-        self.stale_cycles = if input.fresh { 0 } else { self.stale_cycles.saturating_add(1) };
-        self.drive_state = if input.online { DriveState::from_status(input.status) } else { DriveState::NotReady };
-        self.warning = input.online && input.status & crate::drive::STATUS_WARNING != 0;
-        self.effort = self.across(input.effort);
-        self.mode = input.mode;
+        self.shown.read(input, self.across(input.effort));
         self.read_source(input, encoders, raw);
     }
 }

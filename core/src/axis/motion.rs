@@ -163,6 +163,18 @@ impl Axis {
         self.generator = Generator::Plan(course);
     }
 
+    /// A motion begins: state, reference and generator change together.
+    pub(super) fn begin_motion(
+        &mut self,
+        cx: &mut Context<'_>,
+        state: AxisState,
+        reference: Reference,
+        generator: Generator,
+    ) {
+        (self.reference, self.generator) = (reference, generator);
+        self.set_state(cx, state);
+    }
+
     /// The limits that the active motion was asked for.
     pub(super) fn active_limits(&self) -> Limits {
         match &self.generator {

@@ -99,10 +99,8 @@ impl Axis {
         if let Some(limit) = self.limit_ahead(velocity) {
             return refuse(Code::LIMIT_VIOLATION, Number::Position(limit));
         }
-        self.reference = Reference::Speed;
-        self.generator = Generator::Open { velocity };
         self.command = Motion { velocity, ..Motion::at_rest(self.actual.position) };
-        self.set_state(cx, AxisState::ContinuousMotion);
+        self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Open { velocity });
         Ok(())
     }
 

@@ -5,8 +5,8 @@
 //!          acceleration and deceleration; else the one may slow down while the sum speeds up: then the lower limit holds, too
 //! Refuses  rates beyond what is left, an end beyond a limit
 
+use super::alarm::{NO_NUMBERS, Numbers};
 use super::course::{Aim, ROUNDING, sharpen};
-use super::goal::{NO_NUMBERS, Numbers};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::command::Move;

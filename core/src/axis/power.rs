@@ -3,7 +3,7 @@
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::{Class, Code};
-use crate::drive::{BusState, DriveInput, DriveOutput, DriveState, Emergency, Interface, control};
+use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
 use crate::regulator::{KV, Proportional};
@@ -11,8 +11,6 @@ use serde::{Deserialize, Serialize};
 
 /// How long a drive may take to switch on, and to leave its fault (ns).
 const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
-/// Cycles without new data from a drive until it counts as lost.
-pub(super) const MAX_STALE_CYCLES: u32 = 10;
 
 /// What the axis wants of its drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -87,8 +85,7 @@ impl Axis {
         if self.is_virtual() {
             return self.rests();
         }
-        let runs = matches!(self.drive_state, DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction);
-        self.power == Power::Off && !runs
+        self.power == Power::Off && !self.shown.may_run()
     }
 
     #[inline]
@@ -108,7 +105,7 @@ impl Axis {
             Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => {
                 if let Some(code) = failure {
                     self.raise(cx, Failure::of(code).before_motion());
-                } else if self.drive_state != DriveState::Enabled {
+                } else if self.shown.state() != DriveState::Enabled {
                     self.raise(cx, Failure::of(Code::DRIVE_DISABLED).before_motion());
                 } else {
                     self.follow_brake(cx);
@@ -151,7 +148,7 @@ impl Axis {
 
     /// Would the drive take what it is asked for? In another mode it would take it for something else.
     fn is_enabled_as_asked(&self, input: &DriveInput) -> bool {
-        self.drive_state == DriveState::Enabled && input.mode == self.setup.interface.mode().number()
+        self.shown.state() == DriveState::Enabled && input.mode == self.setup.interface.mode().number()
     }
 
     /// A drive that repeats itself is told once a second, and one that says this and that eight times.
@@ -188,7 +185,7 @@ impl Axis {
         };
         let watch = self.watch;
         // While it is on, the same is an error.
-        let is_idle = self.power == Power::Off && self.error.is_none();
+        let is_idle = self.power == Power::Off && self.alarm.is_none();
         let may_tell = watch.told.is_none_or(|told| self.is_time_to_tell(cx.cycle, told));
         if is_idle && watch.was_well && !watch.is_told && may_tell {
             (self.watch.told, self.watch.is_told) = (Some(cx.cycle), true);
@@ -220,17 +217,7 @@ impl Axis {
     }
 
     pub(super) fn failure(&self, input: &DriveInput) -> Option<Code> {
-        if input.bus == BusState::Off {
-            return Some(Code::BUS_ERROR);
-        }
-        if !input.online {
-            return Some(Code::DRIVE_LOST);
-        }
-        if self.stale_cycles > MAX_STALE_CYCLES {
-            return Some(Code::DRIVE_STALE);
-        }
-        let in_fault = matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction);
-        in_fault.then(|| Code::drive_fault(input.fault)).or_else(|| self.source_failure())
+        self.shown.failure(input).or_else(|| self.source_failure())
     }
 
     /// Switches the axis off at once.
@@ -258,7 +245,7 @@ impl Axis {
             // The reset needs a rising edge: every other cycle without the bit.
             Power::Resetting { since } if cx.cycle.saturating_sub(since) % 2 == 1 => control::FAULT_RESET,
             Power::Resetting { .. } => control::DISABLE_VOLTAGE,
-            Power::SwitchingOn { .. } => match self.drive_state {
+            Power::SwitchingOn { .. } => match self.shown.state() {
                 DriveState::SwitchOnDisabled => control::SHUTDOWN,
                 DriveState::Ready => control::SWITCH_ON,
                 DriveState::SwitchedOn | DriveState::Enabled => control::ENABLE,

@@ -82,15 +82,15 @@ impl Axis {
         set(OutputEffort, real(self.output.effort));
         set(OutputControl, u64::from(self.output.control));
         set(State, self.state as u64);
-        set(DriveState, self.drive_state as u64);
+        set(DriveState, self.shown.state() as u64);
         set(Reference, self.reference as u64);
         // Taken off again while its brake opened, it never was.
         set(Enabled, bit(self.is_on() && !self.is_opening() && self.state != AxisState::Disabled));
-        set(ModeOfOperation, int(self.mode.into()));
+        set(ModeOfOperation, int(self.shown.mode().into()));
         set(Homed, bit(self.knows_zero()));
-        set(Warning, bit(self.warning));
+        set(Warning, bit(self.shown.warns()));
         set(Brake, bit(self.is_braked()));
-        set(Error, u64::from(self.error.0));
+        set(Error, u64::from(self.alarm.code().0));
         set(LimitPositive, bit(self.switches.positive));
         set(LimitNegative, bit(self.switches.negative));
         set(ReferenceSwitch, bit(self.switches.home));
@@ -157,7 +157,7 @@ impl Axis {
         set(ActualCount, int(self.sensor.raw));
         set(ActualPosition, int(actual));
         set(ActualVelocity, real(self.actual.velocity));
-        set(ActualEffort, real(self.effort));
+        set(ActualEffort, real(self.shown.effort()));
         set(FollowingError, int(self.judge.following_error));
         set(RegulatorError, int(if self.is_on() { asked.saturating_sub(actual) } else { 0 }));
         set(RegulatorOutput, real(self.regulator_output()));

@@ -252,11 +252,10 @@ impl Axis {
     /// Keeps the first error and tells it; behind one that stopped nothing it is told beside that.
     fn record(&mut self, cx: &mut Context<'_>, failure: Failure) {
         let Failure { code, numbers: (found, allowed), .. } = failure;
-        if !self.error.is_none() {
+        if !self.alarm.is_none() {
             return self.tell_beside(cx, failure);
         }
-        (self.error, self.error_numbers) = (code, (found, allowed));
-        self.capture(cx.cycle, code);
+        self.alarm.set((found, allowed), self.fault_of(cx.cycle, code));
         // A reset that waits was meant for what was there before.
         self.waiting.fail_with(cx.events, self.setup.index, code, Until::Healthy, (found, allowed));
         self.tell_error(cx, failure);
@@ -264,7 +263,7 @@ impl Axis {
 
     /// The first error stands; another one that stops the axis, which the first did not, or takes its power, is told beside it.
     fn tell_beside(&self, cx: &mut Context<'_>, failure: Failure) {
-        if self.error != failure.code {
+        if self.alarm.code() != failure.code {
             self.tell_error(cx, failure);
         }
     }
@@ -286,7 +285,7 @@ impl Axis {
 
     /// No voltage from this cycle on.
     fn take_power(&mut self, code: Code, class: Class, brake: bool) {
-        if class == Class::Drive && code.is_alarm() && self.error == code {
+        if class == Class::Drive && code.is_alarm() && self.alarm.code() == code {
             self.note_alarm((code.0 % 100) as u8);
         }
         // Nothing stops it any more: a brake that was to close once it stands closes now (MACS-IO-04).

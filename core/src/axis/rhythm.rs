@@ -114,7 +114,7 @@ impl Axis {
             && self.judge.is_settled(self.asked(), self.parameters.max_following_error)
             && (self.is_virtual() || self.counter.is_settled())
             && self.goal.is_none()
-            && self.beyond.is_none()
+            && self.at_limits.is_within()
             && !self.is_led
     }
 
@@ -136,12 +136,12 @@ impl Axis {
     fn sleeps(&self) -> bool {
         let p = &self.parameters;
         let is_supervised = p.encoder.md41 != 0 && p.encoder.md34 != 0;
-        let has_source = self.is_virtual() || self.actual.valid && self.stale_cycles == 0 && self.counter.is_good();
+        let has_source = self.is_virtual() || self.actual.valid && self.shown.is_fresh() && self.counter.is_good();
         has_source
             && !is_supervised
             && !self.is_simulated()
             && !self.is_open_loop()
-            && self.error.is_none()
+            && self.alarm.is_none()
             && self.open_contact.is_none()
             && self.switches == Default::default()
             && self.switches_before == Default::default()
@@ -149,7 +149,7 @@ impl Axis {
             && self.buffer.is_empty()
             && self.waiting.is_empty()
             && self.left.is_none()
-            && self.stopped_at.is_none()
+            && self.at_limits.is_free()
             && self.moved == Position::ZERO
             && !self.stops_others
             && !self.awake.is_any()

@@ -5,13 +5,13 @@
 //! Refuses  open: enable and every motion
 //! Source   MACS-ERR-04; the contacts of a safety relay must act on the power of the drives as well
 
+use super::alarm::Fault;
 use super::power::Power;
 use super::reaction::Failure;
-use super::{Axis, AxisState, Context, Reference};
+use super::{Axis, AxisState, Context};
 use crate::code::Code;
 use crate::drive::Inputs;
 use crate::event::{Number, Refusal};
-use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
 /// Contacts of the cell, by their places among the digital inputs: closed reads 1.
@@ -35,35 +35,6 @@ impl Safety {
     }
 }
 
-/// How an axis stood in the cycle of its last error, before the reaction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Fault {
-    /// Its code; [`Code::NONE`] where none ever came.
-    pub code: Code,
-    /// The cycle.
-    pub cycle: u64,
-    /// Its state.
-    pub state: AxisState,
-    /// What commanded it.
-    pub reference: Reference,
-    /// Command position.
-    pub command: Position,
-    /// Command velocity (inc/s).
-    pub velocity: f64,
-    /// Actual position (inc).
-    pub actual: i64,
-    /// Actual velocity (inc/s).
-    pub actual_velocity: f64,
-    /// (inc)
-    pub following_error: i64,
-}
-
-impl Fault {
-    pub(super) fn is_sound(&self) -> bool {
-        self.velocity.is_finite() && self.actual_velocity.is_finite()
-    }
-}
-
 impl Axis {
     /// Stops the axis where a contact is open.
     pub(super) fn watch_contacts(&mut self, cx: &mut Context<'_>) {
@@ -73,7 +44,7 @@ impl Axis {
             return;
         }
         let runs = if self.is_virtual() { !self.rests() } else { !matches!(self.power, Power::Off) };
-        let stops_for_it = self.state == AxisState::ErrorStop && self.error == now;
+        let stops_for_it = self.state == AxisState::ErrorStop && self.alarm.code() == now;
         if !runs || stops_for_it {
             return;
         }
@@ -94,9 +65,9 @@ impl Axis {
         }
     }
 
-    /// Keeps how it stands for an error that comes now.
-    pub(super) fn capture(&mut self, cycle: u64, code: Code) {
-        self.fault = Fault {
+    /// How it stands, for an error that comes now.
+    pub(super) fn fault_of(&self, cycle: u64, code: Code) -> Fault {
+        Fault {
             code,
             cycle,
             state: self.state,
@@ -106,11 +77,6 @@ impl Axis {
             actual: self.actual.position.floor(),
             actual_velocity: self.actual.velocity,
             following_error: self.judge.following_error,
-        };
-    }
-
-    /// How it stood when its last error came.
-    pub fn fault(&self) -> &Fault {
-        &self.fault
+        }
     }
 }

@@ -1,14 +1,13 @@
 //! The commands that every axis answers: enable, disable, halt, quick_stop, reset_errors, cancel; and who waits for
 //! their end.
 
+use super::alarm::NO_NUMBERS;
 use super::course::Aim;
-use super::goal::NO_NUMBERS;
 use super::power::Power;
 use super::waiting::Until;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::command::Action;
-use crate::drive::DriveState;
 use crate::event::{Event, Kind, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
@@ -178,19 +177,18 @@ impl Axis {
     }
 
     pub(super) fn drive_fails(&self, cx: &Context<'_>) -> bool {
-        let in_fault = matches!(self.drive_state, DriveState::Fault | DriveState::FaultReaction);
-        cx.input.is_some_and(|input| !input.online || in_fault)
+        cx.input.is_some_and(|input| !input.online || self.shown.is_in_fault())
     }
 
     /// Leaves ERROR_STOP and STOPPING.
     pub(super) fn clear_error(&mut self, cx: &mut Context<'_>) {
-        if !self.error.is_none() {
-            let (found, allowed) = self.error_numbers;
-            let event = Event::new(Severity::Info, Kind::Reset, self.object(), self.error).with(found, allowed);
-            cx.events.push(Event { position: Position::whole(self.fault.actual), ..event });
+        if !self.alarm.is_none() {
+            let (found, allowed) = self.alarm.numbers();
+            let event = Event::new(Severity::Info, Kind::Reset, self.object(), self.alarm.code()).with(found, allowed);
+            cx.events.push(Event { position: Position::whole(self.fault().actual), ..event });
         }
         self.holding.aborted = false;
-        let before = std::mem::replace(&mut self.error, Code::NONE);
+        let before = self.alarm.clear();
         self.wf.take_reset();
         let was_braked = std::mem::take(&mut self.brake);
         let mut lasting = self.lasting_following_error(cx.cycle).filter(|_| before == Code::FOLLOWING_ERROR);
@@ -254,9 +252,8 @@ impl Axis {
             // Alone it may not go where its master led it.
             let velocity = if self.reverses_alone() { steady } else { steady.max(0.0) };
             let aim = Aim::velocity(velocity);
-            self.generator = Generator::Plan(self.course(cx.cycle, self.present(), aim, limits));
-            self.reference = Reference::Speed;
-            self.set_state(cx, AxisState::ContinuousMotion);
+            let course = self.course(cx.cycle, self.present(), aim, limits);
+            self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
         } else {
             if let Some(goal) = &mut self.goal {
                 goal.ending = Some(Code::CANCELLED);
@@ -279,7 +276,7 @@ impl Axis {
         }
         let stands = self.rests();
         let locked = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop)
-            || !self.error.is_none()
+            || !self.alarm.is_none()
             || self.drive_fails(cx);
         // One whose drive still stops, or whose brake still closes, is not to be let go.
         let is_going = match self.power {
@@ -288,7 +285,7 @@ impl Axis {
             _ => self.is_finishing_stop(),
         };
         let clears = self.holding.clears || self.waiting.waits_for(Until::Healthy);
-        let resumes = self.holding.resumes && self.error.is_none();
+        let resumes = self.holding.resumes && self.alarm.is_none();
         let is_due = stands && locked && !is_going && (clears || resumes);
         if self.may_reset(cx.cycle, is_due) {
             (self.holding.clears, self.holding.resumes) = (false, false);
@@ -300,9 +297,9 @@ impl Axis {
         }
         self.holding.clears &= locked;
         let position = self.command.position;
-        let failed = if self.error.is_none() { None } else { Some(self.error) };
+        let failed = Some(self.alarm.code()).filter(|code| !code.is_none());
         let (axis, opens) = (self.setup.index, self.is_opening());
-        let (found, allowed) = self.error_numbers;
+        let (found, allowed) = self.alarm.numbers();
         let mut end = |until, code| {
             let done = Event::done(Object::Axis(axis), 0, code, position);
             let done = if Some(code) == failed { done.with(found, allowed) } else { done };

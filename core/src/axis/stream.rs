@@ -7,8 +7,8 @@
 //!          between. A setpoint of 0 asks for nothing that anybody would miss, and is not told of. Where the newest one leads
 //!          into a limit, or backwards against REVERS, the one before is asked for no more: the axis stops
 
+use super::alarm::NO_NUMBERS;
 use super::course::Aim;
-use super::goal::NO_NUMBERS;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
@@ -141,9 +141,7 @@ impl Axis {
         if self.check_course(&course, from, usual).is_err() {
             course = self.course(cx.cycle, from, aim, self.stop_limits());
         }
-        self.generator = Generator::Plan(course);
-        self.reference = Reference::Stream;
         self.owner = Owner::Native;
-        self.set_state(cx, AxisState::ContinuousMotion);
+        self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Stream, Generator::Plan(course));
     }
 }

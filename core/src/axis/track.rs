@@ -223,11 +223,8 @@ impl Axis {
         self.goal = Some(Goal { sequence: run.sequence, ending: None, target, search: None, track: Some(tracker) });
         self.judge.rested_at = None;
         self.owner = Owner::Native;
-        self.reference = Reference::Trajectory;
-        if !waits {
-            self.generator = self.track_from(begin);
-        }
-        self.set_state(cx, AxisState::DiscreteMotion);
+        let generator = if waits { self.generator } else { self.track_from(begin) };
+        self.begin_motion(cx, AxisState::DiscreteMotion, Reference::Trajectory, generator);
     }
 
     fn track_from(&self, begin: Motion) -> Generator {

@@ -56,7 +56,7 @@ impl Axis {
             closing: matches!(self.power, Power::Closing { .. }),
             locked: self.is_locked(),
             in_error: self.state == AxisState::ErrorStop,
-            error: self.error,
+            error: self.alarm.code(),
             contact: self.open_contact,
             homing: self.homing.is_running(),
             search_speed: self.search_speed(),
@@ -462,13 +462,13 @@ impl Axis {
                 return Ok(());
             }
             Order::Reset => {
-                if self.error.is_alarm() {
+                if self.alarm.code().is_alarm() {
                     self.check_stop_of(cx.cycle)?;
                     if !self.rests() {
                         return Err(self.not_at_standstill());
                     }
                     // WF-MON-06: after its cause is removed. The others last only as long as what they stop.
-                    if self.error == Code::WF_ENCODER_CABLE && self.source_failure().is_some() {
+                    if self.alarm.code() == Code::WF_ENCODER_CABLE && self.source_failure().is_some() {
                         return Err(Refusal::new(Code::WF_ENCODER_CABLE, self.object()));
                     }
                     self.clear_error(cx);

@@ -4,7 +4,7 @@
 //!          came
 //! Refuses  more than [`MAX_WAITING`] for one axis
 
-use super::goal::Numbers;
+use super::alarm::Numbers;
 use crate::code::Code;
 use crate::event::{Event, EventQueue};
 use crate::object::Object;

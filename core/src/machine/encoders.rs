@@ -6,7 +6,7 @@ use crate::code::Code;
 use crate::command::{Action, Commands, SetEncoderPosition};
 use crate::encoder::Told;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::object::{Leader, Object};
+use crate::object::Object;
 use crate::position::Position;
 
 /// Code of what an encoder tells.
@@ -161,7 +161,7 @@ impl Machine {
     fn move_encoder(&mut self, encoder: u16, by: i64, left: impl Fn(&Axis) -> i64) {
         let place = usize::from(encoder);
         if let (Some(shifted), Some(lead)) =
-            (self.state.encoders.get_mut(place), self.state.leads.get_mut(Leader::Encoder(encoder)))
+            (self.state.encoders.get_mut(place), self.state.leads.encoders.get_mut(place))
         {
             shifted.shift(by);
             lead.position += Position::whole(by);

@@ -11,7 +11,7 @@ use crate::code::Code;
 use crate::command::Command;
 use crate::config::{IoCounts, NoSuchIo, OutputShared, highest_velocity};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::object::{AxisSet, Leader, Object};
+use crate::object::{AxisSet, Object};
 use crate::parameter::{
     AxisParameters, Change, Contradiction, Effect, Layer, MACHINE, MachineParameters, ParameterImage, ROWS, Refused,
     Row, Value, in_order,
@@ -172,15 +172,11 @@ impl Machine {
     fn put_in_force(&mut self, index: usize, parameters: AxisParameters) {
         if self.state.axes[index].take_parameters(parameters) {
             let leads = &mut self.state.leads;
-            let index = index as u16;
-            let before = leads.get(Leader::AxisCommand(index)).position;
-            if let Some(command) = leads.get_mut(Leader::AxisCommand(index)) {
-                command.position = -before;
-            }
-            if let Some(actual) = leads.get_mut(Leader::AxisActual(index)) {
-                actual.position = self.state.axes[usize::from(index)].actual().position;
-            }
-            self.count_on(usize::from(index), -before - before);
+            let Some(of) = leads.of_axes.get_mut(index) else { return };
+            let before = of.command.position;
+            of.command.position = -before;
+            of.actual.position = self.state.axes[index].actual().position;
+            self.count_on(index, -before - before);
         }
     }
 

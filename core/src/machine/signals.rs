@@ -237,8 +237,8 @@ impl Machine {
         self.latched.clear();
         for latch in &inputs.latch {
             let lead = match latch.object {
-                Object::Encoder(index) => self.state.leads.find(Leader::Encoder(index)),
-                Object::Axis(index) => self.state.leads.find(Leader::AxisActual(index)),
+                Object::Encoder(index) => self.state.leads.find(Leader::Encoder(index)).copied(),
+                Object::Axis(index) => self.state.leads.find(Leader::AxisActual(index)).copied(),
                 _ => None,
             };
             let raw = latch.position.map(|count| self.locate(latch.object, count));

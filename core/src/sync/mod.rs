@@ -5,7 +5,7 @@ pub mod gear;
 mod leads;
 mod transmission;
 
-pub use leads::Leads;
+pub use leads::{Leads, OfAxis};
 use serde::{Deserialize, Serialize};
 pub use transmission::Transmission;
 
