@@ -453,4 +453,6 @@ fn first_trajectory(commands: Commands<'_>, admitted: u64) -> Option<usize> {
 }
 
 #[cfg(test)]
+pub(crate) mod rig;
+#[cfg(test)]
 mod tests;
