@@ -3,7 +3,6 @@
 mod support;
 
 use std::{
-    collections::BTreeSet,
     path::PathBuf,
     thread,
     time::{Duration, Instant},
@@ -162,26 +161,32 @@ fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
     assert!(lines < 60, "{lines} lines of log: {}", program.log());
 }
 
-/// Clients reach either of two nodes of one name: each says so once, and no more.
-#[test]
-fn two_nodes_of_one_name_are_told_once_each() {
+/// The logs of two nodes of one name, whose endpoints come and go for a while; none where a ROS side was started again: a new side is
+/// another participant, and has to be told anew.
+fn logs_of_namesakes(told: &str) -> Option<[String; 2]> {
     let domain = Domain::take();
-    let (first, second) = (Program::start(&["run"], &domain), Program::start(&["run"], &domain));
-    let told = "has a node /lineshaft, too";
-    for program in [&first, &second] {
+    let programs = [Program::start(&["run"], &domain), Program::start(&["run"], &domain)];
+    for program in &programs {
         wait_for(program, told, seconds(20.0));
     }
     // Endpoints that come and go announce the node anew.
     let mut peer = Peer::cyclone(&domain);
     peer.run("answered /lineshaft --seconds 20");
-    for mut program in [first, second] {
+    let logs = programs.map(|mut program| {
         program.interrupt();
         program.wait_exit(seconds(20.0));
-        let log = program.log();
-        let others: Vec<_> = log.lines().filter_map(|line| line.split_once(told)?.0.rsplit(' ').nth(1)).collect();
-        let different: BTreeSet<_> = others.iter().collect();
-        // On a machine that is busy enough a ROS side may be started again: a new one has to be told, and says so anew.
-        let sides = 1 + log.matches("it is started again").count();
-        assert!(others.len() <= sides * different.len(), "once each: {log}");
+        program.log()
+    });
+    logs.iter().all(|log| !log.contains("it is started again")).then_some(logs)
+}
+
+/// Clients reach either of two nodes of one name: each says so once.
+#[test]
+fn two_nodes_of_one_name_are_told_once_each() {
+    let told = "has a node /lineshaft, too";
+    // On a machine that is busy enough a ROS side may be started again.
+    let logs = (0..3).find_map(|_| logs_of_namesakes(told)).expect("three runs, and in each a ROS side began anew");
+    for log in logs {
+        assert_eq!(log.matches(told).count(), 1, "once each: {log}");
     }
 }

@@ -4,17 +4,12 @@
 //! `Machine::cycle` alone, and fails where a figure is more than 5 % above the stored one (`instructions.txt`).
 //! `LINESHAFT_RENEW=1` stores the figures of this run instead.
 
+mod shop;
+
 use lineshaft_core::axis::{Axis, HOT_BYTES};
-use lineshaft_core::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Source, Synchronize};
-use lineshaft_core::config::{AxisConfig, MachineConfig};
-use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
-use lineshaft_core::machine::{MAX_COMMANDS, Machine};
-use lineshaft_core::modulo::Direction;
-use lineshaft_core::object::{AxisSet, Leader};
-use lineshaft_core::parameter::AxisParameters;
-use lineshaft_core::position::Length;
-use lineshaft_core::sync::{Disengage, SyncMode};
-use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+use lineshaft_core::command::{Action, Commands, Move, MoveMode};
+use lineshaft_core::drive::DriveState;
+use shop::{Shop, couple, goal};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::process;
@@ -50,128 +45,60 @@ const CYCLES: usize = 40;
 const COUNTED: &str = "LINESHAFT_COUNTED";
 const STORED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/instructions.txt");
 
-/// The machine and the least that stands for its drives.
-struct Rig {
-    machine: Machine,
-    inputs: Inputs,
-    outputs: Outputs,
+/// A machine whose axes do what is to be counted.
+fn shop(case: Case, axes: u16) -> Shop {
+    let leaders = u16::from(case == Case::Geared);
+    let mut shop = Shop::new(leaders, axes.max(1 + leaders));
+    shop.switch(DriveState::SwitchOnDisabled);
+    shop.cycle(Commands::default());
+    if case != Case::Disabled {
+        shop.enable();
+        begin(&mut shop, case, leaders);
+    }
+    (0..SETTLING).for_each(|_| shop.cycle(Commands::default()));
+    shop
 }
 
-impl Rig {
-    fn new(case: Case, axes: u16) -> Self {
-        let per = Quantity::new(Fraction::from_integer(1), Unit::METRE);
-        let scale = Scale::new(Fraction::from_integer(1_000_000), per).expect("a legal scale");
-        let leaders = u16::from(case == Case::Geared);
-        let axis = |index: u16| {
-            let delay = (index >= leaders).then_some(0);
-            AxisConfig::new(format!("a{index}"), scale, delay.map(Capabilities::all), AxisParameters::new(1e6, 1e7))
-        };
-        let axes = (0..axes.max(1 + leaders)).map(axis).collect();
-        let config = MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() };
-        let machine = Machine::new(config).expect("a legal machine");
-        let (inputs, outputs) = (machine.inputs(), machine.outputs());
-        let mut rig = Self { machine, inputs, outputs };
-        rig.switch(DriveState::SwitchOnDisabled);
-        rig.begin(case, leaders);
-        (0..SETTLING).for_each(|_| rig.cycle(Commands::default()));
-        rig
+fn begin(shop: &mut Shop, case: Case, first: u16) {
+    let axes = shop.machine.config().axes.len() as u16;
+    let action = |axis| match case {
+        Case::Geared => couple(axis),
+        Case::Velocity => Action::Move(goal(axis, MoveMode::Velocity, 0, 1e5)),
+        _ => Action::Move(goal(axis, MoveMode::Absolute, 1_000_000_000, 1.5e5)),
+    };
+    if case != Case::Rest {
+        let actions: Vec<_> = (first..axes).map(action).collect();
+        shop.give(&actions);
     }
-
-    fn begin(&mut self, case: Case, first: u16) {
-        self.cycle(Commands::default());
-        if case == Case::Disabled {
-            return;
-        }
-        let axes = self.machine.config().axes.len() as u16;
-        self.switch(DriveState::Enabled);
-        self.give(&[Action::Enable(AxisSet::first(usize::from(axes)))]);
-        self.cycle(Commands::default());
-        let action = |axis| match case {
-            Case::Geared => couple(axis),
-            Case::Velocity => begin_move(axis, MoveMode::Velocity, 0, 1e5),
-            _ => begin_move(axis, MoveMode::Absolute, 1_000_000_000, 1.5e5),
-        };
-        if case != Case::Rest {
-            let actions: Vec<_> = (first..axes).map(action).collect();
-            self.give(&actions);
-        }
-        // Once all of them follow, and no faster than they can.
-        if case == Case::Geared {
-            let Action::Move(slow) = begin_move(0, MoveMode::Velocity, 0, 1e5) else { return };
-            self.give(&[Action::Move(Move { acceleration: 2e6, ..slow })]);
-        }
-    }
-
-    fn switch(&mut self, state: DriveState) {
-        let drive = DriveInput { status: state.status(), online: true, fresh: true, ..DriveInput::default() };
-        self.inputs.drive.fill(drive);
-    }
-
-    fn give(&mut self, actions: &[Action]) {
-        for some in actions.chunks(MAX_COMMANDS) {
-            let command = |action: &Action| Command { sequence: 1, source: Source::Cli, action: action.clone() };
-            let commands: Vec<_> = some.iter().map(command).collect();
-            self.cycle(Commands::queue(&commands));
-        }
-    }
-
-    fn cycle(&mut self, commands: Commands<'_>) {
-        self.machine.cycle(&self.inputs, commands, &mut self.outputs);
-        for (input, output) in self.inputs.drive.iter_mut().zip(&self.outputs.drive) {
-            (input.count, input.mode) = (output.position, output.mode.number());
-        }
-    }
-
-    /// Do the axes do what is to be counted?
-    fn check(&self, case: Case) {
-        let wanted = match case {
-            Case::Disabled => "DISABLED",
-            Case::Rest => "STANDSTILL",
-            Case::Moving => "DISCRETE_MOTION",
-            Case::Velocity => "CONTINUOUS_MOTION",
-            Case::Geared => "SYNCHRONIZED_MOTION",
-        };
-        let place = lineshaft_core::state::AXIS_STATES.iter().position(|name| *name == wanted);
-        let last = self.machine.config().axes.last().map(|axis| axis.name.as_str()).unwrap_or_default();
-        let signal = self.machine.directory().find(&format!("{last}.state")).expect("the state of the last axis");
-        assert_eq!(Some(self.machine.board().int(signal) as usize), place, "{case:?}");
-        assert!(self.machine.events().is_empty(), "{case:?}: {:?}", self.machine.events());
+    // Once all of them follow, and no faster than they can.
+    if case == Case::Geared {
+        let slow = Move { acceleration: 2e6, ..goal(0, MoveMode::Velocity, 0, 1e5) };
+        shop.give(&[Action::Move(slow)]);
     }
 }
 
-fn begin_move(axis: u16, mode: MoveMode, target: i64, velocity: f64) -> Action {
-    Action::Move(Move {
-        axis,
-        mode,
-        target: Length::whole(target),
-        velocity,
-        acceleration: 0.0,
-        deceleration: 0.0,
-        jerk: 0.0,
-        direction: Direction::Shortest,
-        buffer_mode: BufferMode::Aborting,
-    })
-}
-
-fn couple(axis: u16) -> Action {
-    Action::Synchronize(Synchronize {
-        axis,
-        leader: Some(Leader::AxisCommand(0)),
-        mode: SyncMode::Position,
-        disengage: Disengage::Stop,
-        numerator: 355,
-        denominator: 113,
-        offset: Length::default(),
-        velocity: 0.0,
-        acceleration: 0.0,
-    })
+/// Do the axes do what is to be counted?
+fn check(shop: &Shop, case: Case) {
+    let machine = &shop.machine;
+    let wanted = match case {
+        Case::Disabled => "DISABLED",
+        Case::Rest => "STANDSTILL",
+        Case::Moving => "DISCRETE_MOTION",
+        Case::Velocity => "CONTINUOUS_MOTION",
+        Case::Geared => "SYNCHRONIZED_MOTION",
+    };
+    let place = lineshaft_core::state::AXIS_STATES.iter().position(|name| *name == wanted);
+    let last = machine.config().axes.last().map(|axis| axis.name.as_str()).unwrap_or_default();
+    let signal = machine.directory().find(&format!("{last}.state")).expect("the state of the last axis");
+    assert_eq!(Some(machine.board().int(signal) as usize), place, "{case:?}");
+    assert!(machine.events().is_empty(), "{case:?}: {:?}", machine.events());
 }
 
 /// In the process that is counted: the set-up, then cycles that callgrind sees or not.
 fn run(case: Case, axes: u16, cycles: usize) {
-    let mut rig = Rig::new(case, axes);
-    (0..cycles).for_each(|_| rig.cycle(Commands::default()));
-    rig.check(case);
+    let mut shop = shop(case, axes);
+    (0..cycles).for_each(|_| shop.cycle(Commands::default()));
+    check(&shop, case);
 }
 
 /// Instructions of the cycles of a process that runs so many behind its set-up.

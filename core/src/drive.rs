@@ -27,12 +27,12 @@ pub struct EncoderInput {
 /// How the bus of a drive does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BusState {
-    /// It transmits.
+    /// The bus transmits.
     #[default]
     Active = 0,
-    /// It transmits, with many errors (error passive).
+    /// The bus transmits, with many errors (error passive).
     Passive = 1,
-    /// It transmits nothing: switched off by its errors, its cable cut, its adapter pulled.
+    /// The bus transmits nothing: switched off by its errors, its cable cut, its adapter pulled.
     Off = 2,
 }
 
@@ -222,15 +222,15 @@ pub enum Mode {
     /// None.
     #[default]
     None,
-    /// It closes the position loop (csp).
+    /// The drive closes the position loop (csp).
     Position,
-    /// It closes the velocity loop (csv).
+    /// The drive closes the velocity loop (csv).
     Velocity,
-    /// It closes the torque loop (cst).
+    /// The drive closes the torque loop (cst).
     Torque,
-    /// It runs at a speed, and closes nothing (vl).
+    /// The drive runs at a speed, and closes nothing (vl).
     Speed,
-    /// It homes by itself.
+    /// The drive homes by itself.
     Homing(HomingOrder),
 }
 

@@ -1,6 +1,6 @@
 //! The motion core of Lineshaft: one deterministic cycle of encoders, axes and signals.
 //!
-//! It knows no ROS, no CAN, no file, no thread and no wall time: [`machine::Machine::cycle`] takes the inputs and commands of a
+//! The core knows no ROS, no CAN, no file, no thread and no wall time: [`machine::Machine::cycle`] takes the inputs and commands of a
 //! cycle and gives its outputs; nothing else changes it. Config, commands by cycle and inputs by cycle determine every
 //! output bit. In the cycle nothing is allocated, locked or waited for, and integer arithmetic saturates, wraps or is
 //! checked by intent.

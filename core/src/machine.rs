@@ -451,4 +451,6 @@ fn live(commands: Commands<'_>, admitted: u64) -> impl Iterator<Item = &Command>
 }
 
 #[cfg(test)]
+pub(crate) mod rig;
+#[cfg(test)]
 mod tests;

@@ -7,12 +7,14 @@ mod error;
 mod homing;
 mod meaning;
 mod outputs;
+mod rates;
 mod saia;
 mod setpoints;
 mod trajectory;
 
 pub use error::RequestError;
 pub use homing::{HomeRequest, SetPositionRequest};
+pub use rates::Rates;
 pub use setpoints::SetpointRequest;
 pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
 
@@ -126,14 +128,8 @@ pub struct MoveRequest {
     pub units: Units,
     /// Target or distance.
     pub position: Amount,
-    /// 0: the default.
-    pub velocity: Amount,
-    /// 0: the default.
-    pub acceleration: Amount,
-    /// 0: the default.
-    pub deceleration: Amount,
-    /// 0: the default.
-    pub jerk: Amount,
+    /// How fast.
+    pub rates: Rates,
     /// 0 aborting, 1 buffered, 2 to 5 blending.
     pub buffer_mode: u8,
     /// 0 shortest, 1 positive, 2 negative, 3 current.
@@ -242,21 +238,18 @@ impl MachineConfig {
     pub fn resolve_recorded_move(&self, request: &MoveRequest) -> Result<Move, RequestError> {
         let (index, axis) = self.find_axis(&request.axis)?;
         let (units, scale) = (request.units, &axis.scale);
-        let rate = |field: &str, amount: Amount, order| {
-            let bad = |error| RequestError::BadValue { field: field.to_owned(), error: Box::new(error) };
-            amount.rate(units, scale, order).map_err(bad)
-        };
+        // Of several faults the first one is told, in the order of the fields.
+        let mode = move_mode(request.mode)?;
+        let target = request.position.length(units, scale).map_err(|error| bad_value("position", error))?;
+        let [velocity, acceleration, deceleration, jerk] = request.rates.resolve(units, scale)?;
         Ok(Move {
             axis: index,
-            mode: move_mode(request.mode)?,
-            target: request
-                .position
-                .length(units, scale)
-                .map_err(|error| RequestError::BadValue { field: "position".into(), error: Box::new(error) })?,
-            velocity: rate("velocity", request.velocity, 1)?,
-            acceleration: rate("acceleration", request.acceleration, 2)?,
-            deceleration: rate("deceleration", request.deceleration, 2)?,
-            jerk: rate("jerk", request.jerk, 3)?,
+            mode,
+            target,
+            velocity,
+            acceleration,
+            deceleration,
+            jerk,
             direction: direction(request.direction)?,
             buffer_mode: buffer_mode(request.buffer_mode)?,
         })
@@ -313,7 +306,6 @@ impl MachineConfig {
             }
         };
         let (_, axis) = self.find_axis(&request.search.axis)?;
-        let bad = |error| RequestError::BadValue { field: "distance".to_owned(), error: Box::new(error) };
         Ok(Probe {
             axis: search.axis,
             relative,
@@ -324,7 +316,10 @@ impl MachineConfig {
             jerk: search.jerk,
             source: self.find_latch(&request.event)?,
             edge,
-            distance: request.distance.length(request.search.units, &axis.scale).map_err(bad)?,
+            distance: request
+                .distance
+                .length(request.search.units, &axis.scale)
+                .map_err(|error| bad_value("distance", error))?,
         })
     }
 

@@ -3,7 +3,7 @@
 /// Kinds of errors by what they do to their axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// It is no error of an axis: a refusal, the end of a goal, a warning, a notice.
+    /// No error of an axis: a refusal, the end of a goal, a warning, a notice.
     NoError,
     /// As parameter error_reaction (ERRCOND) says.
     Parameter,
@@ -13,16 +13,16 @@ pub enum Class {
     Search,
     /// A limit switch: endswmod 1 stops as 2 does; else as [`Class::Ends`].
     Switch,
-    /// A software limit: it stops at the limit, and once it stands as error_reaction says.
+    /// A software limit: the axis stops at the limit, and once it stands as error_reaction says.
     SoftwareLimit,
     /// Its own encoder cannot be trusted: where the position loop is closed here the drive is switched off, with the brake
     /// for all but error_reaction 0; else as [`Class::Ends`].
     Feedback,
     /// Nothing is left to command: the drive gets no voltage, and the brake closes for 1 and 3.
     Drive,
-    /// It stops with max_deceleration and holds; with error_reaction 3 the brake closes then.
+    /// The axis stops with max_deceleration and holds; with error_reaction 3 the brake closes then.
     Interlock,
-    /// It stops with max_deceleration, then the drive is switched off and the brake closed.
+    /// The axis stops with max_deceleration, then the drive is switched off and the brake closed.
     EmergencyStop,
     /// A SAIA command that is refused; only saia.command_error motor_off makes an error of it, which switches the drive off, with the
     /// brake for 1 and 3.

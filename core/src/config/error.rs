@@ -122,7 +122,7 @@ pub enum ConfigError {
         key: &'static str,
         /// Its value.
         number: i64,
-        /// It names an output.
+        /// Whether the number names an output.
         is_output: bool,
         /// How many there are.
         count: usize,

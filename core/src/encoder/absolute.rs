@@ -21,9 +21,9 @@ pub enum WordCode {
 /// What a track of parity makes of the number of ones of a word, itself included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parity {
-    /// It is even.
+    /// The number of ones is even.
     Even,
-    /// It is odd.
+    /// The number of ones is odd.
     Odd,
 }
 
@@ -51,9 +51,9 @@ pub struct Absolute {
 /// Why a word is bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bad {
-    /// It could not be read, or is none of the encoder's.
+    /// The word could not be read, or is none of the encoder's.
     NoWord,
-    /// It lies further from the last one than the encoder can have moved.
+    /// The word lies further from the last one than the encoder can have moved.
     Step,
 }
 

@@ -34,14 +34,14 @@ pub struct Lead {
     pub velocity: f64,
     /// Counted, so that its change is uneven by one increment; else generated.
     pub counted: bool,
-    /// False: it is lost, and who follows it must stop.
+    /// False: the encoder is lost, and who follows it must stop.
     pub valid: bool,
 }
 
 /// What an encoder tells once, when it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Told {
-    /// It gives no value that can be used.
+    /// The encoder gives no value that can be used.
     Invalid,
     /// A bad value was replaced by an extrapolated one, the first of a row.
     Substituted,

@@ -61,7 +61,7 @@ pub struct Reading {
     pub change: i64,
     /// There is a value that may be used.
     pub valid: bool,
-    /// It was made up for one that could not be.
+    /// The value was made up for one that could not be used.
     pub substituted: bool,
     /// The coordinate began anew: the first value, or a new epoch.
     pub restarted: bool,

@@ -1,4 +1,4 @@
-mod rig;
+use super::rig;
 
 mod activity;
 mod amc;
@@ -12,7 +12,6 @@ mod faults;
 mod feedback;
 mod homing;
 mod layers;
-
 mod limit_switches;
 mod limits;
 mod loops;

@@ -84,7 +84,7 @@ impl Change {
 
 /// The changes of a set in the order in which they apply: what the meaning of others depends on first.
 pub fn in_order(changes: &[Change]) -> impl Iterator<Item = &Change> {
-    let is_first = |change: &&Change| change.row == 0;
+    let is_first = |change: &&Change| change.row == rows::SENSE_ROW;
     changes.iter().filter(is_first).chain(changes.iter().filter(move |change| !is_first(change)))
 }
 

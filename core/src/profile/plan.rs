@@ -95,7 +95,7 @@ const NEGLIGIBLE: f64 = 1e-9;
 pub struct Plan {
     /// When each phase begins (s), from the start; without end for places that are free.
     begins: [f64; MAX_PHASES],
-    /// Those that count from the start fill the first places, those that count from the end the last.
+    /// Phases that count from the start fill the first places, phases that count from the end the last.
     phases: [Phase; MAX_PHASES],
     start: Position,
     /// Where it ends, and with which velocity it goes on.

@@ -72,7 +72,7 @@ fn what_is_wrong_in_a_request_is_said_with_what_is_allowed() {
     assert!(bad(|r| r.mode = 9).starts_with("mode is 9; 0 ABSOLUTE"));
     assert!(bad(|r| r.buffer_mode = 200).starts_with("buffer_mode is 200"));
     assert!(bad(|r| r.direction = 4).starts_with("direction is 4"));
-    assert!(bad(|r| r.jerk = Amount::Number(f64::INFINITY)).starts_with("jerk: "));
+    assert!(bad(|r| r.rates.jerk = Amount::Number(f64::INFINITY)).starts_with("jerk: "));
     assert!(Units::from_number(3).is_err());
 }
 
@@ -88,7 +88,11 @@ fn a_field_without_a_meaning_is_refused() {
         assert_eq!(moved(round("x")), Err(sentence));
         assert_eq!(moved(round("turret")), Ok(()));
     }
-    let at_speed = |position, units| MoveRequest { mode: 3, velocity: Amount::Number(0.1), ..to("x", units, position) };
+    let at_speed = |position, units| MoveRequest {
+        mode: 3,
+        rates: Rates::numbers([0.1, 0.0, 0.0, 0.0]),
+        ..to("x", units, position)
+    };
     assert_eq!(moved(at_speed(0.0, Units::Si)), Ok(()));
     let sentence = "position is `10 mm`; 0 is allowed with mode VELOCITY, which has no target";
     assert_eq!(moved(at_speed(10.0, Units::AxisUnit)), Err(sentence.into()));
@@ -188,7 +192,7 @@ fn a_probe_is_a_search_with_an_end_in_the_same_units() {
     };
     config.axes[1].drive = Some(crate::drive::Capabilities::all(0));
     let request = |event: &str| ProbeRequest {
-        search: MoveRequest { mode: 1, velocity: Amount::Number(2.0), ..to("x", Units::AxisUnit, 7.0) },
+        search: MoveRequest { mode: 1, rates: Rates::numbers([2.0, 0.0, 0.0, 0.0]), ..to("x", Units::AxisUnit, 7.0) },
         event: event.into(),
         edge: 2,
         distance: Amount::Number(-0.5),

@@ -100,7 +100,7 @@ impl Quantity {
             .ok_or(UnitError::NotNanoseconds { given: *self })
     }
 
-    /// This number in a unit of the dimension that was expected, for an error's example; one of it where this number is
+    /// The number in a unit of the dimension that was expected, for an error's example; one of it where this number is
     /// none: 0, negative or long.
     pub(super) fn example(&self, expected: Dimension) -> Self {
         const LONGEST: usize = 6;

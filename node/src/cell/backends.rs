@@ -31,7 +31,7 @@ impl Backend {
 pub struct CellBackend {
     /// Name.
     pub name: String,
-    /// It is a simulation; else `run` without `--sim` needs it.
+    /// A simulation; else `run` without `--sim` needs it.
     pub is_simulated: bool,
     /// What hangs on it.
     pub objects: Objects,

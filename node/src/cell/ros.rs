@@ -35,9 +35,9 @@ pub struct RosOptions {
 /// What the machine does when nobody can reach it through ROS any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnLoss {
-    /// It halts all axes.
+    /// The machine halts all axes.
     Halt,
-    /// It goes on.
+    /// The machine goes on.
     None,
 }
 

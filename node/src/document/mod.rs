@@ -24,7 +24,7 @@
 //! );
 //! ```
 //!
-//! This is the only place that knows the YAML parser.
+//! No other room knows the YAML parser.
 
 mod map;
 mod parse;

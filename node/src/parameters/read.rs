@@ -37,11 +37,11 @@ pub fn read_changes(
 /// What a file of parameters would do to a machine that has just started.
 #[derive(Debug)]
 pub struct Import {
-    /// What it asks for.
+    /// What the file asks for.
     pub changes: Box<[Change]>,
     /// The parameters of each axis afterwards.
     pub parameters: Vec<AxisParameters>,
-    /// Those of the machine.
+    /// The parameters of the machine afterwards.
     pub machine: MachineParameters,
 }
 

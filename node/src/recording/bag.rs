@@ -93,7 +93,7 @@ pub struct Summary {
     pub size: u64,
     /// Cycles that are missing between the first and the last one.
     pub lost: u64,
-    /// It begins where a replay can begin, and nothing is missing.
+    /// The bag begins where a replay can begin, and nothing is missing.
     pub replayable: bool,
 }
 

@@ -1,12 +1,16 @@
 //! The cycles whose states are told, on topics and in bags alike.
 
+use std::ops::Range;
+
 /// Which cycles a rate takes: k where floor(k T rate) differs from that of k - 1, and cycle 0.
 ///
 /// T rate is the reduced fraction `share / whole` of exact integers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Cadence {
     share: u128,
     whole: u128,
+    /// Cycles of which none is due: divisions of 128 bits are made once for each that is.
+    pause: Range<u64>,
 }
 
 impl Cadence {
@@ -16,11 +20,31 @@ impl Cadence {
         let share = u128::from((rate * 1e9).round() as u64) * u128::from(cycle_ns);
         let whole = 1_000_000_000_000_000_000;
         let divisor = greatest_common_divisor(share, whole);
-        Self { share: share / divisor, whole: whole / divisor }
+        Self { share: share / divisor, whole: whole / divisor, pause: 0..0 }
     }
 
     /// Does the rate take this cycle?
-    pub fn is_due(self, cycle: u64) -> bool {
+    pub fn is_due(&mut self, cycle: u64) -> bool {
+        if self.pause.contains(&cycle) {
+            return false;
+        }
+        self.pause = cycle.saturating_add(1)..self.next_after(cycle);
+        self.takes(cycle)
+    }
+
+    /// The first cycle behind that one that may be due.
+    fn next_after(&self, cycle: u64) -> u64 {
+        match self.share {
+            0 => return u64::MAX,
+            share if share >= self.whole => return cycle.saturating_add(1),
+            _ => {}
+        }
+        // The step behind floor(k share / whole), below 2^64: with share < whole < 2^60 no product reaches 2^128.
+        let step = u128::from(cycle) * self.share / self.whole + 1;
+        u64::try_from((step * self.whole).div_ceil(self.share)).unwrap_or(u64::MAX)
+    }
+
+    fn takes(&self, cycle: u64) -> bool {
         if cycle == 0 || self.share >= self.whole {
             return true;
         }

@@ -3,7 +3,7 @@
 //! What a cycle did is a [`Cycle`]. An [`Encoder`](encoder::Encoder) makes the messages of it that stand in a bag, an
 //! [`Encoded`] cycle; a [`Bag`](bag::Bag) writes them. [`Run`](run::Run) reads bags of this program and of any other recorder.
 //!
-//! It knows no thread and no clock: [`run`](crate::run) drives it for a machine in real time.
+//! The room knows no thread and no clock: [`run`](crate::run) drives it for a machine in real time.
 
 pub mod bag;
 pub mod cadence;

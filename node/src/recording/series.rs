@@ -121,7 +121,7 @@ pub struct Late {
     pub topic: String,
     /// How many of them, at least.
     pub messages: u64,
-    /// They are missing in the series; else they stand at the latest time before them.
+    /// Such messages are missing in the series; else they stand at the latest time before them.
     pub are_left_out: bool,
 }
 

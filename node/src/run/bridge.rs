@@ -224,6 +224,14 @@ impl Host for Handle {
     }
 }
 
+/// Kinds of lines that may repeat.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Line {
+    /// Who has what to tell.
+    Event(Object, Code),
+    SamplesLeftOut,
+}
+
 /// What the bridge takes from the cycle thread.
 pub struct Bridge {
     /// Events.
@@ -246,9 +254,7 @@ pub struct Bridge {
     told: u64,
     /// Samples that were left out, likewise.
     told_samples: u64,
-    /// A kind of line is who has what to tell.
-    lines: LineLimit<(Object, Code)>,
-    samples_lines: LineLimit<()>,
+    lines: LineLimit<Line>,
 }
 
 impl Bridge {
@@ -274,7 +280,6 @@ impl Bridge {
             told: 0,
             told_samples: 0,
             lines: LineLimit::default(),
-            samples_lines: LineLimit::default(),
         }
     }
 
@@ -309,7 +314,7 @@ impl Bridge {
         });
         let left_out = samples.lost() + states.left_out();
         if left_out > self.told_samples {
-            self.samples_lines.say((), |more| {
+            self.lines.say(Line::SamplesLeftOut, |more| {
                 tracing::warn!("{left_out} samples of joint_states and axis_states were left out so far: ROS had no time for them{more}");
             });
             self.told_samples = left_out;
@@ -337,10 +342,10 @@ impl Bridge {
 }
 
 /// One line for what a person would want to know.
-fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<(Object, Code)>) {
+fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
     let event = &event.event;
     let sentence = || text::sentence(event, &handle.config);
-    let say = |line: fn(String)| lines.say((event.source, event.code), |more| line(sentence() + more));
+    let say = |line: fn(String)| lines.say(Line::Event(event.source, event.code), |more| line(sentence() + more));
     match (event.severity, event.kind) {
         (Severity::Error, _) if is_told(event) => say(|line| tracing::error!(target: TOLD, "{line}")),
         (Severity::Error, _) => say(|line| tracing::error!("{line}")),

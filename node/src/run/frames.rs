@@ -1,10 +1,9 @@
 //! The way of whole cycles out of the cycle thread, for the recorder.
 //!
-//! Frames are taken before the first cycle and go round: the cycle thread fills a free one and sends it, the recorder reads it
-//! and gives it back. Events and applied commands travel beside them in rings of their own, because their number
-//! differs; commands are freed where they arrive. When the recorder does not keep up, the cycle is left out and counted:
-//! the cycle thread never waits.
+//! Frames go round. Events and applied commands travel beside them in rings of their own, because their number differs;
+//! commands are freed where they arrive. When the recorder does not keep up, the cycle is left out and counted.
 
+use super::pool::{Emptier, Filler, Room, pool};
 use crate::recording::key_cycles;
 use lineshaft_core::command::{Command, Setpoints};
 use lineshaft_core::drive::Inputs;
@@ -12,15 +11,9 @@ use lineshaft_core::event::Event;
 use lineshaft_core::machine::{Machine, State};
 use lineshaft_core::signal::Board;
 use rtrb::{Consumer, Producer, PushError, RingBuffer};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Cycles that may wait for the recorder, as time (ns).
-const ROOM_NS: u64 = 2_000_000_000;
-/// Memory that waiting cycles may take (bytes).
-const ROOM_BYTES: usize = 128 << 20;
-/// Cycles that may wait in any case.
-const LEAST_FRAMES: usize = 64;
+/// Cycles that may wait for the recorder.
+const ROOM: Room = Room { time_ns: 2_000_000_000, bytes: 128 << 20, least: 64 };
 /// States that may be on their way.
 const STATES: usize = 4;
 /// Commands that may be on their way.
@@ -46,8 +39,7 @@ pub struct Frame {
 /// The end in the cycle thread.
 #[derive(Debug)]
 pub struct FrameSender {
-    free: Consumer<Box<Frame>>,
-    full: Producer<Box<Frame>>,
+    pool: Filler<Frame>,
     states: Consumer<Box<State>>,
     /// The state before the cycle that runs.
     state: Option<Box<State>>,
@@ -56,7 +48,6 @@ pub struct FrameSender {
     spent: Producer<Command>,
     events: Producer<Event>,
     key_cycles: u64,
-    lost: Arc<AtomicU64>,
 }
 
 /// Frees the commands for which the recorder has left no room.
@@ -73,12 +64,10 @@ impl Spent {
 /// The end in the recorder.
 #[derive(Debug)]
 pub struct FrameReceiver {
-    full: Consumer<Box<Frame>>,
-    free: Producer<Box<Frame>>,
+    pool: Emptier<Frame>,
     states: Producer<Box<State>>,
     commands: Consumer<(u64, Command)>,
     events: Consumer<Event>,
-    lost: Arc<AtomicU64>,
     /// Room for what belongs to the next frame.
     room: Taken,
 }
@@ -99,32 +88,24 @@ pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
     let axes = machine.config().axes.len();
     let frame = || {
         let (inputs, stream, board) = (machine.inputs(), Setpoints::none(axes), machine.board().clone());
-        Box::new(Frame { stamp_ns: 0, inputs, stream, board, state: None })
+        Frame { stamp_ns: 0, inputs, stream, board, state: None }
     };
     let cycle_ns = machine.config().cycle_ns;
     let bytes = size_of::<Frame>() + size_of_val(machine.inputs().drive.as_slice()) + 8 * machine.board().len();
     let bytes = bytes + size_of_val(Setpoints::none(axes).axes.as_slice());
-    let wanted = usize::try_from(ROOM_NS / cycle_ns.max(1)).unwrap_or(usize::MAX);
-    let room = wanted.min(ROOM_BYTES / bytes).max(LEAST_FRAMES);
-    let (mut free_in, free) = RingBuffer::new(room);
-    (0..room).for_each(|_| drop(free_in.push(frame())));
+    let (filler, emptier) = pool(ROOM.count(cycle_ns, bytes), frame);
     let (mut states_in, states) = RingBuffer::new(STATES);
     (0..STATES).for_each(|_| drop(states_in.push(Box::new(machine.state().clone()))));
-    let (full, full_out) = RingBuffer::new(room);
     let (commands, commands_out) = RingBuffer::new(COMMANDS);
     let (events, events_out) = RingBuffer::new(EVENTS);
     let (spent, spent_out) = RingBuffer::new(COMMANDS);
-    let lost = Arc::new(AtomicU64::new(0));
     let key_cycles = key_cycles(cycle_ns);
-    let sender =
-        FrameSender { free, full, states, state: None, commands, spent, events, key_cycles, lost: Arc::clone(&lost) };
+    let sender = FrameSender { pool: filler, states, state: None, commands, spent, events, key_cycles };
     let receiver = FrameReceiver {
-        full: full_out,
-        free: free_in,
+        pool: emptier,
         states: states_in,
         commands: commands_out,
         events: events_out,
-        lost,
         room: Taken::default(),
     };
     (sender, receiver, Spent(spent_out))
@@ -165,28 +146,26 @@ impl FrameSender {
         for &event in machine.events() {
             is_whole &= self.events.push(event).is_ok();
         }
-        let frame = if is_whole { self.free.pop().ok() } else { None };
-        let Some(mut frame) = frame else {
-            self.lost.fetch_add(1, Ordering::Relaxed);
-            return;
-        };
-        frame.stamp_ns = stamp_ns;
-        frame.inputs.copy_from(inputs);
-        frame.stream.clear();
-        if let Some(stream) = stream {
-            frame.stream.take(stream);
+        if !is_whole {
+            return self.pool.leave_out();
         }
-        frame.board.copy_from(machine.board());
-        frame.state = if cycle.is_multiple_of(self.key_cycles) { self.state.take() } else { None };
-        // There are no more frames than places, so this one finds its place.
-        drop(self.full.push(frame));
+        self.pool.send(|frame| {
+            frame.stamp_ns = stamp_ns;
+            frame.inputs.copy_from(inputs);
+            frame.stream.clear();
+            if let Some(stream) = stream {
+                frame.stream.take(stream);
+            }
+            frame.board.copy_from(machine.board());
+            frame.state = if cycle.is_multiple_of(self.key_cycles) { self.state.take() } else { None };
+        });
     }
 }
 
 impl FrameReceiver {
     /// The next cycle, with its commands and events.
     pub fn take(&mut self) -> Option<(Box<Frame>, Taken)> {
-        let frame = self.full.pop().ok()?;
+        let frame = self.pool.take()?;
         let cycle = frame.inputs.cycle;
         let mut taken = std::mem::take(&mut self.room);
         // What stands before belongs to cycles that were left out.
@@ -209,7 +188,7 @@ impl FrameReceiver {
         if let Some(state) = frame.state.take() {
             drop(self.states.push(state));
         }
-        drop(self.free.push(frame));
+        self.pool.give_back(frame);
         taken.commands.clear();
         taken.events.clear();
         taken.left_out.clear();
@@ -218,7 +197,7 @@ impl FrameReceiver {
 
     /// Cycles that were left out so far.
     pub fn lost(&self) -> u64 {
-        self.lost.load(Ordering::Relaxed)
+        self.pool.lost()
     }
 }
 

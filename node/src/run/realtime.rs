@@ -19,7 +19,7 @@ pub enum Processor {
     Last,
     /// Any.
     Any,
-    /// This one.
+    /// The one of this number.
     Number(usize),
 }
 

@@ -1,7 +1,7 @@
 //! The recorder: takes whole cycles from the cycle thread, encodes each once, and gives it to the bag that is being written and
 //! to the flight recorder.
 //!
-//! It runs on a thread of its own; bags are written by further ones. What goes wrong is told as an event of the machine
+//! The recorder runs on a thread of its own; bags are written by further ones. What goes wrong is told as an event of the machine
 //! (a command `Note`, so that it stands in the recording too) and in the log.
 
 mod requests;

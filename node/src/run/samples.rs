@@ -1,23 +1,17 @@
 //! The way of the state topics out of the cycle thread: the signals of each cycle that a rate takes.
 //!
-//! The newest signals alone ([`Snapshot`], newest wins) would leave samples out where a thread of ROS gets its turn late. Samples go
-//! round as the recorder's frames do; one that finds none free is left out and counted: the cycle thread never waits.
+//! The newest signals alone ([`Snapshot`], newest wins) would leave samples out where a thread of ROS gets its turn late.
 
+use super::pool::{Emptier, Filler, Room, pool};
 use crate::recording::cadence::Cadence;
 use lineshaft_core::signal::Board;
 use lineshaft_ros::surface::host::Snapshot;
-use rtrb::{Consumer, Producer, RingBuffer};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Time that samples may wait (ns).
-const ROOM_NS: u64 = 500_000_000;
-/// Samples that may wait in any case, and memory that more of them may take (bytes).
-const LEAST: usize = 8;
-const ROOM_BYTES: usize = 16 << 20;
+/// Samples that may wait for the bridge.
+const ROOM: Room = Room { time_ns: 500_000_000, bytes: 16 << 20, least: 8 };
 
 /// The rates of the state topics, in cycles.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Cadences {
     /// joint_states
     pub joint_states: Cadence,
@@ -40,31 +34,21 @@ pub struct Sample {
 #[derive(Debug)]
 pub struct SampleSender {
     cadences: Cadences,
-    free: Consumer<Box<Sample>>,
-    full: Producer<Box<Sample>>,
-    lost: Arc<AtomicU64>,
+    pool: Filler<Sample>,
 }
 
 /// The other end.
 #[derive(Debug)]
 pub struct SampleReceiver {
-    full: Consumer<Box<Sample>>,
-    free: Producer<Box<Sample>>,
-    lost: Arc<AtomicU64>,
+    pool: Emptier<Sample>,
 }
 
 /// Makes the way for a machine with this board.
 pub fn samples(cadences: Cadences, cycle_ns: u64, board: &Board) -> (SampleSender, SampleReceiver) {
-    let wanted = usize::try_from(ROOM_NS / cycle_ns.max(1)).unwrap_or(usize::MAX);
-    let room = wanted.min(ROOM_BYTES / (8 * board.len()).max(1)).max(LEAST);
-    let (mut free_in, free) = RingBuffer::new(room);
     let first = Snapshot { cycle: 0, stamp_ns: 0, board: board.clone() };
     let sample = Sample { snapshot: first, joint_states: false, axis_states: false };
-    (0..room).for_each(|_| drop(free_in.push(Box::new(sample.clone()))));
-    let (full, full_out) = RingBuffer::new(room);
-    let lost = Arc::<AtomicU64>::default();
-    let sender = SampleSender { cadences, free, full, lost: Arc::clone(&lost) };
-    (sender, SampleReceiver { full: full_out, free: free_in, lost })
+    let (filler, emptier) = pool(ROOM.count(cycle_ns, 8 * board.len()), || sample.clone());
+    (SampleSender { cadences, pool: filler }, SampleReceiver { pool: emptier })
 }
 
 impl SampleSender {
@@ -75,30 +59,26 @@ impl SampleSender {
         if !joint_states && !axis_states {
             return;
         }
-        let Ok(mut sample) = self.free.pop() else {
-            self.lost.fetch_add(1, Ordering::Relaxed);
-            return;
-        };
-        (sample.joint_states, sample.axis_states) = (joint_states, axis_states);
-        (sample.snapshot.cycle, sample.snapshot.stamp_ns) = (cycle, stamp_ns);
-        sample.snapshot.board.copy_from(board);
-        // There are no more samples than places, so this one finds its place.
-        drop(self.full.push(sample));
+        self.pool.send(|sample| {
+            (sample.joint_states, sample.axis_states) = (joint_states, axis_states);
+            (sample.snapshot.cycle, sample.snapshot.stamp_ns) = (cycle, stamp_ns);
+            sample.snapshot.board.copy_from(board);
+        });
     }
 }
 
 impl SampleReceiver {
     /// Takes what has come, in its order.
     pub fn take(&mut self, mut each: impl FnMut(&Sample)) {
-        while let Ok(sample) = self.full.pop() {
+        while let Some(sample) = self.pool.take() {
             each(&sample);
-            drop(self.free.push(sample));
+            self.pool.give_back(sample);
         }
     }
 
     /// Samples that were left out so far.
     pub fn lost(&self) -> u64 {
-        self.lost.load(Ordering::Relaxed)
+        self.pool.lost()
     }
 }
 

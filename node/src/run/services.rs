@@ -47,7 +47,7 @@ pub struct Services {
 }
 
 impl Services {
-    /// Those of a machine. Its gate waits for them from now on.
+    /// The services of a machine, whose gate waits for them from now on.
     pub fn new(all: Vec<Box<dyn Service>>, gate: Arc<Gate>) -> Self {
         gate.wait_for_services();
         Self { all, gate }

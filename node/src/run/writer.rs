@@ -21,9 +21,9 @@ enum Job {
 /// Why a bag has no good end.
 #[derive(Debug)]
 pub enum Failure {
-    /// It was never begun; whoever asked for it was told why.
+    /// The bag was never begun; whoever asked for it was told why.
     NotBegun(String),
-    /// It could not be written to its end.
+    /// The bag could not be written to its end.
     Broken(BagError),
 }
 
@@ -115,7 +115,7 @@ impl Writer {
         self.progress.size.load(Ordering::Relaxed)
     }
 
-    /// It has ended by itself: it failed.
+    /// Has the writer ended by itself? Then it has failed.
     pub fn is_over(&self) -> bool {
         self.thread.is_finished()
     }

@@ -53,7 +53,7 @@ pub(super) struct Seen<'a> {
 pub(super) struct End<'a> {
     /// Its last cycle.
     pub last: u64,
-    /// It ran that far.
+    /// Whether the scenario ran to its own end.
     pub is_complete: bool,
     pub cycle_ns: u64,
     pub fired: &'a [Option<u64>],

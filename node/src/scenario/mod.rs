@@ -18,7 +18,7 @@
 //! # }
 //! ```
 //!
-//! It knows no ROS, no CAN and no thread.
+//! A scenario knows no ROS, no CAN and no thread.
 
 mod csv;
 mod drive;

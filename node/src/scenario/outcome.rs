@@ -20,7 +20,7 @@ pub(super) enum Answer {
     Refused(Event),
     /// Not at all: the event found no room.
     None,
-    /// It was not given: too many wait for a cycle.
+    /// The command was not given: too many wait for a cycle.
     NoRoom,
     /// There was no plant, no such drive, or no room for a latch.
     NotInjected,

@@ -24,7 +24,7 @@ pub(super) struct Step {
     pub acts: Range<usize>,
     /// Its commands are to be refused so.
     pub refused: Option<Refusal>,
-    /// It may never fire.
+    /// A step that may never fire.
     pub optional: bool,
 }
 

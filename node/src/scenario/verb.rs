@@ -10,7 +10,7 @@ use lineshaft_core::command::{Action, Setpoints, Source};
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{Change, Layer, Row};
-use lineshaft_core::request::{Amount, MoveRequest, RequestError, SynchronizeRequest, Units};
+use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, SynchronizeRequest, Units};
 use lineshaft_core::unit::{Scale, excerpt};
 
 mod amount;
@@ -299,11 +299,10 @@ impl Reader<'_> {
                 .map(|(key, names)| number(&mut map, key, names));
         let [mode, units, buffer_mode, direction] = numbers;
         let in_increments = units == Some(2);
-        let amounts = [("position", 0), ("velocity", 1), ("acceleration", 2), ("deceleration", 2), ("jerk", 3)]
-            .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), in_increments));
+        let position = optional_amount(&mut map, "position", 0, scale.as_ref(), in_increments);
+        let rates = optional_rates(&mut map, scale.as_ref(), in_increments);
         map.finish();
         let deed = (|| {
-            let [position, velocity, acceleration, deceleration, jerk] = amounts;
             let units = match Units::from_number(units?) {
                 Ok(units) => units,
                 Err(error) => return self.settle(value, Err(error)),
@@ -313,10 +312,7 @@ impl Reader<'_> {
                 mode: mode?,
                 units,
                 position: position?,
-                velocity: velocity?,
-                acceleration: acceleration?,
-                deceleration: deceleration?,
-                jerk: jerk?,
+                rates: rates?,
                 buffer_mode: buffer_mode?,
                 direction: direction?,
             };
@@ -514,4 +510,11 @@ fn whole(map: &mut Map<'_>, key: &str) -> Option<i64> {
 
 fn optional_amount(map: &mut Map<'_>, key: &str, order: u8, scale: Option<&Scale>, inc: bool) -> Option<Amount> {
     map.optional(key).map_or(Some(Amount::default()), |value| amount(&value, order, scale, inc))
+}
+
+/// The rates of a goal; none where one of them is wrong, which is told.
+fn optional_rates(map: &mut Map<'_>, scale: Option<&Scale>, inc: bool) -> Option<Rates> {
+    let amounts = Rates::FIELDS.map(|(key, order)| optional_amount(map, key, order, scale, inc));
+    let [Some(velocity), Some(acceleration), Some(deceleration), Some(jerk)] = amounts else { return None };
+    Some(Rates { velocity, acceleration, deceleration, jerk })
 }

@@ -50,7 +50,7 @@ pub enum StoreError {
         /// What is wrong with the generation before.
         before: String,
     },
-    /// It does not fit the cell.
+    /// The store does not fit the cell.
     #[error(
         "{problems}{}: the machine does not start with it; mend the cell, name another file with --store, or delete this \
          one: what was saved is lost then", .path.display()
@@ -149,7 +149,7 @@ impl Store {
     /// Puts what is saved into `config`, as layer User of its start.
     ///
     /// # Errors
-    /// It does not fit that cell; nothing is changed then.
+    /// What is saved does not fit that cell; nothing is changed then.
     pub fn load(&self, config: &mut MachineConfig) -> Result<(), StoreError> {
         let Some((path, text)) = &self.found else { return Ok(()) };
         let label = path.display().to_string();
@@ -178,7 +178,7 @@ impl Store {
     /// Writes layer User down; false where the file holds that set already.
     ///
     /// # Errors
-    /// It cannot be written; the file holds what it held.
+    /// The set cannot be written; the file holds what it held.
     #[cfg(test)]
     pub fn keep(&mut self, config: &MachineConfig, user: &[AxisParameters]) -> Result<bool, StoreError> {
         self.keep_all(config, user, &config.global.power_on())
@@ -187,7 +187,7 @@ impl Store {
     /// Writes layer User of the axes and of the machine down; false where the file holds that set already.
     ///
     /// # Errors
-    /// It cannot be written; the file holds what it held.
+    /// The set cannot be written; the file holds what it held.
     pub fn keep_all(
         &mut self,
         config: &MachineConfig,

@@ -66,6 +66,9 @@ const BASE: Row = Row {
 /// Every parameter: those of axes, of which each has the ones that apply to it, and those of the machine.
 pub const ROWS: &[Row] = &join::<{ count(PARTS) }>(PARTS);
 
+/// Place of the sense of rotation, on which the meaning of others depends: [`PARTS`] begins with it.
+pub(super) const SENSE_ROW: u16 = 0;
+
 /// What the meaning of others depends on, native rows, then those of each source.
 const PARTS: &[&[&[Row]]] = &[
     &[macs::SENSE, native::ROWS, homing::ROWS, encoder::ROWS, supervision::ROWS],

@@ -293,3 +293,14 @@ fn moments_of_effect_are_those_of_the_source() {
         }
     }
 }
+
+/// Limits of a set are meant in the sense of rotation that it ends with.
+#[test]
+fn the_sense_of_rotation_comes_first_wherever_it_stands() {
+    let place = |key: &str| Row::find(key).unwrap().0;
+    assert_eq!(place("posdrct"), rows::SENSE_ROW);
+    let change = |key: &str| Change { axis: 0, row: place(key), value: Value::Int(1) };
+    let set = ["max_position", "posdrct", "min_position"].map(change);
+    let order: Vec<_> = in_order(&set).map(|change| change.row).collect();
+    assert_eq!(order, ["posdrct", "max_position", "min_position"].map(place));
+}

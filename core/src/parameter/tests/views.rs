@@ -77,7 +77,7 @@ fn a_set() -> impl Strategy<Value = Set> {
 
 /// As every door does it: the sense of rotation first.
 fn apply(parameters: &mut AxisParameters, changes: &Set) {
-    let is_first = |(place, _): &&(usize, u64)| *place == 0;
+    let is_first = |(place, _): &&(usize, u64)| *place == usize::from(rows::SENSE_ROW);
     for (place, seed) in changes.iter().filter(is_first).chain(changes.iter().filter(|change| !is_first(change))) {
         let row = &ROWS[*place];
         assert_eq!(row.change(parameters, pick(row, *seed)), Ok(()), "{} {:?}", row.key, pick(row, *seed));

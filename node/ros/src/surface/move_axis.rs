@@ -7,7 +7,7 @@ use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::position::Position;
-use lineshaft_core::request::{Amount, MoveRequest, RequestError, Units};
+use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, Units};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisResult};
 
@@ -20,10 +20,7 @@ impl AxisAction for MoveAxis {
             mode: goal.mode,
             units: Units::from_number(goal.units)?,
             position: Amount::Number(goal.position),
-            velocity: Amount::Number(goal.velocity),
-            acceleration: Amount::Number(goal.acceleration),
-            deceleration: Amount::Number(goal.deceleration),
-            jerk: Amount::Number(goal.jerk),
+            rates: Rates::numbers([goal.velocity, goal.acceleration, goal.deceleration, goal.jerk]),
             buffer_mode: goal.buffer_mode,
             direction: goal.direction,
         })?;

@@ -7,7 +7,7 @@ use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::position::Position;
-use lineshaft_core::request::{Amount, MoveRequest, ProbeRequest, RequestError, Units};
+use lineshaft_core::request::{Amount, MoveRequest, ProbeRequest, Rates, RequestError, Units};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{ProbeAxis, ProbeAxisFeedback, ProbeAxisGoal, ProbeAxisResult};
 
@@ -21,10 +21,7 @@ impl AxisAction for ProbeAxis {
                 mode: goal.mode,
                 units: Units::from_number(goal.units)?,
                 position: Amount::Number(goal.position),
-                velocity: Amount::Number(goal.velocity),
-                acceleration: Amount::Number(goal.acceleration),
-                deceleration: Amount::Number(goal.deceleration),
-                jerk: Amount::Number(goal.jerk),
+                rates: Rates::numbers([goal.velocity, goal.acceleration, goal.deceleration, goal.jerk]),
                 ..MoveRequest::default()
             },
             event: goal.event.clone(),

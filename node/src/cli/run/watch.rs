@@ -28,9 +28,9 @@ impl Patience {
 pub(super) enum Change {
     /// Its tasks do not come through.
     Silent,
-    /// They do again.
+    /// Its tasks come through again.
     Back,
-    /// They never will: nobody watches any more.
+    /// Its tasks never will: nobody watches any more.
     Lost,
 }
 

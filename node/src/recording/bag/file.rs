@@ -1,6 +1,6 @@
 //! One file of a bag: MCAP in the profile `ros2`.
 //!
-//! It stands for itself: schemas, all channels, attachments and the record `lineshaft` are in each file, and its first
+//! Each file stands for itself: schemas, all channels, attachments and the record `lineshaft` are in it, and its first
 //! cycle is a key cycle. Chunks are gathered in memory and reach the disk whole.
 
 use super::super::metadata::{FileInformation, qos_text};

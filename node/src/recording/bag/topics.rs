@@ -31,7 +31,7 @@ impl Topic {
     /// Its full name on a node.
     ///
     /// # Errors
-    /// It would be longer than ROS allows.
+    /// A name that would be longer than ROS allows.
     pub fn name(self, node: &NodeName) -> Result<FullName, NameError> {
         node.expand(self.relative_name())
     }

@@ -158,11 +158,14 @@ proptest! {
         cycle_ns in 125_000_u64..=20_000_000,
         cycle in prop_oneof![0..10_000_u64, 0..1_u64 << 50],
     ) {
-        let cadence = Cadence::new(f64::from(milli) / 1e3, cycle_ns);
+        let mut cadence = Cadence::new(f64::from(milli) / 1e3, cycle_ns);
         let rate = Ratio::new(i128::from(milli) * i128::from(cycle_ns), 1_000_000_000_000_i128);
         let floor = |cycle: u64| (Ratio::from_integer(i128::from(cycle)) * rate).floor();
-        let steps = cycle == 0 || floor(cycle) != floor(cycle - 1);
-        prop_assert_eq!(cadence.is_due(cycle), steps);
+        let steps = |cycle: u64| cycle == 0 || floor(cycle) != floor(cycle - 1);
+        // One after the other, then again from the first one on, and wherever a cycle is left out.
+        for cycle in (cycle..cycle + 100).chain(cycle..cycle + 5).chain((cycle..cycle + 100).step_by(7)) {
+            prop_assert_eq!(cadence.is_due(cycle), steps(cycle));
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! Reads    series in order of time, events in any order
 //! Refuses  no series, none that changes, a size that holds no figure
 //!
-//! It is a pure function of its arguments: the same figure makes the same bytes, on every machine, with whatever fonts.
+//! A figure is a pure function of its arguments: the same arguments make the same bytes, on every machine, with whatever fonts.
 //! Colours are those of Okabe and Ito, which colour-blind people tell apart, each with its own dashes.
 
 mod canvas;

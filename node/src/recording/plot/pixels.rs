@@ -1,6 +1,6 @@
 //! A figure as PNG.
 //!
-//! It is drawn larger by a whole factor and each pixel is the mean of those that it stands for: lines and letters get smooth
+//! The figure is drawn larger by a whole factor and each pixel is the mean of those that it stands for: lines and letters get smooth
 //! edges. Letters come from the font of the program, whatever fonts there are.
 
 use super::Problem;

@@ -94,7 +94,7 @@ pub(super) struct Sheet {
 
 impl Sheet {
     /// # Errors
-    /// Those of [`draw`](super::draw), but for the pixels.
+    /// The errors of [`draw`](super::draw), but for the pixels.
     pub(super) fn new(figure: &Figure<'_>, font: &Font) -> Result<Self, Problem> {
         let sorted = Sorted::new(figure)?;
         let objects: Vec<&str> =

@@ -36,16 +36,16 @@ pub enum ReplayError {
     /// The bag cannot be read.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// It was not recorded by this program.
+    /// The bag was not recorded by this program.
     #[error(
         "there is no attachment cell.yaml: only what lineshaft recorded can be replayed; `lineshaft validate` compares \
          other bags"
     )]
     NoCell,
-    /// It holds no inputs.
+    /// The bag holds no inputs.
     #[error("there is no message of type lineshaft_msgs/msg/CycleInputs: without inputs nothing can be replayed")]
     NoInputs,
-    /// It holds nothing but inputs and commands.
+    /// The bag holds nothing but inputs and commands.
     #[error("there is nothing to compare with: no signals, events, axis states or joint states")]
     NothingToCompare,
     /// The cell is not the one that was recorded.
@@ -62,7 +62,7 @@ pub enum ReplayError {
     /// What was saved does not fit the cell, for this version.
     #[error("the attached store does not fit the attached cell:\n{0}")]
     Store(Problems),
-    /// It begins in the middle of a run.
+    /// The bag begins in the middle of a run.
     #[error("the recording begins with cycle {0} and holds no state of the machine to begin with")]
     NoState(u64),
     /// The state cannot be read.

@@ -24,7 +24,7 @@ pub(super) fn outlines(path: &Path) -> Result<Vec<Outline>, RunError> {
     if is_description { listed(path) } else { Ok(vec![Outline::read(path)?]) }
 }
 
-/// Those that a description lists.
+/// Files that a description lists.
 fn listed(description: &Path) -> Result<Vec<Outline>, RunError> {
     let document = Document::read(description);
     let described = document.root("the description").and_then(|root| describe(&root));
@@ -82,7 +82,7 @@ fn describe(root: &Value<'_>) -> Option<Described> {
     Some(Described { files, compression: compression.unwrap_or_default() })
 }
 
-/// Those that a folder without a description holds, by the times of their first messages.
+/// Files that a folder without a description holds, by the times of their first messages.
 fn found(folder: &Path) -> Result<Vec<Outline>, RunError> {
     let open = |error| RunError::Open { path: folder.to_owned(), error };
     let mut files = Vec::new();

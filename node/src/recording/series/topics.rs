@@ -112,7 +112,7 @@ impl Stream {
 /// Where the values of a field go.
 #[derive(Clone, Copy, Debug)]
 enum Place {
-    /// It had no value yet.
+    /// The field had no value yet.
     Unseen,
     /// Nobody asks for it.
     Unwanted,

@@ -148,7 +148,7 @@ struct Signal<'t> {
 }
 
 impl<'t> Signal<'t> {
-    /// Those of a topic.
+    /// All signals of a topic.
     fn all(stream: &'t Stream) -> impl Iterator<Item = Self> {
         (0..stream.tracks.len()).map(move |place| Self { stream, place })
     }

@@ -198,18 +198,18 @@ impl<'t> Tolerances<'t> {
         Ok(())
     }
 
-    /// Those for a signal, the last one first.
+    /// Tolerances for a signal, the last one first.
     fn fitting<'s>(&'s self, name: &'s str) -> impl Iterator<Item = &'t Tolerance> + 's {
         let kind = self.units.kind(name);
         self.list.iter().rev().filter(move |tolerance| tolerance.matches(name) && tolerance.fits(name, kind))
     }
 
-    /// That of a signal, in SI.
+    /// The tolerance of a signal, in SI.
     pub(super) fn of(&self, name: &str) -> f64 {
         self.fitting(name).next().map_or(0.0, |tolerance| tolerance.value)
     }
 
-    /// That of times (ns).
+    /// The tolerance of times (ns).
     pub(super) fn time_ns(&self) -> u64 {
         let last = self.list.iter().rev().find(|tolerance| tolerance.matcher.is_none());
         // The cast saturates, and what is rounded is far below a sample.

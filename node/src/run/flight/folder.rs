@@ -32,7 +32,7 @@ impl FlightFolder {
     /// A folder that holds at most `keep` bags, at least 1. It is made where it does not exist.
     ///
     /// # Errors
-    /// It cannot be made, nothing can be made in it, or another node uses it.
+    /// The folder cannot be made, nothing can be made in it, or another node uses it.
     pub fn create(folder: PathBuf, keep: usize) -> Result<Self, BagError> {
         let failed = |path: &Path, error| BagError::Write { path: path.to_owned(), error };
         fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;

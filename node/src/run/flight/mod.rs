@@ -22,7 +22,7 @@ pub struct Flight {
     segments: VecDeque<Segment>,
     newest_ns: u64,
     bytes: usize,
-    /// It was told that it keeps less than its length.
+    /// Whether a line has said that less than the length is kept.
     was_told: bool,
     /// When to save, because of a fault.
     due_ns: Option<u64>,

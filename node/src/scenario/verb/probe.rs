@@ -1,6 +1,6 @@
 //! Verb `probe_axis` (contract section 7).
 
-use super::{Deed, Reader, UNITS, number, optional_amount};
+use super::{Deed, Reader, UNITS, number, optional_amount, optional_rates};
 use crate::document::Value;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{MoveRequest, ProbeRequest, Units};
@@ -17,12 +17,11 @@ impl Reader<'_> {
         let [mode, units, edge] = [("mode", &MODES[..]), ("units", &UNITS), ("edge", &EDGES)]
             .map(|(key, names)| number(&mut map, key, names));
         let in_increments = units == Some(2);
-        let amounts = [("position", 0), ("velocity", 1), ("acceleration", 2), ("deceleration", 2), ("jerk", 3)]
-            .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), in_increments));
+        let position = optional_amount(&mut map, "position", 0, scale.as_ref(), in_increments);
+        let rates = optional_rates(&mut map, scale.as_ref(), in_increments);
         let distance = optional_amount(&mut map, "distance", 0, scale.as_ref(), in_increments);
         map.finish();
         let deed = (|| {
-            let [position, velocity, acceleration, deceleration, jerk] = amounts;
             let units = match Units::from_number(units?) {
                 Ok(units) => units,
                 Err(error) => return self.settle(value, Err(error)),
@@ -32,10 +31,7 @@ impl Reader<'_> {
                 mode: mode?,
                 units,
                 position: position?,
-                velocity: velocity?,
-                acceleration: acceleration?,
-                deceleration: deceleration?,
-                jerk: jerk?,
+                rates: rates?,
                 ..MoveRequest::default()
             };
             let (event, edge, distance) = (event?.text()?.to_owned(), edge?, distance?);

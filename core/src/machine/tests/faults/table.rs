@@ -17,9 +17,19 @@ use crate::sim::{Model, TwoSpeed};
 use crate::vocabulary::{Order, saia};
 use std::collections::BTreeSet;
 
-/// A way in which an error comes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Way {
+/// The ways in which an error comes, and a list of them.
+macro_rules! ways {
+    ($($way:ident),* $(,)?) => {
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        enum Way {
+            $($way),*
+        }
+
+        const ALL: &[Way] = &[$(Way::$way),*];
+    };
+}
+
+ways! {
     Slip,
     OfOther,
     Alarm,
@@ -47,28 +57,7 @@ use Way::*;
 /// What may befall an axis with such an interface; none: a virtual axis.
 fn ways_of(interface: Option<Interface>) -> &'static [Way] {
     match interface {
-        Some(Interface::Position) => &[
-            Slip,
-            OfOther,
-            Alarm,
-            Jump,
-            LeaderLost,
-            Homing,
-            Switch,
-            BothSwitches,
-            IntoSwitch,
-            Limit,
-            LedIntoLimit,
-            Cut,
-            DriveFault,
-            DriveLost,
-            DriveOff,
-            DriveSilent,
-            Door,
-            Estop,
-            Command,
-            OwnCommand,
-        ],
+        Some(Interface::Position) => ALL,
         Some(Interface::Velocity) => &[Cut, Switch, DriveFault, DriveLost, Door, Estop],
         Some(_) => &[OfOther, Alarm, Jump, Switch, BothSwitches, Limit, DriveFault, DriveLost, Door, Estop],
         None => &[LeaderLost, Limit, LedIntoLimit, Door, Estop],

@@ -83,9 +83,9 @@ fn do_it(rig: &mut Rig, happening: Happening) {
         Happening::Slip(by) => rig.plant.drive(0).unwrap().jump(by),
         Happening::Index => rig.latch(300_000),
         Happening::Mirror => rig.mirror(),
-        Happening::Enable => drop(rig.give(vec![Action::Enable(AxisSet::one(X))])),
-        Happening::Disable => drop(rig.give(vec![Action::Disable(AxisSet::one(X))])),
-        Happening::Reset => drop(rig.give(vec![Action::ResetErrors(AxisSet::first(2))])),
+        Happening::Enable => drop(rig.ask([Action::Enable(AxisSet::one(X))])),
+        Happening::Disable => drop(rig.ask([Action::Disable(AxisSet::one(X))])),
+        Happening::Reset => drop(rig.ask([Action::ResetErrors(AxisSet::first(2))])),
         Happening::Policy(policy) => drop(rig.try_parameter("saia.command_error", Value::Int(policy))),
     }
 }
@@ -114,7 +114,7 @@ proptest! {
     fn any_verbs_are_answered_once_and_a_saved_state_goes_on_the_same(
         happenings in prop::collection::vec(happening(), 1..60)
     ) {
-        let mut rig = Rig::new();
+        let mut rig = Rig::saia();
         rig.run(5);
         for happening in happenings {
             do_it(&mut rig, happening);
@@ -125,7 +125,7 @@ proptest! {
 
     #[test]
     fn nothing_moves_without_a_start(happenings in prop::collection::vec(harmless(), 1..40)) {
-        let mut rig = Rig::new();
+        let mut rig = Rig::saia();
         rig.run(5);
         for happening in happenings {
             do_it(&mut rig, happening);

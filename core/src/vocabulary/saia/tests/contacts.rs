@@ -41,12 +41,12 @@ fn every_start_is_refused_at_once() {
         rig.refuses(&[("destp", 10.0)], &format!("fldaa fldda {name}"), "x: the interlock is open");
         assert_eq!(rig.picture(), before);
         rig.run(20);
-        assert_eq!((rig.state(), rig.int("x.enabled"), rig.int("x.error")), ("OFF", 0, 0), "{name}");
+        assert_eq!((rig.saia_state(), rig.int("x.enabled"), rig.int("x.error")), ("OFF", 0, 0), "{name}");
         close(&mut rig);
         rig.run(20);
         assert_eq!(rig.int("x.enabled"), 0, "closing it starts nothing");
         rig.does(&[("destp", 10.0)], &format!("fldda {name}"));
-        rig.run_until("x.enabled", 1.0);
+        rig.run_until("x.enabled", 1);
     }
 }
 
@@ -60,11 +60,11 @@ fn as_a_command_error_it_is_told_once_and_the_drive_stays_off() {
     assert_eq!((rig.int("x.saia.tries"), rig.int("x.saia.command_errors")), (3, 1));
     assert_eq!(rig.int("x.saia.error"), i64::from(Code::EMERGENCY_STOP.0));
     rig.run(20);
-    assert_eq!((rig.state(), rig.int("x.enabled"), rig.int("x.error")), ("OFF", 0, 0));
+    assert_eq!((rig.saia_state(), rig.int("x.enabled"), rig.int("x.error")), ("OFF", 0, 0));
     rig.parameter("saia.command_error", Value::Int(2));
     rig.verb(super::rig::X, &[], "fstart").unwrap();
     rig.run(20);
-    assert_eq!((rig.state(), rig.int("x.enabled")), ("OFF", 0));
+    assert_eq!((rig.saia_state(), rig.int("x.enabled")), ("OFF", 0));
     assert_eq!(rig.int("x.error"), i64::from(Code::EMERGENCY_STOP.0));
 }
 
@@ -75,10 +75,10 @@ fn a_start_that_waits_is_not_switched_on_either() {
     close(&mut rig);
     rig.does(FAST, "axinit");
     rig.does(&[("destp", 10.0)], "fldaa fldda fstart");
-    assert_eq!((rig.state(), rig.int("x.enabled")), ("POS", 0));
+    assert_eq!((rig.saia_state(), rig.int("x.enabled")), ("POS", 0));
     rig.plant.set_digital(0, false);
     rig.run(20);
-    assert_eq!((rig.state(), rig.int("x.enabled"), rig.int("x.error")), ("OFF", 0, 0));
+    assert_eq!((rig.saia_state(), rig.int("x.enabled"), rig.int("x.error")), ("OFF", 0, 0));
     assert_eq!((rig.int("x.saia.command_errors"), rig.int("x.saia.ondest")), (1, 1));
     assert_eq!(rig.int("x.saia.error"), i64::from(Code::EMERGENCY_STOP.0));
 }

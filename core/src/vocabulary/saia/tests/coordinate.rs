@@ -5,11 +5,11 @@ use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
 use crate::position::Length;
 
 fn set_position(rig: &mut Rig, position: i64) {
-    rig.give(vec![Action::SetPosition(SetPosition { axis: X, position: Length::whole(position) })]).unwrap();
+    rig.ask([Action::SetPosition(SetPosition { axis: X, position: Length::whole(position) })]).unwrap();
 }
 
 fn home(rig: &mut Rig) {
-    rig.give(vec![Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(35) })]).unwrap();
+    rig.ask([Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(35) })]).unwrap();
 }
 
 /// The count is one of edges, and none came: position, break position and destination stay where they are in the world.
@@ -31,10 +31,10 @@ fn a_new_position_of_the_axis_leaves_those_of_the_vocabulary() {
             assert_eq!(rig.int("x.saia.brkpos"), 0, "{axis_is}: nothing has moved");
             let end: i64 = if brake > 1000.0 { 9000 } else { 0 };
             rig.does(&[("destp", end as f64)], "fldda fstart");
-            rig.run_until("x.saia.brkpos", 1.0);
+            rig.run_until("x.saia.brkpos", 1);
             let past = (rig.int("x.saia.position") - brake as i64) * (end - 1000).signum();
             assert!((0..=50).contains(&past), "{axis_is}: {past}");
-            rig.run_until("x.saia.ondest", 1.0);
+            rig.run_until("x.saia.ondest", 1);
             assert_eq!(rig.int("x.command.position"), axis_is + end - 1000);
         }
     }
@@ -51,7 +51,7 @@ fn a_new_zero_passes_no_break_position() {
     rig.run(3);
     assert_eq!((rig.int("x.saia.position"), rig.int("x.saia.brkpos")), (0, 0));
     rig.does(&[("destp", 1000.0)], "fldda fstart");
-    rig.run_until("x.saia.brkpos", 1.0);
+    rig.run_until("x.saia.brkpos", 1);
     assert!((400..=450).contains(&rig.int("x.saia.position")));
     // On it the axis has reached it, as where it is loaded there.
     let mut rig = Rig::holding();
@@ -64,11 +64,11 @@ fn a_new_zero_passes_no_break_position() {
 #[test]
 fn a_zero_that_is_that_of_the_axis_goes_with_it() {
     for own in [false, true] {
-        let mut rig = Rig::new();
+        let mut rig = Rig::saia();
         rig.on();
         rig.does(FAST, "fldva fldbpa");
         rig.does(&[("destp", 1000.0), ("brkp", 300_000.0), ("stafrr", 0.0)], "fldda fldbpa fressf fstart");
-        rig.run_until("x.saia.ondest", 1.0);
+        rig.run_until("x.saia.ondest", 1);
         if own {
             rig.does(&[], "fsetzp");
         }

@@ -37,7 +37,7 @@ fn fstop_takes_exactly_one_of_three_bits() {
             4 => "RAMP",
             _ => "POS",
         };
-        assert_eq!((result.is_ok(), rig.state()), (state != "POS", state), "{bits:03b}");
+        assert_eq!((result.is_ok(), rig.saia_state()), (state != "POS", state), "{bits:03b}");
     }
 }
 
@@ -59,7 +59,7 @@ fn fsetpe_takes_two_bytes_and_no_command_minds_bits_13_to_31() {
 fn a_failed_command_is_tried_three_times_told_once_and_left_out() {
     let mut rig = Rig::logging(FAST);
     rig.verb(X, &[("destp", 1000.0)], "fldda fstart").unwrap();
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.verb(X, &[("veloc", -100.0), ("destp", 3000.0)], "fldda fldva fstart").unwrap();
     assert_eq!((rig.int("x.saia.tries"), rig.int("x.saia.command_errors")), (3, 1));
     assert_eq!(rig.int("x.saia.error"), i64::from(Code::SAIA_VELOCITY_OUT_OF_RANGE.0));
@@ -68,10 +68,10 @@ fn a_failed_command_is_tried_three_times_told_once_and_left_out() {
     let sentence = crate::text::sentence(warnings[0], rig.machine.config());
     assert!(sentence.contains("makes -2237 in the velocity register"), "{sentence}");
     // What stands before and after it is done; the register keeps its value, the buffer too; the flag is gone.
-    assert_eq!((rig.state(), rig.int("x.saia.destination")), ("POS", 3000));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.destination")), ("POS", 3000));
     assert_eq!(rig.int("x.saia.velocity_register"), 1_118_481);
     assert_eq!(rig.register(Register::Veloc), Value::Int(-100));
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!((rig.int("x.saia.tries"), rig.warnings()), (3, 1));
 }
 
@@ -80,7 +80,7 @@ fn a_failed_command_is_tried_three_times_told_once_and_left_out() {
 fn a_regulator_load_out_of_range_leaves_the_old_parameters_in_force() {
     let mut rig = Rig::logging(&[("veloc", 50_000.0), ("accel", 1e6), ("kprop", 3.0)]);
     rig.verb(X, &[("destp", 1000.0)], "fldda fstart").unwrap();
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.verb(X, &[("kprop", 40_000.0)], "fldrp").unwrap();
     rig.verb(X, &[], "fupdrp").unwrap();
     assert_eq!((rig.int("x.saia.tries"), rig.int("x.saia.command_errors")), (3, 1));
@@ -106,12 +106,12 @@ fn with_motor_off_an_error_also_stops_the_axis() {
     let mut rig = Rig::moving();
     rig.parameter("saia.command_error", Value::Int(2));
     rig.verb(X, &[("veloc", -100.0), ("destp", 55.0)], "fldva fldda fstart").unwrap();
-    assert_eq!((rig.state(), rig.int("x.enabled"), rig.int("x.saia.ondest")), ("OFF", 0, 1));
+    assert_eq!((rig.saia_state(), rig.int("x.enabled"), rig.int("x.saia.ondest")), ("OFF", 0, 1));
     assert_eq!(crate::state::AXIS_STATES[rig.int("x.state") as usize], "ERROR_STOP");
     assert_eq!(rig.int("x.error"), i64::from(Code::SAIA_VELOCITY_OUT_OF_RANGE.0));
     assert_eq!(rig.int("x.saia.destination"), 55, "the next command was done");
     rig.run(5);
-    assert_eq!((rig.state(), rig.real("x.command.velocity")), ("OFF", 0.0));
+    assert_eq!((rig.saia_state(), rig.real("x.command.velocity")), ("OFF", 0.0));
 }
 
 /// A start that the axis itself refuses fails as a command; what stands beside it is done.
@@ -119,20 +119,23 @@ fn with_motor_off_an_error_also_stops_the_axis() {
 fn what_the_axis_refuses_is_a_command_error_too() {
     let mut rig = Rig::logging(FAST);
     rig.verb(X, &[("destp", 15_000.0)], "fldda fstart").unwrap();
-    rig.run_until("x.command.velocity", 49_999.9);
+    rig.run_to("x.command.velocity", 49_999.9);
     // It stops 1250 counts from now at best, beyond this limit: it cannot turn back before it.
     let limit = rig.int("x.command.position") + 2000;
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.verb(X, &[("destp", 0.0)], "fldda fstart").unwrap();
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.verb(X, &[("destp", limit as f64)], "fldda fstart").unwrap();
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.parameter("max_position", Value::Int(limit));
     let velocity = rig.int("x.saia.velocity_register");
     rig.verb(X, &[], "fforw fldbpa").unwrap();
     assert_eq!((rig.int("x.saia.command_errors"), rig.int("x.saia.tries")), (1, 3));
     assert_eq!(rig.int("x.saia.error"), i64::from(Code::LIMIT_VIOLATION.0));
-    assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.saia.velocity_register")), ("HOLD", 1, velocity));
+    assert_eq!(
+        (rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.saia.velocity_register")),
+        ("HOLD", 1, velocity)
+    );
     assert_eq!(rig.int("x.saia.destination"), limit);
     let before = rig.picture();
     rig.parameter("saia.command_error", Value::Int(0));
@@ -148,7 +151,7 @@ fn an_acceleration_above_the_velocity_cannot_be_started() {
     let mut rig = Rig::ready(&[("veloc", 100.0), ("accel", 1e6)]);
     let sentence = "the acceleration register is 7635; 1 to the velocity register, 2237, is allowed";
     rig.refuses(&[("destp", 10.0)], "fldda fstart", sentence);
-    assert_eq!(rig.state(), "OFF");
+    assert_eq!(rig.saia_state(), "OFF");
     let still = "the velocity register is 0; fldva has to load one first";
     let level = "the acceleration register is 0; 1 to the velocity register, 22370, is allowed";
     for (veloc, accel, sentence) in [(0.0, 0.0, still), (0.0, 1000.0, still), (1000.0, 0.0, level)] {
@@ -170,14 +173,14 @@ fn an_acceleration_that_nobody_gave_is_cut_to_the_velocity() {
     rig.does(&[("veloc", 1000.0)], "axinit");
     rig.does(&[("destp", 2000.0)], "fldda fstart");
     assert_eq!(registers(&rig), (22_370, 22_370));
-    rig.run_until("x.command.velocity", 999.9);
+    rig.run_to("x.command.velocity", 999.9);
     // A motion keeps its own; the next one takes what it may.
     rig.does(&[("veloc", 5000.0)], "fldva fstart");
     assert_eq!(registers(&rig), (111_848, 22_370));
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.does(&[("destp", 0.0)], "fldda fstart");
     assert_eq!(registers(&rig), (111_848, 38_177));
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     // The same by a register is refused, and so is 0.
     let sentence = "the acceleration register is 38177; 1 to the velocity register, 22370, is allowed";
     rig.refuses(&[("accel", 5e6), ("veloc", 1000.0)], "fldaa fldva fstart", sentence);

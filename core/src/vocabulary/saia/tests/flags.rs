@@ -3,11 +3,10 @@
 use super::rig::{FAST, Rig, X};
 use super::takeover::Bench;
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Move, MoveMode};
-use crate::modulo::Direction;
+use crate::command::{Action, Move, MoveMode};
+use crate::machine::rig::to;
 use crate::object::Object;
 use crate::parameter::Value;
-use crate::position::Length;
 use crate::position::Position;
 use crate::sim::{Fixtures, Index};
 use crate::vocabulary::{Latched, Order};
@@ -50,7 +49,7 @@ fn fressf_clears_what_its_mask_has_as_0() {
     let mut rig = Rig::holding();
     rig.does(&[("stafrr", 0.0)], "fressf");
     rig.run(20);
-    assert_eq!((rig.state(), rig.int("x.saia.ondest")), ("HOLD", 0));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.ondest")), ("HOLD", 0));
 }
 
 /// Proves: SAIA-SIG-00, SAIA-SIG-01, SAIA-SIG-02, SAIA-SIG-03, SAIA-SIG-04, SAIA-SIG-09, SAIA-CMD-24, SAIA-REG-19
@@ -63,7 +62,7 @@ fn the_signal_register_is_read_by_its_command() {
     rig.does(&[("destp", 1000.0)], "fldda fsetip fstart");
     assert_eq!(rig.int("x.saia.rsigb"), 1 << 2 | 1 << 7 | 1 << 14, "until it is read again");
     assert_eq!(rig.signals(), 1);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.signals(), 1 | 1 << 2 | 1 << 10);
     // Power-up: regulator off, and bit 8.
     let power_up = super::super::Saia::default();
@@ -89,7 +88,7 @@ fn positions_are_read_in_units() {
     assert_eq!(rig.int("x.saia.rsetv"), 0);
     let before = rig.int("x.saia.ractp");
     rig.does(&[("destp", 200_000.0)], "fldda fstart");
-    rig.run_until("x.enabled", 1.0);
+    rig.run_until("x.enabled", 1);
     assert_eq!(tenth(rig.int("x.command.position")), before, "no jump at the next start");
 }
 
@@ -103,16 +102,16 @@ fn a_break_position_is_passed_by_the_actual_position_once() {
         rig.run(1);
     }
     assert!(rig.int("x.saia.position") >= 7000 && rig.int("x.command.position") > rig.int("x.saia.position"));
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     // Once: on the way back nothing happens until it is loaded again.
     rig.does(&[("destp", 0.0)], "fldda fressf fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.saia.brkpos"), 0);
     rig.does(&[("destp", 10_000.0)], "fldda fldbpa fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.saia.brkpos"), 1);
     rig.does(&[("destp", 0.0)], "fldda fldbpa fressf fstart");
-    rig.run_until("x.saia.brkpos", 1.0);
+    rig.run_until("x.saia.brkpos", 1);
     assert!(rig.int("x.saia.position") <= 7000, "on the way back too");
 }
 
@@ -123,7 +122,7 @@ fn a_break_position_at_the_actual_position_is_passed() {
     rig.does(&[("brkp", 1000.0)], "fldbpa fressf");
     assert_eq!(rig.int("x.saia.brkpos"), 1);
     rig.does(&[("brkp", 2000.0), ("destp", 2000.0)], "fressf fldbpa fldda fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.run(2);
     assert_eq!(rig.int("x.saia.brkpos"), 1);
 }
@@ -137,22 +136,22 @@ fn one_index_is_caught_after_fsetip() {
     let index = Some(Index { every: 4000, at: 1500 });
     rig.plant.drive(0).unwrap().fit(Fixtures { index, ..Fixtures::default() });
     rig.does(&[("destp", 100_000.0)], "fldda fstart");
-    rig.run_until("x.index.count", 1.0);
+    rig.run_until("x.index.count", 1);
     assert_eq!(rig.int("x.saia.ipuls"), 0, "nobody waits");
     rig.does(&[], "fsetip");
     rig.latch(500_000);
     rig.run(3);
     assert_eq!((rig.int("x.saia.ipuls"), rig.int("x.saia.index_armed")), (0, 1));
-    rig.run_until("x.index.count", 2.0);
+    rig.run_until("x.index.count", 2);
     assert_eq!((rig.int("x.saia.ipuls"), rig.int("x.saia.index_armed")), (1, 0));
     assert!(rig.int("x.saia.position") > 5500);
-    rig.run_until("x.index.count", 3.0);
+    rig.run_until("x.index.count", 3);
     rig.does(&[("mcfac", 1.0)], "frdip");
     assert_eq!(rig.int("x.saia.rindp"), 5500);
     // From the zero as it is then, and kept where that moves.
     rig.does(&[], "fsetip fsetzp");
     let zero = rig.int("x.actual.position");
-    rig.run_until("x.index.count", 4.0);
+    rig.run_until("x.index.count", 4);
     rig.does(&[], "fsetzp frdip");
     assert_eq!(rig.int("x.saia.rindp"), 13_500 - zero);
 }
@@ -186,13 +185,13 @@ fn a_new_zero_moves_nothing_and_the_running_move_ends_where_it_would() {
     let zero = rig.int("x.actual.position");
     assert!(zero >= place && rig.int("x.saia.position") == 0);
     assert!((rig.real("x.command.velocity") - 50_000.0).abs() < 0.03);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.run(2);
     assert_eq!(rig.int("x.command.position"), 100_000);
     assert_eq!(rig.int("x.saia.position"), 100_000 - zero);
     // The buffered destination counts from the new zero.
     rig.does(&[], "fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.run(2);
     assert_eq!((rig.int("x.saia.position"), rig.int("x.command.position")), (300, zero + 300));
 }
@@ -208,7 +207,7 @@ fn a_position_error_beyond_its_limit_sets_the_flag_and_motion_goes_on() {
         rig.run(1);
         assert_eq!(rig.int("x.following_error"), -slip);
         rig.run(1);
-        assert_eq!((rig.int("x.saia.excper"), rig.state()), (expected, "POS"));
+        assert_eq!((rig.int("x.saia.excper"), rig.saia_state()), (expected, "POS"));
     }
     // Latched until it is reset.
     rig.run(10);
@@ -216,7 +215,7 @@ fn a_position_error_beyond_its_limit_sets_the_flag_and_motion_goes_on() {
     rig.does(&[("stafrr", 0.0)], "fressf");
     rig.run(1);
     assert_eq!(rig.int("x.saia.excper"), 0);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 100_000);
 }
 
@@ -228,10 +227,10 @@ fn with_the_other_reaction_the_regulator_goes_off_and_a_start_brings_it_back() {
         assert_eq!(rig.signals() >> 9 & 1, 1);
         rig.plant.drive(0).unwrap().jump(501);
         rig.run(2);
-        assert_eq!((rig.state(), rig.int("x.enabled"), rig.int("x.error")), ("OFF", 0, 0));
+        assert_eq!((rig.saia_state(), rig.int("x.enabled"), rig.int("x.error")), ("OFF", 0, 0));
         assert_eq!((rig.int("x.saia.excper"), rig.int("x.saia.ondest"), rig.int("x.saia.output")), (1, 1, 0));
         rig.does(&[], "fstart");
-        rig.run_until("x.saia.ondest", 1.0);
+        rig.run_until("x.saia.ondest", 1);
         assert_eq!(rig.int("x.command.position"), rig.int("x.saia.destination"));
     }
     // While the drive is off nothing supervises.
@@ -283,18 +282,8 @@ fn a_position_error_of_a_goal_sets_no_flag() {
     let mut rig = Rig::holding();
     rig.parameter("max_following_error", Value::Int(500));
     rig.does(&[("poser", 500.0), FLAG_ONLY], "fsetpe");
-    let goal = Move {
-        axis: X,
-        mode: MoveMode::Relative,
-        target: Length::whole(10_000),
-        velocity: 0.0,
-        acceleration: 0.0,
-        deceleration: 0.0,
-        jerk: 0.0,
-        direction: Direction::Shortest,
-        buffer_mode: BufferMode::Aborting,
-    };
-    rig.give(vec![Action::Move(goal)]).unwrap();
+    let goal = Move { mode: MoveMode::Relative, ..to(X, 10_000) };
+    rig.ask([Action::Move(goal)]).unwrap();
     rig.run(5);
     rig.plant.drive(0).unwrap().jump(-501);
     rig.run(1);
@@ -384,11 +373,11 @@ fn software_limits_hold_for_starts_and_jogs() {
     rig.refuses(&[("destp", -20_001.0)], "fldda fstart", "lies below min_position -20 mm");
     assert_eq!(rig.picture(), before);
     rig.does(&[("destp", 20_000.0)], "fldda fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.does(&[], "fbackw");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.run(100);
-    assert_eq!((rig.int("x.command.position"), rig.state()), (-20_000, "HOLD"));
+    assert_eq!((rig.int("x.command.position"), rig.saia_state()), (-20_000, "HOLD"));
     assert_eq!(crate::state::AXIS_STATES[rig.int("x.state") as usize], "ERROR_STOP");
     rig.refuses(&[], "fforw", "reset_errors first");
 }

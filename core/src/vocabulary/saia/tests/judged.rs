@@ -40,7 +40,7 @@ fn rig_of(config: MachineConfig) -> Rig {
 fn moving() -> Rig {
     let mut rig = rig_of(cell(|_| ()));
     rig.does(&[("destp", 100_000.0)], "fldda fstart");
-    rig.run_until("x.command.velocity", 49_999.9);
+    rig.run_to("x.command.velocity", 49_999.9);
     rig
 }
 
@@ -71,8 +71,8 @@ fn refuses_all(rig: &mut Rig, set: &[(&str, f64)], verbs: &[&str], part: &str) {
 fn no_start_leads_out_of_a_stop_that_locks() {
     type Stop = fn(&mut Rig);
     let stops: [(Stop, &str); 3] = [
-        (|rig| rig.give(vec![Action::QuickStop(AxisSet::one(X))]).unwrap(), "quick_stop has locked the axis"),
-        (|rig| rig.give(vec![Action::Abort]).unwrap(), "abort has stopped the axis"),
+        (|rig| rig.ask([Action::QuickStop(AxisSet::one(X))]).unwrap(), "quick_stop has locked the axis"),
+        (|rig| rig.ask([Action::Abort]).unwrap(), "abort has stopped the axis"),
         (|rig| rig.plant.set_digital(0, true), "i_break has stopped the axis"),
     ];
     for (stop, part) in stops {
@@ -85,7 +85,7 @@ fn no_start_leads_out_of_a_stop_that_locks() {
         assert!((20_000.0..40_000.0).contains(&velocity), "{part}: it stops on, at {velocity}");
         rig.run(60);
         assert_eq!((rig.int("x.enabled"), rig.real("x.command.velocity")), (1, 0.0));
-        rig.give(vec![Action::ResetErrors(AxisSet::one(X))]).unwrap();
+        rig.ask([Action::ResetErrors(AxisSet::one(X))]).unwrap();
         assert_eq!(state(&rig), "STANDSTILL");
         rig.does(UP, "fldda fstart");
     }
@@ -95,15 +95,15 @@ fn no_start_leads_out_of_a_stop_that_locks() {
 #[test]
 fn no_start_ends_homing() {
     let mut rig = rig_of(cell(|x| (x.homing.method, x.homing.velocity) = (17, Some(5_000.0))));
-    rig.enable();
-    rig.give(vec![Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Configured })]).unwrap();
+    rig.on();
+    rig.ask([Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Configured })]).unwrap();
     rig.run(20);
     let verbs = [&STARTS[..], &["fmotoff fforw", "fldva fldaa fforw"]].concat();
     refuses_all(&mut rig, UP, &verbs, "x: the axis is homing");
     assert_eq!(state(&rig), "HOMING");
     // By itself a new acceleration switches the motor off.
     rig.does(UP, "fldaa");
-    assert_eq!((rig.state(), state(&rig)), ("OFF", "DISABLED"));
+    assert_eq!((rig.saia_state(), state(&rig)), ("OFF", "DISABLED"));
 }
 
 /// On or off, to a destination, by a jog or at a velocity.
@@ -118,7 +118,7 @@ fn what_the_axis_cannot_do_once_it_is_on_is_refused_before() {
             rig.plant.drive(0).unwrap().fit(switches);
             rig.run(2);
             if is_on {
-                rig.enable();
+                rig.on();
             }
             rig
         };
@@ -135,13 +135,13 @@ fn what_the_axis_cannot_do_once_it_is_on_is_refused_before() {
         let by_velocity = [("mcw", 0x1C1B as f64), ("accel", 500_000.0)];
         refuses_all(&mut rig, &by_velocity, &["fselom fldaa fstart"], "x: the positive limit switch is actuated");
         rig.does(DOWN, "fldda fldaa fstart");
-        rig.run_until("x.saia.profile_done", 1.0);
+        rig.run_until("x.saia.profile_done", 1);
         assert_eq!(rig.int("x.command.position"), -10);
 
         let mut rig = make(cell(|x| x.macs.revers = 2), Fixtures::default());
         refuses_all(&mut rig, DOWN, &verbs, "leads backwards, which revers forbids");
         rig.does(UP, "fldda fldaa fstart");
-        rig.run_until("x.saia.profile_done", 1.0);
+        rig.run_until("x.saia.profile_done", 1);
         assert_eq!(rig.int("x.command.position"), 10);
     }
 }
@@ -153,7 +153,7 @@ fn an_open_loop_refuses_a_start_before_it_is_on() {
     let mut rig = rig_of(config);
     let verbs = ["fldda fstart", "fldda fldaa fstart", "fforw"];
     refuses_all(&mut rig, UP, &verbs, "x: the axis runs in open loop; only commands of `wf` move it");
-    assert_eq!((rig.state(), rig.int("x.enabled")), ("OFF", 0));
+    assert_eq!((rig.saia_state(), rig.int("x.enabled")), ("OFF", 0));
 }
 
 /// The others run: the load switches the motor off by SAIA-DET-04, and only the start behind it fails.
@@ -164,14 +164,14 @@ fn as_a_command_error_only_the_start_fails() {
     for policy in [1, 2] {
         let mut rig = moving();
         rig.parameter("saia.command_error", Value::Int(policy));
-        rig.give(vec![Action::QuickStop(AxisSet::one(X))]).unwrap();
+        rig.ask([Action::QuickStop(AxisSet::one(X))]).unwrap();
         rig.run(3);
         rig.verb(X, UP, "fldda fldaa fstart").unwrap();
         assert_eq!((rig.int("x.saia.command_errors"), rig.int("x.saia.tries")), (1, 3));
-        assert_eq!((rig.state(), rig.int("x.saia.destination"), rig.int("x.enabled")), ("OFF", 100_000, 0));
+        assert_eq!((rig.saia_state(), rig.int("x.saia.destination"), rig.int("x.enabled")), ("OFF", 100_000, 0));
         assert_eq!(warnings(&rig), ["x: quick_stop has locked the axis; reset_errors first"]);
         rig.run(20);
-        assert_eq!((rig.state(), rig.int("x.enabled")), ("OFF", 0));
+        assert_eq!((rig.saia_state(), rig.int("x.enabled")), ("OFF", 0));
     }
 }
 
@@ -182,7 +182,7 @@ fn what_comes_between_is_told_without_a_stream() {
     rig.does(DOWN, "fldda fldaa fstart");
     rig.parameter("revers", Value::Int(2));
     rig.run(20);
-    assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.enabled")), ("HOLD", 1, 1));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.enabled")), ("HOLD", 1, 1));
     assert_eq!(rig.int("x.saia.error"), i64::from(Code::REVERSE_FORBIDDEN.0));
     rig.does(UP, "fldda fldaa fstart");
     rig.run(2);

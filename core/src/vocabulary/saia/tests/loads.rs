@@ -61,10 +61,10 @@ fn the_control_word_of_the_examples_means_ramp_stop_position_and_flag_only() {
     let mut rig = Rig::ready(&[("mcw", f64::from(0x41B)), ("poser", 2000.0), ("veloc", 50_000.0), ("accel", 1e6)]);
     assert_eq!(rig.signals() >> 9 & 1, 0);
     rig.does(&[("destp", 100_000.0)], "fldda fstart");
-    assert_eq!((rig.state(), rig.int("x.saia.velocity_mode")), ("POS", 0));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.velocity_mode")), ("POS", 0));
     rig.run(200);
     rig.does(&[], "fstop");
-    assert_eq!(rig.state(), "RAMP");
+    assert_eq!(rig.saia_state(), "RAMP");
 }
 
 /// Proves: SAIA-CMD-03, SAIA-CMD-05, SAIA-DET-01, SAIA-PRF-01, SAIA-HND-04
@@ -82,7 +82,7 @@ fn loads_change_nothing_until_a_start() {
     rig.does(&[("mcw", f64::from(0x41B))], "fselom fldva");
     rig.does(&[], "fstart");
     assert_eq!(rig.int("x.saia.destination"), 5);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 5);
 }
 
@@ -120,21 +120,21 @@ fn a_relative_velocity_counts_from_the_working_one_and_may_not_become_negative()
 fn a_new_acceleration_switches_the_motor_off_and_waits_for_a_start_at_rest() {
     let mut rig = Rig::moving();
     rig.does(&[("accel", 2_000_000.0)], "fldaa");
-    assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.saia.acceleration_pending")), ("OFF", 1, 1));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.saia.acceleration_pending")), ("OFF", 1, 1));
     assert_eq!(rig.int("x.enabled"), 0);
     assert_eq!(rig.int("x.saia.acceleration_register"), 7635);
     assert_eq!(rig.signals() >> 14 & 1, 1);
     rig.does(&[("destp", 200_000.0)], "fldda fstart");
-    assert_eq!((rig.state(), rig.int("x.saia.acceleration_pending")), ("POS", 0));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.acceleration_pending")), ("POS", 0));
     assert_eq!(rig.int("x.saia.acceleration_register"), 15_271);
-    rig.run_until("x.enabled", 1.0);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.enabled", 1);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 200_000);
     rig.does(&[("accel", -500_000.0)], "fldar fstart");
     // 500 000 counts/s^2 are 3818 steps.
     assert_eq!(rig.int("x.saia.acceleration_register"), 15_271 - 3818);
     rig.refuses(&[("accel", -3_000_000.0)], "fldar", "in the acceleration register; 0 to");
-    assert_eq!(rig.state(), "POS", "a load that is refused switches nothing off");
+    assert_eq!(rig.saia_state(), "POS", "a load that is refused switches nothing off");
 }
 
 /// Proves: SAIA-DET-03, SAIA-INI-10, SAIA-ERR-02
@@ -158,12 +158,12 @@ fn a_relative_break_position_counts_from_the_destination_and_keeps_within_the_ra
     let mut rig = Rig::holding();
     rig.does(&[("destp", 5000.0), ("brkp", -3000.0)], "fldda fstart fldbpr");
     // The load comes first: it is relative to the destination of before.
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.saia.brkpos"), 0);
     rig.does(&[("destp", 0.0)], "fldda fldbpr fstart");
-    rig.run_until("x.saia.brkpos", 1.0);
+    rig.run_until("x.saia.brkpos", 1);
     assert!(rig.int("x.saia.position") <= 2000 && rig.int("x.saia.position") > 1900);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.does(&[("destp", 1_073_741_000.0)], "fldda fstart");
     rig.refuses(&[("brkp", 1000.0)], "fldbpr", "saia.brkp with saia.mcfac makes 1073742000 counts");
 }
@@ -177,9 +177,9 @@ fn flags_that_stand_together_run_in_one_order() {
     let request = rig.request(X, &[("destp", 9000.0), ("veloc", 20_000.0)], "fstart fressf fldva fldda");
     let order: Vec<Command> = request.commands.iter().collect();
     assert_eq!(order, [flag("fldda"), flag("fldva"), flag("fressf"), flag("fstart")]);
-    rig.give(vec![Action::Saia(Box::new(request))]).unwrap();
+    rig.ask([Action::Saia(Box::new(request))]).unwrap();
     assert_eq!((rig.int("x.saia.destination"), rig.int("x.saia.ondest")), (9000, 0));
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 9000);
 }
 
@@ -204,13 +204,13 @@ fn axinit_resets_and_loads_from_the_registers() {
     rig.parameter("saia.imode", Value::Int(5));
     let set = [("mcw", f64::from(0x1A1A)), ("poser", 123.0), ("kprop", 9.0), ("veloc", 70_000.0), ("accel", 3e6)];
     rig.does(&set, "axinit");
-    assert_eq!((rig.state(), rig.int("x.enabled")), ("OFF", 0));
+    assert_eq!((rig.saia_state(), rig.int("x.enabled")), ("OFF", 0));
     assert_eq!(rig.int("x.saia.position"), 0, "the position becomes 0 though the axis moves");
     assert_eq!((rig.int("x.saia.destination"), rig.int("x.saia.velocity_register")), (0, 0));
     // OnDest, regulator off, PWM, off reaction, new acceleration; mode and direction wait for the start.
     assert_eq!(rig.signals(), 1 << 2 | 1 << 7 | 1 << 8 | 1 << 9 | 1 << 14);
     rig.does(&[], "fstart");
-    assert_eq!((rig.state(), rig.int("x.saia.velocity_register")), ("VEL", 1_565_873));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.velocity_register")), ("VEL", 1_565_873));
     assert_eq!(rig.int("x.saia.acceleration_register"), 22_906);
 }
 
@@ -222,7 +222,7 @@ fn axinit_resets_the_controller() {
     let gains = [("kprop", 7.0), ("kint", 3.0), ("kder", 5.0), ("intl", 30_000.0), ("sampi", 2.0)];
     let mut rig = Rig::ready(&[FAST, &gains].concat());
     rig.does(&[("destp", 100_000.0), ("brkp", 60_000.0)], "fldda fldbpa fstart");
-    rig.run_until("x.command.velocity", 49_999.99);
+    rig.run_to("x.command.velocity", 49_999.99);
     rig.plant.drive(0).unwrap().jump(-100);
     rig.run(1);
     let names = ["destination", "velocity_register", "acceleration_register", "position", "output", "integral"];
@@ -233,15 +233,15 @@ fn axinit_resets_the_controller() {
     // No destination waits for a start.
     rig.does(&[], "fstart");
     assert_eq!(rig.int("x.saia.destination"), 0);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     // The place of the break position is passed, in the old coordinate and in the new one, and no gain turns an error into U.
     rig.does(&[("destp", 70_000.0)], "fldda fstart");
-    rig.run_until("x.command.velocity", 49_999.99);
+    rig.run_to("x.command.velocity", 49_999.99);
     rig.plant.drive(0).unwrap().jump(-100);
     rig.run(1);
     assert!(rig.int("x.following_error") >= 100);
     assert_eq!((rig.int("x.saia.output"), rig.int("x.saia.integral")), (0, 0));
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.run(2);
     assert_eq!((rig.int("x.saia.position"), rig.int("x.saia.brkpos")), (70_000, 0));
 }

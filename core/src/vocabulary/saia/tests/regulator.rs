@@ -111,7 +111,7 @@ fn the_integral_part_of_the_axis_is_read_within_its_limit() {
     let set = [("veloc", 50_000.0), ("accel", 1e6), ("kint", 2.0), ("intl", 1000.0), ("destp", 500.0)];
     let mut rig = Rig::ready(&set);
     rig.does(&[], "fldda fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.does(&[], "frdits");
     assert_eq!(rig.int("x.saia.rintts"), 0, "an ideal drive has no error");
     rig.plant.drive(0).unwrap().jump(-100);

@@ -1,15 +1,13 @@
-//! A machine with one axis on a simulated drive and a virtual one.
+//! The rig with one axis on a simulated drive and a virtual one, and what the tests of the module ask of it.
 
-use crate::command::{Action, Command, Commands, Source};
+use crate::command::{Action, Commands};
 use crate::config::{AxisConfig, MachineConfig};
-use crate::drive::{Backend, Capabilities, Edge, Inputs, Latch, Outputs};
-use crate::event::{Event, Kind};
-use crate::machine::Machine;
+use crate::drive::{Capabilities, Edge, Latch};
+use crate::event::Kind;
+pub(super) use crate::machine::rig::Rig;
+use crate::machine::rig::scale;
 use crate::object::{AxisSet, Object};
 use crate::parameter::{AxisParameters, Change, ParameterInput, Row, Value};
-use crate::signal;
-use crate::sim::{Model, Plant};
-use crate::unit::{Fraction, Quantity, Scale, Unit};
 use crate::vocabulary::saia::{Command as Flag, Register, Request};
 
 /// The axis with a drive.
@@ -20,22 +18,10 @@ pub(super) const V: u16 = 1;
 /// An acceptable set of registers: 50 000 counts/s, 1 000 000 counts/s^2, ramp stop, flag only.
 pub(super) const FAST: &[(&str, f64)] = &[("veloc", 50_000.0), ("accel", 1_000_000.0), ("poser", 30_000.0)];
 
-pub(super) struct Rig {
-    pub machine: Machine,
-    pub plant: Plant,
-    inputs: Inputs,
-    outputs: Outputs,
-    sequence: u64,
-    pub events: Vec<Event>,
-    mirror: Option<Machine>,
-}
-
 pub(super) fn config() -> MachineConfig {
-    let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
-    let scale = Scale::new(Fraction::from_integer(1000), per).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
     let parameters =
         AxisParameters { error_reaction: 2, max_following_error: 1_000_000_000, ..AxisParameters::new(1e9, 1e10) };
-    let axis = |name: &str, drive| AxisConfig::new(name.into(), scale, drive, parameters);
+    let axis = |name: &str, drive| AxisConfig::new(name.into(), scale(), drive, parameters);
     MachineConfig {
         cycle_ns: 1_000_000,
         axes: vec![axis("x", Some(Capabilities::all(0))), axis("v", None)],
@@ -44,20 +30,13 @@ pub(super) fn config() -> MachineConfig {
 }
 
 impl Rig {
-    pub(super) fn new() -> Self {
+    pub(super) fn saia() -> Self {
         Self::of(config())
-    }
-
-    pub(super) fn of(config: MachineConfig) -> Self {
-        let plant = Plant::new(&config, &[Some(Model::Ideal)]);
-        let machine = Machine::new(config).unwrap();
-        let (inputs, outputs) = (machine.inputs(), machine.outputs());
-        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), mirror: None }
     }
 
     /// With `axinit` done on x with these registers.
     pub(super) fn ready(set: &[(&str, f64)]) -> Self {
-        let mut rig = Self::new();
+        let mut rig = Self::saia();
         rig.run(5);
         rig.does(set, "axinit");
         rig
@@ -65,7 +44,7 @@ impl Rig {
 
     /// The same where command errors are only told.
     pub(super) fn logging(set: &[(&str, f64)]) -> Self {
-        let mut rig = Self::new();
+        let mut rig = Self::saia();
         rig.run(5);
         rig.parameter("saia.command_error", Value::Int(1));
         rig.does(set, "axinit");
@@ -76,7 +55,7 @@ impl Rig {
     pub(super) fn moving() -> Self {
         let mut rig = Self::ready(FAST);
         rig.does(&[("destp", 100_000.0)], "fldda fstart");
-        rig.run_until("x.command.velocity", 49_999.99);
+        rig.run_to("x.command.velocity", 49_999.99);
         rig
     }
 
@@ -84,83 +63,29 @@ impl Rig {
     pub(super) fn holding() -> Self {
         let mut rig = Self::ready(FAST);
         rig.does(&[("destp", 1000.0)], "fldda fstart");
-        rig.run_until("x.saia.ondest", 1.0);
+        rig.run_until("x.saia.ondest", 1);
         rig
     }
 
     /// x is switched on by `enable`.
     pub(super) fn on(&mut self) {
-        self.give(vec![Action::Enable(AxisSet::one(X))]).expect("nothing bars it");
-        self.run(5);
+        self.ask([Action::Enable(AxisSet::one(X))]).expect("nothing bars it");
+        self.run(20);
     }
 
-    pub(super) fn cycle(&mut self, commands: Commands<'_>) {
-        self.inputs.begin(self.machine.next_cycle(), 0);
-        self.plant.read(&mut self.inputs);
-        self.machine.cycle(&self.inputs, commands, &mut self.outputs);
-        if let Some(mirror) = &mut self.mirror {
-            let mut outputs = mirror.outputs();
-            mirror.cycle(&self.inputs, commands, &mut outputs);
-            assert_eq!((mirror.events(), &outputs), (self.machine.events(), &self.outputs));
-            assert!(mirror.board() == self.machine.board(), "other signals in cycle {}", self.inputs.cycle);
-        }
-        self.plant.write(&self.outputs);
-        self.events.extend_from_slice(self.machine.events());
-    }
-
-    /// From now on a machine that was restored from the state of this one must do the same.
-    pub(super) fn mirror(&mut self) {
-        let bytes = postcard::to_allocvec(self.machine.state()).unwrap();
-        let state = postcard::from_bytes(&bytes).unwrap();
-        self.mirror = Some(Machine::restore(self.machine.config().clone(), state).unwrap());
-    }
-
-    pub(super) fn run(&mut self, cycles: u64) {
-        for _ in 0..cycles {
-            self.cycle(Commands::default());
-        }
-    }
-
-    /// Runs until a signal is at least that value.
-    #[track_caller]
-    pub(super) fn run_until(&mut self, name: &str, value: f64) {
-        for _ in 0..200_000 {
-            if self.real(name) >= value {
-                return;
-            }
-            self.run(1);
-        }
-        panic!("{name} never became {value}; it is {}", self.real(name));
-    }
-
-    /// Gives all actions in one cycle; the answer of the last one.
-    pub(super) fn give(&mut self, actions: Vec<Action>) -> Result<(), String> {
-        let commands: Vec<Command> = actions
-            .into_iter()
-            .map(|action| {
-                self.sequence += 1;
-                Command { sequence: self.sequence, source: Source::Scenario, action }
-            })
-            .collect();
-        self.cycle(Commands::queue(&commands));
-        let answers = self.machine.events().iter().filter(|event| event.command == self.sequence);
-        let answers: Vec<&Event> =
-            answers.filter(|event| matches!(event.kind, Kind::Accepted | Kind::Refused)).collect();
-        let [answer] = answers.as_slice() else { panic!("answered {} times", answers.len()) };
-        match answer.kind {
-            Kind::Accepted => Ok(()),
-            _ => Err(crate::text::sentence(answer, self.machine.config())),
-        }
+    /// Gives all actions in one cycle; the sentence that refuses the last one.
+    pub(super) fn ask(&mut self, actions: impl Into<Vec<Action>>) -> Result<(), String> {
+        let sequence = self.give_all(actions.into());
+        self.answer(sequence).map_err(|refused| crate::text::sentence(&refused, self.machine.config()))
     }
 
     /// Gives a verb. Where it is refused, the machine must be as one that was not asked.
     pub(super) fn give_or_nothing(&mut self, request: Request) {
-        let state = self.machine.state().clone();
-        let mut twin = Machine::restore(self.machine.config().clone(), state).unwrap();
-        if self.give(vec![Action::Saia(Box::new(request))]).is_err() {
+        let mut twin = self.twin();
+        if self.ask([Action::Saia(Box::new(request))]).is_err() {
             let mut outputs = twin.outputs();
-            twin.cycle(&self.inputs, Commands::default(), &mut outputs);
-            assert_eq!(outputs, self.outputs);
+            twin.cycle(self.inputs(), Commands::default(), &mut outputs);
+            assert_eq!(&outputs, self.outputs());
             assert!(twin.board() == self.machine.board(), "a refused verb changes a signal");
             assert_eq!(twin.parameters(X), self.machine.parameters(X));
         }
@@ -185,7 +110,7 @@ impl Rig {
 
     pub(super) fn verb(&mut self, axis: u16, set: &[(&str, f64)], commands: &str) -> Result<(), String> {
         let request = self.request(axis, set, commands);
-        self.give(vec![Action::Saia(Box::new(request))])
+        self.ask([Action::Saia(Box::new(request))])
     }
 
     /// A verb for x that is accepted and has no command error.
@@ -205,7 +130,7 @@ impl Rig {
 
     pub(super) fn try_parameter(&mut self, key: &str, value: Value) -> Result<(), String> {
         let (row, _) = Row::find(key).unwrap();
-        self.give(vec![Action::SetParameters([Change { axis: X, row, value }].into())])
+        self.ask([Action::SetParameters([Change { axis: X, row, value }].into())])
     }
 
     #[track_caller]
@@ -218,33 +143,13 @@ impl Rig {
         row.value(self.machine.parameters(X).unwrap())
     }
 
-    pub(super) fn enable(&mut self) {
-        self.give(vec![Action::Enable(AxisSet::one(X))]).unwrap();
-        self.run(20);
-    }
-
     pub(super) fn latch(&mut self, age_ns: u32) {
         let latch = Latch { object: Object::Axis(X), edge: Edge::Rising, age_ns: Some(age_ns), position: None };
         assert!(self.plant.add_latch(latch));
     }
 
-    pub(super) fn real(&self, name: &str) -> f64 {
-        let directory = self.machine.directory();
-        let signal = directory.find(name).unwrap_or_else(|| panic!("no signal {name}"));
-        self.machine.board().value(signal, directory.entry(signal).kind).to_f64()
-    }
-
-    pub(super) fn int(&self, name: &str) -> i64 {
-        let directory = self.machine.directory();
-        let signal = directory.find(name).unwrap_or_else(|| panic!("no signal {name}"));
-        match self.machine.board().value(signal, directory.entry(signal).kind) {
-            signal::Value::Int(value) => value,
-            signal::Value::Real(value) => panic!("{name} is real: {value}"),
-        }
-    }
-
     /// The state by its name in section 12.
-    pub(super) fn state(&self) -> &'static str {
+    pub(super) fn saia_state(&self) -> &'static str {
         super::super::STATES[self.int("x.saia.state") as usize]
     }
 

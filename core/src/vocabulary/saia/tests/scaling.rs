@@ -92,7 +92,7 @@ fn a_factor_of_the_wrong_format_makes_a_command_error() {
     rig.refuses(&[("mcfac", 9.223_371e18), ("destp", 1.0)], "fldda", "counts; -1073741824 to");
     let tiny = f64::from(f32::from_bits(100));
     rig.does(&[("destp", 1000.0)], "fldda fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     rig.refuses(&[("mcfac", tiny)], "frdap", "does not fit its register of 32 bits");
     rig.refuses(&[("mcfac", 0.0)], "frdap", "with saia.mcfac 0 what is read does not fit");
     assert_eq!(rig.int("x.saia.ractp"), 0);
@@ -131,7 +131,7 @@ fn the_actual_velocity_is_read_in_whole_counts_a_sample() {
 /// Proves: SAIA-SCL-06, SAIA-CMD-21, SAIA-REG-16
 #[test]
 fn the_printed_constants_read_back_what_they_loaded() {
-    let mut rig = Rig::new();
+    let mut rig = Rig::saia();
     rig.run(5);
     rig.parameter("saia.legacy_scaling", Value::Int(1));
     rig.does(&[("mcfac", 100.0), ("veloc", 500.0), ("accel", 10_000.0), ("destp", 1000.0)], "axinit fldda fstart");

@@ -15,7 +15,7 @@ const SPEED_DOWN: (&str, f64) = ("mcw", 0xC1B as f64);
 fn running() -> Rig {
     let mut rig = Rig::ready(FAST);
     rig.does(&[SPEED_UP], "fselom fstart");
-    rig.run_until("x.command.velocity", 49_999.9);
+    rig.run_to("x.command.velocity", 49_999.9);
     rig
 }
 
@@ -29,9 +29,9 @@ fn ramping() -> Rig {
 /// Proves: SAIA-FSM-01, SAIA-SIG-03
 #[test]
 fn axinit_leads_from_any_state_to_off() {
-    for mut rig in [Rig::new(), Rig::ready(FAST), Rig::holding(), Rig::moving(), running(), ramping()] {
+    for mut rig in [Rig::saia(), Rig::ready(FAST), Rig::holding(), Rig::moving(), running(), ramping()] {
         rig.does(FAST, "axinit");
-        assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), ("OFF", 1, 0));
+        assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), ("OFF", 1, 0));
         assert_eq!(rig.int("x.saia.acceleration_pending"), 1);
         assert_eq!((rig.int("x.saia.regulator_off"), rig.int("x.enabled")), (1, 0));
         rig.refuses(&[("destp", 1.0)], "flddr", "before the first fstart");
@@ -42,45 +42,45 @@ fn axinit_leads_from_any_state_to_off() {
 #[test]
 fn before_axinit_every_command_is_refused() {
     for (command, name) in super::super::Command::ALL.iter().skip(1) {
-        let mut rig = Rig::new();
+        let mut rig = Rig::saia();
         rig.refuses(FAST, name, "axinit has not run and the axis is off; axinit or enable must come first");
-        assert_eq!((rig.state(), command.name()), ("PWR", *name));
+        assert_eq!((rig.saia_state(), command.name()), ("PWR", *name));
     }
     // In one verb it comes first by itself.
-    let mut rig = Rig::new();
+    let mut rig = Rig::saia();
     rig.run(5);
     rig.does(&[("destp", 10.0), ("veloc", 50_000.0), ("accel", 1e6)], "fstart fldda axinit");
-    assert_eq!(rig.state(), "POS");
+    assert_eq!(rig.saia_state(), "POS");
 }
 
 /// Proves: SAIA-FSM-02, SAIA-INI-09
 #[test]
 fn enable_stands_for_axinit_and_the_axis_stays_on() {
-    let mut rig = Rig::new();
+    let mut rig = Rig::saia();
     rig.on();
-    assert_eq!(rig.state(), "PWR");
+    assert_eq!(rig.saia_state(), "PWR");
     // No accel: that of the axis, half of its maximum, cut to the velocity.
     rig.does(&[("destp", 1000.0), ("veloc", 500.0)], "fldda fldva fstart");
-    assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.enabled")), ("POS", 0, 1));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.enabled")), ("POS", 0, 1));
     assert_eq!((rig.int("x.saia.velocity_register"), rig.int("x.saia.acceleration_register")), (11_185, 11_185));
     rig.does(&[("destp", -1.0)], "flddr");
     // In motion it stays what it is.
     let sentence = "the acceleration register is 11185; 1 to the velocity register, 22, is allowed";
     rig.refuses(&[("veloc", 1.0)], "fldva fstart", sentence);
     rig.does(&[("veloc", 5_000.0), ("destp", 1000.0)], "fldda fldva fstart");
-    rig.run_until("x.saia.ondest", 1.0);
-    assert_eq!((rig.int("x.command.position"), rig.state()), (1000, "HOLD"));
+    rig.run_until("x.saia.ondest", 1);
+    assert_eq!((rig.int("x.command.position"), rig.saia_state()), (1000, "HOLD"));
     // What axinit loads of registers that the verb sets too.
-    let mut rig = Rig::new();
+    let mut rig = Rig::saia();
     rig.on();
     rig.does(&[("destp", 10.0), ("veloc", 500.0), ("mcfac", 100.0)], "fldda fstart");
     assert_eq!(rig.int("x.saia.destination"), 1000);
     // Relative loads are barred as after axinit, and a verb that is refused has initialised nothing.
-    let mut rig = Rig::new();
+    let mut rig = Rig::saia();
     rig.on();
     rig.refuses(&[("destp", 1.0)], "flddr", "before the first fstart");
     rig.refuses(&[("destp", 1.0)], "fldda fstart", "the velocity register is 0; fldva has to load one first");
-    assert_eq!(rig.state(), "PWR");
+    assert_eq!(rig.saia_state(), "PWR");
 }
 
 /// Proves: SAIA-FSM-03, SAIA-CMD-11, SAIA-DET-06, SAIA-SIG-06
@@ -89,18 +89,18 @@ fn a_start_from_off_switches_the_drive_on_and_then_moves() {
     let mut rig = Rig::ready(FAST);
     assert_eq!(rig.int("x.enabled"), 0);
     rig.does(&[("destp", 1000.0)], "fldda fstart");
-    assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.saia.acceleration_pending")), ("POS", 0, 0));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.saia.acceleration_pending")), ("POS", 0, 0));
     assert_eq!(rig.signals() & (1 << 7 | 1 << 10 | 1 << 14), 0);
-    rig.run_until("x.enabled", 1.0);
+    rig.run_until("x.enabled", 1);
     assert_eq!((rig.int("x.command.position"), rig.int("x.saia.ondest")), (0, 0));
-    rig.run_until("x.saia.ondest", 1.0);
-    assert_eq!((rig.state(), rig.int("x.command.position")), ("HOLD", 1000));
+    rig.run_until("x.saia.ondest", 1);
+    assert_eq!((rig.saia_state(), rig.int("x.command.position")), ("HOLD", 1000));
     // From HOLD it moves in the next cycle.
     rig.does(&[("destp", 3000.0)], "flddr fstart");
     assert_eq!(rig.int("x.command.position"), 1000);
     rig.run(3);
     assert!(rig.int("x.command.position") > 1000);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 4000);
 }
 
@@ -112,7 +112,7 @@ fn velocity_control_runs_until_a_stop_in_the_direction_of_bit_12() {
         rig.does(&[mode], "fselom");
         assert_eq!(rig.int("x.saia.velocity_mode"), 0, "changes only with a start");
         rig.does(&[], "fstart");
-        assert_eq!(rig.state(), "VEL");
+        assert_eq!(rig.saia_state(), "VEL");
         assert_eq!(rig.signals() >> 11 & 3, if sign > 0.0 { 3 } else { 1 });
         rig.run(3000);
         let velocity = rig.real("x.command.velocity");
@@ -121,7 +121,7 @@ fn velocity_control_runs_until_a_stop_in_the_direction_of_bit_12() {
         rig.does(&[("veloc", 20_000.0)], "fldva fstart");
         rig.run(100);
         assert!((rig.real("x.command.velocity") - sign * 20_000.0).abs() < 0.03);
-        assert_eq!((rig.state(), rig.int("x.saia.ondest")), ("VEL", 0));
+        assert_eq!((rig.saia_state(), rig.int("x.saia.ondest")), ("VEL", 0));
     }
 }
 
@@ -135,7 +135,7 @@ fn a_mode_and_a_direction_wait_for_the_next_start() {
     const DOWN: (i64, &str, f64) = (1, "VEL", -50_000.0);
     // Every other bit of the word is 0 or 1.
     let word = |bits: i64, others: i32| ("mcw", f64::from((others & !0x1800) | (bits as i32) << 11));
-    let shown = |rig: &Rig| (rig.state(), rig.int("x.saia.velocity_mode"), rig.int("x.saia.forward"));
+    let shown = |rig: &Rig| (rig.saia_state(), rig.int("x.saia.velocity_mode"), rig.int("x.saia.forward"));
     for (others, from) in [(0, POSITION), (-1, POSITION), (0, UP), (-1, UP), (0, DOWN), (-1, DOWN)] {
         for (bits, state, velocity) in [POSITION, (2, "POS", 0.0), UP, DOWN] {
             let mut rig = Rig::ready(FAST);
@@ -151,13 +151,13 @@ fn a_mode_and_a_direction_wait_for_the_next_start() {
             // A word that no command reads selects nothing.
             rig.does(&[word(bits ^ 3, others)], "");
             rig.does(&[], "fstart");
-            assert_eq!((rig.state(), rig.int("x.saia.velocity_mode")), (state, bits & 1), "{from:?} {bits}");
+            assert_eq!((rig.saia_state(), rig.int("x.saia.velocity_mode")), (state, bits & 1), "{from:?} {bits}");
             if state == "POS" {
-                rig.run_until("x.saia.ondest", 1.0);
+                rig.run_until("x.saia.ondest", 1);
                 assert_eq!(rig.int("x.command.position"), 100_000, "{from:?} {bits}");
             } else {
                 rig.run(3_000);
-                assert_eq!((rig.int("x.saia.forward"), rig.state()), (bits >> 1, "VEL"), "{from:?} {bits}");
+                assert_eq!((rig.int("x.saia.forward"), rig.saia_state()), (bits >> 1, "VEL"), "{from:?} {bits}");
                 assert_eq!(rig.real("x.command.velocity").round(), velocity, "{from:?} {bits}");
             }
         }
@@ -204,7 +204,7 @@ fn a_start_in_motion_takes_the_new_destination_velocity_and_mode_over_on_the_fly
     // To velocity control backward on the run, through zero at the acceleration, and back.
     let mut rig = Rig::moving();
     rig.does(&[SPEED_DOWN], "fselom fstart");
-    assert_eq!(rig.state(), "VEL");
+    assert_eq!(rig.saia_state(), "VEL");
     for _ in 0..150 {
         let before = rig.real("x.command.velocity");
         rig.run(1);
@@ -212,14 +212,14 @@ fn a_start_in_motion_takes_the_new_destination_velocity_and_mode_over_on_the_fly
     }
     assert!((rig.real("x.command.velocity") + 50_000.0).abs() < 0.03);
     rig.does(&[RAMP_STOP, ("destp", 0.0)], "fselom fldda fstart");
-    assert_eq!(rig.state(), "POS");
-    rig.run_until("x.saia.ondest", 1.0);
+    assert_eq!(rig.saia_state(), "POS");
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 0);
     // In RAMP, with a load that frees the latch.
     let mut rig = ramping();
     rig.does(&[("destp", 120_000.0)], "fldda fstart");
-    assert_eq!(rig.state(), "POS");
-    rig.run_until("x.saia.ondest", 1.0);
+    assert_eq!(rig.saia_state(), "POS");
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 120_000);
 }
 
@@ -230,14 +230,14 @@ fn a_start_after_a_stop_without_a_load_moves_nothing_and_is_no_error() {
         let mut rig = Rig::moving();
         rig.does(&[stop], "fstop");
         rig.run(100);
-        assert_eq!((rig.state(), rig.int("x.saia.stop_latch")), (state, 1));
+        assert_eq!((rig.saia_state(), rig.int("x.saia.stop_latch")), (state, 1));
         let place = rig.int("x.command.position");
         rig.does(&[("stafrr", 0.0)], "fressf");
         assert_eq!(rig.int("x.saia.ondest"), 0);
         rig.does(&[], "fstart");
         assert_eq!(rig.int("x.saia.ondest"), 1);
         rig.run(50);
-        assert_eq!((rig.state(), rig.int("x.command.position")), (state, place));
+        assert_eq!((rig.saia_state(), rig.int("x.command.position")), (state, place));
     }
 }
 
@@ -256,7 +256,7 @@ fn a_load_or_a_mode_frees_the_stop_latch() {
         rig.does(set, free);
         assert_eq!(rig.int("x.saia.stop_latch"), 0, "{free}");
         rig.does(&[], "fstart");
-        rig.run_until("x.saia.ondest", 1.0);
+        rig.run_until("x.saia.ondest", 1);
         assert_eq!(rig.int("x.command.position"), 100_000, "{free}");
     }
     for (free, position) in [("fforw", 1.0), ("fbackw", -1.0)] {
@@ -265,7 +265,7 @@ fn a_load_or_a_mode_frees_the_stop_latch() {
         rig.run(100);
         rig.does(&[], free);
         rig.run(100);
-        assert_eq!((rig.state(), rig.int("x.saia.stop_latch")), ("POS", 0));
+        assert_eq!((rig.saia_state(), rig.int("x.saia.stop_latch")), ("POS", 0));
         assert!((rig.real("x.command.velocity") - position * 50_000.0).abs() < 0.03, "{free}");
     }
 }
@@ -275,8 +275,8 @@ fn a_load_or_a_mode_frees_the_stop_latch() {
 fn the_end_of_a_profile_is_hold_with_ondest_and_bit_10() {
     let mut rig = Rig::moving();
     assert_eq!(rig.signals() & (1 << 2 | 1 << 10), 0);
-    rig.run_until("x.saia.ondest", 1.0);
-    assert_eq!((rig.state(), rig.int("x.command.position")), ("HOLD", 100_000));
+    rig.run_until("x.saia.ondest", 1);
+    assert_eq!((rig.saia_state(), rig.int("x.command.position")), ("HOLD", 100_000));
     assert_eq!(rig.signals() & (1 << 2 | 1 << 7 | 1 << 10), 1 << 2 | 1 << 10);
     // The destination is held.
     rig.run(100);
@@ -291,13 +291,13 @@ fn a_ramp_stop_slows_down_with_the_acceleration_and_then_sets_ondest() {
     for mut rig in [Rig::moving(), running()] {
         let start = rig.int("x.command.position");
         rig.does(&[RAMP_STOP], "fstop");
-        assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), ("RAMP", 0, 1));
+        assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), ("RAMP", 0, 1));
         let mut cycles = 0;
         while rig.int("x.saia.ondest") == 0 {
             rig.run(1);
             cycles += 1;
         }
-        assert_eq!((rig.state(), cycles), ("HOLD", 51));
+        assert_eq!((rig.saia_state(), cycles), ("HOLD", 51));
         assert_eq!(rig.signals() >> 10 & 1, 1);
         let way = rig.int("x.command.position") - start;
         assert!((1299..=1302).contains(&way), "{way}: 50 counts in the cycle of the command, 1250 to stop");
@@ -306,7 +306,7 @@ fn a_ramp_stop_slows_down_with_the_acceleration_and_then_sets_ondest() {
     let mut rig = ramping();
     rig.run(10);
     rig.does(&[RAMP_STOP], "fstop");
-    assert_eq!(rig.state(), "RAMP");
+    assert_eq!(rig.saia_state(), "RAMP");
 }
 
 /// Proves: SAIA-FSM-11, SAIA-MCW-03, SAIA-DET-08
@@ -314,7 +314,7 @@ fn a_ramp_stop_slows_down_with_the_acceleration_and_then_sets_ondest() {
 fn a_hard_stop_stands_on_the_actual_position_at_once() {
     for mut rig in [Rig::moving(), running(), ramping()] {
         rig.does(&[HARD_STOP], "fstop");
-        assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), ("HOLD", 1, 1));
+        assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), ("HOLD", 1, 1));
         assert_eq!(rig.int("x.command.position"), rig.int("x.actual.position"));
         assert_eq!((rig.real("x.command.velocity"), rig.int("x.enabled")), (0.0, 1));
         assert_eq!(rig.signals() >> 10 & 1, 1);
@@ -329,14 +329,14 @@ fn the_motor_goes_off_from_every_state() {
         for mut rig in rigs() {
             rig.does(&[("stafrr", 0.0)], "fressf");
             rig.does(&set, flags);
-            assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), ("OFF", 1, 1));
+            assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), ("OFF", 1, 1));
             assert_eq!((rig.int("x.enabled"), rig.int("x.saia.output")), (0, 0));
             assert_eq!(rig.signals() >> 7 & 1, 1);
         }
     }
     for mut rig in rigs() {
         rig.does(&[("accel", 1e6)], "fldaa");
-        assert_eq!((rig.state(), rig.int("x.saia.stop_latch"), rig.int("x.enabled")), ("OFF", 0, 0));
+        assert_eq!((rig.saia_state(), rig.int("x.saia.stop_latch"), rig.int("x.enabled")), ("OFF", 0, 0));
         assert_eq!(rig.int("x.saia.acceleration_pending"), 1);
     }
 }
@@ -348,7 +348,7 @@ fn a_stop_at_rest_sets_the_latch_and_ondest() {
         for (mut rig, state) in [(Rig::holding(), "HOLD"), (Rig::ready(FAST), "OFF")] {
             rig.does(&[("stafrr", 0.0)], "fressf");
             rig.does(&[stop], "fstop");
-            assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), (state, 1, 1));
+            assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.saia.stop_latch")), (state, 1, 1));
         }
     }
     // In HOLD a hard stop makes the actual position the setpoint.
@@ -368,15 +368,15 @@ fn a_single_step_is_one_count_and_only_at_rest() {
     let mut rig = Rig::holding();
     for (flag, position) in [("fsstepf", 1001), ("fsstepf", 1002), ("fsstepb", 1001)] {
         rig.does(&[], flag);
-        assert_eq!((rig.state(), rig.int("x.saia.ondest")), ("POS", 0));
-        rig.run_until("x.saia.ondest", 1.0);
+        assert_eq!((rig.saia_state(), rig.int("x.saia.ondest")), ("POS", 0));
+        rig.run_until("x.saia.ondest", 1);
         assert_eq!((rig.int("x.command.position"), rig.int("x.saia.destination")), (position, position));
     }
     for mut rig in [Rig::moving(), running(), ramping()] {
         for flag in ["fsstepf", "fsstepb"] {
-            let before = (rig.state(), rig.int("x.saia.destination"));
+            let before = (rig.saia_state(), rig.int("x.saia.destination"));
             rig.refuses(&[], flag, "fsstepf and fsstepb need an axis at rest");
-            assert_eq!((rig.state(), rig.int("x.saia.destination")), before);
+            assert_eq!((rig.saia_state(), rig.int("x.saia.destination")), before);
         }
     }
     for (jog, step, end) in [("fforw", "fsstepf", 1_073_741_823_i64), ("fbackw", "fsstepb", -1_073_741_824)] {
@@ -384,7 +384,7 @@ fn a_single_step_is_one_count_and_only_at_rest() {
         rig.does(&[], jog);
         rig.run(10);
         rig.does(&[RAMP_STOP], "fstop");
-        rig.run_until("x.saia.ondest", 1.0);
+        rig.run_until("x.saia.ondest", 1);
         rig.refuses(&[], step, &format!("the destination is {end} counts, the end of its range"));
     }
 }
@@ -394,17 +394,17 @@ fn a_single_step_is_one_count_and_only_at_rest() {
 fn a_jog_goes_to_the_end_of_the_range_and_only_a_stop_ends_it() {
     let mut rig = Rig::holding();
     rig.does(&[], "fforw");
-    assert_eq!((rig.state(), rig.int("x.saia.destination")), ("POS", 1_073_741_823));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.destination")), ("POS", 1_073_741_823));
     rig.run(5000);
     assert!((rig.real("x.command.velocity") - 50_000.0).abs() < 0.03);
     rig.does(&[RAMP_STOP], "fstop");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     let place = rig.int("x.command.position");
     rig.refuses(&[("destp", 1.0)], "flddr", "saia.destp with saia.mcfac makes 1073741824 counts");
     // The other way is in range: a very remote target.
     rig.does(&[("destp", -1.0)], "flddr");
     rig.does(&[("destp", 0.0)], "fldda fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 0);
     rig.does(&[], "fbackw");
     assert_eq!(rig.int("x.saia.destination"), -1_073_741_824);
@@ -417,11 +417,11 @@ fn a_jog_goes_to_the_end_of_the_range_and_only_a_stop_ends_it() {
 fn a_jog_in_velocity_mode_keeps_the_buffered_mode() {
     let mut rig = running();
     rig.does(&[], "fbackw");
-    assert_eq!((rig.state(), rig.int("x.saia.velocity_mode")), ("POS", 0));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.velocity_mode")), ("POS", 0));
     rig.run(200);
     assert!((rig.real("x.command.velocity") + 50_000.0).abs() < 0.03);
     rig.does(&[], "fstart");
-    assert_eq!(rig.state(), "VEL");
+    assert_eq!(rig.saia_state(), "VEL");
     rig.run(200);
     assert!((rig.real("x.command.velocity") - 50_000.0).abs() < 0.03);
 }
@@ -448,8 +448,8 @@ fn without_a_load_the_first_start_goes_to_0() {
     let mut rig = Rig::logging(FAST);
     rig.verb(X, &[("destp", 500.0)], "flddr fstart").unwrap();
     assert_eq!((rig.int("x.saia.command_errors"), rig.warnings()), (1, 1));
-    assert_eq!((rig.state(), rig.int("x.saia.destination")), ("POS", 0));
-    rig.run_until("x.saia.ondest", 1.0);
+    assert_eq!((rig.saia_state(), rig.int("x.saia.destination")), ("POS", 0));
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 0);
 }
 
@@ -469,23 +469,23 @@ fn several_axes_start_in_the_same_cycle() {
             if axis == X { "flddr fstart" } else { "fldda fstart" },
         )))
     });
-    rig.give(actions.into()).unwrap();
+    rig.ask(actions).unwrap();
     assert_eq!((rig.int("x.command.position"), rig.int("v.command.position")), (1000, 0));
     for _ in 0..60 {
         rig.run(1);
         let ways = (rig.int("x.command.position") - 1000, rig.int("v.command.position"));
         assert!(ways.0 == ways.1 && ways.0 >= 0, "{ways:?}");
     }
-    rig.run_until("v.saia.ondest", 1.0);
+    rig.run_until("v.saia.ondest", 1);
     assert_eq!(rig.int("v.command.position"), 4000);
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 6000);
 }
 
 /// A virtual axis is always on; off is a state of the vocabulary, and what coasts stops as hard as the axis may.
 #[test]
 fn a_virtual_axis_does_the_same() {
-    let mut rig = Rig::new();
+    let mut rig = Rig::saia();
     rig.verb(V, FAST, "axinit").unwrap();
     rig.verb(V, &[("destp", 100_000.0)], "fldda fstart").unwrap();
     rig.run(200);
@@ -495,6 +495,6 @@ fn a_virtual_axis_does_the_same() {
     rig.run(3);
     assert_eq!((rig.real("v.command.velocity"), rig.int("v.saia.state")), (0.0, 1));
     rig.verb(V, &[], "fldva fstart").unwrap();
-    rig.run_until("v.saia.ondest", 1.0);
+    rig.run_until("v.saia.ondest", 1);
     assert_eq!((rig.int("v.command.position"), rig.int("v.saia.position")), (100_000, 100_000));
 }

@@ -135,8 +135,8 @@ fn what_takes_the_axis_over_is_not_fought() {
 #[test]
 fn an_axis_that_is_enabled_by_others_is_in_hold() {
     let mut rig = Rig::ready(FAST);
-    rig.enable();
-    assert_eq!((rig.state(), rig.int("x.saia.regulator_off"), rig.int("x.enabled")), ("HOLD", 0, 1));
+    rig.on();
+    assert_eq!((rig.saia_state(), rig.int("x.saia.regulator_off"), rig.int("x.enabled")), ("HOLD", 0, 1));
     rig.does(&[("destp", 100.0)], "fldda fstart");
     rig.run(2);
     assert!(rig.real("x.command.velocity") > 0.0);
@@ -146,13 +146,13 @@ fn an_axis_that_is_enabled_by_others_is_in_hold() {
 #[test]
 fn an_axis_that_is_disabled_by_others_is_off() {
     let mut rig = Rig::moving();
-    rig.give(vec![Action::Disable(AxisSet::one(X))]).unwrap();
+    rig.ask([Action::Disable(AxisSet::one(X))]).unwrap();
     rig.run(100);
-    assert_eq!((rig.state(), rig.int("x.saia.ondest"), rig.int("x.enabled")), ("OFF", 1, 0));
+    assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.enabled")), ("OFF", 1, 0));
     rig.run(100);
     assert_eq!(rig.int("x.enabled"), 0);
     rig.does(&[], "fstart");
-    rig.run_until("x.saia.ondest", 1.0);
+    rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 100_000);
 }
 

@@ -247,10 +247,10 @@ proptest! {
     fn a_closed_loop_axis_keeps_the_speed_of_each_block_and_comes_to_rest(
         deeds in prop::collection::vec(deed(), 1..12)
     ) {
-        let mut rig = Rig::new();
+        let mut rig = Rig::wf();
         for deed in &deeds {
             match deed {
-                Deed::Verb(request) => drop(rig.give(request)),
+                Deed::Verb(request) => drop(rig.wf_verb(request)),
                 Deed::Cycles(cycles) => (0..*cycles).for_each(|_| rig.run_watched()),
                 Deed::Halt => drop(rig.act(Action::Halt(AxisSet::first(1)))),
                 Deed::Enable => {
@@ -262,10 +262,10 @@ proptest! {
                 Deed::Jump(by) => rig.plant.drive(0).expect("a drive").jump(*by),
             }
         }
-        rig.give(&Request { enable: Some(false), ..Request::default() });
+        rig.wf_verb(&Request { enable: Some(false), ..Request::default() });
         rig.run(6000);
         prop_assert_eq!(rig.real("x.command.velocity"), 0.0);
-        prop_assert!(["IDLE", "DONE", "ALARM"].contains(&rig.state()), "{}", rig.state());
+        prop_assert!(["IDLE", "DONE", "ALARM"].contains(&rig.wf_state()), "{}", rig.wf_state());
     }
 }
 
@@ -274,7 +274,7 @@ impl Rig {
     fn run_watched(&mut self) {
         self.run(1);
         let block = self.int("x.wf.block");
-        let chain = self.state() == "RUN" && block > 0 && MODES[self.int("x.wf.mode") as usize] != "JOG";
+        let chain = self.wf_state() == "RUN" && block > 0 && MODES[self.int("x.wf.mode") as usize] != "JOG";
         if chain && self.int("x.wf.active") == 1 {
             let most = self.real("x.wf.speed") / 100.0 * 500_000.0;
             let speed = self.real("x.command.velocity").abs();

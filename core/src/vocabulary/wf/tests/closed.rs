@@ -3,8 +3,7 @@
 use super::bench::{by, reset, start, to};
 use super::rig::{Rig, config};
 use crate::code::Code;
-use crate::command::{Action, BufferMode, Move, MoveMode, SetPosition};
-use crate::modulo::Direction;
+use crate::command::{Action, SetPosition};
 use crate::object::AxisSet;
 use crate::position::Length;
 use crate::vocabulary::wf::{Block, Jog, Mode, Request, Speed};
@@ -28,9 +27,9 @@ fn speed(rig: &Rig) -> f64 {
 /// Proves: WF-ORA-12, WF-CLC-01, WF-TIM-02, WF-MD-01, WF-MD-02
 #[test]
 fn a_block_is_a_trapezoid_of_md1_and_md2() {
-    let mut rig = Rig::new();
-    assert_eq!(rig.give(&start(Mode::Mdi, &[at(1000, 200.0)])), None);
-    assert_eq!((rig.state(), rig.int("x.wf.active"), rig.int("x.wf.enable")), ("RUN", 1, 1));
+    let mut rig = Rig::wf();
+    assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(1000, 200.0)])), None);
+    assert_eq!((rig.wf_state(), rig.int("x.wf.active"), rig.int("x.wf.enable")), ("RUN", 1, 1));
     rig.run(2000);
     assert!((mm(&rig) - 200.0).abs() < 1e-3 && (speed(&rig) - 200.0).abs() < 1e-9);
     rig.run(3500);
@@ -41,7 +40,7 @@ fn a_block_is_a_trapezoid_of_md1_and_md2() {
     assert_eq!((rig.int("x.command.position"), speed(&rig)), (1_000_000, 0.0));
     // The ideal drive is there a cycle later.
     rig.run(1);
-    assert_eq!((rig.state(), rig.int("x.wf.peh"), rig.int("x.wf.distance_to_go")), ("DONE", 1, 0));
+    assert_eq!((rig.wf_state(), rig.int("x.wf.peh"), rig.int("x.wf.distance_to_go")), ("DONE", 1, 0));
 }
 
 /// 120 mm at up to 200 mm/s: a peak of sqrt(2 120 100 200 / 300) = 126.49 mm/s after 1.2649 s.
@@ -49,8 +48,8 @@ fn a_block_is_a_trapezoid_of_md1_and_md2() {
 /// Proves: WF-CLC-02, WF-TIM-03
 #[test]
 fn a_short_block_turns_from_speeding_up_to_slowing_down() {
-    let mut rig = Rig::new();
-    rig.give(&start(Mode::Mdi, &[at(120, 200.0)]));
+    let mut rig = Rig::wf();
+    rig.wf_verb(&start(Mode::Mdi, &[at(120, 200.0)]));
     let mut peak = 0.0_f64;
     for cycle in 1..=1898 {
         rig.run(1);
@@ -64,7 +63,7 @@ fn a_short_block_turns_from_speeding_up_to_slowing_down() {
 /// Runs a chain and gives block, position, velocity of each cycle.
 fn trace(rig: &mut Rig) -> Vec<(i64, f64, f64)> {
     let mut all = Vec::new();
-    while !["DONE", "ALARM", "IDLE"].contains(&rig.state()) {
+    while !["DONE", "ALARM", "IDLE"].contains(&rig.wf_state()) {
         rig.run(1);
         all.push((rig.int("x.wf.block"), mm(rig), speed(rig)));
         assert!(all.len() < 60_000, "it does not end");
@@ -75,12 +74,12 @@ fn trace(rig: &mut Rig) -> Vec<(i64, f64, f64)> {
 /// Proves: WF-MOD-01, WF-SET-03
 #[test]
 fn blocks_of_one_direction_run_on_with_the_lower_speed_through_each_end() {
-    let mut rig = Rig::new();
+    let mut rig = Rig::wf();
     let velocities = [200.0, 100.0, 250.0];
     let blocks = [at(500, 200.0), at(700, 100.0), at(1500, 250.0)];
-    assert_eq!(rig.give(&start(Mode::Continuous, &blocks)), None);
+    assert_eq!(rig.wf_verb(&start(Mode::Continuous, &blocks)), None);
     let trace = trace(&mut rig);
-    assert_eq!((rig.state(), rig.int("x.command.position")), ("DONE", 1_500_000));
+    assert_eq!((rig.wf_state(), rig.int("x.command.position")), ("DONE", 1_500_000));
     for &(block, position, speed) in &trace {
         let expected = if position < 500.0 { 1 } else { 2 + i64::from(position >= 700.0) };
         assert_eq!(block, expected, "at {position}");
@@ -103,8 +102,8 @@ fn blocks_of_one_direction_run_on_with_the_lower_speed_through_each_end() {
 /// 20 mm at 250 mm/s, 10 mm at 200, then 30: it has to slow down for the third block in the first.
 #[test]
 fn a_slow_block_behind_short_ones_is_slowed_down_for_in_time() {
-    let mut rig = Rig::new();
-    rig.give(&start(Mode::Continuous, &[at(300, 250.0), at(305, 200.0), at(400, 30.0)]));
+    let mut rig = Rig::wf();
+    rig.wf_verb(&start(Mode::Continuous, &[at(300, 250.0), at(305, 200.0), at(400, 30.0)]));
     for (block, position, speed) in trace(&mut rig) {
         let most = [250.0, 200.0, 30.0][block as usize - 1];
         assert!(speed <= most + 1e-6, "{speed} at {position}");
@@ -119,29 +118,29 @@ fn with_any_profile_no_block_is_run_faster_than_it_asks_for() {
         let mut config = config();
         config.axes[0].parameters.profile = profile;
         config.axes[0].parameters.max_jerk = Some(400_000.0);
-        let mut rig = Rig::of(config);
+        let mut rig = Rig::wf_of(config);
         let velocities = [250.0, 80.0, 250.0, 240.0, 20.0];
         let blocks = [at(600, 250.0), at(700, 80.0), at(720, 250.0), at(1100, 240.0), at(1200, 20.0)];
-        assert_eq!(rig.give(&start(Mode::Continuous, &blocks)), None);
+        assert_eq!(rig.wf_verb(&start(Mode::Continuous, &blocks)), None);
         let mut fastest = [0.0_f64; 5];
         for (block, position, speed) in trace(&mut rig) {
             let place = block as usize - 1;
             assert!(speed <= velocities[place] * (1.0 + 1e-9), "profile {profile}: {speed} at {position}");
             fastest[place] = fastest[place].max(speed);
         }
-        assert_eq!((rig.state(), rig.int("x.command.position")), ("DONE", 1_200_000));
+        assert_eq!((rig.wf_state(), rig.int("x.command.position")), ("DONE", 1_200_000));
         assert!(fastest[0] > 240.0 && fastest[1] > 79.0 && fastest[4] > 19.0, "{fastest:?}");
     }
 }
 
 #[test]
 fn a_block_that_turns_back_stops_with_its_position_reached() {
-    let mut rig = Rig::new();
-    rig.give(&start(Mode::Continuous, &[at(300, 100.0), at(100, 100.0), by(-50, 20.0)]));
+    let mut rig = Rig::wf();
+    rig.wf_verb(&start(Mode::Continuous, &[at(300, 100.0), at(100, 100.0), by(-50, 20.0)]));
     rig.run_until("x.wf.state", 6);
     assert_eq!((rig.int("x.wf.block"), rig.int("x.command.position")), (1, 300_000));
     rig.run(1);
-    assert_eq!((rig.state(), rig.int("x.wf.block"), rig.int("x.wf.peh")), ("RUN", 2, 0));
+    assert_eq!((rig.wf_state(), rig.int("x.wf.block"), rig.int("x.wf.peh")), ("RUN", 2, 0));
     trace(&mut rig);
     assert_eq!((rig.int("x.wf.block"), rig.int("x.command.position")), (3, 50_000));
 }
@@ -152,28 +151,28 @@ fn alarm_10_comes_in_travel_and_alarm_11_at_standstill() {
     let mut config = config();
     config.axes[0].parameters.wf.max_following_error = Some(500);
     config.axes[0].parameters.max_following_error = 100_000;
-    let mut rig = Rig::of(config);
-    rig.give(&start(Mode::Mdi, &[at(100, 50.0)]));
+    let mut rig = Rig::wf_of(config);
+    rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)]));
     rig.run(1000);
     rig.plant.drive(0).unwrap().jump(-600);
     rig.run(2);
-    assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.wf.enable")), ("ALARM", 10, 0));
+    assert_eq!((rig.wf_state(), rig.int("x.wf.alarm"), rig.int("x.wf.enable")), ("ALARM", 10, 0));
     assert_eq!((rig.errors(), rig.int("x.error")), (vec![Code::WF_FOLLOWING_ERROR_IN_TRAVEL], 1010));
-    assert_eq!(rig.give(&reset()), Some(Code::NOT_AT_STANDSTILL));
+    assert_eq!(rig.wf_verb(&reset()), Some(Code::NOT_AT_STANDSTILL));
     rig.run(500);
     assert_eq!((rig.int("x.state"), rig.int("x.wf.active"), speed(&rig)), (7, 0, 0.0));
-    assert_eq!(rig.give(&reset()), None);
-    assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error"), rig.int("x.state")), ("IDLE", 0, 0, 1));
+    assert_eq!(rig.wf_verb(&reset()), None);
+    assert_eq!((rig.wf_state(), rig.int("x.wf.alarm"), rig.int("x.error"), rig.int("x.state")), ("IDLE", 0, 0, 1));
 
-    rig.give(&start(Mode::Mdi, &[at(100, 50.0)]));
+    rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)]));
     trace(&mut rig);
-    assert_eq!(rig.state(), "DONE");
+    assert_eq!(rig.wf_state(), "DONE");
     rig.plant.drive(0).unwrap().jump(600);
     rig.run(2);
     assert_eq!((rig.int("x.wf.alarm"), rig.int("x.error")), (11, 1011));
     rig.act(Action::ResetErrors(AxisSet::first(1)));
-    assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0), "in one cycle");
-    assert_eq!(rig.give(&start(Mode::Mdi, &[at(50, 50.0)])), None);
+    assert_eq!((rig.wf_state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0), "in one cycle");
+    assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(50, 50.0)])), None);
 }
 
 /// With error_reaction 5 an alarm stops nothing. What clears the error acknowledges it all the same, in that cycle, and the
@@ -186,24 +185,24 @@ fn an_alarm_that_stops_nothing_is_acknowledged_with_its_error() {
     config.axes[0].parameters.wf.max_following_error = Some(500);
     config.axes[0].parameters.max_following_error = 100_000;
     config.axes[0].parameters.error_reaction = 5;
-    let mut rig = Rig::of(config);
+    let mut rig = Rig::wf_of(config);
     for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::Wf(Box::new(reset()))] {
         let told = rig.errors().len();
         rig.plant.drive(0).unwrap().jump(-600);
         rig.run(2);
         assert_eq!((rig.int("x.wf.alarm"), rig.int("x.error"), rig.int("x.state")), (11, 1011, 1));
         assert_eq!(rig.errors().len(), told + 1);
-        assert_eq!(rig.give(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::WF_ALARM_WAITS));
+        assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::WF_ALARM_WAITS));
         assert_eq!(rig.act(acknowledge.clone()), None);
-        assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0));
-        assert_eq!(rig.give(&start(Mode::Mdi, &[at(if told == 0 { 100 } else { 0 }, 50.0)])), None);
+        assert_eq!((rig.wf_state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0));
+        assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(if told == 0 { 100 } else { 0 }, 50.0)])), None);
         rig.run(1000);
         rig.plant.drive(0).unwrap().jump(-600);
         rig.run(2);
         assert_eq!((rig.int("x.wf.alarm"), rig.int("x.error"), rig.errors().len()), (10, 1010, told + 2));
         rig.run_until("x.state", 1);
         assert_eq!(rig.act(acknowledge), None);
-        assert_eq!((rig.state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0));
+        assert_eq!((rig.wf_state(), rig.int("x.wf.alarm"), rig.int("x.error")), ("IDLE", 0, 0));
     }
 }
 
@@ -211,21 +210,11 @@ fn watched(allowed: Option<i64>) -> Rig {
     let mut config = config();
     config.axes[0].parameters.wf.max_following_error = allowed;
     config.axes[0].parameters.max_following_error = 100_000;
-    Rig::of(config)
+    Rig::wf_of(config)
 }
 
 fn velocity(velocity: f64) -> Action {
-    Action::Move(Move {
-        axis: 0,
-        mode: MoveMode::Velocity,
-        target: Length::default(),
-        velocity,
-        acceleration: 0.0,
-        deceleration: 0.0,
-        jerk: 0.0,
-        direction: Direction::Shortest,
-        buffer_mode: BufferMode::Aborting,
-    })
+    Action::Move(crate::machine::rig::at(0, velocity))
 }
 
 /// Without any verb, at rest and moved by a goal, in each cycle in which the axis is on; an axis that is not given the limit
@@ -294,33 +283,33 @@ fn the_following_error_is_watched_without_a_verb() {
 /// Proves: WF-IF-02, WF-IF-03
 #[test]
 fn another_error_is_not_acknowledged_by_the_reset_bit() {
-    let mut rig = Rig::new();
-    rig.give(&start(Mode::Mdi, &[at(100, 50.0)]));
+    let mut rig = Rig::wf();
+    rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)]));
     rig.run(100);
     rig.plant.drive(0).unwrap().inject_fault(0x8611);
     rig.run(5);
-    assert_eq!((rig.state(), rig.int("x.wf.ready"), rig.int("x.wf.enable")), ("IDLE", 0, 0));
-    assert_eq!(rig.give(&reset()), None);
+    assert_eq!((rig.wf_state(), rig.int("x.wf.ready"), rig.int("x.wf.enable")), ("IDLE", 0, 0));
+    assert_eq!(rig.wf_verb(&reset()), None);
     assert_eq!(rig.int("x.error"), 0x1_8611);
-    assert_eq!(rig.give(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::IN_ERROR));
+    assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::IN_ERROR));
 }
 
 /// Proves: WF-IF-01, WF-IF-04
 #[test]
 fn start_and_jog_need_the_axis_on_and_the_request() {
-    let mut rig = Rig::new();
+    let mut rig = Rig::wf();
     rig.act(Action::Disable(AxisSet::first(1)));
     rig.run(5);
     let jog = Request { mode: Some(Mode::Jog), jog: Some(Jog::Plus), ..Request::default() };
     let mut config = config();
     config.axes[0].parameters.wf.fixed_speed_1 = 10.0;
-    assert_eq!(rig.give(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::NOT_ENABLED));
-    let mut rig = Rig::of(config);
-    assert_eq!(rig.give(&Request { enable: Some(false), ..Request::default() }), None);
+    assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::NOT_ENABLED));
+    let mut rig = Rig::wf_of(config);
+    assert_eq!(rig.wf_verb(&Request { enable: Some(false), ..Request::default() }), None);
     assert_eq!(rig.int("x.wf.enable"), 0);
-    assert_eq!(rig.give(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::WF_NO_REQUEST));
-    assert_eq!(rig.give(&jog), Some(Code::WF_NO_REQUEST));
-    assert_eq!(rig.give(&Request { enable: Some(true), ..jog }), None);
+    assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::WF_NO_REQUEST));
+    assert_eq!(rig.wf_verb(&jog), Some(Code::WF_NO_REQUEST));
+    assert_eq!(rig.wf_verb(&Request { enable: Some(true), ..jog }), None);
     rig.run(10);
     assert!(speed(&rig) > 0.0);
 }
@@ -332,42 +321,42 @@ fn start_and_jog_need_the_axis_on_and_the_request() {
 fn setup_runs_up_and_down_its_ramps() {
     let mut config = config();
     config.axes[0].parameters.wf.fixed_speed_1 = 10.0;
-    let mut rig = Rig::of(config);
+    let mut rig = Rig::wf_of(config);
     let jog = |jog| Request { mode: Some(Mode::Jog), jog: Some(jog), ..Request::default() };
-    assert_eq!(rig.give(&jog(Jog::Minus)), None);
+    assert_eq!(rig.wf_verb(&jog(Jog::Minus)), None);
     rig.run(500);
-    assert_eq!((rig.real("x.command.velocity"), rig.state()), (-50_000.0, "RUN"));
-    rig.give(&jog(Jog::None));
+    assert_eq!((rig.real("x.command.velocity"), rig.wf_state()), (-50_000.0, "RUN"));
+    rig.wf_verb(&jog(Jog::None));
     rig.run(249);
-    assert!(speed(&rig) > 0.0 && rig.state() == "RUN");
+    assert!(speed(&rig) > 0.0 && rig.wf_state() == "RUN");
     rig.run(1);
-    assert_eq!((speed(&rig), rig.state()), (0.0, "IDLE"));
+    assert_eq!((speed(&rig), rig.wf_state()), (0.0, "IDLE"));
 }
 
 #[test]
 fn a_halt_takes_the_axis_and_is_not_fought() {
-    let mut rig = Rig::new();
-    rig.give(&start(Mode::Continuous, &[at(500, 200.0), at(600, 50.0)]));
+    let mut rig = Rig::wf();
+    rig.wf_verb(&start(Mode::Continuous, &[at(500, 200.0), at(600, 50.0)]));
     rig.run(500);
     assert_eq!(rig.act(Action::Halt(AxisSet::first(1))), None);
     rig.run(1);
-    assert_eq!((rig.state(), rig.int("x.wf.active"), rig.int("x.wf.block")), ("IDLE", 0, 0));
+    assert_eq!((rig.wf_state(), rig.int("x.wf.active"), rig.int("x.wf.block")), ("IDLE", 0, 0));
     rig.run(1000);
     assert!(mm(&rig) < 50.0 && speed(&rig) == 0.0, "12.5 mm up, and as steep down");
-    assert_eq!(rig.give(&Request { start: true, ..Request::default() }), None, "from its first block on");
-    assert_eq!((rig.state(), rig.int("x.wf.block")), ("RUN", 1));
+    assert_eq!(rig.wf_verb(&Request { start: true, ..Request::default() }), None, "from its first block on");
+    assert_eq!((rig.wf_state(), rig.int("x.wf.block")), ("RUN", 1));
 }
 
 /// Absolute ends of thirds of an increment do not add up their rounding.
 #[test]
 fn distances_of_parts_of_an_increment_do_not_drift() {
     use crate::position::Position;
-    let mut rig = Rig::new();
+    let mut rig = Rig::wf();
     let third = Block { position: Position::from_f64(1000.0 / 3.0), ..by(0, 50.0) };
-    rig.give(&start(Mode::Automatic, &[third]));
+    rig.wf_verb(&start(Mode::Automatic, &[third]));
     for round in 1..=9_i64 {
         rig.run(200);
-        assert_eq!((rig.state(), rig.int("x.command.position")), ("DONE", (round * 2000 + 3) / 6), "round {round}");
-        rig.give(&Request { start: true, ..Request::default() });
+        assert_eq!((rig.wf_state(), rig.int("x.command.position")), ("DONE", (round * 2000 + 3) / 6), "round {round}");
+        rig.wf_verb(&Request { start: true, ..Request::default() });
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    Amount, HomeRequest, MoveRequest, PointRequest, ProbeRequest, SetPositionRequest, SetpointRequest,
+    Amount, HomeRequest, MoveRequest, PointRequest, ProbeRequest, Rates, SetPositionRequest, SetpointRequest,
     SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units,
 };
 use lineshaft_core::unit::Quantity;
@@ -80,10 +80,7 @@ fn move_request() -> impl Strategy<Value = MoveRequest> {
             mode,
             units,
             position,
-            velocity,
-            acceleration,
-            deceleration,
-            jerk,
+            rates: Rates { velocity, acceleration, deceleration, jerk },
             buffer_mode: 0,
             direction,
         },
@@ -441,7 +438,7 @@ proptest! {
         value in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e39]), units in units(), field in 0..5
     ) {
         let mut request = MoveRequest { axis: "x".into(), units, ..MoveRequest::default() };
-        let MoveRequest { position, velocity, acceleration, deceleration, jerk, .. } = &mut request;
+        let MoveRequest { position, rates: Rates { velocity, acceleration, deceleration, jerk }, .. } = &mut request;
         *[position, velocity, acceleration, deceleration, jerk][field as usize] = Amount::Number(value);
         prop_assert!(DESK.config.resolve_recorded_move(&request).is_err());
     }

@@ -1,4 +1,4 @@
-//! A small machine with a simulated plant, for the tests of the cycle.
+//! A machine with a simulated plant, for the tests of the cycle and of the vocabularies.
 
 use crate::axis::Context;
 use crate::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Setpoint, Setpoints, Source, Synchronize};
@@ -16,16 +16,17 @@ use crate::sync::{Disengage, SyncMode};
 use crate::unit::{Fraction, Quantity, Scale, Unit};
 use crate::vocabulary::{Order, Owner, saia};
 
-pub(super) const LINE: u16 = 0;
-pub(super) const X: u16 = 1;
-pub(super) const Y: u16 = 2;
+pub(crate) const LINE: u16 = 0;
+pub(crate) const X: u16 = 1;
+pub(crate) const Y: u16 = 2;
 
-pub(super) struct Rig {
+pub(crate) struct Rig {
     pub machine: Machine,
     pub plant: Plant,
     inputs: Inputs,
     outputs: Outputs,
     sequence: u64,
+    /// All of them so far.
     pub events: Vec<Event>,
     /// What becomes of the inputs on their way.
     pub tamper: fn(&mut Inputs),
@@ -35,18 +36,19 @@ pub(super) struct Rig {
     pub plain: Option<Machine>,
 }
 
-fn scale() -> Scale {
+/// 1000 inc/mm.
+pub(crate) fn scale() -> Scale {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
     Scale::new(Fraction::from_integer(1000), per).unwrap().with_unit(Unit::MILLIMETRE).unwrap()
 }
 
 /// 1000 inc/mm; 100 mm/s, 1 m/s^2.
-pub(super) fn parameters() -> AxisParameters {
+pub(crate) fn parameters() -> AxisParameters {
     AxisParameters { error_reaction: 2, ..AxisParameters::new(100_000.0, 1_000_000.0) }
 }
 
 /// The verb `saia` on x: to 50 mm with 20 mm/s and 200 mm/s^2, as far as the commands load it.
-pub(super) fn saia_verb(commands: &[saia::Command]) -> Action {
+pub(crate) fn saia_verb(commands: &[saia::Command]) -> Action {
     let commands = saia::Commands::from_iter(commands.iter().copied());
     let request = saia::Request { axis: X, commands, ..Default::default() };
     let request = request.with(saia::Register::DestP, parameter::Value::Int(50_000));
@@ -54,7 +56,7 @@ pub(super) fn saia_verb(commands: &[saia::Command]) -> Action {
     Action::Saia(Box::new(request.with(saia::Register::Accel, parameter::Value::Int(200_000))))
 }
 
-pub(super) fn config(delay: u32) -> MachineConfig {
+pub(crate) fn config(delay: u32) -> MachineConfig {
     let axis = |name: &str, drive: Option<u32>| {
         AxisConfig::new(name.into(), scale(), drive.map(Capabilities::all), parameters())
     };
@@ -95,17 +97,20 @@ fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refu
 }
 
 impl Rig {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::of(config(0))
     }
 
-    pub(super) fn of(config: MachineConfig) -> Self {
-        Self::with(config, [Model::Ideal; 2])
+    /// With ideal drives.
+    pub(crate) fn of(config: MachineConfig) -> Self {
+        let models = vec![Model::Ideal; config.count_drives()];
+        Self::with(config, models)
     }
 
-    /// With these models of x and y.
-    pub(super) fn with(config: MachineConfig, models: [Model; 2]) -> Self {
-        let plant = Plant::new(&config, &models.map(Some));
+    /// With these models of the drives, in the order of their axes.
+    pub(crate) fn with(config: MachineConfig, models: impl IntoIterator<Item = Model>) -> Self {
+        let models: Vec<_> = models.into_iter().map(Some).collect();
+        let plant = Plant::new(&config, &models);
         let plain = Some(Machine { steps_all: true, ..Machine::new(config.clone()).unwrap() });
         let machine = Machine::new(config).unwrap();
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
@@ -113,20 +118,22 @@ impl Rig {
     }
 
     /// With x and y switched on.
-    pub(super) fn enabled() -> Self {
+    pub(crate) fn enabled() -> Self {
         let mut rig = Self::new();
         rig.enable();
         rig
     }
 
-    pub(super) fn enable(&mut self) {
-        let sequence = self.give(Action::Enable(AxisSet::first(3)));
+    /// Switches all axes on.
+    pub(crate) fn enable(&mut self) {
+        let count = self.machine.config().axes.len();
+        let sequence = self.give(Action::Enable(AxisSet::first(count)));
         self.run(40);
-        assert_eq!(self.done(sequence).len(), 3);
+        assert_eq!(self.done(sequence).len(), count);
     }
 
     /// One cycle with these actions; their sequence numbers end at the returned one.
-    pub(super) fn give_all(&mut self, actions: Vec<Action>) -> u64 {
+    pub(crate) fn give_all(&mut self, actions: Vec<Action>) -> u64 {
         let commands: Vec<Command> = actions
             .into_iter()
             .map(|action| {
@@ -139,21 +146,21 @@ impl Rig {
     }
 
     /// One cycle with a new setpoint for an axis.
-    pub(super) fn stream(&mut self, axis: u16, velocity: f64) {
+    pub(crate) fn stream(&mut self, axis: u16, velocity: f64) {
         self.stream_for(axis, Setpoint { velocity, duration: None });
     }
 
-    pub(super) fn stream_for(&mut self, axis: u16, setpoint: Setpoint) {
-        let mut stream = Setpoints::none(3);
+    pub(crate) fn stream_for(&mut self, axis: u16, setpoint: Setpoint) {
+        let mut stream = Setpoints::none(self.machine.config().axes.len());
         stream.axes[usize::from(axis)] = Some(setpoint);
         self.cycle(Commands { stream: Some(&stream), ..Commands::default() });
     }
 
-    pub(super) fn give(&mut self, action: Action) -> u64 {
+    pub(crate) fn give(&mut self, action: Action) -> u64 {
         self.give_all(vec![action])
     }
 
-    pub(super) fn cycle(&mut self, commands: Commands<'_>) {
+    pub(crate) fn cycle(&mut self, commands: Commands<'_>) {
         self.inputs.begin(self.machine.next_cycle(), 0);
         self.plant.read(&mut self.inputs);
         (self.tamper)(&mut self.inputs);
@@ -189,7 +196,7 @@ impl Rig {
     }
 
     /// What a vocabulary asks of an axis, before the next cycle.
-    pub(super) fn order(&mut self, axis: u16, order: Order) -> Result<(), Refusal> {
+    pub(crate) fn order(&mut self, axis: u16, order: Order) -> Result<(), Refusal> {
         for other in [&mut self.mirror, &mut self.plain].into_iter().flatten() {
             give_order(other, axis, order).ok();
         }
@@ -199,25 +206,36 @@ impl Rig {
     }
 
     /// The outputs of the last cycle.
-    pub(super) fn outputs(&self) -> &Outputs {
+    pub(crate) fn outputs(&self) -> &Outputs {
         &self.outputs
     }
 
-    /// From now on a machine that was restored from the state of this one must do the same.
-    pub(super) fn mirror(&mut self) {
-        let bytes = postcard::to_allocvec(self.machine.state()).unwrap();
-        let state = postcard::from_bytes(&bytes).unwrap();
-        self.mirror = Some(Machine::restore(self.machine.config().clone(), state).unwrap());
+    /// The inputs of the last cycle.
+    pub(crate) fn inputs(&self) -> &Inputs {
+        &self.inputs
     }
 
-    pub(super) fn run(&mut self, cycles: u64) {
+    /// Another machine, which was restored from the state of this one.
+    pub(crate) fn twin(&self) -> Machine {
+        let bytes = postcard::to_allocvec(self.machine.state()).unwrap();
+        let state = postcard::from_bytes(&bytes).unwrap();
+        Machine::restore(self.machine.config().clone(), state).unwrap()
+    }
+
+    /// From now on a twin must do the same.
+    pub(crate) fn mirror(&mut self) {
+        self.mirror = Some(self.twin());
+    }
+
+    pub(crate) fn run(&mut self, cycles: u64) {
         for _ in 0..cycles {
             self.cycle(Commands::default());
         }
     }
 
-    /// Runs until a signal has a value.
-    pub(super) fn run_until(&mut self, name: &str, value: i64) -> u64 {
+    /// Runs until a signal has a value; the cycles that it took.
+    #[track_caller]
+    pub(crate) fn run_until(&mut self, name: &str, value: i64) -> u64 {
         for cycle in 0..200_000 {
             if self.int(name) == value {
                 return cycle;
@@ -227,24 +245,36 @@ impl Rig {
         panic!("{name} never became {value}; it is {}", self.int(name));
     }
 
-    pub(super) fn value(&self, name: &str) -> Value {
+    /// Runs until a signal is at least that value.
+    #[track_caller]
+    pub(crate) fn run_to(&mut self, name: &str, value: f64) {
+        for _ in 0..200_000 {
+            if self.real(name) >= value {
+                return;
+            }
+            self.run(1);
+        }
+        panic!("{name} never came to {value}; it is {}", self.real(name));
+    }
+
+    pub(crate) fn value(&self, name: &str) -> Value {
         let directory = self.machine.directory();
         let signal = directory.find(name).unwrap_or_else(|| panic!("no signal {name}"));
         self.machine.board().value(signal, directory.entry(signal).kind)
     }
 
-    pub(super) fn int(&self, name: &str) -> i64 {
+    pub(crate) fn int(&self, name: &str) -> i64 {
         match self.value(name) {
             Value::Int(value) => value,
             Value::Real(value) => panic!("{name} is real: {value}"),
         }
     }
 
-    pub(super) fn real(&self, name: &str) -> f64 {
+    pub(crate) fn real(&self, name: &str) -> f64 {
         self.value(name).to_f64()
     }
 
-    pub(super) fn state(&self, axis: &str) -> &'static str {
+    pub(crate) fn state(&self, axis: &str) -> &'static str {
         crate::state::AXIS_STATES[self.int(&format!("{axis}.state")) as usize]
     }
 
@@ -252,31 +282,37 @@ impl Rig {
         self.events.iter().filter(|event| event.command == sequence && event.kind == kind).copied().collect()
     }
 
-    pub(super) fn done(&self, sequence: u64) -> Vec<Event> {
+    pub(crate) fn done(&self, sequence: u64) -> Vec<Event> {
         self.of_command(sequence, Kind::Done)
     }
 
-    /// The sentence of a refused command.
-    pub(super) fn refusal(&self, sequence: u64) -> String {
+    /// The answer to a command; what refused it.
+    pub(crate) fn answer(&self, sequence: u64) -> Result<(), Event> {
         let refused = self.of_command(sequence, Kind::Refused);
-        assert_eq!(refused.len(), 1, "answered once");
-        assert!(self.of_command(sequence, Kind::Accepted).is_empty());
-        crate::text::sentence(&refused[0], self.machine.config())
+        let answers = refused.len() + self.of_command(sequence, Kind::Accepted).len();
+        assert_eq!(answers, 1, "answered once");
+        refused.first().map_or(Ok(()), |event| Err(*event))
     }
 
-    pub(super) fn was_accepted(&self, sequence: u64) -> bool {
+    /// The sentence of a refused command.
+    pub(crate) fn refusal(&self, sequence: u64) -> String {
+        let refused = self.answer(sequence).expect_err("a refusal");
+        crate::text::sentence(&refused, self.machine.config())
+    }
+
+    pub(crate) fn was_accepted(&self, sequence: u64) -> bool {
         assert!(self.of_command(sequence, Kind::Refused).is_empty());
         self.of_command(sequence, Kind::Accepted).len() == 1
     }
 }
 
 /// So many cases, and 50 times as many with LINESHAFT_LONG.
-pub(super) fn cases(few: u32) -> proptest::prelude::ProptestConfig {
+pub(crate) fn cases(few: u32) -> proptest::prelude::ProptestConfig {
     let long = std::env::var_os("LINESHAFT_LONG").is_some();
     proptest::prelude::ProptestConfig::with_cases(if long { few.saturating_mul(50) } else { few })
 }
 
-pub(super) fn to(axis: u16, position: i64) -> Move {
+pub(crate) fn to(axis: u16, position: i64) -> Move {
     Move {
         axis,
         mode: MoveMode::Absolute,
@@ -290,11 +326,11 @@ pub(super) fn to(axis: u16, position: i64) -> Move {
     }
 }
 
-pub(super) fn at(axis: u16, velocity: f64) -> Move {
+pub(crate) fn at(axis: u16, velocity: f64) -> Move {
     Move { mode: MoveMode::Velocity, velocity, ..to(axis, 0) }
 }
 
-pub(super) fn couple(axis: u16, leader: Leader, numerator: i64, denominator: i64) -> Synchronize {
+pub(crate) fn couple(axis: u16, leader: Leader, numerator: i64, denominator: i64) -> Synchronize {
     Synchronize {
         axis,
         leader: Some(leader),

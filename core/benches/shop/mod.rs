@@ -1,0 +1,96 @@
+//! The machine of the benches, and the least that stands for its drives.
+
+use lineshaft_core::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Source, Synchronize};
+use lineshaft_core::config::{AxisConfig, MachineConfig};
+use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
+use lineshaft_core::machine::{MAX_COMMANDS, Machine};
+use lineshaft_core::modulo::Direction;
+use lineshaft_core::object::{AxisSet, Leader};
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::position::Length;
+use lineshaft_core::sync::{Disengage, SyncMode};
+use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+
+/// A machine whose drives obey at once.
+pub(crate) struct Shop {
+    pub(crate) machine: Machine,
+    inputs: Inputs,
+    outputs: Outputs,
+}
+
+impl Shop {
+    /// So many axes, of which the first `leaders` have no drive; the drives are not there yet.
+    pub(crate) fn new(leaders: u16, axes: u16) -> Self {
+        let per = Quantity::new(Fraction::from_integer(1), Unit::METRE);
+        let scale = Scale::new(Fraction::from_integer(1_000_000), per).expect("a legal scale");
+        let axis = |index: u16| {
+            let drive = (index >= leaders).then(|| Capabilities::all(0));
+            AxisConfig::new(format!("a{index}"), scale, drive, AxisParameters::new(1e6, 1e7))
+        };
+        let axes = (0..axes).map(axis).collect();
+        let config = MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() };
+        let machine = Machine::new(config).expect("a legal machine");
+        let (inputs, outputs) = (machine.inputs(), machine.outputs());
+        Self { machine, inputs, outputs }
+    }
+
+    /// Brings all drives into a state, in which they stay.
+    pub(crate) fn switch(&mut self, state: DriveState) {
+        let drive = DriveInput { status: state.status(), online: true, fresh: true, ..DriveInput::default() };
+        self.inputs.drive.fill(drive);
+    }
+
+    /// Switches all axes on.
+    pub(crate) fn enable(&mut self) {
+        self.switch(DriveState::Enabled);
+        let axes = self.machine.config().axes.len();
+        self.give(&[Action::Enable(AxisSet::first(axes))]);
+        self.cycle(Commands::default());
+    }
+
+    /// Gives all of them in as few cycles as take them.
+    pub(crate) fn give(&mut self, actions: &[Action]) {
+        for some in actions.chunks(MAX_COMMANDS) {
+            let command = |action: &Action| Command { sequence: 1, source: Source::Cli, action: action.clone() };
+            let commands: Vec<_> = some.iter().map(command).collect();
+            self.cycle(Commands::queue(&commands));
+        }
+    }
+
+    pub(crate) fn cycle(&mut self, commands: Commands<'_>) {
+        self.machine.cycle(&self.inputs, commands, &mut self.outputs);
+        for (input, output) in self.inputs.drive.iter_mut().zip(&self.outputs.drive) {
+            (input.count, input.mode) = (output.position, output.mode.number());
+        }
+    }
+}
+
+/// A goal (inc, inc/s), with the rates of the axis.
+pub(crate) fn goal(axis: u16, mode: MoveMode, target: i64, velocity: f64) -> Move {
+    Move {
+        axis,
+        mode,
+        target: Length::whole(target),
+        velocity,
+        acceleration: 0.0,
+        deceleration: 0.0,
+        jerk: 0.0,
+        direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
+    }
+}
+
+/// A coupling to the first axis, 355 : 113.
+pub(crate) fn couple(axis: u16) -> Action {
+    Action::Synchronize(Synchronize {
+        axis,
+        leader: Some(Leader::AxisCommand(0)),
+        mode: SyncMode::Position,
+        disengage: Disengage::Stop,
+        numerator: 355,
+        denominator: 113,
+        offset: Length::default(),
+        velocity: 0.0,
+        acceleration: 0.0,
+    })
+}

@@ -1,0 +1,113 @@
+//! Things that go round between the cycle thread and another one.
+//!
+//! All of them are made before the first cycle: the cycle thread fills a free one and sends it, the other thread reads it and gives
+//! it back. Where none is free, what would have been sent is left out and counted: the cycle thread neither waits nor takes memory.
+
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// How many may wait for the other thread.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Room {
+    /// As many as this time has cycles (ns)..
+    pub time_ns: u64,
+    /// ..that do not take more memory than this (bytes)..
+    pub bytes: usize,
+    /// ..and these in any case.
+    pub least: usize,
+}
+
+impl Room {
+    /// Things of so many bytes, one in each cycle.
+    pub(super) fn count(self, cycle_ns: u64, bytes: usize) -> usize {
+        let wanted = usize::try_from(self.time_ns / cycle_ns.max(1)).unwrap_or(usize::MAX);
+        wanted.min(self.bytes / bytes.max(1)).max(self.least)
+    }
+}
+
+/// The end in the cycle thread.
+#[derive(Debug)]
+pub(super) struct Filler<T> {
+    free: Consumer<Box<T>>,
+    full: Producer<Box<T>>,
+    lost: Arc<AtomicU64>,
+}
+
+/// The other end.
+#[derive(Debug)]
+pub(super) struct Emptier<T> {
+    full: Consumer<Box<T>>,
+    free: Producer<Box<T>>,
+    lost: Arc<AtomicU64>,
+}
+
+/// Makes `count` things that go round.
+pub(super) fn pool<T>(count: usize, make: impl Fn() -> T) -> (Filler<T>, Emptier<T>) {
+    let (mut free_in, free) = RingBuffer::new(count);
+    (0..count).for_each(|_| drop(free_in.push(Box::new(make()))));
+    let (full, full_out) = RingBuffer::new(count);
+    let lost = Arc::<AtomicU64>::default();
+    (Filler { free, full, lost: Arc::clone(&lost) }, Emptier { full: full_out, free: free_in, lost })
+}
+
+impl<T> Filler<T> {
+    /// Fills a free one and sends it.
+    pub(super) fn send(&mut self, fill: impl FnOnce(&mut T)) {
+        let Ok(mut thing) = self.free.pop() else { return self.leave_out() };
+        fill(&mut thing);
+        // There are no more things than places, so this one finds its place.
+        drop(self.full.push(thing));
+    }
+
+    /// Counts one that is not sent.
+    pub(super) fn leave_out(&mut self) {
+        self.lost.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+impl<T> Emptier<T> {
+    /// The next one.
+    pub(super) fn take(&mut self) -> Option<Box<T>> {
+        self.full.pop().ok()
+    }
+
+    /// Lets one be filled again.
+    pub(super) fn give_back(&mut self, thing: Box<T>) {
+        drop(self.free.push(thing));
+    }
+
+    /// How many were left out so far.
+    pub(super) fn lost(&self) -> u64 {
+        self.lost.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_finds_none_free_is_counted_and_what_is_given_back_goes_round() {
+        let (mut filler, mut emptier) = pool(3, || 0);
+        (1..=5).for_each(|number| filler.send(|thing| *thing = number));
+        filler.leave_out();
+        assert_eq!(emptier.lost(), 3);
+        for round in 0..10 {
+            let first = emptier.take().unwrap();
+            assert_eq!(*first, if round < 3 { round + 1 } else { 10 + round - 3 });
+            emptier.give_back(first);
+            filler.send(|thing| *thing = 10 + round);
+        }
+        assert_eq!(emptier.lost(), 3);
+        (0..3).for_each(|_| drop(emptier.take().unwrap()));
+        assert!(emptier.take().is_none());
+    }
+
+    #[test]
+    fn as_many_wait_as_the_time_has_cycles_within_the_memory_and_some_always() {
+        let room = Room { time_ns: 1_000, bytes: 400, least: 8 };
+        assert_eq!((room.count(10, 1), room.count(10, 10), room.count(10, 100)), (100, 40, 8));
+        assert_eq!((room.count(1_000, 1), room.count(0, 0)), (8, 400));
+    }
+}
