@@ -29,6 +29,13 @@ impl Id {
         if id <= 0x7FF { Ok(Self(id)) } else { Err(FrameError::Id(id)) }
     }
 
+    /// An identifier that is known when the program is compiled, which a larger number than 7FFh ends.
+    #[cfg(test)]
+    pub(crate) const fn new_const(id: u16) -> Self {
+        assert!(id <= 0x7FF);
+        Self(id)
+    }
+
     /// The number.
     pub const fn get(self) -> u16 {
         self.0
@@ -54,6 +61,11 @@ impl Frame {
         let place = data.get_mut(..bytes.len()).ok_or(FrameError::Length(bytes.len()))?;
         place.copy_from_slice(bytes);
         Ok(Self { id, data, length: bytes.len() as u8, remote: false })
+    }
+
+    /// A data frame of 8 bytes.
+    pub const fn of(id: Id, data: [u8; 8]) -> Self {
+        Self { id, data, length: 8, remote: false }
     }
 
     /// A remote frame that asks for `length` bytes.

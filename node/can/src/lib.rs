@@ -1,7 +1,9 @@
-//! CAN for Lineshaft: transports, the CANopen master, CiA 402 drives. So far its first types; the crate alone knows CAN,
+//! CAN for Lineshaft: transports, the CANopen master, CiA 402 drives. So far frames, lines of slcan, the SDO client; the crate alone knows CAN,
 //! and it knows no ROS.
 #![forbid(unsafe_code)]
 
 mod frame;
+pub mod sdo;
+pub mod transport;
 
 pub use frame::{Frame, FrameError, Id};

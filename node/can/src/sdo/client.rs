@@ -1,0 +1,470 @@
+//! The client of one device.
+
+use super::abort::Abort;
+use super::crc::crc;
+use crate::{Frame, Id};
+use std::fmt;
+
+/// Bytes of a segment.
+const SEGMENT: usize = 7;
+/// Segments of a block that we ask for.
+const BLOCK: u8 = 127;
+/// From so many bytes on a download goes in blocks, where that is allowed.
+const LEAST_FOR_BLOCKS: usize = 32;
+/// How often a block may be acknowledged without any progress.
+const MOST_REPEATS: u8 = 8;
+
+/// An object of a device's dictionary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Object {
+    /// Index.
+    pub index: u16,
+    /// Subindex.
+    pub sub: u8,
+}
+
+impl Object {
+    fn mux(self) -> [u8; 3] {
+        let [low, high] = self.index.to_le_bytes();
+        [low, high, self.sub]
+    }
+}
+
+impl fmt::Display for Object {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:04X}h:{:02X}", self.index, self.sub)
+    }
+}
+
+/// Why a transfer has failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SdoError {
+    /// The device has ended it.
+    #[error("{0}: the device refuses: {1}")]
+    Refused(Object, Abort),
+    /// What the device has answered makes no sense; it was told so.
+    #[error("{0}: the device answers wrongly: {1}")]
+    Wrong(Object, Abort),
+    /// The device has not answered.
+    #[error("{0}: the device has not answered for {1} ms")]
+    Silent(Object, u64),
+}
+
+/// What a transfer has come to: the object, and its bytes; whoever began it gets its memory back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Transfer {
+    /// Which object.
+    pub object: Object,
+    /// What was read, or what was to be written.
+    pub data: Vec<u8>,
+    /// Why it has failed, if it has.
+    pub result: Result<(), SdoError>,
+}
+
+/// What comes next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Idle,
+    /// The first frame of a download in segments, or of one that fits into it.
+    Download,
+    /// A segment of a download, from `at` on.
+    Segment {
+        at: usize,
+        toggle: bool,
+    },
+    /// The first frame of a download in blocks.
+    BlockDownload,
+    /// Segments of a block that begins at `start`; `next` counts from 0, of `size` at most.
+    Block {
+        start: usize,
+        next: u8,
+        size: u8,
+    },
+    /// The end of a download in blocks.
+    BlockEnd,
+    /// The first frame of an upload.
+    Upload,
+    /// The next segment of an upload.
+    Fetch {
+        toggle: bool,
+    },
+    /// The first frame of an upload in blocks.
+    BlockUpload,
+    /// Segments of a block come: `next` counts from 1. `is_last`: the last one of all has come.
+    Receive {
+        next: u8,
+        is_last: bool,
+    },
+    /// All segments are acknowledged; the end comes.
+    ReceiveEnd,
+}
+
+/// The transfer under way.
+#[derive(Clone, Debug)]
+struct Work {
+    object: Object,
+    data: Vec<u8>,
+    /// The size that the device has told.
+    told: Option<usize>,
+    /// Both sides compute the check sum.
+    checks: bool,
+    /// Acknowledgements of a block without progress, in a row.
+    repeats: u8,
+    /// When the device was heard last, or asked (ns).
+    since_ns: u64,
+}
+
+/// The client of one device's SDO server.
+#[derive(Clone, Debug)]
+pub struct Client {
+    request: Id,
+    response: Id,
+    timeout_ns: u64,
+    state: State,
+    /// A frame of the present state is to be sent.
+    sends: bool,
+    /// The frame that ends a transfer; it comes first.
+    last: Option<Frame>,
+    work: Option<Work>,
+}
+
+impl Client {
+    /// A client that sends by one identifier and hears by another one, and waits so long for each answer (ns).
+    pub fn new(request: Id, response: Id, timeout_ns: u64) -> Self {
+        Self { request, response, timeout_ns, state: State::Idle, sends: false, last: None, work: None }
+    }
+
+    /// May a transfer begin?
+    pub fn is_idle(&self) -> bool {
+        self.work.is_none()
+    }
+
+    /// Reads an object into `room`: as many bytes as it has room for, and 7 more for what the last segment is filled up with. Does
+    /// nothing and gives `room` back where a transfer is under way.
+    ///
+    /// # Errors
+    /// The room.
+    pub fn upload(&mut self, object: Object, mut room: Vec<u8>, in_blocks: bool, now_ns: u64) -> Result<(), Vec<u8>> {
+        room.clear();
+        self.begin(object, room, if in_blocks { State::BlockUpload } else { State::Upload }, now_ns)
+    }
+
+    /// Writes an object; longer ones in blocks, where that is allowed.
+    ///
+    /// # Errors
+    /// The data, where a transfer is under way.
+    pub fn download(&mut self, object: Object, data: Vec<u8>, in_blocks: bool, now_ns: u64) -> Result<(), Vec<u8>> {
+        let blocks = in_blocks && data.len() >= LEAST_FOR_BLOCKS;
+        self.begin(object, data, if blocks { State::BlockDownload } else { State::Download }, now_ns)
+    }
+
+    fn begin(&mut self, object: Object, data: Vec<u8>, state: State, now_ns: u64) -> Result<(), Vec<u8>> {
+        if self.work.is_some() {
+            return Err(data);
+        }
+        self.work = Some(Work { object, data, told: None, checks: false, repeats: 0, since_ns: now_ns });
+        (self.state, self.sends) = (state, true);
+        Ok(())
+    }
+
+    /// The next frame that is to be sent now, if any. A block has up to 127 of them.
+    pub fn next_frame(&mut self) -> Option<Frame> {
+        if let Some(last) = self.last.take() {
+            return Some(last);
+        }
+        if !self.sends {
+            return None;
+        }
+        self.sends = false;
+        let work = self.work.as_ref()?;
+        let [low, high, sub] = work.object.mux();
+        let size = u32::try_from(work.data.len()).unwrap_or(u32::MAX).to_le_bytes();
+        let [s0, s1, s2, s3] = size;
+        let bytes = match self.state {
+            State::Idle | State::ReceiveEnd => return None,
+            State::Download => match *work.data.as_slice() {
+                [a] => [0x2F, low, high, sub, a, 0, 0, 0],
+                [a, b] => [0x2B, low, high, sub, a, b, 0, 0],
+                [a, b, c] => [0x27, low, high, sub, a, b, c, 0],
+                [a, b, c, d] => [0x23, low, high, sub, a, b, c, d],
+                _ => [0x21, low, high, sub, s0, s1, s2, s3],
+            },
+            State::Segment { at, toggle } => {
+                let (bytes, unused) = segment(&work.data, at);
+                let is_last = at.saturating_add(SEGMENT) >= work.data.len();
+                led_by(u8::from(toggle) << 4 | unused << 1 | u8::from(is_last), bytes)
+            }
+            State::BlockDownload => [0xC6, low, high, sub, s0, s1, s2, s3],
+            State::Block { start, next, size } => {
+                let at = start.saturating_add(usize::from(next) * SEGMENT);
+                let (bytes, _) = segment(&work.data, at);
+                let is_last = at.saturating_add(SEGMENT) >= work.data.len();
+                let next = next.saturating_add(1);
+                self.state = State::Block { start, next, size };
+                self.sends = !is_last && next < size;
+                led_by(u8::from(is_last) << 7 | next, bytes)
+            }
+            State::BlockEnd => {
+                let unused = (SEGMENT - work.data.len() % SEGMENT) % SEGMENT;
+                let [c0, c1] = if work.checks { crc(0, &work.data) } else { 0 }.to_le_bytes();
+                [0xC1 | (unused as u8) << 2, c0, c1, 0, 0, 0, 0, 0]
+            }
+            State::Upload => [0x40, low, high, sub, 0, 0, 0, 0],
+            State::Fetch { toggle } => [0x60 | u8::from(toggle) << 4, 0, 0, 0, 0, 0, 0, 0],
+            State::BlockUpload => [0xA4, low, high, sub, BLOCK, 0, 0, 0],
+            // Asks for the first block.
+            State::Receive { .. } => [0xA3, 0, 0, 0, 0, 0, 0, 0],
+        };
+        Some(Frame::of(self.request, bytes))
+    }
+
+    /// Takes a frame of the device; what it ends.
+    pub fn receive(&mut self, frame: &Frame, now_ns: u64) -> Option<Transfer> {
+        let bytes: [u8; 8] = frame.bytes().try_into().ok().filter(|_| frame.id() == self.response)?;
+        let work = self.work.as_mut()?;
+        let is_of_object = bytes[1..4] == work.object.mux();
+        let is_first =
+            matches!(self.state, State::Download | State::BlockDownload | State::Upload | State::BlockUpload);
+        // No segment of a block has that number.
+        if bytes[0] == 0x80 {
+            let [.., a, b, c, d] = bytes;
+            return self.refused(Abort(u32::from_le_bytes([a, b, c, d])), is_of_object);
+        }
+        // The late answer of a transfer that has been given up.
+        if is_first && !is_of_object {
+            return None;
+        }
+        work.since_ns = now_ns;
+        match self.take(bytes) {
+            Ok(true) => self.end(Ok(())),
+            Ok(false) => None,
+            Err(abort) => self.give_up(abort),
+        }
+    }
+
+    /// What time has ended: a device that is silent for too long.
+    pub fn tick(&mut self, now_ns: u64) -> Option<Transfer> {
+        let work = self.work.as_ref()?;
+        if now_ns.saturating_sub(work.since_ns) < self.timeout_ns {
+            return None;
+        }
+        let error = SdoError::Silent(work.object, self.timeout_ns / 1_000_000);
+        self.last = Some(self.abort_frame(work.object, Abort::TIMEOUT));
+        self.end(Err(error))
+    }
+
+    /// Does the answer end the transfer?
+    fn take(&mut self, bytes: [u8; 8]) -> Result<bool, Abort> {
+        let Some(work) = &mut self.work else { return Ok(false) };
+        let [command, _, _, _, a, b, c, d] = bytes;
+        let size = u32::from_le_bytes([a, b, c, d]) as usize;
+        match self.state {
+            State::Idle => {}
+            State::Download => {
+                if command != 0x60 {
+                    return Err(Abort::COMMAND);
+                }
+                if (1..=4).contains(&work.data.len()) {
+                    return Ok(true);
+                }
+                (self.state, self.sends) = (State::Segment { at: 0, toggle: false }, true);
+            }
+            State::Segment { at, toggle } => {
+                if command & 0xEF != 0x20 {
+                    return Err(Abort::COMMAND);
+                }
+                if (command & 0x10 != 0) != toggle {
+                    return Err(Abort::TOGGLE);
+                }
+                let at = at.saturating_add(SEGMENT);
+                if at >= work.data.len() {
+                    return Ok(true);
+                }
+                (self.state, self.sends) = (State::Segment { at, toggle: !toggle }, true);
+            }
+            State::BlockDownload => {
+                if command & 0xFB != 0xA0 {
+                    return Err(Abort::COMMAND);
+                }
+                work.checks = command & 4 != 0;
+                self.begin_block(0, a)?;
+            }
+            State::Block { start, next, .. } => {
+                let [command, acknowledged, size, ..] = bytes;
+                if command != 0xA2 {
+                    return Err(Abort::COMMAND);
+                }
+                if acknowledged > next {
+                    return Err(Abort::SEQUENCE);
+                }
+                let start = start.saturating_add(usize::from(acknowledged) * SEGMENT);
+                work.repeats = if acknowledged == 0 { work.repeats.saturating_add(1) } else { 0 };
+                if work.repeats > MOST_REPEATS {
+                    return Err(Abort::SEQUENCE);
+                }
+                if start >= work.data.len() {
+                    (self.state, self.sends) = (State::BlockEnd, true);
+                } else {
+                    self.begin_block(start, size)?;
+                }
+            }
+            State::BlockEnd => return if command == 0xA1 { Ok(true) } else { Err(Abort::COMMAND) },
+            // A server that knows no blocks answers as if it had been asked for segments.
+            State::BlockUpload if command & 0xF9 == 0xC0 => {
+                work.checks = command & 4 != 0;
+                work.expect((command & 2 != 0).then_some(size))?;
+                (self.state, self.sends) = (State::Receive { next: 1, is_last: false }, true);
+            }
+            State::Upload | State::BlockUpload => match command {
+                0x43 | 0x47 | 0x4B | 0x4F | 0x42 => {
+                    let unused = if command & 1 == 1 { usize::from(command >> 2 & 3) } else { 0 };
+                    append(&mut work.data, &[a, b, c, d][..4 - unused])?;
+                    return Ok(true);
+                }
+                0x40 | 0x41 => {
+                    work.expect((command == 0x41).then_some(size))?;
+                    (self.state, self.sends) = (State::Fetch { toggle: false }, true);
+                }
+                _ => return Err(Abort::COMMAND),
+            },
+            State::Fetch { toggle } => {
+                if command & 0xE0 != 0 {
+                    return Err(Abort::COMMAND);
+                }
+                if (command & 0x10 != 0) != toggle {
+                    return Err(Abort::TOGGLE);
+                }
+                let unused = usize::from(command >> 1 & 7);
+                let [_, segment @ ..] = bytes;
+                append(&mut work.data, &segment[..SEGMENT - unused])?;
+                if command & 1 == 1 {
+                    return work.is_complete();
+                }
+                (self.state, self.sends) = (State::Fetch { toggle: !toggle }, true);
+            }
+            State::Receive { .. } => self.take_segment(bytes)?,
+            State::ReceiveEnd => {
+                let [command, c0, c1, ..] = bytes;
+                if command & 0xE3 != 0xC1 {
+                    return Err(Abort::COMMAND);
+                }
+                let unused = usize::from(command >> 2 & 7);
+                work.data.truncate(work.data.len().saturating_sub(unused));
+                if work.checks && crc(0, &work.data) != u16::from_le_bytes([c0, c1]) {
+                    return Err(Abort::CRC);
+                }
+                work.is_complete()?;
+                self.last = Some(Frame::of(self.request, [0xA1, 0, 0, 0, 0, 0, 0, 0]));
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    fn begin_block(&mut self, start: usize, size: u8) -> Result<(), Abort> {
+        if !(1..=BLOCK).contains(&size) {
+            return Err(Abort::BLOCK_SIZE);
+        }
+        (self.state, self.sends) = (State::Block { start, next: 0, size }, true);
+        Ok(())
+    }
+
+    /// A segment of a block that comes: what is out of its sequence is left out, and comes again.
+    fn take_segment(&mut self, bytes: [u8; 8]) -> Result<(), Abort> {
+        let State::Receive { mut next, mut is_last } = self.state else { return Ok(()) };
+        let Some(work) = &mut self.work else { return Ok(()) };
+        let [lead, segment @ ..] = bytes;
+        let (sequence, ends) = (lead & 0x7F, lead & 0x80 != 0);
+        if !(1..=BLOCK).contains(&sequence) {
+            return Err(Abort::SEQUENCE);
+        }
+        if sequence == next && !is_last {
+            append(&mut work.data, &segment)?;
+            (next, is_last) = (next.saturating_add(1), ends);
+        }
+        self.state = State::Receive { next, is_last };
+        if !ends && sequence != BLOCK {
+            return Ok(());
+        }
+        let acknowledged = next - 1;
+        work.repeats = if acknowledged == 0 { work.repeats.saturating_add(1) } else { 0 };
+        if work.repeats > MOST_REPEATS {
+            return Err(Abort::SEQUENCE);
+        }
+        self.last = Some(Frame::of(self.request, [0xA2, acknowledged, BLOCK, 0, 0, 0, 0, 0]));
+        self.state = if is_last { State::ReceiveEnd } else { State::Receive { next: 1, is_last } };
+        Ok(())
+    }
+
+    /// The device ends it; one that knows no blocks is asked for segments.
+    fn refused(&mut self, abort: Abort, is_of_object: bool) -> Option<Transfer> {
+        let knows_no_blocks = abort == Abort::COMMAND && is_of_object;
+        match self.state {
+            State::BlockDownload if knows_no_blocks => (self.state, self.sends) = (State::Download, true),
+            State::BlockUpload if knows_no_blocks => (self.state, self.sends) = (State::Upload, true),
+            // A late answer to another transfer.
+            State::Download | State::BlockDownload | State::Upload | State::BlockUpload if !is_of_object => {}
+            _ => {
+                let object = self.work.as_ref()?.object;
+                return self.end(Err(SdoError::Refused(object, abort)));
+            }
+        }
+        None
+    }
+
+    fn give_up(&mut self, abort: Abort) -> Option<Transfer> {
+        let object = self.work.as_ref()?.object;
+        self.last = Some(self.abort_frame(object, abort));
+        self.end(Err(SdoError::Wrong(object, abort)))
+    }
+
+    fn abort_frame(&self, object: Object, abort: Abort) -> Frame {
+        let ([low, high, sub], [a, b, c, d]) = (object.mux(), abort.0.to_le_bytes());
+        Frame::of(self.request, [0x80, low, high, sub, a, b, c, d])
+    }
+
+    fn end(&mut self, result: Result<(), SdoError>) -> Option<Transfer> {
+        let Work { object, data, .. } = self.work.take()?;
+        (self.state, self.sends) = (State::Idle, false);
+        Some(Transfer { object, data, result })
+    }
+}
+
+impl Work {
+    /// So many bytes will come, if the device tells.
+    fn expect(&mut self, told: Option<usize>) -> Result<(), Abort> {
+        self.told = told;
+        if told.is_some_and(|told| told > self.data.capacity()) { Err(Abort::MEMORY) } else { Ok(()) }
+    }
+
+    /// Has as much come as was told?
+    fn is_complete(&self) -> Result<bool, Abort> {
+        if self.told.is_none_or(|told| told == self.data.len()) { Ok(true) } else { Err(Abort::LENGTH) }
+    }
+}
+
+/// Takes no memory: what finds no room is too much.
+fn append(data: &mut Vec<u8>, bytes: &[u8]) -> Result<(), Abort> {
+    if data.capacity() - data.len() < bytes.len() {
+        return Err(Abort::MEMORY);
+    }
+    data.extend_from_slice(bytes);
+    Ok(())
+}
+
+/// The bytes of a segment from `at` on, and how many of it are not used.
+fn segment(data: &[u8], at: usize) -> ([u8; SEGMENT], u8) {
+    let rest = data.get(at..).unwrap_or_default();
+    let mut bytes = [0; SEGMENT];
+    for (place, byte) in bytes.iter_mut().zip(rest) {
+        *place = *byte;
+    }
+    (bytes, SEGMENT.saturating_sub(rest.len()) as u8)
+}
+
+fn led_by(lead: u8, [a, b, c, d, e, f, g]: [u8; SEGMENT]) -> [u8; 8] {
+    [lead, a, b, c, d, e, f, g]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,241 @@
+//! Frames as lines of ASCII, for adapters on a serial line or behind TCP (Lawicel).
+//!
+//! Law      `tIIILDD..` a data frame, `rIIIL` a remote frame, each ended by CR; the same in both directions. An adapter may put four
+//!          hexadecimal digits of milliseconds behind a frame that it has received
+//! Reads    bytes, in pieces of any size
+//! Refuses  nothing: what is no frame with an 11-bit identifier is passed over, as adapters answer a sent frame with `z`, with
+//!          nothing, or with an empty line
+//! Source   CANUSB manual (Lawicel), python-can 4.6 (`slcan`)
+
+use crate::{Frame, Id};
+
+const CR: u8 = b'\r';
+/// The adapter refuses a command.
+const BEL: u8 = 0x07;
+/// Longest line of a frame: kind, 8 digits of an extended identifier, length, 8 bytes, time stamp.
+const LONGEST: usize = 1 + 8 + 1 + 16 + 4;
+/// Longest line of a frame with an 11-bit identifier, with its CR.
+const LONGEST_SENT: usize = 1 + 3 + 1 + 16 + 1;
+
+/// The bit rates that adapters know by a digit (kbit/s); digits 7 and 9 mean other rates in other firmware, and have no row.
+const BIT_RATES: [(u32, &[u8; 3]); 8] = [
+    (10, b"S0\r"),
+    (20, b"S1\r"),
+    (50, b"S2\r"),
+    (100, b"S3\r"),
+    (125, b"S4\r"),
+    (250, b"S5\r"),
+    (500, b"S6\r"),
+    (1000, b"S8\r"),
+];
+
+/// The command that sets a bit rate (kbit/s); none where adapters know it by no digit, or by different ones.
+pub fn bit_rate(kbit_per_s: u32) -> Option<&'static [u8]> {
+    let row = BIT_RATES.iter().find(|(rate, _)| *rate == kbit_per_s)?;
+    Some(row.1)
+}
+
+/// What adapters can be told to use (kbit/s).
+pub fn bit_rates() -> impl Iterator<Item = u32> {
+    BIT_RATES.iter().map(|(rate, _)| *rate)
+}
+
+/// Closes the channel; one that is closed already refuses it.
+pub const CLOSE: &[u8] = b"C\r";
+/// Opens the channel.
+pub const OPEN: &[u8] = b"O\r";
+
+/// The line of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    bytes: [u8; LONGEST_SENT],
+    length: usize,
+}
+
+impl Line {
+    /// The line that sends a frame.
+    pub fn of(frame: &Frame) -> Self {
+        let mut line = Self { bytes: [0; LONGEST_SENT], length: 0 };
+        let id = frame.id().get();
+        line.push(if frame.is_remote() { b'r' } else { b't' });
+        for digit in [id >> 8, id >> 4, id] {
+            line.push(digit_of(digit as u8));
+        }
+        line.push(digit_of(frame.length()));
+        for byte in frame.bytes() {
+            line.push(digit_of(byte >> 4));
+            line.push(digit_of(*byte));
+        }
+        line.push(CR);
+        line
+    }
+
+    fn push(&mut self, byte: u8) {
+        // A frame of 8 bytes fills the line.
+        if let Some(place) = self.bytes.get_mut(self.length) {
+            *place = byte;
+            self.length += 1;
+        }
+    }
+
+    /// Its bytes, with the CR.
+    pub fn bytes(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or_default()
+    }
+}
+
+fn digit_of(value: u8) -> u8 {
+    b"0123456789ABCDEF"[usize::from(value & 0xF)]
+}
+
+fn value_of(digit: u8) -> Option<u8> {
+    char::from(digit).to_digit(16).map(|value| value as u8)
+}
+
+/// What an adapter says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Said {
+    /// A frame has come.
+    Frame(Frame),
+    /// The adapter refuses the last command.
+    Refused,
+}
+
+/// Makes lines of bytes.
+#[derive(Clone, Debug, Default)]
+pub struct Decoder {
+    line: [u8; LONGEST],
+    length: usize,
+    /// The line is longer than any frame.
+    is_too_long: bool,
+}
+
+impl Decoder {
+    /// Takes a byte; what it ends.
+    pub fn take(&mut self, byte: u8) -> Option<Said> {
+        match byte {
+            CR => {
+                let line = self.line.get(..self.length).filter(|_| !self.is_too_long);
+                let frame = line.and_then(frame_of).map(Said::Frame);
+                (self.length, self.is_too_long) = (0, false);
+                frame
+            }
+            BEL => {
+                (self.length, self.is_too_long) = (0, false);
+                Some(Said::Refused)
+            }
+            _ => {
+                match self.line.get_mut(self.length) {
+                    Some(place) => {
+                        *place = byte;
+                        self.length += 1;
+                    }
+                    None => self.is_too_long = true,
+                }
+                None
+            }
+        }
+    }
+}
+
+/// The frame of a line without its CR.
+fn frame_of(line: &[u8]) -> Option<Frame> {
+    let (&kind, rest) = line.split_first()?;
+    let is_remote = match kind {
+        b't' => false,
+        b'r' => true,
+        _ => return None,
+    };
+    let (id, rest) = rest.split_at_checked(3)?;
+    let id = id.iter().try_fold(0, |id, digit| Some(id << 4 | u16::from(value_of(*digit)?)))?;
+    let id = Id::new(id).ok()?;
+    let (&length, rest) = rest.split_first()?;
+    let length = value_of(length).filter(|length| *length <= 8)?;
+    let count = if is_remote { 0 } else { usize::from(length) };
+    let (digits, stamp) = rest.split_at_checked(2 * count)?;
+    let is_stamp = stamp.is_empty() || stamp.len() == 4 && stamp.iter().all(|digit| value_of(*digit).is_some());
+    let mut data = [0; 8];
+    for (byte, pair) in data.iter_mut().zip(digits.chunks_exact(2)) {
+        let &[high, low] = pair else { return None };
+        *byte = value_of(high)? << 4 | value_of(low)?;
+    }
+    match is_stamp {
+        true if is_remote => Frame::remote(id, length).ok(),
+        true => Frame::data(id, data.get(..count)?).ok(),
+        false => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn said(bytes: &[u8]) -> Vec<Said> {
+        let mut decoder = Decoder::default();
+        bytes.iter().filter_map(|byte| decoder.take(*byte)).collect()
+    }
+
+    fn data(id: u16, bytes: &[u8]) -> Frame {
+        Frame::data(Id::new(id).unwrap(), bytes).unwrap()
+    }
+
+    /// The lines of the manual, and what adapters say beside frames.
+    #[test]
+    fn lines_are_frames() {
+        assert_eq!(Line::of(&data(0x123, &[0x11, 0xFF])).bytes(), b"t123211FF\r");
+        assert_eq!(Line::of(&data(0, &[])).bytes(), b"t0000\r");
+        assert_eq!(Line::of(&Frame::remote(Id::new(0x705).unwrap(), 1).unwrap()).bytes(), b"r7051\r");
+        assert_eq!(said(b"z\rt1232aBcD\r\r\x07"), [Said::Frame(data(0x123, &[0xAB, 0xCD])), Said::Refused]);
+        assert_eq!(said(b"t100101ABCD\r"), [Said::Frame(data(0x100, &[1]))], "with a time stamp");
+    }
+
+    #[test]
+    fn what_is_no_frame_is_passed_over() {
+        let none: [&[u8]; 11] = [
+            b"t\r",
+            b"t12\r",
+            b"t8000\r",
+            b"t1239\r",
+            b"t1232AB\r",
+            b"t1231ABC\r",
+            b"t12G0\r",
+            b"t1231+1\r",
+            b"T000001230\r",
+            b"V1013\r",
+            b"t123800112233445566778899AABBCCDDEEFF\r",
+        ];
+        for line in none {
+            assert_eq!(said(line), [], "{}", String::from_utf8_lossy(line));
+            // The next one is not lost with it.
+            assert_eq!(said(&[line, b"t1230\r"].concat()), [Said::Frame(data(0x123, &[]))]);
+        }
+    }
+
+    #[test]
+    fn rates_that_firmware_disagrees_on_have_no_digit() {
+        assert_eq!(bit_rate(1000), Some(&b"S8\r"[..]));
+        assert_eq!((bit_rate(800), bit_rate(83), bit_rate(0)), (None, None, None));
+        assert!(bit_rates().all(|rate| bit_rate(rate).is_some()));
+    }
+
+    proptest! {
+        #[test]
+        fn each_frame_comes_back(id in 0_u16..0x800, bytes in prop::collection::vec(any::<u8>(), 0..=8), remote: bool) {
+            let id = Id::new(id).unwrap();
+            let frame = match remote {
+                true => Frame::remote(id, bytes.len() as u8).unwrap(),
+                false => Frame::data(id, &bytes).unwrap(),
+            };
+            prop_assert_eq!(said(Line::of(&frame).bytes()), [Said::Frame(frame)]);
+        }
+
+        /// Whatever comes, the frame behind the next CR is read.
+        #[test]
+        fn noise_ends_at_the_next_line(noise in prop::collection::vec(any::<u8>(), 0..100)) {
+            let frame = data(0x181, &[7]);
+            let all = said(&[&noise, &b"\r"[..], Line::of(&frame).bytes()].concat());
+            prop_assert_eq!(all.last(), Some(&Said::Frame(frame)));
+        }
+    }
+}
