@@ -29,11 +29,9 @@ impl Id {
         if id <= 0x7FF { Ok(Self(id)) } else { Err(FrameError::Id(id)) }
     }
 
-    /// An identifier that is known when the program is compiled, which a larger number than 7FFh ends.
-    #[cfg(test)]
-    pub(crate) const fn new_const(id: u16) -> Self {
-        assert!(id <= 0x7FF);
-        Self(id)
+    /// That of a function of one node: at most 780h + 127.
+    pub(crate) const fn of_function(function: u16, node: u8) -> Self {
+        Self((function & 0x780) + (node & 0x7F) as u16)
     }
 
     /// The number.
@@ -66,6 +64,11 @@ impl Frame {
     /// A data frame of 8 bytes.
     pub const fn of(id: Id, data: [u8; 8]) -> Self {
         Self { id, data, length: 8, remote: false }
+    }
+
+    /// A data frame of 2 bytes.
+    pub(crate) const fn short(id: Id, [a, b]: [u8; 2]) -> Self {
+        Self { id, data: [a, b, 0, 0, 0, 0, 0, 0], length: 2, remote: false }
     }
 
     /// A remote frame that asks for `length` bytes.

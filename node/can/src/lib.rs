@@ -3,7 +3,11 @@
 #![forbid(unsafe_code)]
 
 mod frame;
+mod nmt;
+mod node_id;
 pub mod sdo;
 pub mod transport;
 
 pub use frame::{Frame, FrameError, Id};
+pub use nmt::{Life, NmtCommand, NmtState};
+pub use node_id::NodeId;

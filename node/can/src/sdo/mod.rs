@@ -3,7 +3,7 @@
 //! Law      one transfer at a time; nothing here waits, has a clock or takes memory: whoever has the bus hands over frames and the
 //!          time, and asks for what is to be sent
 //! Refuses  what the device aborts, with its code in words; what answers wrongly or not at all
-//! Source   CiA 301, MACS-CAN-01
+//! Source   CiA 301
 
 mod abort;
 mod client;

@@ -1,8 +1,8 @@
 use super::*;
 use proptest::prelude::*;
 
-const REQUEST: Id = Id::new_const(0x601);
-const RESPONSE: Id = Id::new_const(0x581);
+const REQUEST: Id = Id::of_function(0x600, 1);
+const RESPONSE: Id = Id::of_function(0x580, 1);
 const OBJECT: Object = Object { index: 0x1008, sub: 0 };
 const TIMEOUT_NS: u64 = 500_000_000;
 
