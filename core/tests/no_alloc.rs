@@ -114,7 +114,7 @@ fn absolute() -> MachineConfig {
     config.axes[3].wired = Wired::Drive(Form::Absolute(Absolute::single_turn(40_000)));
     config.axes[5].wired = Wired::Encoder(1);
     let module = &mut config.axes[7].parameters;
-    (module.encoder.md4, module.encoder.md5, module.wf.md16) = (1, 16_384, 1);
+    (module.encoder.kind, module.encoder.steps, module.encoder.reference_or_parity) = (1, 16_384, 1);
     config
 }
 

@@ -7,7 +7,8 @@
 use super::judge;
 use super::master::Grid;
 use crate::encoder::source::{Feedback, Master};
-use crate::parameter::{AxisParameters, Reversing, Sense, saia};
+use crate::parameter::vocabularies::Written;
+use crate::parameter::{AxisParameters, Reversing, Sense};
 use crate::position::Position;
 use crate::profile::Limits;
 use serde::{Deserialize, Serialize};
@@ -52,8 +53,7 @@ impl Derived {
 /// that an abort stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Own {
-    reference_select: i64,
-    saia: saia::Parameters,
+    vocabularies: Written,
     limits: [Option<i64>; 2],
     master_velocity: f64,
 }
@@ -61,8 +61,7 @@ struct Own {
 impl Own {
     fn of(values: &AxisParameters) -> Self {
         Self {
-            reference_select: values.amc.reference_select,
-            saia: values.saia,
+            vocabularies: values.vocabularies.written(),
             limits: [values.min_position, values.max_position],
             master_velocity: values.encoder.master_velocity,
         }

@@ -123,7 +123,7 @@ impl Axis {
 
     /// The step of each vocabulary that has been used, in their order.
     pub(super) fn step_vocabularies(&mut self, cx: &mut Context<'_>) {
-        self.awake.amc |= self.amc.wakes(&self.parameters.amc);
+        self.awake.amc |= self.amc.wakes(&self.parameters.vocabularies.amc);
         if self.awake.amc {
             let mut amc = self.amc;
             self.step_selector(cx, &mut amc);
@@ -137,7 +137,7 @@ impl Axis {
             }
             self.saia = saia;
         }
-        self.awake.wf |= self.wf.wakes(&self.parameters.wf);
+        self.awake.wf |= self.wf.wakes(&self.parameters.vocabularies.wf);
         if self.awake.wf {
             let mut wf = self.wf;
             let order = wf.step(&self.view(cx.cycle, Owner::Wf, cx.leads, cx.latches));
@@ -200,8 +200,8 @@ impl Axis {
 
     /// 34.007 as it is from now on.
     fn write_selection(&mut self, cx: &mut Context<'_>, select: i64) {
-        if self.parameters.amc.reference_select != select {
-            self.parameters.change(|values| values.amc.reference_select = select);
+        if self.parameters.vocabularies.amc.reference_select != select {
+            self.parameters.change(|values| values.vocabularies.amc.reference_select = select);
             let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
             let parameter = Row::find("amc.reference_select").map(|(row, _)| row);
             cx.events.push(Event { parameter, ..event.with(Number::Count(select), Number::None) });
@@ -218,7 +218,7 @@ impl Axis {
             ..Refusal::new(problem.code, self.object()).with(problem.asked, problem.limit)
         };
         amc::check(candidate, &self.setup.selector()).map_err(refuse)?;
-        let (now, then) = (&self.parameters.amc, &candidate.amc);
+        let (now, then) = (&self.parameters.vocabularies.amc, &candidate.vocabularies.amc);
         if now == then {
             return Ok(());
         }

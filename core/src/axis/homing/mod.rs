@@ -395,7 +395,7 @@ impl Axis {
     /// The zero that is being found would not be theirs, or a switch would change where nothing has moved.
     pub fn admits_zero(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let p = &self.parameters;
-        let rewires = p.assigned != candidate.assigned || p.wf.md15 != candidate.wf.md15;
+        let rewires = p.assigned != candidate.assigned || p.homing.cam_source != candidate.homing.cam_source;
         if self.homing.is_running() && (rewires || p.loses_zero_to(candidate)) {
             Err(self.refuse(Code::HOMING_UNDER_WAY))
         } else {

@@ -32,7 +32,7 @@ impl Axis {
         let barred = self.check_stop_of(cx.cycle).err();
         let (mut saia, mut outcome) = self.ask_saia(cx, &parameters, request, barred)?;
         if let Err(refusal) = self.do_saia(cx, &outcome) {
-            if parameters.saia.refuses() {
+            if parameters.vocabularies.saia.refuses() {
                 return Err(refusal);
             }
             // The start fails, what stands beside it does not.

@@ -149,7 +149,7 @@ fn an_event_of_an_axis_that_is_off_counts_for_nothing() {
     rig.plant.add_latch(latch(MARK, 0, None));
     rig.run(1);
     rig.enable();
-    assert_eq!((rig.int("x.amc.select"), rig.machine.parameters(X).unwrap().amc.reference_select), (0, 0));
+    assert_eq!((rig.int("x.amc.select"), rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select), (0, 0));
 }
 
 /// The master is lost when the event comes: told, and what was in force stays.
@@ -168,7 +168,7 @@ fn a_lost_master_is_refused_and_changes_nothing() {
     rig.events.extend_from_slice(rig.machine.events());
     assert_eq!(warnings(&rig), ["x: what the axis follows is lost"]);
     assert_eq!((rig.int("x.amc.select"), rig.int("x.amc.profile_input_position")), (1, 50));
-    assert_eq!(rig.machine.parameters(X).unwrap().amc.reference_select, 1);
+    assert_eq!(rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select, 1);
     let command = crate::command::Command {
         sequence: 900,
         source: crate::command::Source::Scenario,
@@ -194,7 +194,7 @@ fn a_selection_that_cannot_begin_at_enable_is_told_and_written_back() {
     rig.enable();
     assert_eq!(warnings(&rig), ["y: target 50.001 mm lies above max_position 50 mm"]);
     assert_eq!((rig.int("y.amc.select"), rig.int("y.command.position")), (0, 0));
-    assert_eq!(rig.machine.parameters(Y).unwrap().amc.reference_select, 0);
+    assert_eq!(rig.machine.parameters(Y).unwrap().vocabularies.amc.reference_select, 0);
     assert!(rig.machine.parameter_version() > version, "who shows parameters has to see it");
 }
 
@@ -217,7 +217,7 @@ fn the_integrators_of_input_and_output_never_differ_by_more_than_they_hold() {
     // One further turn on top of what is still to go.
     let further = set(&mut rig, X, &[("position_reference", 360)]);
     assert!(rig.refusal(further).contains("amc.position_reference 360 mm leads further than the 5965232 turns"));
-    assert_eq!(rig.machine.parameters(X).unwrap().amc.position_reference, most);
+    assert_eq!(rig.machine.parameters(X).unwrap().vocabularies.amc.position_reference, most);
     assert_eq!(rig.int("x.amc.profile_input_turns"), 5_965_232);
 }
 
@@ -341,7 +341,7 @@ fn an_error_takes_the_reference_in_its_cycle() {
     rig.run_until("x.state", 7);
     for (axis, name) in [(X, "x"), (Y, "y")] {
         assert_eq!((rig.state(name), rig.int(&format!("{name}.amc.select"))), ("ERROR_STOP", 0));
-        assert_eq!(rig.machine.parameters(axis).unwrap().amc.reference_select, 0, "{name}");
+        assert_eq!(rig.machine.parameters(axis).unwrap().vocabularies.amc.reference_select, 0, "{name}");
     }
 }
 
@@ -412,7 +412,7 @@ fn a_speed_ends_at_the_software_limit_and_stays_selected() {
 #[test]
 fn a_selection_of_the_cell_begins_in_cycle_0_on_a_virtual_axis() {
     let mut config = wired();
-    let p = &mut config.axes[usize::from(LINE)].parameters.amc;
+    let p = &mut config.axes[usize::from(LINE)].parameters.vocabularies.amc;
     (p.reference_select, p.position_reference) = (6, 1_000);
     let mut rig = Rig::of(config);
     rig.run(1);
@@ -424,7 +424,7 @@ fn a_selection_of_the_cell_begins_in_cycle_0_on_a_virtual_axis() {
 #[test]
 fn a_config_with_a_selection_that_does_not_exist_makes_no_machine() {
     let mut config = wired();
-    config.axes[usize::from(X)].parameters.amc.reference_select = 5;
+    config.axes[usize::from(X)].parameters.vocabularies.amc.reference_select = 5;
     let error = Machine::new(config).unwrap_err();
     assert_eq!(error.to_string(), "x: amc.reference_select has a value that the rest of the axis does not allow");
 }

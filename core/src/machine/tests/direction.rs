@@ -344,7 +344,7 @@ fn a_rounded_factor_drifts_by_its_rounding_and_an_exact_one_does_not() {
 fn the_track_error_is_a_share_of_the_command_velocity() {
     let mut config = closed_here(1);
     // velocity / kv: 10000 inc/s behind by 600 inc at kv 1: 60 ms, which is 6000 % of a ms.
-    config.axes[1].parameters.wf.md22 = 1.0;
+    config.axes[1].parameters.position_loop.kv = crate::regulator::KV;
     let mut rig = Rig::with(config, [Model::Ideal, Model::Ideal]);
     rig.enable();
     assert_eq!(rig.real("x.regulator.track_error"), 0.0);

@@ -233,7 +233,7 @@ fn the_module_reads_an_absolute_encoder_by_its_machine_data() {
     for omitted in [0, 76] {
         let mut config = velocity_config();
         let p = &mut config.axes[1].parameters.encoder;
-        (p.md4, p.md5, p.md7, p.md34) = (1, 16_384, omitted, 300);
+        (p.kind, p.steps, p.side_or_omitted, p.pulses_or_step) = (1, 16_384, omitted, 300);
         let mut rig = Rig::of(config);
         rig.enable();
         rig.give(Action::Move(to(X, 50_000)));
@@ -300,7 +300,7 @@ fn a_cut_line_stops_the_axis_in_its_cycle() {
     for (monitored, code) in [(0, Code::ENCODER_INVALID), (1, Code::WF_ENCODER_CABLE)] {
         let mut config = velocity_config();
         config.axes[1].wired = Wired::Drive(Form::Absolute(gray(8192, 4096)));
-        config.axes[1].parameters.encoder.md41 = monitored;
+        config.axes[1].parameters.encoder.monitored = monitored;
         let mut rig = Rig::of(config);
         rig.enable();
         rig.give(Action::Move(at(X, 50_000.0)));
@@ -310,7 +310,7 @@ fn a_cut_line_stops_the_axis_in_its_cycle() {
         assert_eq!((error(&rig), rig.state("x")), (i64::from(code.0), "ERROR_STOP"));
         assert_eq!(rig.int("x.output.control"), 0, "the controller enable drops");
         let mut config = shared_config();
-        config.axes[1].parameters.encoder.md41 = monitored;
+        config.axes[1].parameters.encoder.monitored = monitored;
         let mut rig = Rig::of(config);
         rig.enable();
         rig.run(100);
@@ -527,7 +527,7 @@ fn sources_that_are_not_there_are_refused() {
 fn monitored() -> Rig {
     let mut config = velocity_config();
     let p = &mut config.axes[1].parameters;
-    (p.encoder.md41, p.encoder.md34, p.max_velocity) = (1, 250, 20_000.0);
+    (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
     rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();
@@ -544,7 +544,7 @@ fn monitored() -> Rig {
 fn an_axis_that_rests_on_its_mark_goes_back_and_forth() {
     let mut config = velocity_config();
     let p = &mut config.axes[1].parameters;
-    (p.encoder.md41, p.encoder.md34, p.max_velocity) = (1, 250, 20_000.0);
+    (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
     rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();

@@ -351,6 +351,7 @@ const AT_ONCE: &[&str] = &[
     // Kept, and without effect.
     "proftime",
     // Read in each cycle by the position loop: closed_loop.yaml.
+    "position_loop.kv",
     "wf.md22",
     // tests/panel.rs
     "i_break",

@@ -182,7 +182,7 @@ impl Rig {
         {
             // With motor_off whatever refuses a command of SAIA is an error.
             let is_refusal = matches!(event.source, Object::Axis(axis)
-                if self.machine.parameters(axis).is_some_and(|p| p.saia.command_error == 2));
+                if self.machine.parameters(axis).is_some_and(|p| p.vocabularies.saia.command_error == 2));
             assert!(is_refusal || event.code.class().is_some(), "{event:?} has no line in the table of reactions");
         }
         self.events.extend_from_slice(events);

@@ -42,7 +42,7 @@ pub struct Problem {
 /// # Errors
 /// The first one that does not.
 pub fn check(parameters: &AxisParameters, setting: &Setting) -> Result<(), Problem> {
-    let p = &parameters.amc;
+    let p = &parameters.vocabularies.amc;
     check_select("amc.reference_select", p.reference_select, parameters.homing.method, setting)?;
     check_select("amc.reference_select_trigger", p.reference_select_trigger, parameters.homing.method, setting)?;
     check_event(p.action_on_event, setting)?;

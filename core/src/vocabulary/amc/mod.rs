@@ -94,7 +94,7 @@ impl Amc {
 
     /// One step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Step {
-        let p = &view.parameters.amc;
+        let p = &view.parameters.vocabularies.amc;
         let before = *self;
         self.trigger = p.reference_select_trigger;
         self.reference = p.position_reference;
@@ -214,7 +214,7 @@ impl Amc {
         // Of several the first one is the event.
         let first = view.latches.iter().filter(is_event).max_by_key(|latch| latch.age_ns);
         let Some(latch) = first.filter(|_| !view.at_limit) else { return Position::ZERO };
-        let action = view.parameters.amc.action_on_event;
+        let action = view.parameters.vocabularies.amc.action_on_event;
         match action {
             CAM_ON_FREEZE => {
                 let asked = Number::Count(action);
@@ -232,7 +232,7 @@ impl Amc {
 
     /// AMC-STP-06: modes 2 and 3.
     fn stops_by_error(&self, view: &View<'_>) -> bool {
-        let p = &view.parameters.amc;
+        let p = &view.parameters.vocabularies.amc;
         let window = p.following_error_window.unwrap_or(view.parameters.max_following_error);
         p.stop_mode >= 2 && view.following_error.unsigned_abs() > window.unsigned_abs()
     }

@@ -31,7 +31,7 @@ pub(super) fn stop_reference(view: &View<'_>) -> Position {
 }
 
 fn stops_by_profile(view: &View<'_>) -> bool {
-    let p = &view.parameters.amc;
+    let p = &view.parameters.vocabularies.amc;
     let mode = if view.at_limit { p.software_limit_stop_mode } else { p.stop_mode };
     mode % 2 == 0
 }

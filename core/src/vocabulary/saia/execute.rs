@@ -38,7 +38,7 @@ impl Saia {
             self.power_up(view);
         }
         self.wrap(view);
-        let policy = view.parameters.saia.command_error;
+        let policy = view.parameters.vocabularies.saia.command_error;
         let mut outcome = Outcome { order: None, coming: None, errors: [None; MOST] };
         let mut places = outcome.errors.iter_mut();
         let (mut deed, mut first) = (Deed::default(), None);
@@ -102,7 +102,7 @@ impl Saia {
         if self.phase == Phase::Power && command != Command::Initialise {
             return Err(Fault::new(Code::SAIA_NOT_INITIALISED));
         }
-        let p = &view.parameters.saia;
+        let p = &view.parameters.vocabularies.saia;
         match command {
             Command::Initialise => self.initialise(view, deed),
             Command::SelectMode => {

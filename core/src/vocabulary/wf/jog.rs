@@ -24,7 +24,7 @@ impl Wf {
         if !self.is_running() && is_moved(view) {
             return Err(Objection::new(Code::WF_IN_MOTION));
         }
-        let (key, speed) = view.parameters.wf.fixed_speed(self.fixed_speed);
+        let (key, speed) = view.parameters.vocabularies.wf.fixed_speed(self.fixed_speed);
         let programmed = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(key))?;
         self.direction = direction;
         self.ending = false;
@@ -40,7 +40,7 @@ impl Wf {
         let velocity = programmed / FULL_SPEED * p.max_velocity;
         self.state = State::Run;
         self.speed = programmed;
-        let limits = p.wf.limits(velocity, view.largest_limits());
+        let limits = p.vocabularies.wf.limits(velocity, view.largest_limits());
         Ok(Some(Order::Velocity { velocity: f64::from(direction) * velocity, limits }))
     }
 

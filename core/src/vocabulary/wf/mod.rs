@@ -371,7 +371,7 @@ impl Wf {
         let p = view.parameters;
         self.state = State::Run;
         self.ending = true;
-        Order::Stop { limits: p.wf.limits(p.max_velocity, view.largest_limits()) }
+        Order::Stop { limits: p.vocabularies.wf.limits(p.max_velocity, view.largest_limits()) }
     }
 
     /// Nothing runs any more, whoever moves the axis now.
@@ -402,7 +402,7 @@ impl Wf {
     /// SETTLE and DONE: position reached and held (WF-PEH-01 to 03).
     fn settle(&mut self, view: &View<'_>) -> Option<Order> {
         let parameters = view.parameters;
-        let window = parameters.wf.peh_window.unwrap_or(parameters.in_position_window);
+        let window = parameters.vocabularies.wf.peh_window.unwrap_or(parameters.in_position_window);
         let error = self.following_error(view);
         let is_inside = error.unsigned_abs() <= window.unsigned_abs();
         match self.state {
@@ -425,7 +425,7 @@ impl Wf {
 
     /// MD30 has elapsed.
     fn is_late(&self, view: &View<'_>) -> bool {
-        let wf = &view.parameters.wf;
+        let wf = &view.parameters.vocabularies.wf;
         let since = if wf.peh_from_start == 1 { self.started } else { self.switched_off };
         elapsed(view, since) >= wf.md30.unsigned_abs()
     }
@@ -495,7 +495,7 @@ fn direction(from: Position, to: Position) -> i8 {
 
 /// NV + WK.
 fn offsets(view: &View<'_>) -> Position {
-    let wf = &view.parameters.wf;
+    let wf = &view.parameters.vocabularies.wf;
     Position::whole(wf.zero_offset) + Position::whole(wf.tool_length)
 }
 

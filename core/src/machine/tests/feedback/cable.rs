@@ -12,7 +12,7 @@ use crate::vocabulary::wf::Request;
 #[test]
 fn alarm_7_is_acknowledged_after_its_cable_is_mended() {
     let mut config = shared_config();
-    config.axes[1].parameters.encoder.md41 = 1;
+    config.axes[1].parameters.encoder.monitored = 1;
     let mut rig = Rig::of(config);
     rig.enable();
     rig.run(100);

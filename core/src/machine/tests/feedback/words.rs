@@ -17,7 +17,7 @@ fn parity_by_md16_sees_a_single_wrong_track() {
     for (md16, seen) in [(0, false), (1, true), (2, true)] {
         let mut config = velocity_config();
         let p = &mut config.axes[1].parameters;
-        (p.encoder.md4, p.encoder.md5, p.wf.md16) = (1, 16_384, md16);
+        (p.encoder.kind, p.encoder.steps, p.encoder.reference_or_parity) = (1, 16_384, md16);
         let mut rig = Rig::of(config);
         rig.enable();
         rig.give(Action::Move(to(X, 40_000)));

@@ -30,7 +30,7 @@ fn reference_5_homes_and_then_is_0() {
     assert_eq!((rig.state("x"), rig.int("x.homed"), rig.int("x.amc.active")), ("STANDSTILL", 1, 1));
     assert_eq!((zero(&rig, START), rig.int("x.error")), (4_300, 0));
     let p = rig.machine.parameters(X).copied().unwrap();
-    assert_eq!(p.amc.reference_select, 0);
+    assert_eq!(p.vocabularies.amc.reference_select, 0);
     // The next reference counts from the new zero.
     set(&mut rig, "amc.position_reference", Value::Int(150));
     set(&mut rig, "amc.reference_select", Value::Int(1));

@@ -150,7 +150,7 @@ fn a_block_that_turns_back_stops_with_its_position_reached() {
 #[test]
 fn alarm_10_comes_in_travel_and_alarm_11_at_standstill() {
     let mut config = config();
-    config.axes[0].parameters.wf.max_following_error = Some(500);
+    config.axes[0].parameters.vocabularies.wf.max_following_error = Some(500);
     config.axes[0].parameters.max_following_error = 100_000;
     let mut rig = Rig::of(config);
     rig.give(&start(Mode::Mdi, &[at(100, 50.0)]));
@@ -183,7 +183,7 @@ fn alarm_10_comes_in_travel_and_alarm_11_at_standstill() {
 #[test]
 fn an_alarm_that_stops_nothing_is_acknowledged_with_its_error() {
     let mut config = config();
-    config.axes[0].parameters.wf.max_following_error = Some(500);
+    config.axes[0].parameters.vocabularies.wf.max_following_error = Some(500);
     config.axes[0].parameters.max_following_error = 100_000;
     config.axes[0].parameters.error_reaction = 5;
     let mut rig = Rig::of(config);
@@ -209,7 +209,7 @@ fn an_alarm_that_stops_nothing_is_acknowledged_with_its_error() {
 
 fn watched(allowed: Option<i64>) -> Rig {
     let mut config = config();
-    config.axes[0].parameters.wf.max_following_error = allowed;
+    config.axes[0].parameters.vocabularies.wf.max_following_error = allowed;
     config.axes[0].parameters.max_following_error = 100_000;
     Rig::of(config)
 }
@@ -313,7 +313,7 @@ fn start_and_jog_need_the_axis_on_and_the_request() {
     rig.run(5);
     let jog = Request { mode: Some(Mode::Jog), jog: Some(Jog::Plus), ..Request::default() };
     let mut config = config();
-    config.axes[0].parameters.wf.fixed_speed_1 = 10.0;
+    config.axes[0].parameters.vocabularies.wf.fixed_speed_1 = 10.0;
     assert_eq!(rig.give(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::NOT_ENABLED));
     let mut rig = Rig::of(config);
     assert_eq!(rig.give(&Request { enable: Some(false), ..Request::default() }), None);
@@ -331,7 +331,7 @@ fn start_and_jog_need_the_axis_on_and_the_request() {
 #[test]
 fn setup_runs_up_and_down_its_ramps() {
     let mut config = config();
-    config.axes[0].parameters.wf.fixed_speed_1 = 10.0;
+    config.axes[0].parameters.vocabularies.wf.fixed_speed_1 = 10.0;
     let mut rig = Rig::of(config);
     let jog = |jog| Request { mode: Some(Mode::Jog), jog: Some(jog), ..Request::default() };
     assert_eq!(rig.give(&jog(Jog::Minus)), None);

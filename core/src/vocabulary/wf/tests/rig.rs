@@ -30,7 +30,7 @@ pub(super) fn config() -> MachineConfig {
     let scale = Scale::new(Fraction::from_integer(1000), per).and_then(|scale| scale.with_unit(Unit::MILLIMETRE));
     let mut parameters = AxisParameters::new(500_000.0, 1_000_000.0);
     parameters.error_reaction = 2;
-    (parameters.wf.md1, parameters.wf.md2) = (Some(100_000.0), Some(200_000.0));
+    (parameters.vocabularies.wf.md1, parameters.vocabularies.wf.md2) = (Some(100_000.0), Some(200_000.0));
     let axis = AxisConfig::new("x".into(), scale.expect("a scale"), Some(Capabilities::all(0)), parameters);
     MachineConfig { cycle_ns: 1_000_000, axes: vec![axis], ..MachineConfig::default() }
 }
