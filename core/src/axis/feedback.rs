@@ -18,6 +18,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::vocabularies::ENCODER_KIND;
 use crate::parameter::{AxisParameters, Row};
 use crate::position::Position;
+use crate::vocabulary::Notice;
 use serde::{Deserialize, Serialize};
 
 /// What the cell says of it.
@@ -275,7 +276,7 @@ impl Axis {
         }
         let asked = Number::Count(candidate.macs.encoder);
         let refusal = self.refuse(Code::NOT_DISABLED).with(asked, Number::None);
-        Err(Refusal { parameter: Row::find("encoder").map(|(row, _)| row), ..refusal })
+        Err(Refusal { parameter: Some(const { Row::place("encoder") }), ..refusal })
     }
 
     /// Reads its source. Inputs of all axes are read before any axis moves.
@@ -488,7 +489,7 @@ impl Axis {
         }
         let moved = std::mem::take(&mut self.sensor.moved);
         if moved != Position::ZERO {
-            self.saia.take_shift(moved.floor());
+            self.vocabularies.notice(Notice::Displaced { by: moved.floor() });
             self.moved += moved;
         }
     }

@@ -152,7 +152,7 @@ impl Axis {
             && self.stopped_at.is_none()
             && self.moved == Position::ZERO
             && !self.stops_others
-            && !self.awake.is_any()
+            && !self.vocabularies.are_awake()
             && self.override_seen == p.velocity_override
             && self.sensor.is_settled()
             && self.homing.is_settled()

@@ -278,7 +278,7 @@ impl Machine {
 
     /// The whole set of an axis must agree, with itself and with what the axis is doing.
     fn check_candidate(&self, index: usize, changes: &[Change]) -> Result<(), Refusal> {
-        self.state.axes[index].admits_selector(&self.candidates[index], self.state.cycle, &self.state.leads)?;
+        self.state.axes[index].admits_vocabularies(&self.candidates[index], self.state.cycle, &self.state.leads)?;
         let candidate = &self.candidates[index];
         self.state.axes[index].admits_sense(candidate)?;
         self.state.axes[index].admits_source(candidate)?;
@@ -355,7 +355,7 @@ impl Machine {
         {
             return Err(refuse(row as u16, Code::NOT_DISABLED));
         }
-        axis.admits_selector(candidate, self.state.cycle, &self.state.leads)?;
+        axis.admits_vocabularies(candidate, self.state.cycle, &self.state.leads)?;
         axis.admits_sense(candidate)?;
         axis.admits_source(candidate)?;
         self.check_named(index)?;

@@ -45,6 +45,18 @@ impl Vocabularies {
         Written { reference_select: self.amc.reference_select, registers: self.saia }
     }
 
+    /// Do these ask the same of the axis as those, which only change by being asked anew?
+    pub fn commands_as(&self, before: &Self) -> bool {
+        self.amc == before.amc
+    }
+
+    /// Do they select anything that those did not?
+    pub fn selects(&self, before: &Self) -> bool {
+        let is_selected = |now: i64, before: i64| now != before && now != 0;
+        is_selected(self.amc.reference_select, before.amc.reference_select)
+            || is_selected(self.amc.reference_select_trigger, before.amc.reference_select_trigger)
+    }
+
     /// The place of the parameter that begins a motion by itself where these are in force after those.
     pub fn starts_motion(&self, before: &Self) -> Option<u16> {
         let select = self.amc.reference_select;

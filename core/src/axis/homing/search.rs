@@ -277,7 +277,7 @@ impl Axis {
 
     fn is_actuated(&self, switch: Switch) -> bool {
         match switch {
-            Switch::Home if self.asks_for_cam() => self.wf.cam(),
+            Switch::Home if self.asks_for_cam() => self.vocabularies.cam(),
             Switch::Home => self.switches.home,
             Switch::Positive => self.switches.positive,
             Switch::Negative => self.switches.negative,

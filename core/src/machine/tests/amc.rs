@@ -23,8 +23,8 @@ fn wired() -> MachineConfig {
     config.io = vec![IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true }];
     let (x, y) = (usize::from(X), usize::from(Y));
     config.axes[x].modulo = Modulo::new(360, 1);
-    config.axes[x].amc = Wiring { master: Some(Leader::Encoder(0)), freeze: Some(MARK) };
-    config.axes[y].amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(MARK) };
+    config.axes[x].vocabularies.amc = Wiring { master: Some(Leader::Encoder(0)), freeze: Some(MARK) };
+    config.axes[y].vocabularies.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(MARK) };
     config.axes[y].parameters.min_position = Some(-20_000);
     config.axes[y].parameters.max_position = Some(50_000);
     config
@@ -63,7 +63,7 @@ fn warnings(rig: &Rig) -> Vec<String> {
 #[test]
 fn a_selector_follows_its_master_without_delay_whatever_the_order_of_the_file() {
     let mut config = config(0);
-    config.axes[usize::from(X)].amc.master = Some(Leader::AxisCommand(Y));
+    config.axes[usize::from(X)].vocabularies.amc.master = Some(Leader::AxisCommand(Y));
     let mut rig = enabled(config);
     rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(LINE), 1, 1)));
     set(&mut rig, X, &[("reference_select", 4)]);
@@ -78,14 +78,14 @@ fn a_selector_follows_its_master_without_delay_whatever_the_order_of_the_file() 
 #[test]
 fn no_loop_can_come_about_through_masters() {
     let mut looped = config(0);
-    looped.axes[usize::from(X)].amc.master = Some(Leader::AxisCommand(Y));
+    looped.axes[usize::from(X)].vocabularies.amc.master = Some(Leader::AxisCommand(Y));
     let mut good = looped.clone();
-    looped.axes[usize::from(Y)].amc.master = Some(Leader::AxisCommand(X));
+    looped.axes[usize::from(Y)].vocabularies.amc.master = Some(Leader::AxisCommand(X));
     let error = Machine::new(looped).unwrap_err();
     assert!(matches!(error, ConfigError::MasterLoop { .. }));
     assert_eq!(error.to_string(), "x: its reference selector would follow itself, directly or through others");
     // By the actual position, an input, there is no loop.
-    good.axes[usize::from(Y)].amc.master = Some(Leader::AxisActual(X));
+    good.axes[usize::from(Y)].vocabularies.amc.master = Some(Leader::AxisActual(X));
     let mut rig = enabled(good);
     let closes = rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)));
     assert_eq!(rig.refusal(closes), "y: the axis would follow itself");
@@ -103,7 +103,7 @@ fn no_loop_can_come_about_through_masters() {
 #[test]
 fn a_captured_position_of_the_master_is_the_freeze_point() {
     let mut config = wired();
-    config.axes[usize::from(X)].amc.freeze = Some(Object::Encoder(0));
+    config.axes[usize::from(X)].vocabularies.amc.freeze = Some(Object::Encoder(0));
     let mut rig = enabled(config);
     set(&mut rig, X, &[("action_on_event", 2)]);
     rig.plant.jump_encoder(0, 20);

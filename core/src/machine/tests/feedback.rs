@@ -587,7 +587,7 @@ fn pulses_that_are_too_many_or_missing_are_alarm_8_at_the_next_mark() {
             assert!(sentence.ends_with(" since the index, beyond 0.024 mm"), "{sentence}");
             // The reset bit acknowledges it, and the supervision begins anew.
             let axis = X;
-            rig.give(Action::Wf(Box::new(Request { axis, reset: true, ..Request::default() })));
+            rig.give(Action::vocabulary(Request { axis, reset: true, ..Request::default() }));
             rig.run(2);
             assert_eq!((error(&rig), rig.int("x.wf.alarm"), rig.state("x")), (0, 0, "DISABLED"));
         }

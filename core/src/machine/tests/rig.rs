@@ -51,7 +51,7 @@ pub(super) fn saia_verb(commands: &[saia::Command]) -> Action {
     let request = saia::Request { axis: X, commands, ..Default::default() };
     let request = request.with(saia::Register::DestP, parameter::Value::Int(50_000));
     let request = request.with(saia::Register::Veloc, parameter::Value::Int(20_000));
-    Action::Saia(Box::new(request.with(saia::Register::Accel, parameter::Value::Int(200_000))))
+    Action::vocabulary(request.with(saia::Register::Accel, parameter::Value::Int(200_000)))
 }
 
 pub(super) fn config(delay: u32) -> MachineConfig {

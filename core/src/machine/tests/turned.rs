@@ -170,7 +170,7 @@ fn a_stream_that_is_turned_to_where_the_axis_may_not_go_stops_it() {
 fn jog(rig: &mut Rig, jog: Jog) -> u64 {
     let request =
         Request { axis: X, mode: Some(Mode::Jog), jog: Some(jog), fixed_speed: Some(1), ..Request::default() };
-    rig.give(Action::Wf(Box::new(request)))
+    rig.give(Action::vocabulary(request))
 }
 
 /// JOG- was released: it cuts its speed, whatever becomes of JOG+.

@@ -24,8 +24,8 @@ impl Wf {
         if !self.is_running() && is_moved(view) {
             return Err(Objection::new(Code::WF_IN_MOTION));
         }
-        let (key, speed) = view.parameters.vocabularies.wf.fixed_speed(self.fixed_speed);
-        let programmed = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(key))?;
+        let (row, speed) = view.parameters.vocabularies.wf.fixed_speed(self.fixed_speed);
+        let programmed = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(row))?;
         self.direction = direction;
         self.ending = false;
         (self.active, self.end) = (0, 0);

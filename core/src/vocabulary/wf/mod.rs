@@ -26,16 +26,14 @@ mod signals;
 mod steps;
 
 pub use enable::enable;
-pub use parameters::Wiring;
 pub use request::{Block, Blocks, FIXED_SPEEDS, FULL_SPEED, Jog, MAX_BLOCKS, MODES, MOST_BCD, Mode, Request, Speed};
 pub use signals::WfSignal;
 
 use super::{Order, View};
 use crate::code::Code;
-use crate::drive::Interface;
+use crate::drive::{Interface, Switching};
 use crate::event::{Number, Refusal};
 use crate::object::Object;
-use crate::parameter::Row;
 use crate::parameter::wf::Parameters;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
@@ -69,19 +67,6 @@ pub(crate) enum State {
 
 /// Names of [`State`], by number.
 const STATES: &[&str] = &["IDLE", "RUN", "STEP1", "STEP2", "STEP3", "SETTLE", "DONE", "ALARM"];
-
-/// What an open-loop axis switches beside its drive. The axis passes it on to the outputs that the cell wires.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Switching {
-    /// F: forwards.
-    pub forward: bool,
-    /// B: backwards.
-    pub backward: bool,
-    /// Q: the axis output, on from START until the speed is switched off.
-    pub output: bool,
-    /// The speed as a voltage, signed by direction (V).
-    pub dac: f64,
-}
 
 /// What the vocabulary remembers of its axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -503,7 +488,7 @@ fn offsets(view: &View<'_>) -> Position {
 #[derive(Clone, Copy, Debug)]
 struct Objection {
     code: Code,
-    parameter: Option<&'static str>,
+    parameter: Option<u16>,
     asked: Number,
     limit: Number,
 }
@@ -514,8 +499,8 @@ impl Objection {
     }
 
     /// The same about a parameter.
-    fn about(self, key: &'static str) -> Self {
-        Self { parameter: Some(key), ..self }
+    fn about(self, row: u16) -> Self {
+        Self { parameter: Some(row), ..self }
     }
 
     fn with(self, asked: Number, limit: Number) -> Self {
@@ -523,8 +508,10 @@ impl Objection {
     }
 
     fn of(self, axis: u16) -> Refusal {
-        let parameter = self.parameter.and_then(Row::find).map(|(row, _)| row);
-        Refusal { parameter, ..Refusal::new(self.code, Object::Axis(axis)).with(self.asked, self.limit) }
+        Refusal {
+            parameter: self.parameter,
+            ..Refusal::new(self.code, Object::Axis(axis)).with(self.asked, self.limit)
+        }
     }
 }
 

@@ -14,6 +14,7 @@ use super::program::check_speed;
 use super::request::{FULL_SPEED, Speed};
 use super::{Objection, State, Wf, is_moved, is_open};
 use crate::code::Code;
+use crate::parameter::Row;
 use crate::vocabulary::{Order, Travel, View};
 
 impl Wf {
@@ -33,14 +34,14 @@ impl Wf {
             return Err(Objection::new(Code::WF_IN_MOTION));
         }
         let p = view.parameters;
-        let velocity = |key, speed| {
-            let value = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(key))?;
+        let velocity = |row, speed| {
+            let value = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(row))?;
             Ok(value / FULL_SPEED * p.max_velocity)
         };
         let speeds = [
-            velocity("wf.reference_rapid", p.vocabularies.wf.reference_rapid)?,
-            velocity("wf.reference_reduced", p.vocabularies.wf.reference_reduced)?,
-            velocity("wf.reference_creep", p.vocabularies.wf.reference_creep)?,
+            velocity(const { Row::place("wf.reference_rapid") }, p.vocabularies.wf.reference_rapid)?,
+            velocity(const { Row::place("wf.reference_reduced") }, p.vocabularies.wf.reference_reduced)?,
+            velocity(const { Row::place("wf.reference_creep") }, p.vocabularies.wf.reference_creep)?,
         ];
         let [rapid, ..] = speeds;
         self.direction = direction;

@@ -27,11 +27,11 @@ fn master_and_freeze_are_resolved() {
         ("x.actual", Leader::AxisActual(0)),
     ] {
         let cell = good(&cell(&format!("amc: {{master: {master}}}"), ""));
-        assert_eq!(cell.machine.axes[0].amc.master, Some(leader), "{master}");
+        assert_eq!(cell.machine.axes[0].vocabularies.amc.master, Some(leader), "{master}");
     }
     for (freeze, object) in [("mark", Object::Io(0)), ("belt", Object::Encoder(0)), ("y", Object::Axis(1))] {
         let cell = good(&cell(&format!("amc.freeze: {freeze}"), ""));
-        assert_eq!(cell.machine.axes[0].amc.freeze, Some(object), "{freeze}");
+        assert_eq!(cell.machine.axes[0].vocabularies.amc.freeze, Some(object), "{freeze}");
     }
 }
 

@@ -3,8 +3,8 @@
 use super::axes::axis;
 use super::{HEAD, assert_said, good, said};
 use lineshaft_core::drive::Interface;
+use lineshaft_core::drive::SpeedOutputs;
 use lineshaft_core::sim::{Model, TwoSpeed, Valve, VelocityLag};
-use lineshaft_core::vocabulary::wf::Wiring;
 
 const MS: i64 = 1_000_000;
 const CYCLE: u64 = 1_000_000;
@@ -175,10 +175,10 @@ fn outputs_are_wired_by_name() {
     let y = "{backend: plant, address: 1, interface: open_loop}";
     let cell = good(&wired("{forward: fwd, backward: bwd, output: q1, dac: a1}", y, "{}"));
     let wiring = |axis: usize| cell.machine.axes[axis].open_loop;
-    assert_eq!(wiring(0), Wiring { forward: Some(0), backward: Some(1), output: Some(3), dac: Some(4) });
-    assert_eq!(wiring(1), Wiring::default());
+    assert_eq!(wiring(0), SpeedOutputs { forward: Some(0), backward: Some(1), output: Some(3), dac: Some(4) });
+    assert_eq!(wiring(1), SpeedOutputs::default());
     let cell = good(&wired("{output: q1}", y, "{dac: a1, forward: fwd}"));
-    assert_eq!(cell.machine.axes[0].open_loop, Wiring { output: Some(3), ..Wiring::default() });
+    assert_eq!(cell.machine.axes[0].open_loop, SpeedOutputs { output: Some(3), ..SpeedOutputs::default() });
 }
 
 #[test]

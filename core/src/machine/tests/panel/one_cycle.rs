@@ -328,7 +328,7 @@ fn a_stop_wins_over_the_reset_bit_of_its_cycle() {
     rig.plant.drive(0).unwrap().jump(600);
     rig.run(5);
     assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", 1_011));
-    let bit = || Action::Wf(Box::new(wf::Request { axis: X, reset: true, ..Default::default() }));
+    let bit = || Action::vocabulary(wf::Request { axis: X, reset: true, ..Default::default() });
     let acknowledged = Stop::Quick.give(&mut rig, true, &[bit()]);
     assert_eq!(
         (rig.refusal(acknowledged), rig.state("x")),

@@ -157,7 +157,7 @@ impl Rig {
     pub(super) fn give_or_nothing(&mut self, request: Request) {
         let state = self.machine.state().clone();
         let mut twin = Machine::restore(self.machine.config().clone(), state).unwrap();
-        if self.give(vec![Action::Saia(Box::new(request))]).is_err() {
+        if self.give(vec![Action::vocabulary(request)]).is_err() {
             let mut outputs = twin.outputs();
             twin.cycle(&self.inputs, Commands::default(), &mut outputs);
             assert_eq!(outputs, self.outputs);
@@ -185,7 +185,7 @@ impl Rig {
 
     pub(super) fn verb(&mut self, axis: u16, set: &[(&str, f64)], commands: &str) -> Result<(), String> {
         let request = self.request(axis, set, commands);
-        self.give(vec![Action::Saia(Box::new(request))])
+        self.give(vec![Action::vocabulary(request)])
     }
 
     /// A verb for x that is accepted and has no command error.

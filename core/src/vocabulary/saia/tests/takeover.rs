@@ -84,7 +84,7 @@ impl Bench {
             modulo: None,
             unit: 1000.0,
             interface: self.interface,
-            selector: crate::vocabulary::amc::Wiring::default(),
+            wiring: crate::vocabulary::Wiring::default(),
             parameters: &self.parameters,
             leads: &self.leads,
             latches: &self.latches,

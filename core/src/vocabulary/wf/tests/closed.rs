@@ -187,7 +187,7 @@ fn an_alarm_that_stops_nothing_is_acknowledged_with_its_error() {
     config.axes[0].parameters.max_following_error = 100_000;
     config.axes[0].parameters.error_reaction = 5;
     let mut rig = Rig::of(config);
-    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::Wf(Box::new(reset()))] {
+    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::vocabulary(reset())] {
         let told = rig.errors().len();
         rig.plant.drive(0).unwrap().jump(-600);
         rig.run(2);
@@ -271,7 +271,7 @@ fn the_following_error_is_watched_without_a_verb() {
     assert_eq!((rig.int("x.actual.position"), rig.int("x.wf.alarm")), (5_000_000, 0));
     // A quick stop does not end it; acknowledged while the cause is there it comes again.
     rig.act(Action::QuickStop(AxisSet::first(1)));
-    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::Wf(Box::new(reset()))] {
+    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::vocabulary(reset())] {
         rig.plant.drive(0).unwrap().jump(600);
         rig.run(1);
         assert_eq!((rig.int("x.state"), rig.int("x.wf.alarm"), rig.int("x.wf.enable")), (7, 11, 0));
@@ -284,7 +284,7 @@ fn the_following_error_is_watched_without_a_verb() {
         rig.plant.drive(0).unwrap().jump(600);
         rig.run(1);
         rig.plant.drive(0).unwrap().jump(600);
-        rig.act(Action::Wf(Box::new(reset())));
+        rig.act(Action::vocabulary(reset()));
         rig.plant.drive(0).unwrap().jump(600);
         rig.run(1);
         assert_eq!((rig.int("x.state"), rig.int("x.wf.alarm")), (7, 11));

@@ -62,7 +62,7 @@ impl Rig {
     }
 
     pub(super) fn give(&mut self, request: &Request) -> Option<Code> {
-        self.act(Action::Wf(Box::new(request.clone())))
+        self.act(Action::vocabulary(request.clone()))
     }
 
     fn cycle(&mut self, commands: Commands<'_>) {
