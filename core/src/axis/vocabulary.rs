@@ -70,26 +70,26 @@ impl Axis {
     pub(super) fn step_vocabularies(&mut self, cx: &mut Context<'_>) {
         for owner in Owner::VOCABULARIES {
             if self.vocabularies.wakes(owner, &self.parameters)
-                && let Some(tried) = self.vocabularies.copy(owner)
+                && let Some(mut tried) = self.vocabularies.copy(owner)
             {
-                self.step_vocabulary(cx, owner, tried);
+                self.step_vocabulary(cx, owner, &mut tried);
+                self.vocabularies.keep(&tried);
             }
         }
     }
 
-    fn step_vocabulary(&mut self, cx: &mut Context<'_>, owner: Owner, mut tried: Vocabulary) {
+    fn step_vocabulary(&mut self, cx: &mut Context<'_>, owner: Owner, tried: &mut Vocabulary) {
         let asked = tried.step(&self.view(cx.cycle, owner, cx.leads, cx.latches));
         if let Some(problem) = asked.problem {
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), problem.code);
             cx.events.push(Event { parameter: Some(problem.row), ..event.with(problem.asked, problem.limit) });
         }
-        let before = self.vocabularies.copy(owner);
+        // Only one that selects by itself goes back to what it was.
+        let before = asked.writes.and_then(|_| self.vocabularies.copy(owner));
         let mut writes = asked.writes;
-        if let Some(refusal) = self.try_order(cx, owner, asked.order)
-            && let Some(before) = before
-        {
+        if let Some(refusal) = self.try_order(cx, owner, asked.order) {
             let view = self.view(cx.cycle, owner, cx.leads, cx.latches);
-            let (then, order) = tried.order_failed(&before, &asked, &view, refusal);
+            let (then, order) = tried.order_failed(before.as_ref(), &asked, &view, refusal);
             self.try_order(cx, owner, order);
             writes = then;
         }
@@ -101,7 +101,6 @@ impl Axis {
             }
             self.write_selection(cx, writes);
         }
-        self.vocabularies.keep(&tried);
     }
 
     /// Once its homing is done, a vocabulary shows what it stands at now in that very cycle; so it does once the axis is locked.

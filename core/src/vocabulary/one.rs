@@ -60,13 +60,13 @@ impl Vocabulary {
     /// The axis could not do what the step asked. Gives what is written then, and another order.
     pub(crate) fn order_failed(
         &mut self,
-        before: &Self,
+        before: Option<&Self>,
         asked: &Asked,
         view: &View<'_>,
         refusal: Refusal,
     ) -> (Option<Writes>, Option<Order>) {
         match (self, before) {
-            (Self::Amc(amc), Self::Amc(before)) => {
+            (Self::Amc(amc), Some(Self::Amc(before))) => {
                 let (select, stop) = match asked.order {
                     Some(Order::Home) if before.waits() => (amc.give_up(), None),
                     _ => amc.order_failed(before, view, refusal.code),

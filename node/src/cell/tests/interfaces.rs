@@ -146,8 +146,10 @@ fn kv_lies_within_its_range() {
     let whole = axis(&[("drive", &drive("velocity")), ("wf.md22", "2")]);
     assert_eq!(good(&whole).machine.axes[0].parameters.position_loop.servo_gain(), 2.0);
     assert_eq!(said(&kv("{md22: 0}")), "9:16: wf.md22 is `0`; 0.01 to 100 is allowed");
-    let native = axis(&[("drive", &drive("velocity")), ("position_loop.kv", "25 1/s")]);
+    let native = axis(&[("drive", &drive("velocity")), ("position_loop.kv", "25")]);
     assert_eq!(good(&native).machine.axes[0].parameters.position_loop.kv, 25.0);
+    let nested = axis(&[("drive", &drive("velocity")), ("position_loop", "{kv: 25}")]);
+    assert_eq!(good(&nested).machine.axes[0].parameters.position_loop.kv, 25.0);
     assert_eq!(said(&kv("{md22: 100.1}")), "9:16: wf.md22 is `100.1`; 0.01 to 100 is allowed");
     assert_eq!(
         said(&axis(&[("wf.md22", "2")])),
