@@ -12,7 +12,7 @@ use crate::position::Length;
 use crate::state::Reference;
 use crate::sync::{Disengage, SyncMode};
 use crate::trajectory::Trajectory;
-use crate::vocabulary::{saia, wf};
+use crate::vocabulary::Request;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -90,10 +90,8 @@ pub enum Action {
     SetMasterPosition(SetMasterPosition),
     /// Couples one axis to a leader.
     Synchronize(Synchronize),
-    /// Registers and command flags (SAIA-CMD).
-    Saia(Box<saia::Request>),
-    /// Mode and blocks (WF-MOD-01).
-    Wf(Box<wf::Request>),
+    /// A verb of a vocabulary on one axis.
+    Vocabulary(Request),
     /// Ends the goal that the command of this sequence number started, with a controlled stop.
     Cancel {
         /// Sequence number of the goal's command.
@@ -147,6 +145,11 @@ pub struct OutputValue {
 }
 
 impl Action {
+    /// A verb of a vocabulary.
+    pub fn vocabulary(request: impl Into<Request>) -> Self {
+        Self::Vocabulary(request.into())
+    }
+
     /// Sets one output.
     pub fn set_output(index: u16, value: f64) -> Self {
         Self::SetOutputs([OutputValue { index, value }].into())
@@ -167,8 +170,7 @@ impl Action {
                 | Self::Trajectory(_)
                 | Self::HomeAxis(_)
                 | Self::Synchronize(_)
-                | Self::Saia(_)
-                | Self::Wf(_)
+                | Self::Vocabulary(_)
         )
     }
 }

@@ -10,13 +10,13 @@ pub use numbers::{IoCounts, NoSuchIo, names_no_io};
 
 use crate::axis::{AxisSetup, BrakeConfig, MAX_DELAY, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop};
 use crate::code::Code;
-use crate::drive::{Backend, Capabilities, Interface};
+use crate::drive::{Backend, Capabilities, Interface, SpeedOutputs};
 use crate::encoder::{Form, PulseCheck};
 use crate::modulo::Modulo;
 use crate::object::{Leader, MAX_AXES, Object};
 use crate::parameter::{Applies, AxisParameters, Contradiction, MachineParameters, Row};
 use crate::unit::{Fraction, Scale, fraction_to_f64};
-use crate::vocabulary::{amc, wf};
+use crate::vocabulary::{self, Setting, Wiring};
 
 /// Increments that an axis may move in one cycle.
 const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
@@ -126,10 +126,10 @@ pub struct AxisConfig {
     pub drive: Option<Capabilities>,
     /// How its drive is commanded.
     pub interface: Interface,
-    /// What the reference selector is wired to.
-    pub amc: amc::Wiring,
+    /// What its vocabularies are wired to.
+    pub vocabularies: Wiring,
     /// Outputs of an open-loop axis.
-    pub open_loop: wf::Wiring,
+    pub open_loop: SpeedOutputs,
     /// Where its position comes from.
     pub wired: Wired,
     /// Brake that it closes and opens.
@@ -149,8 +149,8 @@ impl AxisConfig {
             modulo: None,
             drive,
             interface: Interface::Position,
-            amc: amc::Wiring::default(),
-            open_loop: wf::Wiring::default(),
+            vocabularies: Wiring::default(),
+            open_loop: SpeedOutputs::default(),
             wired: Wired::default(),
             brake: None,
             parameters,
@@ -160,7 +160,7 @@ impl AxisConfig {
 
     /// Outputs that it switches by itself, by their places in section `io`.
     fn own_outputs(&self) -> [Option<u16>; 5] {
-        let wf::Wiring { forward, backward, output, dac } = self.open_loop;
+        let SpeedOutputs { forward, backward, output, dac } = self.open_loop;
         [forward, backward, output, dac, self.brake.map(|brake| brake.output)]
     }
 
@@ -285,8 +285,8 @@ impl MachineConfig {
                     let code = Code::REVERSING_BY_POSITION;
                     return Err(ConfigError::NotBuilt { axis: name(), key: "revers", code });
                 }
-                amc::check(&parameters, &self.selector(axis))
-                    .map_err(|problem| ConfigError::Selector { axis: name(), key: problem.key })?;
+                vocabulary::check(&parameters, &self.setting(axis))
+                    .map_err(|problem| ConfigError::Selector { axis: name(), key: problem.key() })?;
             }
         }
         self.check_inputs()?;
@@ -329,16 +329,16 @@ impl MachineConfig {
         self.global.virtual_inputs.iter().any(|read| read.input == place)
     }
 
-    /// What the reference selector of an axis has to know of it.
-    pub fn selector(&self, axis: &AxisConfig) -> amc::Setting {
+    /// What the vocabularies of an axis have to know of it.
+    pub fn setting(&self, axis: &AxisConfig) -> Setting {
         let unit = axis.increments_per_unit();
         let is_virtual = axis.drive.is_none();
-        amc::Setting { modulo: axis.modulo, unit, cycle_ns: self.cycle_ns, wiring: axis.amc, is_virtual }
+        Setting { modulo: axis.modulo, unit, cycle_ns: self.cycle_ns, wiring: axis.vocabularies, is_virtual }
     }
 
-    /// Any reference selector may couple its axis at any time: no chain of masters may close.
+    /// A vocabulary may couple its axis at any time: no chain of masters may close.
     fn check_masters(&self) -> Result<(), ConfigError> {
-        let master = |index: usize| match self.axes.get(index)?.amc.master? {
+        let master = |index: usize| match self.axes.get(index)?.vocabularies.master()? {
             Leader::AxisCommand(leader) => Some(usize::from(leader)),
             _ => None,
         };
@@ -353,7 +353,7 @@ impl MachineConfig {
 
     /// Are the outputs of an axis of the right kind?
     fn check_outputs(&self, axis: &AxisConfig) -> Result<(), ConfigError> {
-        let wf::Wiring { forward, backward, output, dac } = axis.open_loop;
+        let SpeedOutputs { forward, backward, output, dac } = axis.open_loop;
         let digital = (IoKind::DigitalOutput, "do");
         let outputs = [
             ("forward", forward, digital),
@@ -484,7 +484,7 @@ impl MachineConfig {
                 modulo: axis.modulo,
                 interface: axis.interface,
                 unit: axis.increments_per_unit(),
-                amc: axis.amc,
+                vocabularies: axis.vocabularies,
                 open_loop: axis.open_loop,
                 safety: self.safety,
                 round: (self.axes[..index].iter().filter(|axis| axis.drive.is_some()).count() as u32, drive_count),

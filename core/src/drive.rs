@@ -2,11 +2,13 @@
 
 mod backend;
 mod cia402;
+mod switching;
 
 use crate::object::Object;
 pub use backend::{Backend, Capabilities, Objects, Terminal};
 pub use cia402::*;
 use serde::{Deserialize, Serialize};
+pub use switching::{SpeedOutputs, Switching};
 
 /// Most latches of one cycle; what comes beyond is counted in [`Inputs::latches_lost`].
 pub const MAX_LATCHES: usize = 16;

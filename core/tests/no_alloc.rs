@@ -10,7 +10,7 @@ use lineshaft_core::command::{
 use lineshaft_core::config::{
     AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, MachineConfig, MemoryConfig, MemoryKind,
 };
-use lineshaft_core::drive::{Backend, Capabilities, Edge, EncoderInput, Interface, Latch};
+use lineshaft_core::drive::{Backend, Capabilities, Edge, EncoderInput, Interface, Latch, SpeedOutputs};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
@@ -25,7 +25,7 @@ use lineshaft_core::sync::{Disengage, SyncMode};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
-use lineshaft_core::vocabulary::{amc, wf};
+use lineshaft_core::vocabulary::{self, Wiring, amc, wf};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -60,11 +60,13 @@ fn model(index: u16) -> Model {
 macro_rules! kinds {
     ($($name:ident),* $(,)?) => {
         /// Names of all actions.
-        const KINDS: &[&str] = &[$(stringify!($name)),*];
+        const KINDS: &[&str] = &["Saia", "Wf", $(stringify!($name)),*];
 
         /// The name of an action. An action that the list lacks does not compile, and an action that it has must be given.
         fn kind(action: &Action) -> &'static str {
             match action {
+                Action::Vocabulary(vocabulary::Request::Saia(_)) => "Saia",
+                Action::Vocabulary(vocabulary::Request::Wf(_)) => "Wf",
                 $(Action::$name { .. } => stringify!($name),)*
             }
         }
@@ -73,7 +75,7 @@ macro_rules! kinds {
 
 kinds! {
     Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, Trajectory, HomeAxis,
-    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Saia, Wf, Cancel, SetParameters, SaveParameters,
+    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Cancel, SetParameters, SaveParameters,
     ResetParameters, DeleteParameters, PowerCycle, SetMemory, SetOutputs, Refuse, Note,
 }
 
@@ -114,7 +116,7 @@ fn absolute() -> MachineConfig {
     config.axes[3].wired = Wired::Drive(Form::Absolute(Absolute::single_turn(40_000)));
     config.axes[5].wired = Wired::Encoder(1);
     let module = &mut config.axes[7].parameters;
-    (module.encoder.md4, module.encoder.md5, module.wf.md16) = (1, 16_384, 1);
+    (module.encoder.kind, module.encoder.steps, module.encoder.reference_or_parity) = (1, 16_384, 1);
     config
 }
 
@@ -136,7 +138,7 @@ fn config() -> MachineConfig {
         let interface = interface(index);
         // Each output of one axis.
         let place = |first: u16| (interface == Interface::OpenLoop).then_some(first + index);
-        let open_loop = wf::Wiring { forward: place(2), backward: place(10), output: place(18), dac: place(26) };
+        let open_loop = SpeedOutputs { forward: place(2), backward: place(10), output: place(18), dac: place(26) };
         let brake =
             BrakeConfig { output: 1 + index, closes_with_one: true, release_ns: 9_000_000, engage_ns: 7_000_000 };
         AxisConfig {
@@ -144,9 +146,11 @@ fn config() -> MachineConfig {
             brake: Some(brake).filter(|_| index == 4),
             open_loop,
             modulo: lineshaft_core::modulo::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
-            amc: amc::Wiring {
-                master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
-                freeze: Some(Object::Axis(index)),
+            vocabularies: Wiring {
+                amc: amc::Wiring {
+                    master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
+                    freeze: Some(Object::Axis(index)),
+                },
             },
             ..AxisConfig::new(format!("a{index}"), scale, drive.map(Capabilities::all), parameters)
         }
@@ -198,7 +202,7 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             2 => Action::Refuse("nobody knows what this is".into()),
             3 => Action::Note { code: Code::NOTES[numbers.below(3) as usize], number: 7 },
             4 | 5 => Action::Cancel { goal: sequence.saturating_sub(1 + numbers.below(20)) },
-            _ => Action::Wf(Box::new(module(numbers))),
+            _ => Action::vocabulary(module(numbers)),
         };
     }
     if numbers.below(30) == 0 {
@@ -264,7 +268,7 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
         12 if number % 2 == 0 => Action::SetMemory { index: 0, value: number as f64 },
         12 => Action::set_output((number.unsigned_abs() % 36) as u16, (number % 3) as f64),
         13..=16 => select(axis, numbers),
-        17 | 18 => Action::Saia(Box::new(saia(axis, numbers))),
+        17 | 18 => Action::vocabulary(saia(axis, numbers)),
         19 => Action::Probe(Probe {
             axis,
             relative: true,

@@ -5,8 +5,10 @@
 //! expression, through a re-export. What is built for tests alone may import what it likes. Inside a room files may import each
 //! other; docs/ARCHITECTURE.md says of how many files the largest circle is at most.
 
+mod program;
 mod tree;
 
+use program::{Token, behind_item, is_test_only};
 use std::collections::{BTreeMap, BTreeSet};
 use tree::{files, read};
 
@@ -15,9 +17,6 @@ const PAGE: &str = "docs/ARCHITECTURE.md";
 /// Folders whose modules are rooms, with the path of the folder in its crate and how many imports it has at least.
 const HOUSES: [(&str, &[&str], usize); 3] =
     [("core/src", &[], 500), ("node/src/cell", &["cell"], 50), ("node/ros/src/layer", &["layer"], 50)];
-
-/// A word of the program or a sign, with its line.
-type Token = (usize, String);
 
 /// A path of modules, from the crate on.
 type Module = Vec<String>;
@@ -49,87 +48,6 @@ struct Order {
     rooms: Vec<String>,
     /// Where the largest circle of files is, and of how many.
     circle: (String, usize),
-}
-
-/// Behind a comment, a string or a character that begins there; none where nothing of the kind does.
-fn behind_text(signs: &[char], at: usize) -> Option<usize> {
-    let from = |place: usize| signs.get(place).copied().unwrap_or('\n');
-    let find = |mut place: usize, ends: &dyn Fn(usize) -> bool| {
-        while place < signs.len() && !ends(place) {
-            place += 1;
-        }
-        place
-    };
-    match (signs.get(at)?, from(at + 1)) {
-        ('/', '/') => Some(find(at, &|place| from(place) == '\n')),
-        ('/', '*') => {
-            let (mut depth, mut place) = (1, at + 2);
-            while depth > 0 && place < signs.len() {
-                match (from(place), from(place + 1)) {
-                    ('/', '*') => (depth, place) = (depth + 1, place + 2),
-                    ('*', '/') => (depth, place) = (depth - 1, place + 2),
-                    _ => place += 1,
-                }
-            }
-            Some(place)
-        }
-        ('r', '"' | '#') => {
-            let hashes = find(at + 1, &|place| from(place) != '#') - at - 1;
-            let begin = at + 1 + hashes;
-            let is_end = |place: usize| from(place) == '"' && (1..=hashes).all(|more| from(place + more) == '#');
-            (from(begin) == '"').then(|| find(begin + 1, &is_end) + 1 + hashes)
-        }
-        ('"', _) => {
-            let mut place = at + 1;
-            while place < signs.len() && from(place) != '"' {
-                place += if from(place) == '\\' { 2 } else { 1 };
-            }
-            Some(place + 1)
-        }
-        ('\'', '\\') => Some(find(at + 3, &|place| from(place) == '\'') + 1),
-        ('\'', _) if from(at + 2) == '\'' => Some(at + 3),
-        _ => None,
-    }
-}
-
-/// The words and signs of a program, without comments, strings and characters; `::` is one sign.
-fn tokens(text: &str) -> Vec<Token> {
-    let signs: Vec<char> = text.chars().collect();
-    let is_word = |sign: &char| sign.is_alphanumeric() || *sign == '_';
-    let (mut found, mut line, mut at) = (Vec::new(), 1, 0);
-    while let Some(sign) = signs.get(at) {
-        let word = signs.iter().skip(at).take_while(|sign| is_word(sign)).count();
-        let end = match behind_text(&signs, at) {
-            Some(end) => end,
-            None if word > 0 => at + word,
-            None if *sign == ':' && signs.get(at + 1) == Some(&':') => at + 2,
-            None => at + 1,
-        };
-        let end = end.min(signs.len());
-        if !sign.is_whitespace() && behind_text(&signs, at).is_none() {
-            found.push((line, signs[at..end].iter().collect()));
-        }
-        line += signs[at..end].iter().filter(|sign| **sign == '\n').count();
-        at = end;
-    }
-    found
-}
-
-/// Behind the item, field or statement that begins there.
-fn behind_item(tokens: &[Token], mut at: usize) -> usize {
-    let mut depth = 0_i32;
-    while let Some((_, word)) = tokens.get(at) {
-        match word.as_str() {
-            "{" | "(" | "[" => depth += 1,
-            "}" | ")" | "]" if depth == 0 => return at,
-            "}" if depth == 1 => return at + 1,
-            "}" | ")" | "]" => depth -= 1,
-            ";" | "," if depth == 0 => return at + 1,
-            _ => {}
-        }
-        at += 1;
-    }
-    at
 }
 
 /// The paths of a tree of paths (`a::{b, c::d}`) that begins there, behind `base`, and where it ends.
@@ -166,10 +84,9 @@ fn paths(tokens: &[Token], mut at: usize, mut base: Module, found: &mut Vec<Impo
 
 /// What a file of that module names.
 fn named(text: &str, module: &Module) -> Named {
-    let tokens = tokens(text);
+    let tokens = program::tokens(text, |_| false);
     let word = |at: usize| tokens.get(at).map_or("", |(_, word)| word.as_str());
-    let is_test =
-        |at: usize| ["#", "[", "cfg", "(", "test", ")", "]"].iter().zip(at..).all(|(sign, at)| word(at) == *sign);
+    let is_test = |at: usize| is_test_only(&tokens, at);
     let (mut named, mut inner, mut depth, mut at) = (Named::default(), vec![(0, module.clone())], 0, 0);
     let mut macro_end = 0;
     while at < tokens.len() {

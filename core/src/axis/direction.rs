@@ -13,13 +13,12 @@ use super::course::{Aim, Course, ROUNDING};
 use super::overlay::Overlay;
 use super::{Axis, Context, Generator};
 use crate::code::Code;
-use crate::drive::Interface;
+use crate::drive::{Interface, Switching};
 use crate::event::{Number, Refusal};
 use crate::parameter::{AxisParameters, Polarity, Rule, Sense};
 use crate::position::Position;
 use crate::profile::{self, Motion};
-use crate::vocabulary::wf::Switching;
-use crate::vocabulary::{saia, wf};
+use crate::vocabulary::Notice;
 
 /// Can a loop that is closed there be turned over here? Where a drive closes its position loop, it has to be told.
 pub fn may_turn_loop(interface: Option<Interface>, parameters: &AxisParameters) -> bool {
@@ -138,10 +137,7 @@ impl Axis {
         self.index.1 = -self.index.1;
         self.homing.turn_over();
         self.judge.fill(self.command.position.floor());
-        self.amc.turn_over();
-        // As after the power came on: their zeros and targets were those of the other sense.
-        self.saia = saia::Saia::default();
-        self.wf = wf::Wf::default();
+        self.vocabularies.notice(Notice::Turned);
     }
 
     /// May it have these parameters?

@@ -15,8 +15,10 @@ use crate::drive::{DriveInput, EncoderInput, Interface};
 use crate::encoder::source::AbsoluteSources;
 use crate::encoder::{Absolute, Encoder, Form, Lead, PulseCheck, Pulses, Reader, WordCode, source};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::parameter::vocabularies::ENCODER_KIND;
 use crate::parameter::{AxisParameters, Row};
 use crate::position::Position;
+use crate::vocabulary::Notice;
 use serde::{Deserialize, Serialize};
 
 /// What the cell says of it.
@@ -68,13 +70,13 @@ impl Source {
         use source::Feedback;
         const KEY: &str = "encodertype";
         let own = || match wired {
-            Wired::Drive(_) if p.encoder.md4 == 1 => Self::Drive(Form::Absolute(p.encoder.module(p.wf.md16))),
+            Wired::Drive(_) if p.encoder.kind == 1 => Self::Drive(Form::Absolute(p.encoder.module())),
             Wired::Drive(form) => Self::Drive(form),
             Wired::Encoder(place) => Self::Encoder(place),
         };
         let chosen = Feedback::decode(p.encoder.encodertype).ok_or((KEY, Code::ENCODER_UNKNOWN_TYPE))?;
-        if p.encoder.md4 == 1 && (chosen != Feedback::Incremental || matches!(wired, Wired::Encoder(_))) {
-            return Err(("wf.md4", Code::ENCODER_CHOSEN_TWICE));
+        if p.encoder.kind == 1 && (chosen != Feedback::Incremental || matches!(wired, Wired::Encoder(_))) {
+            return Err((ENCODER_KIND, Code::ENCODER_CHOSEN_TWICE));
         }
         match chosen {
             Feedback::Incremental | Feedback::SineCosine => Ok(own()),
@@ -141,9 +143,9 @@ pub fn may_read(
 ) -> Result<(), (&'static str, Code)> {
     let Some(interface) = interface else { return Ok(()) };
     let source = Source::of(wired, encoders, parameters)?;
-    match parameters.encoder.md4 {
+    match parameters.encoder.kind {
         _ if source.fits(interface) => Ok(()),
-        1 => Err(("wf.md4", Code::WF_LOOP_IN_DRIVE)),
+        1 => Err((ENCODER_KIND, Code::WF_LOOP_IN_DRIVE)),
         _ => Err(("encodertype", Code::ENCODER_LOOP_IN_DRIVE)),
     }
 }
@@ -274,7 +276,7 @@ impl Axis {
         }
         let asked = Number::Count(candidate.macs.encoder);
         let refusal = self.refuse(Code::NOT_DISABLED).with(asked, Number::None);
-        Err(Refusal { parameter: Row::find("encoder").map(|(row, _)| row), ..refusal })
+        Err(Refusal { parameter: Some(const { Row::place("encoder") }), ..refusal })
     }
 
     /// Reads its source. Inputs of all axes are read before any axis moves.
@@ -424,12 +426,12 @@ impl Axis {
     fn check_pulses(&mut self, change: i64, mark: Option<i64>) {
         let p = &self.parameters;
         let is_counted = matches!(self.sensor.source, Source::Drive(Form::Incremental(_)));
-        if !is_counted || p.encoder.md41 == 0 || p.encoder.md34 == 0 {
+        if !is_counted || p.encoder.monitored == 0 || p.encoder.pulses_or_step == 0 {
             return;
         }
         // Counts of 1 ms at the highest speed, and 4 (W12); the cast saturates.
         let tolerance = ((p.max_velocity / 1000.0) as i64).saturating_add(4);
-        let check = PulseCheck { every: p.encoder.md34.saturating_mul(4), tolerance };
+        let check = PulseCheck { every: p.encoder.pulses_or_step.saturating_mul(4), tolerance };
         if let Some(by) = self.sensor.pulses.step(&check, self.counter.position(), change, mark) {
             self.sensor.found = Some(Found::Pulses { by: self.turn_counts(by), tolerance });
         }
@@ -472,7 +474,7 @@ impl Axis {
 
     /// Why the axis has no position, if it has none although its drive answers.
     pub(super) fn source_failure(&self) -> Option<Code> {
-        let code = if self.parameters.encoder.md41 == 1 { Code::WF_ENCODER_CABLE } else { Code::ENCODER_INVALID };
+        let code = if self.parameters.encoder.monitored == 1 { Code::WF_ENCODER_CABLE } else { Code::ENCODER_INVALID };
         (!self.actual.valid).then_some(code)
     }
 
@@ -487,7 +489,7 @@ impl Axis {
         }
         let moved = std::mem::take(&mut self.sensor.moved);
         if moved != Position::ZERO {
-            self.saia.take_shift(moved.floor());
+            self.vocabularies.notice(Notice::Displaced { by: moved.floor() });
             self.moved += moved;
         }
     }

@@ -4,10 +4,13 @@
 //! Reads    the values, as an [`AxisParameters`]; methods of the same name as those of its values answer from what is kept
 //! Writes   its values, and whether the axis itself has changed some in this cycle
 
-use super::judge;
 use super::master::Grid;
+use super::{Axis, Context, judge};
+use crate::code::Code;
 use crate::encoder::source::{Feedback, Master};
-use crate::parameter::{AxisParameters, Reversing, Sense, saia};
+use crate::event::{Event, Kind, Number, Severity};
+use crate::parameter::vocabularies::Written;
+use crate::parameter::{AxisParameters, Change, ROWS, Reversing, Sense, Value};
 use crate::position::Position;
 use crate::profile::Limits;
 use serde::{Deserialize, Serialize};
@@ -52,8 +55,7 @@ impl Derived {
 /// that an abort stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Own {
-    reference_select: i64,
-    saia: saia::Parameters,
+    vocabularies: Written,
     limits: [Option<i64>; 2],
     master_velocity: f64,
 }
@@ -61,8 +63,7 @@ struct Own {
 impl Own {
     fn of(values: &AxisParameters) -> Self {
         Self {
-            reference_select: values.amc.reference_select,
-            saia: values.saia,
+            vocabularies: values.vocabularies.written(),
             limits: [values.min_position, values.max_position],
             master_velocity: values.encoder.master_velocity,
         }
@@ -101,6 +102,18 @@ impl InForce {
         self.write(values);
     }
 
+    /// The axis itself gives some rows, by their places, values that they take.
+    fn assign(&mut self, values: impl Iterator<Item = (u16, Value)>) {
+        self.change(|parameters| {
+            for (row, value) in values {
+                if let Some(row) = ROWS.get(usize::from(row)) {
+                    // A value that its row refuses changes nothing.
+                    let _ = row.assign(parameters, value);
+                }
+            }
+        });
+    }
+
     /// Has the axis itself changed any, since this was asked last? What was changed back counts for nothing.
     #[inline]
     pub(super) fn take_own_change(&mut self) -> bool {
@@ -134,6 +147,33 @@ impl InForce {
     #[cfg(test)]
     pub(crate) fn agrees(&self) -> bool {
         self.derived == Derived::of(&self.values)
+    }
+}
+
+impl Axis {
+    /// The one way in which an axis, or a vocabulary on it, sets parameters by itself: they are in force from now on, and told,
+    /// as those of the command where one asked for them.
+    pub(super) fn write_own(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: Option<u64>,
+        values: impl Iterator<Item = (u16, Value)> + Clone,
+    ) {
+        if values.clone().next().is_none() {
+            return;
+        }
+        self.parameters.assign(values.clone());
+        for (row, value) in values {
+            self.tell_own(cx, sequence, row, value);
+        }
+    }
+
+    /// Tells a parameter that the axis has set by itself.
+    pub(super) fn tell_own(&self, cx: &mut Context<'_>, sequence: Option<u64>, row: u16, value: Value) {
+        let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
+        let event = sequence.map_or(event, |sequence| event.of_command(sequence));
+        let number = Change { axis: self.setup.index, row, value }.number();
+        cx.events.push(Event { parameter: Some(row), ..event.with(number, Number::None) });
     }
 }
 

@@ -17,7 +17,7 @@ use crate::command::MasterPosition;
 use crate::encoder::{Lead, source::Master};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{Leader, Object};
-use crate::parameter::{AxisParameters, Change, Row};
+use crate::parameter::{AxisParameters, Row, Value};
 use crate::position::Position;
 use crate::sync::Leads;
 use serde::{Deserialize, Serialize};
@@ -266,12 +266,8 @@ impl Axis {
         if self.parameters.encoder.master_velocity == 0.0 {
             return;
         }
-        self.parameters.change(|values| values.encoder.master_velocity = 0.0);
-        let Some((row, entry)) = Row::find("master_simulation_velocity") else { return };
-        let value = entry.value(&self.parameters);
-        let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
-        let number = Change { axis: self.setup.index, row, value }.number();
-        cx.events.push(Event { parameter: Some(row), ..event.with(number, Number::None) });
+        let row = const { Row::place("master_simulation_velocity") };
+        self.write_own(cx, None, std::iter::once((row, Value::Real(0.0))));
     }
 }
 

@@ -58,7 +58,7 @@ pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
 use crate::command::{Action, Command, Setpoints};
-use crate::drive::{Capabilities, DriveInput, DriveOutput, EncoderInput, Inputs, Interface};
+use crate::drive::{Capabilities, DriveInput, DriveOutput, EncoderInput, Inputs, Interface, SpeedOutputs};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::modulo::Modulo;
@@ -69,7 +69,7 @@ use crate::profile::Motion;
 use crate::signal::Signal;
 use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
-use crate::vocabulary::{Latched, Owner, amc, saia, wf};
+use crate::vocabulary::{Latched, Owner, Setting, Vocabularies, Wiring};
 use alarm::Alarm;
 use brake::Holding;
 use buffer::Buffer;
@@ -86,7 +86,6 @@ use rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
 use shown::DriveShown;
 use stream::Streamed;
-use vocabulary::Awake;
 use waiting::Waiting;
 
 /// Longest delay of a drive in cycles.
@@ -105,10 +104,10 @@ pub struct AxisSetup {
     pub interface: Interface,
     /// Increments per axis unit.
     pub unit: f64,
-    /// What the reference selector is wired to.
-    pub amc: amc::Wiring,
+    /// What its vocabularies are wired to.
+    pub vocabularies: Wiring,
     /// Outputs of an open-loop axis.
-    pub open_loop: wf::Wiring,
+    pub open_loop: SpeedOutputs,
     /// Contacts of the cell that must be closed.
     pub safety: Safety,
     /// Place among the axes with a drive, and how many there are.
@@ -124,10 +123,11 @@ pub struct AxisSetup {
 }
 
 impl AxisSetup {
-    /// What the reference selector has to know of it.
-    pub fn selector(&self) -> amc::Setting {
+    /// What its vocabularies have to know of it.
+    pub fn setting(&self) -> Setting {
         let is_virtual = self.drive.is_none();
-        amc::Setting { modulo: self.modulo, unit: self.unit, cycle_ns: self.cycle_ns, wiring: self.amc, is_virtual }
+        let Self { modulo, unit, cycle_ns, vocabularies: wiring, .. } = *self;
+        Setting { modulo, unit, cycle_ns, wiring, is_virtual }
     }
 }
 
@@ -222,10 +222,7 @@ pub struct Axis {
     open_contact: Code,
     /// An error of this cycle stops the others, too.
     stops_others: bool,
-    amc: amc::Amc,
-    saia: saia::Saia,
-    wf: wf::Wf,
-    awake: Awake,
+    vocabularies: Vocabularies,
     overlay: Option<Overlay>,
     buffer: Buffer,
     waiting: Waiting,
@@ -282,10 +279,7 @@ impl Axis {
             last_direction: 0.0,
             streamed: Streamed::default(),
             owner: Owner::Native,
-            amc: amc::Amc::default(),
-            saia: saia::Saia::default(),
-            wf: wf::Wf::default(),
-            awake: Awake::default(),
+            vocabularies: Vocabularies::default(),
             output: DriveOutput::default(),
             rhythm: Rhythm::default(),
         }
@@ -354,7 +348,7 @@ impl Axis {
 
     /// The part behind everything that may stop or end something.
     fn settle_step(&mut self, cx: &mut Context<'_>) {
-        self.settle_selector(cx);
+        self.settle_vocabularies(cx);
         self.switch_drive(cx);
         self.work_brake(cx.cycle);
         self.settle_waiting(cx);
@@ -391,8 +385,7 @@ impl Axis {
             Action::SetPosition(request) => self.set_position(cx, sequence, request.position),
             Action::SetMasterPosition(request) => self.set_master_position(cx, sequence, request.position),
             Action::Synchronize(request) => self.start_synchronize(cx, sequence, request),
-            Action::Saia(request) => self.run_saia(cx, sequence, request),
-            Action::Wf(request) => self.run_wf(cx, sequence, request),
+            Action::Vocabulary(request) => self.run_request(cx, sequence, request),
             _ => return,
         };
         if let Err(refusal) = result {
@@ -402,7 +395,6 @@ impl Axis {
 
     /// Could its state have come about? One that was read from outside may hold anything.
     pub fn is_sound(&self) -> bool {
-        let vocabularies = self.amc.is_sound() && self.saia.is_sound() && self.wf.is_sound();
         let searches = self.goal.and_then(|goal| goal.search).is_none_or(|search| search.is_sound());
         let waits = self.buffer.is_sound() && self.overlay.is_none_or(|overlay| overlay.is_sound());
         let fits = match self.generator {
@@ -419,7 +411,7 @@ impl Axis {
             && self.homing.is_running() == (self.state == AxisState::Homing)
             && (!self.homing.is_running() || self.is_on() && !self.is_virtual())
             && self.parameters.is_sound()
-            && vocabularies
+            && self.vocabularies.is_sound()
             && searches
             && waits
             && self.command.is_sound()
@@ -477,9 +469,9 @@ impl Axis {
         self.alarm.fault()
     }
 
-    /// The leader that its reference selector may couple it to at any time.
+    /// The leader that a vocabulary may couple it to at any time.
     pub fn master(&self) -> Option<crate::object::Leader> {
-        self.setup.amc.master
+        self.setup.vocabularies.master()
     }
 
     /// Length of a cycle (s).

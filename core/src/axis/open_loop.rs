@@ -11,12 +11,10 @@ use super::power::Power;
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
-use crate::drive::Interface;
+use crate::drive::{Interface, SpeedOutputs, Switching};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::position::Position;
 use crate::profile::Motion;
-use crate::vocabulary::Owner;
-use crate::vocabulary::wf::{Switching, Wiring};
 
 /// After that long without a speed an axis counts as at rest, whatever its encoder says (ns).
 const COAST_TIMEOUT_NS: u64 = 5_000_000_000;
@@ -126,19 +124,19 @@ impl Axis {
     }
 
     /// Which outputs it switches, by their places in section `io`; none where it switches none.
-    pub fn wiring(&self) -> Option<Wiring> {
-        Some(self.setup.open_loop).filter(|wiring| *wiring != Wiring::default())
+    pub fn wiring(&self) -> Option<SpeedOutputs> {
+        Some(self.setup.open_loop).filter(|wiring| *wiring != SpeedOutputs::default())
     }
 
     /// What these outputs show.
     pub fn switching(&self) -> Switching {
-        self.switching_of(self.allowed(self.wf.switching()))
+        self.switching_of(self.allowed(self.vocabularies.switching()))
     }
 
     /// Whatever ends the speed ends the axis output and the voltage in the same cycle, and an error or somebody else's
     /// command the direction as well.
     pub(crate) fn allowed(&self, asked: Switching) -> Switching {
-        let commanded = self.owner == Owner::Wf
+        let commanded = self.owner.switches()
             && self.power == Power::On
             && !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping);
         let runs = commanded && self.speed() != 0.0;

@@ -6,7 +6,7 @@ use crate::code::{Class, Code};
 use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
-use crate::regulator::{KV, Proportional};
+use crate::regulator::Proportional;
 use serde::{Deserialize, Serialize};
 
 /// How long a drive may take to switch on, and to leave its fault (ns).
@@ -282,7 +282,7 @@ impl Axis {
         match self.setup.interface {
             Interface::Velocity if self.is_on() => {
                 let p = &self.parameters;
-                let regulator = Proportional { gain: p.wf.md22 * KV, max_velocity: p.max_velocity };
+                let regulator = Proportional { gain: p.position_loop.kv, max_velocity: p.max_velocity };
                 regulator.velocity(self.command.position, self.actual.position)
             }
             Interface::Velocity => 0.0,

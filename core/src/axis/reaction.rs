@@ -14,7 +14,7 @@ use crate::code::{Class, Code};
 use crate::drive::Interface;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::profile::Motion;
-use crate::vocabulary::Owner;
+use crate::vocabulary::{Notice, Owner};
 
 /// Is the brake closed in the end, by this number of error_reaction (MACS-IO-04)?
 fn closes_brake(reaction: i64) -> bool {
@@ -286,7 +286,7 @@ impl Axis {
     /// No voltage from this cycle on.
     fn take_power(&mut self, code: Code, class: Class, brake: bool) {
         if class == Class::Drive && code.is_alarm() && self.alarm.code() == code {
-            self.note_alarm((code.0 % 100) as u8);
+            self.vocabularies.notice(Notice::Alarm((code.0 % 100) as u8));
         }
         // Nothing stops it any more: a brake that was to close once it stands closes now (MACS-IO-04).
         self.ask_for_brake(brake || closes_brake(self.judge.after_stop));

@@ -135,7 +135,7 @@ impl Axis {
     /// Do the parts sleep that a cycle which is not full leaves out?
     fn sleeps(&self) -> bool {
         let p = &self.parameters;
-        let is_supervised = p.encoder.md41 != 0 && p.encoder.md34 != 0;
+        let is_supervised = p.encoder.monitored != 0 && p.encoder.pulses_or_step != 0;
         let has_source = self.is_virtual() || self.actual.valid && self.shown.is_fresh() && self.counter.is_good();
         has_source
             && !is_supervised
@@ -152,7 +152,7 @@ impl Axis {
             && self.at_limits.is_free()
             && self.moved == Position::ZERO
             && !self.stops_others
-            && !self.awake.is_any()
+            && !self.vocabularies.are_awake()
             && self.override_seen == p.velocity_override
             && self.sensor.is_settled()
             && self.homing.is_settled()

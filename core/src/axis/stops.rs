@@ -12,6 +12,7 @@ use crate::event::{Event, Kind, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
 use crate::sync::Disengage;
+use crate::vocabulary::Notice;
 
 impl Axis {
     /// May a command for several axes be applied to this one of them? Asked of all of them before any changes.
@@ -189,7 +190,7 @@ impl Axis {
         }
         self.holding.aborted = false;
         let before = self.alarm.clear();
-        self.wf.take_reset();
+        self.vocabularies.notice(Notice::Reset);
         let was_braked = std::mem::take(&mut self.brake);
         let mut lasting = self.lasting_following_error(cx.cycle).filter(|_| before == Code::FOLLOWING_ERROR);
         if matches!(self.power, Power::DriveStops { .. }) {

@@ -89,7 +89,7 @@ impl Axis {
                 if velocity != 0.0 && self.streamed.told != refusal.code {
                     self.streamed.told = refusal.code;
                     let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
-                    let parameter = Row::find(STREAM).map(|(row, _)| row);
+                    let parameter = Some(const { Row::place(STREAM) });
                     cx.events.push(Event { parameter, ..event.with(refusal.asked, refusal.limit) });
                 }
                 let is_barred = matches!(refusal.code, Code::LIMIT_VIOLATION | Code::REVERSE_FORBIDDEN);

@@ -71,8 +71,7 @@ impl Machine {
             | Action::SetPosition(_)
             | Action::SetMasterPosition(_)
             | Action::Synchronize(_)
-            | Action::Saia(_)
-            | Action::Wf(_)
+            | Action::Vocabulary(_)
             | Action::Cancel { .. } => Ok(true),
             Action::SetEncoderPosition(request) if usize::from(request.encoder) >= self.state.encoders.len() => {
                 Err(Refusal::new(Code::BAD_REQUEST, Object::Machine))
@@ -171,8 +170,7 @@ impl Machine {
                 self.couples = true;
                 self.give(told, request.axis, command)
             }
-            Action::Saia(request) => self.give(told, request.axis, command),
-            Action::Wf(request) => self.give(told, request.axis, command),
+            Action::Vocabulary(request) => self.give(told, request.axis(), command),
             Action::Cancel { goal } => self.cancel(told, command.sequence, *goal),
             Action::Trajectory(trajectory) => self.start_trajectory(told, command, trajectory),
             _ => Ok(()),

@@ -279,7 +279,7 @@ impl Machine {
 
     /// The whole set of an axis must agree, with itself and with what the axis is doing.
     fn check_candidate(&self, index: usize, changes: &[Change]) -> Result<(), Refusal> {
-        self.state.axes[index].admits_selector(&self.candidates[index], self.state.cycle, &self.state.leads)?;
+        self.state.axes[index].admits_vocabularies(&self.candidates[index], self.state.cycle, &self.state.leads)?;
         let candidate = &self.candidates[index];
         self.state.axes[index].admits_sense(candidate)?;
         self.state.axes[index].admits_source(candidate)?;
@@ -340,23 +340,23 @@ impl Machine {
     /// May a layer come back into force on that axis?
     fn check_reset(&self, index: usize) -> Result<(), Refusal> {
         let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
-        let refuse = |key: &str, code| {
-            let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
+        let refuse = |row, code| {
+            let change = Change { axis: index as u16, row, value: Value::Unset };
             let change = Change { value: value_of(&change, candidate), ..change };
             blame(&change, code)
         };
-        let selects = candidate.amc.reference_select;
-        if selects != 0 && selects != axis.parameters.amc.reference_select && !axis.is_idle() {
-            return Err(refuse("amc.reference_select", Code::NOT_DISABLED));
+        let starting = candidate.vocabularies.starts_motion(&axis.parameters.vocabularies);
+        if let Some(row) = starting.filter(|_| !axis.is_idle()) {
+            return Err(refuse(row, Code::NOT_DISABLED));
         }
         let changes_now = |row: &&Row| row.effect == Effect::Disabled && row.is_stored();
         let differs = |row: &&Row| row.value(candidate) != row.value(&axis.parameters);
-        if let Some(row) = ROWS.iter().filter(changes_now).find(differs)
+        if let Some(row) = ROWS.iter().position(|row| changes_now(&row) && differs(&row))
             && !axis.is_idle()
         {
-            return Err(refuse(row.key, Code::NOT_DISABLED));
+            return Err(refuse(row as u16, Code::NOT_DISABLED));
         }
-        axis.admits_selector(candidate, self.state.cycle, &self.state.leads)?;
+        axis.admits_vocabularies(candidate, self.state.cycle, &self.state.leads)?;
         axis.admits_sense(candidate)?;
         axis.admits_source(candidate)?;
         self.check_named(index)?;
@@ -365,8 +365,8 @@ impl Machine {
         match self.left_out(index) {
             Some(place) => {
                 let is_low = candidate.min_position.is_some_and(|low| place < low);
-                let refusal =
-                    refuse(if is_low { "min_position" } else { "max_position" }, Code::GOAL_BEYOND_NEW_LIMITS);
+                let [low, high] = const { [Row::place("min_position"), Row::place("max_position")] };
+                let refusal = refuse(if is_low { low } else { high }, Code::GOAL_BEYOND_NEW_LIMITS);
                 Err(refusal.with(refusal.asked, Number::Position(place)))
             }
             None => Ok(()),
@@ -388,7 +388,7 @@ impl Machine {
         if !self.candidates[index].homing.in_drive || offers.is_none_or(|offers| offers.homes) {
             return Ok(());
         }
-        let change = Change { axis: index as u16, row: find("homing.in_drive"), value: Value::Int(1) };
+        let change = Change { axis: index as u16, row: const { Row::place("homing.in_drive") }, value: Value::Int(1) };
         Err(blame(&change, Code::HOMING_NOT_OFFERED))
     }
 

@@ -53,7 +53,7 @@ pub(crate) fn saia_verb(commands: &[saia::Command]) -> Action {
     let request = saia::Request { axis: X, commands, ..Default::default() };
     let request = request.with(saia::Register::DestP, parameter::Value::Int(50_000));
     let request = request.with(saia::Register::Veloc, parameter::Value::Int(20_000));
-    Action::Saia(Box::new(request.with(saia::Register::Accel, parameter::Value::Int(200_000))))
+    Action::vocabulary(request.with(saia::Register::Accel, parameter::Value::Int(200_000)))
 }
 
 pub(crate) fn config(delay: u32) -> MachineConfig {
@@ -189,7 +189,7 @@ impl Rig {
         {
             // With motor_off whatever refuses a command of SAIA is an error.
             let is_refusal = matches!(event.source, Object::Axis(axis)
-                if self.machine.parameters(axis).is_some_and(|p| p.saia.command_error == 2));
+                if self.machine.parameters(axis).is_some_and(|p| p.vocabularies.saia.command_error == 2));
             assert!(is_refusal || event.code.class().is_some(), "{event:?} has no line in the table of reactions");
         }
         self.events.extend_from_slice(events);

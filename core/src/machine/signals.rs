@@ -4,14 +4,14 @@ use super::Machine;
 use crate::axis::Axis;
 use crate::code::Code;
 use crate::config::{IoKind, MachineConfig, MemoryKind};
-use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs};
+use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs, SpeedOutputs, Switching};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
 use crate::signal::{Board, Directory, Entry, Measure, Signal, Type};
-use crate::vocabulary::{Latched, amc, saia, wf};
+use crate::vocabulary::{self, Latched};
 
 /// Names of `machine.state`, by number.
 const MACHINE_STATES: &[&str] = &["INACTIVE", "ACTIVE", "ERROR"];
@@ -134,8 +134,8 @@ impl Signals {
     pub(super) fn publish_switching(
         &self,
         board: &mut Board,
-        wiring: wf::Wiring,
-        switching: wf::Switching,
+        wiring: SpeedOutputs,
+        switching: Switching,
         outputs: &mut Outputs,
     ) {
         let bits = [
@@ -210,9 +210,7 @@ fn add_encoder(directory: &mut Directory, name: &str) -> Signal {
 /// The block of an axis and, right behind it, those of the vocabularies: [`Axis::publish`] relies on the order.
 fn add_axis(directory: &mut Directory, name: &str) -> Signal {
     let first = AxisSignal::add_all(directory, name);
-    amc::AmcSignal::add_all(directory, name);
-    saia::SaiaSignal::add_all(directory, name);
-    wf::WfSignal::add_all(directory, name);
+    vocabulary::add_signals(directory, name);
     first
 }
 

@@ -1,7 +1,8 @@
 //! The parameters of one axis, and what follows from them.
 
 use super::rows::ROWS;
-use super::{Assigned, AssignedOutputs, Encoders, Homing, Macs, Row, Supervision, Value, amc, saia, wf};
+use super::vocabularies::{self, Vocabularies};
+use super::{Assigned, AssignedOutputs, Encoders, Homing, Macs, PositionLoop, Row, Supervision, Value};
 use crate::code::Code;
 use crate::position::Position;
 use crate::profile::{Jerks, Limits, Shape};
@@ -65,12 +66,10 @@ pub struct AxisParameters {
     pub outputs: AssignedOutputs,
     /// What MACS gives relative to others.
     pub macs: Macs,
-    /// Of the reference selector.
-    pub amc: amc::Parameters,
-    /// Of the command flags.
-    pub saia: saia::Parameters,
-    /// Of the positioning modules.
-    pub wf: wf::Parameters,
+    /// The position loop that is closed here.
+    pub position_loop: PositionLoop,
+    /// Of the vocabularies.
+    pub vocabularies: Vocabularies,
 }
 
 impl AxisParameters {
@@ -103,9 +102,8 @@ impl AxisParameters {
             supervision: Supervision::default(),
             outputs: AssignedOutputs::default(),
             macs: Macs::default(),
-            amc: amc::Parameters::default(),
-            saia: saia::Parameters::default(),
-            wf: wf::Parameters::default(),
+            position_loop: PositionLoop::default(),
+            vocabularies: Vocabularies::default(),
         };
         for row in ROWS.iter().filter(|row| row.is_stored() && !row.required) {
             (row.set)(&mut parameters, row.default);
@@ -196,6 +194,7 @@ impl AxisParameters {
             ("home_vel", self.homing.parts.velocity.map(Value::Int)),
             ("homezerovel", self.homing.parts.index_velocity.map(Value::Int)),
             ("home_ramp", self.homing.parts.acceleration.map(Value::Int)),
+            (vocabularies::SERVO_GAIN, self.position_loop.given.map(Value::Real)),
         ];
         // A new coordinate may have taken them beyond the numbers of MACS.
         let is_place = |limit: i64| Position::whole(limit).is_legal();
@@ -232,8 +231,8 @@ impl AxisParameters {
             return Err(Contradiction::NotBuilt("posdrct", Code::NO_VELOCITY_LOOP));
         }
         self.encoder.check().map_err(|(key, code)| Contradiction::NotBuilt(key, code))?;
-        if self.encoder.md4 == 1 && !(0..=2).contains(&self.wf.md16) {
-            return Err(Contradiction::NotBuilt("wf.md16", Code::WF_NO_PARITY));
+        if self.encoder.kind == 1 && !(0..=2).contains(&self.encoder.reference_or_parity) {
+            return Err(Contradiction::NotBuilt(vocabularies::REFERENCE_OR_PARITY, Code::WF_NO_PARITY));
         }
         if !self.reversing().is_built() {
             return Err(Contradiction::NotBuilt("revers", Code::NO_REVERSING_OUTPUTS));
@@ -267,7 +266,7 @@ impl AxisParameters {
         if self.default_acceleration.is_some_and(|acceleration| acceleration > self.max_acceleration) {
             return Err(Contradiction::Above("default_acceleration", "max_acceleration"));
         }
-        self.wf.check(self).map_err(|(low, high)| Contradiction::Above(low, high))
+        self.vocabularies.check(self).map_err(|(low, high)| Contradiction::Above(low, high))
     }
 }
 

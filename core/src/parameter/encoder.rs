@@ -1,5 +1,6 @@
 //! Parameters of encoders.
 
+use super::vocabularies::SIDE_OR_OMITTED;
 use crate::code::Code;
 use crate::encoder::{Absolute, Parity, WordCode, source};
 use serde::{Deserialize, Serialize};
@@ -21,16 +22,18 @@ pub struct Encoders {
     pub menccontrol: i64,
     /// ENCODERFREQ: clock rate (Hz), or with type 9 the distance of simulated marks (inc).
     pub encoderfreq: i64,
-    /// MD4: 0 incremental, 1 absolute.
-    pub md4: i64,
-    /// MD5: steps of a turn times turns of an absolute encoder.
-    pub md5: i64,
-    /// MD7: incremental: side of the cam on which reference travel ends; absolute: value of the first word.
-    pub md7: i64,
-    /// MD34: incremental: pulses of a revolution; absolute: largest step of a cycle (inc); 0: not supervised.
-    pub md34: i64,
-    /// MD41: encoder monitoring is on.
-    pub md41: i64,
+    /// That of the drive is 0 incremental, 1 absolute.
+    pub kind: i64,
+    /// Steps of a turn times turns of an absolute encoder.
+    pub steps: i64,
+    /// Incremental: side of the cam on which reference travel ends; absolute: value of the first word.
+    pub side_or_omitted: i64,
+    /// Incremental: position of the reference point (inc); absolute: parity of its word, 0 none, 1 even, 2 odd.
+    pub reference_or_parity: i64,
+    /// Incremental: pulses of a revolution; absolute: largest step of a cycle (inc); 0: not supervised.
+    pub pulses_or_step: i64,
+    /// Encoder monitoring is on.
+    pub monitored: i64,
     /// What the cell has for ENCODERTYPE to choose from.
     pub absolute: source::AbsoluteSources,
 }
@@ -46,11 +49,12 @@ impl Default for Encoders {
             enccontrol: 0,
             menccontrol: 0,
             encoderfreq: 262_000,
-            md4: 0,
-            md5: 0,
-            md7: 0,
-            md34: 0,
-            md41: 0,
+            kind: 0,
+            steps: 0,
+            side_or_omitted: 0,
+            reference_or_parity: 0,
+            pulses_or_step: 0,
+            monitored: 0,
             absolute: source::AbsoluteSources::default(),
         }
     }
@@ -60,22 +64,22 @@ impl Default for Encoders {
 const RATES: std::ops::RangeInclusive<i64> = 39_000..=5_000_000;
 
 impl Encoders {
-    /// The absolute encoder of a positioning module: Gray code only (WF-ABS-01); MD16 is its parity (WF-MD-09).
-    pub fn module(&self, md16: i64) -> Absolute {
-        let parity = match md16 {
+    /// The absolute encoder of a positioning module: Gray code only (WF-ABS-01), with its parity (WF-MD-09).
+    pub fn module(&self) -> Absolute {
+        let parity = match self.reference_or_parity {
             1 => Some(Parity::Even),
             2 => Some(Parity::Odd),
             _ => None,
         };
-        let steps = u32::try_from(self.md5).unwrap_or(u32::MAX).max(2);
-        let max_step = (self.md34 > 0).then_some(self.md34);
-        let omitted = u32::try_from(self.md7).unwrap_or(u32::MAX);
+        let steps = u32::try_from(self.steps).unwrap_or(u32::MAX).max(2);
+        let max_step = (self.pulses_or_step > 0).then_some(self.pulses_or_step);
+        let omitted = u32::try_from(self.side_or_omitted).unwrap_or(u32::MAX);
         Absolute { code: WordCode::Gray, parity, omitted, max_step, ..Absolute::single_turn(steps) }
     }
 
     /// Is what the axis reads an absolute encoder?
     pub fn is_absolute(&self) -> bool {
-        self.md4 == 1 || self.absolute.chosen_by(self.encodertype)
+        self.kind == 1 || self.absolute.chosen_by(self.encodertype)
     }
 
     /// Are the numbers ones that there are?
@@ -92,8 +96,8 @@ impl Encoders {
         if !is_simulated && !RATES.contains(&self.encoderfreq) {
             return Err(("encoderfreq", Code::ENCODER_NO_RATE));
         }
-        if self.md4 == 0 && !(0..=2).contains(&self.md7) {
-            return Err(("wf.md7", Code::WF_NO_CAM_SIDE));
+        if self.kind == 0 && !(0..=2).contains(&self.side_or_omitted) {
+            return Err((SIDE_OR_OMITTED, Code::WF_NO_CAM_SIDE));
         }
         match source::Master::decode(self.mencodertype) {
             None => Err(("mencodertype", Code::ENCODER_UNKNOWN_TYPE)),

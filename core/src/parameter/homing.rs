@@ -22,6 +22,8 @@ pub struct Homing {
     pub acceleration: Option<f64>,
     /// Where the zero lies, counted from the switch or the index (inc).
     pub offset: i64,
+    /// Source of the deceleration cam of reference travel: 0 its vocabulary, 1 the reference switch.
+    pub cam_source: i64,
     /// Longest way to an index pulse (inc); left out: a revolution of the encoder.
     pub index_distance: Option<i64>,
     /// Longest way of each search for a switch (inc); left out: twice the way between the software limits, else twice a modulo.

@@ -102,6 +102,7 @@ impl AxisParameters {
             self.default_acceleration = Some(share(part) * self.max_acceleration);
         }
         self.derive_homing();
+        self.position_loop.derive();
     }
 
     /// VELMAX (rpm) (MACS-PROF-01).
@@ -241,6 +242,7 @@ impl AxisParameters {
             "homing.velocity" => Some(self.homing.parts.velocity.is_some()),
             "homing.index_velocity" => Some(self.homing.parts.index_velocity.is_some()),
             "homing.acceleration" => Some(self.homing.parts.acceleration.is_some()),
+            "position_loop.kv" => Some(self.position_loop.given.is_some()),
             // 0 and 1 are the same by either name.
             "homing.required" => self.homing.told_done.then_some(true),
             _ => None,

@@ -14,10 +14,12 @@ mod homing;
 mod layers;
 mod machine;
 mod macs;
+mod position_loop;
 mod row;
 mod rows;
 pub mod saia;
 mod supervision;
+pub mod vocabularies;
 pub mod wf;
 mod words;
 
@@ -30,9 +32,11 @@ pub use homing::{Assigned, AssignedOutputs, Homing, HomingParts};
 pub use layers::{Layer, ParameterImage};
 pub use machine::MachineParameters;
 pub use macs::Macs;
+pub use position_loop::PositionLoop;
 pub use row::{Applies, Bare, Effect, Group, Measure, Range, Refused, Row, Storage, System, Value};
 pub use rows::ROWS;
 pub use supervision::{FOLLOWING_ERROR_CHECKS, Supervision};
+pub use vocabularies::Vocabularies;
 pub use words::{Here, Word};
 
 use crate::event::Number;

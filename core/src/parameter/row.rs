@@ -302,6 +302,21 @@ impl Row {
         if self.missing.is_empty() { String::new() } else { format!("{} {verb} not exist yet", self.missing) }
     }
 
+    /// Place in [`ROWS`] of the row of that key, for code that names one: a constant, and no search while the machine runs.
+    ///
+    /// # Panics
+    /// No row has it; in a constant that does not compile.
+    pub const fn place(key: &str) -> u16 {
+        let mut place = 0;
+        while place < ROWS.len() {
+            if is_same(ROWS[place].key.as_bytes(), key.as_bytes()) {
+                return place as u16;
+            }
+            place += 1;
+        }
+        panic!("no row has this key");
+    }
+
     /// The row of that key.
     pub fn find(key: &str) -> Option<(u16, &'static Row)> {
         ROWS.iter().enumerate().find(|(_, row)| row.key == key).map(|(index, row)| (index as u16, row))
@@ -392,4 +407,12 @@ impl Row {
     pub fn change(&self, parameters: &mut AxisParameters, value: Value) -> Result<(), Refused> {
         if self.is_read_only() { Err(Refused::ReadOnly) } else { self.assign(parameters, value) }
     }
+}
+
+const fn is_same(one: &[u8], other: &[u8]) -> bool {
+    let mut place = 0;
+    while place < one.len() && place < other.len() && one[place] == other[place] {
+        place += 1;
+    }
+    place == one.len() && place == other.len()
 }

@@ -1,5 +1,6 @@
 //! The catalogue against the specification, and what its rows promise.
 
+mod gain;
 mod ranges;
 mod sources;
 mod spec;

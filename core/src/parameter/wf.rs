@@ -10,12 +10,6 @@ pub struct Parameters {
     pub md1: Option<f64>,
     /// Deceleration (inc/s^2); left out: `max_deceleration`.
     pub md2: Option<f64>,
-    /// Servo gain kv of the position loop, (mm/min)/um: 1 is 16.667 1/s.
-    pub md22: f64,
-    /// Source of the deceleration cam: 0 the interface, 1 the reference switch.
-    pub md15: i64,
-    /// Position of the reference point (inc).
-    pub md16: i64,
     /// From the zero mark to the reference point (inc).
     pub md17: i64,
     /// Speed value of reference travel towards the cam.

@@ -7,16 +7,25 @@
 //! Writes   orders, its own signals; never the axis itself
 //! Refuses  what the source refuses, by a code and the numbers of its sentence; its state is unchanged then
 
+mod all;
 pub mod amc;
+mod one;
+mod request;
 pub mod saia;
 pub mod wf;
+
+pub use all::Vocabularies;
+pub(crate) use all::{Notice, add_signals};
+pub use amc::{Problem, Setting, check};
+pub(crate) use one::{Vocabulary, Writes};
+pub use request::{Outcome, Request};
 
 use crate::code::Code;
 use crate::drive::Interface;
 use crate::encoder::Lead;
 use crate::event::{Number, Refusal};
 use crate::modulo::Modulo;
-use crate::object::Object;
+use crate::object::{Leader, Object};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::{Limits, Motion};
@@ -36,6 +45,35 @@ pub enum Owner {
     Saia,
     /// Blocks and modes.
     Wf,
+}
+
+impl Owner {
+    /// The vocabularies, in the order of their steps.
+    pub(crate) const VOCABULARIES: [Self; 3] = [Self::Amc, Self::Saia, Self::Wf];
+
+    /// Does another order of its own end the homing that it has asked for?
+    pub(crate) fn leaves_homing(self) -> bool {
+        self == Self::Amc
+    }
+
+    /// Do outputs of an axis without a position loop show what it orders?
+    pub(crate) fn switches(self) -> bool {
+        self == Self::Wf
+    }
+}
+
+/// What the vocabularies of an axis are wired to; fixed by the cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Wiring {
+    /// The reference selector.
+    pub amc: amc::Wiring,
+}
+
+impl Wiring {
+    /// The leader to which a vocabulary may couple the axis at any time.
+    pub fn master(&self) -> Option<Leader> {
+        self.amc.master
+    }
 }
 
 /// A latch of this cycle.
@@ -110,8 +148,8 @@ pub struct View<'a> {
     pub unit: f64,
     /// How the drive is commanded; none for a virtual axis.
     pub interface: Option<Interface>,
-    /// What the reference selector is wired to.
-    pub selector: amc::Wiring,
+    /// What the vocabularies are wired to.
+    pub wiring: Wiring,
     /// Parameters in force, those of the vocabularies among them.
     pub parameters: &'a AxisParameters,
     /// The leaders, as far as this cycle has come.
@@ -172,7 +210,7 @@ pub enum Order {
     },
     /// The actual position becomes the command, at rest and at once: no ramp.
     StandOnActual,
-    /// Follows the leader of the reference selector through the gear of the axis.
+    /// Follows the master of its vocabulary through the gear of the axis.
     Gear {
         /// Way of the leader that is past already and counts (inc): from the freeze point to t_k.
         past: Position,

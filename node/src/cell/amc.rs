@@ -5,12 +5,10 @@ use super::names::{Entry, Section, is_virtual, quote};
 use super::parameters::{Given, Sections};
 use crate::document::{Map, Value};
 use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig};
-use lineshaft_core::event::Refusal;
 use lineshaft_core::object::{Leader, Object};
-use lineshaft_core::parameter::Row;
 use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
-use lineshaft_core::vocabulary::amc::{self, Wiring};
+use lineshaft_core::vocabulary::{self, amc::Wiring};
 
 /// The axes that follow the command of another one: follower, leader and where that stands.
 pub(super) type Masters<'d> = Vec<(usize, usize, Value<'d>)>;
@@ -23,7 +21,7 @@ pub(super) fn wiring<'d>(
     cx: &Context<'d>,
     io: &[Option<IoConfig>],
     masters: &mut Masters<'d>,
-) -> Option<Wiring> {
+) -> Option<vocabulary::Wiring> {
     let master = sections.value(map, "amc.master").map(|value| {
         let leader = leader(&value, cx)?;
         if let Leader::AxisCommand(leader) = leader {
@@ -32,7 +30,7 @@ pub(super) fn wiring<'d>(
         Some(leader)
     });
     let freeze = sections.value(map, "amc.freeze").map(|value| freeze(&value, cx, io));
-    Some(Wiring { master: lift(master)?, freeze: lift(freeze)? })
+    Some(vocabulary::Wiring { amc: Wiring { master: lift(master)?, freeze: lift(freeze)? } })
 }
 
 /// Nothing where nothing stands; none where what stands has a problem.
@@ -92,12 +90,10 @@ pub(super) fn check(config: &AxisConfig, given: &Given<'_>, cycle_ns: Option<u64
     }
     let Some(cycle_ns) = cycle_ns else { return };
     let machine = MachineConfig { cycle_ns, axes: vec![config.clone()], ..MachineConfig::default() };
-    let Err(problem) = amc::check(&config.parameters, &machine.selector(config)) else { return };
-    let parameter = Row::find(problem.key).map(|(row, _)| row);
-    let refusal = Refusal { parameter, ..Refusal::new(problem.code, Object::Axis(0)) };
-    let text = sentence(&refusal.with(problem.asked, problem.limit).event(0), &machine);
+    let Err(problem) = vocabulary::check(&config.parameters, &machine.setting(config)) else { return };
+    let text = sentence(&problem.refusal(Object::Axis(0)).event(0), &machine);
     let text = text.split_once(": ").map_or(text.as_str(), |(_, text)| text);
-    if let Some((_, value)) = given.iter().find(|(key, _)| *key == problem.key) {
+    if let Some((_, value)) = given.iter().find(|(key, _)| *key == problem.key()) {
         value.refuse(text, None);
     }
 }

@@ -16,12 +16,12 @@ use lineshaft_core::axis::{Wired, may_read, may_tell_sign};
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig};
 use lineshaft_core::drive::Interface;
+use lineshaft_core::drive::SpeedOutputs;
 use lineshaft_core::encoder::source::Master;
 use lineshaft_core::modulo::Modulo;
 use lineshaft_core::object::MAX_AXES;
 use lineshaft_core::sim::{Mechanics, Model};
 use lineshaft_core::unit::{Dimension, ScaleKind};
-use lineshaft_core::vocabulary::wf::Wiring;
 use std::cmp::Ordering;
 
 /// For the ranges of a model while the cycle has a problem.
@@ -109,7 +109,7 @@ fn axis<'d>(
     parameters.macs.scale = factors;
     machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_tell_sign(who, &parameters)));
     machine::note_functions(functions, &parameters.output_functions(), &given);
-    let open_loop = sections.of("wf").map_or(Some(Wiring::default()), |section| {
+    let open_loop = sections.of("wf").map_or(Some(SpeedOutputs::default()), |section| {
         wiring::read(section, why_closed(drive, name).as_deref(), cx, io, outputs)
     });
     sections.finish();
@@ -160,7 +160,8 @@ fn axis<'d>(
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;
     let open_loop = open_loop?;
     let config = AxisConfig::new(name.to_owned(), travel.scale?, drive, parameters);
-    let config = AxisConfig { modulo, interface, open_loop, brake: brake?, amc: wiring?, wired: wired?, ..config };
+    let config =
+        AxisConfig { modulo, interface, open_loop, brake: brake?, vocabularies: wiring?, wired: wired?, ..config };
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
     amc::check(&config, &given, cx.cycle_ns);

@@ -21,8 +21,8 @@ use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 /// Largest velocity and acceleration that a row takes.
 const MOST: f64 = 1e15;
 
-/// Vocabularies whose keys stand in a map of their own: `amc: {stop_mode: 1}` is `amc.stop_mode: 1`.
-const PREFIXES: [&str; 4] = ["amc", "saia", "wf", "homing"];
+/// What has keys in a map of its own: `amc: {stop_mode: 1}` is `amc.stop_mode: 1`.
+const PREFIXES: [&str; 5] = ["amc", "saia", "wf", "homing", "position_loop"];
 
 /// The keys that stand in the file, with their values.
 pub(super) type Given<'d> = Vec<(&'static str, Value<'d>)>;
@@ -33,7 +33,7 @@ pub(super) fn word_of_source(key: &str) -> Option<String> {
 }
 
 /// The maps of the vocabularies, where they stand.
-pub(super) struct Sections<'d>([Option<Map<'d>>; 4]);
+pub(super) struct Sections<'d>([Option<Map<'d>>; 5]);
 
 impl<'d> Sections<'d> {
     pub(super) fn open(map: &mut Map<'d>) -> Self {

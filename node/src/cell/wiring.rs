@@ -4,7 +4,7 @@ use super::backends::Context;
 use super::names::{Once, Section, quote};
 use crate::document::{Map, Value};
 use lineshaft_core::config::{IoConfig, IoKind};
-use lineshaft_core::vocabulary::wf::Wiring;
+use lineshaft_core::drive::SpeedOutputs;
 
 /// Outputs that axes have, by their places in section `io`.
 pub(super) type Taken = Once<u16>;
@@ -16,7 +16,7 @@ pub(super) fn read<'d>(
     cx: &Context<'d>,
     io: &[Option<IoConfig>],
     taken: &mut Taken,
-) -> Option<Wiring> {
+) -> Option<SpeedOutputs> {
     let mut output = |key, kind| {
         let Some(value) = map.optional(key) else { return Some(None) };
         if let Some(refusal) = refusal {
@@ -28,7 +28,7 @@ pub(super) fn read<'d>(
     };
     let (forward, backward) = (output("forward", IoKind::DigitalOutput), output("backward", IoKind::DigitalOutput));
     let (switch, dac) = (output("output", IoKind::DigitalOutput), output("dac", IoKind::AnalogOutput));
-    Some(Wiring { forward: forward?, backward: backward?, output: switch?, dac: dac? })
+    Some(SpeedOutputs { forward: forward?, backward: backward?, output: switch?, dac: dac? })
 }
 
 /// The output that a key names.

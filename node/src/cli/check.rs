@@ -60,7 +60,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
 
 /// An event that starts what does not exist yet.
 fn idle_event(axis: &AxisConfig) -> Option<String> {
-    (axis.parameters.amc.action_on_event == 1).then(|| {
+    (axis.parameters.vocabularies.amc.action_on_event == 1).then(|| {
         format!(
             "{}: amc.action_on_event 1 starts the cam, which does not exist yet: an event changes nothing and is told; 0 and 2 do \
              what they say",
@@ -71,7 +71,7 @@ fn idle_event(axis: &AxisConfig) -> Option<String> {
 
 /// Gains of the SAIA module whose regulator commands no drive: it runs beside the loop of the axis (SAIA-EXT-06).
 fn idle_gains(axis: &AxisConfig) -> Option<String> {
-    let p = &axis.parameters.saia;
+    let p = &axis.parameters.vocabularies.saia;
     let gains = [("saia.kprop", p.kprop), ("saia.kint", p.kint), ("saia.kder", p.kder)];
     let given: Vec<String> =
         gains.iter().filter(|(_, gain)| *gain != 0).map(|(key, gain)| format!("{key} {gain}")).collect();

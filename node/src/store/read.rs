@@ -9,7 +9,7 @@ use lineshaft_core::parameter::{AxisParameters, Change, Contradiction, MachinePa
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
-use lineshaft_core::vocabulary::amc;
+use lineshaft_core::vocabulary;
 
 /// Before the scale of an axis whose positions count against its encoder.
 const AGAINST: char = '-';
@@ -201,8 +201,8 @@ fn contradiction(place: usize, set: &AxisParameters, config: &MachineConfig) -> 
         }
         Ok(()) => {}
     }
-    let problem = amc::check(set, &config.selector(axis)).err()?;
-    Some((problem.key, told(problem.code, &change(problem.key)?, problem.asked, problem.limit, config)))
+    let problem = vocabulary::check(set, &config.setting(axis)).err()?;
+    Some((problem.key(), told(problem.code, &change(problem.key())?, problem.asked, problem.limit, config)))
 }
 
 /// The sentence of a refusal.

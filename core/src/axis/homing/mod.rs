@@ -22,7 +22,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Limits;
-use crate::vocabulary::Travel;
+use crate::vocabulary::{Notice, Travel};
 use in_drive::InDrive;
 use search::Search;
 use serde::{Deserialize, Serialize};
@@ -327,7 +327,7 @@ impl Axis {
     /// The part of a cycle: after the axis has moved, before its commands.
     pub(super) fn step_homing(&mut self, cx: &mut Context<'_>) {
         if std::mem::take(&mut self.homing.unsure) {
-            self.wf.lose_zero();
+            self.vocabularies.notice(Notice::ZeroLost);
         }
         if std::mem::take(&mut self.homing.lost) && !self.has_fixed_zero() {
             cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LOST));
@@ -359,7 +359,7 @@ impl Axis {
         self.homing.run = None;
         self.move_coordinate(shift.wrapping_neg());
         self.restore_limits(cx);
-        self.note_zero();
+        self.vocabularies.notice(Notice::ZeroSet);
         (self.homing.done, self.homing.lost) = (true, false);
         self.judge.rested_at = None;
         self.reference = Reference::Stop;
@@ -381,7 +381,7 @@ impl Axis {
 
     /// The raw coordinate of the drive was set anew: what was known of it does not hold any more, but where homing did that.
     pub(super) fn note_new_coordinate(&mut self) {
-        self.saia.note_jump();
+        self.vocabularies.notice(Notice::Jumped);
         if !self.homing.is_in_drive() {
             self.homing.forget();
             self.homing.broken = self.homing.is_running();
@@ -395,7 +395,7 @@ impl Axis {
     /// The zero that is being found would not be theirs, or a switch would change where nothing has moved.
     pub fn admits_zero(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let p = &self.parameters;
-        let rewires = p.assigned != candidate.assigned || p.wf.md15 != candidate.wf.md15;
+        let rewires = p.assigned != candidate.assigned || p.homing.cam_source != candidate.homing.cam_source;
         if self.homing.is_running() && (rewires || p.loses_zero_to(candidate)) {
             Err(self.refuse(Code::HOMING_UNDER_WAY))
         } else {

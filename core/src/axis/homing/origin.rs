@@ -3,9 +3,9 @@
 use super::super::{Axis, Context, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::parameter::{AxisParameters, Change, Row};
+use crate::parameter::{AxisParameters, ROWS, Row};
 use crate::position::{Length, Position};
-use crate::vocabulary::Owner;
+use crate::vocabulary::{Notice, Owner};
 
 impl Axis {
     /// The present command position is `position` from now on (DEFORIGIN, SETORIGIN; MACS-CMD-16).
@@ -33,7 +33,7 @@ impl Axis {
         self.move_coordinate(by);
         self.shift_limits(cx, by);
         self.leave_vocabulary();
-        self.note_zero();
+        self.vocabularies.notice(Notice::ZeroSet);
         self.share_shift(sequence, by);
         Ok(())
     }
@@ -51,13 +51,11 @@ impl Axis {
         let before = *self.parameters;
         self.homing.limit_shift = self.homing.limit_shift.saturating_add(by);
         self.parameters.change(|values| values.shift_limits(by));
-        for key in ["min_position", "max_position"] {
-            let Some((place, row)) = Row::find(key) else { continue };
+        for place in const { [Row::place("min_position"), Row::place("max_position")] } {
+            let Some(row) = ROWS.get(usize::from(place)) else { continue };
             let value = row.value(&self.parameters);
             if value != row.value(&before) {
-                let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
-                let number = Change { axis: self.setup.index, row: place, value }.number();
-                cx.events.push(Event { parameter: Some(place), ..event.with(number, Number::None) });
+                self.tell_own(cx, None, place, value);
             }
         }
     }
@@ -93,8 +91,7 @@ impl Axis {
         self.actual.position += shift;
         self.index.1 += shift;
         self.judge.shift(by);
-        self.saia.take_shift(by);
-        self.amc.shift(shift);
+        self.vocabularies.notice(Notice::Shifted { by });
         self.moved += shift;
     }
 

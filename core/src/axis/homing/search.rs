@@ -214,7 +214,8 @@ impl Axis {
     fn longest_to_index(&self) -> i64 {
         let p = &self.parameters;
         let is_travel = self.homing.run.is_some_and(|run| is_travel(run.method));
-        let revolution = (is_travel && p.encoder.md34 > 0).then(|| p.encoder.md34.saturating_mul(4));
+        let revolution =
+            (is_travel && p.encoder.pulses_or_step > 0).then(|| p.encoder.pulses_or_step.saturating_mul(4));
         p.homing.index_distance.or(revolution).unwrap_or_else(|| p.homing_index_distance())
     }
 
@@ -271,12 +272,12 @@ impl Axis {
 
     /// Does the cam of the travel under way come with the verbs of the vocabulary (MD15)?
     fn asks_for_cam(&self) -> bool {
-        self.parameters.wf.md15 == 0 && self.homing.run.is_some_and(|run| is_travel(run.method))
+        self.parameters.homing.cam_source == 0 && self.homing.run.is_some_and(|run| is_travel(run.method))
     }
 
     fn is_actuated(&self, switch: Switch) -> bool {
         match switch {
-            Switch::Home if self.asks_for_cam() => self.wf.cam(),
+            Switch::Home if self.asks_for_cam() => self.vocabularies.cam(),
             Switch::Home => self.switches.home,
             Switch::Positive => self.switches.positive,
             Switch::Negative => self.switches.negative,

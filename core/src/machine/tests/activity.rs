@@ -8,7 +8,7 @@ use crate::drive::{Interface, control};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Row, Value};
-use crate::vocabulary::{Order, saia, wf};
+use crate::vocabulary::{self, Order, saia, wf};
 use proptest::prelude::*;
 
 const REFUSED: &str = "machine: the machine is inactive; activate it first";
@@ -34,11 +34,11 @@ fn search(axis: u16) -> Probe {
 
 fn saia(axis: u16, commands: &[saia::Command]) -> Action {
     let commands = saia::Commands::from_iter(commands.iter().copied());
-    Action::Saia(Box::new(saia::Request { axis, commands, ..Default::default() }))
+    Action::vocabulary(saia::Request { axis, commands, ..Default::default() })
 }
 
 fn wf(axis: u16) -> Action {
-    Action::Wf(Box::new(wf::Request { axis, mode: Some(wf::Mode::Mdi), enable: Some(true), ..Default::default() }))
+    Action::vocabulary(wf::Request { axis, mode: Some(wf::Mode::Mdi), enable: Some(true), ..Default::default() })
 }
 
 /// Every command that could switch an axis on or move it.
@@ -203,10 +203,12 @@ fn what_a_vocabulary_switches_on_stays_off_after_the_next_activation() {
     use saia::Command::{Initialise, LoadAcceleration, LoadDestination, LoadVelocity, Start};
     let start = || {
         let commands = [LoadAcceleration, LoadVelocity, LoadDestination, Start];
-        let Action::Saia(request) = saia(X, &commands) else { unreachable!("it is one") };
+        let Action::Vocabulary(vocabulary::Request::Saia(request)) = saia(X, &commands) else {
+            unreachable!("it is one")
+        };
         let request = request.with(saia::Register::DestP, Value::Int(50_000));
         let request = request.with(saia::Register::Veloc, Value::Int(20_000));
-        Action::Saia(Box::new(request.with(saia::Register::Accel, Value::Int(200_000))))
+        Action::vocabulary(request.with(saia::Register::Accel, Value::Int(200_000)))
     };
     // Given with the deactivation, while the drive switches on, and in motion.
     for cycles in [0, 2, 300] {

@@ -23,8 +23,8 @@ fn wired() -> MachineConfig {
     config.io = vec![IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true }];
     let (x, y) = (usize::from(X), usize::from(Y));
     config.axes[x].modulo = Modulo::new(360, 1);
-    config.axes[x].amc = Wiring { master: Some(Leader::Encoder(0)), freeze: Some(MARK) };
-    config.axes[y].amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(MARK) };
+    config.axes[x].vocabularies.amc = Wiring { master: Some(Leader::Encoder(0)), freeze: Some(MARK) };
+    config.axes[y].vocabularies.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(MARK) };
     config.axes[y].parameters.min_position = Some(-20_000);
     config.axes[y].parameters.max_position = Some(50_000);
     config
@@ -63,7 +63,7 @@ fn warnings(rig: &Rig) -> Vec<String> {
 #[test]
 fn a_selector_follows_its_master_without_delay_whatever_the_order_of_the_file() {
     let mut config = config(0);
-    config.axes[usize::from(X)].amc.master = Some(Leader::AxisCommand(Y));
+    config.axes[usize::from(X)].vocabularies.amc.master = Some(Leader::AxisCommand(Y));
     let mut rig = enabled(config);
     rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(LINE), 1, 1)));
     set(&mut rig, X, &[("reference_select", 4)]);
@@ -78,14 +78,14 @@ fn a_selector_follows_its_master_without_delay_whatever_the_order_of_the_file() 
 #[test]
 fn no_loop_can_come_about_through_masters() {
     let mut looped = config(0);
-    looped.axes[usize::from(X)].amc.master = Some(Leader::AxisCommand(Y));
+    looped.axes[usize::from(X)].vocabularies.amc.master = Some(Leader::AxisCommand(Y));
     let mut good = looped.clone();
-    looped.axes[usize::from(Y)].amc.master = Some(Leader::AxisCommand(X));
+    looped.axes[usize::from(Y)].vocabularies.amc.master = Some(Leader::AxisCommand(X));
     let error = Machine::new(looped).unwrap_err();
     assert!(matches!(error, ConfigError::MasterLoop { .. }));
     assert_eq!(error.to_string(), "x: its reference selector would follow itself, directly or through others");
     // By the actual position, an input, there is no loop.
-    good.axes[usize::from(Y)].amc.master = Some(Leader::AxisActual(X));
+    good.axes[usize::from(Y)].vocabularies.amc.master = Some(Leader::AxisActual(X));
     let mut rig = enabled(good);
     let closes = rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)));
     assert_eq!(rig.refusal(closes), "y: the axis would follow itself");
@@ -103,7 +103,7 @@ fn no_loop_can_come_about_through_masters() {
 #[test]
 fn a_captured_position_of_the_master_is_the_freeze_point() {
     let mut config = wired();
-    config.axes[usize::from(X)].amc.freeze = Some(Object::Encoder(0));
+    config.axes[usize::from(X)].vocabularies.amc.freeze = Some(Object::Encoder(0));
     let mut rig = enabled(config);
     set(&mut rig, X, &[("action_on_event", 2)]);
     rig.plant.jump_encoder(0, 20);
@@ -149,7 +149,7 @@ fn an_event_of_an_axis_that_is_off_counts_for_nothing() {
     rig.plant.add_latch(latch(MARK, 0, None));
     rig.run(1);
     rig.enable();
-    assert_eq!((rig.int("x.amc.select"), rig.machine.parameters(X).unwrap().amc.reference_select), (0, 0));
+    assert_eq!((rig.int("x.amc.select"), rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select), (0, 0));
 }
 
 /// The master is lost when the event comes: told, and what was in force stays.
@@ -168,7 +168,7 @@ fn a_lost_master_is_refused_and_changes_nothing() {
     rig.events.extend_from_slice(rig.machine.events());
     assert_eq!(warnings(&rig), ["x: what the axis follows is lost"]);
     assert_eq!((rig.int("x.amc.select"), rig.int("x.amc.profile_input_position")), (1, 50));
-    assert_eq!(rig.machine.parameters(X).unwrap().amc.reference_select, 1);
+    assert_eq!(rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select, 1);
     let command = crate::command::Command {
         sequence: 900,
         source: crate::command::Source::Scenario,
@@ -194,7 +194,7 @@ fn a_selection_that_cannot_begin_at_enable_is_told_and_written_back() {
     rig.enable();
     assert_eq!(warnings(&rig), ["y: target 50.001 mm lies above max_position 50 mm"]);
     assert_eq!((rig.int("y.amc.select"), rig.int("y.command.position")), (0, 0));
-    assert_eq!(rig.machine.parameters(Y).unwrap().amc.reference_select, 0);
+    assert_eq!(rig.machine.parameters(Y).unwrap().vocabularies.amc.reference_select, 0);
     assert!(rig.machine.parameter_version() > version, "who shows parameters has to see it");
 }
 
@@ -217,7 +217,7 @@ fn the_integrators_of_input_and_output_never_differ_by_more_than_they_hold() {
     // One further turn on top of what is still to go.
     let further = set(&mut rig, X, &[("position_reference", 360)]);
     assert!(rig.refusal(further).contains("amc.position_reference 360 mm leads further than the 5965232 turns"));
-    assert_eq!(rig.machine.parameters(X).unwrap().amc.position_reference, most);
+    assert_eq!(rig.machine.parameters(X).unwrap().vocabularies.amc.position_reference, most);
     assert_eq!(rig.int("x.amc.profile_input_turns"), 5_965_232);
 }
 
@@ -341,7 +341,7 @@ fn an_error_takes_the_reference_in_its_cycle() {
     rig.run_until("x.state", 7);
     for (axis, name) in [(X, "x"), (Y, "y")] {
         assert_eq!((rig.state(name), rig.int(&format!("{name}.amc.select"))), ("ERROR_STOP", 0));
-        assert_eq!(rig.machine.parameters(axis).unwrap().amc.reference_select, 0, "{name}");
+        assert_eq!(rig.machine.parameters(axis).unwrap().vocabularies.amc.reference_select, 0, "{name}");
     }
 }
 
@@ -412,7 +412,7 @@ fn a_speed_ends_at_the_software_limit_and_stays_selected() {
 #[test]
 fn a_selection_of_the_cell_begins_in_cycle_0_on_a_virtual_axis() {
     let mut config = wired();
-    let p = &mut config.axes[usize::from(LINE)].parameters.amc;
+    let p = &mut config.axes[usize::from(LINE)].parameters.vocabularies.amc;
     (p.reference_select, p.position_reference) = (6, 1_000);
     let mut rig = Rig::of(config);
     rig.run(1);
@@ -424,7 +424,7 @@ fn a_selection_of_the_cell_begins_in_cycle_0_on_a_virtual_axis() {
 #[test]
 fn a_config_with_a_selection_that_does_not_exist_makes_no_machine() {
     let mut config = wired();
-    config.axes[usize::from(X)].parameters.amc.reference_select = 5;
+    config.axes[usize::from(X)].parameters.vocabularies.amc.reference_select = 5;
     let error = Machine::new(config).unwrap_err();
     assert_eq!(error.to_string(), "x: amc.reference_select has a value that the rest of the axis does not allow");
 }

@@ -18,7 +18,7 @@ use crate::position::{Length, Position};
 use crate::state::HomingPhase;
 use crate::sync::{Disengage, SyncMode};
 use crate::trajectory::{Tolerance, Track, Trajectory};
-use crate::vocabulary::{Order, saia, wf};
+use crate::vocabulary::{self, Order, saia, wf};
 use cell::{fixtures, interface, model, output, posdrct, terminals};
 use limits::{limits_are_kept, places};
 use locks::Locks;
@@ -124,7 +124,7 @@ fn vocabulary() -> impl Strategy<Value = Action> {
     let saia = (axis(), commands, -60_000_i64..60_000, 1_000_i64..90_000).prop_map(|(axis, commands, place, speed)| {
         let request = saia::Request { axis, commands: saia::Commands::from_iter(commands), ..Default::default() };
         let request = request.with(Register::DestP, Value::Int(place)).with(Register::Veloc, Value::Int(speed));
-        Action::Saia(Box::new(request.with(Register::Accel, Value::Int(200_000))))
+        Action::vocabulary(request.with(Register::Accel, Value::Int(200_000)))
     });
     let jog = prop::sample::select(&[wf::Jog::None, wf::Jog::Plus, wf::Jog::Minus][..]);
     let mode = prop::sample::select(vec![wf::Mode::Mdi, wf::Mode::Single, wf::Mode::Continuous, wf::Mode::Jog]);
@@ -138,7 +138,7 @@ fn vocabulary() -> impl Strategy<Value = Action> {
         let blocks = blocks.filter(|_| start);
         let request =
             wf::Request { axis, blocks, start, jog, mode: Some(mode), enable: Some(true), ..Default::default() };
-        Action::Wf(Box::new(request))
+        Action::vocabulary(request)
     });
     let amc =
         (axis(), prop::sample::select(vec![0, 1, 2, 4, 6, 7]), -60.0..60.0_f64).prop_map(|(axis, select, value)| {
@@ -340,7 +340,7 @@ fn ends(action: &Action) -> usize {
         | Action::ResetErrors(axes) => axes.len(),
         Action::Abort => 3,
         // What a vocabulary does has no end of its own.
-        Action::Saia(_) | Action::Wf(_) => 0,
+        Action::Vocabulary(_) => 0,
         Action::SetPosition(_) => 0,
         Action::Note { .. } | Action::SetParameters(_) | Action::SetOutputs(_) => 0,
         Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
@@ -490,7 +490,7 @@ proptest! {
             let of = |kind| rig.events.iter().filter(|event| event.command == *number && event.kind == kind).count();
             let (accepted, refused, told) = (of(Kind::Accepted), of(Kind::Refused), of(Kind::Warning));
             // SAIA may accept a verb and tell what of it failed.
-            let noted = if matches!(action, Action::Saia(_)) { 0 } else { told };
+            let noted = if matches!(action, Action::Vocabulary(vocabulary::Request::Saia(_))) { 0 } else { told };
             prop_assert_eq!(accepted + refused + noted, 1, "answers of {:?}", action);
             prop_assert_eq!(noted == 1, matches!(action, Action::Note { .. }), "a warning answers notes only");
             let expected = if refused == 1 { 0 } else { ends(action) };

@@ -6,13 +6,13 @@ mod reversing;
 use super::rig::{Rig, X, Y, at, config, couple, to};
 use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
-use crate::drive::{Edge, Interface, Latch};
+use crate::drive::{Edge, Interface, Latch, SpeedOutputs, Switching};
 use crate::machine::Machine;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer, Row, Value};
 use crate::position::Length;
 use crate::sim::{Model, TwoSpeed, VelocityLag};
-use crate::vocabulary::{Order, wf};
+use crate::vocabulary::Order;
 
 const MS: u64 = 1_000_000;
 
@@ -273,7 +273,7 @@ fn an_open_loop_axis_turns_its_motor_as_it_is_wired() {
             io("u", IoKind::AnalogOutput),
         ];
         config.axes[1].interface = Interface::OpenLoop;
-        config.axes[1].open_loop = wf::Wiring { forward: Some(0), backward: Some(1), output: Some(2), dac: Some(3) };
+        config.axes[1].open_loop = SpeedOutputs { forward: Some(0), backward: Some(1), output: Some(2), dac: Some(3) };
         let law = TwoSpeed::new(50_000_000, 100_000_000, MS).unwrap();
         let motor = Model::TwoSpeed(law).wired(posdrct.abs() == 2);
         let mut rig = Rig::with(config, [motor, Model::Ideal]);
@@ -284,7 +284,7 @@ fn an_open_loop_axis_turns_its_motor_as_it_is_wired() {
         assert_eq!(rig.real("x.command.velocity"), 20_000.0);
         assert!((rig.real("x.actual.velocity") - 20_000.0).abs() < 1e-3);
         assert!(rig.int("x.actual.count") * i64::from(count_sign) > 10_000, "{posdrct}");
-        let shown = wf::Switching { forward: true, backward: false, output: true, dac: 4.5 };
+        let shown = Switching { forward: true, backward: false, output: true, dac: 4.5 };
         let Machine { state, .. } = &rig.machine;
         let wired = state.axes[1].switching_of(shown);
         let forward = motor_sign > 0;
@@ -344,7 +344,7 @@ fn a_rounded_factor_drifts_by_its_rounding_and_an_exact_one_does_not() {
 fn the_track_error_is_a_share_of_the_command_velocity() {
     let mut config = closed_here(1);
     // velocity / kv: 10000 inc/s behind by 600 inc at kv 1: 60 ms, which is 6000 % of a ms.
-    config.axes[1].parameters.wf.md22 = 1.0;
+    config.axes[1].parameters.position_loop.kv = crate::regulator::KV;
     let mut rig = Rig::with(config, [Model::Ideal, Model::Ideal]);
     rig.enable();
     assert_eq!(rig.real("x.regulator.track_error"), 0.0);

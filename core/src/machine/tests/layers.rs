@@ -155,8 +155,8 @@ fn volatile_values_begin_anew_also_when_they_were_saved() {
     rig.give(Action::SaveParameters(all()));
     rig.give(Action::PowerCycle);
     let now = rig.machine.parameters(X).expect("x");
-    assert_eq!((now.velocity_override, now.amc.reference_select_trigger), (100.0, 0));
-    assert_eq!(now.amc.position_reference, 77);
+    assert_eq!((now.velocity_override, now.vocabularies.amc.reference_select_trigger), (100.0, 0));
+    assert_eq!(now.vocabularies.amc.position_reference, 77);
 }
 
 /// Proves: MACS-STO-04

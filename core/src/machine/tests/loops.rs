@@ -30,15 +30,17 @@ fn lag(ms: i64) -> Model {
     Model::Velocity(VelocityLag::new(ms * 1_000_000, MS).unwrap())
 }
 
-/// 6 m/min are 100 mm/s: 6 mm behind at kv 1, 3 mm at kv 2, whatever the drive lags.
+/// 6 m/min are 100 mm/s: 6 mm behind at kv 1, 3 mm at kv 2, whatever the drive lags, and by whichever name kv is given.
 ///
 /// Proves: WF-ORA-06, WF-CLC-03, WF-CLC-04, WF-MD-14
 #[test]
 fn at_constant_speed_the_axis_is_v_by_kv_behind() {
     for model in [Model::Ideal, lag(5), Model::SecondOrder(SecondOrder::new(60.0, 0.8, MS).unwrap())] {
-        for (kv, behind) in [(1.0, 6_000), (2.0, 3_000)] {
+        for (key, kv, behind) in
+            [("wf.md22", 1.0, 6_000), ("wf.md22", 2.0, 3_000), ("position_loop.kv", 1000.0 / 30.0, 3_000)]
+        {
             let mut rig = enabled(0, model);
-            let row = Row::find("wf.md22").unwrap().0;
+            let row = Row::find(key).unwrap().0;
             rig.give(Action::SetParameters(Box::new([Change { axis: X, row, value: Value::Real(kv) }])));
             rig.give(Action::Move(at(X, 99_990.0)));
             rig.run(2_000);

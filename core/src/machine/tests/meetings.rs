@@ -135,7 +135,7 @@ fn a_new_zero_between_two_marks_is_no_missing_pulse() {
     let mut config = config(0);
     config.axes[1].interface = Interface::Velocity;
     let p = &mut config.axes[1].parameters;
-    (p.encoder.md41, p.encoder.md34, p.max_velocity) = (1, 250, 20_000.0);
+    (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     p.max_following_error = 20_000;
     let mut rig = Rig::of(config);
     rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });

@@ -170,7 +170,7 @@ fn a_running_block_keeps_what_it_began_with_and_the_next_one_differs() {
             start: true,
             ..Request::default()
         };
-        Action::Wf(Box::new(request))
+        Action::vocabulary(request)
     };
     for (key, value) in next_block() {
         assert_keeps_until_the_next(key, value, 100, [block(60_000), block(20_000)]);
@@ -182,7 +182,7 @@ fn a_running_jog_keeps_its_speed_and_the_next_one_differs() {
     let jog = |choice, jog| {
         let request =
             Request { axis: X, mode: Some(Mode::Jog), fixed_speed: choice, jog: Some(jog), ..Request::default() };
-        Action::Wf(Box::new(request))
+        Action::vocabulary(request)
     };
     let (plus, off) = (jog(Some(1), Jog::Plus), jog(None, Jog::None));
     let speed = |rig: &Rig| rig.real("x.command.velocity");
@@ -351,6 +351,7 @@ const AT_ONCE: &[&str] = &[
     // Kept, and without effect.
     "proftime",
     // Read in each cycle by the position loop: closed_loop.yaml.
+    "position_loop.kv",
     "wf.md22",
     // tests/panel.rs
     "i_break",

@@ -4,13 +4,13 @@ use super::rig::{Rig, X, at, config, couple, to};
 use crate::code::Code;
 use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
-use crate::drive::Interface;
+use crate::drive::{Interface, SpeedOutputs, Switching};
 use crate::event::Kind;
 use crate::machine::Machine;
 use crate::object::{AxisSet, Leader};
 use crate::position::Position;
 use crate::sim::{Model, TwoSpeed, Valve};
-use crate::vocabulary::{Order, wf};
+use crate::vocabulary::Order;
 
 const MS: u64 = 1_000_000;
 
@@ -286,7 +286,7 @@ fn wired() -> MachineConfig {
     config.io = ones
         .chain([io("in", IoKind::DigitalInput), io("a0", IoKind::AnalogOutput), io("a1", IoKind::AnalogOutput)])
         .collect();
-    config.axes[1].open_loop = wf::Wiring { forward: Some(3), backward: Some(64), output: Some(69), dac: Some(72) };
+    config.axes[1].open_loop = SpeedOutputs { forward: Some(3), backward: Some(64), output: Some(69), dac: Some(72) };
     config
 }
 
@@ -313,7 +313,7 @@ fn outputs_of_an_axis_that_was_not_started_are_off() {
 fn outputs_end_with_what_they_stand_for() {
     let mut rig = Rig::with(wired(), [motor(), Model::Ideal]);
     rig.enable();
-    let shows = |rig: &mut Rig, asked: wf::Switching| {
+    let shows = |rig: &mut Rig, asked: Switching| {
         let axis = &rig.machine.state.axes[1];
         let (wiring, allowed) = (axis.wiring().unwrap_or_default(), axis.allowed(asked));
         let mut outputs = rig.outputs().clone();
@@ -327,12 +327,12 @@ fn outputs_end_with_what_they_stand_for() {
         assert_eq!((others, outputs.analog[0]), (0, 0.0), "outputs of nobody");
         [rig.real("q3"), rig.real("q64"), rig.real("q69"), rig.real("a1")]
     };
-    let all = wf::Switching { forward: true, backward: true, output: true, dac: -4.5 };
+    let all = Switching { forward: true, backward: true, output: true, dac: -4.5 };
     assert_eq!(shows(&mut rig, all), [0.0; 4], "nothing was ordered yet");
     rig.order(X, speed(20_000.0)).unwrap();
     assert_eq!(shows(&mut rig, all), [1.0, 1.0, 1.0, -4.5]);
-    assert_eq!(shows(&mut rig, wf::Switching { backward: false, dac: f64::NAN, ..all }), [1.0, 0.0, 1.0, 0.0]);
-    assert_eq!(shows(&mut rig, wf::Switching { forward: false, output: false, ..all }), [0.0, 1.0, 0.0, -4.5]);
+    assert_eq!(shows(&mut rig, Switching { backward: false, dac: f64::NAN, ..all }), [1.0, 0.0, 1.0, 0.0]);
+    assert_eq!(shows(&mut rig, Switching { forward: false, output: false, ..all }), [0.0, 1.0, 0.0, -4.5]);
     rig.run(10);
     rig.order(X, speed(0.0)).unwrap();
     assert_eq!(shows(&mut rig, all), [1.0, 1.0, 0.0, 0.0]);
@@ -344,19 +344,19 @@ fn outputs_end_with_what_they_stand_for() {
 
 #[test]
 fn outputs_must_be_of_their_kind() {
-    let refused = |wiring: wf::Wiring| {
+    let refused = |wiring: SpeedOutputs| {
         let mut config = wired();
         config.axes[1].open_loop = wiring;
         config.check().unwrap_err().to_string()
     };
-    let none = wf::Wiring::default();
+    let none = SpeedOutputs::default();
     assert_eq!(
-        refused(wf::Wiring { forward: Some(70), ..none }),
+        refused(SpeedOutputs { forward: Some(70), ..none }),
         "x: forward is wired to entry 70 of io, which is no do"
     );
-    assert_eq!(refused(wf::Wiring { dac: Some(0), ..none }), "x: dac is wired to entry 0 of io, which is no ao");
+    assert_eq!(refused(SpeedOutputs { dac: Some(0), ..none }), "x: dac is wired to entry 0 of io, which is no ao");
     assert_eq!(
-        refused(wf::Wiring { output: Some(99), ..none }),
+        refused(SpeedOutputs { output: Some(99), ..none }),
         "x: output is wired to entry 99 of io, which is no do"
     );
 }

@@ -238,7 +238,7 @@ fn a_break_takes_the_reference_of_the_selector_in_its_cycle() {
     for axis in [LINE, X] {
         let name = if axis == X { "x" } else { "line" };
         assert_eq!((rig.state(name), rig.int(&format!("{name}.amc.select"))), ("STOPPING", 0));
-        assert_eq!(rig.machine.parameters(axis).unwrap().amc.reference_select, 0, "{name}");
+        assert_eq!(rig.machine.parameters(axis).unwrap().vocabularies.amc.reference_select, 0, "{name}");
     }
     let x = rig.give_all(vec![set(LINE, "amc.reference_select", 2), set(X, "amc.reference_select", 2)]);
     let why = "i_break has stopped the axis; i_continue or reset_errors lets it go on";

@@ -385,8 +385,8 @@ fn with_an_open_contact_every_word_that_moves_is_refused() {
         Action::Move(to(LINE, 1_000)),
         Action::Synchronize(couple(LINE, Leader::AxisCommand(Y), 1, 1)),
         Action::HomeAxis(HomeAxis { axis: LINE, method: HomingMethod::Cia402(35) }),
-        Action::Saia(Box::new(start)),
-        Action::Wf(Box::new(jog)),
+        Action::vocabulary(start),
+        Action::vocabulary(jog),
     ];
     for (contact, sentence) in [(1, "line: the emergency stop is open"), (2, "line: the interlock is open")] {
         for word in &words {

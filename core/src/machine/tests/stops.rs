@@ -91,7 +91,7 @@ fn quick_stop_uses_the_largest_deceleration_and_locks_until_reset() {
 /// when the stop came.
 #[test]
 fn a_lock_outlives_the_power_of_its_axis() {
-    let wf = || Action::Wf(Box::new(wf::Request { axis: X, enable: Some(true), ..Default::default() }));
+    let wf = || Action::vocabulary(wf::Request { axis: X, enable: Some(true), ..Default::default() });
     use saia::Command::{Initialise, LoadDestination, MotorOff, Start};
     let stops = [
         (Action::QuickStop(x()), "x: quick_stop has locked the axis; reset_errors first"),

@@ -53,7 +53,7 @@ fn warnings(rig: &Rig) -> Vec<Code> {
 
 /// 34.007 as it is written, and as it is in force.
 fn selected(rig: &Rig) -> (i64, i64) {
-    (rig.machine.parameters(X).unwrap().amc.reference_select, rig.int("x.amc.select"))
+    (rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select, rig.int("x.amc.select"))
 }
 
 /// Both bars, the way that each of them leaves open, and what it refuses with.
@@ -170,7 +170,7 @@ fn a_stream_that_is_turned_to_where_the_axis_may_not_go_stops_it() {
 fn jog(rig: &mut Rig, jog: Jog) -> u64 {
     let request =
         Request { axis: X, mode: Some(Mode::Jog), jog: Some(jog), fixed_speed: Some(1), ..Request::default() };
-    rig.give(Action::Wf(Box::new(request)))
+    rig.give(Action::vocabulary(request))
 }
 
 /// JOG- was released: it cuts its speed, whatever becomes of JOG+.
@@ -181,7 +181,7 @@ fn a_jog_that_is_turned_towards_a_switch_lets_go_of_the_way_back() {
     for interface in [Interface::OpenLoop, Interface::Position] {
         let mut config = config(0);
         config.axes[usize::from(X)].interface = interface;
-        config.axes[usize::from(X)].parameters.wf.fixed_speed_1 = 20.0;
+        config.axes[usize::from(X)].parameters.vocabularies.wf.fixed_speed_1 = 20.0;
         let mut rig = on_the_switch(config);
         let still = jog(&mut rig, Jog::Plus);
         assert_eq!(refused(&rig, still), Some(Code::LIMIT_VIOLATION), "{interface:?}");

@@ -13,8 +13,8 @@ pub(super) const ROWS: &[Row] = &[
         description: "How reference 0 stops: 0 with the profile, 1 without it, at once where the axis is; 2 and 3 the \
                       same, and a following error beyond amc.following_error_window selects reference 0.",
         source: "AMC-PAR-01, AMC-STP-02..06",
-        get: |p| Value::Int(p.amc.stop_mode),
-        set: |p, v| p.amc.stop_mode = int(v).unwrap_or(p.amc.stop_mode),
+        get: |p| Value::Int(p.vocabularies.amc.stop_mode),
+        set: |p, v| p.vocabularies.amc.stop_mode = int(v).unwrap_or(p.vocabularies.amc.stop_mode),
         ..NUMBER
     },
     Row {
@@ -38,8 +38,8 @@ pub(super) const ROWS: &[Row] = &[
         bare: Bare::AxisUnit,
         description: "Position of reference 1, distance of reference 6.",
         source: "AMC-PAR-03, AMC-PAR-12",
-        get: |p| Value::Int(p.amc.position_reference),
-        set: |p, v| p.amc.position_reference = int(v).unwrap_or(p.amc.position_reference),
+        get: |p| Value::Int(p.vocabularies.amc.position_reference),
+        set: |p, v| p.vocabularies.amc.position_reference = int(v).unwrap_or(p.vocabularies.amc.position_reference),
         ..NUMBER
     },
     Row {
@@ -50,8 +50,8 @@ pub(super) const ROWS: &[Row] = &[
         description: "Which way a change of position goes on an axis with a modulo: 0 shortest, 1 forward, 2 reverse, \
                       3 no rollover, 4 to 6 over several turns forward, reverse, as the sign says.",
         source: "AMC-PAR-05, AMC-ROT-10..16",
-        get: |p| Value::Int(p.amc.rotary_mode),
-        set: |p, v| p.amc.rotary_mode = int(v).unwrap_or(p.amc.rotary_mode),
+        get: |p| Value::Int(p.vocabularies.amc.rotary_mode),
+        set: |p, v| p.vocabularies.amc.rotary_mode = int(v).unwrap_or(p.vocabularies.amc.rotary_mode),
         ..NUMBER
     },
     Row {
@@ -64,8 +64,8 @@ pub(super) const ROWS: &[Row] = &[
         default: Value::Real(0.0),
         description: "Velocity of reference 2, at most max_velocity either way.",
         source: "AMC-PAR-06",
-        get: |p| Value::Real(p.amc.speed_reference),
-        set: |p, v| p.amc.speed_reference = real(v).unwrap_or(p.amc.speed_reference),
+        get: |p| Value::Real(p.vocabularies.amc.speed_reference),
+        set: |p, v| p.vocabularies.amc.speed_reference = real(v).unwrap_or(p.vocabularies.amc.speed_reference),
         ..NUMBER
     },
     Row {
@@ -78,8 +78,8 @@ pub(super) const ROWS: &[Row] = &[
                       changes by itself: 0 when anything else takes the axis, and at any end of homing; disable leaves others \
                       for the next enable.",
         source: "AMC-PAR-07, AMC-SEL-00..09",
-        get: |p| Value::Int(p.amc.reference_select),
-        set: |p, v| p.amc.reference_select = int(v).unwrap_or(p.amc.reference_select),
+        get: |p| Value::Int(p.vocabularies.amc.reference_select),
+        set: |p, v| p.vocabularies.amc.reference_select = int(v).unwrap_or(p.vocabularies.amc.reference_select),
         ..NUMBER
     },
     Row {
@@ -89,8 +89,8 @@ pub(super) const ROWS: &[Row] = &[
         range: Range::Int(0, 2),
         description: "What a rising latch of amc.freeze does: 0 nothing, 1 starts the cam, 2 starts the gear.",
         source: "AMC-PAR-08, AMC-EVT-02",
-        get: |p| Value::Int(p.amc.action_on_event),
-        set: |p, v| p.amc.action_on_event = int(v).unwrap_or(p.amc.action_on_event),
+        get: |p| Value::Int(p.vocabularies.amc.action_on_event),
+        set: |p, v| p.vocabularies.amc.action_on_event = int(v).unwrap_or(p.vocabularies.amc.action_on_event),
         ..NUMBER
     },
     Row {
@@ -101,8 +101,10 @@ pub(super) const ROWS: &[Row] = &[
         range: Range::Int(0, 7),
         description: "Each change of it is written to amc.reference_select.",
         source: "AMC-PAR-09, AMC-TRG-01",
-        get: |p| Value::Int(p.amc.reference_select_trigger),
-        set: |p, v| p.amc.reference_select_trigger = int(v).unwrap_or(p.amc.reference_select_trigger),
+        get: |p| Value::Int(p.vocabularies.amc.reference_select_trigger),
+        set: |p, v| {
+            p.vocabularies.amc.reference_select_trigger = int(v).unwrap_or(p.vocabularies.amc.reference_select_trigger)
+        },
         ..NUMBER
     },
     Row {
@@ -117,8 +119,8 @@ pub(super) const ROWS: &[Row] = &[
         default_text: "as max_following_error",
         description: "Following error beyond which amc.stop_mode 2 and 3 select reference 0.",
         source: "AMC-PAR-11, AMC-STP-06",
-        get: |p| p.amc.following_error_window.map_or(Value::Unset, Value::Int),
-        set: |p, v| p.amc.following_error_window = int(v),
+        get: |p| p.vocabularies.amc.following_error_window.map_or(Value::Unset, Value::Int),
+        set: |p, v| p.vocabularies.amc.following_error_window = int(v),
         ..NUMBER
     },
     Row {
@@ -128,8 +130,10 @@ pub(super) const ROWS: &[Row] = &[
         range: Range::Int(0, 3),
         description: "Amc.stop_mode while the axis stands at a software limit.",
         source: "AMC-PAR-11, AMC-STP-07",
-        get: |p| Value::Int(p.amc.software_limit_stop_mode),
-        set: |p, v| p.amc.software_limit_stop_mode = int(v).unwrap_or(p.amc.software_limit_stop_mode),
+        get: |p| Value::Int(p.vocabularies.amc.software_limit_stop_mode),
+        set: |p, v| {
+            p.vocabularies.amc.software_limit_stop_mode = int(v).unwrap_or(p.vocabularies.amc.software_limit_stop_mode)
+        },
         ..NUMBER
     },
 ];

@@ -3,6 +3,7 @@
 use super::{
     Applies, BASE, Effect, Group, HOUR_NS, Measure, PROFILES, REAL, Range, Row, Storage, Value, int, option, real,
 };
+use crate::regulator::KV;
 
 pub(super) const ROWS: &[Row] = &[
     Row {
@@ -218,6 +219,24 @@ pub(super) const ROWS: &[Row] = &[
         source: "contract section 1",
         get: |p| Value::Int(p.setpoint_timeout),
         set: |p, v| p.setpoint_timeout = int(v).unwrap_or(p.setpoint_timeout),
+        ..BASE
+    },
+    Row {
+        key: "position_loop.kv",
+        group: Group::Regulation,
+        measure: Measure::Number,
+        unit: "1/s",
+        range: Range::Real(0.01 * KV, 100.0 * KV),
+        default: Value::Real(KV),
+        applies: Applies::Regulator,
+        description: "Gain of the position loop that the core closes with interface velocity: the output velocity for each \
+                      increment of following error, within max_velocity.",
+        source: "WF-CLC-03",
+        get: |p| Value::Real(p.position_loop.kv),
+        set: |p, v| {
+            p.position_loop.kv = real(v).unwrap_or(p.position_loop.kv);
+            p.position_loop.given = None;
+        },
         ..BASE
     },
 ];

@@ -43,8 +43,8 @@ macro_rules! register {
             default: Value::Int($default),
             description: $description,
             source: $source,
-            get: |p| Value::Int(p.saia.$name.into()),
-            set: |p, v| p.saia.$name = word(v).unwrap_or(p.saia.$name),
+            get: |p| Value::Int(p.vocabularies.saia.$name.into()),
+            set: |p, v| p.vocabularies.saia.$name = word(v).unwrap_or(p.vocabularies.saia.$name),
             ..REGISTER
         }
     };
@@ -75,15 +75,15 @@ macro_rules! option {
             key: $key,
             description: $description,
             source: $source,
-            get: |p| Value::Int(p.saia.$name.into()),
-            set: |p, v| p.saia.$name = int(v) == Some(1),
+            get: |p| Value::Int(p.vocabularies.saia.$name.into()),
+            set: |p, v| p.vocabularies.saia.$name = int(v) == Some(1),
             ..OPTION
         }
     };
 }
 
 fn saia(p: &super::super::AxisParameters) -> &Parameters {
-    &p.saia
+    &p.vocabularies.saia
 }
 
 pub(super) const ROWS: &[Row] = &[
@@ -111,7 +111,7 @@ pub(super) const ROWS: &[Row] = &[
         description: "Motion control factor: counts per unit of destp, brkp, veloc, accel and of what is read.",
         source: "SAIA-REG-05",
         get: |p| Value::Real(saia(p).mcfac),
-        set: |p, v| p.saia.mcfac = real(v).unwrap_or(p.saia.mcfac),
+        set: |p, v| p.vocabularies.saia.mcfac = real(v).unwrap_or(p.vocabularies.saia.mcfac),
         ..REGISTER
     },
     Row {
@@ -148,7 +148,7 @@ pub(super) const ROWS: &[Row] = &[
         description: "Acceleration [units/s^2], for fldaa and fldar; one left out is cut to the velocity register of the start.",
         source: "SAIA-REG-10",
         get: |p| saia(p).accel.map_or(Value::Unset, |accel| Value::Int(accel.into())),
-        set: |p, v| p.saia.accel = word(v),
+        set: |p, v| p.vocabularies.saia.accel = word(v),
         ..REGISTER
     },
     register!(
@@ -242,7 +242,7 @@ pub(super) const ROWS: &[Row] = &[
         description: "Output that axinit chooses: 6 analogue of 12 bit, 5 PWM of 8 bit.",
         source: "SAIA-INI-02",
         get: |p| Value::Int(saia(p).imode),
-        set: |p, v| p.saia.imode = int(v).unwrap_or(p.saia.imode),
+        set: |p, v| p.vocabularies.saia.imode = int(v).unwrap_or(p.vocabularies.saia.imode),
         ..REGISTER
     },
     option!(
@@ -271,7 +271,7 @@ pub(super) const ROWS: &[Row] = &[
         description: "Factor between the regulator and saia.output.",
         source: "SAIA-EXT-06",
         get: |p| Value::Real(saia(p).output_gain),
-        set: |p, v| p.saia.output_gain = real(v).unwrap_or(p.saia.output_gain),
+        set: |p, v| p.vocabularies.saia.output_gain = real(v).unwrap_or(p.vocabularies.saia.output_gain),
         ..OPTION
     },
     Row {
@@ -281,7 +281,7 @@ pub(super) const ROWS: &[Row] = &[
         description: "What a command error does: refuse the verb; log_only, the command alone is left out; motor_off, that and an error of the axis.",
         source: "SAIA-ERR-04",
         get: |p| Value::Int(saia(p).command_error),
-        set: |p, v| p.saia.command_error = int(v).unwrap_or(p.saia.command_error),
+        set: |p, v| p.vocabularies.saia.command_error = int(v).unwrap_or(p.vocabularies.saia.command_error),
         ..OPTION
     },
 ];

@@ -65,8 +65,8 @@ pub(super) const ROWS: &[Row] = &[
         number: "1",
         default_text: "as max_acceleration",
         description: "Acceleration of blocks and of setup in closed loop; not above max_acceleration.",
-        get: |p| option(p.wf.md1),
-        set: |p, v| p.wf.md1 = real(v),
+        get: |p| option(p.vocabularies.wf.md1),
+        set: |p, v| p.vocabularies.wf.md1 = real(v),
         ..RATE
     },
     Row {
@@ -75,8 +75,8 @@ pub(super) const ROWS: &[Row] = &[
         number: "2",
         default_text: "as max_deceleration",
         description: "Deceleration of blocks and of setup in closed loop; not above max_deceleration.",
-        get: |p| option(p.wf.md2),
-        set: |p, v| p.wf.md2 = real(v),
+        get: |p| option(p.vocabularies.wf.md2),
+        set: |p, v| p.vocabularies.wf.md2 = real(v),
         ..RATE
     },
     Row {
@@ -90,8 +90,8 @@ pub(super) const ROWS: &[Row] = &[
         description: "Kind of encoder: absolute ones have a word of wf.md5 steps in Gray code and begin anew behind the last one.",
         source: "WF-MD-03",
         effect: Effect::Disabled,
-        get: |p| Value::Int(p.encoder.md4),
-        set: |p, v| p.encoder.md4 = int(v).unwrap_or(p.encoder.md4),
+        get: |p| Value::Int(p.encoder.kind),
+        set: |p, v| p.encoder.kind = int(v).unwrap_or(p.encoder.kind),
         ..UNIT
     },
     Row {
@@ -105,8 +105,8 @@ pub(super) const ROWS: &[Row] = &[
         description: "Steps of an absolute encoder: those of a revolution times its revolutions.",
         source: "WF-MD-04, WF-ABS-02",
         effect: Effect::Disabled,
-        get: |p| Value::Int(p.encoder.md5),
-        set: |p, v| p.encoder.md5 = int(v).unwrap_or(p.encoder.md5),
+        get: |p| Value::Int(p.encoder.steps),
+        set: |p, v| p.encoder.steps = int(v).unwrap_or(p.encoder.steps),
         ..UNIT
     },
     Row {
@@ -117,8 +117,8 @@ pub(super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         applies: Applies::Drive,
         effect: Effect::Disabled,
-        get: |p| Value::Int(p.encoder.md7),
-        set: |p, v| p.encoder.md7 = int(v).unwrap_or(p.encoder.md7),
+        get: |p| Value::Int(p.encoder.side_or_omitted),
+        set: |p, v| p.encoder.side_or_omitted = int(v).unwrap_or(p.encoder.side_or_omitted),
         description: "Incremental encoder: side of the cam on which homing ends: 0 the one that JOG leads to, 1 plus, 2 minus; for the \
                       side that it comes from the axis turns round on the cam. Absolute encoder: steps that are left out, the \
                       value of its first word.",
@@ -136,8 +136,8 @@ pub(super) const ROWS: &[Row] = &[
         default: Value::Int(1),
         applies: Applies::Drive,
         effect: Effect::NextHoming,
-        get: |p| Value::Int(p.wf.md15),
-        set: |p, v| p.wf.md15 = int(v).unwrap_or(p.wf.md15),
+        get: |p| Value::Int(p.homing.cam_source),
+        set: |p, v| p.homing.cam_source = int(v).unwrap_or(p.homing.cam_source),
         description: "Where the cam of homing comes from: the key cam of verb wf, or the reference switch (i_refswitch, or that of the \
                       drive).",
         source: "WF-MD-08, WF-REF-04",
@@ -153,8 +153,8 @@ pub(super) const ROWS: &[Row] = &[
         applies: Applies::Drive,
         range: POSITION,
         effect: Effect::Disabled,
-        get: |p| Value::Int(p.wf.md16),
-        set: |p, v| p.wf.md16 = int(v).unwrap_or(p.wf.md16),
+        get: |p| Value::Int(p.encoder.reference_or_parity),
+        set: |p, v| p.encoder.reference_or_parity = int(v).unwrap_or(p.encoder.reference_or_parity),
         description: "Incremental encoder: position of the reference point; absolute encoder: parity of its word, 0 none, 1 inc even, 2 inc odd.",
         source: "WF-MD-09, WF-ABS-04, WF-REF-02, WF-REF-03",
         note: "W04: it means another thing with each kind of encoder; the row is both. The numbers of the parity are not told: these are taken.",
@@ -169,8 +169,8 @@ pub(super) const ROWS: &[Row] = &[
         applies: Applies::Drive,
         range: POSITION,
         effect: Effect::NextHoming,
-        get: |p| Value::Int(p.wf.md17),
-        set: |p, v| p.wf.md17 = int(v).unwrap_or(p.wf.md17),
+        get: |p| Value::Int(p.vocabularies.wf.md17),
+        set: |p, v| p.vocabularies.wf.md17 = int(v).unwrap_or(p.vocabularies.wf.md17),
         description: "Way from the zero mark to the reference point; without effect in open loop.",
         source: "WF-MD-10, WF-REF-01, WF-REF-03",
         ..UNIT
@@ -192,6 +192,7 @@ pub(super) const ROWS: &[Row] = &[
         key: "wf.md22",
         mnemonic: "MD22",
         number: "22",
+        view_of: "position_loop.kv",
         measure: Measure::Number,
         unit: "(mm/min)/um",
         range: Range::Real(0.01, 100.0),
@@ -199,8 +200,8 @@ pub(super) const ROWS: &[Row] = &[
         applies: Applies::Regulator,
         description: "Servo gain kv of the position loop with interface velocity, (mm/min)/um: 1 is 16.667 1/s.",
         source: "WF-MD-14, WF-CLC-03",
-        get: |p| Value::Real(p.wf.md22),
-        set: |p, v| p.wf.md22 = real(v).unwrap_or(p.wf.md22),
+        get: |p| Value::Real(p.position_loop.servo_gain()),
+        set: |p, v| p.position_loop.given = real(v).or(p.position_loop.given),
         ..UNIT
     },
     Row {
@@ -212,8 +213,8 @@ pub(super) const ROWS: &[Row] = &[
         default: Value::Int(1_000_000_000),
         description: "PEH time: within it the position has to be inside the PEH window, else alarm 22.",
         source: "WF-MD-15, WF-PEH-02",
-        get: |p| Value::Int(p.wf.md30),
-        set: |p, v| p.wf.md30 = int(v).unwrap_or(p.wf.md30),
+        get: |p| Value::Int(p.vocabularies.wf.md30),
+        set: |p, v| p.vocabularies.wf.md30 = int(v).unwrap_or(p.vocabularies.wf.md30),
         ..UNIT
     },
     Row {
@@ -226,8 +227,8 @@ pub(super) const ROWS: &[Row] = &[
         description: "Incremental encoder: pulses of a revolution, a quarter of the increments from index to index; absolute encoder: most steps of a cycle, beyond which its word is bad; 0: not supervised.",
         source: "WF-MD-16",
         note: "W04: it means another thing with each kind of encoder; the row is both.",
-        get: |p| Value::Int(p.encoder.md34),
-        set: |p, v| p.encoder.md34 = int(v).unwrap_or(p.encoder.md34),
+        get: |p| Value::Int(p.encoder.pulses_or_step),
+        set: |p, v| p.encoder.pulses_or_step = int(v).unwrap_or(p.encoder.pulses_or_step),
         ..UNIT
     },
     Row {
@@ -239,8 +240,8 @@ pub(super) const ROWS: &[Row] = &[
         applies: Applies::Drive,
         description: "1: encoder monitoring. Alarm 8 when pulses are missing or too many from index to index (wf.md34), alarm 7 in the place of error 10206 when the encoder gives no value.",
         source: "WF-MD-18",
-        get: |p| Value::Int(p.encoder.md41),
-        set: |p, v| p.encoder.md41 = int(v).unwrap_or(p.encoder.md41),
+        get: |p| Value::Int(p.encoder.monitored),
+        set: |p, v| p.encoder.monitored = int(v).unwrap_or(p.encoder.monitored),
         ..UNIT
     },
     Row {
@@ -248,8 +249,8 @@ pub(super) const ROWS: &[Row] = &[
         mnemonic: "MD42",
         number: "42",
         description: "Speed value of reduction step 1, in hundredths of max_velocity.",
-        get: |p| Value::Int(p.wf.md42),
-        set: |p, v| p.wf.md42 = int(v).unwrap_or(p.wf.md42),
+        get: |p| Value::Int(p.vocabularies.wf.md42),
+        set: |p, v| p.vocabularies.wf.md42 = int(v).unwrap_or(p.vocabularies.wf.md42),
         ..STEP_SPEED
     },
     Row {
@@ -257,8 +258,8 @@ pub(super) const ROWS: &[Row] = &[
         mnemonic: "MD43",
         number: "43",
         description: "Speed value of reduction step 2; not above wf.md42.",
-        get: |p| Value::Int(p.wf.md43),
-        set: |p, v| p.wf.md43 = int(v).unwrap_or(p.wf.md43),
+        get: |p| Value::Int(p.vocabularies.wf.md43),
+        set: |p, v| p.vocabularies.wf.md43 = int(v).unwrap_or(p.vocabularies.wf.md43),
         ..STEP_SPEED
     },
     Row {
@@ -266,8 +267,8 @@ pub(super) const ROWS: &[Row] = &[
         mnemonic: "MD44",
         number: "44",
         description: "Speed value of reduction step 3; not above wf.md43.",
-        get: |p| Value::Int(p.wf.md44),
-        set: |p, v| p.wf.md44 = int(v).unwrap_or(p.wf.md44),
+        get: |p| Value::Int(p.vocabularies.wf.md44),
+        set: |p, v| p.vocabularies.wf.md44 = int(v).unwrap_or(p.vocabularies.wf.md44),
         ..STEP_SPEED
     },
     Row {
@@ -275,8 +276,8 @@ pub(super) const ROWS: &[Row] = &[
         mnemonic: "MD45",
         number: "45",
         description: "Distance before the target from which on step 1 runs, this distance included.",
-        get: |p| Value::Int(p.wf.md45),
-        set: |p, v| p.wf.md45 = int(v).unwrap_or(p.wf.md45),
+        get: |p| Value::Int(p.vocabularies.wf.md45),
+        set: |p, v| p.vocabularies.wf.md45 = int(v).unwrap_or(p.vocabularies.wf.md45),
         ..STEP_DISTANCE
     },
     Row {
@@ -284,8 +285,8 @@ pub(super) const ROWS: &[Row] = &[
         mnemonic: "MD46",
         number: "46",
         description: "Distance before the target below which step 2 runs; not above wf.md45.",
-        get: |p| Value::Int(p.wf.md46),
-        set: |p, v| p.wf.md46 = int(v).unwrap_or(p.wf.md46),
+        get: |p| Value::Int(p.vocabularies.wf.md46),
+        set: |p, v| p.vocabularies.wf.md46 = int(v).unwrap_or(p.vocabularies.wf.md46),
         ..STEP_DISTANCE
     },
     Row {
@@ -293,8 +294,8 @@ pub(super) const ROWS: &[Row] = &[
         mnemonic: "MD47",
         number: "47",
         description: "Distance before the target below which step 3 runs; not above wf.md46.",
-        get: |p| Value::Int(p.wf.md47),
-        set: |p, v| p.wf.md47 = int(v).unwrap_or(p.wf.md47),
+        get: |p| Value::Int(p.vocabularies.wf.md47),
+        set: |p, v| p.vocabularies.wf.md47 = int(v).unwrap_or(p.vocabularies.wf.md47),
         ..STEP_DISTANCE
     },
     Row {
@@ -302,8 +303,8 @@ pub(super) const ROWS: &[Row] = &[
         mnemonic: "MD48",
         number: "48",
         description: "Distance before the target below which the output is off; not above wf.md47.",
-        get: |p| Value::Int(p.wf.md48),
-        set: |p, v| p.wf.md48 = int(v).unwrap_or(p.wf.md48),
+        get: |p| Value::Int(p.vocabularies.wf.md48),
+        set: |p, v| p.vocabularies.wf.md48 = int(v).unwrap_or(p.vocabularies.wf.md48),
         ..STEP_DISTANCE
     },
     Row {
@@ -313,8 +314,8 @@ pub(super) const ROWS: &[Row] = &[
         default_text: "as in_position_window",
         description: "PEH window: this near to the end of a block its position is reached.",
         source: "WF-MD-22, WF-PEH-03",
-        get: |p| p.wf.peh_window.map_or(Value::Unset, Value::Int),
-        set: |p, v| p.wf.peh_window = int(v),
+        get: |p| p.vocabularies.wf.peh_window.map_or(Value::Unset, Value::Int),
+        set: |p, v| p.vocabularies.wf.peh_window = int(v),
         ..UNIT
     },
     Row {
@@ -323,8 +324,8 @@ pub(super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "1: the PEH time begins with START, 0: with the end of the output.",
         source: "WF-PEH-01, W07",
-        get: |p| Value::Int(p.wf.peh_from_start),
-        set: |p, v| p.wf.peh_from_start = int(v).unwrap_or(p.wf.peh_from_start),
+        get: |p| Value::Int(p.vocabularies.wf.peh_from_start),
+        set: |p, v| p.vocabularies.wf.peh_from_start = int(v).unwrap_or(p.vocabularies.wf.peh_from_start),
         ..UNIT
     },
     Row {
@@ -335,37 +336,37 @@ pub(super) const ROWS: &[Row] = &[
         applies: Applies::Drive,
         description: "Set position minus actual position beyond which alarm 10 (in travel) or 11 (at standstill) comes: in closed loop, from enable on, whoever moves the axis.",
         source: "WF-MD-22, WF-MON-04, W13",
-        get: |p| p.wf.max_following_error.map_or(Value::Unset, Value::Int),
-        set: |p, v| p.wf.max_following_error = int(v),
+        get: |p| p.vocabularies.wf.max_following_error.map_or(Value::Unset, Value::Int),
+        set: |p, v| p.vocabularies.wf.max_following_error = int(v),
         ..UNIT
     },
     Row {
         key: "wf.fixed_speed_1",
         description: "Setup speed that fixed_speed 1 chooses in mode jog, in hundredths of max_velocity.",
-        get: |p| Value::Real(p.wf.fixed_speed_1),
-        set: |p, v| p.wf.fixed_speed_1 = real(v).unwrap_or(p.wf.fixed_speed_1),
+        get: |p| Value::Real(p.vocabularies.wf.fixed_speed_1),
+        set: |p, v| p.vocabularies.wf.fixed_speed_1 = real(v).unwrap_or(p.vocabularies.wf.fixed_speed_1),
         ..FIXED_SPEED
     },
     Row {
         key: "wf.fixed_speed_2",
         description: "Setup speed that fixed_speed 2 chooses in mode jog.",
-        get: |p| Value::Real(p.wf.fixed_speed_2),
-        set: |p, v| p.wf.fixed_speed_2 = real(v).unwrap_or(p.wf.fixed_speed_2),
+        get: |p| Value::Real(p.vocabularies.wf.fixed_speed_2),
+        set: |p, v| p.vocabularies.wf.fixed_speed_2 = real(v).unwrap_or(p.vocabularies.wf.fixed_speed_2),
         ..FIXED_SPEED
     },
     Row {
         key: "wf.fixed_speed_3",
         description: "Setup speed that fixed_speed 3 chooses in mode jog.",
-        get: |p| Value::Real(p.wf.fixed_speed_3),
-        set: |p, v| p.wf.fixed_speed_3 = real(v).unwrap_or(p.wf.fixed_speed_3),
+        get: |p| Value::Real(p.vocabularies.wf.fixed_speed_3),
+        set: |p, v| p.vocabularies.wf.fixed_speed_3 = real(v).unwrap_or(p.vocabularies.wf.fixed_speed_3),
         ..FIXED_SPEED
     },
     Row {
         key: "wf.reference_rapid",
         applies: Applies::Drive,
         effect: Effect::NextHoming,
-        get: |p| Value::Real(p.wf.reference_rapid),
-        set: |p, v| p.wf.reference_rapid = real(v).unwrap_or(p.wf.reference_rapid),
+        get: |p| Value::Real(p.vocabularies.wf.reference_rapid),
+        set: |p, v| p.vocabularies.wf.reference_rapid = real(v).unwrap_or(p.vocabularies.wf.reference_rapid),
         description: "Speed value of homing towards the cam.",
         source: "WF-MD-22, WF-REF-01",
         ..FIXED_SPEED
@@ -374,8 +375,8 @@ pub(super) const ROWS: &[Row] = &[
         key: "wf.reference_reduced",
         applies: Applies::Drive,
         effect: Effect::NextHoming,
-        get: |p| Value::Real(p.wf.reference_reduced),
-        set: |p, v| p.wf.reference_reduced = real(v).unwrap_or(p.wf.reference_reduced),
+        get: |p| Value::Real(p.vocabularies.wf.reference_reduced),
+        set: |p, v| p.vocabularies.wf.reference_reduced = real(v).unwrap_or(p.vocabularies.wf.reference_reduced),
         description: "Speed value of homing on the cam.",
         source: "WF-MD-22, WF-REF-01",
         ..FIXED_SPEED
@@ -384,8 +385,8 @@ pub(super) const ROWS: &[Row] = &[
         key: "wf.reference_creep",
         applies: Applies::Drive,
         effect: Effect::NextHoming,
-        get: |p| Value::Real(p.wf.reference_creep),
-        set: |p, v| p.wf.reference_creep = real(v).unwrap_or(p.wf.reference_creep),
+        get: |p| Value::Real(p.vocabularies.wf.reference_creep),
+        set: |p, v| p.vocabularies.wf.reference_creep = real(v).unwrap_or(p.vocabularies.wf.reference_creep),
         description: "Speed value of homing from the cam to the zero mark.",
         source: "WF-MD-22, WF-REF-01",
         ..FIXED_SPEED
@@ -393,15 +394,15 @@ pub(super) const ROWS: &[Row] = &[
     Row {
         key: "wf.zero_offset",
         description: "Zero offset NV: added to absolute positions of the blocks that start from now on.",
-        get: |p| Value::Int(p.wf.zero_offset),
-        set: |p, v| p.wf.zero_offset = int(v).unwrap_or(p.wf.zero_offset),
+        get: |p| Value::Int(p.vocabularies.wf.zero_offset),
+        set: |p, v| p.vocabularies.wf.zero_offset = int(v).unwrap_or(p.vocabularies.wf.zero_offset),
         ..OFFSET
     },
     Row {
         key: "wf.tool_length",
         description: "Tool length compensation WK: added to absolute positions of the blocks that start from now on.",
-        get: |p| Value::Int(p.wf.tool_length),
-        set: |p, v| p.wf.tool_length = int(v).unwrap_or(p.wf.tool_length),
+        get: |p| Value::Int(p.vocabularies.wf.tool_length),
+        set: |p, v| p.vocabularies.wf.tool_length = int(v).unwrap_or(p.vocabularies.wf.tool_length),
         ..OFFSET
     },
 ];

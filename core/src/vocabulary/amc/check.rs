@@ -1,13 +1,15 @@
 //! Which values of the selector's parameters the rest of the axis allows.
 
-use super::parameters::{CAM, CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, HOME, Wiring};
+use super::parameters::{CAM, CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, HOME};
 use super::rotary::{Circle, Mode};
 use crate::code::Code;
-use crate::event::Number;
+use crate::event::{Number, Refusal};
 use crate::modulo::Modulo;
-use crate::parameter::AxisParameters;
+use crate::object::Object;
 use crate::parameter::amc::Parameters;
+use crate::parameter::{AxisParameters, ROWS, Row};
 use crate::position::Position;
+use crate::vocabulary::Wiring;
 
 /// What is fixed about the axis of a selector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +29,8 @@ pub struct Setting {
 /// A parameter whose value the rest of the axis does not allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Problem {
-    /// Its key.
-    pub key: &'static str,
+    /// Place of its row.
+    pub row: u16,
     /// Why.
     pub code: Code,
     /// Its value.
@@ -37,19 +39,37 @@ pub struct Problem {
     pub limit: Number,
 }
 
+impl Problem {
+    /// The key of the parameter.
+    pub fn key(&self) -> &'static str {
+        ROWS.get(usize::from(self.row)).map_or("", |row| row.key)
+    }
+
+    /// As why something is refused.
+    pub fn refusal(&self, object: Object) -> Refusal {
+        Refusal { parameter: Some(self.row), ..Refusal::new(self.code, object).with(self.asked, self.limit) }
+    }
+}
+
+pub(super) const POSITION_REFERENCE: u16 = Row::place("amc.position_reference");
+pub(super) const ACTION_ON_EVENT: u16 = Row::place("amc.action_on_event");
+const SPEED_REFERENCE: u16 = Row::place("amc.speed_reference");
+const SELECT: u16 = Row::place("amc.reference_select");
+const TRIGGER: u16 = Row::place("amc.reference_select_trigger");
+
 /// Do the parameters of the selector agree with the axis?
 ///
 /// # Errors
 /// The first one that does not.
 pub fn check(parameters: &AxisParameters, setting: &Setting) -> Result<(), Problem> {
-    let p = &parameters.amc;
-    check_select("amc.reference_select", p.reference_select, parameters.homing.method, setting)?;
-    check_select("amc.reference_select_trigger", p.reference_select_trigger, parameters.homing.method, setting)?;
+    let p = &parameters.vocabularies.amc;
+    check_select(SELECT, p.reference_select, parameters.homing.method, setting)?;
+    check_select(TRIGGER, p.reference_select_trigger, parameters.homing.method, setting)?;
     check_event(p.action_on_event, setting)?;
     check_reference(p, setting)?;
     if p.speed_reference.abs() > parameters.max_velocity {
         return Err(Problem {
-            key: "amc.speed_reference",
+            row: SPEED_REFERENCE,
             code: Code::VELOCITY_TOO_HIGH,
             asked: Number::Velocity(p.speed_reference.abs()),
             limit: Number::Velocity(parameters.max_velocity),
@@ -58,23 +78,23 @@ pub fn check(parameters: &AxisParameters, setting: &Setting) -> Result<(), Probl
     Ok(())
 }
 
-fn check_select(key: &'static str, select: i64, method: i64, setting: &Setting) -> Result<(), Problem> {
-    let refuse = |code| Err(Problem { key, code, asked: Number::Count(select), limit: Number::None });
+fn check_select(row: u16, select: i64, method: i64, setting: &Setting) -> Result<(), Problem> {
+    let refuse = |code| Err(Problem { row, code, asked: Number::Count(select), limit: Number::None });
     match select {
         CAM => refuse(Code::NOT_BUILT),
         HOME if method == 0 && setting.is_virtual => refuse(Code::HOMING_NEEDS_DRIVE),
         HOME if method == 0 => refuse(Code::HOMING_NO_METHOD),
-        GEAR if setting.wiring.master.is_none() => refuse(Code::AMC_NO_MASTER),
+        GEAR if setting.wiring.amc.master.is_none() => refuse(Code::AMC_NO_MASTER),
         _ => Ok(()),
     }
 }
 
 fn check_event(action: i64, setting: &Setting) -> Result<(), Problem> {
     let asked = Number::Count(action);
-    let refuse = |code| Err(Problem { key: "amc.action_on_event", code, asked, limit: Number::None });
+    let refuse = |code| Err(Problem { row: ACTION_ON_EVENT, code, asked, limit: Number::None });
     match action {
-        CAM_ON_FREEZE | GEAR_ON_FREEZE if setting.wiring.freeze.is_none() => refuse(Code::AMC_NO_FREEZE),
-        GEAR_ON_FREEZE if setting.wiring.master.is_none() => refuse(Code::AMC_NO_MASTER),
+        CAM_ON_FREEZE | GEAR_ON_FREEZE if setting.wiring.amc.freeze.is_none() => refuse(Code::AMC_NO_FREEZE),
+        GEAR_ON_FREEZE if setting.wiring.amc.master.is_none() => refuse(Code::AMC_NO_MASTER),
         _ => Ok(()),
     }
 }
@@ -84,7 +104,7 @@ fn check_reference(p: &Parameters, setting: &Setting) -> Result<(), Problem> {
     let circle = Circle::new(setting.modulo);
     let reference = circle.exact(Position::whole(p.position_reference));
     let asked = Number::Position(p.position_reference);
-    let refuse = |code, limit| Err(Problem { key: "amc.position_reference", code, asked, limit });
+    let refuse = |code, limit| Err(Problem { row: POSITION_REFERENCE, code, asked, limit });
     let (Some(last), Some(capacity)) = (circle.last(), circle.capacity(setting.unit)) else { return Ok(()) };
     if Mode::new(p.rotary_mode, setting.modulo, setting.cycle_ns).is_within_turn() {
         if p.position_reference.saturating_abs() > last {

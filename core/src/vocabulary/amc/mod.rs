@@ -94,7 +94,7 @@ impl Amc {
 
     /// One step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Step {
-        let p = &view.parameters.amc;
+        let p = &view.parameters.vocabularies.amc;
         let before = *self;
         self.trigger = p.reference_select_trigger;
         self.reference = p.position_reference;
@@ -209,17 +209,17 @@ impl Amc {
 
     /// Takes a freeze event of this cycle; gives the way of the master since then, where it counts.
     fn take_event(&self, view: &View<'_>, step: &mut Step) -> Position {
-        let freeze = view.selector.freeze;
+        let freeze = view.wiring.amc.freeze;
         let is_event = |latch: &&Latched| latch.rising && Some(latch.object) == freeze;
         // Of several the first one is the event.
         let first = view.latches.iter().filter(is_event).max_by_key(|latch| latch.age_ns);
         let Some(latch) = first.filter(|_| !view.at_limit) else { return Position::ZERO };
-        let action = view.parameters.amc.action_on_event;
+        let action = view.parameters.vocabularies.amc.action_on_event;
         match action {
             CAM_ON_FREEZE => {
                 let asked = Number::Count(action);
-                let (key, code, limit) = ("amc.action_on_event", Code::NOT_BUILT, Number::None);
-                step.problem = Some(Problem { key, code, asked, limit });
+                let (row, code, limit) = (check::ACTION_ON_EVENT, Code::NOT_BUILT, Number::None);
+                step.problem = Some(Problem { row, code, asked, limit });
             }
             GEAR_ON_FREEZE if self.select != GEAR => {
                 step.select = GEAR;
@@ -232,7 +232,7 @@ impl Amc {
 
     /// AMC-STP-06: modes 2 and 3.
     fn stops_by_error(&self, view: &View<'_>) -> bool {
-        let p = &view.parameters.amc;
+        let p = &view.parameters.vocabularies.amc;
         let window = p.following_error_window.unwrap_or(view.parameters.max_following_error);
         p.stop_mode >= 2 && view.following_error.unsigned_abs() > window.unsigned_abs()
     }
@@ -305,7 +305,7 @@ impl Amc {
 /// The way of the master from the freeze point to this sample (AMC-EVT-05, M11): what the device captured, else on the
 /// straight line through the sample (AMC-EVT-07).
 fn past(view: &View<'_>, latch: &Latched) -> Position {
-    let Some(master) = view.selector.master else { return Position::ZERO };
+    let Some(master) = view.wiring.amc.master else { return Position::ZERO };
     let lead = view.leads.get(master);
     let is_its_own = match (master, latch.object) {
         (Leader::Encoder(encoder), Object::Encoder(object)) => encoder == object,

@@ -1,5 +1,6 @@
 //! The orders of the single references, and the stop reference.
 
+use super::check::POSITION_REFERENCE;
 use super::parameters::POSITION_RELATIVE;
 use super::rotary::{Circle, Exact, Mode};
 use super::{Amc, Problem};
@@ -31,7 +32,7 @@ pub(super) fn stop_reference(view: &View<'_>) -> Position {
 }
 
 fn stops_by_profile(view: &View<'_>) -> bool {
-    let p = &view.parameters.amc;
+    let p = &view.parameters.vocabularies.amc;
     let mode = if view.at_limit { p.software_limit_stop_mode } else { p.stop_mode };
     mode % 2 == 0
 }
@@ -51,7 +52,7 @@ impl Amc {
         let added = circle.added(mode, wanted, self.input);
         let input = self.input.plus(added);
         let asked = Number::Position(self.reference);
-        let refuse = |code, limit| Err(Problem { key: "amc.position_reference", code, asked, limit });
+        let refuse = |code, limit| Err(Problem { row: POSITION_REFERENCE, code, asked, limit });
         if !circle.is_legal(input) {
             return refuse(Code::POSITION_OUT_OF_RANGE, Number::None);
         }

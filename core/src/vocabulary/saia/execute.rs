@@ -1,10 +1,10 @@
 //! Verbs: the order of their commands, three tries, and what the whole asks of the axis.
 
-use super::{Command, Errors, Fault, MOST, Outcome, Phase, Request, Saia};
+use super::{Command, Errors, Fault, Phase, Request, Saia};
 use crate::code::Code;
 use crate::event::Refusal;
 use crate::parameter::saia::{MOTOR_OFF, REFUSE};
-use crate::vocabulary::{Order, View};
+use crate::vocabulary::{Order, Outcome, View};
 
 /// How often a command is tried (SAIA-ERR-03).
 const TRIES: u32 = 3;
@@ -38,8 +38,8 @@ impl Saia {
             self.power_up(view);
         }
         self.wrap(view);
-        let policy = view.parameters.saia.command_error;
-        let mut outcome = Outcome { order: None, coming: None, errors: [None; MOST] };
+        let policy = view.parameters.vocabularies.saia.command_error;
+        let mut outcome = Outcome::of(None);
         let mut places = outcome.errors.iter_mut();
         let (mut deed, mut first) = (Deed::default(), None);
         for command in request.commands.iter() {
@@ -102,7 +102,7 @@ impl Saia {
         if self.phase == Phase::Power && command != Command::Initialise {
             return Err(Fault::new(Code::SAIA_NOT_INITIALISED));
         }
-        let p = &view.parameters.saia;
+        let p = &view.parameters.vocabularies.saia;
         match command {
             Command::Initialise => self.initialise(view, deed),
             Command::SelectMode => {

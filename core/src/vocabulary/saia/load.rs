@@ -47,7 +47,7 @@ fn position(register: Register, counts: i64) -> Result<i64, Fault> {
 impl Saia {
     /// AxInit: either all of its steps, or none.
     pub(super) fn initialise(&mut self, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
-        let p = &view.parameters.saia;
+        let p = &view.parameters.vocabularies.saia;
         let mut fresh = Self {
             phase: Phase::Off,
             zero: super::actual(view).0.floor(),
@@ -70,7 +70,7 @@ impl Saia {
     /// What a program's start-up does by `axinit`, for an axis that somebody else has switched on: it stays on, and the zero
     /// is that of the axis. A register that `axinit` would not take leaves what the module has after a reset.
     pub(super) fn power_up(&mut self, view: &View<'_>) {
-        let p = &view.parameters.saia;
+        let p = &view.parameters.vocabularies.saia;
         let position = super::actual(view).0.floor();
         let shares_zero = (LOWEST..=HIGHEST).contains(&position);
         let mut fresh = Self {
@@ -159,7 +159,7 @@ impl Saia {
 
     /// What the register asks for, and whether that is the usual acceleration of the axis.
     fn acceleration(&self, view: &View<'_>, relative: bool) -> Result<(i64, bool), Fault> {
-        let p = &view.parameters.saia;
+        let p = &view.parameters.vocabularies.saia;
         let base = self.base(Register::Accel, relative, self.working.acceleration)?;
         let Some(accel) = p.accel else {
             let usual = view.parameters.usual_acceleration().min(view.parameters.usual_deceleration());
@@ -188,7 +188,7 @@ impl Saia {
     }
 
     pub(super) fn load_break(&mut self, view: &View<'_>, relative: bool) -> Result<(), Fault> {
-        let p = &view.parameters.saia;
+        let p = &view.parameters.vocabularies.saia;
         let base = self.base(Register::BrkP, relative, self.working.destination)?;
         let change = position(Register::BrkP, Scaling::of(p).counts(p.brkp))?;
         let position = position(Register::BrkP, base.saturating_add(change))?;

@@ -26,7 +26,7 @@ pub use register::Register;
 pub use request::Request;
 pub use signals::{STATES, SaiaSignal};
 
-use super::{Order, View};
+use super::View;
 use crate::code::Code;
 use crate::event::{Number, Refusal};
 use crate::parameter::saia::Parameters;
@@ -182,18 +182,7 @@ pub struct Saia {
 }
 
 /// Most commands of a verb.
-const MOST: usize = Command::ALL.len();
-
-/// What a verb did.
-#[derive(Clone, Copy, Debug)]
-pub struct Outcome {
-    /// What it asks of the axis.
-    pub order: Option<Order>,
-    /// The motion of its start, where that waits for the drive.
-    pub coming: Option<Order>,
-    /// The command errors of those that were not done, in their order.
-    pub errors: [Option<Refusal>; MOST],
-}
+pub(super) const MOST: usize = Command::ALL.len();
 
 /// Why a command is not done.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -218,7 +207,7 @@ impl Fault {
     }
 
     fn refusal(self, view: &View<'_>) -> Refusal {
-        let parameter = self.register.and_then(Register::row).map(|(row, _)| row);
+        let parameter = self.register.map(Register::place);
         Refusal { parameter, ..Refusal::new(self.code, view.object).with(self.asked, self.limit) }
     }
 }
@@ -317,7 +306,7 @@ impl Saia {
         set(Destination, int(self.working.destination));
         set(VelocityRegister, int(self.working.velocity));
         set(AccelerationRegister, int(self.working.acceleration));
-        set(Output, register(self.pid.code(view.parameters.saia.output_gain, self.pwm)));
+        set(Output, register(self.pid.code(view.parameters.vocabularies.saia.output_gain, self.pwm)));
         set(Integral, register(self.pid.integral()));
         set(SaiaSignal::Error, self.errors.code.into());
         set(CommandErrors, self.errors.count);

@@ -19,7 +19,7 @@ const STOP_RAMP: i32 = 1 << 10;
 impl Saia {
     /// `fstop` (SAIA-FSM-09..13).
     pub(super) fn stop(&mut self, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
-        let bits = view.parameters.saia.mcw & STOP_BITS;
+        let bits = view.parameters.vocabularies.saia.mcw & STOP_BITS;
         // A motion that another command began is stopped too: who says stop means it.
         let moves = self.phase.moves() || (self.phase == Phase::Hold && view.free && !view.rests);
         match bits {

@@ -9,7 +9,7 @@ use crate::vocabulary::View;
 impl Saia {
     /// One read command; where the value does not fit its register, that keeps what it had.
     pub(super) fn read(&mut self, command: Command, view: &View<'_>) -> Result<(), Fault> {
-        let scaling = Scaling::of(&view.parameters.saia);
+        let scaling = Scaling::of(&view.parameters.vocabularies.saia);
         let profile = self.profile(view);
         let shown = match command {
             Command::ReadActualPosition => scaling.units(self.position(view)),
@@ -22,7 +22,7 @@ impl Saia {
             Command::ReadSetVelocity => scaling.units_of_velocity(scale::register_of(profile.velocity)),
             _ => Some(self.pid.integral()),
         };
-        let factor = Number::Real(view.parameters.saia.mcfac);
+        let factor = Number::Real(view.parameters.vocabularies.saia.mcfac);
         let fault = Fault { register: Some(Register::McFac), ..Fault::new(Code::SAIA_READ_OUT_OF_RANGE) };
         let shown = shown.ok_or(fault.with(factor, Number::None))?;
         let outputs = &mut self.outputs;

@@ -1,6 +1,6 @@
 //! The input registers of the module, in its own units.
 
-use crate::parameter::Row;
+use crate::parameter::{ROWS, Row};
 
 /// An input register, by its offset in the module's memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,6 +33,17 @@ pub enum Register {
     /// MCW
     Mcw,
 }
+
+/// Places of the parameters, by offset.
+const PLACES: [u16; Register::COUNT] = {
+    let mut places = [0; Register::COUNT];
+    let mut offset = 0;
+    while offset < places.len() {
+        places[offset] = Row::place(Register::ALL[offset].1);
+        offset += 1;
+    }
+    places
+};
 
 impl Register {
     /// How many there are.
@@ -70,9 +81,14 @@ impl Register {
         Self::ALL.get(self as usize).map_or("", |(_, key)| key)
     }
 
-    /// Place of that parameter in the catalogue, and its row.
+    /// Place of that parameter in the catalogue.
+    pub fn place(self) -> u16 {
+        PLACES.get(self as usize).copied().unwrap_or(u16::MAX)
+    }
+
+    /// The same, and its row.
     pub fn row(self) -> Option<(u16, &'static Row)> {
-        Row::find(self.key())
+        Some((self.place(), ROWS.get(usize::from(self.place()))?))
     }
 
     /// Values that the commands take from it; none where they depend on the scaling (SAIA-REG-00..06).

@@ -29,7 +29,7 @@ impl Request {
     }
 
     /// The registers that are set, with their values.
-    pub fn registers(&self) -> impl Iterator<Item = (Register, Value)> + '_ {
+    pub fn registers(&self) -> impl Iterator<Item = (Register, Value)> + Clone + '_ {
         std::iter::zip(Register::ALL, &self.set).filter_map(|((register, _), value)| Some((register, (*value)?)))
     }
 }

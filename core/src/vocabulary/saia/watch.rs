@@ -149,7 +149,7 @@ impl Saia {
             self.pid.clear();
             return;
         }
-        let p = &view.parameters.saia;
+        let p = &view.parameters.vocabularies.saia;
         let options = Options { clamp_sum: p.clamp_sum, chip_integral: p.chip_integral };
         for _ in 0..samples {
             self.pid.step(&self.gains, options, view.following_error);

@@ -42,7 +42,7 @@ impl Wf {
     }
 
     fn limits_of(&self, block: u8, view: &View<'_>) -> Limits {
-        view.parameters.wf.limits(self.velocity_of(block, view), view.largest_limits())
+        view.parameters.vocabularies.wf.limits(self.velocity_of(block, view), view.largest_limits())
     }
 
     pub(super) fn step_closed(&mut self, view: &View<'_>) -> Option<Order> {
@@ -55,8 +55,8 @@ impl Wf {
             }
             return None;
         }
-        if view.parameters.wf.peh_from_start == 1 && self.is_late(view) {
-            let window = view.parameters.wf.peh_window.unwrap_or(view.parameters.in_position_window);
+        if view.parameters.vocabularies.wf.peh_from_start == 1 && self.is_late(view) {
+            let window = view.parameters.vocabularies.wf.peh_window.unwrap_or(view.parameters.in_position_window);
             return self.miss(self.set.nearest().saturating_sub(view.actual.position.floor()), window);
         }
         let before = (self.active, self.bound);
@@ -130,7 +130,7 @@ impl Wf {
     /// Alarm 10 in travel, 11 at standstill (WF-MON-04, W13), whoever moves the axis: the module watches its axis from enable
     /// on. In open loop the way to the end of a block is no error.
     pub(super) fn watch_following_error(&mut self, view: &View<'_>) -> Option<Order> {
-        let allowed = view.parameters.wf.max_following_error.filter(|_| !is_open(view))?;
+        let allowed = view.parameters.vocabularies.wf.max_following_error.filter(|_| !is_open(view))?;
         if !view.on || !view.error.is_none() || self.state == State::Alarm {
             return None;
         }

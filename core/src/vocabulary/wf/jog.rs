@@ -24,8 +24,8 @@ impl Wf {
         if !self.is_running() && is_moved(view) {
             return Err(Objection::new(Code::WF_IN_MOTION));
         }
-        let (key, speed) = view.parameters.wf.fixed_speed(self.fixed_speed);
-        let programmed = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(key))?;
+        let (row, speed) = view.parameters.vocabularies.wf.fixed_speed(self.fixed_speed);
+        let programmed = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(row))?;
         self.direction = direction;
         self.ending = false;
         (self.active, self.end) = (0, 0);
@@ -40,7 +40,7 @@ impl Wf {
         let velocity = programmed / FULL_SPEED * p.max_velocity;
         self.state = State::Run;
         self.speed = programmed;
-        let limits = p.wf.limits(velocity, view.largest_limits());
+        let limits = p.vocabularies.wf.limits(velocity, view.largest_limits());
         Ok(Some(Order::Velocity { velocity: f64::from(direction) * velocity, limits }))
     }
 

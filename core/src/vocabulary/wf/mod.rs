@@ -26,16 +26,14 @@ mod signals;
 mod steps;
 
 pub use enable::enable;
-pub use parameters::Wiring;
 pub use request::{Block, Blocks, FIXED_SPEEDS, FULL_SPEED, Jog, MAX_BLOCKS, MODES, MOST_BCD, Mode, Request, Speed};
 pub use signals::WfSignal;
 
 use super::{Order, View};
 use crate::code::Code;
-use crate::drive::Interface;
+use crate::drive::{Interface, Switching};
 use crate::event::{Number, Refusal};
 use crate::object::Object;
-use crate::parameter::Row;
 use crate::parameter::wf::Parameters;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
@@ -69,19 +67,6 @@ pub(crate) enum State {
 
 /// Names of [`State`], by number.
 const STATES: &[&str] = &["IDLE", "RUN", "STEP1", "STEP2", "STEP3", "SETTLE", "DONE", "ALARM"];
-
-/// What an open-loop axis switches beside its drive. The axis passes it on to the outputs that the cell wires.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Switching {
-    /// F: forwards.
-    pub forward: bool,
-    /// B: backwards.
-    pub backward: bool,
-    /// Q: the axis output, on from START until the speed is switched off.
-    pub output: bool,
-    /// The speed as a voltage, signed by direction (V).
-    pub dac: f64,
-}
 
 /// What the vocabulary remembers of its axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -371,7 +356,7 @@ impl Wf {
         let p = view.parameters;
         self.state = State::Run;
         self.ending = true;
-        Order::Stop { limits: p.wf.limits(p.max_velocity, view.largest_limits()) }
+        Order::Stop { limits: p.vocabularies.wf.limits(p.max_velocity, view.largest_limits()) }
     }
 
     /// Nothing runs any more, whoever moves the axis now.
@@ -402,7 +387,7 @@ impl Wf {
     /// SETTLE and DONE: position reached and held (WF-PEH-01 to 03).
     fn settle(&mut self, view: &View<'_>) -> Option<Order> {
         let parameters = view.parameters;
-        let window = parameters.wf.peh_window.unwrap_or(parameters.in_position_window);
+        let window = parameters.vocabularies.wf.peh_window.unwrap_or(parameters.in_position_window);
         let error = self.following_error(view);
         let is_inside = error.unsigned_abs() <= window.unsigned_abs();
         match self.state {
@@ -425,7 +410,7 @@ impl Wf {
 
     /// MD30 has elapsed.
     fn is_late(&self, view: &View<'_>) -> bool {
-        let wf = &view.parameters.wf;
+        let wf = &view.parameters.vocabularies.wf;
         let since = if wf.peh_from_start == 1 { self.started } else { self.switched_off };
         elapsed(view, since) >= wf.md30.unsigned_abs()
     }
@@ -495,7 +480,7 @@ fn direction(from: Position, to: Position) -> i8 {
 
 /// NV + WK.
 fn offsets(view: &View<'_>) -> Position {
-    let wf = &view.parameters.wf;
+    let wf = &view.parameters.vocabularies.wf;
     Position::whole(wf.zero_offset) + Position::whole(wf.tool_length)
 }
 
@@ -503,7 +488,7 @@ fn offsets(view: &View<'_>) -> Position {
 #[derive(Clone, Copy, Debug)]
 struct Objection {
     code: Code,
-    parameter: Option<&'static str>,
+    parameter: Option<u16>,
     asked: Number,
     limit: Number,
 }
@@ -514,8 +499,8 @@ impl Objection {
     }
 
     /// The same about a parameter.
-    fn about(self, key: &'static str) -> Self {
-        Self { parameter: Some(key), ..self }
+    fn about(self, row: u16) -> Self {
+        Self { parameter: Some(row), ..self }
     }
 
     fn with(self, asked: Number, limit: Number) -> Self {
@@ -523,8 +508,10 @@ impl Objection {
     }
 
     fn of(self, axis: u16) -> Refusal {
-        let parameter = self.parameter.and_then(Row::find).map(|(row, _)| row);
-        Refusal { parameter, ..Refusal::new(self.code, Object::Axis(axis)).with(self.asked, self.limit) }
+        Refusal {
+            parameter: self.parameter,
+            ..Refusal::new(self.code, Object::Axis(axis)).with(self.asked, self.limit)
+        }
     }
 }
 

@@ -49,8 +49,8 @@ impl Wf {
         if self.mode == Mode::Jog {
             return self.step_jog(view);
         }
-        if view.parameters.wf.peh_from_start == 1 && self.is_late(view) {
-            let window = view.parameters.wf.peh_window.unwrap_or(view.parameters.in_position_window);
+        if view.parameters.vocabularies.wf.peh_from_start == 1 && self.is_late(view) {
+            let window = view.parameters.vocabularies.wf.peh_window.unwrap_or(view.parameters.in_position_window);
             return self.miss(self.following_error(view), window);
         }
         let present = self.speed as i64;

@@ -14,6 +14,7 @@ use super::program::check_speed;
 use super::request::{FULL_SPEED, Speed};
 use super::{Objection, State, Wf, is_moved, is_open};
 use crate::code::Code;
+use crate::parameter::Row;
 use crate::vocabulary::{Order, Travel, View};
 
 impl Wf {
@@ -33,28 +34,35 @@ impl Wf {
             return Err(Objection::new(Code::WF_IN_MOTION));
         }
         let p = view.parameters;
-        let velocity = |key, speed| {
-            let value = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(key))?;
+        let velocity = |row, speed| {
+            let value = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(row))?;
             Ok(value / FULL_SPEED * p.max_velocity)
         };
         let speeds = [
-            velocity("wf.reference_rapid", p.wf.reference_rapid)?,
-            velocity("wf.reference_reduced", p.wf.reference_reduced)?,
-            velocity("wf.reference_creep", p.wf.reference_creep)?,
+            velocity(const { Row::place("wf.reference_rapid") }, p.vocabularies.wf.reference_rapid)?,
+            velocity(const { Row::place("wf.reference_reduced") }, p.vocabularies.wf.reference_reduced)?,
+            velocity(const { Row::place("wf.reference_creep") }, p.vocabularies.wf.reference_creep)?,
         ];
         let [rapid, ..] = speeds;
         self.direction = direction;
         self.ending = false;
         self.state = State::Run;
         self.started = view.cycle;
-        self.speed = p.wf.reference_rapid;
-        let limits = p.wf.limits(rapid, view.largest_limits());
-        let back = match p.encoder.md7 {
+        self.speed = p.vocabularies.wf.reference_rapid;
+        let limits = p.vocabularies.wf.limits(rapid, view.largest_limits());
+        let back = match p.encoder.side_or_omitted {
             1 => direction < 0,
             2 => direction > 0,
             _ => false,
         };
-        let travel = Travel { direction, back, speeds, limits, shift: p.wf.md17, value: p.wf.md16 };
+        let travel = Travel {
+            direction,
+            back,
+            speeds,
+            limits,
+            shift: p.vocabularies.wf.md17,
+            value: p.encoder.reference_or_parity,
+        };
         Ok(Some(Order::ReferenceTravel(travel)))
     }
 
@@ -68,7 +76,7 @@ impl Wf {
         }
         self.ending = true;
         let p = view.parameters;
-        Some(Order::Stop { limits: p.wf.limits(p.max_velocity, view.largest_limits()) })
+        Some(Order::Stop { limits: p.vocabularies.wf.limits(p.max_velocity, view.largest_limits()) })
     }
 
     /// One step while the axis travels, or stops.

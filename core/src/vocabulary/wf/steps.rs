@@ -22,7 +22,7 @@ const STATES: [State; 4] = [State::Step1, State::Step2, State::Step3, State::Set
 
 impl Steps {
     pub(super) fn of(parameters: &AxisParameters) -> Self {
-        let wf = &parameters.wf;
+        let wf = &parameters.vocabularies.wf;
         Self { speeds: [wf.md42, wf.md43, wf.md44], distances: [wf.md45, wf.md46, wf.md47, wf.md48] }
     }
 

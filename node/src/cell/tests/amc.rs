@@ -27,11 +27,11 @@ fn master_and_freeze_are_resolved() {
         ("x.actual", Leader::AxisActual(0)),
     ] {
         let cell = good(&cell(&format!("amc: {{master: {master}}}"), ""));
-        assert_eq!(cell.machine.axes[0].amc.master, Some(leader), "{master}");
+        assert_eq!(cell.machine.axes[0].vocabularies.amc.master, Some(leader), "{master}");
     }
     for (freeze, object) in [("mark", Object::Io(0)), ("belt", Object::Encoder(0)), ("y", Object::Axis(1))] {
         let cell = good(&cell(&format!("amc.freeze: {freeze}"), ""));
-        assert_eq!(cell.machine.axes[0].amc.freeze, Some(object), "{freeze}");
+        assert_eq!(cell.machine.axes[0].vocabularies.amc.freeze, Some(object), "{freeze}");
     }
 }
 
@@ -88,6 +88,6 @@ fn parameters_that_do_not_fit_the_axis_are_refused_where_they_stand() {
 #[test]
 fn bare_numbers_are_user_units() {
     let cell = good(&cell("amc: {position_reference: -2.5, speed_reference: 0.5, following_error_window: 3}", ""));
-    let p = cell.machine.axes[0].parameters.amc;
+    let p = cell.machine.axes[0].parameters.vocabularies.amc;
     assert_eq!((p.position_reference, p.speed_reference, p.following_error_window), (-2500, 500_000.0, Some(3000)));
 }

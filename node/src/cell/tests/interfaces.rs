@@ -3,8 +3,8 @@
 use super::axes::axis;
 use super::{HEAD, assert_said, good, said};
 use lineshaft_core::drive::Interface;
+use lineshaft_core::drive::SpeedOutputs;
 use lineshaft_core::sim::{Model, TwoSpeed, Valve, VelocityLag};
-use lineshaft_core::vocabulary::wf::Wiring;
 
 const MS: i64 = 1_000_000;
 const CYCLE: u64 = 1_000_000;
@@ -142,10 +142,14 @@ fn keys_and_values_of_models() {
 #[test]
 fn kv_lies_within_its_range() {
     let kv = |value| axis(&[("drive", &drive("velocity")), ("wf", value)]);
-    assert_eq!(good(&kv("{md22: 1.5}")).machine.axes[0].parameters.wf.md22, 1.5);
+    assert_eq!(good(&kv("{md22: 1.5}")).machine.axes[0].parameters.position_loop.servo_gain(), 1.5);
     let whole = axis(&[("drive", &drive("velocity")), ("wf.md22", "2")]);
-    assert_eq!(good(&whole).machine.axes[0].parameters.wf.md22, 2.0);
+    assert_eq!(good(&whole).machine.axes[0].parameters.position_loop.servo_gain(), 2.0);
     assert_eq!(said(&kv("{md22: 0}")), "9:16: wf.md22 is `0`; 0.01 to 100 is allowed");
+    let native = axis(&[("drive", &drive("velocity")), ("position_loop.kv", "25")]);
+    assert_eq!(good(&native).machine.axes[0].parameters.position_loop.kv, 25.0);
+    let nested = axis(&[("drive", &drive("velocity")), ("position_loop", "{kv: 25}")]);
+    assert_eq!(good(&nested).machine.axes[0].parameters.position_loop.kv, 25.0);
     assert_eq!(said(&kv("{md22: 100.1}")), "9:16: wf.md22 is `100.1`; 0.01 to 100 is allowed");
     assert_eq!(
         said(&axis(&[("wf.md22", "2")])),
@@ -173,10 +177,10 @@ fn outputs_are_wired_by_name() {
     let y = "{backend: plant, address: 1, interface: open_loop}";
     let cell = good(&wired("{forward: fwd, backward: bwd, output: q1, dac: a1}", y, "{}"));
     let wiring = |axis: usize| cell.machine.axes[axis].open_loop;
-    assert_eq!(wiring(0), Wiring { forward: Some(0), backward: Some(1), output: Some(3), dac: Some(4) });
-    assert_eq!(wiring(1), Wiring::default());
+    assert_eq!(wiring(0), SpeedOutputs { forward: Some(0), backward: Some(1), output: Some(3), dac: Some(4) });
+    assert_eq!(wiring(1), SpeedOutputs::default());
     let cell = good(&wired("{output: q1}", y, "{dac: a1, forward: fwd}"));
-    assert_eq!(cell.machine.axes[0].open_loop, Wiring { output: Some(3), ..Wiring::default() });
+    assert_eq!(cell.machine.axes[0].open_loop, SpeedOutputs { output: Some(3), ..SpeedOutputs::default() });
 }
 
 #[test]

@@ -422,10 +422,10 @@ fn a_saia_verb_is_written_with_its_registers_and_flags_in_one_order() {
     let request = request.with(Register::McFac, Set::Real(1.33333)).with(Register::Mcw, Set::Int(0x41B));
     let request = request.with(Register::KProp, Set::Int(-7));
     desk.is(
-        &Action::Saia(Box::new(request)),
+        &Action::vocabulary(request),
         r#"{"saia":{"axis":"turret","set":{"kprop":-7,"mcfac":1.33333,"mcw":1051},"commands":["fldda","fstart"]}}"#,
     );
-    desk.is(&Action::Saia(Box::default()), r#"{"saia":{"axis":"x"}}"#);
+    desk.is(&Action::vocabulary(Request::default()), r#"{"saia":{"axis":"x"}}"#);
 }
 
 #[test]

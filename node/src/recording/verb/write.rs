@@ -12,6 +12,7 @@ use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
 use lineshaft_core::position::Length;
 use lineshaft_core::sync::{Disengage, SyncMode};
 use lineshaft_core::unit::Unit;
+use lineshaft_core::vocabulary::Request;
 use serde::{Serialize, Serializer};
 use serde_json::ser::Formatter;
 use std::borrow::Cow;
@@ -241,8 +242,8 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
             }
         }
         Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
-        Action::Saia(request) => Verb::Saia(saia::saia(request, axis(request.axis, config))),
-        Action::Wf(request) => Verb::Wf(wf::wf(request, axis(request.axis, config))),
+        Action::Vocabulary(Request::Saia(request)) => Verb::Saia(saia::saia(request, axis(request.axis, config))),
+        Action::Vocabulary(Request::Wf(request)) => Verb::Wf(wf::wf(request, axis(request.axis, config))),
         Action::Cancel { goal } => Verb::Cancel { id: goal.to_string() },
         Action::SetParameters(changes) => {
             Verb::SetParameters(Entries(changes.iter().map(|change| parameter(change, config)).collect()))

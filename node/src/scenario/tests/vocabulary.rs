@@ -28,8 +28,7 @@ fn change(key: &str, value: Set) -> Change {
 #[test]
 fn the_axis_beside_the_arguments_is_the_axis_of_the_verb() {
     let axis_of = |result: Result<Action, String>| match result {
-        Ok(Action::Saia(request)) => request.axis,
-        Ok(Action::Wf(request)) => request.axis,
+        Ok(Action::Vocabulary(request)) => request.axis(),
         other => panic!("{other:?}"),
     };
     for (verb, asked) in [("saia", "commands: [fstart]"), ("wf", "start: true")] {

@@ -40,7 +40,7 @@ impl Reader<'_> {
         if !is_good || is_empty && self.refuse_nothing(value, "saia", &["axis", "set", "commands"]) {
             return None;
         }
-        refused.unwrap_or_else(|| Some(Deed::Command(Action::Saia(Box::new(request)))))
+        refused.unwrap_or_else(|| Some(Deed::Command(Action::vocabulary(request))))
     }
 
     fn saia_register(&self, key: &Value<'_>, input: &Value<'_>, request: &mut Request) -> Result<(), Option<Deed>> {

@@ -67,7 +67,7 @@ impl Reader<'_> {
             {
                 None
             }
-            Ok(request) => self.settle(value, Ok(Action::Wf(Box::new(Request { axis: index, ..request })))),
+            Ok(request) => self.settle(value, Ok(Action::vocabulary(Request { axis: index, ..request }))),
             Err(Trouble::Told(error)) => self.settle(value, Err(error)),
             Err(Trouble::Noted) => None,
         }

@@ -38,7 +38,7 @@ fn change(config: &MachineConfig, user: &mut [AxisParameters], changes: Vec<(usi
         let is_good = row.applies.to(entry)
             && row.change(&mut candidate, value).is_ok()
             && candidate.is_sound()
-            && lineshaft_core::vocabulary::amc::check(&candidate, &config.selector(entry)).is_ok();
+            && lineshaft_core::vocabulary::check(&candidate, &config.setting(entry)).is_ok();
         if is_good {
             user[axis] = candidate;
         }

@@ -82,7 +82,7 @@ fn check(rig: &Rig, before: &[Option<(f64, f64)>; 2]) -> Result<(), TestCaseErro
         let (select, active) = (int("amc.select"), int("amc.active"));
         prop_assert!(select == 0 || active == 1, "{} refers to {} and is not active", name, select);
         prop_assert!(int("enabled") == 1 || select == 0);
-        let written = rig.machine.parameters(axis).unwrap().amc.reference_select;
+        let written = rig.machine.parameters(axis).unwrap().vocabularies.amc.reference_select;
         prop_assert!(![3, 5].contains(&written), "{}", written);
         if int("enabled") == 1 && rig.state(name) != "STOPPING" && select != 0 {
             prop_assert_eq!(select, written);

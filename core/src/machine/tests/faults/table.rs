@@ -14,7 +14,7 @@ use crate::event::{Kind, Number};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::Value;
 use crate::sim::{Model, TwoSpeed};
-use crate::vocabulary::{Order, saia};
+use crate::vocabulary::{self, Order, saia};
 use std::collections::BTreeSet;
 
 /// The ways in which an error comes, and a list of them.
@@ -244,9 +244,12 @@ impl Case {
                     true => (saia::Command::LoadDestination, Code::ABOVE_MAX_POSITION),
                     false => (saia::Command::LoadVelocity, Code::SAIA_VELOCITY_OUT_OF_RANGE),
                 };
-                let Action::Saia(request) = saia_verb(&[load, saia::Command::Start]) else { unreachable!() };
+                let Action::Vocabulary(vocabulary::Request::Saia(request)) = saia_verb(&[load, saia::Command::Start])
+                else {
+                    unreachable!()
+                };
                 let veloc = Value::Int(if own { 20_000 } else { -1 });
-                rig.give(Action::Saia(Box::new(request.with(saia::Register::Veloc, veloc))));
+                rig.give(Action::vocabulary(request.with(saia::Register::Veloc, veloc)));
                 return code;
             }
             Homing => return ways::fail_to_home(rig, &mut numbers, Fault::StuckSwitch),

@@ -63,7 +63,7 @@ fn a_cut_line_stops_the_axis_in_its_cycle() {
     for (monitored, code) in [(0, Code::ENCODER_INVALID), (1, Code::WF_ENCODER_CABLE)] {
         let mut config = velocity_config();
         config.axes[1].wired = Wired::Drive(Form::Absolute(gray(8192, 4096)));
-        config.axes[1].parameters.encoder.md41 = monitored;
+        config.axes[1].parameters.encoder.monitored = monitored;
         let mut rig = Rig::of(config);
         rig.enable();
         rig.give(Action::Move(at(X, 50_000.0)));
@@ -73,7 +73,7 @@ fn a_cut_line_stops_the_axis_in_its_cycle() {
         assert_eq!((error(&rig), rig.state("x")), (i64::from(code.0), "ERROR_STOP"));
         assert_eq!(rig.int("x.output.control"), 0, "the controller enable drops");
         let mut config = shared_config();
-        config.axes[1].parameters.encoder.md41 = monitored;
+        config.axes[1].parameters.encoder.monitored = monitored;
         let mut rig = Rig::of(config);
         rig.enable();
         rig.run(100);

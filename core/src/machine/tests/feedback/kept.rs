@@ -26,7 +26,7 @@ fn lost(rig: &Rig) -> usize {
 fn a_largest_step_moves_nothing_when_it_is_set() {
     let mut config = velocity_config();
     let p = &mut config.axes[1].parameters.encoder;
-    (p.md4, p.md5) = (1, 4_096);
+    (p.kind, p.steps) = (1, 4_096);
     let mut rig = Rig::of(config);
     rig.enable();
     rig.give(Action::Move(to(X, 20_000)));

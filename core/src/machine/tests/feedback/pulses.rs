@@ -15,7 +15,7 @@ use crate::vocabulary::wf::Request;
 fn monitored() -> Rig {
     let mut config = velocity_config();
     let p = &mut config.axes[1].parameters;
-    (p.encoder.md41, p.encoder.md34, p.max_velocity) = (1, 250, 20_000.0);
+    (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
     rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();
@@ -32,7 +32,7 @@ fn monitored() -> Rig {
 fn an_axis_that_rests_on_its_mark_goes_back_and_forth() {
     let mut config = velocity_config();
     let p = &mut config.axes[1].parameters;
-    (p.encoder.md41, p.encoder.md34, p.max_velocity) = (1, 250, 20_000.0);
+    (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
     rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();
@@ -75,7 +75,7 @@ fn pulses_that_are_too_many_or_missing_are_alarm_8_at_the_next_mark() {
             assert!(sentence.ends_with(" since the index, beyond 0.024 mm"), "{sentence}");
             // The reset bit acknowledges it, and the supervision begins anew.
             let axis = X;
-            rig.give(Action::Wf(Box::new(Request { axis, reset: true, ..Request::default() })));
+            rig.give(Action::vocabulary(Request { axis, reset: true, ..Request::default() }));
             rig.run(2);
             assert_eq!((error(&rig), rig.int("x.wf.alarm"), rig.state("x")), (0, 0, "DISABLED"));
         }

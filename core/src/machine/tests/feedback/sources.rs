@@ -175,7 +175,7 @@ fn the_module_reads_an_absolute_encoder_by_its_machine_data() {
     for omitted in [0, 76] {
         let mut config = velocity_config();
         let p = &mut config.axes[1].parameters.encoder;
-        (p.md4, p.md5, p.md7, p.md34) = (1, 16_384, omitted, 300);
+        (p.kind, p.steps, p.side_or_omitted, p.pulses_or_step) = (1, 16_384, omitted, 300);
         let mut rig = Rig::of(config);
         rig.enable();
         rig.give(Action::Move(to(X, 50_000)));

@@ -17,7 +17,7 @@ fn parity_by_md16_sees_a_single_wrong_track() {
     for (md16, seen) in [(0, false), (1, true), (2, true)] {
         let mut config = velocity_config();
         let p = &mut config.axes[1].parameters;
-        (p.encoder.md4, p.encoder.md5, p.wf.md16) = (1, 16_384, md16);
+        (p.encoder.kind, p.encoder.steps, p.encoder.reference_or_parity) = (1, 16_384, md16);
         let mut rig = Rig::of(config);
         rig.enable();
         rig.give(Action::Move(to(X, 40_000)));
@@ -102,7 +102,7 @@ fn the_modules_know_every_zero_that_was_set_and_lost() {
     // The last zero counts: that of the preset lies 500 before it, and is none any more after the next one.
     let preset =
         Request { axis: X, mode: Some(Mode::ActualValue), value: Some(Length::whole(500)), ..Request::default() };
-    rig.give(Action::Wf(Box::new(preset)));
+    rig.give(Action::vocabulary(preset));
     rig.give(zero(X, 2_000));
     let to_2100 = |rig: &mut Rig| {
         let mut block = crate::vocabulary::wf::Block::default();
@@ -115,7 +115,7 @@ fn the_modules_know_every_zero_that_was_set_and_lost() {
             start: true,
             ..Request::default()
         };
-        rig.give(Action::Wf(Box::new(start)))
+        rig.give(Action::vocabulary(start))
     };
     let given = to_2100(&mut rig);
     assert!(rig.was_accepted(given));

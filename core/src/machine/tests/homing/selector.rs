@@ -20,7 +20,7 @@ fn amc_with(method: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
     let mut config = cell(0);
     let axis = &mut config.axes[usize::from(X)];
     assign(&mut axis.parameters, "homing.method", Value::Int(method));
-    axis.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(Object::Io(0)) };
+    axis.vocabularies.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(Object::Io(0)) };
     change(&mut config);
     rig_with(config, Model::Ideal, way(START, (5_000, FAR)))
 }
@@ -52,7 +52,7 @@ fn homing(mut rig: Rig) -> Rig {
 
 /// 34.007 as it is written, as it is in force, and what commands the axis.
 fn shown(rig: &Rig) -> (i64, i64, i64) {
-    let written = rig.machine.parameters(X).unwrap().amc.reference_select;
+    let written = rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select;
     (written, rig.int("x.amc.select"), rig.int("x.reference"))
 }
 
@@ -108,7 +108,8 @@ fn reference_0_ends_homing_and_says_so() {
     for (key, number) in [("reference_select", 0), ("reference_select_trigger", 0), ("following_error_window", 1)] {
         for stop_mode in 0..4 {
             let trigger = i64::from(key == "reference_select_trigger") * 5;
-            let mut rig = amc_with(3, |cell| cell.axes[usize::from(X)].parameters.amc.stop_mode = stop_mode);
+            let mut rig =
+                amc_with(3, |cell| cell.axes[usize::from(X)].parameters.vocabularies.amc.stop_mode = stop_mode);
             select(&mut rig, &[("reference_select_trigger", Value::Int(trigger)), ("reference_select", Value::Int(5))]);
             rig.run(200);
             assert_eq!((rig.state("x"), warnings(&rig).len()), ("HOMING", 0));
@@ -273,7 +274,8 @@ fn homing_that_waits_for_rest_may_be_given_up() {
 fn the_end_of_homing_is_one_cycle() {
     // Method 35 is there at once; its zero lies where the axis stands.
     for (method, stop_mode) in [(3, 0), (3, 1), (35, 0), (35, 1)] {
-        let mut rig = amc_with(method, |cell| cell.axes[usize::from(X)].parameters.amc.stop_mode = stop_mode);
+        let mut rig =
+            amc_with(method, |cell| cell.axes[usize::from(X)].parameters.vocabularies.amc.stop_mode = stop_mode);
         select(&mut rig, &[("reference_select", Value::Int(6)), ("position_reference", Value::Int(700))]);
         rig.run(300);
         let version = rig.machine.parameter_version();

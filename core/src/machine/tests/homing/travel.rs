@@ -50,7 +50,7 @@ fn assert_off(rig: &Rig, what: &str) {
 fn ask(change: impl FnOnce(&mut Request)) -> Action {
     let mut request = Request { axis: X, ..Request::default() };
     change(&mut request);
-    Action::Wf(Box::new(request))
+    Action::vocabulary(request)
 }
 
 /// Every verb that takes the enable, whatever stands beside it.

@@ -30,7 +30,7 @@ fn reference_5_homes_and_then_is_0() {
     assert_eq!((rig.state("x"), rig.int("x.homed"), rig.int("x.amc.active")), ("STANDSTILL", 1, 1));
     assert_eq!((zero(&rig, START), rig.int("x.error")), (4_300, 0));
     let p = rig.machine.parameters(X).copied().unwrap();
-    assert_eq!(p.amc.reference_select, 0);
+    assert_eq!(p.vocabularies.amc.reference_select, 0);
     // The next reference counts from the new zero.
     set(&mut rig, "amc.position_reference", Value::Int(150));
     set(&mut rig, "amc.reference_select", Value::Int(1));
@@ -96,7 +96,7 @@ pub(super) fn wf(start: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
 
 pub(super) fn jog(rig: &mut Rig, jog: Jog) -> u64 {
     let request = Request { axis: X, mode: Some(Mode::Reference), jog: Some(jog), ..Request::default() };
-    rig.give(Action::Wf(Box::new(request)))
+    rig.give(Action::vocabulary(request))
 }
 
 /// Proves: WF-REF-01, WF-REF-03, WF-REF-05, WF-REF-06, WF-REF-07, WF-REF-08, WF-REF-09, WF-REF-11
@@ -210,7 +210,7 @@ fn an_axis_that_may_not_go_back_does_not_turn_round_on_the_cam() {
 
 fn tell(rig: &mut Rig, cam: bool) {
     let request = Request { axis: X, cam: Some(cam), ..Request::default() };
-    let sequence = rig.give(Action::Wf(Box::new(request)));
+    let sequence = rig.give(Action::vocabulary(request));
     rig.run(1);
     assert!(rig.was_accepted(sequence));
 }
@@ -280,7 +280,7 @@ fn what_has_no_number_has_a_name() {
     assert!(rig.refusal(sequence).contains("md21"), "the drive counts all edges");
     // The jerk limit and the new speeds act: 3 hundredths of 100000 inc/s in setup, up its ramp with 10^7 inc/s^3.
     let setup = Request { axis: X, mode: Some(Mode::Jog), jog: Some(Jog::Plus), ..Request::default() };
-    rig.give(Action::Wf(Box::new(setup)));
+    rig.give(Action::vocabulary(setup));
     let (mut top, mut steepest) = (0.0_f64, 0.0_f64);
     for _ in 0..300 {
         let before = rig.real("x.command.acceleration");
@@ -322,7 +322,7 @@ fn without_a_zero_mark_in_a_revolution_comes_alarm_9() {
     assert!((2_001..=2_005).contains(&gone), "{gone}");
     rig.run(20);
     let reset = Request { axis: X, reset: true, ..Request::default() };
-    rig.give(Action::Wf(Box::new(reset)));
+    rig.give(Action::vocabulary(reset));
     rig.run(2);
     assert_eq!((rig.int("x.wf.alarm"), rig.int("x.error"), rig.int("x.wf.synchronized")), (0, 0, 0));
 }

@@ -153,24 +153,24 @@ fn the_motor_commands_of_saia_mind_the_brake() {
         let request = saia(&[LoadAcceleration, LoadVelocity, LoadDestination, Start]);
         let request = request.with(saia::Register::DestP, Value::Int(to));
         let request = request.with(saia::Register::Veloc, Value::Int(20_000));
-        Action::Saia(Box::new(request.with(saia::Register::Accel, Value::Int(200_000))))
+        Action::vocabulary(request.with(saia::Register::Accel, Value::Int(200_000)))
     };
     let mut ends = Vec::new();
     for mut rig in [Rig::of(with_io()), vertical(50_000_000, 35_000_000, Model::Ideal)] {
         rig.run(3);
-        rig.give(Action::Saia(Box::new(saia(&[Initialise]))));
+        rig.give(Action::vocabulary(saia(&[Initialise])));
         rig.run(5);
         rig.give(start(50_000));
         rig.run(3_500);
         ends.push((rig.state("x"), rig.int("x.command.position")));
         rig.mirror();
-        rig.give(Action::Saia(Box::new(saia(&[MotorOff]))));
+        rig.give(Action::vocabulary(saia(&[MotorOff])));
         rig.run(10);
         rig.give(start(80_000));
         rig.run(3_000);
         ends.push((rig.state("x"), rig.int("x.command.position")));
         let place = rig.int("x.actual.position");
-        rig.give(Action::Saia(Box::new(saia(&[MotorOff]))));
+        rig.give(Action::vocabulary(saia(&[MotorOff])));
         rig.run(300);
         assert_eq!((rig.int("x.output.control"), rig.int("x.actual.position") - place), (0, 0));
         assert!(rig.events.iter().all(|event| event.code != Code::NOT_ENABLED));

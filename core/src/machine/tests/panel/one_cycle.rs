@@ -321,14 +321,14 @@ fn a_reset_that_waits_for_rest_does_not_undo_a_stop() {
 #[test]
 fn a_stop_wins_over_the_reset_bit_of_its_cycle() {
     let mut cell = with_inputs();
-    cell.axes[usize::from(X)].parameters.wf.max_following_error = Some(500);
+    cell.axes[usize::from(X)].parameters.vocabularies.wf.max_following_error = Some(500);
     let mut rig = Rig::of(cell);
     rig.give(set(X, "error_reaction", 2));
     rig.enable();
     rig.plant.drive(0).unwrap().jump(600);
     rig.run(5);
     assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", 1_011));
-    let bit = || Action::Wf(Box::new(wf::Request { axis: X, reset: true, ..Default::default() }));
+    let bit = || Action::vocabulary(wf::Request { axis: X, reset: true, ..Default::default() });
     let acknowledged = Stop::Quick.give(&mut rig, true, &[bit()]);
     assert_eq!(
         (rig.refusal(acknowledged), rig.state("x")),

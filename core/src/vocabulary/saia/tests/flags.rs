@@ -36,13 +36,13 @@ fn fressf_clears_what_its_mask_has_as_0() {
     let mut saia = bench.moving_state();
     for place in 0..5 {
         saia.flags = super::super::Flags { on_dest: true, index: true, wrapped: true, error: true, passed: true };
-        bench.parameters.saia.stafrr = !(1 << (place + 2));
+        bench.parameters.vocabularies.saia.stafrr = !(1 << (place + 2));
         bench.run(&mut saia, "fressf");
         let expected: Vec<bool> = (0..5).map(|flag| flag != place).collect();
         assert_eq!(all(&saia).to_vec(), expected);
     }
     saia.flags = super::super::Flags { on_dest: true, index: true, wrapped: true, error: true, passed: true };
-    bench.parameters.saia.stafrr = 0;
+    bench.parameters.vocabularies.saia.stafrr = 0;
     bench.run(&mut saia, "fressf");
     assert_eq!(all(&saia), [false; 5]);
     // Flags are set by what happens, not by what is: OnDest stays 0 (A28).
@@ -297,7 +297,7 @@ fn the_position_error_is_supervised_in_each_state_with_the_regulator_on() {
     use super::super::Phase::{Hold, Off, Position, Ramp, Velocity};
     for phase in [Position, Velocity, Ramp, Hold] {
         let mut bench = Bench::new();
-        bench.parameters.saia.mcw = 0x1A;
+        bench.parameters.vocabularies.saia.mcw = 0x1A;
         let mut saia = bench.moving_state();
         (saia.phase, bench.rests) = (phase, phase == Hold);
         bench.following_error = -30_000;
@@ -320,7 +320,7 @@ fn the_position_wraps_in_velocity_mode_and_sets_its_flag() {
     {
         let mut bench = Bench::new();
         let mut saia = bench.moving_state();
-        bench.parameters.saia.mcw = mode;
+        bench.parameters.vocabularies.saia.mcw = mode;
         bench.run(&mut saia, "fselom fstart");
         bench.actual = edge;
         bench.step(&mut saia);
@@ -329,7 +329,7 @@ fn the_position_wraps_in_velocity_mode_and_sets_its_flag() {
         assert_eq!(bench.step(&mut saia), None, "motion goes on");
         assert_eq!((saia.position(&bench.view()), saia.flags.wrapped), (beyond, true));
         // A break position is not passed by the wrap.
-        bench.parameters.saia.brkp = 0;
+        bench.parameters.vocabularies.saia.brkp = 0;
         saia.breaks = None;
         assert!(saia.is_sound());
     }
@@ -344,12 +344,12 @@ fn the_position_wraps_in_velocity_mode_and_sets_its_flag() {
 #[test]
 fn a_wrap_passes_no_break_position() {
     let mut bench = Bench::new();
-    bench.parameters.saia.mcw = 0x1C1B;
+    bench.parameters.vocabularies.saia.mcw = 0x1C1B;
     bench.actual = 1_073_741_800;
     let mut saia = super::super::Saia::default();
     bench.run(&mut saia, "axinit");
     saia.zero = 0;
-    bench.parameters.saia.brkp = 5000;
+    bench.parameters.vocabularies.saia.brkp = 5000;
     bench.run(&mut saia, "fselom fldbpa fstart");
     bench.actual += 100;
     bench.step(&mut saia);

@@ -177,7 +177,7 @@ fn flags_that_stand_together_run_in_one_order() {
     let request = rig.request(X, &[("destp", 9000.0), ("veloc", 20_000.0)], "fstart fressf fldva fldda");
     let order: Vec<Command> = request.commands.iter().collect();
     assert_eq!(order, [flag("fldda"), flag("fldva"), flag("fressf"), flag("fstart")]);
-    rig.ask([Action::Saia(Box::new(request))]).unwrap();
+    rig.ask([Action::vocabulary(request)]).unwrap();
     assert_eq!((rig.int("x.saia.destination"), rig.int("x.saia.ondest")), (9000, 0));
     rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 9000);

@@ -82,7 +82,7 @@ impl Rig {
     /// Gives a verb. Where it is refused, the machine must be as one that was not asked.
     pub(super) fn give_or_nothing(&mut self, request: Request) {
         let mut twin = self.twin();
-        if self.ask([Action::Saia(Box::new(request))]).is_err() {
+        if self.ask([Action::vocabulary(request)]).is_err() {
             let mut outputs = twin.outputs();
             twin.cycle(self.inputs(), Commands::default(), &mut outputs);
             assert_eq!(&outputs, self.outputs());
@@ -110,7 +110,7 @@ impl Rig {
 
     pub(super) fn verb(&mut self, axis: u16, set: &[(&str, f64)], commands: &str) -> Result<(), String> {
         let request = self.request(axis, set, commands);
-        self.ask([Action::Saia(Box::new(request))])
+        self.ask([Action::vocabulary(request)])
     }
 
     /// A verb for x that is accepted and has no command error.

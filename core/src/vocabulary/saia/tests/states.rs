@@ -463,11 +463,11 @@ fn several_axes_start_in_the_same_cycle() {
     rig.run(5);
     let verbs = [(X, 5000.0), (V, 4000.0)];
     let actions = verbs.map(|(axis, way)| {
-        Action::Saia(Box::new(rig.request(
+        Action::vocabulary(rig.request(
             axis,
             &[("destp", way)],
             if axis == X { "flddr fstart" } else { "fldda fstart" },
-        )))
+        ))
     });
     rig.ask(actions).unwrap();
     assert_eq!((rig.int("x.command.position"), rig.int("v.command.position")), (1000, 0));

@@ -84,7 +84,7 @@ impl Bench {
             modulo: None,
             unit: 1000.0,
             interface: self.interface,
-            selector: crate::vocabulary::amc::Wiring::default(),
+            wiring: crate::vocabulary::Wiring::default(),
             parameters: &self.parameters,
             leads: &self.leads,
             latches: &self.latches,
@@ -120,7 +120,7 @@ fn what_takes_the_axis_over_is_not_fought() {
         for names in ["", "fforw", "fselom fstart"] {
             let mut bench = Bench::new();
             let mut saia = bench.moving_state();
-            bench.parameters.saia.mcw = 0x1C1B;
+            bench.parameters.vocabularies.saia.mcw = 0x1C1B;
             bench.run(&mut saia, names);
             (bench.owns, bench.on) = (false, on);
             for _ in 0..3 {
@@ -198,7 +198,7 @@ fn a_motor_that_goes_off_and_starts_in_one_verb_is_off_in_between() {
 fn a_stop_while_the_drive_switches_on_ends_the_start() {
     for mcw in [0x21B, 0x41B] {
         let mut bench = Bench::new();
-        bench.parameters.saia.mcw = mcw;
+        bench.parameters.vocabularies.saia.mcw = mcw;
         bench.on = false;
         let mut saia = Saia::default();
         bench.run(&mut saia, "axinit");
@@ -220,10 +220,10 @@ fn a_stop_also_stops_what_somebody_else_began() {
     let mut saia = bench.moving_state();
     bench.owns = false;
     bench.step(&mut saia);
-    bench.parameters.saia.mcw = 0x41B;
+    bench.parameters.vocabularies.saia.mcw = 0x41B;
     assert!(matches!(bench.run(&mut saia, "fstop"), Some(Order::Stop { .. })));
     assert_eq!(saia.phase, Phase::Ramp);
-    bench.parameters.saia.mcw = 0x21B;
+    bench.parameters.vocabularies.saia.mcw = 0x21B;
     assert_eq!(bench.run(&mut saia, "fstop"), Some(Order::StandOnActual));
     assert_eq!(saia.phase, Phase::Hold);
     // And a step waits for it to stand.
@@ -246,7 +246,7 @@ fn a_start_that_the_axis_cannot_do_once_it_is_on_is_a_command_error() {
 #[test]
 fn every_state_that_comes_about_is_sound() {
     let mut bench = Bench::new();
-    bench.parameters.saia.mcw = 0x41B;
+    bench.parameters.vocabularies.saia.mcw = 0x41B;
     let mut saia = Saia::default();
     assert!(saia.is_sound());
     bench.run(&mut saia, "axinit");

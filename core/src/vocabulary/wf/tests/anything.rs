@@ -110,7 +110,9 @@ impl Bench {
                     self.wf.take_reset();
                 }
             }
-            Happening::Offset(offset) => self.parameters.wf.zero_offset = (*offset).clamp(-MM * 1000, MM * 1000),
+            Happening::Offset(offset) => {
+                self.parameters.vocabularies.wf.zero_offset = (*offset).clamp(-MM * 1000, MM * 1000)
+            }
         }
         self.wait(1);
     }

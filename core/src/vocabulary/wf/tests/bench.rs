@@ -43,7 +43,7 @@ impl Bench {
     pub(super) fn new() -> Self {
         let mut parameters = AxisParameters::new(MAX_VELOCITY, 1e6);
         parameters.error_reaction = 2;
-        let wf = &mut parameters.wf;
+        let wf = &mut parameters.vocabularies.wf;
         (wf.md42, wf.md43, wf.md44) = (40, 20, 5);
         (wf.md45, wf.md46, wf.md47, wf.md48) = (100 * MM, 35 * MM, 10 * MM, MM);
         (wf.peh_window, wf.md30) = (Some(MM / 2), 100_000_000);
@@ -96,7 +96,7 @@ impl Bench {
             modulo: self.modulo,
             unit: MM as f64,
             interface: Some(self.interface),
-            selector: crate::vocabulary::amc::Wiring::default(),
+            wiring: crate::vocabulary::Wiring::default(),
             parameters: &self.parameters,
             leads: &self.leads,
             latches: &[],

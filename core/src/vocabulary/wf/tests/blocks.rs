@@ -147,11 +147,12 @@ fn repeated_distances_do_not_add_what_was_missed() {
 fn offsets_count_with_absolute_blocks_only() {
     let at_100 = || {
         let mut bench = Bench::new();
-        (bench.parameters.wf.zero_offset, bench.parameters.wf.tool_length) = (10 * MM, 5 * MM);
+        (bench.parameters.vocabularies.wf.zero_offset, bench.parameters.vocabularies.wf.tool_length) =
+            (10 * MM, 5 * MM);
         bench.start(Mode::Mdi, &[to(100, 80.0)]);
         bench.at(115 * MM).at(115 * MM);
         assert_eq!(bench.state(), "DONE");
-        bench.parameters.wf.zero_offset = 20 * MM;
+        bench.parameters.vocabularies.wf.zero_offset = 20 * MM;
         bench.wait(100);
         assert_eq!(bench.state(), "DONE", "an offset alone moves nothing");
         bench

@@ -149,7 +149,7 @@ fn a_block_that_turns_back_stops_with_its_position_reached() {
 #[test]
 fn alarm_10_comes_in_travel_and_alarm_11_at_standstill() {
     let mut config = config();
-    config.axes[0].parameters.wf.max_following_error = Some(500);
+    config.axes[0].parameters.vocabularies.wf.max_following_error = Some(500);
     config.axes[0].parameters.max_following_error = 100_000;
     let mut rig = Rig::wf_of(config);
     rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)]));
@@ -182,11 +182,11 @@ fn alarm_10_comes_in_travel_and_alarm_11_at_standstill() {
 #[test]
 fn an_alarm_that_stops_nothing_is_acknowledged_with_its_error() {
     let mut config = config();
-    config.axes[0].parameters.wf.max_following_error = Some(500);
+    config.axes[0].parameters.vocabularies.wf.max_following_error = Some(500);
     config.axes[0].parameters.max_following_error = 100_000;
     config.axes[0].parameters.error_reaction = 5;
     let mut rig = Rig::wf_of(config);
-    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::Wf(Box::new(reset()))] {
+    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::vocabulary(reset())] {
         let told = rig.errors().len();
         rig.plant.drive(0).unwrap().jump(-600);
         rig.run(2);
@@ -208,7 +208,7 @@ fn an_alarm_that_stops_nothing_is_acknowledged_with_its_error() {
 
 fn watched(allowed: Option<i64>) -> Rig {
     let mut config = config();
-    config.axes[0].parameters.wf.max_following_error = allowed;
+    config.axes[0].parameters.vocabularies.wf.max_following_error = allowed;
     config.axes[0].parameters.max_following_error = 100_000;
     Rig::wf_of(config)
 }
@@ -260,7 +260,7 @@ fn the_following_error_is_watched_without_a_verb() {
     assert_eq!((rig.int("x.actual.position"), rig.int("x.wf.alarm")), (5_000_000, 0));
     // A quick stop does not end it; acknowledged while the cause is there it comes again.
     rig.act(Action::QuickStop(AxisSet::first(1)));
-    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::Wf(Box::new(reset()))] {
+    for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::vocabulary(reset())] {
         rig.plant.drive(0).unwrap().jump(600);
         rig.run(1);
         assert_eq!((rig.int("x.state"), rig.int("x.wf.alarm"), rig.int("x.wf.enable")), (7, 11, 0));
@@ -273,7 +273,7 @@ fn the_following_error_is_watched_without_a_verb() {
         rig.plant.drive(0).unwrap().jump(600);
         rig.run(1);
         rig.plant.drive(0).unwrap().jump(600);
-        rig.act(Action::Wf(Box::new(reset())));
+        rig.act(Action::vocabulary(reset()));
         rig.plant.drive(0).unwrap().jump(600);
         rig.run(1);
         assert_eq!((rig.int("x.state"), rig.int("x.wf.alarm")), (7, 11));
@@ -302,7 +302,7 @@ fn start_and_jog_need_the_axis_on_and_the_request() {
     rig.run(5);
     let jog = Request { mode: Some(Mode::Jog), jog: Some(Jog::Plus), ..Request::default() };
     let mut config = config();
-    config.axes[0].parameters.wf.fixed_speed_1 = 10.0;
+    config.axes[0].parameters.vocabularies.wf.fixed_speed_1 = 10.0;
     assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(100, 50.0)])), Some(Code::NOT_ENABLED));
     let mut rig = Rig::wf_of(config);
     assert_eq!(rig.wf_verb(&Request { enable: Some(false), ..Request::default() }), None);
@@ -320,7 +320,7 @@ fn start_and_jog_need_the_axis_on_and_the_request() {
 #[test]
 fn setup_runs_up_and_down_its_ramps() {
     let mut config = config();
-    config.axes[0].parameters.wf.fixed_speed_1 = 10.0;
+    config.axes[0].parameters.vocabularies.wf.fixed_speed_1 = 10.0;
     let mut rig = Rig::wf_of(config);
     let jog = |jog| Request { mode: Some(Mode::Jog), jog: Some(jog), ..Request::default() };
     assert_eq!(rig.wf_verb(&jog(Jog::Minus)), None);

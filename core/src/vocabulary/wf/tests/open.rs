@@ -131,7 +131,7 @@ fn leaving_the_window_without_a_new_start_is_alarm_22() {
 #[test]
 fn the_time_may_begin_with_start() {
     let mut bench = Bench::new();
-    bench.parameters.wf.peh_from_start = 1;
+    bench.parameters.vocabularies.wf.peh_from_start = 1;
     bench.start(Mode::Mdi, &[to(500, 80.0)]);
     bench.wait(99);
     assert_eq!(bench.now(), ("RUN", 80.0, 1, 1));

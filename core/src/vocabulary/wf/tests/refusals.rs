@@ -76,7 +76,7 @@ fn changes_in_motion_and_keys_of_other_modes() {
             Code::WF_NOT_IN_THIS_MODE,
         );
     }
-    bench.parameters.wf.fixed_speed_1 = 0.0;
+    bench.parameters.vocabularies.wf.fixed_speed_1 = 0.0;
     let jog = Request { mode: Some(Mode::Jog), jog: Some(Jog::Plus), ..Request::default() };
     refuses(&mut bench, &jog, Code::WF_BAD_SPEED);
 }

@@ -14,7 +14,7 @@ use crate::vocabulary::wf::Request;
 pub(super) fn config() -> MachineConfig {
     let mut parameters = AxisParameters::new(500_000.0, 1_000_000.0);
     parameters.error_reaction = 2;
-    (parameters.wf.md1, parameters.wf.md2) = (Some(100_000.0), Some(200_000.0));
+    (parameters.vocabularies.wf.md1, parameters.vocabularies.wf.md2) = (Some(100_000.0), Some(200_000.0));
     let axis = AxisConfig::new("x".into(), scale(), Some(Capabilities::all(0)), parameters);
     MachineConfig { cycle_ns: 1_000_000, axes: vec![axis], ..MachineConfig::default() }
 }
@@ -39,7 +39,7 @@ impl Rig {
 
     /// One cycle with a verb; what refused it.
     pub(super) fn wf_verb(&mut self, request: &Request) -> Option<Code> {
-        self.act(Action::Wf(Box::new(request.clone())))
+        self.act(Action::vocabulary(request.clone()))
     }
 
     pub(super) fn wf_state(&self) -> &'static str {

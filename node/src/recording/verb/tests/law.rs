@@ -280,7 +280,7 @@ fn saia() -> impl Strategy<Value = Option<Action>> {
         for name in commands {
             request.commands.insert(DESK.config.resolve_saia_command(name).ok()?);
         }
-        Some(Action::Saia(Box::new(request)))
+        Some(Action::vocabulary(request))
     })
 }
 

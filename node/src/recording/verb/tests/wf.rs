@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 static DESK: LazyLock<Desk> = LazyLock::new(Desk::new);
 
 fn wf(request: Request) -> Action {
-    Action::Wf(Box::new(request))
+    Action::vocabulary(request)
 }
 
 fn millimetres(value: i64) -> Position {

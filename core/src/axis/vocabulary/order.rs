@@ -1,0 +1,209 @@
+//! What the orders of a vocabulary do to its axis.
+
+use super::super::course::{Aim, Course};
+use super::super::generator::Coupling;
+use super::super::power::Power;
+use super::super::reaction::Failure;
+use super::super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::position::Position;
+use crate::profile::{Limits, Motion};
+use crate::sync::follower::{Bounds, Follower};
+use crate::sync::gear::{Gear, Ratio};
+use crate::sync::{Disengage, Leads, SyncMode, Transmission};
+use crate::vocabulary::{Order, Owner};
+
+impl Axis {
+    /// The coupling to the master that the cell wires.
+    pub(super) fn gear_of_master(&self, leads: &Leads) -> Result<Coupling, Refusal> {
+        let refuse = |code| Refusal::new(code, self.object());
+        let p = &self.parameters;
+        let leader = self.master().ok_or_else(|| refuse(Code::LEADER_LOST))?;
+        let numbers = (Number::Count(p.sync_slave), Number::Count(p.sync_master));
+        let ratio = Ratio::new(p.sync_slave, p.sync_master)
+            .ok_or_else(|| refuse(Code::BAD_RATIO).with(numbers.0, numbers.1))?;
+        if !leads.get(leader).valid {
+            return Err(refuse(Code::LEADER_LOST));
+        }
+        let bounds = Bounds {
+            velocity: p.max_velocity,
+            acceleration: p.usual_acceleration().min(p.usual_deceleration()),
+            max_velocity: p.max_velocity,
+            max_acceleration: p.max_acceleration,
+            max_deceleration: p.deceleration_limit(),
+        };
+        // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
+        let (transmission, mode) = (Transmission::Gear(Gear::new(ratio)), SyncMode::Position);
+        let follower = Follower::new(leader.is_counted(), transmission, mode, self.command, Position::ZERO, bounds);
+        Ok(Coupling { leader, disengage: Disengage::Stop, accuracy: p.sync_accuracy, follower })
+    }
+
+    /// Nothing lets the axis go on in the cycle of a stop that locks.
+    pub(super) fn check_stop_of(&self, cycle: u64) -> Result<(), Refusal> {
+        self.locked_in(cycle).map_or(Ok(()), |code| Err(Refusal::new(code, self.object())))
+    }
+
+    /// Switches the axis off: at once, but one that stands leaves its load to its brake first.
+    pub(in crate::axis) fn let_go(&mut self, cx: &mut Context<'_>) {
+        if matches!(self.power, Power::Closing { .. }) {
+            return;
+        }
+        if self.own_brake().is_some() && self.is_on() && self.rests() {
+            self.power = Power::SwitchingOff;
+        } else {
+            self.switch_off(cx);
+        }
+    }
+
+    /// Does what a vocabulary asks.
+    ///
+    /// # Errors
+    /// What limits or state forbid; nothing is changed then.
+    pub(crate) fn obey(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
+        if !owner.leaves_homing() || !self.homes_for(owner) {
+            return self.carry_out(cx, owner, order);
+        }
+        // Another reference ends homing (AMC-FSM-01..07): limits hold for it as they do beside homing.
+        let homing = self.homing;
+        if matches!(order, Order::Position { .. } | Order::Velocity { .. } | Order::Gear { .. }) {
+            self.homing.leave();
+        }
+        let result = self.carry_out(cx, owner, order);
+        if result.is_ok() {
+            let left = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LEFT);
+            cx.events.push(Event { position: self.command.position, ..left });
+        } else {
+            self.homing = homing;
+        }
+        result
+    }
+
+    /// The course of a vocabulary to a target that the axis may go to.
+    pub(super) fn admit_position(
+        &self,
+        cycle: u64,
+        from: Motion,
+        target: Position,
+        limits: Limits,
+    ) -> Result<Course, Refusal> {
+        self.check_target(target, &self.parameters)?;
+        let course = self.course(cycle, from, Aim::Target(Position::whole(target.nearest())), limits);
+        self.check_course(&course, from, limits).map(|()| course)
+    }
+
+    /// The same at a velocity, without end.
+    pub(super) fn admit_velocity(
+        &self,
+        cycle: u64,
+        from: Motion,
+        velocity: f64,
+        limits: Limits,
+    ) -> Result<Course, Refusal> {
+        self.check_velocity(velocity)?;
+        let course = self.course(cycle, from, Aim::velocity(velocity), limits);
+        self.check_course(&course, from, limits).map(|()| course)
+    }
+
+    fn carry_out(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
+        match order {
+            Order::SwitchOn => {
+                if !self.active {
+                    return Err(Refusal::new(Code::NOT_ACTIVE, self.object()));
+                }
+                self.check_contacts()?;
+                if self.power == Power::Off && !self.is_virtual() {
+                    self.check_lock()?;
+                    self.power = Power::SwitchingOn { since: cx.cycle };
+                }
+            }
+            Order::SwitchOff => {
+                self.abandon(cx, Code::REPLACED);
+                // Also one that is on its way to being on.
+                let runs = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
+                if !self.is_virtual() && runs {
+                    self.let_go(cx);
+                }
+            }
+            Order::FailOff { refusal } => {
+                self.raise(cx, Failure::of_refusal(refusal));
+            }
+            Order::Position { target, limits, reference } => {
+                self.check_closed_loop()?;
+                self.check_free()?;
+                let course = self.admit_position(cx.cycle, self.present(), target, limits)?;
+                self.abandon(cx, Code::REPLACED);
+                self.judge.rested_at = None;
+                self.begin_motion(cx, AxisState::DiscreteMotion, reference, Generator::Plan(course));
+            }
+            Order::Velocity { velocity, limits } => {
+                self.check_closed_loop()?;
+                self.check_free()?;
+                let course = self.admit_velocity(cx.cycle, self.present(), velocity, limits)?;
+                self.abandon(cx, Code::REPLACED);
+                self.judge.rested_at = None;
+                let state = if velocity == 0.0 { AxisState::DiscreteMotion } else { AxisState::ContinuousMotion };
+                self.begin_motion(cx, state, Reference::Speed, Generator::Plan(course));
+            }
+            Order::Stop { limits } => {
+                self.abandon(cx, Code::REPLACED);
+                // What a quick stop or an error stops already is not to stop more softly.
+                let stops = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop);
+                if self.power == Power::On && !stops {
+                    self.brake_to_rest(cx, &limits);
+                }
+            }
+            Order::StandOnActual if self.is_open_loop() => {
+                self.abandon(cx, Code::REPLACED);
+                self.switch_speed_off(cx);
+            }
+            Order::StandOnActual => {
+                self.abandon(cx, Code::REPLACED);
+                self.reference = Reference::Stop;
+                self.generator = Generator::Rest;
+                use AxisState::{ContinuousMotion, Homing, SynchronizedMotion};
+                if matches!(self.state, ContinuousMotion | SynchronizedMotion | Homing) {
+                    self.set_state(cx, AxisState::DiscreteMotion);
+                }
+                self.command = Motion::at_rest(Position::whole(self.actual.position.floor()));
+            }
+            Order::Gear { past } => {
+                self.check_closed_loop()?;
+                self.check_free()?;
+                let coupling = self.gear_of_master(cx.leads)?;
+                let follower = coupling.follower.with_past(past);
+                self.abandon(cx, Code::REPLACED);
+                self.judge.rested_at = None;
+                let generator = Generator::Follow(Coupling { follower, ..coupling });
+                self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Gear, generator);
+            }
+            Order::Home => self.home_as_configured(cx)?,
+            Order::ReferenceTravel(travel) => self.start_reference_travel(cx, &travel)?,
+            Order::Speed { velocity } => self.set_speed(cx, velocity)?,
+            Order::Fail { code, found, allowed } => {
+                if self.is_open_loop() {
+                    self.switch_speed_off(cx);
+                }
+                self.raise(cx, Failure::of(code).with(found, allowed));
+                self.owner = Owner::Native;
+                return Ok(());
+            }
+            Order::Reset => {
+                if self.alarm.code().is_alarm() {
+                    self.check_stop_of(cx.cycle)?;
+                    if !self.rests() {
+                        return Err(self.not_at_standstill());
+                    }
+                    // WF-MON-06: after its cause is removed. The others last only as long as what they stop.
+                    if self.alarm.code() == Code::WF_ENCODER_CABLE && self.source_failure().is_some() {
+                        return Err(Refusal::new(Code::WF_ENCODER_CABLE, self.object()));
+                    }
+                    self.clear_error(cx);
+                }
+                return Ok(());
+            }
+        }
+        self.owner = owner;
+        Ok(())
+    }
+}

@@ -1,0 +1,74 @@
+//! The verb of a vocabulary on an axis: it is tried on copies, and the axis judges what comes of them.
+//!
+//! Law      a start whose drive has to switch on first is judged when it comes, by all that can be known then; what changes
+//!          until it moves is found once the drive is on
+//! Refuses  the whole verb, or only what of it cannot be done, as the vocabulary has it
+//! Source   SAIA-ERR-03, SAIA-ERR-04, WF-SET-02
+
+use crate::axis::{Axis, Context};
+use crate::code::Code;
+use crate::event::{Event, Kind, Number, Refusal};
+use crate::parameter::Change;
+use crate::profile::Motion;
+use crate::vocabulary::{Order, Outcome, Owner, Request, View};
+
+impl Axis {
+    pub(in crate::axis) fn run_request(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        request: &Request,
+    ) -> Result<(), Refusal> {
+        let owner = request.owner();
+        self.vocabularies.rouse(owner);
+        let mut parameters = *self.parameters;
+        for (row, value) in request.writes() {
+            let change = Change { axis: self.setup.index, row, value };
+            let Some(entry) = change.row() else { continue };
+            let refusal = Refusal::new(Code::PARAMETER_OUT_OF_RANGE, self.object());
+            let refusal = Refusal { parameter: Some(row), ..refusal.with(change.number(), Number::None) };
+            entry.assign(&mut parameters, value).map_err(|_| refusal)?;
+        }
+        let barred = self.check_stop_of(cx.cycle).err();
+        let view = View { parameters: &parameters, ..self.view(cx.cycle, owner, cx.leads, cx.latches) };
+        let (mut tried, mut outcome) = self.vocabularies.ask(request, &view, barred)?;
+        if let Err(refusal) = self.attempt(cx, owner, &outcome) {
+            let view = View { parameters: &parameters, ..self.view(cx.cycle, owner, cx.leads, cx.latches) };
+            (tried, outcome) = self.vocabularies.ask_instead(request, &view, refusal)?;
+            self.attempt(cx, owner, &outcome)?;
+        }
+        if let Some(refusal) = outcome.warning {
+            self.warn_of(cx, refusal);
+        }
+        self.vocabularies.keep(&tried);
+        self.accepted(cx, sequence);
+        self.write_own(cx, Some(sequence), request.writes());
+        for refusal in outcome.errors.iter().flatten() {
+            let event = Event { kind: Kind::Warning, ..refusal.event(sequence) };
+            cx.events.push(Event { position: self.command.position, ..event });
+        }
+        Ok(())
+    }
+
+    /// What a verb asks of the axis, if it also may do what it is to do once its drive is on.
+    fn attempt(&mut self, cx: &mut Context<'_>, owner: Owner, outcome: &Outcome) -> Result<(), Refusal> {
+        if let Some(motion) = outcome.coming {
+            self.check_coming(cx.cycle, motion)?;
+        }
+        outcome.order.map_or(Ok(()), |order| self.obey(cx, owner, order))
+    }
+
+    /// May a motion begin as soon as the drive is on? A drive that is off until then unlocks nothing and finds no zero.
+    fn check_coming(&self, cycle: u64, motion: Order) -> Result<(), Refusal> {
+        self.check_closed_loop()?;
+        self.check_lock()?;
+        self.check_settled()?;
+        // Where it coasts to nobody knows.
+        let from = if self.is_virtual() { self.present() } else { Motion::at_rest(self.command.position) };
+        match motion {
+            Order::Position { target, limits, .. } => self.admit_position(cycle, from, target, limits).map(|_| ()),
+            Order::Velocity { velocity, limits } => self.admit_velocity(cycle, from, velocity, limits).map(|_| ()),
+            _ => Ok(()),
+        }
+    }
+}
