@@ -9,6 +9,7 @@ use crate::parameter::{Row, Value};
 use crate::state::Reference;
 
 /// A copy of one.
+#[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Vocabulary {
     Amc(Amc),
