@@ -13,7 +13,7 @@ use crate::code::Code;
 use crate::drive::{Backend, Capabilities, Interface, SpeedOutputs};
 use crate::encoder::{Form, PulseCheck};
 use crate::modulo::Modulo;
-use crate::object::{Leader, MAX_AXES, Object};
+use crate::object::{MAX_AXES, Object};
 use crate::parameter::{Applies, AxisParameters, Contradiction, MachineParameters, Row};
 use crate::unit::{Fraction, Scale, fraction_to_f64};
 use crate::vocabulary::{self, Setting, Wiring};
@@ -338,10 +338,7 @@ impl MachineConfig {
 
     /// A vocabulary may couple its axis at any time: no chain of masters may close.
     fn check_masters(&self) -> Result<(), ConfigError> {
-        let master = |index: usize| match self.axes.get(index)?.vocabularies.master()? {
-            Leader::AxisCommand(leader) => Some(usize::from(leader)),
-            _ => None,
-        };
+        let master = |index: usize| self.axes.get(index)?.vocabularies.master()?.commanded().map(usize::from);
         for (index, axis) in self.axes.iter().enumerate() {
             let chain = std::iter::successors(master(index), |&next| master(next)).take(self.axes.len());
             if chain.into_iter().any(|next| next == index) {

@@ -2,12 +2,14 @@
 
 mod backend;
 mod cia402;
+mod service;
 mod switching;
 
 use crate::object::Object;
 pub use backend::{Backend, Capabilities, Objects, Terminal};
 pub use cia402::*;
 use serde::{Deserialize, Serialize};
+pub use service::{Service, ServiceError};
 pub use switching::{SpeedOutputs, Switching};
 
 /// Most latches of one cycle; what comes beyond is counted in [`Inputs::latches_lost`].

@@ -437,7 +437,7 @@ impl Machine {
 fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
     let Some(of) = leads.of_axes.get_mut(index) else { return };
     let Motion { position, velocity, .. } = axis.command();
-    of.command = Lead { position, change: position - of.command.position, velocity, counted: false, valid: true };
+    of.command = Lead { position, change: position - of.command.position, velocity, uneven: 0.0, valid: true };
     if axis.shows_command() {
         let actual = axis.actual();
         of.actual = Lead { change: actual.position - of.actual.position, ..actual };

@@ -34,9 +34,12 @@ pub enum Leader {
 }
 
 impl Leader {
-    /// Is it counted, so that its changes are uneven by one increment? Else it is generated.
-    pub fn is_counted(self) -> bool {
-        !matches!(self, Self::AxisCommand(_) | Self::Simulated(_))
+    /// The axis whose command it is: that axis moves before its followers, and no follower may lead it in turn.
+    pub fn commanded(self) -> Option<u16> {
+        match self {
+            Self::AxisCommand(axis) => Some(axis),
+            Self::AxisActual(_) | Self::Encoder(_) | Self::Simulated(_) => None,
+        }
     }
 }
 

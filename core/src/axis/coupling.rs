@@ -59,7 +59,8 @@ impl Axis {
             Code::ACCELERATION_TOO_HIGH,
         )?;
         let leader = self.leader_of(request.leader, cx.leads.axes())?;
-        if !cx.leads.get(leader).valid {
+        let lead = cx.leads.get(leader);
+        if !lead.valid {
             return Err(self.refuse(Code::LEADER_LOST));
         }
         let bounds = Bounds {
@@ -81,7 +82,7 @@ impl Axis {
             _ => Gear::new(ratio),
         };
         let transmission = Transmission::Gear(gear);
-        let follower = Follower::new(leader.is_counted(), transmission, request.mode, self.present(), offset, bounds);
+        let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
         let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
         self.begin_goal(cx, sequence, None);
         let coupling = Coupling { leader, disengage, accuracy, follower };

@@ -13,7 +13,7 @@ use super::{Axis, Context};
 use crate::code::Code;
 use crate::drive::{DriveInput, EncoderInput, Interface};
 use crate::encoder::source::AbsoluteSources;
-use crate::encoder::{Absolute, Encoder, Form, Lead, PulseCheck, Pulses, Reader, WordCode, source};
+use crate::encoder::{Absolute, COUNT, Encoder, Form, Lead, PulseCheck, Pulses, Reader, WordCode, source};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::vocabularies::ENCODER_KIND;
 use crate::parameter::{AxisParameters, Row};
@@ -284,7 +284,7 @@ impl Axis {
         let before = self.counter.position();
         self.choose_source();
         let index;
-        let mut lead = Lead { counted: true, ..Lead::default() };
+        let mut lead = Lead { uneven: COUNT, ..Lead::default() };
         let mut changed;
         match self.sensor.source {
             Source::Drive(_) | Source::Simulated => {
@@ -346,7 +346,7 @@ impl Axis {
             position: Position::whole(position),
             change: Position::whole(sense.turn(change)),
             velocity: sense.turn_real(input.velocity),
-            counted: true,
+            uneven: COUNT,
             valid: true,
         };
         true
@@ -354,7 +354,7 @@ impl Axis {
 
     /// Takes the word of the drive: the change of its counts, and what they say so far.
     pub(super) fn read_drive(&mut self, input: &DriveInput) -> (i64, Lead) {
-        let mut lead = Lead { counted: true, ..Lead::default() };
+        let mut lead = Lead { uneven: COUNT, ..Lead::default() };
         let mut changed = 0;
         self.sensor.raw = input.count;
         if input.online {

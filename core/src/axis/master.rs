@@ -254,7 +254,7 @@ impl Axis {
         let velocity = self.parameters.encoder.master_velocity;
         if self.parameters.derived.master == Some(Master::Simulation) {
             let change = Position::from_f64(velocity * self.cycle_s());
-            *lead = Lead { position: lead.position + change, change, velocity, counted: false, valid: true };
+            *lead = Lead { position: lead.position + change, change, velocity, uneven: 0.0, valid: true };
         } else if self.pace() == Pace::Full {
             // Once it stands, it stands.
             *lead = Lead { position: lead.position, ..Lead::default() };

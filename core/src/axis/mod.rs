@@ -360,7 +360,7 @@ impl Axis {
         if self.is_virtual() || self.is_simulated() && self.is_on() {
             let change = moved + (self.command.position - self.actual.position);
             let Motion { position, velocity, .. } = self.command;
-            self.actual = Lead { position, change, velocity, counted: false, valid: true };
+            self.actual = Lead { position, change, velocity, uneven: 0.0, valid: true };
         }
     }
 

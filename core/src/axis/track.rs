@@ -238,7 +238,7 @@ impl Axis {
             max_deceleration: down * (1.0 + STEP_SLACK),
         };
         let transmission = Transmission::Gear(Gear::new(Ratio::ONE));
-        let follower = Follower::new(false, transmission, SyncMode::Position, begin, Position::ZERO, bounds);
+        let follower = Follower::new(0.0, transmission, SyncMode::Position, begin, Position::ZERO, bounds);
         Generator::Track(follower.at_once())
     }
 
@@ -284,7 +284,7 @@ impl Axis {
             &tracker.begin(run),
             run.time_ns(cx.cycle),
         ));
-        let lead = Lead { position: sample.position, change, velocity: sample.velocity, counted: false, valid: true };
+        let lead = Lead { position: sample.position, change, velocity: sample.velocity, uneven: 0.0, valid: true };
         // What rounding has put beyond a limit was not commanded; it is not to stay behind for that.
         let held = (follower.target() - self.command.position).to_f64().abs() <= ROUNDING && tracker.exact;
         let position = if held { follower.target() } else { self.command.position };

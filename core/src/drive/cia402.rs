@@ -54,6 +54,30 @@ impl DriveState {
             Self::Fault => 0x0008,
         }
     }
+
+    /// The state of a drive in this one that is given a control word behind another one (CiA 402-2, transitions 2 to 16), one transition
+    /// at a time. Its initialization and its fault reaction take no time.
+    #[must_use]
+    pub fn next(self, control: u16, last_control: u16) -> Self {
+        let rises = |bit: u16| control & bit != 0 && last_control & bit == 0;
+        match self {
+            Self::NotReady => Self::SwitchOnDisabled,
+            Self::FaultReaction => Self::Fault,
+            Self::Fault if rises(control::FAULT_RESET) => Self::SwitchOnDisabled,
+            Self::Fault => Self::Fault,
+            // Bit 1 off: no voltage.
+            _ if control & 0x02 == 0 => Self::SwitchOnDisabled,
+            // Bit 2 off: quick stop.
+            Self::Enabled | Self::QuickStop if control & 0x04 == 0 => Self::QuickStop,
+            _ if control & 0x04 == 0 => Self::SwitchOnDisabled,
+            Self::QuickStop => Self::QuickStop,
+            _ if control & 0x01 == 0 => Self::Ready,
+            Self::Ready => Self::SwitchedOn,
+            Self::SwitchedOn | Self::Enabled if control & 0x08 != 0 => Self::Enabled,
+            Self::SwitchedOn | Self::Enabled => Self::SwitchedOn,
+            Self::SwitchOnDisabled => Self::SwitchOnDisabled,
+        }
+    }
 }
 
 /// Control words (CiA 402-2, table of the control word).
@@ -104,5 +128,30 @@ mod tests {
             assert_eq!(DriveState::from_status(state.status()), state);
             assert_eq!(DriveState::from_status(state.status() | STATUS_WARNING | 0x1600), state, "don't-care bits");
         }
+    }
+
+    /// The table of transitions: each command word in each state.
+    #[test]
+    fn a_control_word_leads_one_transition_on() {
+        use DriveState::*;
+        let words = [
+            (
+                control::DISABLE_VOLTAGE,
+                [SwitchOnDisabled, SwitchOnDisabled, SwitchOnDisabled, SwitchOnDisabled, SwitchOnDisabled],
+            ),
+            (control::QUICK_STOP, [SwitchOnDisabled, SwitchOnDisabled, SwitchOnDisabled, QuickStop, QuickStop]),
+            (control::SHUTDOWN, [Ready, Ready, Ready, Ready, QuickStop]),
+            (control::SWITCH_ON, [SwitchOnDisabled, SwitchedOn, SwitchedOn, SwitchedOn, QuickStop]),
+            (control::ENABLE, [SwitchOnDisabled, SwitchedOn, Enabled, Enabled, QuickStop]),
+        ];
+        for (word, after) in words {
+            for (before, after) in [SwitchOnDisabled, Ready, SwitchedOn, Enabled, QuickStop].into_iter().zip(after) {
+                assert_eq!(before.next(word, 0), after, "{word:#x} in {before:?}");
+            }
+            assert_eq!((NotReady.next(word, 0), FaultReaction.next(word, 0)), (SwitchOnDisabled, Fault));
+            assert_eq!(Fault.next(word, 0), Fault);
+        }
+        assert_eq!(Fault.next(control::FAULT_RESET, control::ENABLE), SwitchOnDisabled);
+        assert_eq!(Fault.next(control::FAULT_RESET, control::FAULT_RESET), Fault, "no rising edge");
     }
 }

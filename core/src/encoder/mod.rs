@@ -23,6 +23,9 @@ use crate::drive::EncoderInput;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
+/// By how much counts are uneven (inc).
+pub const COUNT: f64 = 1.0;
+
 /// What an axis can follow, as it stands in this cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lead {
@@ -32,8 +35,8 @@ pub struct Lead {
     pub change: Position,
     /// (inc/s)
     pub velocity: f64,
-    /// Counted, so that its change is uneven by one increment; else generated.
-    pub counted: bool,
+    /// By how much a change may differ from another one at the same speed (inc): 0 of what is generated, one count of what is counted.
+    pub uneven: f64,
     /// False: the encoder is lost, and who follows it must stop.
     pub valid: bool,
 }
@@ -68,7 +71,7 @@ pub struct Encoder {
 impl Encoder {
     /// An encoder whose words have that form.
     pub fn new(form: Form, check: Option<PulseCheck>) -> Self {
-        let lead = Lead { counted: true, ..Lead::default() };
+        let lead = Lead { uneven: COUNT, ..Lead::default() };
         Self { reader: Reader::new(form), check, pulses: Pulses::default(), lead, anew: false }
     }
 
@@ -103,7 +106,7 @@ impl Encoder {
             position: Position::whole(position),
             change: Position::whole(reading.change),
             velocity: reading.change as f64 / cycle_s,
-            counted: true,
+            uneven: COUNT,
             valid: reading.valid && off.is_none(),
         };
         match off {

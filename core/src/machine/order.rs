@@ -11,15 +11,12 @@ impl Machine {
     fn leaders(&self, axis: u16) -> impl Iterator<Item = u16> {
         let axis = self.state.axes.get(usize::from(axis));
         let leaders = [axis.and_then(|axis| axis.leader()), axis.and_then(|axis| axis.master())];
-        leaders.into_iter().flatten().filter_map(|leader| match leader {
-            Leader::AxisCommand(leader) => Some(leader),
-            _ => None,
-        })
+        leaders.into_iter().flatten().filter_map(Leader::commanded)
     }
 
     /// Would axis `follower` follow itself through `leader`? Counted are the couplings that there are, and those that may come.
     pub(super) fn closes_loop(&self, follower: u16, leader: Leader) -> bool {
-        let Leader::AxisCommand(first) = leader else { return false };
+        let Some(first) = leader.commanded() else { return false };
         let (mut reached, mut next) = (AxisSet::one(first), AxisSet::one(first));
         // Each axis is looked at once.
         while let Some(axis) = next.pop() {

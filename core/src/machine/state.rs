@@ -106,13 +106,30 @@ impl State {
 
     /// As after the power came back: all of `first` but the count of cycles and events and what was saved. Takes no memory.
     pub(super) fn power_up_from(&mut self, first: &Self) {
-        self.board.copy_from(&first.board);
-        self.axes.clone_from(&first.axes);
-        self.encoders.clone_from(&first.encoders);
-        self.order.clone_from(&first.order);
-        self.leads.copy_from(&first.leads);
-        self.runs.clone_from(&first.runs);
-        self.panel.power_up_from(&first.panel);
+        // Each part is named, so that none is forgotten.
+        let Self {
+            board,
+            axes,
+            encoders,
+            order,
+            leads,
+            runs,
+            panel,
+            cycle: _,
+            overruns: _,
+            next_event: _,
+            active: _,
+            deactivating: _,
+            user: _,
+            parameter_version: _,
+        } = first;
+        self.board.copy_from(board);
+        self.axes.clone_from(axes);
+        self.encoders.clone_from(encoders);
+        self.order.clone_from(order);
+        self.leads.copy_from(leads);
+        self.runs.clone_from(runs);
+        self.panel.power_up_from(panel);
         for (axis, user) in self.axes.iter_mut().zip(&self.user) {
             axis.begin_with(*user);
             axis.set_active(self.active);
@@ -221,17 +238,34 @@ impl Clone for State {
 
     /// Takes no memory where both are of one machine.
     fn clone_from(&mut self, other: &Self) {
-        self.board.copy_from(&other.board);
-        self.axes.clone_from(&other.axes);
-        self.encoders.clone_from(&other.encoders);
-        self.order.clone_from(&other.order);
-        self.leads.copy_from(&other.leads);
-        self.user.clone_from(&other.user);
+        // Each part is named, so that none is forgotten.
+        let Self {
+            board,
+            axes,
+            encoders,
+            order,
+            leads,
+            cycle,
+            overruns,
+            next_event,
+            active,
+            deactivating,
+            user,
+            parameter_version,
+            runs,
+            panel,
+        } = other;
+        self.board.copy_from(board);
+        self.axes.clone_from(axes);
+        self.encoders.clone_from(encoders);
+        self.order.clone_from(order);
+        self.leads.copy_from(leads);
+        self.user.clone_from(user);
         // Who gave a trajectory frees it: here only counts change.
-        self.runs.clone_from(&other.runs);
-        self.panel.clone_from(&other.panel);
-        (self.cycle, self.overruns, self.next_event) = (other.cycle, other.overruns, other.next_event);
-        self.parameter_version = other.parameter_version;
-        (self.active, self.deactivating) = (other.active, other.deactivating);
+        self.runs.clone_from(runs);
+        self.panel.clone_from(panel);
+        (self.cycle, self.overruns, self.next_event) = (*cycle, *overruns, *next_event);
+        self.parameter_version = *parameter_version;
+        (self.active, self.deactivating) = (*active, *deactivating);
     }
 }

@@ -136,6 +136,12 @@ impl SimDrive {
         }
     }
 
+    /// The same in the place of a drive that offers other things.
+    #[must_use]
+    pub fn offering(self, capabilities: Capabilities) -> Self {
+        Self { capabilities, ..self }
+    }
+
     /// What it offers.
     pub fn capabilities(&self) -> Capabilities {
         self.capabilities
@@ -332,7 +338,11 @@ impl SimDrive {
     fn obey(&mut self, output: DriveOutput) {
         self.mode = output.mode.number();
         let starts = output.control & control::START_HOMING != 0 && self.last_control & control::START_HOMING == 0;
-        self.change_state(output.control);
+        let before = self.state;
+        self.state = before.next(output.control, self.last_control);
+        if before == DriveState::Fault && self.state != DriveState::Fault {
+            self.fault = 0;
+        }
         self.last_control = output.control;
         let is_on = self.state == DriveState::Enabled;
         self.homing.runs &= matches!(output.mode, Mode::Homing(_)) && is_on;
@@ -411,33 +421,5 @@ impl SimDrive {
             }
         };
         self.count = self.count.wrapping_add(self.travel.advance(mean, self.cycle_ns));
-    }
-
-    fn change_state(&mut self, word: u16) {
-        use DriveState::*;
-        let rises = |bit: u16| word & bit != 0 && self.last_control & bit == 0;
-        self.state = match self.state {
-            NotReady => SwitchOnDisabled,
-            FaultReaction => Fault,
-            Fault if rises(control::FAULT_RESET) => {
-                self.fault = 0;
-                SwitchOnDisabled
-            }
-            Fault => Fault,
-            // Bit 1 off: no voltage.
-            _ if word & 0x02 == 0 => SwitchOnDisabled,
-            // Bit 2 off: quick stop.
-            Enabled | QuickStop if word & 0x04 == 0 => QuickStop,
-            _ if word & 0x04 == 0 => SwitchOnDisabled,
-            QuickStop => QuickStop,
-            _ if word & 0x01 == 0 => Ready,
-            Ready if word & 0x08 == 0 => SwitchedOn,
-            Ready | SwitchedOn | Enabled if word & 0x08 != 0 => match self.state {
-                Ready => SwitchedOn,
-                _ => Enabled,
-            },
-            SwitchedOn | Enabled => SwitchedOn,
-            other => other,
-        };
     }
 }

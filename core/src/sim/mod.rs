@@ -150,7 +150,8 @@ impl Plant {
             .iter()
             .zip(models)
             .map(|(axis, model)| {
-                let mut drive = SimDrive::new((*model)?, axis.drive?.delay, config.cycle_ns);
+                let offers = axis.drive?;
+                let mut drive = SimDrive::new((*model)?, offers.delay, config.cycle_ns).offering(offers);
                 if let Some(Source::Drive(form)) = source(axis) {
                     drive.speak(form);
                 }

@@ -82,7 +82,8 @@ pub struct Follower {
     /// Where the leader will stop at once, if that is known: the slave slows down before.
     halt: Option<Position>,
     bounds: Bounds,
-    counted: bool,
+    /// By how much its lead is uneven (inc).
+    lead_uneven: f64,
     /// The changes of the last cycles that the transmission made (inc), the newest first.
     recent: [f64; RECENT],
     /// The same, smoothed.
@@ -110,13 +111,14 @@ impl Follower {
     pub fn is_sound(&self) -> bool {
         let Bounds { velocity, acceleration, max_velocity, max_acceleration, max_deceleration } = self.bounds;
         let bounds = [velocity, acceleration, max_velocity, max_acceleration, max_deceleration];
-        self.transmission.is_sound() && bounds.iter().all(|bound| *bound > 0.0 && bound.is_finite())
+        let is_uneven = self.lead_uneven >= 0.0 && self.lead_uneven.is_finite();
+        is_uneven && self.transmission.is_sound() && bounds.iter().all(|bound| *bound > 0.0 && bound.is_finite())
     }
 
-    /// Begins with an axis that stands or moves as `slave` says; `offset` shifts it against the leader, which is `counted`, or
-    /// smooth.
+    /// Begins with an axis that stands or moves as `slave` says; `offset` shifts it against the leader, which is so
+    /// uneven (inc) as its lead says.
     pub fn new(
-        counted: bool,
+        lead_uneven: f64,
         transmission: Transmission,
         mode: SyncMode,
         slave: Motion,
@@ -125,7 +127,7 @@ impl Follower {
     ) -> Self {
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
         let (halt, recent) = (None, [0.0; RECENT]);
-        Self { mode, transmission, phase, target, halt, bounds, counted, recent, mean: 0.0 }
+        Self { mode, transmission, phase, target, halt, bounds, lead_uneven, recent, mean: 0.0 }
     }
 
     /// The same, exactly on its leader from the first cycle on, as far as its limits allow.
@@ -158,7 +160,7 @@ impl Follower {
 
     /// What a leader's change may differ from its speed (inc): one geared count, where it is counted.
     pub fn uneven(&self) -> f64 {
-        if self.counted { self.transmission.slope() } else { 0.0 }
+        if self.lead_uneven == 0.0 { 0.0 } else { self.lead_uneven * self.transmission.slope() }
     }
 
     /// By how much the leader's last change may exceed its speed in the direction of `way` (inc), if that falls by no more than
@@ -184,7 +186,7 @@ impl Follower {
     /// The velocity with which the slave would go on without its leader (inc/s), given its present one: that of a counted
     /// leader is smoothed, as its single changes say little.
     pub fn steady_velocity(&self, present: f64, cycle_s: f64) -> f64 {
-        if self.counted { self.mean / cycle_s } else { present }
+        if self.lead_uneven == 0.0 { present } else { self.mean / cycle_s }
     }
 
     /// How far it has come.
@@ -215,6 +217,7 @@ impl Follower {
     pub fn step(&mut self, slave: Motion, lead: Lead, cycle_s: f64, reserve: Reserve, rule: Rule) -> Motion {
         let bounds = self.bounds.less(reserve);
         let change = self.transmission.step(lead);
+        self.lead_uneven = lead.uneven;
         self.target += change;
         // From here on in inc per cycle.
         let geared = change.to_f64();
@@ -249,11 +252,12 @@ impl Follower {
     /// look closer. Nothing is changed: that is up to [`keep`](Self::keep).
     #[inline]
     pub fn follow(&self, slave: Motion, lead: Lead, cycle_s: f64, rule: Rule) -> Option<Following> {
-        let (change, transmission) = self.transmission.stepped(lead).filter(|_| lead.valid)?;
+        let (change, transmission) =
+            self.transmission.stepped(lead).filter(|_| lead.valid && lead.uneven == self.lead_uneven)?;
         // In inc per cycle.
         let geared = change.to_f64();
         let before = slave.velocity * cycle_s;
-        let uneven = if self.counted { self.uneven().min((geared - self.recent[0]).abs()) } else { 0.0 };
+        let uneven = self.uneven().min((geared - self.recent[0]).abs());
         let Bounds { max_velocity, max_acceleration, max_deceleration, .. } = self.bounds;
         let rate = if geared.abs() > before.abs() { max_acceleration } else { max_deceleration };
         // As `can_follow`, which allows for rounding as well.

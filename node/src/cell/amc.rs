@@ -24,7 +24,7 @@ pub(super) fn wiring<'d>(
 ) -> Option<vocabulary::Wiring> {
     let master = sections.value(map, "amc.master").map(|value| {
         let leader = leader(&value, cx)?;
-        if let Leader::AxisCommand(leader) = leader {
+        if let Some(leader) = leader.commanded() {
             masters.push((axis, usize::from(leader), value));
         }
         Some(leader)

@@ -38,12 +38,9 @@ type Taken = Once<(usize, &'static str, u16)>;
 enum Drive {
     Virtual,
     Real {
-        /// Place of the backend.
-        backend: usize,
-        /// Its number there: address, or node.
-        number: u16,
-        /// In cycles.
-        delay: u32,
+        at: Hardware,
+        /// What it hangs on.
+        kind: Backend,
         interface: Interface,
     },
 }
@@ -152,9 +149,9 @@ fn axis<'d>(
     let interface = interface_of(drive).unwrap_or_default();
     let (drive, hardware) = match drive? {
         Drive::Virtual => (None, None),
-        Drive::Real { backend, number, delay, .. } => {
+        Drive::Real { at, kind, .. } => {
             let model = simulated.as_ref().map_or(Model::Ideal, |(model, _)| *model);
-            (Some(model.capabilities(delay)), Some(Hardware { backend, number }))
+            (Some(kind.offers(model)), Some(at))
         }
     };
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;
@@ -250,7 +247,7 @@ fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken)
             take(&mut map, place, "node", 1..=127, cx, taken).filter(|_| eds != Some(None))
         }
         // The keys depend on a backend that is not known.
-        _ => {
+        (None, _) | (_, None) => {
             map.allow(&["address", "node", "eds"]);
             None
         }
@@ -258,7 +255,7 @@ fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken)
     let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
     map.finish();
     let number = number?;
-    Some(Drive::Real { backend: place?, number, delay: backend?.delay(), interface: interface? })
+    Some(Drive::Real { at: Hardware { backend: place?, number }, kind: backend?, interface: interface? })
 }
 
 /// Key `key`, which numbers the drives of a backend.

@@ -4,7 +4,8 @@ use super::names::{Entry, Names, Once, Section, quote};
 use crate::document::{Map, Value};
 use lineshaft_core::axis::MAX_DELAY;
 use lineshaft_core::config::{IoConfig, IoKind};
-use lineshaft_core::drive::{Objects, Terminal};
+use lineshaft_core::drive::{Capabilities, Objects, Terminal};
+use lineshaft_core::sim::Model;
 
 /// Cycles from a setpoint to the answer of a CANopen drive in csp (contract section 1).
 const CAN_DELAY: u32 = 1;
@@ -16,7 +17,31 @@ pub(super) enum Backend {
     Can,
 }
 
+/// Kinds of backends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BackendKind {
+    /// A simulation.
+    Simulation,
+    /// Drives and terminals on CAN.
+    Can,
+}
+
 impl Backend {
+    pub(super) fn kind(self) -> BackendKind {
+        match self {
+            Self::Sim { .. } => BackendKind::Simulation,
+            Self::Can => BackendKind::Can,
+        }
+    }
+
+    /// What it offers for a drive that a model simulates, or would simulate.
+    pub(super) fn offers(self, model: Model) -> Capabilities {
+        match self {
+            // Of a drive on CAN nobody knows more before it is there.
+            Self::Sim { .. } | Self::Can => model.capabilities(self.delay()),
+        }
+    }
+
     /// From what is asked in a cycle to what its inputs show, in cycles beyond the next one.
     pub(super) fn delay(self) -> u32 {
         match self {
@@ -31,10 +56,17 @@ impl Backend {
 pub struct CellBackend {
     /// Name.
     pub name: String,
-    /// A simulation; else `run` without `--sim` needs it.
-    pub is_simulated: bool,
+    /// What it is.
+    pub kind: BackendKind,
     /// What hangs on it.
     pub objects: Objects,
+}
+
+impl CellBackend {
+    /// Is it a simulation? Another one is needed by `run` without `--sim`.
+    pub fn is_simulated(&self) -> bool {
+        self.kind == BackendKind::Simulation
+    }
 }
 
 /// Where an object is.
@@ -99,10 +131,10 @@ pub(super) fn read(entries: &[Entry<'_>]) -> Vec<Option<Backend>> {
 
 fn backend(entry: &Entry<'_>) -> Option<Backend> {
     let mut map = entry.value.map(format!("backend `{}`", entry.name()))?;
-    let is_can = map.required("type").and_then(|value| value.choice(&[("sim", false), ("can", true)]));
-    let backend = match is_can {
-        Some(false) => sim(&mut map),
-        Some(true) => can(&mut map),
+    let kinds = [("sim", BackendKind::Simulation), ("can", BackendKind::Can)];
+    let backend = match map.required("type").and_then(|value| value.choice(&kinds)) {
+        Some(BackendKind::Simulation) => sim(&mut map),
+        Some(BackendKind::Can) => can(&mut map),
         None => {
             map.rest();
             None

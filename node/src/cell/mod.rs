@@ -38,9 +38,10 @@ mod wiring;
 
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
-pub use backends::{CellBackend, Hardware};
+pub use backends::{BackendKind, CellBackend, Hardware};
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{GlobalConfig, MachineConfig};
+use lineshaft_core::drive::Objects;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
 pub(crate) use machine::refuse_missing;
@@ -110,9 +111,20 @@ impl Cell {
 
     /// A simulation of all that it is made of, whatever its backends are.
     pub fn plant(&self) -> Plant {
-        let models: Vec<_> = self.models.iter().copied().map(Some).collect();
-        let buses = self.backends.iter().map(|backend| backend.objects.clone()).collect();
-        let mut plant = Plant::with_buses(&self.machine, &models, buses);
+        self.plant_of(|_| true)
+    }
+
+    /// A simulation of what hangs on some of its backends.
+    pub fn plant_of(&self, is_simulated: impl Fn(&CellBackend) -> bool) -> Plant {
+        let is_at_simulated = |at: Hardware| self.backends.get(at.backend).is_some_and(&is_simulated);
+        let drives = self.hardware.iter().flatten();
+        let models: Vec<_> =
+            drives.zip(&self.models).map(|(at, model)| is_at_simulated(*at).then_some(*model)).collect();
+        let objects = |backend: &CellBackend| match is_simulated(backend) {
+            true => backend.objects.clone(),
+            false => Objects::default(),
+        };
+        let mut plant = Plant::with_buses(&self.machine, &models, self.backends.iter().map(objects).collect());
         for (place, mechanics) in self.mechanics.iter().enumerate() {
             plant.install(place, mechanics);
         }
@@ -175,12 +187,10 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     };
     let drives: Vec<_> = hardware.iter().flatten().copied().collect();
     let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &drives);
-    let backends = cx.names.section(Section::Backends).iter().zip(&cx.backends).zip(objects);
-    let backends = backends.map(|((entry, backend), objects)| CellBackend {
-        name: entry.name().to_owned(),
-        is_simulated: matches!(backend, Some(Backend::Sim { .. })),
-        objects,
-    });
+    let kinds: Vec<_> = cx.backends.iter().map(|backend| backend.map(Backend::kind)).collect::<Option<_>>()?;
+    let backends = cx.names.section(Section::Backends).iter().zip(kinds).zip(objects);
+    let backends =
+        backends.map(|((entry, kind), objects)| CellBackend { name: entry.name().to_owned(), kind, objects });
     let backends = backends.collect();
     let (models, mechanics) = simulated.into_iter().flatten().unzip();
     Some(Cell { machine, models, mechanics, hardware, ros: ros?, groups, backends, text: text.to_owned(), robot: None })

@@ -79,7 +79,7 @@ fn the_example_of_the_contract_without_it_is_good() {
     );
     assert_eq!(axes.iter().map(|axis| axis.parameters.homing.method).collect::<Vec<_>>(), [0, 35, 0]);
     assert_eq!(cell.groups, [("arm".to_owned(), vec![1, 2])]);
-    assert!(cell.backends.iter().all(|backend| backend.is_simulated));
+    assert!(cell.backends.iter().all(|backend| backend.is_simulated()));
     assert_eq!(cell.models, [Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).unwrap()), Model::Ideal]);
     assert_eq!(cell.text, text);
     // The default of 1000 inc stands where nothing is written; what is written is in increments.

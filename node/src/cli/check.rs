@@ -5,6 +5,7 @@ use crate::cell::Cell;
 use crate::scenario::Scenario;
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::drive::Interface;
+use lineshaft_core::machine::Machine;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
     let cell = match Cell::load(&args.cell) {
@@ -14,6 +15,11 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
             return Exit::Usage;
         }
     };
+    // What the machine refuses has no place in the file: nothing that was read alone is wrong.
+    if let Err(error) = Machine::new(cell.machine.clone()) {
+        eprintln!("{}: {error}", args.cell.display());
+        return Exit::Usage;
+    }
     say(&format_args!("{}: good: {}", args.cell.display(), summary(&cell)));
     for warning in warnings(&cell) {
         eprintln!("warning: {warning}");

@@ -68,7 +68,7 @@ fn start(
     ros: &RosArguments,
     logging: &Logging,
 ) -> Result<Exit, String> {
-    if let (Some(backend), false) = (cell.backends.iter().find(|backend| !backend.is_simulated), args.sim) {
+    if let (Some(backend), false) = (cell.backends.iter().find(|backend| !backend.is_simulated()), args.sim) {
         return Err(format!(
             "backend {}: CAN does not exist yet; `lineshaft run --sim` simulates its drives",
             backend.name
@@ -86,7 +86,7 @@ fn start(
     };
     let cell = &cell;
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
-    let backends = Backends::simulated(cell.plant());
+    let backends = Backends::simulated(cell.plant_of(|backend| args.sim || backend.is_simulated()));
     cell.machine.check_backends(&backends.all()).map_err(|error| error.to_string())?;
     let first = start_command(&cell.machine, &mut options.overrides)?;
     first.as_ref().map_or(Ok(()), |action| try_first(&cell.machine, action))?;

@@ -52,7 +52,7 @@ impl Backends {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::Cell;
+    use crate::cell::{Cell, CellBackend};
     use lineshaft_core::command::{Action, Command, Commands, Source};
     use lineshaft_core::drive::{Capabilities, DriveInput};
     use lineshaft_core::machine::Machine;
@@ -95,13 +95,13 @@ axes:
     #[test]
     fn two_kinds_of_backends_share_a_machine_and_touch_their_own_objects() {
         let mut cell = Cell::parse("c.yaml", CELL).unwrap();
-        // What the cell says of a drive on CAN is what its simulation offers.
+        // Of a drive on CAN the cell says what its simulation offers.
         cell.machine.axes[1].drive = Some(Capabilities { delay: 1, position: true, ..Capabilities::default() });
-        cell.backends[1].objects = Default::default();
         let direct = || Box::new(Direct { place: 1, count: 0, mode: 0 });
-        let models = [Some(cell.models[0]), None];
-        let plant =
-            Plant::with_buses(&cell.machine, &models, cell.backends.iter().map(|b| b.objects.clone()).collect());
+        // What stands in the place of every backend offers what the cell says.
+        let simulated = Backends::simulated(cell.plant());
+        assert_eq!(cell.machine.check_backends(&simulated.all()), Ok(()));
+        let plant = cell.plant_of(CellBackend::is_simulated);
         let alone = Backends::simulated(plant.clone());
         let error = cell.machine.check_backends(&alone.all()).unwrap_err();
         assert_eq!(error.to_string(), "drive of y: no backend serves it");

@@ -4,41 +4,13 @@
 //! Refuses  to let cycles run where one does not start: those that have started stop then
 
 use super::gate::Gate;
+use lineshaft_core::drive::{Service, ServiceError};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// How often the health of the backends is looked at.
 const LOOK: Duration = Duration::from_millis(50);
-
-/// What a backend has to say of itself outside the cycle.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("backend {backend}: {problem}")]
-pub struct ServiceError {
-    /// Name.
-    pub backend: String,
-    /// What is wrong, and with what.
-    pub problem: String,
-}
-
-/// The service half of a backend. The other half, on the cycle thread, is its
-/// [`Backend`](lineshaft_core::drive::Backend).
-pub trait Service: Send {
-    /// Makes it ready to exchange; may take its time.
-    ///
-    /// # Errors
-    /// What is not there, or not as the cell says.
-    fn start(&mut self) -> Result<(), ServiceError>;
-
-    /// Does what is due beside the cycles, and tells how it is; does not wait.
-    ///
-    /// # Errors
-    /// What is wrong at present.
-    fn look(&mut self) -> Result<(), ServiceError>;
-
-    /// Leaves its drives in a safe state.
-    fn stop(&mut self);
-}
 
 /// Starts, watches and stops them.
 pub struct Services {

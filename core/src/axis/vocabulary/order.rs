@@ -23,7 +23,8 @@ impl Axis {
         let numbers = (Number::Count(p.sync_slave), Number::Count(p.sync_master));
         let ratio = Ratio::new(p.sync_slave, p.sync_master)
             .ok_or_else(|| refuse(Code::BAD_RATIO).with(numbers.0, numbers.1))?;
-        if !leads.get(leader).valid {
+        let lead = leads.get(leader);
+        if !lead.valid {
             return Err(refuse(Code::LEADER_LOST));
         }
         let bounds = Bounds {
@@ -35,7 +36,7 @@ impl Axis {
         };
         // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
         let (transmission, mode) = (Transmission::Gear(Gear::new(ratio)), SyncMode::Position);
-        let follower = Follower::new(leader.is_counted(), transmission, mode, self.command, Position::ZERO, bounds);
+        let follower = Follower::new(lead.uneven, transmission, mode, self.command, Position::ZERO, bounds);
         Ok(Coupling { leader, disengage: Disengage::Stop, accuracy: p.sync_accuracy, follower })
     }
 

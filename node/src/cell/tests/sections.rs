@@ -119,7 +119,7 @@ fn backends() {
         assert_said(&format!("lineshaft: 1\ncycle: 1 ms\nbackends:\n  p: {text}\n"), sentence);
     }
     let backends = good(HEAD).backends;
-    let real: Vec<_> = backends.iter().filter(|backend| !backend.is_simulated).map(|backend| &backend.name).collect();
+    let real: Vec<_> = backends.iter().filter(|backend| !backend.is_simulated()).map(|backend| &backend.name).collect();
     assert_eq!(real, ["bus0"]);
 }
 

@@ -78,7 +78,7 @@ impl Bench {
             idle: self.rests,
             has_end: false,
             target: self.command.position,
-            actual: Lead { position, valid: true, counted: true, ..Lead::default() },
+            actual: Lead { position, valid: true, uneven: 1.0, ..Lead::default() },
             following_error: self.following_error,
             at_limit: false,
             modulo: None,

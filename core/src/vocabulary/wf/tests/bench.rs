@@ -90,7 +90,7 @@ impl Bench {
             idle: self.velocity == 0.0,
             has_end: false,
             target: position,
-            actual: Lead { position, valid: true, counted: true, ..Lead::default() },
+            actual: Lead { position, valid: true, uneven: 1.0, ..Lead::default() },
             following_error: 0,
             at_limit: false,
             modulo: self.modulo,
