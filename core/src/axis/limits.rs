@@ -208,7 +208,8 @@ impl Axis {
     #[inline]
     pub(super) fn is_far_from_limits(&self, next: Motion) -> bool {
         let limits = &self.parameters.derived.largest;
-        let is_constant = !matches!(self.generator, Generator::Plan(_)) || limits.shape == Shape::Trapezoid;
+        // What follows stops in whole steps, whatever the shape; everything else, a superimposed motion at rest too, in its shape.
+        let is_constant = self.generator.follower().is_some() || limits.shape == Shape::Trapezoid;
         let most = next.velocity * next.velocity / limits.deceleration * 1.01 + 2.0;
         let here = next.position.floor();
         // To an increment.

@@ -372,6 +372,29 @@ fn is_kept(rig: &Rig) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// A superimposed motion at rest stops in the shape of the profile, which takes more way than a constant deceleration.
+///
+/// Proves: MACS-LIM-02
+#[test]
+fn what_is_added_at_rest_has_the_way_that_its_shape_takes() {
+    let mut rig = braking(1, 2_818_531.0, 1, None);
+    set(&mut rig, X, "profile", Value::Int(1));
+    let line = |velocity| vec![Action::Move(at(LINE, velocity)), Action::Move(at(Y, velocity))];
+    rig.give_all(line(-2_413.38));
+    rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 2, 1)));
+    rig.run(112);
+    rig.give(Action::ResetErrors(AxisSet::one(X)));
+    rig.run(13);
+    let goal = rig.give(Action::Move(at(X, 2_843.6)));
+    rig.give_all(line(0.001));
+    rig.give(Action::Cancel { goal });
+    rig.give(Action::Move(Move { mode: MoveMode::Superimposed, ..to(X, -14) }));
+    for _ in 0..200 {
+        rig.run(1);
+        is_kept(&rig).unwrap();
+    }
+}
+
 proptest! {
     #![proptest_config(cases(150))]
 
