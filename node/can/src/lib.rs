@@ -2,6 +2,7 @@
 //! and it knows no ROS.
 #![forbid(unsafe_code)]
 
+pub mod eds;
 mod frame;
 pub mod sdo;
 pub mod transport;
