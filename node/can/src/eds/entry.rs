@@ -7,7 +7,7 @@
 
 use super::data_type::DataType;
 use super::ini::{Section, Sections};
-use super::notes::{Notes, given};
+use super::notes::{Notes, given, without_remark};
 use super::object::{Access, Entry, Given, ObjectType};
 use super::value::Value;
 
@@ -115,7 +115,7 @@ fn access(section: &Section<'_>, is_domain: bool, notes: &mut Notes) -> Option<A
         }
         return Some(otherwise);
     };
-    let access = Access::of(item.value);
+    let access = Access::of(without_remark(item.value));
     if access.is_none() {
         notes.error(section, item, "allowed are ro, wo, rw, rwr, rww and const");
     }

@@ -23,7 +23,7 @@ pub(super) fn said(section: &Section<'_>, item: Item<'_>) -> String {
 }
 
 /// The value without the remark that some files put behind it. No number and no hexadecimal digit is a semicolon.
-fn without_remark(value: &str) -> &str {
+pub(super) fn without_remark(value: &str) -> &str {
     value.split(';').next().unwrap_or_default().trim()
 }
 
@@ -88,5 +88,5 @@ pub(super) fn given(text: &str, data_type: DataType) -> Result<Option<Given>, St
         Value::of_number(data_type, i128::from(plus) + i128::from(LAST_NODE)).map_err(|error| error.to_string())?;
         return Ok(Some(Given::NodeId { plus }));
     }
-    Value::parse(data_type, text).map(|value| Some(Given::Value(value))).map_err(|error| error.to_string())
+    Value::read(data_type, text).map(|value| Some(Given::Value(value))).map_err(|error| error.to_string())
 }

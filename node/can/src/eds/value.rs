@@ -1,7 +1,7 @@
 //! Values of objects: as texts and as bytes of a bus.
 //!
 //! Law      bytes are little-endian, as many as the type has; a text and its value, and a value and its bytes, say the same
-//! Reads    integers as EDS files write them; hexadecimal bits of a negative number too, where they fill its type; REAL as decimal;
+//! Reads    integers as EDS files write them, octal ones only of a file; hexadecimal bits of a negative number too, where they fill its type; REAL as decimal;
 //!          OCTET_STRING, DOMAIN and times as pairs of hexadecimal digits
 //! Refuses  what is beyond the type, what is not finite, a value of another kind, bytes of another length
 //! Source   CiA 301, "data types and encoding rules"; CiA 306-1
@@ -126,11 +126,23 @@ impl Value {
         }
     }
 
-    /// What a text says, of a file or of a person.
+    /// What the text of a person says. Zeros before an integer are refused: a file would mean octal by them, a person hardly.
     ///
     /// # Errors
     /// What is no value of the type, in a sentence.
     pub fn parse(data_type: DataType, text: &str) -> Result<Self, ValueError> {
+        let digits = text.trim().trim_start_matches(['-', '+']);
+        let is_octal =
+            digits.len() > 1 && digits.starts_with('0') && digits.bytes().all(|digit| digit.is_ascii_digit());
+        if is_octal && range(data_type.kind()).is_some() {
+            let why = "begins with 0: write a decimal number without it, or 0x and a hexadecimal one";
+            return Err(ValueError::Text(format!("{} {why}", quoted(text))));
+        }
+        Self::read(data_type, text)
+    }
+
+    /// What the text of a file says.
+    pub(super) fn read(data_type: DataType, text: &str) -> Result<Self, ValueError> {
         let text = text.trim();
         let kind = data_type.kind();
         match kind {

@@ -253,6 +253,36 @@ fn what_the_file_says_beside_the_objects_is_kept() {
     assert_eq!(dictionary.dummies.iter().copied().collect::<Vec<_>>(), [3, 5]);
 }
 
+/// Shapes of lines that stand in files of maxon, Technosoft, Elmo and Danfoss, and in those of tools; the values are ours.
+#[test]
+fn lines_as_vendors_write_them_are_understood() {
+    let dictionary = read(
+        "\n;*****\n[2000]\nParameterName=COB-ID\nObjectType=0x7\n;StorageLocation=RAM\nDataType=0x7\nAccessType=RW\n\
+         DefaultValue=$NODEID + 0x80000300\nPDOMapping=0\nObjFlags=1\n \n\
+         [2001]\nParameterName=Inhibit time\nObjectType=7\nDataType=6\nAccessType=rw ; at any time\nDefaultValue=0x012C\nPDOMapping=0x0\n\
+         [2002]\nSubNumber=3\nParameterName=Restore\nObjectType=0x8\n\
+         [2002Sub0]\nParameterName=Highest\nDataType=0x5\nAccessType=ro\nDefaultValue=4\n\
+         [2002sub1]\nParameterName=All\nDataType=0x7\nAccessType=rww\nDefaultValue=\n\
+         [2002subA]\nParameterName=Factory\nDataType=0x04\nAccessType=rww\nLowLimit=-2147483648\nHighLimit=0x7FFFFFFF\n\
+         [2003]\nParameterName=Command\nDataType=0x000a\nAccessType=wo\nDefaultValue=\n\
+         [2004]\nParameterName=Reset\nDataType=0x0007\nAccessType=wo\nDefaultValue=0.0\n",
+    );
+    assert_eq!(
+        warnings(&dictionary),
+        [
+            "line 50: [2004] DefaultValue=0.0: \"0.0\" is no number: decimal (12), hexadecimal (0x0C) or octal (014); passed over"
+        ]
+    );
+    assert_eq!(dictionary.default_value(at(0x2000, 0)), Some(Value::Unsigned(0x8000_0305)));
+    assert!(!dictionary.entry(at(0x2000, 0)).unwrap().is_configurable());
+    assert_eq!(dictionary.default_value(at(0x2001, 0)), Some(Value::Unsigned(300)));
+    let subs: Vec<u8> = dictionary.entries_of(0x2002).map(|(object, _)| object.sub).collect();
+    assert_eq!(subs, [0, 1, 10]);
+    assert_eq!(dictionary.low_limit(at(0x2002, 10)), Some(Value::Integer(i64::from(i32::MIN))));
+    assert_eq!(dictionary.high_limit(at(0x2002, 10)), Some(Value::Integer(i64::from(i32::MAX))));
+    assert_eq!(dictionary.entry(at(0x2003, 0)).unwrap().data_type, DataType::OctetString);
+}
+
 #[test]
 fn a_type_of_canfestival_is_the_one_that_it_names() {
     let dictionary = read(

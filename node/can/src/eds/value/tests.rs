@@ -93,6 +93,23 @@ fn sentences_say_what_is_allowed() {
 }
 
 #[test]
+fn zeros_before_a_number_are_octal_in_a_file_and_refused_of_a_person() {
+    assert_eq!(Value::read(DataType::Unsigned8, "010"), Ok(Value::Unsigned(8)));
+    assert_eq!(Value::read(DataType::Integer8, "-010"), Ok(Value::Integer(-8)));
+    for text in ["010", "-010", "00", "+08"] {
+        let error = Value::parse(DataType::Integer8, text).unwrap_err().to_string();
+        assert!(
+            error.ends_with("begins with 0: write a decimal number without it, or 0x and a hexadecimal one"),
+            "{text}"
+        );
+    }
+    assert_eq!(Value::parse(DataType::Integer8, "0"), Ok(Value::Integer(0)));
+    assert_eq!(Value::parse(DataType::Integer8, "-0x010"), Ok(Value::Integer(-16)));
+    assert_eq!(Value::parse(DataType::Real32, "007.5"), Ok(Value::Real32(7.5)));
+    assert_eq!(Value::parse(DataType::VisibleString, "007"), Ok(Value::Text("007".to_owned())));
+}
+
+#[test]
 fn bytes_of_another_length_are_refused() {
     let of = |data_type, bytes: &[u8]| Value::from_bytes(data_type, bytes).unwrap_err().to_string();
     assert_eq!(of(DataType::Unsigned16, &[1]), "UNSIGNED16 has 2 bytes, not 1");
@@ -127,7 +144,7 @@ proptest! {
 
     #[test]
     fn texts_that_are_a_value_come_back(data_type in data_type(), text in "[-+0-9a-fxX. ]{0,12}|.{0,12}") {
-        if let Ok(value) = Value::parse(data_type, &text) {
+        if let Ok(value) = Value::read(data_type, &text) {
             prop_assert_eq!(Value::parse(data_type, &value.to_string()), Ok(value.clone()));
             let bytes = value.to_bytes(data_type).unwrap();
             prop_assert_eq!(Value::from_bytes(data_type, &bytes), Ok(value));
