@@ -193,6 +193,69 @@ fn a_small_file_cannot_ask_for_many_objects() {
 }
 
 #[test]
+fn long_names_and_long_values_for_many_objects_are_cut() {
+    let (name, value) = ("n".repeat(300), "d".repeat(256));
+    let dictionary = read(&format!(
+        "[2000]\nParameterName={name}\nObjectType=8\nDataType=9\nAccessType=ro\nCompactSubObj=254\nDefaultValue={value}\n"
+    ));
+    assert_eq!(dictionary.head(0x2000).unwrap().name.len(), 255);
+    // A name and its number are no longer than any other name.
+    assert_eq!(dictionary.entry(at(0x2000, 254)).unwrap().name, format!("{}254", "n".repeat(252)));
+    assert_eq!(dictionary.default_value(at(0x2000, 254)), None);
+    let warnings = warnings(&dictionary);
+    assert_eq!(warnings[0], "line 3: the name is longer than 255 characters, and is cut");
+    assert!(warnings[1].ends_with("a value for many objects has at most 255 bytes; passed over"), "{warnings:?}");
+}
+
+#[test]
+fn all_keys_of_a_device_and_of_its_place_are_read() {
+    let dictionary = read(
+        "VendorName=a\nVendorNumber=0x000000FB\nProductName=b\nProductNumber=0x61500000\nRevisionNumber=0x01700000\nOrderCode=c\n\
+         BaudRate_1000=1\nBaudRate_10=0\nBaudRate_x=1\nSimpleBootUpMaster=1\nSimpleBootUpSlave=1\nGranularity=8\n\
+         DynamicChannelsSupported=2\nCompactPDO=23\nGroupMessaging=1\nNrOfRXPDO=4\nNrOfTXPDO=513\nLSS_Supported=1\n\
+         [DeviceComissioning]\nNodeID=128\nNodeName=d\nBaudrate=1000\nNetNumber=3\nNetworkName=e\nCANopenManager=1\n\
+         LSS_SerialNumber=7\n[1000]\nParameterName=f\nDataType=7\nAccessType=ro\n",
+    );
+    let device = DeviceInfo {
+        vendor_name: "a".to_owned(),
+        vendor_number: Some(0xFB),
+        product_name: "b".to_owned(),
+        product_number: Some(0x6150_0000),
+        revision_number: Some(0x0170_0000),
+        order_code: "c".to_owned(),
+        baud_rates: BTreeSet::from([1000]),
+        is_boot_up_master: true,
+        is_boot_up_slave: true,
+        granularity: Some(8),
+        dynamic_channels: Some(2),
+        compact_pdo: Some(23),
+        has_group_messaging: true,
+        receive_pdos: Some(4),
+        transmit_pdos: None,
+        has_lss: true,
+    };
+    assert_eq!(dictionary.device, device);
+    let place = Commissioning {
+        node_id: None,
+        node_name: "d".to_owned(),
+        baud_rate: Some(1000),
+        net_number: Some(3),
+        network_name: "e".to_owned(),
+        is_manager: true,
+        lss_serial_number: Some(7),
+    };
+    assert_eq!(dictionary.commissioning, Some(place));
+    assert_eq!(
+        warnings(&dictionary),
+        [
+            "line 10: [DeviceInfo] BaudRate_x=1: the key is not BaudRate_ and a number of kbit/s; passed over",
+            "line 18: [DeviceInfo] NrOfTXPDO=513: 513 is not within 0 and 512; passed over",
+            "line 21: [DeviceComissioning] NodeID=128: 128 is not within 1 and 127; passed over",
+        ]
+    );
+}
+
+#[test]
 fn missing_keys_have_the_value_that_harms_least() {
     let dictionary = read(
         "[2000]\nDataType=5\n[2001]\nParameterName=a\nAccessType=rw\n[2002]\nParameterName=Data\nObjectType=2\n\

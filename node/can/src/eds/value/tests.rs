@@ -41,6 +41,7 @@ fn texts_become_little_endian_bytes_of_their_type() {
     ];
     for (data_type, text, bytes) in rows {
         assert_eq!(bytes_of(data_type, text), bytes, "{data_type} {text}");
+        assert_eq!(Value::from_bytes(data_type, bytes), Value::parse(data_type, text), "{data_type} {text}");
     }
 }
 
