@@ -43,6 +43,8 @@ pub fn parse(bytes: &[u8], node_id: Option<u8>) -> Result<Dictionary, EdsErrors>
     if bytes.len() > LARGEST_FILE {
         let length = bytes.len();
         notes.errors.add(None, format!("the file has {length} bytes; {LARGEST_FILE} (16 MiB) are allowed"));
+    } else if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+        notes.errors.add(None, "the file is UTF-16; UTF-8 and Latin-1 are allowed");
     } else {
         if let Some(id) = node_id.filter(|id| !(1..=LAST_NODE).contains(id)) {
             notes.errors.add(None, format!("the node id {id} is not within 1 and {LAST_NODE}"));

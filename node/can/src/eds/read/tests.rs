@@ -179,6 +179,7 @@ fn a_file_without_objects_and_one_that_is_too_large_are_refused() {
     let of = |bytes: &[u8]| parse(bytes, None).unwrap_err().to_string();
     assert_eq!(of(b""), "the file has no objects: there is no section like [1000]");
     assert_eq!(of(&vec![b'\n'; LARGEST_FILE + 1]), "the file has 16777217 bytes; 16777216 (16 MiB) are allowed");
+    assert_eq!(of(b"\xFF\xFE[\0"), "the file is UTF-16; UTF-8 and Latin-1 are allowed");
     assert_eq!(parse(OWN, Some(128)).unwrap_err().to_string(), "the node id 128 is not within 1 and 127");
     assert_eq!(parse(OWN, Some(0)).unwrap_err().to_string(), "the node id 0 is not within 1 and 127");
 }
