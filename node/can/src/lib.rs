@@ -2,6 +2,7 @@
 //! and it knows no ROS.
 #![forbid(unsafe_code)]
 
+pub mod eds;
 mod frame;
 mod nmt;
 mod node_id;

@@ -1,0 +1,170 @@
+//! From the sections of an index to its objects.
+//!
+//! Law      a key that is missing has the value that harms least: no access but reading, no mapping, no limit
+//! Reads    sections of one object, and `CompactSubObj`, one section for many of them with their names and values beside it
+//! Refuses  a data type that is no number, an access that is no word of the standard; with a warning: no data type at all
+//! Source   CiA 306-1
+
+use super::data_type::DataType;
+use super::ini::{Section, Sections};
+use super::notes::{Notes, given, without_remark};
+use super::object::{Access, Entry, Given, ObjectType};
+use super::value::Value;
+
+/// Characters of a name; CiA 306 allows 241.
+const LONGEST_NAME: usize = 255;
+/// Greatest subindex of an array.
+const LAST_SUB: u32 = 254;
+/// Bytes of a value that is repeated for each subindex.
+const LONGEST_REPEATED: usize = 255;
+/// First number of a data type that a profile or a device defines.
+const FIRST_DEFINED: u16 = 0x40;
+
+/// The name of an index or of an object.
+pub(super) fn name(section: &Section<'_>, otherwise: &str, notes: &mut Notes) -> String {
+    let Some(item) = section.get("parametername") else {
+        let section_name = super::problem::quoted(section.name);
+        notes.warnings.add(Some(section.line), format!("the section {section_name} has no ParameterName"));
+        return otherwise.to_owned();
+    };
+    let name = shortened(item.value);
+    if name.len() < item.value.len() {
+        notes.warnings.add(Some(item.line), format!("the name is longer than {LONGEST_NAME} characters, and is cut"));
+    }
+    name
+}
+
+fn shortened(name: &str) -> String {
+    // The blanks before the cut would not come back out of a file.
+    name.chars().take(LONGEST_NAME).collect::<String>().trim_end().to_owned()
+}
+
+/// An object without its name; none where it cannot be understood, which is noted.
+pub(super) fn read(
+    section: &Section<'_>,
+    object_type: ObjectType,
+    sections: &Sections<'_>,
+    notes: &mut Notes,
+) -> Option<Entry> {
+    // A subindex may be a DOMAIN of its own; of VAR and DOMAIN only the missing keys differ.
+    let own = section.get("objecttype").and_then(|item| Notes::checked(item, 0, 9).ok()).and_then(ObjectType::of);
+    let is_domain = own.unwrap_or(object_type) == ObjectType::Domain;
+    let data_type = data_type(section, is_domain, sections, notes);
+    let access = access(section, is_domain, notes);
+    let data_type = data_type?;
+    let mut entry = Entry {
+        name: String::new(),
+        data_type,
+        access: access?,
+        is_mappable: notes.flag(section, "pdomapping"),
+        flags: notes.number(section, "objflags", 0, u32::MAX).unwrap_or(0),
+        low: notes.given(section, "lowlimit", data_type),
+        high: notes.given(section, "highlimit", data_type),
+        default: notes.given(section, "defaultvalue", data_type),
+        parameter: notes.given(section, "parametervalue", data_type),
+    };
+    if entry.has_no_room()
+        && let Some(item) = section.get("lowlimit")
+    {
+        notes.warning(section, item, "the limit is above HighLimit, and neither of them counts");
+        (entry.low, entry.high) = (None, None);
+    }
+    Some(entry)
+}
+
+fn data_type(section: &Section<'_>, is_domain: bool, sections: &Sections<'_>, notes: &mut Notes) -> Option<DataType> {
+    let Some(item) = section.get("datatype") else {
+        if is_domain {
+            return Some(DataType::Domain);
+        }
+        let name = super::problem::quoted(section.name);
+        notes.warnings.add(Some(section.line), format!("the section {name} has no DataType; the object is left out"));
+        return None;
+    };
+    match Notes::checked(item, 1, u32::from(u16::MAX)) {
+        Ok(number) => {
+            let number = number as u16;
+            Some(defined(number, sections).unwrap_or(DataType::of(number)))
+        }
+        Err(why) => {
+            notes.error(
+                section,
+                item,
+                &format!("{why}; allowed is the number of a data type, like 0x0007 for UNSIGNED32"),
+            );
+            None
+        }
+    }
+}
+
+/// The type behind a definition. CANFestival gives limits a type of their own, in sections like `[A0]`, whose subindex 1 names the true type.
+fn defined(number: u16, sections: &Sections<'_>) -> Option<DataType> {
+    if number < FIRST_DEFINED {
+        return None;
+    }
+    let section = sections.get(&format!("{number:x}sub1")).or_else(|| sections.get(&format!("{number:04x}sub1")))?;
+    let behind = Notes::checked(section.get("defaultvalue")?, 1, u32::from(FIRST_DEFINED) - 1).ok()?;
+    u16::try_from(behind).ok().map(DataType::of)
+}
+
+fn access(section: &Section<'_>, is_domain: bool, notes: &mut Notes) -> Option<Access> {
+    let Some(item) = section.get("accesstype") else {
+        let (otherwise, name) = (if is_domain { Access::Rw } else { Access::Ro }, super::problem::quoted(section.name));
+        if !is_domain {
+            notes.warnings.add(Some(section.line), format!("the section {name} has no AccessType; ro is taken"));
+        }
+        return Some(otherwise);
+    };
+    let access = Access::of(without_remark(item.value));
+    if access.is_none() {
+        notes.error(section, item, "allowed are ro, wo, rw, rwr, rww and const");
+    }
+    access
+}
+
+/// The objects of `CompactSubObj`: a number of entries, and so many objects that differ in their name and value.
+pub(super) fn compact(
+    section: &Section<'_>,
+    parent: &str,
+    names: Option<&Section<'_>>,
+    values: Option<&Section<'_>>,
+    sections: &Sections<'_>,
+    notes: &mut Notes,
+) -> Vec<(u8, Entry)> {
+    let Some(count) = notes.number(section, "compactsubobj", 0, 255).filter(|count| *count > 0) else {
+        return Vec::new();
+    };
+    let last = count.min(LAST_SUB) as u8;
+    let Some(mut one) = read(section, ObjectType::Var, sections, notes) else { return Vec::new() };
+    if let Some(item) = section.get("defaultvalue").filter(|item| item.value.len() > LONGEST_REPEATED) {
+        notes.warning(section, item, &format!("a value for many objects has at most {LONGEST_REPEATED} bytes"));
+        one.default = None;
+    }
+    one.parameter = None;
+    let number_of_entries = Entry {
+        name: "NrOfObjects".to_owned(),
+        data_type: DataType::Unsigned8,
+        access: Access::Ro,
+        is_mappable: false,
+        flags: 0,
+        low: None,
+        high: None,
+        default: Some(Given::Value(Value::Unsigned(u64::from(last)))),
+        parameter: None,
+    };
+    let mut entries = vec![(0, number_of_entries)];
+    for sub in 1..=last {
+        let key = sub.to_string();
+        let own = names.and_then(|names| names.get(&key)).map(|item| shortened(item.value));
+        let name = own.unwrap_or_else(|| format!("{}{sub}", parent.chars().take(LONGEST_NAME - 3).collect::<String>()));
+        let mut entry = Entry { name, ..one.clone() };
+        if let Some((values, item)) = values.and_then(|values| Some((values, values.get(&key)?))) {
+            match given(item.value, entry.data_type) {
+                Ok(value) => entry.parameter = value,
+                Err(why) => notes.warning(values, item, &why),
+            }
+        }
+        entries.push((sub, entry));
+    }
+    entries
+}

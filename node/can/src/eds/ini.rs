@@ -1,0 +1,193 @@
+//! Sections and keys of an EDS file.
+//!
+//! Law      `[section]`, `key=value`, `;` at the beginning of a line for a comment; blanks around all of them do not count; letters of
+//!          sections and keys are large or small; of two sections or keys with the same name the later one holds
+//! Reads    UTF-8, with or without its mark, or else Latin-1; lines end in LF or CR LF
+//! Refuses  a section without its bracket; with a warning: a line that is none of these, a line beyond 64 KiB, a key before all sections
+//! Source   CiA 306-1, "file structure"; files of devices
+
+use super::problem::{Problems, quoted};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// Bytes of a line.
+const LONGEST_LINE: usize = 64 << 10;
+/// Lines of a file: a section of each two of them takes some 200 MB, which is the most that a file can ask for.
+const MOST_LINES: usize = 400_000;
+
+/// A value and where it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Item<'a> {
+    /// The key as it is written.
+    pub(super) key: &'a str,
+    pub(super) value: &'a str,
+    pub(super) line: usize,
+}
+
+/// A section.
+#[derive(Clone, Debug)]
+pub(super) struct Section<'a> {
+    /// The name as it is written.
+    pub(super) name: &'a str,
+    pub(super) line: usize,
+    /// By key in small letters.
+    pub(super) items: BTreeMap<String, Item<'a>>,
+}
+
+impl<'a> Section<'a> {
+    /// What a key (in small letters) says; none where it says nothing.
+    pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
+        self.items.get(key).copied().filter(|item| !item.value.is_empty())
+    }
+}
+
+/// Sections by their name in small letters.
+pub(super) type Sections<'a> = BTreeMap<String, Section<'a>>;
+
+/// The text of a file.
+pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().copied().map(char::from).collect()),
+    }
+}
+
+/// The sections of a text.
+pub(super) fn sections<'a>(text: &'a str, errors: &mut Problems, warnings: &mut Problems) -> Sections<'a> {
+    let mut sections = Sections::new();
+    let mut present: Option<Section<'a>> = None;
+    for (number, whole) in (1..).zip(text.split('\n')) {
+        if number > MOST_LINES {
+            errors.add(Some(number), format!("the file has more than {MOST_LINES} lines"));
+            break;
+        }
+        let line = whole.trim();
+        if line.is_empty() || line.starts_with(';') {
+            continue;
+        }
+        if line.len() > LONGEST_LINE {
+            warnings.add(Some(number), format!("the line is longer than {LONGEST_LINE} bytes, and is passed over"));
+            continue;
+        }
+        if let Some(header) = line.strip_prefix('[') {
+            // What stands behind the bracket is a remark of somebody.
+            let Some((name, _)) = header.split_once(']') else {
+                errors.add(Some(number), format!("the section {} does not end in ]", quoted(line)));
+                end(&mut sections, present.take(), warnings);
+                continue;
+            };
+            end(&mut sections, present.take(), warnings);
+            present = Some(Section { name: name.trim(), line: number, items: BTreeMap::new() });
+            continue;
+        }
+        let Some((key, value)) = line.split_once('=') else {
+            let said = quoted(line);
+            warnings
+                .add(Some(number), format!("{said} is neither a [section], a key=value nor a ;comment: passed over"));
+            continue;
+        };
+        let item = Item { key: key.trim(), value: value.trim(), line: number };
+        let Some(section) = &mut present else {
+            warnings.add(Some(number), format!("the key {} stands in no section: passed over", quoted(item.key)));
+            continue;
+        };
+        if let Some(former) = section.items.insert(item.key.to_lowercase(), item) {
+            let (key, first) = (quoted(item.key), former.line);
+            warnings.add(Some(number), format!("the key {key} stands in line {first} too; this one holds"));
+        }
+    }
+    end(&mut sections, present, warnings);
+    sections
+}
+
+fn end<'a>(sections: &mut Sections<'a>, section: Option<Section<'a>>, warnings: &mut Problems) {
+    let Some(section) = section else { return };
+    let (name, line) = (section.name, section.line);
+    if let Some(former) = sections.insert(name.to_lowercase(), section) {
+        let (name, first) = (quoted(name), former.line);
+        warnings.add(Some(line), format!("the section {name} stands in line {first} too; this one holds as a whole"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn read(text: &str) -> (Sections<'_>, String, String) {
+        let (mut errors, mut warnings) = (Problems::default(), Problems::default());
+        let sections = sections(text, &mut errors, &mut warnings);
+        (sections, errors.to_string(), warnings.to_string())
+    }
+
+    #[test]
+    fn sections_and_keys_are_found_by_small_letters() {
+        let (sections, errors, warnings) =
+            read("; head\r\n\r\n [ DeviceInfo ] \r\n VendorName = maxon; ag \r\n\t\r\nA==\r\n");
+        let section = &sections["deviceinfo"];
+        assert_eq!((section.name, section.line), ("DeviceInfo", 3));
+        assert_eq!(section.get("vendorname"), Some(Item { key: "VendorName", value: "maxon; ag", line: 4 }));
+        assert_eq!(section.get("a"), Some(Item { key: "A", value: "=", line: 6 }));
+        assert_eq!(section.get("b"), None);
+        assert_eq!((errors.as_str(), warnings.as_str()), ("", ""));
+    }
+
+    #[test]
+    fn an_empty_value_says_nothing() {
+        assert_eq!(read("[a]\nDefaultValue=\n").0["a"].get("defaultvalue"), None);
+    }
+
+    #[test]
+    fn of_two_sections_and_of_two_keys_the_later_one_holds() {
+        let (sections, _, warnings) = read("[A]\nx=1\ny=2\n[a]\nx=3\nX=4\n");
+        assert_eq!(sections["a"].get("x").unwrap().value, "4");
+        assert_eq!(sections["a"].get("y"), None);
+        assert_eq!(
+            warnings,
+            "line 6: the key \"X\" stands in line 5 too; this one holds\n\
+             line 4: the section \"a\" stands in line 1 too; this one holds as a whole"
+        );
+    }
+
+    #[test]
+    fn what_is_no_line_of_a_file_is_named() {
+        let (sections, errors, warnings) = read("x=1\n[a]\nnonsense\n[b\ny=1\n");
+        assert_eq!(errors, "line 4: the section \"[b\" does not end in ]");
+        assert_eq!(
+            warnings,
+            "line 1: the key \"x\" stands in no section: passed over\n\
+             line 3: \"nonsense\" is neither a [section], a key=value nor a ;comment: passed over\n\
+             line 5: the key \"y\" stands in no section: passed over"
+        );
+        assert!(sections["a"].items.is_empty());
+    }
+
+    #[test]
+    fn latin_1_and_utf_8_are_told_apart() {
+        assert_eq!(text(b"\xEF\xBB\xBF[a]"), "[a]");
+        assert_eq!(text("Stra\u{df}e".as_bytes()), "Straße");
+        assert_eq!(text(b"Stra\xDFe"), "Straße");
+    }
+
+    #[test]
+    fn a_line_without_end_is_passed_over() {
+        let long = format!("[a]\nx={}\n", "1".repeat(LONGEST_LINE));
+        assert_eq!(read(&long).2, "line 2: the line is longer than 65536 bytes, and is passed over");
+    }
+
+    #[test]
+    fn the_number_of_lines_has_an_end() {
+        let many = "\n".repeat(MOST_LINES);
+        assert_eq!(read(&many).1, "line 400001: the file has more than 400000 lines");
+        assert_eq!(read(&many[1..]).1, "");
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_have_sections(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+            let text = text(&bytes);
+            let _ = read(&text);
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Keys of a section as numbers, words and values; what is wrong is noted with its line.
+
+use super::data_type::{DataType, Kind};
+use super::ini::{Item, Section};
+use super::number::{number, plus_node_id};
+use super::object::Given;
+use super::problem::{Problems, cut};
+use super::value::Value;
+
+/// Greatest node id.
+pub(super) const LAST_NODE: u8 = 127;
+
+/// What is noticed while a file is read.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Notes {
+    pub(super) errors: Problems,
+    pub(super) warnings: Problems,
+}
+
+/// `[section] key=value`, as the file says it.
+pub(super) fn said(section: &Section<'_>, item: Item<'_>) -> String {
+    format!("[{}] {}={}", cut(section.name), cut(item.key), cut(item.value))
+}
+
+/// The value without the remark that some files put behind it. No number and no hexadecimal digit is a semicolon.
+pub(super) fn without_remark(value: &str) -> &str {
+    value.split(';').next().unwrap_or_default().trim()
+}
+
+impl Notes {
+    pub(super) fn error(&mut self, section: &Section<'_>, item: Item<'_>, why: &str) {
+        self.errors.add(Some(item.line), format!("{}: {why}", said(section, item)));
+    }
+
+    pub(super) fn warning(&mut self, section: &Section<'_>, item: Item<'_>, why: &str) {
+        self.warnings.add(Some(item.line), format!("{}: {why}; passed over", said(section, item)));
+    }
+
+    /// A number within bounds, or why it is none.
+    pub(super) fn checked(item: Item<'_>, least: u32, most: u32) -> Result<u32, String> {
+        let value = number(without_remark(item.value))?.value;
+        let within = u32::try_from(value).ok().filter(|value| (least..=most).contains(value));
+        within.ok_or_else(|| format!("{value} is not within {least} and {most}"))
+    }
+
+    /// A number within bounds; none where the key is missing, and with a warning where it is wrong.
+    pub(super) fn number(&mut self, section: &Section<'_>, key: &str, least: u32, most: u32) -> Option<u32> {
+        let item = section.get(key)?;
+        match Self::checked(item, least, most) {
+            Ok(value) => Some(value),
+            Err(why) => {
+                self.warning(section, item, &why);
+                None
+            }
+        }
+    }
+
+    /// 0 or 1; `false` where the key is missing or wrong.
+    pub(super) fn flag(&mut self, section: &Section<'_>, key: &str) -> bool {
+        self.number(section, key, 0, 1) == Some(1)
+    }
+
+    /// A value of a type; none where the key is missing, and with a warning where it is wrong.
+    pub(super) fn given(&mut self, section: &Section<'_>, key: &str, data_type: DataType) -> Option<Given> {
+        let item = section.get(key)?;
+        match given(item.value, data_type) {
+            Ok(given) => given,
+            Err(why) => {
+                self.warning(section, item, &why);
+                None
+            }
+        }
+    }
+}
+
+/// A value as a file gives it; none where only a remark stands there.
+pub(super) fn given(text: &str, data_type: DataType) -> Result<Option<Given>, String> {
+    let kind = data_type.kind();
+    let text = if matches!(kind, Kind::Visible | Kind::Unicode) { text } else { without_remark(text) };
+    if text.is_empty() {
+        return Ok(None);
+    }
+    if matches!(kind, Kind::Integer(_) | Kind::Unsigned(_))
+        && let Some(plus) = plus_node_id(text)
+    {
+        let plus = plus?;
+        // What fits for the greatest node id fits for all of them.
+        Value::of_number(data_type, i128::from(plus) + i128::from(LAST_NODE)).map_err(|error| error.to_string())?;
+        return Ok(Some(Given::NodeId { plus }));
+    }
+    Value::read(data_type, text).map(|value| Some(Given::Value(value))).map_err(|error| error.to_string())
+}

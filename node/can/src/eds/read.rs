@@ -1,0 +1,257 @@
+//! From the bytes of a file to a dictionary.
+//!
+//! Law      a wrong value, a list that lies, a missing name cost a warning and themselves; an object whose type or access cannot be
+//!          understood is an error, and all errors are told at once
+//! Refuses  a file beyond 16 MiB, a node id that is none, more than 100000 objects, a file without objects
+//! Source   CiA 306-1
+
+use super::device::{Commissioning, DeviceInfo, FileInfo};
+use super::dictionary::Dictionary;
+use super::entry;
+use super::ini::{self, Section, Sections};
+use super::notes::{LAST_NODE, Notes};
+use super::object::{Head, ObjectType};
+use super::problem::{EdsErrors, quoted};
+use crate::sdo::Object;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Bytes of a file.
+const LARGEST_FILE: usize = 16 << 20;
+/// Objects with a value; a few lines of a file can stand for 254 of them.
+const MOST_ENTRIES: usize = 100_000;
+/// Indices that a warning names.
+const MOST_NAMED: usize = 8;
+/// The lists of indices.
+const LISTS: [&str; 3] = ["mandatoryobjects", "optionalobjects", "manufacturerobjects"];
+
+/// The sections of one index.
+#[derive(Default)]
+struct Parts<'a> {
+    head: Option<&'a Section<'a>>,
+    subs: BTreeMap<u8, &'a Section<'a>>,
+    names: Option<&'a Section<'a>>,
+    values: Option<&'a Section<'a>>,
+}
+
+/// The dictionary of an EDS or DCF file. `$NODEID` stands for `node_id`, or else for the node id that the file itself gives.
+///
+/// # Errors
+/// All that makes the file unusable, and what else was noticed.
+pub fn parse(bytes: &[u8], node_id: Option<u8>) -> Result<Dictionary, EdsErrors> {
+    let mut notes = Notes::default();
+    let mut dictionary = Dictionary::default();
+    if bytes.len() > LARGEST_FILE {
+        let length = bytes.len();
+        notes.errors.add(None, format!("the file has {length} bytes; {LARGEST_FILE} (16 MiB) are allowed"));
+    } else if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+        notes.errors.add(None, "the file is UTF-16; UTF-8 and Latin-1 are allowed");
+    } else {
+        if let Some(id) = node_id.filter(|id| !(1..=LAST_NODE).contains(id)) {
+            notes.errors.add(None, format!("the node id {id} is not within 1 and {LAST_NODE}"));
+        }
+        let text = ini::text(bytes);
+        let sections = ini::sections(&text, &mut notes.errors, &mut notes.warnings);
+        fill(&mut dictionary, &sections, node_id, &mut notes);
+    }
+    let Notes { mut errors, mut warnings } = notes;
+    errors.sort();
+    warnings.sort();
+    if errors.is_empty() {
+        dictionary.warnings = warnings;
+        Ok(dictionary)
+    } else {
+        Err(EdsErrors { errors, warnings })
+    }
+}
+
+fn fill(dictionary: &mut Dictionary, sections: &Sections<'_>, node_id: Option<u8>, notes: &mut Notes) {
+    dictionary.file = FileInfo::of(sections, notes);
+    dictionary.device = DeviceInfo::of(sections, notes);
+    dictionary.commissioning = Commissioning::of(sections, notes);
+    dictionary.comments = comments(sections);
+    dictionary.dummies = dummies(sections, notes);
+    let own = dictionary.commissioning.as_ref().and_then(|commissioning| commissioning.node_id);
+    dictionary.node_id = node_id.or(own.and_then(|id| u8::try_from(id).ok()));
+    let parts = parts(sections, notes);
+    if parts.is_empty() {
+        notes.errors.add(None, "the file has no objects: there is no section like [1000]");
+    }
+    lists(sections, &parts, notes);
+    for (index, parts) in &parts {
+        read_index(dictionary, *index, parts, sections, notes);
+        if dictionary.entries.len() > MOST_ENTRIES {
+            let line = parts.head.map(|section| section.line);
+            notes.errors.add(line, format!("the file has more than {MOST_ENTRIES} objects"));
+            break;
+        }
+    }
+    if dictionary.heads.is_empty() && notes.errors.is_empty() {
+        notes.errors.add(None, "no object of the file can be used: the warnings say why");
+    }
+}
+
+fn comments(sections: &Sections<'_>) -> Vec<String> {
+    let Some(section) = sections.get("comments") else { return Vec::new() };
+    let numbered = |key: &str| key.strip_prefix("line")?.parse::<u32>().ok();
+    let lines: BTreeMap<u32, &str> =
+        section.items.iter().filter_map(|(key, item)| Some((numbered(key)?, item.value))).collect();
+    lines.into_values().map(str::to_owned).collect()
+}
+
+fn dummies(sections: &Sections<'_>, notes: &mut Notes) -> BTreeSet<u16> {
+    let Some(section) = sections.get("dummyusage") else { return BTreeSet::new() };
+    let numbered = |key: &str| u16::from_str_radix(key.strip_prefix("dummy")?, 16).ok();
+    let types = section.items.keys().filter_map(|key| Some((key, numbered(key)?)));
+    types.filter(|(key, _)| notes.flag(section, key)).map(|(_, number)| number).collect()
+}
+
+/// Sections of objects, by index. Other sections belong to tools.
+fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Notes) -> BTreeMap<u16, Parts<'a>> {
+    let mut all: BTreeMap<u16, Parts<'a>> = BTreeMap::new();
+    for (name, section) in sections {
+        let Some((digits, rest)) = name.split_at_checked(4) else { continue };
+        let Some(index) = hex(digits).and_then(|index| u16::try_from(index).ok()) else { continue };
+        if let Some(sub) = rest.strip_prefix("sub") {
+            let Some(sub) = hex(sub).and_then(|sub| u8::try_from(sub).ok()) else {
+                let name = quoted(section.name);
+                notes.errors.add(Some(section.line), format!("the section {name} has no subindex within 0 and FF"));
+                continue;
+            };
+            let parts = all.entry(index).or_default();
+            if let Some(other) = parts.subs.insert(sub, section) {
+                let (later, former) = if other.line > section.line { (other, section) } else { (section, other) };
+                parts.subs.insert(sub, later);
+                let name = quoted(later.name);
+                let first = former.line;
+                notes.warnings.add(Some(later.line), format!("{name} stands in line {first} too; this one holds"));
+            }
+            continue;
+        }
+        match rest {
+            "" => all.entry(index).or_default().head = Some(section),
+            "name" => all.entry(index).or_default().names = Some(section),
+            "value" => all.entry(index).or_default().values = Some(section),
+            // ObjectLinks say what belongs together on a screen, Denotation what somebody calls an object.
+            _ => {}
+        }
+    }
+    all.retain(|_, parts| parts.head.is_some() || !parts.subs.is_empty());
+    all
+}
+
+/// Hexadecimal digits, and nothing else.
+fn hex(digits: &str) -> Option<u32> {
+    let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    if is_hex { u32::from_str_radix(digits, 16).ok() } else { None }
+}
+
+/// Compares the lists with what is there: they are not needed for anything else.
+fn lists(sections: &Sections<'_>, parts: &BTreeMap<u16, Parts<'_>>, notes: &mut Notes) {
+    let mut listed = BTreeSet::new();
+    for section in LISTS.iter().filter_map(|name| sections.get(*name)) {
+        let mut found = 0_u32;
+        for item in section.items.values().filter(|item| item.key.parse::<u32>().is_ok()) {
+            found = found.saturating_add(1);
+            match Notes::checked(*item, 0, u32::from(u16::MAX)) {
+                Ok(index) => {
+                    let index = index as u16;
+                    listed.insert(index);
+                    if !parts.contains_key(&index) {
+                        notes.warning(section, *item, &format!("there is no section [{index:04X}]"));
+                    }
+                }
+                Err(why) => notes.warning(section, *item, &why),
+            }
+        }
+        if let Some(item) = section.get("supportedobjects")
+            && let Some(count) = notes.number(section, "supportedobjects", 0, u32::MAX)
+            && count != found
+        {
+            notes.warning(section, item, &format!("the list has {found} objects"));
+        }
+    }
+    let others: Vec<u16> = parts.keys().copied().filter(|index| !listed.contains(index)).collect();
+    if !others.is_empty() {
+        let named: Vec<String> = others.iter().take(MOST_NAMED).map(|index| format!("{index:04X}h")).collect();
+        let more = if others.len() > MOST_NAMED { ", .." } else { "" };
+        let (count, named) = (others.len(), named.join(", "));
+        notes.warnings.add(None, format!("{count} objects stand in no list of objects: {named}{more}; they are taken"));
+    }
+}
+
+fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sections: &Sections<'_>, notes: &mut Notes) {
+    let head = match parts.head {
+        Some(section) => {
+            let Some(object_type) = object_type(section, parts, notes) else { return };
+            Head { name: entry::name(section, &format!("{index:04X}h"), notes), object_type }
+        }
+        None => {
+            let line = parts.subs.values().map(|section| section.line).min();
+            notes.warnings.add(line, format!("the section [{index:04X}] is missing; the object is taken as a RECORD"));
+            Head { name: format!("{index:04X}h"), object_type: ObjectType::Record }
+        }
+    };
+    let before = dictionary.entries.len();
+    match parts.head {
+        Some(section) if head.object_type.is_single() => {
+            // Without its only object an index says nothing.
+            let Some(mut read) = entry::read(section, head.object_type, sections, notes) else { return };
+            read.name.clone_from(&head.name);
+            dictionary.entries.insert(Object { index, sub: 0 }, read);
+        }
+        Some(section) if section.get("compactsubobj").is_some() => {
+            for (sub, read) in entry::compact(section, &head.name, parts.names, parts.values, sections, notes) {
+                dictionary.entries.insert(Object { index, sub }, read);
+            }
+        }
+        _ => {}
+    }
+    for (sub, section) in parts.subs.iter().filter(|_| !head.object_type.is_single()) {
+        if let Some(mut read) = entry::read(section, ObjectType::Var, sections, notes) {
+            read.name = entry::name(section, &format!("{sub:02X}h"), notes);
+            dictionary.entries.insert(Object { index, sub: *sub }, read);
+        }
+    }
+    if let Some(section) = parts.head.filter(|_| !head.object_type.is_single()) {
+        let found = dictionary.entries.len() - before;
+        let said = notes.number(section, "subnumber", 0, 256);
+        let is_compact = section.get("compactsubobj").is_some();
+        // The list is not wrong where nothing but its own object was left out.
+        if said.map_or(found == 0, |said| said as usize != parts.subs.len()) && !is_compact {
+            let said = said.map_or_else(|| "no SubNumber".to_owned(), |said| format!("SubNumber={said}"));
+            let (name, found) = (quoted(section.name), parts.subs.len());
+            notes.warnings.add(Some(section.line), format!("the section {name} has {said}, and {found} subindices"));
+        }
+    }
+    dictionary.heads.insert(index, head);
+}
+
+/// What an index is; none, with an error, where that cannot be understood.
+fn object_type(section: &Section<'_>, parts: &Parts<'_>, notes: &mut Notes) -> Option<ObjectType> {
+    let Some(item) = section.get("objecttype") else {
+        // CiA 306: without the key it is a VAR; what has subindices is none.
+        return Some(match (section.get("compactsubobj").is_some(), parts.subs.is_empty()) {
+            (true, _) => ObjectType::Array,
+            (false, true) => ObjectType::Var,
+            (false, false) => ObjectType::Record,
+        });
+    };
+    match Notes::checked(item, 0, 9).map(ObjectType::of) {
+        Ok(Some(found)) if found.is_single() && !parts.subs.is_empty() => {
+            notes.warning(section, item, "the object has subindices, and is taken as a RECORD");
+            Some(ObjectType::Record)
+        }
+        Ok(Some(found)) => Some(found),
+        Ok(None) | Err(_) => {
+            notes.error(
+                section,
+                item,
+                "allowed are 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY), 9 (RECORD)",
+            );
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

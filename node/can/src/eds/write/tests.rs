@@ -1,0 +1,167 @@
+use super::*;
+use crate::eds::{ConfigureError, Direction, FindError, parse};
+use crate::sdo::Object;
+use proptest::prelude::*;
+
+const OWN: &str = include_str!("../../../tests/data/cia402_sim.eds");
+
+/// Lines that put every branch of the reader to work.
+const LINES: [&str; 28] = [
+    "[1018]",
+    "[6060]",
+    "[6060sub1]",
+    "[2000]",
+    "[2000sub0]",
+    "[2000Name]",
+    "[2000Value]",
+    "[A0sub1]",
+    "[DeviceComissioning]",
+    "[Comments]",
+    "AccessType=rw",
+    "NodeID=7",
+    "ObjectType=0x9",
+    "ObjectType=8",
+    "ObjectType=2",
+    "CompactSubObj=0xFF",
+    "CompactSubObj=3",
+    "SubNumber=0xFFFFFFFF",
+    "DataType=0x0009",
+    "DataType=0x000B",
+    "DataType=0x0011",
+    "DataType=0x00A0",
+    "DefaultValue=$NODEID+0xFFFFFFFFFFFFFFFF",
+    "ParameterValue=$NODEID+1",
+    "LowLimit=0x80000000",
+    "HighLimit=-1",
+    "1=\u{e4} ;",
+    "ObjFlags=1",
+];
+
+fn at(index: u16, sub: u8) -> Object {
+    Object { index, sub }
+}
+
+/// What is written is read back as the same, and without a warning.
+fn comes_back(file: &[u8], node_id: Option<u8>) {
+    let Ok(mut dictionary) = parse(file, node_id) else { return };
+    dictionary.take_warnings();
+    let text = dictionary.to_eds();
+    let again = parse(text.as_bytes(), node_id).unwrap();
+    assert_eq!(again.warnings().to_string(), "", "{text}");
+    assert_eq!(again, dictionary, "{text}");
+    // Nothing else of a dictionary fails on a strange file.
+    let _ = dictionary.written();
+    for number in 0..6 {
+        let _ = dictionary.pdo_mapping(Direction::Receive, number);
+        let _ = dictionary.pdo_mapping(Direction::Transmit, number);
+    }
+}
+
+#[test]
+fn our_own_file_comes_back() {
+    comes_back(OWN.as_bytes(), Some(5));
+    comes_back(OWN.as_bytes(), None);
+}
+
+#[test]
+fn what_is_compact_or_strange_comes_back() {
+    comes_back(
+        b"[DeviceInfo]\nVendorNumber=0xFB\nBaudRate_100=1\nCompactPDO=23\n[DeviceComissioning]\nNodeID=2\nNodeName=x = y;\n\
+          [Comments]\nLines=9\nLine3=\nLine1=[a]\n[DummyUsage]\nDummy0005=1\nDummy001B=1\n\
+          [3004]\nCompactSubObj=3\nParameterName=S\nObjectType=8\nDataType=0x8\nAccessType=rwr\nDefaultValue=5.2\nObjFlags=3\n\
+          [3004Value]\n2=1e-7\n[3005]\nObjectType=0\n[3006]\nParameterName=a\nObjectType=8\n\
+          [3007]\nDataType=0x000C\nAccessType=wo\nDefaultValue=01 00 00 00 00 01\nPDOMapping=1\nLowLimit=1\n\
+          [3008]\nDataType=0x0001\nAccessType=const\nDefaultValue=1\n[3009sub7]\nDataType=0x000A\nDefaultValue=AB CD\n\
+          [300A]\nDataType=0x0015\nAccessType=rww\nDefaultValue=$NODEID\nLowLimit=-5\nHighLimit=0x7\nParameterValue=0+$NODEID\n",
+        None,
+    );
+}
+
+#[test]
+fn numbers_are_written_as_people_read_them() {
+    let text = parse(OWN.as_bytes(), Some(5)).unwrap().to_eds();
+    for line in ["DefaultValue=$NODEID+0x180", "DefaultValue=0x607A0020", "[1A00sub0]", "1=0x1000", "BaudRate_500=1"] {
+        assert!(text.lines().any(|written| written == line), "{line}");
+    }
+}
+
+#[test]
+fn names_find_their_object_in_any_case() {
+    let dictionary = parse(OWN.as_bytes(), Some(5)).unwrap();
+    assert_eq!(dictionary.find("modes of OPERATION"), Ok(at(0x6060, 0)));
+    assert_eq!(dictionary.find(" identity object.vendor-id "), Ok(at(0x1018, 1)));
+    assert_eq!(dictionary.name(at(0x1018, 1)).unwrap(), "Identity object.Vendor-ID");
+    assert_eq!(dictionary.find("Identity").unwrap_err().to_string(), "no object has the name \"Identity\"");
+    let twice = "[DeviceInfo]\n[2000]\nParameterName=a\nDataType=5\n[2001]\nParameterName=A\nDataType=5\n";
+    let error = parse(twice.as_bytes(), None).unwrap().find("a").unwrap_err();
+    assert!(matches!(error, FindError::Several { .. }));
+    assert_eq!(error.to_string(), "the name \"a\" is that of 2000h:00 and of 2001h:00: write the index");
+}
+
+#[test]
+fn a_configuration_writes_what_can_be_written() {
+    let mut dictionary = parse(OWN.as_bytes(), Some(5)).unwrap();
+    assert_eq!(dictionary.written(), Ok(vec![]));
+    dictionary.set_parameter(at(0x6060, 0), Some(Value::Integer(-1))).unwrap();
+    dictionary.set_parameter(at(0x1017, 0), Some(Value::Unsigned(100))).unwrap();
+    dictionary.set_parameter(at(0x2001, 0), Some(Value::Text("ab".to_owned()))).unwrap();
+    let written = vec![(at(0x1017, 0), vec![100, 0]), (at(0x2001, 0), b"ab".to_vec()), (at(0x6060, 0), vec![0xFF])];
+    assert_eq!(dictionary.written(), Ok(written));
+    comes_back(dictionary.to_eds().as_bytes(), Some(5));
+    dictionary.set_parameter(at(0x1017, 0), None).unwrap();
+    assert_eq!(dictionary.written().unwrap().len(), 2);
+}
+
+#[test]
+fn values_that_no_device_or_no_file_takes_are_refused() {
+    let mut dictionary = parse(OWN.as_bytes(), Some(5)).unwrap();
+    let mut of = |index, value| dictionary.set_parameter(at(index, 0), Some(value)).unwrap_err().to_string();
+    assert_eq!(of(0x7000, Value::Unsigned(1)), "7000h:00 does not exist in the dictionary");
+    assert_eq!(of(0x6041, Value::Unsigned(1)), "6041h:00 cannot be written: its access is ro");
+    assert_eq!(of(0x6060, Value::Integer(128)), "6060h:00: 128 is not within -128 and 127, as INTEGER8 is");
+    for text in ["", " a", "a\nb", &"a".repeat(60_000)] {
+        assert!(of(0x2001, Value::Text(text.to_owned())).contains("cannot stand in a file"), "{text}");
+    }
+}
+
+#[test]
+fn a_tool_keeps_from_objects_that_are_flagged_and_from_those_that_only_read() {
+    let file = "[DeviceInfo]\n[1010]\nDataType=7\nAccessType=rw\nObjFlags=1\nParameterValue=1\n\
+        [1018]\nDataType=7\nAccessType=ro\nParameterValue=1\n[2000]\nDataType=7\nAccessType=rw\nParameterValue=$NODEID+1\n";
+    assert_eq!(parse(file.as_bytes(), Some(5)).unwrap().written(), Ok(vec![(at(0x2000, 0), vec![6, 0, 0, 0])]));
+    let error = parse(file.as_bytes(), None).unwrap().written().unwrap_err();
+    assert_eq!(error, ConfigureError::NodeId(at(0x2000, 0)));
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        comes_back(&bytes, Some(1));
+    }
+
+    #[test]
+    fn lines_in_any_order_are_read_or_refused(picks in proptest::collection::vec(0..LINES.len(), 0..40)) {
+        // With one object that is right, most of the files have a dictionary.
+        let first = ["[2000]", "DataType=0x0005", "[3000]"];
+        let lines = first.into_iter().chain(picks.iter().map(|pick| LINES[*pick]));
+        let file: String = lines.flat_map(|line| [line, "\n"]).collect();
+        comes_back(file.as_bytes(), None);
+    }
+
+    #[test]
+    fn our_own_file_with_strange_lines_is_read_or_refused(
+        changes in proptest::collection::vec((0..2114_usize, 0..LINES.len() + 2, "\\PC{0,20}"), 1..40),
+    ) {
+        let mut lines: Vec<String> = OWN.lines().map(str::to_owned).collect();
+        for (number, pick, noise) in changes {
+            let line = &mut lines[number];
+            match LINES.get(pick) {
+                Some(known) => *line = (*known).to_owned(),
+                None if pick == LINES.len() => *line = noise,
+                // The value of the line is replaced.
+                None => *line = format!("{}={noise}", line.split('=').next().unwrap_or_default()),
+            }
+        }
+        comes_back(lines.join("\n").as_bytes(), Some(127));
+    }
+}
