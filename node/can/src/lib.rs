@@ -1,5 +1,5 @@
-//! CAN for Lineshaft: transports, the CANopen master, CiA 402 drives. So far frames, lines of slcan, the SDO client; the crate alone knows CAN,
-//! and it knows no ROS.
+//! CAN for Lineshaft: transports, the CANopen master, CiA 402 drives. So far frames, lines of slcan, the SDO client, EDS and DCF files. The
+//! crate alone knows CAN, and it knows no ROS.
 #![forbid(unsafe_code)]
 
 pub mod eds;
