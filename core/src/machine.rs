@@ -65,8 +65,6 @@ pub struct Machine {
     couples: bool,
     /// The last command of this cycle that has set each encoder, or 0.
     set_by: Vec<u64>,
-    /// Some axis switches outputs itself.
-    has_wiring: bool,
     /// Room for the inputs as the machine sees them.
     seen: Inputs,
     /// It passes over nothing: what others are compared with.
@@ -125,7 +123,6 @@ impl Machine {
             digital_inputs: config.digital_inputs().collect(),
             couples: false,
             set_by,
-            has_wiring: axes.iter().any(|axis| axis.wiring().is_some()),
             seen: Inputs::default(),
             #[cfg(test)]
             steps_all: false,
@@ -212,16 +209,17 @@ impl Machine {
         let State { axes, board, panel, leads, .. } = &mut self.state;
         let count = axes.len();
         for (axis, shown) in axes.iter_mut().zip(&leads.of_axes) {
-            let closed = panel.brake_of(axis);
-            if closed.is_some() || axis.has_own_brake() {
-                self.signals.publish_brake(board, axis, closed, outputs);
+            let switches = axis.switches_outputs();
+            if switches {
+                let closed = panel.brake_of(axis);
+                if closed.is_some() || axis.has_own_brake() {
+                    self.signals.publish_brake(board, axis, closed, outputs);
+                }
             }
             if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
                 *output = axis.output();
             }
-            if self.has_wiring
-                && let Some(wiring) = axis.wiring()
-            {
+            if switches && let Some(wiring) = axis.wiring() {
                 self.signals.publish_switching(board, wiring, axis.switching(), outputs);
             }
             if axis.pace() == Pace::Full {

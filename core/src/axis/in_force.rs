@@ -71,7 +71,7 @@ impl Own {
 }
 
 /// The parameters in force. A state image holds the values alone.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(from = "AxisParameters", into = "AxisParameters")]
 #[repr(C)]
 pub struct InForce {

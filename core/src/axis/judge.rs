@@ -23,7 +23,7 @@ const STILL_NS: u64 = 5_000_000;
 const TOLD: u64 = u64::MAX;
 
 /// What an axis remembers to judge itself.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C)]
 pub(super) struct Judge {
     /// Length of the ring: one per cycle of the drive's delay and one more.

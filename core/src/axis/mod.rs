@@ -33,6 +33,7 @@ mod reaction;
 mod rhythm;
 mod safety;
 mod shown;
+mod source;
 mod stops;
 mod stream;
 mod switches;
@@ -43,13 +44,14 @@ mod waiting;
 pub use alarm::Fault;
 pub use brake::{BrakeConfig, Edges};
 pub use direction::{may_tell_sign, may_turn_loop};
-pub use feedback::{Claim, Source, Wired, may_read};
+pub use feedback::Claim;
 pub(crate) use homing::methods as homing_methods;
 pub use in_force::InForce;
 pub use master::may_name;
 pub use reaction::stops_all;
 pub use rhythm::Pace;
 pub use safety::Safety;
+pub use source::{Source, Wired, may_read};
 pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
@@ -157,7 +159,7 @@ pub struct Context<'a> {
 
 /// One axis. What every cycle of it touches stands first in memory, up to `judge` and what is kept of its parameters; of what
 /// stands behind that a cycle touches a part, or nothing.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Axis {
     #[serde(skip)]

@@ -41,6 +41,8 @@ pub(super) struct Rhythm {
     found: Pace,
     /// The present cycle begins as the last one has ended.
     goes_on: bool,
+    /// It may switch outputs of the machine in a cycle that is not full.
+    switches: bool,
     /// What its drive told then; a virtual axis has none.
     told: DriveInput,
 }
@@ -67,6 +69,12 @@ impl Axis {
         self.rhythm.pace
     }
 
+    /// May it switch outputs of the machine in this cycle?
+    #[inline]
+    pub fn switches_outputs(&self) -> bool {
+        self.rhythm.pace == Pace::Full || self.rhythm.switches
+    }
+
     /// Something beside its own cycle acts on it, or it tells something.
     pub fn disturb(&mut self) {
         self.rhythm = Rhythm { told: self.rhythm.told, ..Rhythm::default() };
@@ -89,7 +97,9 @@ impl Axis {
         };
         let fails = |input| self.failure(input).is_some();
         let found = if found == Pace::Full || input.is_some_and(fails) || !self.sleeps() { Pace::Full } else { found };
+        let switches = self.has_own_brake() || self.parameters.outputs.brake != 0 || self.wiring().is_some();
         let rhythm = &mut self.rhythm;
+        rhythm.switches = switches;
         rhythm.next = if rhythm.goes_on && rhythm.found == found { found } else { Pace::Full };
         rhythm.found = found;
         // A calm axis may begin with any count.

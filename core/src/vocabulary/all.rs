@@ -275,3 +275,20 @@ pub(crate) fn add_signals(directory: &mut Directory, axis: &str) {
     SaiaSignal::add_all(directory, axis);
     WfSignal::add_all(directory, axis);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Zeros, targets and alarms of before were those of the other sense.
+    #[test]
+    fn a_turned_axis_begins_as_after_its_power_came_on() {
+        let mut turned = Vocabularies::default();
+        turned.notice(Notice::Alarm(7));
+        turned.notice(Notice::ZeroSet);
+        assert_ne!(turned.wf, Wf::default());
+        turned.notice(Notice::Turned);
+        assert_eq!((turned.saia, turned.wf), (Saia::default(), Wf::default()));
+        assert!(turned.are_awake(), "their signals are written on");
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::rig::{FAST, Rig, X};
 use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
+use crate::object::AxisSet;
 use crate::position::Length;
 
 fn set_position(rig: &mut Rig, position: i64) {
@@ -77,4 +78,15 @@ fn a_zero_that_is_that_of_the_axis_goes_with_it() {
         let here = if own { 0 } else { 500_000 };
         assert_eq!((rig.int("x.saia.position"), rig.int("x.saia.brkpos")), (here, 0), "{own}");
     }
+}
+
+/// A halt of the contract takes the axis from it.
+#[test]
+fn the_vocabulary_is_active_while_it_commands_the_axis() {
+    let mut rig = Rig::holding();
+    rig.does(&[("destp", 9000.0)], "fldda fstart");
+    assert_eq!(rig.int("x.saia.active"), 1);
+    rig.ask([Action::Halt(AxisSet::one(X))]).unwrap();
+    rig.run(1);
+    assert_eq!(rig.int("x.saia.active"), 0);
 }
