@@ -8,7 +8,9 @@ mod nmt;
 mod node_id;
 pub mod sdo;
 pub mod transport;
+mod watch;
 
 pub use frame::{Frame, FrameError, Id};
 pub use nmt::{Life, NmtCommand, NmtState};
 pub use node_id::NodeId;
+pub use watch::{Happened, Watch, Watching};
