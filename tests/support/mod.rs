@@ -5,6 +5,7 @@
 #![allow(dead_code, reason = "every test target compiles this module and uses a part of it")]
 
 pub(crate) mod bag_check;
+pub(crate) mod can;
 mod child;
 pub(crate) mod domain;
 pub(crate) mod peer;

@@ -28,6 +28,18 @@ pub(crate) fn python() -> &'static Path {
     })
 }
 
+/// The Python interpreter that has everything in `can/requirements.txt`.
+///
+/// Panics with a sentence on what to do when the environment cannot be made.
+pub(crate) fn can_python() -> &'static Path {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| {
+        let requirements = sources().join("can/requirements.txt");
+        let folder = made("can-venv", &read(&requirements), |folder| make_environment(folder, &requirements));
+        folder.join("bin/python")
+    })
+}
+
 /// The Fast DDS peer, built.
 ///
 /// Panics with a sentence on what to install when it cannot be built.
@@ -73,8 +85,8 @@ fn make_environment(folder: &Path, requirements: &Path) {
         .arg(requirements));
     require(
         pip,
-        "The tests need, once, the Python packages of tests/peers/requirements.txt for Python 3.10 to 3.13: connect to \
-         the network or point pip to a mirror (pip config set global.index-url URL)",
+        "The tests need, once, the Python packages of tests/peers/requirements.txt and tests/peers/can/requirements.txt for \
+         Python 3.10 to 3.13: connect to the network or point pip to a mirror (pip config set global.index-url URL)",
     );
 }
 
