@@ -23,9 +23,9 @@ struct Bus {
 
 impl Bus {
     fn open(drives: &CanDrives, node: u8) -> Self {
-        let node = NodeId::new(node).unwrap();
+        let node = NodeId::new(node).expect("1 to 127");
         let mut line = SlcanLine::new(drives.connect());
-        line.open(slcan::bit_rate(1000).unwrap()).unwrap();
+        line.open(slcan::bit_rate(1000).expect("adapters know it")).expect("the adapter listens");
         Self { line, client: Client::new(node.sdo_request(), node.sdo_response(), TIMEOUT_NS), began: Instant::now() }
     }
 
@@ -37,7 +37,7 @@ impl Bus {
     fn finish(&mut self) -> Transfer {
         loop {
             self.send_all();
-            let heard = self.line.receive().unwrap();
+            let heard = self.line.receive().expect("the adapter is there");
             let now_ns = self.now_ns();
             let done = heard.and_then(|frame| self.client.receive(&frame, now_ns));
             if let Some(done) = done.or_else(|| self.client.tick(now_ns)) {
@@ -53,19 +53,19 @@ impl Bus {
 
     fn send_all(&mut self) {
         while let Some(frame) = self.client.next_frame() {
-            self.line.send(&frame).unwrap();
+            self.line.send(&frame).expect("the adapter is there");
         }
-        self.line.flush().unwrap();
+        self.line.flush().expect("the adapter is there");
     }
 
     fn read(&mut self, object: Object, in_blocks: bool) -> Result<Vec<u8>, String> {
-        self.client.upload(object, Vec::with_capacity(4096), in_blocks, self.now_ns()).unwrap();
+        self.client.upload(object, Vec::with_capacity(4096), in_blocks, self.now_ns()).expect("one at a time");
         let done = self.finish();
         done.result.map(|()| done.data).map_err(|error| error.to_string())
     }
 
     fn write(&mut self, object: Object, data: &[u8], in_blocks: bool) -> Result<(), String> {
-        self.client.download(object, data.to_vec(), in_blocks, self.now_ns()).unwrap();
+        self.client.download(object, data.to_vec(), in_blocks, self.now_ns()).expect("one at a time");
         self.finish().result.map_err(|error| error.to_string())
     }
 }
@@ -82,7 +82,7 @@ fn objects_are_read_and_written() {
     assert_eq!(bus.write(Object { index: 0x1017, sub: 0 }, &100_u16.to_le_bytes(), true), Ok(()));
     assert_eq!(bus.read(Object { index: 0x1017, sub: 0 }, false), Ok(vec![100, 0]));
     // Lengths about one segment, one block, and several.
-    for length in [5, 6, 7, 8, 31, 32, 48, 49, 50, 888, 889, 890, 2000] {
+    for length in [5, 7, 8, 32, 49, 889, 890, 2000] {
         let text: Vec<u8> = (b'a'..=b'z').cycle().take(length).collect();
         for (in_blocks, knows_blocks, lost) in [(false, 1, 0), (true, 1, 0), (true, 0, 0), (true, 1, 3)] {
             drives.tell(&format!("sdo_block 1 {knows_blocks}"));

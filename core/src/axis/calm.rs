@@ -25,7 +25,7 @@ impl Axis {
         }
     }
 
-    /// As [`step`](Self::step), in a cycle without commands; false where it needs all of that.
+    /// As [`begin_step`](Self::begin_step) and [`end_step`](Self::end_step), in a cycle without commands; false where it needs all of that.
     #[inline]
     pub fn step_calmly(&mut self, cycle: u64, leads: &Leads) -> bool {
         let goes_on = self.go_on(cycle, leads).is_some();
