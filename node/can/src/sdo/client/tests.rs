@@ -99,6 +99,45 @@ fn what_a_device_answers_wrongly_is_aborted() {
     assert_eq!(done.unwrap().result, Err(SdoError::Wrong(OBJECT, Abort::MEMORY)), "no room");
 }
 
+/// A check sum that does not fit, a block of no segments, more acknowledged than was sent, a size that was not kept.
+#[test]
+fn blocks_that_do_not_fit_are_aborted() {
+    let upload = |told: u8, end: [u8; 8]| {
+        let mut client = client();
+        client.upload(OBJECT, Vec::with_capacity(32), true, 0).unwrap();
+        sent(&mut client);
+        client.receive(&answer([0xC6, 0x08, 0x10, 0, told, 0, 0, 0]), 1);
+        assert_eq!(sent(&mut client), [[0xA3, 0, 0, 0, 0, 0, 0, 0]]);
+        client.receive(&answer(*b"\x01Linesha"), 2);
+        client.receive(&answer(*b"\x82ft1\0\0\0\0"), 3);
+        assert_eq!(sent(&mut client), [[0xA2, 2, 127, 0, 0, 0, 0, 0]]);
+        client.receive(&answer(end), 4).map(|done| done.result)
+    };
+    let [low, high] = crc(0, b"Lineshaft1").to_le_bytes();
+    let wrong = |abort| Some(Err(SdoError::Wrong(OBJECT, abort)));
+    assert_eq!(upload(10, [0xD1, low, high, 0, 0, 0, 0, 0]), Some(Ok(())));
+    assert_eq!(upload(10, [0xD1, low ^ 1, high, 0, 0, 0, 0, 0]), wrong(Abort::CRC));
+    assert_eq!(upload(11, [0xD1, low, high, 0, 0, 0, 0, 0]), wrong(Abort::LENGTH));
+
+    let download = |answers: &[[u8; 8]]| {
+        let mut client = client();
+        client.download(OBJECT, vec![7; 100], true, 0).unwrap();
+        answers.iter().find_map(|bytes| {
+            sent(&mut client);
+            client.receive(&answer(*bytes), 1).map(|done| done.result)
+        })
+    };
+    let begun = |size| [0xA4, 0x08, 0x10, 0, size, 0, 0, 0];
+    assert_eq!(download(&[begun(0)]), wrong(Abort::BLOCK_SIZE));
+    assert_eq!(download(&[begun(128)]), wrong(Abort::BLOCK_SIZE));
+    assert_eq!(download(&[begun(4), [0xA2, 5, 4, 0, 0, 0, 0, 0]]), wrong(Abort::SEQUENCE));
+    assert_eq!(download(&[begun(4), [0xA2, 4, 0, 0, 0, 0, 0, 0]]), wrong(Abort::BLOCK_SIZE));
+    // One that acknowledges nothing, again and again, is given up.
+    let nothing = [[0xA2, 0, 4, 0, 0, 0, 0, 0]; 9];
+    assert_eq!(download(&[&[begun(4)][..], &nothing].concat()), wrong(Abort::SEQUENCE));
+    assert_eq!(download(&[&[begun(4)][..], &nothing[..8]].concat()), None);
+}
+
 #[test]
 fn a_silent_device_is_given_up_and_its_late_answer_taken_for_nothing() {
     let mut client = client();
