@@ -437,8 +437,8 @@ fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
     let Motion { position, velocity, .. } = axis.command();
     of.command = Lead { position, change: position - of.command.position, velocity, uneven: 0.0, valid: true };
     if axis.shows_command() {
-        let actual = axis.actual();
-        of.actual = Lead { change: actual.position - of.actual.position, ..actual };
+        // What a command made of the position behind the advance of the last cycle is in the change, as in that of the command.
+        of.actual = Lead { change: of.command.change, ..axis.actual() };
     }
 }
 
