@@ -1,23 +1,47 @@
 //! slcan over a stream of bytes that never waits: a serial line, a pseudo terminal, TCP.
 
-use super::slcan::{CLOSE, Decoder, Line, OPEN, Said};
+use super::slcan::{BEL, CLOSE, CR, Decoder, Line, OPEN, Said};
+use super::waiting::Waiting;
+use super::way::{Loss, Way};
 use super::{Transport, TransportError};
 use crate::Frame;
-use std::collections::VecDeque;
+use lineshaft_core::drive::BusState;
 use std::io::{self, ErrorKind, Read, Write};
+use std::thread;
+use std::time::{Duration, Instant};
 
-/// Frames that may wait for the line.
-const ROOM: usize = 256;
+/// How long the line must be silent until what the adapter had to say before is over.
+const SILENCE: Duration = Duration::from_millis(250);
+/// How long an adapter may say something before its channel is closed: a bus under load never falls silent by itself.
+const TALK: Duration = Duration::from_secs(2);
+/// How long the answer to a command may take. Some adapters answer nothing.
+const PATIENCE: Duration = Duration::from_millis(100);
+
 /// Bytes that are read at once.
 const PIECE: usize = 512;
+
+/// Why the channel of an adapter does not open.
+#[derive(Debug, thiserror::Error)]
+pub enum SlcanError {
+    /// BEL is the answer to the command of the bit rate.
+    #[error("the adapter refuses the bit rate")]
+    BitRate,
+    /// BEL is the answer to the command that opens.
+    #[error("the adapter refuses to open its channel")]
+    Channel,
+    /// The stream does not take the few bytes at once, or is lost.
+    #[error("the adapter cannot be spoken to: {0}")]
+    Stream(#[from] io::Error),
+}
 
 /// An adapter at the other end of a stream.
 #[derive(Debug)]
 pub struct SlcanLine<S> {
     stream: S,
+    way: Way,
     decoder: Decoder,
     /// Lines that wait, and how much of the first one has gone.
-    waiting: VecDeque<Line>,
+    waiting: Waiting<Line>,
     gone: usize,
     /// Bytes that were read: those from `at` to `end` have not been looked at.
     piece: [u8; PIECE],
@@ -31,8 +55,9 @@ impl<S: Read + Write> SlcanLine<S> {
     pub fn new(stream: S) -> Self {
         Self {
             stream,
+            way: Way::default(),
             decoder: Decoder::default(),
-            waiting: VecDeque::with_capacity(ROOM),
+            waiting: Waiting::new(),
             gone: 0,
             piece: [0; PIECE],
             at: 0,
@@ -42,28 +67,58 @@ impl<S: Read + Write> SlcanLine<S> {
     }
 
     /// Sets the bit rate, by its command, and opens the channel. An empty line first ends what somebody else has left in the adapter.
+    /// The answers take about half a second.
     ///
     /// # Errors
-    /// The stream does not take the few bytes at once, or is lost.
-    pub fn open(&mut self, bit_rate: &[u8]) -> io::Result<()> {
-        for command in [b"\r".as_slice(), CLOSE, bit_rate, OPEN] {
-            self.stream.write_all(command)?;
+    /// The adapter refuses a command; the stream does not take the few bytes at once, or is lost.
+    pub fn open(&mut self, bit_rate: &[u8]) -> Result<(), SlcanError> {
+        self.say(b"\r")?;
+        // One that is closed already refuses it, which says nothing about the commands that follow.
+        self.say(CLOSE)?;
+        let began = Instant::now();
+        while began.elapsed() < TALK && self.hears(SILENCE)?.is_some() {}
+        if self.is_refused(bit_rate)? {
+            return Err(SlcanError::BitRate);
         }
+        if self.is_refused(OPEN)? {
+            return Err(SlcanError::Channel);
+        }
+        Ok(())
+    }
+
+    fn say(&mut self, command: &[u8]) -> io::Result<()> {
+        self.stream.write_all(command)?;
         self.stream.flush()
     }
 
-    /// Closes the channel.
-    ///
-    /// # Errors
-    /// The stream does not take the bytes at once, or is lost.
-    pub fn close(&mut self) -> io::Result<()> {
-        self.stream.write_all(CLOSE)?;
-        self.stream.flush()
+    /// True where BEL is the answer; an empty line, and no answer at all, is consent.
+    fn is_refused(&mut self, command: &[u8]) -> io::Result<bool> {
+        self.say(command)?;
+        loop {
+            match self.hears(PATIENCE)? {
+                Some(BEL) => return Ok(true),
+                Some(CR) | None => return Ok(false),
+                Some(_) => {}
+            }
+        }
     }
 
-    /// Commands and frames that the adapter has refused. One is usual: closing a channel that is closed.
-    pub fn refused(&self) -> u64 {
-        self.refused
+    /// The next byte, if one comes within `time`.
+    fn hears(&mut self, time: Duration) -> io::Result<Option<u8>> {
+        let began = Instant::now();
+        let mut byte = [0];
+        loop {
+            match self.stream.read(&mut byte) {
+                Ok(0) => return Err(io::Error::other(Loss::Ended)),
+                Ok(_) => return Ok(Some(byte[0])),
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+                Err(error) => return Err(error),
+            }
+            if began.elapsed() >= time {
+                return Ok(None);
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
     }
 
     /// Looks at what was read, up to the end of a frame.
@@ -80,37 +135,22 @@ impl<S: Read + Write> SlcanLine<S> {
     }
 }
 
-/// Nothing at present; none where the stream has ended, or is lost.
-fn unless_later<T>(result: io::Result<T>) -> io::Result<Option<T>> {
-    match result {
-        Ok(done) => Ok(Some(done)),
-        Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(None),
-        Err(error) => Err(error),
-    }
-}
-
-fn ended() -> io::Error {
-    io::Error::new(ErrorKind::UnexpectedEof, "the adapter has closed the line")
-}
-
 impl<S: Read + Write + Send> Transport for SlcanLine<S> {
     fn send(&mut self, frame: &Frame) -> Result<(), TransportError> {
         self.flush()?;
-        if self.waiting.len() >= ROOM {
-            return Err(TransportError::Full(self.waiting.len()));
-        }
-        self.waiting.push_back(Line::of(frame));
+        self.waiting.push(Line::of(frame))?;
         self.flush()
     }
 
     fn flush(&mut self) -> Result<(), TransportError> {
-        while let Some(line) = self.waiting.front() {
+        self.way.check()?;
+        while let Some(line) = self.waiting.first() {
             let rest = line.bytes().get(self.gone..).unwrap_or_default();
-            match unless_later(self.stream.write(rest))? {
-                Some(0) => return Err(ended().into()),
+            match self.way.unless_later(self.stream.write(rest))? {
+                Some(0) => return Err(self.way.lose(Loss::Ended)),
                 Some(count) if count < rest.len() => self.gone += count,
                 Some(_) => {
-                    self.waiting.pop_front();
+                    self.waiting.drop_first();
                     self.gone = 0;
                 }
                 None => break,
@@ -124,8 +164,9 @@ impl<S: Read + Write + Send> Transport for SlcanLine<S> {
             if let Some(frame) = self.next_frame() {
                 return Ok(Some(frame));
             }
-            match unless_later(self.stream.read(&mut self.piece))? {
-                Some(0) => return Err(ended().into()),
+            self.way.check()?;
+            match self.way.unless_later(self.stream.read(&mut self.piece))? {
+                Some(0) => return Err(self.way.lose(Loss::Ended)),
                 Some(count) => (self.at, self.end) = (0, count),
                 None => {
                     (self.at, self.end) = (0, 0);
@@ -134,12 +175,28 @@ impl<S: Read + Write + Send> Transport for SlcanLine<S> {
             }
         }
     }
+
+    fn state(&self) -> BusState {
+        self.way.state(BusState::Active)
+    }
+
+    fn faults(&self) -> u64 {
+        self.refused
+    }
+
+    fn close(&mut self) {
+        // A frame that has gone in part is no frame: its line ends here.
+        let command: &[u8] = if self.gone > 0 { b"\rC\r" } else { CLOSE };
+        // The adapter may be gone: nothing can be done about it.
+        let _ = self.say(command);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Id;
+    use std::collections::VecDeque;
 
     /// A stream that takes and gives a few bytes at a time.
     #[derive(Debug, Default)]
@@ -199,20 +256,6 @@ mod tests {
     }
 
     #[test]
-    fn a_full_queue_refuses_and_keeps_what_it_has() {
-        let mut line = SlcanLine::new(Wire { takes: Some(0), ..Wire::default() });
-        for number in 0..ROOM {
-            line.send(&frame(number as u16, &[])).unwrap();
-        }
-        let error = line.send(&frame(0x7FF, &[])).unwrap_err();
-        assert_eq!(error.to_string(), "the bus takes no more frames: 256 of them wait");
-        line.stream.takes = None;
-        line.flush().unwrap();
-        assert!(line.stream.sent.ends_with(b"t0FE0\rt0FF0\r") && line.waiting.is_empty());
-        assert!(line.waiting.capacity() >= ROOM, "and no memory was taken or given back");
-    }
-
-    #[test]
     fn frames_come_from_pieces_of_any_size() {
         let mut line = SlcanLine::new(Wire::default());
         for piece in [&b"z\rt1812"[..], b"ABCD\rt1", b"8220102\r\x07"] {
@@ -220,17 +263,59 @@ mod tests {
         }
         let all: Vec<_> = std::iter::from_fn(|| line.receive().unwrap()).collect();
         assert_eq!(all, [frame(0x181, &[0xAB, 0xCD]), frame(0x182, &[1, 2])]);
-        assert_eq!((line.receive().unwrap(), line.refused()), (None, 1));
+        assert_eq!((line.receive().unwrap(), line.faults()), (None, 1));
         line.stream.has_ended = true;
         let error = line.receive().unwrap_err().to_string();
         assert_eq!(error, "the way to the bus is lost: the adapter has closed the line");
+        assert_eq!((line.send(&frame(0, &[])).unwrap_err().to_string(), line.state()), (error, BusState::Off));
+    }
+
+    /// An adapter that gives these answers to the commands that follow its silence.
+    #[derive(Debug)]
+    struct Adapter {
+        answers: VecDeque<&'static [u8]>,
+        heard: Vec<u8>,
+        says: VecDeque<u8>,
+    }
+
+    impl Adapter {
+        fn line(answers: [&'static [u8]; 4]) -> SlcanLine<Self> {
+            SlcanLine::new(Self { answers: answers.into(), heard: Vec::new(), says: VecDeque::new() })
+        }
+    }
+
+    impl Write for Adapter {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.heard.extend_from_slice(bytes);
+            self.says.extend(self.answers.pop_front().unwrap_or_default());
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Read for Adapter {
+        fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
+            room[0] = self.says.pop_front().ok_or(ErrorKind::WouldBlock)?;
+            Ok(1)
+        }
     }
 
     #[test]
     fn the_channel_is_opened_by_the_sequence_that_adapters_know() {
-        let mut line = SlcanLine::new(Wire::default());
-        line.open(super::super::slcan::bit_rate(1000).unwrap()).unwrap();
-        line.close().unwrap();
-        assert_eq!(line.stream.sent, b"\rC\rS8\rO\rC\r");
+        let rate = super::super::slcan::bit_rate(1000).unwrap();
+        let answers: [[&[u8]; 4]; 3] =
+            [[b"\r", b"\x07", b"\r", b"\r"], [b"t123", b"\x07\x07", b"\r", b"t1230\r"], [b"", b"", b"", b""]];
+        for answers in answers {
+            let mut line = Adapter::line(answers);
+            line.open(rate).unwrap();
+            line.close();
+            assert_eq!((&line.stream.heard[..], line.faults()), (&b"\rC\rS8\rO\rC\r"[..], 0));
+        }
+        let refused = |answers| Adapter::line(answers).open(rate).unwrap_err().to_string();
+        assert_eq!(refused([b"\r", b"\r", b"\x07", b"\r"]), "the adapter refuses the bit rate");
+        assert_eq!(refused([b"\r", b"\r", b"\r", b"\x07"]), "the adapter refuses to open its channel");
     }
 }

@@ -9,9 +9,10 @@
 
 use crate::{Frame, Id};
 
-const CR: u8 = b'\r';
+/// Ends each line, and is the answer to a command.
+pub(super) const CR: u8 = b'\r';
 /// The adapter refuses a command.
-const BEL: u8 = 0x07;
+pub(super) const BEL: u8 = 0x07;
 /// Longest line of a frame: kind, 8 digits of an extended identifier, length, 8 bytes, time stamp.
 const LONGEST: usize = 1 + 8 + 1 + 16 + 4;
 /// Longest line of a frame with an 11-bit identifier, with its CR.

@@ -1,0 +1,136 @@
+//! Frames as the CAN sockets of Linux carry them, `struct can_frame`.
+//!
+//! Law      16 bytes: identifier with its flags (32 bits of the machine's order), length, 3 of padding, 8 of data
+//! Reads    16 bytes; what the controller tells of itself is an error frame: passive, active, off, restarted, overrun
+//! Refuses  nothing: frames with an extended identifier are others
+//! Source   Linux `linux/can.h`, `linux/can/error.h`
+
+use crate::{Frame, Id};
+use lineshaft_core::drive::BusState;
+
+pub(super) const SIZE: usize = 16;
+
+const EXTENDED: u32 = 1 << 31;
+const REMOTE: u32 = 1 << 30;
+const ERROR: u32 = 1 << 29;
+
+/// Error classes (CAN_ERR_CRTL, CAN_ERR_BUSOFF, CAN_ERR_RESTARTED).
+const CONTROLLER: u32 = 0x004;
+const BUS_OFF: u32 = 0x040;
+const RESTARTED: u32 = 0x100;
+/// The classes that are understood.
+pub(super) const ERRORS: u32 = CONTROLLER | BUS_OFF | RESTARTED;
+
+/// Byte 1 of the class CONTROLLER (CAN_ERR_CRTL_*): both directions of each.
+const OVERFLOW: u8 = 0x03;
+const WARNING: u8 = 0x0C;
+const PASSIVE: u8 = 0x30;
+const ACTIVE: u8 = 0x40;
+
+/// What has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Heard {
+    Frame(Frame),
+    /// What the controller tells: how the bus does, where that is new; whether frames were lost.
+    Controller {
+        state: Option<BusState>,
+        has_lost: bool,
+    },
+    Other,
+}
+
+/// The bytes that send a frame.
+pub(super) fn bytes_of(frame: &Frame) -> [u8; SIZE] {
+    let flag = if frame.is_remote() { REMOTE } else { 0 };
+    let [a, b, c, d] = (u32::from(frame.id().get()) | flag).to_ne_bytes();
+    let mut bytes = [a, b, c, d, frame.length(), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+    for (place, byte) in bytes.iter_mut().skip(8).zip(frame.bytes()) {
+        *place = *byte;
+    }
+    bytes
+}
+
+/// What these bytes are.
+pub(super) fn heard(&[a, b, c, d, length, _, _, _, ref data @ ..]: &[u8; SIZE]) -> Heard {
+    let word = u32::from_ne_bytes([a, b, c, d]);
+    if word & ERROR != 0 {
+        return controller(word, data[1]);
+    }
+    if word & EXTENDED != 0 {
+        return Heard::Other;
+    }
+    let Ok(id) = Id::new((word & 0x7FF) as u16) else { return Heard::Other };
+    let frame = match data.get(..usize::from(length)) {
+        _ if word & REMOTE != 0 => Frame::remote(id, length),
+        Some(data) => Frame::data(id, data),
+        None => return Heard::Other,
+    };
+    frame.map_or(Heard::Other, Heard::Frame)
+}
+
+fn controller(classes: u32, detail: u8) -> Heard {
+    let detail = if classes & CONTROLLER != 0 { detail } else { 0 };
+    let state = match () {
+        () if classes & BUS_OFF != 0 => Some(BusState::Off),
+        () if detail & PASSIVE != 0 => Some(BusState::Passive),
+        // Many errors, yet too few for passive: the way down from there leads by it.
+        () if classes & RESTARTED != 0 || detail & (ACTIVE | WARNING) != 0 => Some(BusState::Active),
+        () => None,
+    };
+    Heard::Controller { state, has_lost: detail & OVERFLOW != 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn bytes(word: u32, length: u8, data: [u8; 8]) -> [u8; SIZE] {
+        let mut bytes = [0; SIZE];
+        bytes[..4].copy_from_slice(&word.to_ne_bytes());
+        bytes[4] = length;
+        bytes[8..].copy_from_slice(&data);
+        bytes
+    }
+
+    #[test]
+    fn frames_stand_where_the_kernel_reads_them() {
+        let id = Id::new(0x201).unwrap();
+        let frame = Frame::data(id, &[0x0F, 0, 1]).unwrap();
+        assert_eq!(bytes_of(&frame), bytes(0x201, 3, [0x0F, 0, 1, 0, 0, 0, 0, 0]));
+        assert_eq!(bytes_of(&Frame::remote(id, 2).unwrap()), bytes(0x4000_0201, 2, [0; 8]));
+        assert_eq!(heard(&bytes(0x8000_0201, 1, [0; 8])), Heard::Other, "extended");
+        assert_eq!(heard(&bytes(0x201, 9, [0; 8])), Heard::Other, "longer than a frame");
+    }
+
+    #[test]
+    fn the_controller_tells_how_the_bus_does() {
+        let tells = |classes, detail| heard(&bytes(ERROR | classes, 8, [0, detail, 0, 0, 0, 0, 0, 0]));
+        let state = |state| Heard::Controller { state, has_lost: false };
+        assert_eq!(tells(BUS_OFF, 0), state(Some(BusState::Off)));
+        assert_eq!(tells(CONTROLLER, 0x10), state(Some(BusState::Passive)));
+        assert_eq!(tells(CONTROLLER, 0x20 | 0x04), state(Some(BusState::Passive)));
+        assert_eq!(tells(CONTROLLER, 0x08), state(Some(BusState::Active)));
+        assert_eq!(tells(CONTROLLER, 0x40), state(Some(BusState::Active)));
+        assert_eq!(tells(RESTARTED, 0x10), state(Some(BusState::Active)), "the detail is of another class");
+        assert_eq!(tells(0x2, 0), state(None));
+        assert_eq!(tells(CONTROLLER, 0x01), Heard::Controller { state: None, has_lost: true });
+    }
+
+    proptest! {
+        #[test]
+        fn each_frame_comes_back(id in 0_u16..0x800, data in prop::collection::vec(any::<u8>(), 0..=8), remote: bool) {
+            let id = Id::new(id).unwrap();
+            let frame = match remote {
+                true => Frame::remote(id, data.len() as u8).unwrap(),
+                false => Frame::data(id, &data).unwrap(),
+            };
+            prop_assert_eq!(heard(&bytes_of(&frame)), Heard::Frame(frame));
+        }
+
+        #[test]
+        fn no_bytes_are_too_odd(bytes: [u8; SIZE]) {
+            heard(&bytes);
+        }
+    }
+}

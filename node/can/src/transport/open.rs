@@ -1,0 +1,199 @@
+//! Opens the way to a bus that an address names.
+//!
+//! Law      may take a few seconds: an adapter answers, a host is looked up and reached
+//! Refuses  what is not there, belongs to somebody else, or cannot have the bit rate; each with its cure
+//! Source   errno(3), packages of Debian 12
+
+use super::line::{SlcanError, SlcanLine};
+use super::slcan;
+use super::socket_can::SocketCan;
+use super::tty::Tty;
+use super::udp::UdpBus;
+use super::{Address, Transport};
+use socket2::SockRef;
+use std::fmt;
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::Duration;
+
+/// How long a host may take to answer, and later to confirm what was sent.
+const TIMEOUT: Duration = Duration::from_secs(3);
+/// Of a serial line (bit/s).
+const BAUD: u32 = 115_200;
+
+/// What the way to a bus needs to know beside its address.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Of the bus (bit/s). Adapters that speak slcan are told; an interface of Linux has it already, and datagrams have none.
+    pub bit_rate: u32,
+    /// Of a serial line (bit/s), 115200 where none is given. Adapters on USB do not mind.
+    pub baud: Option<u32>,
+}
+
+/// The way to a bus is not open.
+#[derive(Debug, thiserror::Error)]
+#[error("{address} cannot be opened: {obstacle}")]
+pub struct OpenError {
+    /// Where to.
+    pub address: Address,
+    /// What is in the way.
+    pub obstacle: Obstacle,
+}
+
+/// What is in the way to a bus, and its cure.
+#[derive(Debug, thiserror::Error)]
+pub enum Obstacle {
+    /// Adapters that speak slcan know a bit rate by no digit, or by different ones (bit/s).
+    #[error("adapters do not know the bit rate {0} bit/s; they know {rates} bit/s", rates = BitRates)]
+    BitRate(u32),
+    /// The path is no device.
+    #[error("there is no such device; plug the adapter in, and look for its name in /dev/serial/by-id")]
+    NoDevice,
+    /// The user may not use the line.
+    #[error(
+        "permission denied; add the user to the group of the device (sudo usermod -aG dialout $USER) and log in anew"
+    )]
+    Denied,
+    /// The line is taken.
+    #[error("another program uses it; end that one first (fuser -v shows it)")]
+    Busy,
+    /// The path is a file.
+    #[error("it is no serial line")]
+    NoLine,
+    /// The line cannot have the rate (bit/s).
+    #[error("the serial line cannot run at {0} bit/s; 115200 suits most adapters")]
+    Baud(u32),
+    /// The adapter refuses, or is silent.
+    #[error(transparent)]
+    Adapter(#[from] SlcanError),
+    /// The name is no host.
+    #[error("the host cannot be looked up: {0}")]
+    Name(io::Error),
+    /// The host refuses, or is silent.
+    #[error("the adapter cannot be reached: {0}")]
+    Unreachable(io::Error),
+    /// The host is silent.
+    #[error("the adapter has not answered for {} s", TIMEOUT.as_secs())]
+    Silent,
+    /// The kernel has no CAN.
+    #[error("the kernel has no CAN; load its modules (sudo modprobe can-raw), or use an adapter by slcan")]
+    NoCan,
+    /// There is no such interface.
+    #[error("there is no CAN interface {0}; 'ip -details link show type can' shows those that there are")]
+    NoInterface(String),
+    /// The interface is down.
+    #[error("the interface is down; bring it up (sudo ip link set {0} up type can bitrate 1000000)")]
+    InterfaceDown(String),
+    /// Another error of the system.
+    #[error("{0}")]
+    System(io::Error),
+}
+
+/// What adapters know, in words.
+struct BitRates;
+
+impl fmt::Display for BitRates {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, kbit_per_s) in slcan::bit_rates().enumerate() {
+            write!(f, "{}{}", if number == 0 { "" } else { ", " }, 1000 * kbit_per_s)?;
+        }
+        Ok(())
+    }
+}
+
+/// Opens the way to a bus.
+///
+/// # Errors
+/// The way cannot be opened.
+pub fn open(address: &Address, options: Options) -> Result<Box<dyn Transport>, OpenError> {
+    let opened: Result<Box<dyn Transport>, Obstacle> = match address {
+        Address::Slcan(path) => {
+            adapter(options.bit_rate, || Tty::open(path, options.baud.unwrap_or(BAUD))).map(|line| Box::new(line) as _)
+        }
+        Address::SlcanTcp(host) => adapter(options.bit_rate, || connect(host)).map(|line| Box::new(line) as _),
+        Address::SocketCan(interface) => SocketCan::open(interface).map(|socket| Box::new(socket) as _),
+        Address::Udp { group, port } => {
+            UdpBus::open(*group, *port).map(|bus| Box::new(bus) as _).map_err(Obstacle::System)
+        }
+    };
+    opened.map_err(|obstacle| OpenError { address: address.clone(), obstacle })
+}
+
+fn adapter<S: Read + Write>(
+    bit_rate: u32,
+    stream: impl FnOnce() -> Result<S, Obstacle>,
+) -> Result<SlcanLine<S>, Obstacle> {
+    let is_whole = bit_rate.is_multiple_of(1000);
+    let command = slcan::bit_rate(bit_rate / 1000).filter(|_| is_whole).ok_or(Obstacle::BitRate(bit_rate))?;
+    let mut line = SlcanLine::new(stream()?);
+    line.open(command)?;
+    Ok(line)
+}
+
+/// Tries all addresses of a host.
+fn connect(host: &str) -> Result<TcpStream, Obstacle> {
+    let mut last = Obstacle::Name(ErrorKind::NotFound.into());
+    for address in host.to_socket_addrs().map_err(Obstacle::Name)? {
+        match TcpStream::connect_timeout(&address, TIMEOUT).and_then(prepared) {
+            Ok(stream) => return Ok(stream),
+            Err(error) if error.kind() == ErrorKind::TimedOut => last = Obstacle::Silent,
+            Err(error) => last = Obstacle::Unreachable(error),
+        }
+    }
+    Err(last)
+}
+
+fn prepared(stream: TcpStream) -> io::Result<TcpStream> {
+    stream.set_nodelay(true)?;
+    stream.set_nonblocking(true)?;
+    // A host that has gone without a word: what is sent is not confirmed, and the way is lost.
+    SockRef::from(&stream).set_tcp_user_timeout(Some(TIMEOUT))?;
+    Ok(stream)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::TcpListener;
+
+    fn refused(address: &str, bit_rate: u32) -> String {
+        let opened = open(&address.parse().unwrap(), Options { bit_rate, baud: None });
+        opened.err().expect("it cannot be opened").to_string()
+    }
+
+    #[test]
+    fn what_is_in_the_way_is_told_with_its_cure() {
+        assert_eq!(
+            refused("slcan:/dev/ttyACM99", 800_000),
+            "slcan:/dev/ttyACM99 cannot be opened: adapters do not know the bit rate 800000 bit/s; they know 10000, 20000, 50000, \
+             100000, 125000, 250000, 500000, 1000000 bit/s"
+        );
+        assert!(refused("slcan:/dev/ttyACM99", 500_001).contains("do not know the bit rate 500001 bit/s"));
+        assert_eq!(
+            refused("slcan:/dev/ttyACM99", 500_000),
+            "slcan:/dev/ttyACM99 cannot be opened: there is no such device; plug the adapter in, and look for its name in \
+             /dev/serial/by-id"
+        );
+        assert_eq!(refused("slcan:/dev/null", 500_000), "slcan:/dev/null cannot be opened: it is no serial line");
+        assert_eq!(refused("slcan:/dev", 500_000), "slcan:/dev cannot be opened: it is no serial line");
+    }
+
+    #[test]
+    fn an_adapter_that_is_not_there_is_told() {
+        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let sentence = refused(&format!("slcan-tcp:127.0.0.1:{port}"), 500_000);
+        assert!(
+            sentence.ends_with(" cannot be opened: the adapter cannot be reached: Connection refused (os error 111)")
+        );
+        let sentence = refused("slcan-tcp:no..name:1", 500_000);
+        assert!(sentence.contains("cannot be opened: the host cannot be looked up: "), "{sentence}");
+    }
+
+    /// Whatever the kernel knows: there is no such interface, or no CAN at all.
+    #[test]
+    fn an_interface_that_is_not_there_is_told() {
+        let sentence = refused("socketcan:no-such-can", 500_000);
+        let (no_can, none) = ("the kernel has no CAN; load its modules", "there is no CAN interface no-such-can; ");
+        assert!(sentence.contains(no_can) || sentence.contains(none), "{sentence}");
+    }
+}

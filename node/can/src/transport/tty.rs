@@ -1,0 +1,79 @@
+//! A serial line, or a pseudo terminal, that carries bytes as they are and never waits.
+//!
+//! Law      8 data bits, no parity, 1 stop bit, no handshake, no echo; what stood in it when it was opened is dropped
+//! Refuses  what is no terminal; one that another program has; a rate that the line cannot have
+//! Source   termios(3), tty_ioctl(4)
+
+use super::Obstacle;
+use rustix::fs::{Mode, OFlags};
+use rustix::io::Errno;
+use rustix::termios::{ControlModes, OptionalActions, QueueSelector};
+use rustix::{fs, termios};
+use std::fs::{File, TryLockError};
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+/// An open line; nobody else has it.
+#[derive(Debug)]
+pub(super) struct Tty(File);
+
+impl Tty {
+    /// Opens a line at `baud` (bit/s), which a pseudo terminal does not mind.
+    pub(super) fn open(path: &Path, baud: u32) -> Result<Self, Obstacle> {
+        // Without NONBLOCK a line without a carrier waits for one; with NOCTTY its hang-up does not end this process.
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        let file = File::from(fs::open(path, flags, Mode::empty()).map_err(obstacle)?);
+        let mut settings = termios::tcgetattr(&file).map_err(obstacle)?;
+        // The flag keeps users out, the lock also keeps root out where it asks for it, as this program does.
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => return Err(Obstacle::Busy),
+            // A file system without locks has no program that asks for them.
+            Err(TryLockError::Error(_)) | Ok(()) => {}
+        }
+        termios::ioctl_tiocexcl(&file).map_err(obstacle)?;
+        let tty = Self(file);
+        settings.make_raw();
+        settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
+        settings.control_modes -= ControlModes::CRTSCTS | ControlModes::CSTOPB;
+        settings.set_speed(baud).map_err(|_| Obstacle::Baud(baud))?;
+        termios::tcsetattr(&tty.0, OptionalActions::Now, &settings).map_err(|error| match error {
+            Errno::INVAL => Obstacle::Baud(baud),
+            error => obstacle(error),
+        })?;
+        termios::tcflush(&tty.0, QueueSelector::IOFlush).map_err(obstacle)?;
+        Ok(tty)
+    }
+}
+
+fn obstacle(error: Errno) -> Obstacle {
+    match error {
+        Errno::NOENT | Errno::NODEV | Errno::NXIO => Obstacle::NoDevice,
+        Errno::ACCESS | Errno::PERM => Obstacle::Denied,
+        Errno::BUSY => Obstacle::Busy,
+        Errno::NOTTY | Errno::ISDIR => Obstacle::NoLine,
+        error => Obstacle::System(error.into()),
+    }
+}
+
+impl Drop for Tty {
+    fn drop(&mut self) {
+        // Where somebody else holds the line open, the flag would outlive this program's use. The line may be gone.
+        let _ = termios::ioctl_tiocnxcl(&self.0);
+    }
+}
+
+impl Read for Tty {
+    fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
+        self.0.read(room)
+    }
+}
+
+impl Write for Tty {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,143 @@
+//! Datagrams on loopback, which python-can calls the bus `udp_multicast`: for development and tests, not for drives.
+//!
+//! Law      each frame goes to everybody in the group, and what this one has sent does not come back. Datagrams may get lost and may
+//!          overtake each other
+//! Reads    datagrams of the group that come over loopback; those that are no frames are counted and passed over
+//! Refuses  nothing
+//! Source   python-can 4.6.1 (`interfaces/udp_multicast`)
+
+use super::datagram::{Datagram, frame_of};
+use super::waiting::Waiting;
+use super::way::Way;
+use super::{Transport, TransportError};
+use crate::Frame;
+use lineshaft_core::drive::BusState;
+use socket2::{Domain, Socket, Type};
+use std::io;
+use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
+
+/// Longest datagram that is read: a channel of python-can has a name of any length.
+const LONGEST: usize = 1024;
+
+/// The bus of a group.
+#[derive(Debug)]
+pub struct UdpBus {
+    /// Everybody shares the port of the group; a socket of its own to send from tells what is ours.
+    hears: UdpSocket,
+    says: UdpSocket,
+    group: SocketAddrV4,
+    own: u16,
+    way: Way,
+    waiting: Waiting<Frame>,
+    faults: u64,
+}
+
+impl UdpBus {
+    /// Joins a group, on loopback.
+    ///
+    /// # Errors
+    /// The system has no room for a socket; another program has the port to itself.
+    pub fn open(group: Ipv4Addr, port: u16) -> io::Result<Self> {
+        let group = SocketAddrV4::new(group, port);
+        let hears = Socket::new(Domain::IPV4, Type::DGRAM, None)?;
+        hears.set_reuse_address(true)?;
+        hears.set_reuse_port(true)?;
+        // Else what comes for another group that somebody has joined on this host would be heard, too.
+        hears.set_multicast_all_v4(false)?;
+        hears.bind(&group.into())?;
+        hears.join_multicast_v4(group.ip(), &Ipv4Addr::LOCALHOST)?;
+        let says = Socket::new(Domain::IPV4, Type::DGRAM, None)?;
+        says.set_multicast_if_v4(&Ipv4Addr::LOCALHOST)?;
+        says.bind(&SocketAddrV4::new(Ipv4Addr::LOCALHOST, 0).into())?;
+        let (hears, says): (UdpSocket, UdpSocket) = (hears.into(), says.into());
+        hears.set_nonblocking(true)?;
+        says.set_nonblocking(true)?;
+        let own = says.local_addr()?.port();
+        Ok(Self { hears, says, group, own, way: Way::default(), waiting: Waiting::new(), faults: 0 })
+    }
+}
+
+impl Transport for UdpBus {
+    fn send(&mut self, frame: &Frame) -> Result<(), TransportError> {
+        self.flush()?;
+        self.waiting.push(*frame)?;
+        self.flush()
+    }
+
+    fn flush(&mut self) -> Result<(), TransportError> {
+        self.way.check()?;
+        while let Some(frame) = self.waiting.first() {
+            let sent = self.says.send_to(Datagram::of(frame).bytes(), self.group);
+            if self.way.unless_later(sent)?.is_none() {
+                break;
+            }
+            self.waiting.drop_first();
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self) -> Result<Option<Frame>, TransportError> {
+        self.way.check()?;
+        let mut bytes = [0; LONGEST];
+        while let Some((count, from)) = self.way.unless_later(self.hears.recv_from(&mut bytes))? {
+            if from.ip() == Ipv4Addr::LOCALHOST && from.port() == self.own {
+                continue;
+            }
+            match frame_of(bytes.get(..count).unwrap_or_default()) {
+                Ok(Some(frame)) => return Ok(Some(frame)),
+                Ok(None) => {}
+                Err(_) => self.faults = self.faults.saturating_add(1),
+            }
+        }
+        Ok(None)
+    }
+
+    fn state(&self) -> BusState {
+        self.way.state(BusState::Active)
+    }
+
+    fn faults(&self) -> u64 {
+        self.faults
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Id;
+    use std::thread;
+    use std::time::{Duration, Instant};
+
+    fn next(bus: &mut UdpBus) -> Frame {
+        let began = Instant::now();
+        loop {
+            match bus.receive().unwrap() {
+                Some(frame) => return frame,
+                None => thread::sleep(Duration::from_millis(1)),
+            }
+            assert!(began.elapsed() < Duration::from_secs(10), "nothing comes");
+        }
+    }
+
+    #[test]
+    fn everybody_in_the_group_hears_a_frame_except_who_sends_it() {
+        let group = Ipv4Addr::new(239, 74, 163, 77);
+        // A port that is free for everybody now, and that no other test asks for.
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let mut buses = [(); 3].map(|()| UdpBus::open(group, port).unwrap());
+        let frame = |number: u8| Frame::data(Id::new(0x180 + u16::from(number)).unwrap(), &[number; 8]).unwrap();
+        for number in 0..3 {
+            buses[usize::from(number)].send(&frame(number)).unwrap();
+        }
+        for (number, bus) in (0..).zip(&mut buses) {
+            let others: Vec<_> = (0..3).filter(|other| *other != number).map(frame).collect();
+            assert_eq!([next(bus), next(bus)], others[..]);
+            assert_eq!((bus.receive().unwrap(), bus.faults(), bus.state()), (None, 0, BusState::Active));
+        }
+        let [first, second, _] = &mut buses;
+        first.says.send_to(b"no frame", first.group).unwrap();
+        second.says.send_to(b"no frame", second.group).unwrap();
+        second.send(&frame(1)).unwrap();
+        assert_eq!((next(first), first.faults()), (frame(1), 1), "its own are passed over, whatever they are");
+    }
+}

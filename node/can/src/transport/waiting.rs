@@ -1,0 +1,63 @@
+//! What waits for a bus.
+//!
+//! Law      first in, first out; room for a fixed number, which is taken at once
+//! Refuses  what there is no room for
+
+use super::TransportError;
+use std::collections::VecDeque;
+
+/// Frames that may wait.
+pub(super) const ROOM: usize = 256;
+
+/// A queue of a fixed length.
+#[derive(Debug)]
+pub(super) struct Waiting<T>(VecDeque<T>);
+
+impl<T> Waiting<T> {
+    pub(super) fn new() -> Self {
+        Self(VecDeque::with_capacity(ROOM))
+    }
+
+    pub(super) fn push(&mut self, item: T) -> Result<(), TransportError> {
+        if self.0.len() >= ROOM {
+            return Err(TransportError::Full(self.0.len()));
+        }
+        self.0.push_back(item);
+        Ok(())
+    }
+
+    pub(super) fn first(&self) -> Option<&T> {
+        self.0.front()
+    }
+
+    pub(super) fn drop_first(&mut self) {
+        self.0.pop_front();
+    }
+
+    pub(super) fn drop_all(&mut self) {
+        self.0.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_queue_refuses_keeps_what_it_has_and_takes_no_memory() {
+        let mut waiting = Waiting::new();
+        let room = waiting.0.capacity();
+        for round in 0..3 {
+            for number in 0..ROOM {
+                waiting.push(number).unwrap();
+            }
+            let error = waiting.push(ROOM).unwrap_err();
+            assert_eq!(error.to_string(), "the bus takes no more frames: 256 of them wait");
+            for number in 0..ROOM {
+                assert_eq!(waiting.first(), Some(&number), "round {round}");
+                waiting.drop_first();
+            }
+        }
+        assert_eq!((waiting.first(), waiting.0.capacity()), (None, room));
+    }
+}

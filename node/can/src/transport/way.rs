@@ -1,0 +1,80 @@
+//! Whether a way to a bus is lost.
+//!
+//! Law      a way that is lost stays lost, for the same reason: what opens it anew is another one
+
+use super::TransportError;
+use lineshaft_core::drive::BusState;
+use rustix::io::Errno;
+use std::io::{self, ErrorKind};
+
+/// Why a way to a bus is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Loss {
+    /// The adapter has ended the stream, or is pulled.
+    #[error("the adapter has closed the line")]
+    Ended,
+    /// The system refuses; its number of the error.
+    #[error("{}", io::Error::from_raw_os_error(*.0))]
+    System(i32),
+    /// Another error.
+    #[error("{0}")]
+    Other(ErrorKind),
+}
+
+impl From<io::Error> for Loss {
+    fn from(error: io::Error) -> Self {
+        error.raw_os_error().map_or(Self::Other(error.kind()), Self::System)
+    }
+}
+
+/// Holds why a way is lost, once it is.
+#[derive(Debug, Default)]
+pub(super) struct Way(Option<Loss>);
+
+impl Way {
+    /// Refuses where it is lost.
+    pub(super) fn check(&self) -> Result<(), TransportError> {
+        self.0.map_or(Ok(()), |loss| Err(TransportError::Lost(loss)))
+    }
+
+    /// Loses it.
+    pub(super) fn lose(&mut self, loss: Loss) -> TransportError {
+        TransportError::Lost(*self.0.get_or_insert(loss))
+    }
+
+    /// What has been done; none where nothing can be done at present. Any other error loses the way.
+    pub(super) fn unless_later<T>(&mut self, result: io::Result<T>) -> Result<Option<T>, TransportError> {
+        match result {
+            Ok(done) => Ok(Some(done)),
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(None),
+            // A CAN interface says so where its queue is full.
+            Err(error) if Errno::from_io_error(&error) == Some(Errno::NOBUFS) => Ok(None),
+            Err(error) => Err(self.lose(error.into())),
+        }
+    }
+
+    /// `state`, or off where the way is lost.
+    pub(super) fn state(&self, state: BusState) -> BusState {
+        if self.0.is_some() { BusState::Off } else { state }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_stays_lost_for_its_first_reason() {
+        let mut way = Way::default();
+        way.check().unwrap();
+        for later in [ErrorKind::WouldBlock.into(), io::Error::from_raw_os_error(Errno::NOBUFS.raw_os_error())] {
+            assert_eq!(way.unless_later::<()>(Err(later)).unwrap(), None);
+        }
+        assert_eq!(way.state(BusState::Passive), BusState::Passive);
+        let first = way.unless_later::<()>(Err(io::Error::from_raw_os_error(19))).unwrap_err().to_string();
+        assert_eq!(first, "the way to the bus is lost: No such device (os error 19)");
+        assert_eq!(way.lose(Loss::Ended).to_string(), first);
+        assert_eq!(way.check().unwrap_err().to_string(), first);
+        assert_eq!(way.state(BusState::Passive), BusState::Off);
+    }
+}
