@@ -2,73 +2,12 @@
 
 mod support;
 
-use lineshaft_can::sdo::{Client, Object, Transfer};
-use lineshaft_can::transport::{SlcanLine, Transport, slcan};
-use lineshaft_can::{Life, NmtCommand, NmtState, NodeId};
-use std::net::TcpStream;
-use std::thread;
-use std::time::{Duration, Instant};
-use support::can::CanDrives;
+use lineshaft_can::sdo::Object;
+use lineshaft_can::{NmtCommand, NmtState, NodeId};
+use support::can::{Bus, CanDrives};
 
-const TIMEOUT_NS: u64 = 500_000_000;
 const NAME: Object = Object { index: 0x1008, sub: 0 };
 const ECHO: Object = Object { index: 0x2001, sub: 0 };
-
-/// A bus with one drive of which objects are asked.
-struct Bus {
-    line: SlcanLine<TcpStream>,
-    client: Client,
-    began: Instant,
-}
-
-impl Bus {
-    fn open(drives: &CanDrives, node: u8) -> Self {
-        let node = NodeId::new(node).expect("1 to 127");
-        let mut line = SlcanLine::new(drives.connect());
-        line.open(slcan::bit_rate(1000).expect("adapters know it")).expect("the adapter listens");
-        Self { line, client: Client::new(node.sdo_request(), node.sdo_response(), TIMEOUT_NS), began: Instant::now() }
-    }
-
-    fn now_ns(&self) -> u64 {
-        self.began.elapsed().as_nanos() as u64
-    }
-
-    /// Runs the transfer that has begun to its end.
-    fn finish(&mut self) -> Transfer {
-        loop {
-            self.send_all();
-            let heard = self.line.receive().expect("the adapter is there");
-            let now_ns = self.now_ns();
-            let done = heard.and_then(|frame| self.client.receive(&frame, now_ns));
-            if let Some(done) = done.or_else(|| self.client.tick(now_ns)) {
-                // What ends a transfer on the bus, too.
-                self.send_all();
-                return done;
-            }
-            if heard.is_none() {
-                thread::sleep(Duration::from_micros(200));
-            }
-        }
-    }
-
-    fn send_all(&mut self) {
-        while let Some(frame) = self.client.next_frame() {
-            self.line.send(&frame).expect("the adapter is there");
-        }
-        self.line.flush().expect("the adapter is there");
-    }
-
-    fn read(&mut self, object: Object, in_blocks: bool) -> Result<Vec<u8>, String> {
-        self.client.upload(object, Vec::with_capacity(4096), in_blocks, self.now_ns()).expect("one at a time");
-        let done = self.finish();
-        done.result.map(|()| done.data).map_err(|error| error.to_string())
-    }
-
-    fn write(&mut self, object: Object, data: &[u8], in_blocks: bool) -> Result<(), String> {
-        self.client.download(object, data.to_vec(), in_blocks, self.now_ns()).expect("one at a time");
-        self.finish().result.map_err(|error| error.to_string())
-    }
-}
 
 /// Numbers in one frame, texts in segments and in blocks, both ways; a device that knows no blocks; segments that get lost.
 #[test]
@@ -121,18 +60,10 @@ fn a_drive_that_is_reset_boots() {
     let drives = CanDrives::boot("5");
     let mut bus = Bus::open(&drives, 5);
     let node = NodeId::new(5).unwrap();
-    let next = |bus: &mut Bus| loop {
-        match bus.line.receive().unwrap() {
-            Some(frame) if frame.id() == node.heartbeat() => return Life::of(&frame).unwrap().state,
-            Some(_) => {}
-            None => thread::sleep(Duration::from_micros(200)),
-        }
-        assert!(bus.began.elapsed() < Duration::from_secs(60), "no sign of life");
-    };
-    bus.line.send(&NmtCommand::ResetNode.frame(Some(node))).unwrap();
-    assert_eq!(next(&mut bus), NmtState::BootUp);
+    bus.send(&NmtCommand::ResetNode.frame(Some(node)));
+    assert_eq!(bus.next_state(), NmtState::BootUp);
     bus.write(Object { index: 0x1017, sub: 0 }, &20_u16.to_le_bytes(), false).unwrap();
-    assert_eq!(next(&mut bus), NmtState::PreOperational);
-    bus.line.send(&NmtCommand::Start.frame(None)).unwrap();
-    while next(&mut bus) != NmtState::Operational {}
+    assert_eq!(bus.next_state(), NmtState::PreOperational);
+    bus.send(&NmtCommand::Start.frame(None));
+    while bus.next_state() != NmtState::Operational {}
 }

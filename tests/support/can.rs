@@ -1,51 +1,83 @@
-//! Simulated CANopen drives of another make: a process of their own, behind an adapter that speaks slcan over TCP.
+//! Simulated CANopen drives of another make: a process of their own on a bus, and what asks them.
 
 use super::child::Captured;
 use super::domain::Domain;
 use super::setup;
+use lineshaft_can::sdo::{Client, Object, Transfer};
+use lineshaft_can::transport::{Address, Options, Transport, open};
+use lineshaft_can::{Frame, Life, NmtState, NodeId};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
-use std::net::TcpStream;
+use std::net::{Ipv4Addr, TcpStream};
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
 /// How long the drives may take to boot.
 const BOOT: Duration = Duration::from_secs(30);
+/// How long a device may take to answer.
+const TIMEOUT_NS: u64 = 500_000_000;
+/// How long anything else may take.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The group that python-can takes by default.
+const GROUP: Ipv4Addr = Ipv4Addr::new(239, 74, 163, 2);
+const PORT: u16 = 43113;
+
+/// A way to the bus of simulated drives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Way {
+    /// Behind an adapter that speaks slcan over TCP.
+    SlcanTcp,
+    /// Behind an adapter that speaks slcan on a pseudo terminal.
+    SlcanPty,
+    /// Datagrams; in a namespace alone.
+    Udp,
+    /// An interface; where the kernel has CAN.
+    SocketCan(&'static str),
+}
 
 /// The drives of one bus.
 pub(crate) struct CanDrives {
-    _process: Captured,
-    bus: String,
+    process: Captured,
+    address: Address,
     control: BufReader<TcpStream>,
 }
 
 impl CanDrives {
-    /// Drives with these node ids (`1-2`), booted.
+    /// Drives with these node ids (`1-2`) behind an adapter over TCP, booted.
     pub(crate) fn boot(nodes: &str) -> Self {
+        Self::boot_on(Way::SlcanTcp, nodes)
+    }
+
+    /// Drives with these node ids, booted.
+    pub(crate) fn boot_on(way: Way, nodes: &str) -> Self {
+        let bus = match way {
+            Way::SlcanTcp => "slcan-tcp:127.0.0.1:0".to_owned(),
+            Way::SlcanPty => "slcan-pty".to_owned(),
+            Way::Udp => format!("udp:{GROUP}:{PORT}"),
+            Way::SocketCan(interface) => format!("socketcan:{interface}"),
+        };
         let mut command = Command::new(setup::can_python());
         command.arg(setup::sources().join("can/cia402_sim.py"));
-        command.args([
-            "--bus",
-            "slcan-tcp:127.0.0.1:0",
-            "--control",
-            "127.0.0.1:0",
-            "--exit-with-parent",
-            "--nodes",
-            nodes,
-        ]);
+        command.args(["--bus", &bus, "--control", "127.0.0.1:0", "--exit-with-parent", "--nodes", nodes]);
         let mut process = Captured::start("can drives", command, &Domain::take(), Stdio::null());
         let line = process.line(BOOT);
         let ready: Value = serde_json::from_str(&line).unwrap_or_else(|error| panic!("{line}: {error}"));
         let at = |key: &str| ready[key].as_str().unwrap_or_else(|| panic!("{line}: no {key}")).to_owned();
+        let address = match way {
+            Way::SlcanTcp => Address::SlcanTcp(at("bus")),
+            Way::SlcanPty => Address::Slcan(at("bus").into()),
+            Way::Udp => Address::Udp { group: GROUP, port: PORT },
+            Way::SocketCan(interface) => Address::SocketCan(interface.to_owned()),
+        };
         let control = TcpStream::connect(at("control")).expect("the drives listen");
-        Self { _process: process, bus: at("bus"), control: BufReader::new(control) }
+        Self { process, address, control: BufReader::new(control) }
     }
 
-    /// A connection to the adapter, which waits for nothing.
-    pub(crate) fn connect(&self) -> TcpStream {
-        let stream = TcpStream::connect(&self.bus).expect("the adapter listens");
-        stream.set_nodelay(true).and_then(|()| stream.set_nonblocking(true)).expect("it is a socket");
-        stream
+    /// The way to their bus.
+    pub(crate) fn address(&self) -> &Address {
+        &self.address
     }
 
     /// Tells the simulation something beside the bus, such as `sdo_mute 1 1`.
@@ -56,5 +88,92 @@ impl CanDrives {
         let value: Value = serde_json::from_str(&answer).unwrap_or_else(|error| panic!("{command}: {answer}: {error}"));
         assert_eq!(value["ok"], true, "{command}: {answer}");
         value
+    }
+
+    /// Pulls the plug: the drives and their adapter are gone.
+    pub(crate) fn kill(&mut self) {
+        self.process.signal(rustix::process::Signal::KILL);
+        self.process.wait(PATIENCE);
+    }
+}
+
+/// A bus with one drive of which objects are asked.
+pub(crate) struct Bus {
+    pub(crate) way: Box<dyn Transport>,
+    node: NodeId,
+    client: Client,
+    began: Instant,
+}
+
+impl Bus {
+    /// Opens the bus of these drives.
+    pub(crate) fn open(drives: &CanDrives, node: u8) -> Self {
+        let way = open(drives.address(), Options { bit_rate: 1_000_000, baud: None });
+        let node = NodeId::new(node).expect("1 to 127");
+        let client = Client::new(node.sdo_request(), node.sdo_response(), TIMEOUT_NS);
+        Self { way: way.unwrap_or_else(|error| panic!("{error}")), node, client, began: Instant::now() }
+    }
+
+    fn now_ns(&self) -> u64 {
+        self.began.elapsed().as_nanos() as u64
+    }
+
+    /// Runs the transfer that has begun to its end.
+    fn finish(&mut self) -> Transfer {
+        loop {
+            self.send_all();
+            let heard = self.receive();
+            let now_ns = self.now_ns();
+            let done = heard.and_then(|frame| self.client.receive(&frame, now_ns));
+            if let Some(done) = done.or_else(|| self.client.tick(now_ns)) {
+                // What ends a transfer on the bus, too.
+                self.send_all();
+                return done;
+            }
+            if heard.is_none() {
+                thread::sleep(Duration::from_micros(200));
+            }
+        }
+    }
+
+    fn send_all(&mut self) {
+        while let Some(frame) = self.client.next_frame() {
+            self.send(&frame);
+        }
+        self.way.flush().expect("the bus is there");
+    }
+
+    pub(crate) fn send(&mut self, frame: &Frame) {
+        self.way.send(frame).expect("the bus is there");
+    }
+
+    fn receive(&mut self) -> Option<Frame> {
+        self.way.receive().expect("the bus is there")
+    }
+
+    pub(crate) fn read(&mut self, object: Object, in_blocks: bool) -> Result<Vec<u8>, String> {
+        self.client.upload(object, Vec::with_capacity(4096), in_blocks, self.now_ns()).expect("one at a time");
+        let done = self.finish();
+        done.result.map(|()| done.data).map_err(|error| error.to_string())
+    }
+
+    pub(crate) fn write(&mut self, object: Object, data: &[u8], in_blocks: bool) -> Result<(), String> {
+        self.client.download(object, data.to_vec(), in_blocks, self.now_ns()).expect("one at a time");
+        self.finish().result.map_err(|error| error.to_string())
+    }
+
+    /// The next state of which the drive tells.
+    pub(crate) fn next_state(&mut self) -> NmtState {
+        let began = Instant::now();
+        loop {
+            match self.receive() {
+                Some(frame) if frame.id() == self.node.heartbeat() => {
+                    return Life::of(&frame).expect("a sign of life").state;
+                }
+                Some(_) => {}
+                None => thread::sleep(Duration::from_micros(200)),
+            }
+            assert!(began.elapsed() < PATIENCE, "no sign of life");
+        }
     }
 }

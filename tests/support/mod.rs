@@ -8,6 +8,7 @@ pub(crate) mod bag_check;
 pub(crate) mod can;
 mod child;
 pub(crate) mod domain;
+pub(crate) mod namespace;
 pub(crate) mod peer;
 pub(crate) mod program;
 pub(crate) mod setup;

@@ -154,7 +154,9 @@ fn prepared(stream: TcpStream) -> io::Result<TcpStream> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::net::TcpListener;
+    use socket2::{Domain, Socket, Type};
+    use std::net::{SocketAddr, TcpListener};
+    use std::time::Instant;
 
     fn refused(address: &str, bit_rate: u32) -> String {
         let opened = open(&address.parse().unwrap(), Options { bit_rate, baud: None });
@@ -187,6 +189,20 @@ mod tests {
         );
         let sentence = refused("slcan-tcp:no..name:1", 500_000);
         assert!(sentence.contains("cannot be opened: the host cannot be looked up: "), "{sentence}");
+    }
+
+    /// A listener that accepts nobody: its queue is full, and the next one waits.
+    #[test]
+    fn a_host_that_is_silent_is_told_in_time() {
+        let listener = Socket::new(Domain::IPV4, Type::STREAM, None).unwrap();
+        listener.bind(&SocketAddr::from(([127, 0, 0, 1], 0)).into()).unwrap();
+        listener.listen(0).unwrap();
+        let host = listener.local_addr().unwrap().as_socket().unwrap();
+        let _waits = TcpStream::connect(host).unwrap();
+        let began = Instant::now();
+        let sentence = refused(&format!("slcan-tcp:{host}"), 500_000);
+        assert_eq!(sentence, format!("slcan-tcp:{host} cannot be opened: the adapter has not answered for 3 s"));
+        assert!(began.elapsed() < Duration::from_secs(10));
     }
 
     /// Whatever the kernel knows: there is no such interface, or no CAN at all.

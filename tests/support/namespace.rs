@@ -1,0 +1,37 @@
+//! A network of its own for one test: loopback alone, which carries multicast, too.
+
+use std::env;
+use std::process::Command;
+
+/// Says to the test that it runs inside.
+const INSIDE: &str = "LINESHAFT_TEST_NAMESPACE";
+
+/// Makes the namespace. Loopback does not take multicast by default, and a host without a route for it cannot join a group.
+const INTO: &str =
+    "ip link set lo up && ip link set lo multicast on && ip route add 239.0.0.0/8 dev lo && exec \"$0\" \"$@\"";
+
+/// True inside the namespace. Outside, runs the test of this name inside and is false then: the test has run.
+///
+/// Panics where the test fails, with all that it has written, and where there are no namespaces, with what to do.
+#[track_caller]
+pub(crate) fn is_inside(test: &str) -> bool {
+    if env::var_os(INSIDE).is_some() {
+        return true;
+    }
+    let mut unshare = Command::new("unshare");
+    if !rustix::process::geteuid().is_root() {
+        unshare.arg("--map-root-user");
+    }
+    let program = env::current_exe().expect("the system knows what runs");
+    unshare.args(["--net", "sh", "-c", INTO]).arg(program).args(["--exact", test, "--nocapture"]).env(INSIDE, "1");
+    let output =
+        unshare.output().unwrap_or_else(|error| panic!("the tests need unshare (Debian: util-linux): {error}"));
+    let text = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success(),
+        "{test} fails in a network namespace; where none can be made, run it as root or allow user namespaces (sysctl \
+         kernel.unprivileged_userns_clone=1), and install iproute2:\n{text}"
+    );
+    assert!(text.contains("1 passed"), "there is no test {test}:\n{text}");
+    false
+}
