@@ -1,4 +1,4 @@
-//! CAN for Lineshaft: transports, the CANopen master, CiA 402 drives. So far frames, lines of slcan, the SDO client, EDS and DCF files. The
+//! CAN for Lineshaft: transports, the CANopen master, CiA 402 drives. So far frames, the ways to a bus, the SDO client, EDS and DCF files. The
 //! crate alone knows CAN, and it knows no ROS.
 #![forbid(unsafe_code)]
 
