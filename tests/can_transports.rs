@@ -53,7 +53,7 @@ fn pulled_adapters_are_lost(way: Way) -> CanDrives {
     let error = loss(&mut *bus.way);
     assert!(matches!(error, TransportError::Lost(_)), "{error}");
     assert_eq!(bus.way.state(), BusState::Off);
-    let again = bus.way.send(&NmtCommand::Start.frame(None)).unwrap_err();
+    let again = bus.way.send(&NmtCommand::Start.frame(None)).expect_err("it is lost");
     assert_eq!(again.to_string(), error.to_string());
     bus.way.close();
     drives

@@ -32,6 +32,7 @@ binary() { # binary PACKAGE TARGET...
 }
 drives=$(binary lineshaft --test can_transports)
 sockets=$(binary lineshaft-can --lib)
+memory=$(binary lineshaft-can --test no_alloc)
 "$drives" --quiet --exact drives_are_reached_over_slcan_behind_tcp >"$uml/log" 2>&1 || { cat "$uml/log" >&2; fail "the drives do not run outside, either"; }
 
 modules=$(echo "$uml"/root/usr/lib/uml/modules/*/kernel)
@@ -48,6 +49,7 @@ run() {
     done
     ip link set lo up; ip link add vcan0 type vcan; ip link set vcan0 up
     $sockets --ignored
+    $memory --ignored
     $drives --ignored
 }
 (run) >$uml/log 2>&1

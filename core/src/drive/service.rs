@@ -19,11 +19,10 @@ pub trait Service: Send {
     /// What is not there, or not as the cell says.
     fn start(&mut self) -> Result<(), ServiceError>;
 
-    /// Does what is due beside the cycles, and tells how it is; does not wait.
+    /// Does what is due beside the cycles. It has a thread of its own then, and may wait for whatever it hangs on.
     ///
-    /// # Errors
-    /// What is wrong at present: one line of the log when it comes, and one when it is over; it stops nothing.
-    fn look(&mut self) -> Result<(), ServiceError>;
+    /// What it gives is what is wrong at present: one line of the log when it comes, and one when it is over; it stops nothing.
+    fn look(&mut self) -> Vec<ServiceError>;
 
     /// Leaves its drives in a safe state.
     fn stop(&mut self);

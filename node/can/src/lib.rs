@@ -1,9 +1,12 @@
-//! CAN for Lineshaft: transports, the CANopen master, CiA 402 drives. So far frames, the ways to a bus, the SDO client, EDS and DCF files. The
-//! crate alone knows CAN, and it knows no ROS.
+//! CAN for Lineshaft: the ways to a bus, the CANopen master, CiA 402 drives, EDS and DCF files. The crate alone knows CAN, and it knows no
+//! ROS.
 #![forbid(unsafe_code)]
 
+pub mod config;
+pub mod drive;
 pub mod eds;
 mod frame;
+pub mod master;
 mod nmt;
 mod node_id;
 pub mod sdo;

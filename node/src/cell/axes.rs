@@ -3,6 +3,7 @@
 use super::amc;
 use super::backends::{Backend, Context, Hardware, backend_of, name_of};
 use super::brake;
+use super::can::{self, CellDrive};
 use super::encoders::{self, Reads};
 use super::fixtures;
 use super::machine;
@@ -28,10 +29,13 @@ use std::cmp::Ordering;
 const SOME_CYCLE_NS: u64 = 1_000_000;
 
 /// An axis, how its drive is simulated and what it is called; none for a virtual one.
-pub(super) type Axis = (AxisConfig, Option<(Model, Mechanics)>, Option<Hardware>);
+pub(super) type Axis = (AxisConfig, Option<(Model, Mechanics)>, Option<(Hardware, Option<CellDrive>)>);
 
 /// Address of a drive and what it is called, by backend.
 type Taken = Once<(usize, &'static str, u16)>;
+
+/// Key `drive`, and what it says of a drive on CAN.
+type Described = (Drive, Option<CellDrive>);
 
 /// Key `drive`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +93,8 @@ fn axis<'d>(
     let mut map = entry.value.map(format!("axis `{name}`"))?;
     map.explain_by(parameters::word_of_source);
     let (travel, factors) = Travel::read_axis(&mut map);
-    let drive = map.required("drive").and_then(|value| drive(&value, name, cx, taken));
+    let described = map.required("drive").and_then(|value| drive(&value, name, cx, taken));
+    let (drive, on_can) = described.map_or((None, None), |(drive, on_can)| (Some(drive), on_can));
     let modulo = map.optional("modulo").map(|value| modulo(&value, &travel));
     let sim = map.optional("sim");
     let reads = if drive == Some(Drive::Virtual) { Reads::Nothing(name) } else { Reads::Something };
@@ -151,7 +156,7 @@ fn axis<'d>(
         Drive::Virtual => (None, None),
         Drive::Real { at, kind, .. } => {
             let model = simulated.as_ref().map_or(Model::Ideal, |(model, _)| *model);
-            (Some(kind.offers(model)), Some(at))
+            (Some(kind.offers(interface, model)), Some((at, on_can)))
         }
     };
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;
@@ -228,11 +233,11 @@ fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
     }
 }
 
-fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken) -> Option<Drive> {
+fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken) -> Option<Described> {
     if !value.is_map() {
         let text = value.text()?;
         if text == "virtual" {
-            return Some(Drive::Virtual);
+            return Some((Drive::Virtual, None));
         }
         value.refuse(format!("drive is {}; virtual or {{backend: .., address: ..}} is allowed", quote(text)), None);
         return None;
@@ -240,22 +245,25 @@ fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken)
     let mut map = value.map(format!("drive of axis `{axis}`"))?;
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
-    let number = match (place, backend) {
-        (Some(place), Some(Backend::Sim { .. })) => take(&mut map, place, "address", 0..=u16::MAX, cx, taken),
+    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value, backend));
+    let (number, on_can) = match (place, backend) {
+        (Some(place), Some(Backend::Sim { .. })) => {
+            (take(&mut map, place, "address", 0..=u16::MAX, cx, taken), Some(None))
+        }
         (Some(place), Some(Backend::Can)) => {
-            let eds = map.optional("eds").map(|value| value.text());
-            take(&mut map, place, "node", 1..=127, cx, taken).filter(|_| eds != Some(None))
+            let node = take(&mut map, place, "node", 1..=127, cx, taken);
+            (node, can::drive(&mut map, node, interface).map(Some))
         }
         // The keys depend on a backend that is not known.
         (None, _) | (_, None) => {
-            map.allow(&["address", "node", "eds"]);
-            None
+            map.allow(&["address", "node"]);
+            map.allow(&can::DRIVE_KEYS);
+            (None, None)
         }
     };
-    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
     map.finish();
     let number = number?;
-    Some(Drive::Real { at: Hardware { backend: place?, number }, kind: backend?, interface: interface? })
+    Some((Drive::Real { at: Hardware { backend: place?, number }, kind: backend?, interface: interface? }, on_can?))
 }
 
 /// Key `key`, which numbers the drives of a backend.
@@ -273,14 +281,21 @@ fn take(
     taken.take((backend, key, number), &value, what).then_some(number)
 }
 
-fn interface(value: &Value<'_>) -> Option<Interface> {
+fn interface(value: &Value<'_>, backend: Option<Backend>) -> Option<Interface> {
     let all = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
     let interface = value.choice(&all.map(|interface| (interface.name(), interface)))?;
-    if interface == Interface::Torque {
-        value.refuse("interface torque needs the velocity loop, which does not exist yet", None);
-        return None;
+    match interface {
+        Interface::Torque => {
+            value.refuse("interface torque needs the velocity loop, which does not exist yet", None);
+            None
+        }
+        Interface::OpenLoop if backend == Some(Backend::Can) => {
+            let sentence = "interface open_loop needs mode 2 (vl) or outputs, which do not exist on CAN yet";
+            value.refuse(sentence, Some("write position or velocity".to_owned()));
+            None
+        }
+        _ => Some(interface),
     }
-    Some(interface)
 }
 
 fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {

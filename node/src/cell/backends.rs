@@ -1,14 +1,12 @@
 //! Section `backends`, and the keys with which the other sections refer to it.
 
-use super::names::{Entry, Names, Once, Section, quote};
-use crate::document::{Map, Value};
+use super::can::{self, CellBus};
+use super::names::{Entry, Names, Once, Section};
+use crate::document::Map;
 use lineshaft_core::axis::MAX_DELAY;
 use lineshaft_core::config::{IoConfig, IoKind};
-use lineshaft_core::drive::{Capabilities, Objects, Terminal};
+use lineshaft_core::drive::{Capabilities, Interface, Objects, Terminal};
 use lineshaft_core::sim::Model;
-
-/// Cycles from a setpoint to the answer of a CANopen drive in csp (contract section 1).
-const CAN_DELAY: u32 = 1;
 
 /// A backend as it is described.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,25 +32,17 @@ impl Backend {
         }
     }
 
-    /// What it offers for a drive that a model simulates, or would simulate.
-    pub(super) fn offers(self, model: Model) -> Capabilities {
+    /// What it offers for a drive with that interface, which a model simulates, or would simulate.
+    pub(super) fn offers(self, interface: Interface, model: Model) -> Capabilities {
         match self {
-            // Of a drive on CAN nobody knows more before it is there.
-            Self::Sim { .. } | Self::Can => model.capabilities(self.delay()),
-        }
-    }
-
-    /// From what is asked in a cycle to what its inputs show, in cycles beyond the next one.
-    pub(super) fn delay(self) -> u32 {
-        match self {
-            Self::Sim { delay } => delay,
-            Self::Can => CAN_DELAY,
+            Self::Sim { delay } => model.capabilities(delay),
+            Self::Can => can::offers(interface),
         }
     }
 }
 
 /// A backend of a cell.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct CellBackend {
     /// Name.
     pub name: String,
@@ -60,6 +50,8 @@ pub struct CellBackend {
     pub kind: BackendKind,
     /// What hangs on it.
     pub objects: Objects,
+    /// Of one on CAN, what its keys say.
+    pub bus: Option<CellBus>,
 }
 
 impl CellBackend {
@@ -125,16 +117,17 @@ pub(super) struct Context<'d> {
     pub cycle_ns: Option<u64>,
 }
 
-pub(super) fn read(entries: &[Entry<'_>]) -> Vec<Option<Backend>> {
-    entries.iter().map(backend).collect()
+/// The backends, and what the keys of those on CAN say.
+pub(super) fn read(entries: &[Entry<'_>]) -> (Vec<Option<Backend>>, Vec<Option<CellBus>>) {
+    entries.iter().map(|entry| backend(entry).map_or((None, None), |(backend, bus)| (Some(backend), bus))).unzip()
 }
 
-fn backend(entry: &Entry<'_>) -> Option<Backend> {
+fn backend(entry: &Entry<'_>) -> Option<(Backend, Option<CellBus>)> {
     let mut map = entry.value.map(format!("backend `{}`", entry.name()))?;
     let kinds = [("sim", BackendKind::Simulation), ("can", BackendKind::Can)];
     let backend = match map.required("type").and_then(|value| value.choice(&kinds)) {
-        Some(BackendKind::Simulation) => sim(&mut map),
-        Some(BackendKind::Can) => can(&mut map),
+        Some(BackendKind::Simulation) => sim(&mut map).map(|sim| (sim, None)),
+        Some(BackendKind::Can) => can::bus(&mut map).map(|bus| (Backend::Can, Some(bus))),
         None => {
             map.rest();
             None
@@ -149,22 +142,6 @@ fn sim(map: &mut Map<'_>) -> Option<Backend> {
     let seed = map.optional("seed").map(|value| value.integer(0..=u64::MAX));
     let delay = map.optional("delay").map_or(Some(0), |value| value.integer(0..=MAX_DELAY));
     (seed != Some(None)).then_some(Backend::Sim { delay: delay? })
-}
-
-fn can(map: &mut Map<'_>) -> Option<Backend> {
-    let transport = map.required("transport").and_then(|value| transport(&value));
-    let bitrate = map.optional("bitrate").map(|value| value.integer(10_000..=1_000_000_u32));
-    (transport.is_some() && bitrate != Some(None)).then_some(Backend::Can)
-}
-
-fn transport(value: &Value<'_>) -> Option<()> {
-    let text = value.text()?;
-    if text.split_once(':').is_some_and(|(kind, of)| !kind.is_empty() && !of.is_empty()) {
-        return Some(());
-    }
-    let sentence = format!("transport is {}; KIND:NAME, such as socketcan:can0, is allowed", quote(text));
-    value.refuse(sentence, None);
-    None
 }
 
 /// Key `backend`: its place in the section.

@@ -20,6 +20,8 @@ mod amc;
 mod axes;
 mod backends;
 mod brake;
+mod buses;
+mod can;
 mod devices;
 mod encoders;
 mod fixtures;
@@ -39,6 +41,7 @@ mod wiring;
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
+pub use can::{CellBus, CellDrive};
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{GlobalConfig, MachineConfig};
 use lineshaft_core::drive::Objects;
@@ -69,6 +72,8 @@ pub struct Cell {
     pub mechanics: Vec<Mechanics>,
     /// One for each axis, in file order: where its drive is; none for a virtual one.
     pub hardware: Vec<Option<Hardware>>,
+    /// One for each axis that has a drive, in file order: what the cell says of it where it is on CAN.
+    pub on_can: Vec<Option<CellDrive>>,
     /// How it appears in ROS 2.
     pub ros: RosOptions,
     /// Groups of axes, in file order: name, places of the axes.
@@ -156,7 +161,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let contacts = map.optional("safety");
     let names = Names::read(&mut map);
 
-    let backends = backends::read(names.section(Section::Backends));
+    let (backends, buses) = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
     let devices::Io { entries: io, terminals, filters, virtual_inputs } = devices::io(&cx);
     let mut functions = machine::Functions::new();
@@ -170,9 +175,11 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let groups = groups::read(&cx);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
-    let mut hardware = Vec::new();
-    let parts = axes.into_iter().map(|(axis, model, name)| {
-        hardware.push(name);
+    let (mut hardware, mut on_can) = (Vec::new(), Vec::new());
+    let parts = axes.into_iter().map(|(axis, model, drive)| {
+        let (at, described) = drive.unzip();
+        hardware.push(at);
+        on_can.extend(described);
         (axis, model)
     });
     let (axes, simulated): (_, Vec<_>) = parts.unzip();
@@ -188,12 +195,23 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let drives: Vec<_> = hardware.iter().flatten().copied().collect();
     let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &drives);
     let kinds: Vec<_> = cx.backends.iter().map(|backend| backend.map(Backend::kind)).collect::<Option<_>>()?;
-    let backends = cx.names.section(Section::Backends).iter().zip(kinds).zip(objects);
-    let backends =
-        backends.map(|((entry, kind), objects)| CellBackend { name: entry.name().to_owned(), kind, objects });
-    let backends = backends.collect();
+    let backends = cx.names.section(Section::Backends).iter().zip(kinds).zip(objects).zip(buses);
+    let backends = backends
+        .map(|(((entry, kind), objects), bus)| CellBackend { name: entry.name().to_owned(), kind, objects, bus })
+        .collect();
     let (models, mechanics) = simulated.into_iter().flatten().unzip();
-    Some(Cell { machine, models, mechanics, hardware, ros: ros?, groups, backends, text: text.to_owned(), robot: None })
+    Some(Cell {
+        machine,
+        models,
+        mechanics,
+        hardware,
+        on_can,
+        ros: ros?,
+        groups,
+        backends,
+        text: text.to_owned(),
+        robot: None,
+    })
 }
 
 fn check_format(value: &Value<'_>) {

@@ -12,8 +12,10 @@ use crate::cell::{Cell, OnLoss};
 use crate::run::backends::Backends;
 use crate::run::bridge::Handle;
 use crate::scenario::{Report, Scenario};
+use lineshaft_can::config::BusConfig;
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::drive::Service;
 use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
@@ -24,6 +26,7 @@ use lineshaft_ros::layer::{
 use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::Host;
 use lineshaft_ros::surface::{Surface, check_names, start_command};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -68,11 +71,10 @@ fn start(
     ros: &RosArguments,
     logging: &Logging,
 ) -> Result<Exit, String> {
-    if let (Some(backend), false) = (cell.backends.iter().find(|backend| !backend.is_simulated()), args.sim) {
-        return Err(format!(
-            "backend {}: CAN does not exist yet; `lineshaft run --sim` simulates its drives",
-            backend.name
-        ));
+    let buses = if args.sim { Vec::new() } else { buses(&cell, args.cell.as_deref())? };
+    let is_real = cell.backends.iter().any(|backend| !backend.is_simulated()) && !args.sim;
+    if let Some(sentence) = scenario.as_ref().filter(|_| is_real).and_then(Scenario::needs_simulation) {
+        return Err(sentence);
     }
     if scenario.as_ref().is_some_and(Scenario::switches_activity) {
         let why = "the lifecycle services of the node do that (~/change_state); `lineshaft sim` plays such a scenario";
@@ -86,11 +88,22 @@ fn start(
     };
     let cell = &cell;
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
-    let backends = Backends::simulated(cell.plant_of(|backend| args.sim || backend.is_simulated()));
+    let mut backends = Backends::simulated(cell.plant_of(|backend| args.sim || backend.is_simulated()));
+    let mut services: Vec<Box<dyn Service>> = Vec::new();
+    for bus in buses {
+        let (cyclic, service) = lineshaft_can::master::bus(bus);
+        backends = backends.with(Box::new(cyclic));
+        services.push(Box::new(service));
+    }
     cell.machine.check_backends(&backends.all()).map_err(|error| error.to_string())?;
     let first = start_command(&cell.machine, &mut options.overrides)?;
     first.as_ref().map_or(Ok(()), |action| try_first(&cell.machine, action))?;
-    tracing::info!("lineshaft {}: {title}: {}, simulated", env!("CARGO_PKG_VERSION"), summary(cell));
+    tracing::info!(
+        "lineshaft {}: {title}: {}{}",
+        env!("CARGO_PKG_VERSION"),
+        summary(cell),
+        if is_real { "" } else { ", simulated" }
+    );
     warnings(cell).iter().for_each(|warning| tracing::warn!("{warning}"));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
@@ -104,11 +117,19 @@ fn start(
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
         let (prepared, heard) =
-            Prepared::new(args, cell, machine, (backends, Vec::new()), scenario, Given { store, first });
+            Prepared::new(args, cell, machine, (backends, services), scenario, Given { store, first });
         serve(Start { args, cell, options, environment: &environment, logging }, prepared, heard, signals).await
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
     Ok(exit)
+}
+
+/// The buses of a cell that runs with real drives.
+fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
+    if let Some(sentence) = cell.missing_terminals().into_iter().next() {
+        return Err(sentence);
+    }
+    cell.buses(file).map_err(|problems| problems.to_string().trim_end().to_owned())
 }
 
 /// What the ROS arguments give to the node.

@@ -27,7 +27,6 @@ impl Services {
 
     /// Runs until `stop` is set and no cycle runs.
     pub fn run(mut self, stop: &AtomicBool) {
-        let mut told = vec![None; self.all.len()];
         while !stop.load(Ordering::Relaxed) {
             if !self.gate.is_wanted() {
                 std::thread::sleep(LOOK);
@@ -38,11 +37,7 @@ impl Services {
                 continue;
             }
             self.gate.set_ready();
-            // The cycle thread ends first: the program sees to that.
-            while !self.gate.end_of_cycles() && !stop.load(Ordering::Relaxed) {
-                self.look(&mut told);
-                std::thread::sleep(LOOK);
-            }
+            self.look_after_all(stop);
             self.stop(self.all.len());
         }
     }
@@ -57,25 +52,39 @@ impl Services {
         Ok(())
     }
 
-    /// Tells what is wrong once, and once that it is over.
-    fn look(&mut self, told: &mut [Option<ServiceError>]) {
-        for (service, told) in self.all.iter_mut().zip(told) {
-            match (service.look(), told.as_ref()) {
-                (Ok(()), Some(before)) => {
-                    tracing::info!("backend {}: over: {}", before.backend, before.problem);
-                    *told = None;
-                }
-                (Err(error), before) if before != Some(&error) => {
-                    tracing::warn!("{error}");
-                    *told = Some(error);
-                }
-                _ => {}
+    /// Until no cycle runs any more. Each has a thread of its own, as it may wait for what it hangs on.
+    fn look_after_all(&mut self, stop: &AtomicBool) {
+        let is_over = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            for service in &mut self.all {
+                scope.spawn(|| look_after(service.as_mut(), &is_over));
             }
-        }
+            // The cycle thread ends first: the program sees to that.
+            while !self.gate.end_of_cycles() && !stop.load(Ordering::Relaxed) {
+                std::thread::sleep(LOOK);
+            }
+            is_over.store(true, Ordering::Relaxed);
+        });
     }
 
     fn stop(&mut self, started: usize) {
         self.all[..started].iter_mut().rev().for_each(|service| service.stop());
+    }
+}
+
+/// Tells what is wrong once, and once that it is over.
+fn look_after(service: &mut dyn Service, is_over: &AtomicBool) {
+    let mut told: Vec<ServiceError> = Vec::new();
+    while !is_over.load(Ordering::Relaxed) {
+        let found = service.look();
+        for error in found.iter().filter(|error| !told.contains(error)) {
+            tracing::warn!("{error}");
+        }
+        for ServiceError { backend, problem } in told.iter().filter(|error| !found.contains(error)) {
+            tracing::info!("backend {backend}: over: {problem}");
+        }
+        told = found;
+        std::thread::sleep(LOOK);
     }
 }
 
@@ -111,8 +120,8 @@ mod tests {
             Ok(())
         }
 
-        fn look(&mut self) -> Result<(), ServiceError> {
-            Ok(())
+        fn look(&mut self) -> Vec<ServiceError> {
+            Vec::new()
         }
 
         fn stop(&mut self) {

@@ -145,7 +145,8 @@ impl Scenario {
     pub fn needs_simulation(&self) -> Option<String> {
         let plan = &self.0;
         let drives = plan.drives.iter().map(|drive| (drive.place, "drive"));
-        let injects = plan.acts.iter().filter(|act| matches!(act.deed, Deed::Inject(_)));
+        let injects =
+            plan.acts.iter().filter(|act| matches!(act.deed, Deed::Inject(_) | Deed::Command(Action::PowerCycle)));
         let (place, what) = drives.chain(injects.map(|act| (act.place, "inject"))).min()?;
         let (file, Place { line, col }) = (&plan.file, place);
         Some(format!("{file}:{line}:{col}: {what} needs a simulated plant, run with --sim"))

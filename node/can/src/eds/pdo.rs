@@ -31,6 +31,16 @@ impl Direction {
             Self::Transmit => (0x1800, 0x1A00),
         }
     }
+
+    /// Index of the communication parameters of a PDO, from 1.
+    pub fn communication(self, number: u8) -> u16 {
+        self.first().0 + u16::from(number.max(1)) - 1
+    }
+
+    /// Index of its mapping.
+    pub fn mapping(self, number: u8) -> u16 {
+        self.first().1 + u16::from(number.max(1)) - 1
+    }
 }
 
 /// The identifier of a PDO and what stands beside it.

@@ -48,6 +48,9 @@ pub enum SdoError {
     /// The device has not answered.
     #[error("{0}: the device has not answered for {1} ms")]
     Silent(Object, u64),
+    /// Another transfer with the device is under way.
+    #[error("{0}: another transfer with the device is under way")]
+    Busy(Object),
 }
 
 /// What a transfer has come to: the object, and its bytes; whoever began it gets its memory back.

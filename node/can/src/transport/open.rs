@@ -18,6 +18,8 @@ use std::time::Duration;
 
 /// How long a host may take to answer, and later to confirm what was sent.
 const TIMEOUT: Duration = Duration::from_secs(3);
+/// What may stand in the system on its way to a host (bytes): a few hundred frames.
+const SEND_BUFFER: usize = 16 * 1024;
 /// Of a serial line (bit/s).
 const BAUD: u32 = 115_200;
 
@@ -146,8 +148,11 @@ fn connect(host: &str) -> Result<TcpStream, Obstacle> {
 fn prepared(stream: TcpStream) -> io::Result<TcpStream> {
     stream.set_nodelay(true)?;
     stream.set_nonblocking(true)?;
+    let socket = SockRef::from(&stream);
     // A host that has gone without a word: what is sent is not confirmed, and the way is lost.
-    SockRef::from(&stream).set_tcp_user_timeout(Some(TIMEOUT))?;
+    socket.set_tcp_user_timeout(Some(TIMEOUT))?;
+    // By default the system takes megabytes, which an adapter would send long after they were true.
+    socket.set_send_buffer_size(SEND_BUFFER)?;
     Ok(stream)
 }
 

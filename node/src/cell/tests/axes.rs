@@ -313,13 +313,14 @@ fn drives() {
         ),
         (
             "{backend: plant, address: 0, node: 3}",
-            "8:41: unknown key `node` in drive of axis `x`, known are backend, address, interface",
+            "8:41: unknown key `node` in drive of axis `x`, known are backend, interface, address",
         ),
         ("{backend: bus0, eds: x.eds}", "8:12: missing key `node` in drive of axis `x`"),
         ("{backend: bus0, node: 128}", "8:34: node is 128; 1..127 is allowed"),
         (
             "{backend: bus0, node: 1, address: 0}",
-            "8:37: unknown key `address` in drive of axis `x`, known are backend, eds, node, interface",
+            "8:37: unknown key `address` in drive of axis `x`, known are backend, interface, node, eds, heartbeat, guarding, \
+             identity, velocity_factor, startup",
         ),
     ] {
         assert_eq!(said(&axis(&[("drive", drive)])), expected);

@@ -113,8 +113,12 @@ fn backends() {
         ("{type: sim, delay: ^40}", "delay is 40; 0..32 is allowed"),
         ("{type: sim, ^bitrate: 5}", "unknown key `bitrate` in backend `p`, known are type, seed, delay"),
         ("^{type: can}", "missing key `transport` in backend `p`"),
-        ("{type: can, transport: ^can0}", "transport is `can0`; KIND:NAME, such as socketcan:can0, is allowed"),
-        ("{type: can, transport: 'a:b', bitrate: ^125}", "bitrate is 125; 10000..1000000 is allowed"),
+        (
+            "{type: can, transport: ^can0}",
+            "transport: 'can0' is no CAN bus; allowed are slcan:/dev/ttyACM0, slcan-tcp:HOST:PORT, socketcan:can0, \
+             udp:239.74.163.2:43113",
+        ),
+        ("{type: can, transport: 'socketcan:can0', bitrate: ^125}", "bitrate is 125; 10000..1000000 is allowed"),
     ] {
         assert_said(&format!("lineshaft: 1\ncycle: 1 ms\nbackends:\n  p: {text}\n"), sentence);
     }

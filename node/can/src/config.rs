@@ -1,0 +1,166 @@
+//! What a bus is made of, as a cell says it.
+
+use crate::drive::Layout;
+use crate::sdo::Object;
+use crate::transport::Address;
+use crate::{NodeId, Watching};
+use lineshaft_core::drive::{Capabilities, Interface};
+
+/// A bus.
+#[derive(Clone, Debug)]
+pub struct BusConfig {
+    /// Its name in the cell.
+    pub name: String,
+    /// The way to it.
+    pub transport: Address,
+    /// (bit/s); none where the way has none, or sets it by itself.
+    pub bit_rate: Option<u32>,
+    /// From one SYNC to the next (ns).
+    pub cycle_ns: u64,
+    /// SYNC counts from 1 to this, 2 to 240; none: SYNC has no counter.
+    pub sync_overflow: Option<u8>,
+    /// How long an SDO server may take for an answer (ns).
+    pub sdo_timeout_ns: u64,
+    /// The heartbeat of the master; none: the drives do not watch it.
+    pub master: Option<Master>,
+    /// Its drives.
+    pub drives: Vec<DriveConfig>,
+}
+
+/// How the master shows that it is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Master {
+    /// Its own node id.
+    pub node: NodeId,
+    /// From one heartbeat to the next (ns).
+    pub heartbeat_ns: u64,
+}
+
+impl BusConfig {
+    /// The value and the power of ten that say the cycle in seconds (60C2h); none where 8 bits do not say it.
+    pub fn interpolation(&self) -> Option<(u8, i8)> {
+        let (mut value, mut index) = (self.cycle_ns, -9_i8);
+        while value != 0 && value.is_multiple_of(10) {
+            (value, index) = (value / 10, index + 1);
+        }
+        // A power that drives know: 10^-3 rather than 10^-2.
+        while index > -3 && value <= u64::from(u8::MAX) / 10 {
+            (value, index) = (value * 10, index - 1);
+        }
+        u8::try_from(value).ok().filter(|value| *value > 0).map(|value| (value, index))
+    }
+}
+
+/// A drive.
+#[derive(Clone, Debug)]
+pub struct DriveConfig {
+    /// Its place among the drives of the machine.
+    pub place: usize,
+    /// The axis that it drives.
+    pub axis: String,
+    /// Its node.
+    pub node: NodeId,
+    /// How it is commanded.
+    pub interface: Interface,
+    /// What it offers, by the cell.
+    pub offers: Capabilities,
+    /// How it is watched.
+    pub watching: Watching,
+    /// What its PDOs carry.
+    pub layout: Layout,
+    /// What it must be.
+    pub identity: Identity,
+    /// How fast it says it is.
+    pub velocity: VelocityFactor,
+    /// What it is told before it starts, in this order.
+    pub startup: Vec<Write>,
+}
+
+/// What a drive must be (1018h); what is none is not looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity {
+    /// Vendor.
+    pub vendor: Option<u32>,
+    /// Product code.
+    pub product: Option<u32>,
+    /// Revision number.
+    pub revision: Option<u32>,
+    /// Serial number.
+    pub serial: Option<u32>,
+}
+
+/// Units of velocity of a drive: `numerator / denominator` of them are one count per second (6096h, the other way round).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VelocityFactor {
+    /// Drive's units.
+    pub numerator: u32,
+    /// Counts per second.
+    pub denominator: u32,
+}
+
+impl Default for VelocityFactor {
+    fn default() -> Self {
+        Self { numerator: 1, denominator: 1 }
+    }
+}
+
+impl VelocityFactor {
+    /// From counts/s to the drive's units; saturates.
+    pub fn to_drive(self, counts_per_s: f64) -> i64 {
+        (counts_per_s * f64::from(self.numerator) / f64::from(self.denominator)).round() as i64
+    }
+
+    /// From the drive's units to counts/s.
+    pub fn from_drive(self, units: i64) -> f64 {
+        units as f64 * f64::from(self.denominator) / f64::from(self.numerator)
+    }
+}
+
+/// A value for an object.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Write {
+    /// Which one.
+    pub object: Object,
+    /// Its bytes.
+    pub data: Vec<u8>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn interpolation(cycle_ns: u64) -> Option<(u8, i8)> {
+        let transport = "slcan-tcp:127.0.0.1:1".parse().expect("it is one");
+        let (name, sdo_timeout_ns) = (String::new(), 1);
+        let bus = BusConfig {
+            name,
+            transport,
+            bit_rate: None,
+            cycle_ns,
+            sync_overflow: None,
+            sdo_timeout_ns,
+            master: None,
+            drives: vec![],
+        };
+        bus.interpolation()
+    }
+
+    #[test]
+    fn the_cycle_is_said_in_8_bits() {
+        let us = 1_000;
+        assert_eq!(interpolation(1_000 * us), Some((1, -3)));
+        assert_eq!(interpolation(4_000 * us), Some((4, -3)));
+        assert_eq!(interpolation(20_000 * us), Some((20, -3)));
+        assert_eq!(interpolation(125 * us), Some((125, -6)));
+        assert_eq!(interpolation(2_500 * us), Some((25, -4)));
+        assert_eq!(interpolation(1_001 * us), None);
+    }
+
+    #[test]
+    fn velocities_are_converted_and_saturate() {
+        // Revolutions per minute of a motor with 10,000 counts per revolution.
+        let factor = VelocityFactor { numerator: 60, denominator: 10_000 };
+        assert_eq!((factor.to_drive(-25_000.0), factor.from_drive(-150)), (-150, -25_000.0));
+        assert_eq!(factor.to_drive(f64::INFINITY), i64::MAX);
+    }
+}

@@ -1,0 +1,110 @@
+//! Values in the bytes of a PDO.
+//!
+//! Law      fields follow each other from bit 0 on, little endian, signed ones in two's complement
+//! Reads    a frame as long as its fields, or longer
+//! Refuses  shorter frames, which change nothing
+//! Source   CiA 301
+
+use super::layout::{Field, Pdo};
+use crate::{Frame, Id};
+
+/// A PDO of which frames are made, and that is read from frames; takes no memory once it is made.
+#[derive(Clone, Debug)]
+pub struct Image<W> {
+    id: Id,
+    length: u8,
+    fields: Vec<Field<W>>,
+    bits: u64,
+}
+
+impl<W: Copy> Image<W> {
+    /// All bits 0.
+    pub fn of(pdo: &Pdo<W>) -> Self {
+        Self { id: pdo.id, length: pdo.bytes(), fields: pdo.fields.clone(), bits: 0 }
+    }
+
+    /// Its identifier.
+    pub fn id(&self) -> Id {
+        self.id
+    }
+
+    /// Takes a frame; false where it is too short.
+    pub fn take(&mut self, frame: &Frame) -> bool {
+        let bytes = frame.bytes();
+        if bytes.len() < usize::from(self.length) || frame.is_remote() {
+            return false;
+        }
+        let mut all = [0; 8];
+        for (to, from) in all.iter_mut().zip(bytes) {
+            *to = *from;
+        }
+        self.bits = u64::from_le_bytes(all);
+        true
+    }
+
+    /// Each value, with its sign.
+    pub fn values(&self) -> impl Iterator<Item = (W, i64)> {
+        let mut at = 0;
+        self.fields.iter().map(move |field| {
+            let unused = 64 - field.bits.clamp(1, 64);
+            // Up to the sign, and back with it.
+            let value = (self.bits >> at << unused).cast_signed() >> unused;
+            at += field.bits;
+            (field.word, value)
+        })
+    }
+
+    /// The frame of these values, each cut to its length.
+    pub fn frame(&self, value: impl Fn(W) -> i64) -> Frame {
+        let (mut bits, mut at) = (0, 0);
+        for field in &self.fields {
+            let mask = u64::MAX >> (64 - field.bits.clamp(1, 64));
+            bits |= (value(field.word).cast_unsigned() & mask) << at;
+            at += field.bits;
+        }
+        let bytes = bits.to_le_bytes();
+        let bytes = bytes.get(..usize::from(self.length)).unwrap_or(&bytes);
+        // 8 bytes at most.
+        Frame::data(self.id, bytes).unwrap_or(Frame::of(self.id, bits.to_le_bytes()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::layout::Transmission;
+    use crate::drive::objects;
+    use proptest::prelude::*;
+
+    fn image(bits: &[u32]) -> Image<usize> {
+        let field = |(word, bits): (usize, &u32)| Field { word, object: objects::STATUS_WORD, bits: *bits };
+        let fields = bits.iter().enumerate().map(field).collect();
+        let id = Id::new(0x183).expect("11 bits");
+        Image::of(&Pdo { number: 1, id, transmission: Transmission::EachSync, fields })
+    }
+
+    /// Status 1637h, position -2, mode 8.
+    #[test]
+    fn a_frame_is_read_by_its_fields() {
+        let mut image = image(&[16, 32, 8]);
+        let frame = Frame::data(image.id(), &[0x37, 0x16, 0xFE, 0xFF, 0xFF, 0xFF, 8]).unwrap();
+        assert!(image.take(&frame));
+        assert_eq!(image.values().collect::<Vec<_>>(), [(0, 0x1637), (1, -2), (2, 8)]);
+        assert_eq!(image.frame(|word| [0x1637, -2, 8][word]), frame);
+        assert!(!image.take(&Frame::data(image.id(), &[0; 6]).unwrap()), "too short");
+        assert!(!image.take(&Frame::remote(image.id(), 8).unwrap()));
+        assert_eq!(image.values().nth(1), Some((1, -2)), "it changes nothing");
+    }
+
+    proptest! {
+        #[test]
+        fn each_value_comes_back(values: [i64; 4], bits in prop::sample::select(vec![[1_u32, 7, 8, 16], [8, 8, 16, 32], [3, 13, 40, 8]])) {
+            let mut image = image(&bits);
+            let frame = image.frame(|word| values[word]);
+            prop_assert!(image.take(&frame));
+            for ((word, value), bits) in image.values().zip(bits) {
+                prop_assert_eq!(value, values[word] << (64 - bits) >> (64 - bits));
+            }
+        }
+    }
+}

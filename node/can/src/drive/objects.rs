@@ -1,0 +1,73 @@
+//! Objects that the master reads and writes, by the names of the standards.
+
+use crate::sdo::Object;
+
+const fn of(index: u16, sub: u8) -> Object {
+    Object { index, sub }
+}
+
+/// Device type; the profile in its lower half (CiA 301).
+pub const DEVICE_TYPE: Object = of(0x1000, 0);
+/// COB-ID of SYNC; bit 30: the device produces it (CiA 301).
+pub const SYNC_COB_ID: Object = of(0x1005, 0);
+/// Communication cycle period (us; CiA 301).
+pub const CYCLE_PERIOD: Object = of(0x1006, 0);
+/// Guard time (ms; CiA 301).
+pub const GUARD_TIME: Object = of(0x100C, 0);
+/// Life time factor (CiA 301).
+pub const LIFE_TIME_FACTOR: Object = of(0x100D, 0);
+/// First consumer heartbeat time: node << 16 | ms (CiA 301).
+pub const CONSUMER_HEARTBEAT: Object = of(0x1016, 1);
+/// Producer heartbeat time (ms; CiA 301).
+pub const PRODUCER_HEARTBEAT: Object = of(0x1017, 0);
+/// Vendor (CiA 301).
+pub const VENDOR: Object = of(0x1018, 1);
+/// Product code (CiA 301).
+pub const PRODUCT: Object = of(0x1018, 2);
+/// Revision number (CiA 301).
+pub const REVISION: Object = of(0x1018, 3);
+/// Serial number (CiA 301).
+pub const SERIAL: Object = of(0x1018, 4);
+/// Synchronous counter overflow value (CiA 301).
+pub const SYNC_OVERFLOW: Object = of(0x1019, 0);
+/// Verify configuration: date, which here is half of what tells configurations apart (CiA 301).
+pub const CONFIGURATION_DATE: Object = of(0x1020, 1);
+/// Verify configuration: time, the other half (CiA 301).
+pub const CONFIGURATION_TIME: Object = of(0x1020, 2);
+
+/// Error code (CiA 402).
+pub const ERROR_CODE: Object = of(0x603F, 0);
+/// Control word (CiA 402).
+pub const CONTROL_WORD: Object = of(0x6040, 0);
+/// Status word (CiA 402).
+pub const STATUS_WORD: Object = of(0x6041, 0);
+/// Modes of operation (CiA 402).
+pub const MODE: Object = of(0x6060, 0);
+/// Modes of operation display (CiA 402).
+pub const MODE_DISPLAY: Object = of(0x6061, 0);
+/// Position actual value (counts; CiA 402).
+pub const POSITION: Object = of(0x6064, 0);
+/// Velocity actual value (CiA 402).
+pub const VELOCITY: Object = of(0x606C, 0);
+/// Torque actual value (0.1 % of the rated torque; CiA 402).
+pub const TORQUE: Object = of(0x6077, 0);
+/// Target position (counts; CiA 402).
+pub const TARGET_POSITION: Object = of(0x607A, 0);
+/// Homing method (CiA 402).
+pub const HOMING_METHOD: Object = of(0x6098, 0);
+/// Homing speed towards the switch (CiA 402).
+pub const HOMING_SEARCH: Object = of(0x6099, 1);
+/// Homing speed towards the zero (CiA 402).
+pub const HOMING_ZERO: Object = of(0x6099, 2);
+/// Homing acceleration (CiA 402).
+pub const HOMING_ACCELERATION: Object = of(0x609A, 0);
+/// Interpolation time period, its value (CiA 402).
+pub const INTERPOLATION_VALUE: Object = of(0x60C2, 1);
+/// Interpolation time period, its power of ten of seconds (CiA 402).
+pub const INTERPOLATION_INDEX: Object = of(0x60C2, 2);
+/// Digital inputs (CiA 402).
+pub const DIGITAL_INPUTS: Object = of(0x60FD, 0);
+/// Target velocity (CiA 402).
+pub const TARGET_VELOCITY: Object = of(0x60FF, 0);
+/// Supported drive modes (CiA 402).
+pub const SUPPORTED_MODES: Object = of(0x6502, 0);

@@ -1,0 +1,38 @@
+//! The cyclic half: the bus, in the hands of the cycle thread.
+
+use super::bus::Bus;
+use crate::config::BusConfig;
+use lineshaft_core::drive::{Backend, Capabilities, Inputs, Outputs};
+use std::sync::{Arc, Mutex};
+
+/// Exchanges with the drives of a bus.
+pub struct CanBackend {
+    bus: Arc<Mutex<Bus>>,
+    /// Places of its drives, and what they offer.
+    drives: Vec<(usize, Capabilities)>,
+}
+
+impl CanBackend {
+    pub(super) fn new(config: &BusConfig, bus: Arc<Mutex<Bus>>) -> Self {
+        Self { bus, drives: config.drives.iter().map(|drive| (drive.place, drive.offers)).collect() }
+    }
+}
+
+impl Backend for CanBackend {
+    fn capabilities(&self, drive: usize) -> Option<Capabilities> {
+        self.drives.iter().find(|(place, _)| *place == drive).map(|(_, offers)| *offers)
+    }
+
+    fn read(&mut self, inputs: &mut Inputs) {
+        // In the cycles nobody else has it. Were it otherwise, its drives would not be there for a cycle.
+        if let Ok(mut bus) = self.bus.try_lock() {
+            bus.read(inputs);
+        }
+    }
+
+    fn write(&mut self, outputs: &Outputs) {
+        if let Ok(mut bus) = self.bus.try_lock() {
+            bus.write(outputs);
+        }
+    }
+}

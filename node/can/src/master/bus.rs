@@ -1,0 +1,434 @@
+//! A bus: what comes is given to whom it is for, and what is due is sent.
+//!
+//! Law      one owner at a time has it: the service while no cycles run, the cycle thread while they do. In a cycle first everything that has
+//!          come is taken; then the drives are asked, SYNC follows, and then what has time. Nothing here waits or takes memory once it is made
+//! Reads    frames, the outputs of a cycle, orders of the service
+//! Writes   frames, the inputs of a cycle, reports to the service
+//! Refuses  nothing: a way that is lost leaves all its drives offline, and is reported
+//! Source   CiA 301; contract sections 1 (delay 1) and 8
+
+use super::drive::Drive;
+use super::sync::SyncCounter;
+use crate::config::{BusConfig, Master};
+use crate::sdo::{Client, Object, SdoError, Transfer};
+use crate::transport::{Transport, TransportError};
+use crate::{Frame, Happened, NmtCommand, NmtState, NodeId};
+use lineshaft_core::drive::{BusState, Emergency, Inputs, Outputs};
+use rtrb::{Consumer, Producer};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// Frames that are taken in one go: far more than a bus carries in a cycle.
+const MOST_FRAMES: usize = 1024;
+/// Frames of SDO transfers that are sent in a cycle, behind what cannot wait.
+const SDO_FRAMES: usize = 4;
+/// The same while no cycle runs: a whole block.
+const SDO_FRAMES_AT_REST: usize = 128;
+/// Identifiers of 11 bits.
+const IDS: usize = 0x800;
+
+/// What the service has the bus do.
+pub(crate) enum Order {
+    /// The way is open (again).
+    Open(Box<dyn Transport>),
+    /// An object of a node is read into this room, or written with these bytes.
+    Transfer { node: NodeId, object: Object, data: Vec<u8>, writes: bool },
+    /// A node, or all of them, are told this.
+    Nmt(NmtCommand, Option<NodeId>),
+    /// The drive at this place of the bus will be configured.
+    Prepare { drive: usize },
+    /// It is configured and started; its error code. One that has booted meanwhile is not.
+    Begin { drive: usize, fault: u16 },
+}
+
+/// What the bus tells the service.
+pub(crate) enum Report {
+    /// A transfer is over.
+    Transfer(NodeId, Transfer),
+    /// Something has happened to the drive at this place of the bus, and it takes part in the cycles no longer, if it did.
+    Happened { drive: usize, what: Happened, took_part: bool },
+    /// An emergency message of a node that is none of its drives.
+    Emergency(NodeId, Emergency),
+    /// A drive refuses an object of its homing.
+    HomingRefused(usize, SdoError),
+    /// The way to the bus is lost; it is closed here.
+    Lost(Box<dyn Transport>, TransportError),
+}
+
+/// Where a frame goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Route {
+    Nobody,
+    Pdo { drive: u8, place: u8 },
+    Emergency(NodeId),
+    Sdo(NodeId),
+    Life(NodeId),
+}
+
+/// Frames that did not go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Losses {
+    /// The transport had no room.
+    pub(crate) refused: u64,
+    /// Reports that found no room.
+    pub(crate) reports: u64,
+}
+
+/// A bus.
+pub(crate) struct Bus {
+    transport: Option<Box<dyn Transport>>,
+    began: Instant,
+    drives: Vec<Drive>,
+    /// By identifier.
+    routes: Vec<Route>,
+    /// By node, from 1 on.
+    clients: Vec<Client>,
+    /// Nodes with a transfer under way.
+    busy: Vec<NodeId>,
+    sync: SyncCounter,
+    master: Option<Master>,
+    /// When the heartbeat of the master went last (ns).
+    beat_ns: Option<u64>,
+    orders: Consumer<Order>,
+    reports: Producer<Report>,
+    losses: Losses,
+    turns: Arc<AtomicU64>,
+}
+
+impl Bus {
+    pub(crate) fn new(config: &BusConfig, orders: Consumer<Order>, reports: Producer<Report>) -> Self {
+        let drives: Vec<_> = config.drives.iter().map(|drive| Drive::new(drive, config.cycle_ns)).collect();
+        let nodes = || (1..=NodeId::MAX).filter_map(NodeId::new);
+        let client = |node: NodeId| Client::new(node.sdo_request(), node.sdo_response(), config.sdo_timeout_ns);
+        Self {
+            transport: None,
+            began: Instant::now(),
+            routes: routes(&drives),
+            drives,
+            clients: nodes().map(client).collect(),
+            busy: Vec::with_capacity(usize::from(NodeId::MAX)),
+            sync: SyncCounter::new(config.sync_overflow),
+            master: config.master,
+            beat_ns: None,
+            orders,
+            reports,
+            losses: Losses::default(),
+            turns: Arc::default(),
+        }
+    }
+
+    /// Counts how often somebody has run it.
+    pub(crate) fn turns(&self) -> Arc<AtomicU64> {
+        Arc::clone(&self.turns)
+    }
+
+    /// Time since the bus was made (ns).
+    pub(crate) fn now_ns(&self) -> u64 {
+        u64::try_from(self.began.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    /// Opens the way, where the service has the bus.
+    pub(crate) fn open(&mut self, transport: Box<dyn Transport>) {
+        self.transport = Some(transport);
+        self.drives.iter_mut().for_each(|drive| drive.end(false));
+    }
+
+    /// Closes it.
+    pub(crate) fn close(&mut self) {
+        self.drives.iter_mut().for_each(|drive| drive.end(false));
+        if let Some(mut transport) = self.transport.take() {
+            transport.close();
+        }
+    }
+
+    /// How it does.
+    pub(crate) fn state(&self) -> BusState {
+        self.transport.as_ref().map_or(BusState::Off, |transport| transport.state())
+    }
+
+    /// Everything that is due while no cycle runs.
+    pub(crate) fn exchange(&mut self) {
+        let now_ns = self.now_ns();
+        self.take(now_ns);
+        self.send_services(now_ns, SDO_FRAMES_AT_REST);
+    }
+
+    /// The beginning of a cycle.
+    pub(crate) fn read(&mut self, inputs: &mut Inputs) {
+        let now_ns = self.now_ns();
+        self.take(now_ns);
+        let state = self.state();
+        for drive in &mut self.drives {
+            if let Some(input) = inputs.drive.get_mut(drive.place) {
+                drive.read(input, state);
+            }
+        }
+    }
+
+    /// The end of a cycle.
+    pub(crate) fn write(&mut self, outputs: &Outputs) {
+        for place in 0..self.drives.len() {
+            let Some(drive) = self.drives.get_mut(place) else { continue };
+            let Some(output) = outputs.drive.get(drive.place) else { continue };
+            for frame in drive.frames(output) {
+                // Not `self.send`: the drive is borrowed.
+                send(&mut self.transport, &mut self.reports, &mut self.losses, &frame);
+            }
+        }
+        let sync = self.sync.next();
+        self.send(&sync);
+        let now_ns = self.now_ns();
+        self.set_up_homing(now_ns);
+        self.send_services(now_ns, SDO_FRAMES);
+    }
+
+    fn send(&mut self, frame: &Frame) {
+        send(&mut self.transport, &mut self.reports, &mut self.losses, frame);
+    }
+
+    fn report(&mut self, report: Report) {
+        push(&mut self.reports, &mut self.losses, report);
+    }
+
+    /// Orders, and what has come.
+    fn take(&mut self, now_ns: u64) {
+        self.turns.fetch_add(1, Ordering::Relaxed);
+        while let Ok(order) = self.orders.pop() {
+            self.obey(order, now_ns);
+        }
+        for _ in 0..MOST_FRAMES {
+            let Some(transport) = &mut self.transport else { break };
+            match transport.receive() {
+                Ok(Some(frame)) => self.dispatch(&frame, now_ns),
+                Ok(None) => break,
+                Err(error) => {
+                    lose(&mut self.transport, &mut self.reports, &mut self.losses, error);
+                    break;
+                }
+            }
+        }
+        if self.transport.is_none() {
+            self.drives.iter_mut().for_each(|drive| drive.end(false));
+        }
+        self.tick(now_ns);
+    }
+
+    fn obey(&mut self, order: Order, now_ns: u64) {
+        match order {
+            Order::Open(transport) => self.open(transport),
+            Order::Transfer { node, object, data, writes } => self.begin_transfer(node, object, data, writes, now_ns),
+            Order::Nmt(command, node) => self.send(&command.frame(node)),
+            Order::Prepare { drive } => {
+                if let Some(drive) = self.drives.get_mut(drive) {
+                    drive.prepare();
+                }
+            }
+            Order::Begin { drive: place, fault } => {
+                if self.drives.get_mut(place).is_some_and(|drive| !drive.begin(fault)) {
+                    self.report(Report::Happened { drive: place, what: Happened::BootedUp, took_part: true });
+                }
+            }
+        }
+    }
+
+    fn begin_transfer(&mut self, node: NodeId, object: Object, data: Vec<u8>, writes: bool, now_ns: u64) {
+        let Some(client) = self.clients.get_mut(usize::from(node.get()) - 1) else { return };
+        let begun = match writes {
+            true => client.download(object, data, true, now_ns),
+            // Numbers: one frame each way, which every device knows.
+            false => client.upload(object, data, false, now_ns),
+        };
+        match begun {
+            Ok(()) => self.busy.push(node),
+            // One transfer at a time: whoever asks waits for the one under way.
+            Err(data) => {
+                let result = Err(SdoError::Busy(object));
+                self.report(Report::Transfer(node, Transfer { object, data, result }));
+            }
+        }
+    }
+
+    fn dispatch(&mut self, frame: &Frame, now_ns: u64) {
+        match self.routes.get(usize::from(frame.id().get())).copied().unwrap_or(Route::Nobody) {
+            Route::Nobody => {}
+            Route::Pdo { drive, place } => {
+                if let Some(drive) = self.drives.get_mut(usize::from(drive)) {
+                    drive.take_pdo(place.into(), frame);
+                }
+            }
+            Route::Emergency(node) => {
+                let Ok(bytes) = <[u8; 8]>::try_from(frame.bytes()) else { return };
+                let emergency = Emergency::from_bytes(bytes);
+                match self.drives.iter_mut().find(|drive| drive.node == node) {
+                    Some(drive) => drive.take_emergency(emergency),
+                    None => self.report(Report::Emergency(node, emergency)),
+                }
+            }
+            Route::Sdo(node) => {
+                let client = self.clients.get_mut(usize::from(node.get()) - 1);
+                if let Some(done) = client.and_then(|client| client.receive(frame, now_ns)) {
+                    self.end_transfer(node, done);
+                }
+            }
+            Route::Life(node) => {
+                // Of nodes that no drive is nobody asks.
+                let Some(place) = self.drives.iter().position(|drive| drive.node == node) else { return };
+                let happened = self.drives.get_mut(place).and_then(|drive| drive.watch.hear(frame, now_ns));
+                self.happened(place, happened);
+            }
+        }
+    }
+
+    fn happened(&mut self, place: usize, happened: Option<Happened>) {
+        let Some(drive) = self.drives.get_mut(place) else { return };
+        let takes_part = drive.is_ready();
+        // One that takes part is operational, also where it has shown another state before, and shows it again.
+        let astray = || drive.watch.state().filter(|state| takes_part && *state != NmtState::Operational);
+        let Some(what) = happened.or_else(|| astray().map(Happened::State)) else { return };
+        let took_part = takes_part && what != Happened::State(NmtState::Operational);
+        if took_part || what == Happened::BootedUp {
+            drive.end(what == Happened::BootedUp);
+        }
+        self.report(Report::Happened { drive: place, what, took_part });
+    }
+
+    fn end_transfer(&mut self, node: NodeId, done: Transfer) {
+        self.busy.retain(|busy| *busy != node);
+        let place = self.drives.iter().position(|drive| drive.node == node);
+        let drive = place.and_then(|place| self.drives.get_mut(place));
+        match drive.filter(|drive| drive.homing.awaits(done.object)) {
+            Some(drive) => {
+                drive.homing.take(done.object, done.data, done.result.is_ok());
+                if let (Some(place), Err(error)) = (place, done.result) {
+                    self.report(Report::HomingRefused(place, error));
+                }
+            }
+            None => self.report(Report::Transfer(node, done)),
+        }
+    }
+
+    /// What time has done.
+    fn tick(&mut self, now_ns: u64) {
+        let mut at = 0;
+        while let Some(node) = self.busy.get(at).copied() {
+            let client = self.clients.get_mut(usize::from(node.get()) - 1);
+            match client.and_then(|client| client.tick(now_ns).map(|done| (client.next_frame(), done))) {
+                Some((abort, done)) => {
+                    if let Some(frame) = abort {
+                        self.send(&frame);
+                    }
+                    self.end_transfer(node, done);
+                }
+                None => at += 1,
+            }
+        }
+        for place in 0..self.drives.len() {
+            let Some(drive) = self.drives.get_mut(place) else { continue };
+            let (happened, question) = drive.watch.tick(now_ns);
+            if let Some(question) = question {
+                self.send(&question);
+            }
+            if happened.is_some() {
+                self.happened(place, happened);
+            }
+        }
+    }
+
+    fn set_up_homing(&mut self, now_ns: u64) {
+        for drive in &mut self.drives {
+            let Some(client) = self.clients.get_mut(usize::from(drive.node.get()) - 1) else { continue };
+            if !drive.is_ready() || !client.is_idle() {
+                continue;
+            }
+            let Some((object, data)) = drive.homing.next_object() else { continue };
+            match client.download(object, data, false, now_ns) {
+                Ok(()) => self.busy.push(drive.node),
+                Err(data) => drive.homing.give_back(data),
+            }
+        }
+    }
+
+    /// The master's heartbeat, and as many frames of transfers.
+    fn send_services(&mut self, now_ns: u64, most: usize) {
+        if let Some(Master { node, heartbeat_ns }) = self.master
+            && self.beat_ns.is_none_or(|beat| now_ns.saturating_sub(beat) >= heartbeat_ns)
+        {
+            self.beat_ns = Some(now_ns);
+            if let Ok(frame) = Frame::data(node.heartbeat(), &[0x05]) {
+                self.send(&frame);
+            }
+        }
+        let mut left = most;
+        for at in 0..self.busy.len() {
+            while left > 0 {
+                let client = self.busy.get(at).and_then(|node| self.clients.get_mut(usize::from(node.get()) - 1));
+                let Some(frame) = client.and_then(Client::next_frame) else { break };
+                self.send(&frame);
+                left -= 1;
+            }
+        }
+        // The next cycle begins with the one that had to wait.
+        if left == 0 && !self.busy.is_empty() {
+            self.busy.rotate_left(1);
+        }
+        if let Some(Err(error)) = self.transport.as_mut().map(|transport| transport.flush()) {
+            lose(&mut self.transport, &mut self.reports, &mut self.losses, error);
+        }
+    }
+}
+
+/// Where frames of each identifier go.
+fn routes(drives: &[Drive]) -> Vec<Route> {
+    let mut routes = vec![Route::Nobody; IDS];
+    let mut set = |id: crate::Id, route| {
+        if let Some(place) = routes.get_mut(usize::from(id.get())) {
+            *place = route;
+        }
+    };
+    for node in (1..=NodeId::MAX).filter_map(NodeId::new) {
+        set(node.emergency(), Route::Emergency(node));
+        set(node.sdo_response(), Route::Sdo(node));
+        set(node.heartbeat(), Route::Life(node));
+    }
+    for (drive, of) in drives.iter().enumerate() {
+        for (place, id) in of.sent().enumerate() {
+            // 127 drives of 4 PDOs.
+            set(id, Route::Pdo { drive: drive as u8, place: place as u8 });
+        }
+    }
+    routes
+}
+
+fn push(reports: &mut Producer<Report>, losses: &mut Losses, report: Report) {
+    if reports.push(report).is_err() {
+        losses.reports = losses.reports.saturating_add(1);
+    }
+}
+
+fn lose(
+    transport: &mut Option<Box<dyn Transport>>,
+    reports: &mut Producer<Report>,
+    losses: &mut Losses,
+    error: TransportError,
+) {
+    if let Some(transport) = transport.take() {
+        push(reports, losses, Report::Lost(transport, error));
+    }
+}
+
+fn send(
+    transport: &mut Option<Box<dyn Transport>>,
+    reports: &mut Producer<Report>,
+    losses: &mut Losses,
+    frame: &Frame,
+) {
+    match transport.as_mut().map(|transport| transport.send(frame)) {
+        None | Some(Ok(())) => {}
+        Some(Err(TransportError::Full(_))) => losses.refused = losses.refused.saturating_add(1),
+        Some(Err(error)) => lose(transport, reports, losses, error),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,394 @@
+//! Bringing a drive from whatever it is in to operational, with its axis off.
+//!
+//! Law      a drive is looked at before it is told anything: what it is, and whether it may run. One that runs is stopped on its quick stop
+//!          ramp, then its voltage goes. Objects that have their values already are not written; a drive whose verification objects
+//!          say that nothing has changed is not compared either
+//! Refuses  a node of another identity or profile, one that does not offer the mode of its interface, one that refuses a value: by a sentence
+//!          with the object and both values
+//! Source   CiA 301 (boot-up, objects 1000h to 1A00h), CiA 302-2, CiA 402-2, MACS-CAN-04, MACS-CAN-08
+
+use super::bus::Order;
+use super::port::Port;
+use crate::config::{BusConfig, DriveConfig, Write};
+use crate::drive::layout::{Field, MOST_PDOS, Pdo};
+use crate::drive::objects;
+use crate::eds::{CobId, Direction};
+use crate::sdo::{Abort, Object, SdoError};
+use crate::{NmtCommand, NodeId, Watching};
+use lineshaft_core::drive::{DriveState, Interface, MODE_CSP, MODE_CSV, control};
+use std::time::{Duration, Instant};
+
+/// Profile of drives (lower half of 1000h).
+const PROFILE: u32 = 402;
+/// How long a drive may take to stop.
+const STOP: Duration = Duration::from_secs(5);
+/// How long after its start a drive is listened to before the cycles begin: what it sends on change has come then.
+const SETTLE: Duration = Duration::from_millis(5);
+
+/// Why a drive is not configured.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum Refusal {
+    /// It does not answer.
+    #[error("it is not there: {0}")]
+    Absent(SdoError),
+    /// It is not what the cell says, or does not take what it is told.
+    #[error("{0}")]
+    Wrong(String),
+}
+
+impl From<SdoError> for Refusal {
+    fn from(error: SdoError) -> Self {
+        match error {
+            SdoError::Silent(..) => Self::Absent(error),
+            other => Self::Wrong(other.to_string()),
+        }
+    }
+}
+
+/// What has come of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Configured {
+    /// Objects that were written.
+    pub(crate) written: usize,
+    /// Its error code.
+    pub(crate) fault: u16,
+}
+
+/// A drive under configuration.
+struct Session<'a> {
+    port: &'a mut Port,
+    bus: &'a BusConfig,
+    drive: &'a DriveConfig,
+    written: usize,
+}
+
+/// Configures a drive and starts it.
+pub(crate) fn configure(
+    port: &mut Port,
+    place: usize,
+    bus: &BusConfig,
+    drive: &DriveConfig,
+) -> Result<Configured, Refusal> {
+    port.order(Order::Prepare { drive: place });
+    let mut session = Session { port, bus, drive, written: 0 };
+    session.identify()?;
+    calm(session.port, drive.node)?;
+    session.port.nmt(NmtCommand::EnterPreOperational, drive.node);
+    session.write_all()?;
+    session.port.nmt(NmtCommand::Start, drive.node);
+    let fault = session.number(objects::ERROR_CODE)?.unwrap_or_default();
+    session.port.wait(SETTLE);
+    Ok(Configured { written: session.written, fault: fault as u16 })
+}
+
+/// Sees to it that a drive does not run.
+pub(crate) fn calm(port: &mut Port, node: NodeId) -> Result<(), Refusal> {
+    let state = |port: &mut Port| -> Result<DriveState, SdoError> {
+        let bytes = port.read(node, objects::STATUS_WORD)?;
+        Ok(DriveState::from_status(number_of(&bytes) as u16))
+    };
+    let runs = |state| matches!(state, DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction);
+    if state(port)? == DriveState::Enabled {
+        port.write(node, objects::CONTROL_WORD, &control::QUICK_STOP.to_le_bytes())?;
+    }
+    let begin = Instant::now();
+    while runs(state(port)?) && begin.elapsed() < STOP {
+        port.wait(Duration::from_millis(5));
+    }
+    // Also where it has not come to rest: nothing else is left.
+    port.write(node, objects::CONTROL_WORD, &control::DISABLE_VOLTAGE.to_le_bytes())?;
+    Ok(())
+}
+
+/// A number of up to 4 bytes.
+fn number_of(bytes: &[u8]) -> u32 {
+    bytes.iter().take(4).rev().fold(0, |number, byte| number << 8 | u32::from(*byte))
+}
+
+/// Does the error say that the device has no such object?
+fn is_absent(error: &SdoError) -> bool {
+    matches!(error, SdoError::Refused(_, Abort(0x0602_0000 | 0x0609_0011)))
+}
+
+impl Session<'_> {
+    /// A number, where the drive has that object.
+    fn number(&mut self, object: Object) -> Result<Option<u32>, Refusal> {
+        match self.port.read(self.drive.node, object) {
+            Ok(bytes) => Ok(Some(number_of(&bytes))),
+            Err(error) if is_absent(&error) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn identify(&mut self) -> Result<(), Refusal> {
+        let device = number_of(&self.port.read(self.drive.node, objects::DEVICE_TYPE)?);
+        if device & 0xFFFF != PROFILE {
+            let profile = device & 0xFFFF;
+            return Err(Refusal::Wrong(format!(
+                "its device type (1000h) is {device:08X}h, profile {profile}; a drive of profile {PROFILE} is expected"
+            )));
+        }
+        let identity = self.drive.identity;
+        let expected = [
+            ("vendor", objects::VENDOR, identity.vendor),
+            ("product code", objects::PRODUCT, identity.product),
+            ("revision number", objects::REVISION, identity.revision),
+            ("serial number", objects::SERIAL, identity.serial),
+        ];
+        for (what, object, expected) in expected {
+            let Some(expected) = expected else { continue };
+            let found = self.number(object)?;
+            if found != Some(expected) {
+                let found = found.map_or("missing".to_owned(), |found| format!("{found:08X}h"));
+                return Err(Refusal::Wrong(format!("its {what} ({object}) is {found}; {expected:08X}h is expected")));
+            }
+        }
+        self.check_modes()
+    }
+
+    /// Does the drive offer the mode of the interface (6502h)?
+    fn check_modes(&mut self) -> Result<(), Refusal> {
+        let Some(offered) = self.number(objects::SUPPORTED_MODES)? else { return Ok(()) };
+        let (mode, name) = match self.drive.interface {
+            Interface::Velocity => (MODE_CSV, "csv"),
+            _ => (MODE_CSP, "csp"),
+        };
+        if offered >> (mode - 1) & 1 == 1 {
+            return Ok(());
+        }
+        let interface = self.drive.interface.name();
+        let modes = modes(offered);
+        Err(Refusal::Wrong(format!(
+            "interface {interface} needs mode {mode} ({name}), which the drive does not offer (6502h is {offered:08X}h: {modes})"
+        )))
+    }
+
+    fn write_all(&mut self) -> Result<(), Refusal> {
+        let writes = self.writes();
+        let digest = digest(&writes, self.bus, self.drive);
+        if let (Some(date), Some(time)) =
+            (self.number(objects::CONFIGURATION_DATE)?, self.number(objects::CONFIGURATION_TIME)?)
+        {
+            if (date, time) == digest {
+                return Ok(());
+            }
+            self.write_differing(&writes)?;
+            self.write_pdos()?;
+            self.write(objects::CONFIGURATION_DATE, &digest.0.to_le_bytes())?;
+            return self.write(objects::CONFIGURATION_TIME, &digest.1.to_le_bytes());
+        }
+        self.write_differing(&writes)?;
+        self.write_pdos()
+    }
+
+    /// What the drive is told, apart from its PDOs; optional where a drive may lack it.
+    fn writes(&self) -> Vec<(Write, bool)> {
+        let mut writes: Vec<_> = self.drive.startup.iter().map(|write| (write.clone(), false)).collect();
+        let mut add = |object: Object, data: &[u8], is_optional| {
+            writes.push((Write { object, data: data.to_vec() }, is_optional));
+        };
+        let ms = |ns: u64| u16::try_from(ns / 1_000_000).unwrap_or(u16::MAX);
+        match self.drive.watching {
+            Watching::Heartbeat { time_ns } => {
+                add(objects::PRODUCER_HEARTBEAT, &ms(time_ns / HEARTBEATS_MISSED).to_le_bytes(), false);
+            }
+            Watching::Guarding { guard_ns, life_factor } => {
+                add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true);
+                add(objects::GUARD_TIME, &ms(guard_ns).to_le_bytes(), false);
+                add(objects::LIFE_TIME_FACTOR, &[life_factor], false);
+            }
+            Watching::None => add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true),
+        }
+        if let Some(master) = self.bus.master {
+            let time = ms(master.heartbeat_ns.saturating_mul(HEARTBEATS_MISSED));
+            add(objects::CONSUMER_HEARTBEAT, &consumed(master.node, time), true);
+        }
+        add(objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
+        if let Some((value, index)) = self.bus.interpolation() {
+            add(objects::INTERPOLATION_VALUE, &[value], true);
+            add(objects::INTERPOLATION_INDEX, &[index.cast_unsigned()], true);
+        }
+        writes
+    }
+
+    /// Writes the values that the drive does not have already.
+    fn write_differing(&mut self, writes: &[(Write, bool)]) -> Result<(), Refusal> {
+        for (Write { object, data }, is_optional) in writes {
+            let present = match self.port.read(self.drive.node, *object) {
+                Ok(present) => Some(present),
+                Err(error) if is_absent(&error) && *is_optional => continue,
+                Err(error @ SdoError::Silent(..)) => return Err(error.into()),
+                // One that can only be written.
+                Err(_) => None,
+            };
+            if present.as_ref() != Some(data) {
+                self.write(*object, data)?;
+            }
+        }
+        self.write_sync()
+    }
+
+    /// Overflow value and period of SYNC; the first can be changed only while the second is 0.
+    fn write_sync(&mut self) -> Result<(), Refusal> {
+        let overflow = self.bus.sync_overflow.unwrap_or_default();
+        let present = self.number(objects::SYNC_OVERFLOW)?;
+        let mut period = self.number(objects::CYCLE_PERIOD)?;
+        if present.unwrap_or_default() != u32::from(overflow) {
+            if period.is_some_and(|period| period != 0) {
+                self.write(objects::CYCLE_PERIOD, &0_u32.to_le_bytes())?;
+                period = Some(0);
+            }
+            self.write(objects::SYNC_OVERFLOW, &[overflow])?;
+        }
+        let wanted = period_us(self.bus);
+        // A drive without the object takes its period from 60C2h.
+        if period.is_some_and(|period| period != wanted) {
+            self.write(objects::CYCLE_PERIOD, &wanted.to_le_bytes())?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, object: Object, data: &[u8]) -> Result<(), Refusal> {
+        self.port.write(self.drive.node, object, data)?;
+        self.written += 1;
+        Ok(())
+    }
+
+    fn write_pdos(&mut self) -> Result<(), Refusal> {
+        for number in 1..=MOST_PDOS {
+            let layout = &self.drive.layout;
+            match layout.asked.iter().find(|pdo| pdo.number == number) {
+                Some(pdo) => self.write_pdo(Direction::Receive, pdo)?,
+                None => self.switch_off(Direction::Receive, number)?,
+            }
+            match layout.told.iter().find(|pdo| pdo.number == number) {
+                Some(pdo) => self.write_pdo(Direction::Transmit, pdo)?,
+                None => self.switch_off(Direction::Transmit, number)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// A PDO that nobody needs would only load the bus.
+    fn switch_off(&mut self, direction: Direction, number: u8) -> Result<(), Refusal> {
+        let cob_id = Object { index: direction.communication(number), sub: 1 };
+        let Some(present) = self.number(cob_id)? else { return Ok(()) };
+        if CobId(present).is_valid() { self.write(cob_id, &(present | INVALID).to_le_bytes()) } else { Ok(()) }
+    }
+
+    /// Maps a PDO by the sequence that all devices take: off, no objects, the objects, their number, type, on.
+    fn write_pdo<W: Copy>(&mut self, direction: Direction, pdo: &Pdo<W>) -> Result<(), Refusal> {
+        let (communication, mapping) = (direction.communication(pdo.number), direction.mapping(pdo.number));
+        let at = |index, sub| Object { index, sub };
+        let entry =
+            |field: &Field<W>| u32::from(field.object.index) << 16 | u32::from(field.object.sub) << 8 | field.bits;
+        let entries: Vec<u32> = pdo.fields.iter().map(entry).collect();
+        let kind = pdo.transmission.number();
+        let found = self.number(at(communication, 1))?.ok_or_else(|| missing(at(communication, 1), pdo.number))?;
+        // Remote frames that ask for a PDO were never of use.
+        let id = u32::from(pdo.id.get()) | found & NO_REMOTE;
+        let is_there = CobId(found).is_valid()
+            && CobId(found).id() == CobId(id).id()
+            && self.number(at(communication, 2))? == Some(kind.into())
+            && self.number(at(mapping, 0))? == Some(entries.len() as u32)
+            && self.has_entries(mapping, &entries)?;
+        if is_there {
+            return Ok(());
+        }
+        self.write(at(communication, 1), &(id | INVALID).to_le_bytes())?;
+        self.write(at(communication, 2), &[kind])?;
+        self.write(at(mapping, 0), &[0])?;
+        for (sub, entry) in (1..).zip(&entries) {
+            self.write(at(mapping, sub), &entry.to_le_bytes())?;
+        }
+        self.write(at(mapping, 0), &[entries.len() as u8])?;
+        self.write(at(communication, 1), &id.to_le_bytes())
+    }
+
+    fn has_entries(&mut self, mapping: u16, entries: &[u32]) -> Result<bool, Refusal> {
+        for (sub, entry) in (1..).zip(entries) {
+            if self.number(Object { index: mapping, sub })? != Some(*entry) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// Heartbeats that may be missed until a node is lost.
+pub(crate) const HEARTBEATS_MISSED: u64 = 3;
+/// Bit 31 of a COB-ID: the PDO does not exist.
+const INVALID: u32 = 0x8000_0000;
+/// Bit 30 of a COB-ID: remote frames are not answered.
+const NO_REMOTE: u32 = 0x4000_0000;
+
+fn missing(object: Object, number: u8) -> Refusal {
+    Refusal::Wrong(format!("{object} does not exist: the drive has no PDO {number}"))
+}
+
+/// The heartbeat that a drive watches (1016h): whose, and within which time (ms); 0: it does not.
+fn consumed(node: NodeId, time: u16) -> [u8; 4] {
+    (u32::from(node.get()) << 16 | u32::from(time)).to_le_bytes()
+}
+
+/// From one SYNC to the next (us).
+fn period_us(bus: &BusConfig) -> u32 {
+    u32::try_from(bus.cycle_ns / 1000).unwrap_or(u32::MAX)
+}
+
+/// What tells this configuration from others: FNV-1a of all that is written, in two halves.
+fn digest(writes: &[(Write, bool)], bus: &BusConfig, drive: &DriveConfig) -> (u32, u32) {
+    let mut hash = 0xCBF2_9CE4_8422_2325_u64;
+    let mut add = |bytes: &[u8]| {
+        for byte in bytes {
+            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3);
+        }
+    };
+    add(&period_us(bus).to_le_bytes());
+    add(&[bus.sync_overflow.unwrap_or_default()]);
+    for (Write { object, data }, _) in writes {
+        add(&object.index.to_le_bytes());
+        add(&[object.sub, data.len() as u8]);
+        add(data);
+    }
+    let mut add_pdo = |number: u8, id: u16, kind: u8, objects: &mut dyn Iterator<Item = (Object, u32)>| {
+        add(&[number, kind]);
+        add(&id.to_le_bytes());
+        for (object, bits) in objects {
+            add(&object.index.to_le_bytes());
+            add(&[object.sub, bits as u8]);
+        }
+    };
+    for pdo in &drive.layout.asked {
+        let mut fields = pdo.fields.iter().map(|field| (field.object, field.bits));
+        add_pdo(pdo.number, pdo.id.get(), pdo.transmission.number(), &mut fields);
+    }
+    for pdo in &drive.layout.told {
+        let mut fields = pdo.fields.iter().map(|field| (field.object, field.bits));
+        add_pdo(pdo.number, pdo.id.get(), pdo.transmission.number(), &mut fields);
+    }
+    // 0 is what a device has that was never configured.
+    let (low, high) = (hash as u32, (hash >> 32) as u32);
+    (low | 1, high)
+}
+
+/// The modes of 6502h by their names.
+fn modes(offered: u32) -> String {
+    const NAMES: [&str; 10] = ["pp", "vl", "pv", "tq", "?", "hm", "ip", "csp", "csv", "cst"];
+    let named = NAMES.iter().enumerate().filter(|(bit, _)| offered >> bit & 1 == 1);
+    named.map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
+}
+
+/// Drives that watch the master stop doing so: it is going.
+pub(crate) fn release(port: &mut Port, bus: &BusConfig, node: NodeId) {
+    if let Some(master) = bus.master {
+        // One that does not answer is not there; one without the object never did.
+        let _ = port.write(node, objects::CONSUMER_HEARTBEAT, &consumed(master.node, 0));
+    }
+    port.nmt(NmtCommand::EnterPreOperational, node);
+}
+
+/// The drive takes part in the cycles.
+pub(crate) fn begin(port: &mut Port, place: usize, configured: Configured) {
+    port.order(Order::Begin { drive: place, fault: configured.fault });
+}

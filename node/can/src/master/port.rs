@@ -1,0 +1,148 @@
+//! The service's way to the bus: orders go in, reports come out, wherever the bus is.
+//!
+//! Law      while no cycles run, whoever waits here runs the bus meanwhile; while they do, the cycle thread does, and nobody else touches it
+//! Refuses  nothing; what does not answer in time is silent
+
+use super::bus::{Bus, Order, Report};
+use crate::sdo::{Object, SdoError, Transfer};
+use crate::{NmtCommand, NodeId};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Orders and reports that may wait.
+const ROOM: usize = 1024;
+/// Between two looks at the bus.
+const LOOK: Duration = Duration::from_micros(200);
+/// Between two looks whether a transfer is done, while the cycles run the bus.
+const LOOK_IN_CYCLES: Duration = Duration::from_millis(1);
+/// Bytes of the longest object that is read, and of a last segment.
+const LONGEST: usize = 256;
+/// Without a cycle for so long nobody runs the bus any more.
+const DEAD: Duration = Duration::from_secs(2);
+
+/// The ends of the rings that the bus has.
+pub(crate) type Ends = (Consumer<Order>, Producer<Report>);
+
+/// The way.
+pub(crate) struct Port {
+    bus: Arc<Mutex<Bus>>,
+    is_in_cycles: bool,
+    orders: Producer<Order>,
+    reports: Consumer<Report>,
+    /// Reports that came while something else was waited for.
+    kept: VecDeque<Report>,
+    /// Counts how often the bus was run.
+    turns: Arc<AtomicU64>,
+}
+
+impl Port {
+    /// A way to the bus that `make` makes of the other ends.
+    pub(crate) fn new(make: impl FnOnce(Ends) -> Bus) -> Self {
+        let (orders, taken) = RingBuffer::new(ROOM);
+        let (told, reports) = RingBuffer::new(ROOM);
+        let bus = make((taken, told));
+        let turns = bus.turns();
+        Self { bus: Arc::new(Mutex::new(bus)), is_in_cycles: false, orders, reports, kept: VecDeque::new(), turns }
+    }
+
+    /// The bus, for the cycles.
+    pub(crate) fn bus(&self) -> Arc<Mutex<Bus>> {
+        Arc::clone(&self.bus)
+    }
+
+    /// The bus; only while no cycles run.
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Bus> {
+        self.bus.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// From now on the cycles run the bus, or no longer.
+    pub(crate) fn set_in_cycles(&mut self, is_in_cycles: bool) {
+        self.is_in_cycles = is_in_cycles;
+    }
+
+    /// Runs the bus for a moment, where the cycles do not.
+    pub(crate) fn step(&mut self) {
+        if self.is_in_cycles {
+            std::thread::sleep(LOOK_IN_CYCLES);
+        } else {
+            self.lock().exchange();
+            std::thread::sleep(LOOK);
+        }
+    }
+
+    /// Runs the bus for so long.
+    pub(crate) fn wait(&mut self, time: Duration) {
+        let begin = Instant::now();
+        while begin.elapsed() < time {
+            self.step();
+        }
+    }
+
+    /// The next thing that has happened.
+    pub(crate) fn report(&mut self) -> Option<Report> {
+        self.kept.pop_front().or_else(|| self.reports.pop().ok())
+    }
+
+    /// Gives an order.
+    pub(crate) fn order(&mut self, order: Order) {
+        // A full ring is one that nobody empties: no cycle runs any more, and whoever waits for an answer will tell.
+        let _ = self.orders.push(order);
+    }
+
+    pub(crate) fn nmt(&mut self, command: NmtCommand, node: NodeId) {
+        self.order(Order::Nmt(command, Some(node)));
+    }
+
+    /// Reads an object.
+    pub(crate) fn read(&mut self, node: NodeId, object: Object) -> Result<Vec<u8>, SdoError> {
+        self.transfer(node, object, || (Vec::with_capacity(LONGEST), false))
+    }
+
+    /// Writes an object.
+    pub(crate) fn write(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<(), SdoError> {
+        self.transfer(node, object, || (data.to_vec(), true)).map(drop)
+    }
+
+    fn transfer(
+        &mut self,
+        node: NodeId,
+        object: Object,
+        data: impl Fn() -> (Vec<u8>, bool),
+    ) -> Result<Vec<u8>, SdoError> {
+        loop {
+            let (data, writes) = data();
+            self.order(Order::Transfer { node, object, data, writes });
+            match self.wait_for(node, object) {
+                // The bus itself talks to the node: it sets up a homing.
+                Err(SdoError::Busy(_)) => self.step(),
+                done => return done,
+            }
+        }
+    }
+
+    fn wait_for(&mut self, node: NodeId, object: Object) -> Result<Vec<u8>, SdoError> {
+        let (mut turns, mut turned) = (self.turns.load(Ordering::Relaxed), Instant::now());
+        loop {
+            self.step();
+            while let Ok(report) = self.reports.pop() {
+                match report {
+                    Report::Transfer(of, Transfer { object: which, data, result }) if of == node && which == object => {
+                        return result.map(|()| data);
+                    }
+                    // Of a transfer that was given up here.
+                    Report::Transfer(..) => {}
+                    other => self.kept.push_back(other),
+                }
+            }
+            let now = self.turns.load(Ordering::Relaxed);
+            if now != std::mem::replace(&mut turns, now) {
+                turned = Instant::now();
+            } else if turned.elapsed() > DEAD {
+                return Err(SdoError::Silent(object, DEAD.as_millis() as u64));
+            }
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! The half that takes its time: opening the way, configuring drives, bringing back what was lost.
+//!
+//! Law      a drive that is not there at the start, or goes, is configured when it comes (back), and stays off until somebody enables it; so
+//!          are all drives of a way that was lost and is open again
+//! Refuses  to start where the way does not open, or where a drive is there and is not what the cell says
+//! Source   CiA 301, CiA 302-2; MACS-CAN-04, MACS-CAN-06
+
+use super::backend::CanBackend;
+use super::bus::{Bus, Report};
+use super::configure::{self, Configured, Refusal};
+use super::port::Port;
+use crate::config::BusConfig;
+use crate::transport::{self, Options};
+use crate::{Happened, NmtState, NodeId};
+use lineshaft_core::drive::{Emergency, Service, ServiceError};
+use std::time::{Duration, Instant};
+
+/// Between two tries to reach a drive that is not there.
+const RETRY: Duration = Duration::from_secs(1);
+/// First and longest time between two tries to open a way that was lost.
+const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(5));
+
+/// What the service knows of a drive.
+#[derive(Clone, Debug)]
+struct Known {
+    /// Why it takes no part in the cycles.
+    problem: Option<String>,
+    /// When it is tried next.
+    due: Instant,
+    is_configured: bool,
+}
+
+/// Opens and closes a bus and looks after it.
+pub struct CanService {
+    config: BusConfig,
+    port: Port,
+    drives: Vec<Known>,
+    /// Why the way is lost, when it is tried next, and the time between two tries.
+    lost: Option<(String, Instant, Duration)>,
+    /// When an emergency message of a foreign node was told last.
+    told: Option<Instant>,
+}
+
+/// A bus in two halves.
+pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
+    let port = Port::new(|(orders, reports)| Bus::new(&config, orders, reports));
+    let backend = CanBackend::new(&config, port.bus());
+    let known = Known { problem: None, due: Instant::now(), is_configured: false };
+    let drives = vec![known; config.drives.len()];
+    (backend, CanService { config, port, drives, lost: None, told: None })
+}
+
+impl CanService {
+    fn error(&self, problem: impl Into<String>) -> ServiceError {
+        ServiceError { backend: self.config.name.clone(), problem: problem.into() }
+    }
+
+    fn open(&self) -> Result<Box<dyn transport::Transport>, String> {
+        let options = Options { bit_rate: self.config.bit_rate.unwrap_or_default(), baud: None };
+        transport::open(&self.config.transport, options).map_err(|error| error.to_string())
+    }
+
+    /// Node and axis in a sentence.
+    fn name(&self, place: usize) -> String {
+        self.config.drives.get(place).map_or_else(String::new, |drive| format!("{} ({})", drive.node, drive.axis))
+    }
+
+    /// Configures a drive, and lets it take part in the cycles.
+    fn configure(&mut self, place: usize) -> Result<Configured, Refusal> {
+        let Some(drive) = self.config.drives.get(place) else { return Ok(Configured::default()) };
+        let begin = Instant::now();
+        let done = configure::configure(&mut self.port, place, &self.config, drive);
+        if let Ok(configured) = done {
+            configure::begin(&mut self.port, place, configured);
+            let (ms, name) = (begin.elapsed().as_millis(), self.name(place));
+            tracing::info!("{}: {name}: ready after {ms} ms, {} objects written", self.config.name, configured.written);
+        }
+        if let Some(known) = self.drives.get_mut(place) {
+            known.problem = done.as_ref().err().map(Refusal::to_string);
+            known.is_configured = done.is_ok();
+            known.due = Instant::now() + RETRY;
+        }
+        done
+    }
+
+    /// Takes what the bus has told.
+    fn hear(&mut self) {
+        while let Some(report) = self.port.report() {
+            match report {
+                Report::Happened { drive, what, took_part } => self.happened(drive, what, took_part),
+                Report::HomingRefused(place, error) => {
+                    tracing::error!("{}: {}: homing is not set up: {error}", self.config.name, self.name(place));
+                }
+                Report::Lost(transport, error) => {
+                    // Closing may take its time: not in the cycle.
+                    drop(transport);
+                    self.lost = Some((error.to_string(), Instant::now() + BACK_OFF.0, BACK_OFF.0));
+                    self.lose_all("the way to the bus is lost");
+                }
+                Report::Emergency(node, emergency) => self.tell_emergency(node, emergency),
+                // Of a transfer that was given up.
+                Report::Transfer(..) => {}
+            }
+        }
+    }
+
+    /// One of a node that is no drive of the cell; at most one a second is told.
+    fn tell_emergency(&mut self, node: NodeId, Emergency { code, register, .. }: Emergency) {
+        if self.told.is_none_or(|told| told.elapsed() >= RETRY) {
+            self.told = Some(Instant::now());
+            let name = &self.config.name;
+            tracing::warn!(
+                "{name}: {node}, no drive of the cell: emergency {code:04X}h, error register {register:02X}h"
+            );
+        }
+    }
+
+    fn lose_all(&mut self, why: &str) {
+        for known in &mut self.drives {
+            (known.problem, known.is_configured) = (Some(why.to_owned()), false);
+        }
+    }
+
+    fn happened(&mut self, place: usize, what: Happened, took_part: bool) {
+        let problem = match what {
+            Happened::BootedUp => "it has booted",
+            Happened::Lost => "it is silent: no sign of life",
+            Happened::Back(_) => "it was silent, and is back",
+            Happened::State(NmtState::Operational) => "it is operational",
+            Happened::State(NmtState::Stopped) => "somebody has stopped it",
+            Happened::State(_) => "somebody has taken it out of operation",
+        };
+        let name = self.name(place);
+        let Some(known) = self.drives.get_mut(place) else { return };
+        if took_part {
+            tracing::warn!("{}: {name}: {problem}", self.config.name);
+            (known.problem, known.is_configured) = (Some(problem.to_owned()), false);
+        }
+        // Whoever shows that it is there is configured at once.
+        if !known.is_configured && what != Happened::Lost {
+            known.due = Instant::now();
+        }
+    }
+
+    /// Tries to open a way that was lost.
+    fn reopen(&mut self) {
+        let Some((_, due, wait)) = self.lost.clone() else { return };
+        if Instant::now() < due {
+            return;
+        }
+        match self.open() {
+            Ok(transport) => {
+                tracing::info!("{}: {} is open again", self.config.name, self.config.transport);
+                self.lost = None;
+                self.port.order(super::bus::Order::Open(transport));
+                let now = Instant::now();
+                self.drives.iter_mut().for_each(|known| known.due = now);
+            }
+            Err(error) => {
+                let wait = (wait * 2).min(BACK_OFF.1);
+                self.lost = Some((error, Instant::now() + wait, wait));
+            }
+        }
+    }
+
+    /// Sentences on what is wrong.
+    fn problems(&self) -> Vec<ServiceError> {
+        if let Some((problem, ..)) = &self.lost {
+            return vec![self.error(problem.clone())];
+        }
+        let of = |(place, known): (usize, &Known)| {
+            known.problem.as_ref().map(|problem| self.error(format!("{}: {problem}", self.name(place))))
+        };
+        self.drives.iter().enumerate().filter_map(of).collect()
+    }
+}
+
+impl Service for CanService {
+    fn start(&mut self) -> Result<(), ServiceError> {
+        let transport = self.open().map_err(|error| self.error(error))?;
+        self.lost = None;
+        self.port.set_in_cycles(false);
+        self.port.lock().open(transport);
+        for place in 0..self.drives.len() {
+            match self.configure(place) {
+                Ok(_) => {}
+                // It is configured when it comes.
+                Err(Refusal::Absent(_)) if self.lost.is_none() => {}
+                Err(refusal) => {
+                    let error = self.error(format!("{}: {refusal}", self.name(place)));
+                    self.stop();
+                    return Err(error);
+                }
+            }
+        }
+        self.port.step();
+        self.hear();
+        self.port.set_in_cycles(true);
+        Ok(())
+    }
+
+    fn look(&mut self) -> Vec<ServiceError> {
+        self.hear();
+        self.reopen();
+        if self.lost.is_none() {
+            for place in 0..self.drives.len() {
+                let is_due = |known: &Known| !known.is_configured && Instant::now() >= known.due;
+                if self.drives.get(place).is_some_and(is_due) {
+                    // What is wrong stands with the others.
+                    let _ = self.configure(place);
+                    self.hear();
+                }
+            }
+        }
+        self.problems()
+    }
+
+    fn stop(&mut self) {
+        self.port.set_in_cycles(false);
+        for place in 0..self.drives.len() {
+            let is_configured = self.drives.get(place).is_some_and(|known| known.is_configured);
+            let Some(node) = self.config.drives.get(place).map(|drive| drive.node).filter(|_| is_configured) else {
+                continue;
+            };
+            if let Err(refusal) = configure::calm(&mut self.port, node) {
+                tracing::warn!("{}: {}: it may run: {refusal}", self.config.name, self.name(place));
+            }
+            configure::release(&mut self.port, &self.config, node);
+        }
+        self.port.step();
+        self.port.lock().close();
+        self.hear();
+        self.lost = None;
+        self.drives.iter_mut().for_each(|known| known.is_configured = false);
+    }
+}

@@ -1,0 +1,214 @@
+//! Buses as the cell and the files of its devices make them.
+//!
+//! Law      a device is what its file says, then what the cell says; what every cycle carries fits in the cycle
+//! Reads    EDS and DCF files beside the cell
+//! Refuses  files with problems, values for objects that the master writes, PDOs that do not fit in the cycle at the bit rate
+//! Source   CiA 301, CiA 306-1
+
+use super::can::{CellBus, CellDrive, owner};
+use super::names::quote;
+use super::{Cell, CellBackend};
+use crate::document::{Place, Problems};
+use lineshaft_can::config::{BusConfig, DriveConfig, Identity, Write};
+use lineshaft_can::drive::Layout;
+use lineshaft_can::drive::layout::{Pdo, Transmission};
+use lineshaft_can::eds::{self, Dictionary};
+use lineshaft_core::config::AxisConfig;
+use lineshaft_core::drive::Objects;
+use lineshaft_ros::layer::open_file;
+use std::io::Read;
+use std::path::Path;
+
+/// Longest file of a device (bytes).
+const MAX_BYTES: usize = 8 << 20;
+
+impl Cell {
+    /// The buses of its backends on CAN, in the order of the section. `file` is the cell as it was named, beside which the files of devices
+    /// are.
+    ///
+    /// # Errors
+    /// All that is wrong with the files, and with what they make of the buses.
+    pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
+        let problems = Problems::new(&file.map_or("the cell".to_owned(), |file| file.display().to_string()));
+        let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
+        let axes: Vec<_> = self.machine.axes.iter().filter(|axis| axis.drive.is_some()).collect();
+        let of = |(at, backend): (usize, &CellBackend)| {
+            let bus = backend.bus.as_ref()?;
+            let places = self.hardware.iter().flatten().enumerate().filter(|(_, hardware)| hardware.backend == at);
+            let drives = places.filter_map(|(place, _)| {
+                let drive = self.on_can.get(place)?.as_ref()?;
+                self.drive(place, axes.get(place)?, drive, folder, &problems)
+            });
+            let config = BusConfig {
+                name: backend.name.clone(),
+                transport: bus.transport.clone(),
+                bit_rate: bus.bit_rate,
+                cycle_ns: self.machine.cycle_ns,
+                sync_overflow: bus.sync_overflow,
+                sdo_timeout_ns: bus.sdo_timeout_ns,
+                master: bus.master,
+                drives: drives.collect(),
+            };
+            check(&config, bus, &problems);
+            Some(config)
+        };
+        let buses: Vec<_> = self.backends.iter().enumerate().filter_map(of).collect();
+        if problems.is_empty() { Ok(buses) } else { Err(problems) }
+    }
+
+    /// Inputs, outputs and encoders at backends on CAN, which do not exist yet: a sentence for each backend.
+    pub fn missing_terminals(&self) -> Vec<String> {
+        let of = |backend: &CellBackend| {
+            backend.bus.as_ref()?;
+            let Objects { digital_inputs, digital_outputs, analog_inputs, analog_outputs, encoders, .. } =
+                &backend.objects;
+            let io = [digital_inputs, digital_outputs, analog_inputs, analog_outputs].map(Vec::len);
+            let (io, encoders) = (io.iter().sum::<usize>(), encoders.len());
+            let what = match (io, encoders) {
+                (0, 0) => return None,
+                (io, 0) => format!("{io} of io"),
+                (0, encoders) => format!("{encoders} of encoders"),
+                (io, encoders) => format!("{io} of io and {encoders} of encoders"),
+            };
+            let name = &backend.name;
+            Some(format!(
+                "backend {name}: entries of io and encoders do not exist on CAN yet ({what} here): such a cell only runs with --sim"
+            ))
+        };
+        self.backends.iter().filter_map(of).collect()
+    }
+
+    fn drive(
+        &self,
+        place: usize,
+        axis: &AxisConfig,
+        drive: &CellDrive,
+        folder: &Path,
+        problems: &Problems,
+    ) -> Option<DriveConfig> {
+        let CellDrive { node, interface, identity, .. } = *drive;
+        let dictionary = match &drive.eds {
+            Some((name, at)) => {
+                let file = load(&folder.join(name), node.get());
+                Some(file.map_err(|sentence| problems.push(*at, sentence, None)).ok()?)
+            }
+            None => None,
+        };
+        let at = drive.eds.as_ref().map_or(drive.place, |(_, at)| *at);
+        let refuse = |sentence: String| problems.push(at, sentence, None);
+        let layout = Layout::plan(node, interface, dictionary.as_ref());
+        let layout = layout.map_err(|error| refuse(format!("drive of axis {}: {error}", quote(&axis.name)))).ok()?;
+        let configured = dictionary.as_ref().map_or(Ok(Vec::new()), configured);
+        let mut startup = configured.map_err(refuse).ok()?;
+        // What the cell says goes last, and counts.
+        startup.retain(|write| drive.startup.iter().all(|given| given.object != write.object));
+        startup.extend(drive.startup.iter().cloned());
+        let device = dictionary.as_ref().map(|dictionary| &dictionary.device);
+        let known = |number: Option<u32>| number.filter(|number| *number != 0);
+        Some(DriveConfig {
+            place,
+            axis: axis.name.clone(),
+            node,
+            interface,
+            offers: axis.drive?,
+            watching: drive.watching,
+            layout,
+            identity: Identity {
+                vendor: identity.vendor.or(device.and_then(|device| known(device.vendor_number))),
+                product: identity.product.or(device.and_then(|device| known(device.product_number))),
+                ..identity
+            },
+            velocity: drive.velocity,
+            startup,
+        })
+    }
+}
+
+/// The dictionary of a device, from its file.
+fn load(path: &Path, node: u8) -> Result<Dictionary, String> {
+    let name = quote(&path.display().to_string());
+    let mut bytes = Vec::new();
+    match open_file(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes)) {
+        Err(error) => return Err(format!("eds {name} cannot be read: {error}")),
+        Ok(_) if bytes.len() > MAX_BYTES => return Err(format!("eds {name} is longer than {MAX_BYTES} bytes")),
+        Ok(_) => {}
+    }
+    let dictionary = eds::parse(&bytes, Some(node)).map_err(|errors| format!("eds {name}: {errors}"))?;
+    match dictionary.commissioning.as_ref().and_then(|own| own.node_id).filter(|own| *own != u32::from(node)) {
+        Some(own) => Err(format!("eds {name} is the configuration of node {own}, not of node {node}")),
+        None => Ok(dictionary),
+    }
+}
+
+/// What the configuration in a file gives objects, apart from those that the master writes.
+fn configured(dictionary: &Dictionary) -> Result<Vec<Write>, String> {
+    let written = dictionary.written().map_err(|error| error.to_string())?;
+    let written = written.into_iter().filter(|(object, _)| owner(object.index).is_none());
+    Ok(written.map(|(object, data)| Write { object, data }).collect())
+}
+
+fn check(bus: &BusConfig, from: &CellBus, problems: &Problems) {
+    let name = &bus.name;
+    let refuse = |place: Place, sentence: String| problems.push(place, sentence, None);
+    if bus.interpolation().is_none() {
+        let us = bus.cycle_ns as f64 / 1000.0;
+        refuse(
+            from.place,
+            format!(
+                "backend {name}: a cycle of {us} us cannot be told to drives (60C2h); 1 to 255 times 1, 10, 100 us or 1 ms is allowed"
+            ),
+        );
+    }
+    if let Some(master) = bus.master
+        && let Some(drive) = bus.drives.iter().find(|drive| drive.node == master.node)
+    {
+        let (number, axis) = (master.node.get(), &drive.axis);
+        refuse(from.place, format!("backend {name}: node {number} is that of the master and of the drive of {axis}"));
+    }
+    let Some(rate) = bus.bit_rate else { return };
+    let load = Load::of(bus);
+    let most_us = bus.cycle_ns as f64 / 1000.0;
+    let time_us = load.bits as f64 * 1e6 / f64::from(rate);
+    if time_us > most_us {
+        let fits_ms = (time_us / 1000.0 * 10.0).ceil() / 10.0;
+        refuse(
+            from.place,
+            format!(
+                "backend {name}: what each cycle carries does not fit: {} frames of {} bits take {time_us:.0} us at {rate} bit/s, the \
+                 cycle is {most_us} us; a cycle of {fits_ms} ms fits, or fewer drives on this bus",
+                load.frames, load.bits
+            ),
+        );
+    }
+}
+
+/// What each cycle carries.
+struct Load {
+    frames: u64,
+    /// With the most bits that are stuffed, and the space behind each frame.
+    bits: u64,
+}
+
+impl Load {
+    fn of(bus: &BusConfig) -> Self {
+        let sync = u64::from(bus.sync_overflow.is_some());
+        let asked = bus.drives.iter().flat_map(|drive| cyclic(&drive.layout.asked));
+        let told = bus.drives.iter().flat_map(|drive| cyclic(&drive.layout.told));
+        let lengths: Vec<u64> = [sync].into_iter().chain(asked).chain(told).collect();
+        Self { frames: lengths.len() as u64, bits: lengths.iter().map(|bytes| frame_bits(*bytes)).sum() }
+    }
+}
+
+/// Lengths of the PDOs that go in each cycle (bytes).
+fn cyclic<W>(pdos: &[Pdo<W>]) -> impl Iterator<Item = u64> {
+    pdos.iter().filter(|pdo| pdo.transmission == Transmission::EachSync).map(|pdo| u64::from(pdo.bytes()))
+}
+
+/// Bits of a frame with an 11-bit identifier at the worst (ISO 11898-1): 34 and the data can be stuffed, one in four.
+fn frame_bits(bytes: u64) -> u64 {
+    let data = 8 * bytes;
+    47 + data + (34 + data - 1) / 4
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,283 @@
+//! Backends of type can and their drives: what their keys say. Files of devices are read where the bus is made (`buses.rs`).
+
+use super::brake::time;
+use super::names::{Once, quote};
+use crate::document::{Map, Place, Value};
+use lineshaft_can::config::{Identity, Master, VelocityFactor, Write};
+use lineshaft_can::sdo::Object;
+use lineshaft_can::transport::Address;
+use lineshaft_can::{NodeId, Watching};
+use lineshaft_core::drive::Capabilities;
+use lineshaft_core::drive::Interface;
+
+/// Cycles from a setpoint to the answer of a CANopen drive (contract section 1).
+pub(super) const DELAY: u32 = 1;
+/// How long an SDO server may take where the cell does not say it (ns).
+const SDO_TIMEOUT_NS: u64 = 500_000_000;
+/// From one heartbeat to the next where the cell does not say it (ns).
+const HEARTBEAT_NS: u64 = 100_000_000;
+/// Node of the master where the cell does not say it.
+const MASTER: NodeId = match NodeId::new(NodeId::MAX) {
+    Some(node) => node,
+    None => unreachable!(),
+};
+/// Heartbeats that may be missed until a node is lost.
+const MISSED: u64 = 3;
+/// Times of heartbeats and guarding are whole milliseconds in 16 bits, three of them as well (ms).
+const LONGEST_MS: u64 = 21_000;
+
+/// Types of values by their names, and their bytes.
+const TYPES: [(&str, Type); 10] = [
+    ("u8", Type::Unsigned(1)),
+    ("u16", Type::Unsigned(2)),
+    ("u32", Type::Unsigned(4)),
+    ("u64", Type::Unsigned(8)),
+    ("i8", Type::Signed(1)),
+    ("i16", Type::Signed(2)),
+    ("i32", Type::Signed(4)),
+    ("i64", Type::Signed(8)),
+    ("f32", Type::Real),
+    ("bool", Type::Bool),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Type {
+    Unsigned(u32),
+    Signed(u32),
+    Real,
+    Bool,
+}
+
+/// A bus as its cell describes it.
+#[derive(Clone, Debug)]
+pub struct CellBus {
+    pub(super) place: Place,
+    pub(super) transport: Address,
+    /// (bit/s)
+    pub(super) bit_rate: Option<u32>,
+    pub(super) sync_overflow: Option<u8>,
+    pub(super) sdo_timeout_ns: u64,
+    pub(super) master: Option<Master>,
+}
+
+/// A drive on such a bus.
+#[derive(Clone, Debug)]
+pub struct CellDrive {
+    pub(super) place: Place,
+    pub(super) node: NodeId,
+    pub(super) interface: Interface,
+    /// A file beside the cell.
+    pub(super) eds: Option<(String, Place)>,
+    pub(super) watching: Watching,
+    pub(super) identity: Identity,
+    pub(super) velocity: VelocityFactor,
+    pub(super) startup: Vec<Write>,
+}
+
+/// What such a drive offers, by the cell alone; the drive itself is asked when it is there.
+pub(super) fn offers(interface: Interface) -> Capabilities {
+    Capabilities {
+        delay: DELAY,
+        position: interface == Interface::Position,
+        velocity: interface == Interface::Velocity,
+        homes: true,
+        ..Capabilities::default()
+    }
+}
+
+/// The keys of a backend beside `type`.
+pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
+    let place = map.place();
+    let transport = map.required("transport").and_then(|value| transport(&value));
+    let bitrate = map.optional("bitrate");
+    let is_datagrams = matches!(transport, Some(Address::Udp { .. }));
+    let bit_rate = match &bitrate {
+        Some(value) if is_datagrams => {
+            value.refuse("bitrate is for a bus; datagrams have none", Some("leave it out".to_owned()));
+            None
+        }
+        Some(value) => value.integer(10_000..=1_000_000_u32).map(Some),
+        None if matches!(transport, Some(Address::Slcan(_) | Address::SlcanTcp(_))) => {
+            map.required("bitrate");
+            None
+        }
+        None => Some(None),
+    };
+    let sync_overflow = map.optional("sync_counter").map_or(Some(None), |value| value.integer(2..=240).map(Some));
+    let sdo_timeout_ns = map.optional("sdo_timeout").map_or(Some(SDO_TIMEOUT_NS), |value| ms(&value, 10..=10_000));
+    let usual = Some(Master { node: MASTER, heartbeat_ns: HEARTBEAT_NS });
+    let master = map.optional("master").map_or(Some(usual), |value| master(&value));
+    Some(CellBus {
+        place,
+        transport: transport?,
+        bit_rate: bit_rate?,
+        sync_overflow: sync_overflow?,
+        sdo_timeout_ns: sdo_timeout_ns?,
+        master: master?,
+    })
+}
+
+fn transport(value: &Value<'_>) -> Option<Address> {
+    match value.text()?.parse() {
+        Ok(address) => Some(address),
+        Err(error) => {
+            value.refuse(format!("transport: {error}"), None);
+            None
+        }
+    }
+}
+
+/// A time of whole milliseconds (ns).
+fn ms(value: &Value<'_>, range: std::ops::RangeInclusive<u64>) -> Option<u64> {
+    let time = time(value)?;
+    let in_range = time.is_multiple_of(1_000_000) && range.contains(&(time / 1_000_000));
+    if !in_range {
+        let (given, low, high) = (quote(value.peek().unwrap_or_default()), range.start(), range.end());
+        value.refuse(
+            format!("{} is {given}; {low} ms to {high} ms in whole milliseconds is allowed", value.label()),
+            None,
+        );
+    }
+    in_range.then_some(time)
+}
+
+/// `none`, which says that there is none.
+fn is_none(value: &Value<'_>) -> bool {
+    value.peek() == Some("none")
+}
+
+fn master(value: &Value<'_>) -> Option<Option<Master>> {
+    if is_none(value) {
+        return Some(None);
+    }
+    let mut map = value.map("master")?;
+    let node = map.optional("node").map_or(Some(MASTER), |value| value.integer(1..=NodeId::MAX).and_then(NodeId::new));
+    let heartbeat_ns = map.optional("heartbeat").map_or(Some(HEARTBEAT_NS), |value| ms(&value, 1..=LONGEST_MS));
+    map.finish();
+    Some(Some(Master { node: node?, heartbeat_ns: heartbeat_ns? }))
+}
+
+/// The keys of a drive beside `backend`, `node` and `interface`, which are known.
+pub(super) fn drive(map: &mut Map<'_>, node: Option<u16>, interface: Option<Interface>) -> Option<CellDrive> {
+    let place = map.place();
+    let eds = map.optional("eds").map_or(Some(None), |value| Some(Some((value.text()?.to_owned(), value.place()))));
+    let watching = watching(map);
+    let identity = map.optional("identity").map_or(Some(Identity::default()), |value| identity(&value));
+    let factor = map.optional("velocity_factor").map_or(Some(VelocityFactor::default()), |value| factor(&value));
+    let startup = map.optional("startup").map_or(Some(Vec::new()), |value| startup(&value));
+    let node = NodeId::new(u8::try_from(node?).ok()?)?;
+    Some(CellDrive {
+        place,
+        node,
+        interface: interface?,
+        eds: eds?,
+        watching: watching?,
+        identity: identity?,
+        velocity: factor?,
+        startup: startup?,
+    })
+}
+
+/// Names of the keys that [`drive`] reads.
+pub(super) const DRIVE_KEYS: [&str; 6] = ["eds", "heartbeat", "guarding", "identity", "velocity_factor", "startup"];
+
+fn watching(map: &mut Map<'_>) -> Option<Watching> {
+    let heartbeat = map.optional("heartbeat");
+    let Some(guarding) = map.optional("guarding") else {
+        let every_ns = match &heartbeat {
+            Some(value) if is_none(value) => return Some(Watching::None),
+            Some(value) => ms(value, 1..=LONGEST_MS)?,
+            None => HEARTBEAT_NS,
+        };
+        return Some(Watching::Heartbeat { time_ns: every_ns * MISSED });
+    };
+    if let Some(heartbeat) = heartbeat.filter(|value| !is_none(value)) {
+        heartbeat.refuse("heartbeat and guarding exclude each other", Some("leave one of them out".to_owned()));
+        return None;
+    }
+    let mut map = guarding.map("guarding")?;
+    let guard_ns = map.required("time").and_then(|value| ms(&value, 1..=u16::MAX.into()));
+    let life_factor = map.required("factor").and_then(|value| value.integer(1..=255_u8));
+    map.finish();
+    Some(Watching::Guarding { guard_ns: guard_ns?, life_factor: life_factor? })
+}
+
+fn identity(value: &Value<'_>) -> Option<Identity> {
+    let mut map = value.map("identity")?;
+    let mut number = |key| map.optional(key).map_or(Some(None), |value| value.integer(0..=u32::MAX).map(Some));
+    let numbers = ["vendor", "product", "revision", "serial"].map(&mut number);
+    map.finish();
+    let [vendor, product, revision, serial] = numbers;
+    Some(Identity { vendor: vendor?, product: product?, revision: revision?, serial: serial? })
+}
+
+fn factor(value: &Value<'_>) -> Option<VelocityFactor> {
+    let mut map = value.map("velocity_factor")?;
+    let [numerator, denominator] =
+        ["numerator", "denominator"].map(|key| map.required(key).and_then(|value| value.integer(1..=u32::MAX)));
+    map.finish();
+    Some(VelocityFactor { numerator: numerator?, denominator: denominator? })
+}
+
+fn startup(value: &Value<'_>) -> Option<Vec<Write>> {
+    let mut taken = Once::new();
+    let values: Vec<_> = value.list()?.iter().map(|value| write(value, &mut taken)).collect();
+    values.into_iter().collect()
+}
+
+/// Objects that the master itself writes: first and last index, and who says what they hold.
+const OWN: [(u16, u16, &str); 10] = [
+    (0x1005, 0x1006, "the cycle of the cell"),
+    (0x100C, 0x100D, "key guarding"),
+    (0x1016, 0x1016, "key master of the backend"),
+    (0x1017, 0x1017, "key heartbeat"),
+    (0x1019, 0x1019, "key sync_counter of the backend"),
+    (0x1020, 0x1020, "the configuration"),
+    (0x1400, 0x1BFF, "the interface of the drive, which maps its PDOs"),
+    (0x6040, 0x6040, "the axis"),
+    (0x6060, 0x6060, "the interface of the drive"),
+    (0x60C2, 0x60C2, "the cycle of the cell"),
+];
+
+/// Who writes an object, where that is the master.
+pub(super) fn owner(index: u16) -> Option<&'static str> {
+    OWN.iter().find(|(first, last, _)| (*first..=*last).contains(&index)).map(|(.., owner)| *owner)
+}
+
+fn write(value: &Value<'_>, taken: &mut Once<(u16, u8)>) -> Option<Write> {
+    let mut map = value.map("an entry of startup")?;
+    let index_value = map.required("index");
+    let index = index_value.as_ref().and_then(|value| value.integer(0x1000..=0xFFFF_u16));
+    let sub = map.optional("sub").map_or(Some(0), |value| value.integer(0..=255_u8));
+    let kind = map.required("type").and_then(|value| value.choice(&TYPES));
+    let given = map.required("value");
+    let data = kind.zip(given).and_then(|(kind, value)| bytes(&value, kind));
+    map.finish();
+    let (index, sub, at) = (index?, sub?, index_value?);
+    if let Some(owner) = owner(index) {
+        at.refuse(format!("object {index:04X}h is not for startup: {owner} says what it holds"), None);
+        return None;
+    }
+    let object = Object { index, sub };
+    taken.take((index, sub), &at, || format!("object {object}")).then_some(())?;
+    Some(Write { object, data: data? })
+}
+
+fn bytes(value: &Value<'_>, kind: Type) -> Option<Vec<u8>> {
+    let of = |number: i128, bytes: u32| number.to_le_bytes().into_iter().take(bytes as usize).collect();
+    match kind {
+        Type::Unsigned(bytes) => {
+            let most = (1_i128 << (bytes * 8)) - 1;
+            value.integer(0..=most).map(|number| of(number, bytes))
+        }
+        Type::Signed(bytes) => {
+            let half = 1_i128 << (bytes * 8 - 1);
+            value.integer(-half..=half - 1).map(|number| of(number, bytes))
+        }
+        Type::Bool => value.boolean().map(|flag| vec![u8::from(flag)]),
+        Type::Real => {
+            let most = f64::from(f32::MAX);
+            value.number(-most..=most).map(|number| (number as f32).to_le_bytes().to_vec())
+        }
+    }
+}
