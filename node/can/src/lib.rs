@@ -17,3 +17,8 @@ pub use frame::{Frame, FrameError, Id};
 pub use nmt::{Life, NmtCommand, NmtState};
 pub use node_id::NodeId;
 pub use watch::{Happened, Watch, Watching};
+
+/// The tests of the master watch for memory that a cycle takes.
+#[cfg(test)]
+#[global_allocator]
+static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisabler;

@@ -206,6 +206,3 @@ impl Drive {
         self.asked.iter().filter(move |_| is_ready).map(move |image| image.frame(value))
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,1 +1,447 @@
+use super::*;
+use crate::config::{DriveConfig, Identity, VelocityFactor};
+use crate::drive::{Layout, objects};
+use crate::transport::Loss;
+use crate::{Id, Watching};
+use assert_no_alloc::{assert_no_alloc, violation_count};
+use lineshaft_core::drive::{
+    Capabilities, DriveInput, DriveOutput, HomingOrder, Interface, MODE_CSP, MODE_HOMING, Mode, control,
+};
+use rtrb::RingBuffer;
+use std::collections::VecDeque;
+use std::sync::Mutex;
 
+/// Frames that a wire has room for.
+const ROOM: usize = 4096;
+
+/// The other end of a bus.
+#[derive(Debug)]
+struct Wire {
+    sent: VecDeque<Frame>,
+    comes: VecDeque<Frame>,
+    is_lost: bool,
+    is_full: bool,
+}
+
+/// A way to it.
+#[derive(Clone, Debug)]
+struct Way(Arc<Mutex<Wire>>);
+
+impl Transport for Way {
+    fn send(&mut self, frame: &Frame) -> Result<(), TransportError> {
+        let mut wire = self.0.lock().expect("one thread");
+        if wire.is_full {
+            return Err(TransportError::Full(256));
+        }
+        assert!(wire.sent.len() < ROOM, "nobody looks at what is sent");
+        wire.sent.push_back(*frame);
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), TransportError> {
+        Ok(())
+    }
+
+    fn receive(&mut self) -> Result<Option<Frame>, TransportError> {
+        let mut wire = self.0.lock().expect("one thread");
+        if wire.is_lost { Err(TransportError::Lost(Loss::Ended)) } else { Ok(wire.comes.pop_front()) }
+    }
+}
+
+fn node(number: u8) -> NodeId {
+    NodeId::new(number).expect("1 to 127")
+}
+
+fn drive(place: usize, number: u8, watching: Watching) -> DriveConfig {
+    DriveConfig {
+        place,
+        axis: format!("x{place}"),
+        node: node(number),
+        interface: Interface::Position,
+        offers: Capabilities { delay: 1, position: true, homes: true, ..Capabilities::default() },
+        watching,
+        layout: Layout::plan(node(number), Interface::Position, None).expect("without a dictionary nothing is missing"),
+        identity: Identity::default(),
+        velocity: VelocityFactor::default(),
+        startup: Vec::new(),
+    }
+}
+
+/// A bus of two drives, nodes 3 and 5, and what hangs on it.
+struct Rig {
+    bus: Bus,
+    wire: Arc<Mutex<Wire>>,
+    orders: Producer<Order>,
+    reports: Consumer<Report>,
+    inputs: Inputs,
+    outputs: Outputs,
+    cycle: u64,
+}
+
+const SDO_TIMEOUT_NS: u64 = 20_000_000;
+
+impl Rig {
+    fn new(watching: Watching) -> Self {
+        let (orders, taken) = RingBuffer::new(64);
+        let (told, reports) = RingBuffer::new(64);
+        let config = BusConfig {
+            name: "bus0".to_owned(),
+            transport: "socketcan:can0".parse().expect("it is an address"),
+            bit_rate: None,
+            cycle_ns: 1_000_000,
+            sync_overflow: None,
+            sdo_timeout_ns: SDO_TIMEOUT_NS,
+            master: None,
+            drives: vec![drive(0, 3, watching), drive(1, 5, watching)],
+        };
+        let mut bus = Bus::new(&config, taken, told);
+        let (sent, comes) = (VecDeque::with_capacity(ROOM), VecDeque::with_capacity(ROOM));
+        let wire = Arc::new(Mutex::new(Wire { sent, comes, is_lost: false, is_full: false }));
+        bus.open(Box::new(Way(Arc::clone(&wire))));
+        let inputs = Inputs { drive: vec![DriveInput::default(); 2], ..Inputs::default() };
+        let outputs = Outputs { drive: vec![DriveOutput::default(); 2], ..Outputs::default() };
+        Self { bus, wire, orders, reports, inputs, outputs, cycle: 0 }
+    }
+
+    /// Both drives are configured and started.
+    fn running(watching: Watching) -> Self {
+        let mut rig = Self::new(watching);
+        (0..2).for_each(|drive| rig.order(Order::Begin { drive, fault: 0 }));
+        rig
+    }
+
+    fn order(&mut self, order: Order) {
+        assert!(self.orders.push(order).is_ok(), "there is room");
+    }
+
+    fn comes(&self, id: u16, bytes: &[u8]) {
+        let frame = Frame::data(Id::new(id).expect("11 bits"), bytes).expect("8 bytes");
+        self.wire.lock().expect("one thread").comes.push_back(frame);
+    }
+
+    /// The words of both drives in PDO 1.
+    fn answer(&self, status: u16, position: i32, mode: i8) {
+        let mut bytes = [status.to_le_bytes().to_vec(), position.to_le_bytes().to_vec()].concat();
+        bytes.push(mode.cast_unsigned());
+        self.comes(0x183, &bytes);
+        self.comes(0x185, &bytes);
+    }
+
+    fn cycle(&mut self) {
+        self.inputs.begin(self.cycle, 0);
+        self.bus.read(&mut self.inputs);
+        self.bus.write(&self.outputs);
+        self.cycle += 1;
+    }
+
+    fn sent(&self) -> Vec<Frame> {
+        self.wire.lock().expect("one thread").sent.drain(..).collect()
+    }
+
+    fn is_online(&self) -> [bool; 2] {
+        [0, 1].map(|drive| self.inputs.drive[drive].online)
+    }
+}
+
+fn hex(frame: &Frame) -> String {
+    let bytes: Vec<_> = frame.bytes().iter().map(|byte| format!("{byte:02X}")).collect();
+    format!("{:03X}#{}", frame.id().get(), bytes.concat())
+}
+
+/// 6040h, 607Ah and 6060h to each drive, then SYNC: what is asked in a cycle holds from its SYNC on.
+#[test]
+fn drives_are_asked_before_sync() {
+    let mut rig = Rig::running(Watching::None);
+    rig.outputs.drive[0] =
+        DriveOutput { position: 0x1_2345_6789, control: control::ENABLE, mode: Mode::Position, ..Default::default() };
+    rig.outputs.drive[1] = DriveOutput { position: -2, control: control::SHUTDOWN, ..Default::default() };
+    rig.cycle();
+    let sent: Vec<_> = rig.sent().iter().map(hex).collect();
+    assert_eq!(sent, ["203#0F008967452308", "205#0600FEFFFFFF00", "080#"]);
+}
+
+/// Nobody is told anything before he is configured, and behind a boot-up.
+#[test]
+fn a_drive_that_is_not_configured_is_told_nothing() {
+    let mut rig = Rig::new(Watching::None);
+    rig.cycle();
+    assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
+    rig.order(Order::Prepare { drive: 0 });
+    rig.order(Order::Begin { drive: 0, fault: 0 });
+    rig.cycle();
+    assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["203#00000000000000", "080#"]);
+    rig.comes(0x703, &[0]);
+    rig.cycle();
+    assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
+    let Ok(Report::Happened { drive: 0, what: Happened::BootedUp, took_part: true }) = rig.reports.pop() else {
+        panic!("it is reported");
+    };
+}
+
+/// One that boots while it is configured was told in vain.
+#[test]
+fn a_drive_that_boots_under_its_configuration_does_not_begin() {
+    let mut rig = Rig::new(Watching::None);
+    rig.order(Order::Prepare { drive: 1 });
+    rig.cycle();
+    rig.comes(0x705, &[0]);
+    rig.cycle();
+    rig.order(Order::Begin { drive: 1, fault: 0 });
+    rig.cycle();
+    assert!(rig.sent().iter().all(|frame| frame.id() == Id::SYNC));
+    let took_part = |report| matches!(report, Report::Happened { drive: 1, what: Happened::BootedUp, took_part: true });
+    assert!(std::iter::from_fn(|| rig.reports.pop().ok()).any(took_part));
+}
+
+/// Fresh behind the SYNC that is answered; the last words stand else.
+#[test]
+fn words_are_fresh_in_the_cycle_in_which_they_have_come() {
+    let mut rig = Rig::running(Watching::None);
+    rig.cycle();
+    assert_eq!(rig.is_online(), [false; 2], "nobody has answered yet");
+    rig.answer(0x1237, -5, MODE_CSP);
+    rig.cycle();
+    let DriveInput { count, status, mode, online, fresh, velocity, .. } = rig.inputs.drive[0];
+    assert_eq!((count, status, mode, online, fresh, velocity), (-5, 0x1237, MODE_CSP, true, true, 0.0));
+    rig.cycle();
+    let DriveInput { count, online, fresh, .. } = rig.inputs.drive[0];
+    assert_eq!((count, online, fresh), (-5, true, false));
+    // 2 cycles of 1 ms for 10 counts.
+    rig.answer(0x1237, 5, MODE_CSP);
+    rig.cycle();
+    assert_eq!((rig.inputs.drive[1].count, rig.inputs.drive[1].velocity), (5, 5000.0));
+}
+
+/// MACS-CAN-06 of a heartbeat: silent for longer than its time.
+#[test]
+fn a_silent_drive_goes_offline_alone() {
+    let mut rig = Rig::running(Watching::Heartbeat { time_ns: 30_000_000 });
+    rig.comes(0x703, &[0x05]);
+    rig.answer(0x0250, 0, 0);
+    rig.cycle();
+    assert_eq!(rig.is_online(), [true; 2]);
+    std::thread::sleep(std::time::Duration::from_millis(40));
+    rig.cycle();
+    assert_eq!(rig.is_online(), [false, true], "node 5 has never sent a heartbeat, and is not watched yet");
+    // It shows itself again: whoever was away is not what he was told to be.
+    rig.comes(0x703, &[0x05]);
+    rig.cycle();
+    assert_eq!(rig.is_online(), [false, true]);
+}
+
+/// Heartbeats that show another state than operational, again and again.
+#[test]
+fn a_drive_that_left_operation_takes_part_no_longer() {
+    let mut rig = Rig::new(Watching::Heartbeat { time_ns: 10_000_000_000 });
+    rig.comes(0x703, &[0x7F]);
+    rig.cycle();
+    rig.order(Order::Begin { drive: 0, fault: 0 });
+    rig.comes(0x703, &[0x7F]);
+    rig.answer(0x0250, 0, 0);
+    rig.cycle();
+    assert_eq!(rig.is_online(), [false; 2]);
+    let took_part = |report| matches!(report, Report::Happened { drive: 0, took_part: true, .. });
+    assert!(std::iter::from_fn(|| rig.reports.pop().ok()).any(took_part));
+}
+
+#[test]
+fn a_way_that_is_lost_is_reported_once_and_leaves_all_drives_offline() {
+    let mut rig = Rig::running(Watching::None);
+    rig.answer(0x0250, 7, 0);
+    rig.cycle();
+    rig.wire.lock().unwrap().is_lost = true;
+    (0..3).for_each(|_| rig.cycle());
+    let drive = rig.inputs.drive[0];
+    assert_eq!((drive.online, drive.bus, drive.count), (false, BusState::Off, 7));
+    let reports: Vec<_> = std::iter::from_fn(|| rig.reports.pop().ok()).collect();
+    assert_eq!(reports.len(), 1);
+    let Some(Report::Lost(mut way, _)) = reports.into_iter().next() else { panic!("it is lost") };
+    rig.wire.lock().unwrap().is_lost = false;
+    rig.sent();
+    // Open again, nobody is told anything before he is configured anew.
+    way.close();
+    rig.order(Order::Open(way));
+    rig.answer(0x0250, 9, 0);
+    rig.cycle();
+    assert_eq!((rig.is_online(), rig.inputs.drive[0].bus), ([false; 2], BusState::Active));
+    assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
+}
+
+/// A fault shows its code from the emergency message; the message stands in one cycle.
+#[test]
+fn an_emergency_stands_in_one_cycle_and_gives_the_fault_its_code() {
+    let mut rig = Rig::running(Watching::None);
+    rig.comes(0x083, &[0x11, 0x86, 0x21, 1, 2, 3, 4, 5]);
+    rig.answer(0x0218, 0, MODE_CSP);
+    rig.cycle();
+    let told = Emergency { code: 0x8611, register: 0x21, data: [1, 2, 3, 4, 5] };
+    assert_eq!((rig.inputs.drive[0].emergency, rig.inputs.drive[0].fault), (Some(told), 0x8611));
+    assert_eq!((rig.inputs.drive[1].emergency, rig.inputs.drive[1].fault), (None, 0));
+    rig.answer(0x0250, 0, MODE_CSP);
+    rig.cycle();
+    assert_eq!((rig.inputs.drive[0].emergency, rig.inputs.drive[0].fault), (None, 0), "out of its fault");
+    // Of a node that is no drive.
+    rig.comes(0x089, &[0x10, 0x23, 3, 0, 0, 0, 0, 0]);
+    rig.cycle();
+    assert!(matches!(rig.reports.pop(), Ok(Report::Emergency(of, _)) if of == node(9)));
+}
+
+const HOME: HomingOrder =
+    HomingOrder { method: 19, search_velocity: 50_000.0, zero_velocity: 5_000.0, acceleration: 500_000.0 };
+
+/// The answer of an SDO server to what was written last.
+fn confirm(rig: &Rig, number: u16, sent: &[Frame]) {
+    for frame in sent.iter().filter(|frame| frame.id().get() == 0x600 + number) {
+        let &[_, low, high, sub, ..] = frame.bytes() else { continue };
+        rig.comes(0x580 + number, &[0x60, low, high, sub, 0, 0, 0, 0]);
+    }
+}
+
+/// 6098h, 6099h and 609Ah are written first; then mode 6 is asked for. A zero that is known sets the coordinate anew.
+#[test]
+fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
+    let mut rig = Rig::running(Watching::None);
+    rig.outputs.drive[0] = DriveOutput { control: control::ENABLE, mode: Mode::Position, ..Default::default() };
+    rig.answer(0x1637, 1000, MODE_CSP);
+    rig.cycle();
+    rig.sent();
+    rig.outputs.drive[0].mode = Mode::Homing(HOME);
+    let (mut written, mut modes) = (Vec::new(), Vec::new());
+    for _ in 0..6 {
+        rig.cycle();
+        let sent = rig.sent();
+        modes.extend(sent.iter().filter(|frame| frame.id().get() == 0x203).map(|frame| frame.bytes()[6]));
+        written.extend(sent.iter().filter(|frame| frame.id().get() == 0x603).map(hex));
+        confirm(&rig, 3, &sent);
+    }
+    let expected = ["603#2F98600013000000", "603#2399600150C30000", "603#2399600288130000", "603#239A600020A10700"];
+    assert_eq!(written, expected);
+    assert_eq!(modes, [8, 8, 8, 8, 6, 6], "asked for once the last one is confirmed");
+    rig.answer(0x0237, 1000, MODE_HOMING);
+    rig.cycle();
+    rig.answer(0x1637, -3, MODE_HOMING);
+    rig.cycle();
+    let DriveInput { count, epoch, velocity, .. } = rig.inputs.drive[0];
+    assert_eq!((count, epoch, velocity), (-3, 1, 0.0), "no motion");
+}
+
+/// Whoever asks while a homing is set up is told to come again.
+#[test]
+fn transfers_do_not_disturb_each_other() {
+    let mut rig = Rig::running(Watching::None);
+    rig.outputs.drive[0].mode = Mode::Homing(HOME);
+    rig.cycle();
+    let sent = rig.sent();
+    let data = vec![0; 8];
+    rig.order(Order::Transfer { node: node(3), object: objects::STATUS_WORD, data, writes: false });
+    rig.cycle();
+    let Ok(Report::Transfer(_, Transfer { result: Err(SdoError::Busy(object)), .. })) = rig.reports.pop() else {
+        panic!("another one is under way");
+    };
+    assert_eq!(object, objects::STATUS_WORD);
+    confirm(&rig, 3, &sent);
+    rig.cycle();
+    assert!(rig.reports.pop().is_err(), "the answer is that of the homing");
+}
+
+/// Node 3 never answers.
+#[test]
+fn a_silent_server_ends_a_transfer_and_the_set_up_of_a_homing() {
+    let mut rig = Rig::running(Watching::None);
+    rig.outputs.drive[0].mode = Mode::Homing(HOME);
+    rig.cycle();
+    std::thread::sleep(std::time::Duration::from_nanos(SDO_TIMEOUT_NS + 1_000_000));
+    rig.cycle();
+    assert!(matches!(rig.reports.pop(), Ok(Report::HomingRefused(0, SdoError::Silent(..)))));
+    rig.sent();
+    rig.cycle();
+    let sent: Vec<_> = rig.sent().iter().map(hex).collect();
+    assert_eq!(sent, ["203#00000000000000", "205#00000000000000", "080#"], "neither mode 6 nor another object");
+}
+
+#[test]
+fn frames_without_room_are_counted_and_not_sent_later() {
+    let mut rig = Rig::running(Watching::None);
+    rig.wire.lock().unwrap().is_full = true;
+    rig.cycle();
+    rig.wire.lock().unwrap().is_full = false;
+    rig.cycle();
+    assert_eq!((rig.bus.losses.refused, rig.sent().len()), (3, 3));
+}
+
+/// Cycles with all that can come, and transfers under way.
+#[test]
+fn a_cycle_takes_no_memory() {
+    let mut rig = Rig::running(Watching::Heartbeat { time_ns: 2_000_000 });
+    rig.bus.master = Some(Master { node: node(127), heartbeat_ns: 1 });
+    let before = violation_count();
+    for cycle in 0..200 {
+        let homes = Mode::Homing(HomingOrder { method: cycle as i8, ..HOME });
+        rig.outputs.drive[0].mode = if cycle % 50 < 40 { homes } else { Mode::Position };
+        rig.comes(0x703, &[if cycle % 60 == 59 { 0 } else { 5 }]);
+        rig.comes(0x085, &[0x10, 0x23, 3, 0, 0, 0, 0, 0]);
+        rig.comes(0x589, &[0x43, 0, 0x10, 0, 1, 2, 3, 4]);
+        rig.answer(0x0237, cycle, MODE_CSP);
+        if cycle % 7 == 0 {
+            let data = Vec::with_capacity(64);
+            rig.order(Order::Transfer { node: node(9), object: objects::DEVICE_TYPE, data, writes: false });
+        }
+        if cycle % 60 == 20 {
+            rig.order(Order::Prepare { drive: 0 });
+            rig.order(Order::Begin { drive: 0, fault: 0 });
+        }
+        assert_no_alloc(|| rig.cycle());
+        let sent = rig.sent();
+        confirm(&rig, 3, &sent);
+        // The other end frees what it is told.
+        while rig.reports.pop().is_ok() {}
+    }
+    assert_eq!(violation_count(), before);
+}
+
+/// Random frames, and random changes of good ones, into running drives: nothing panics, nobody is told more than the outputs say.
+#[test]
+fn noise_enables_nobody() {
+    let mut rig = Rig::running(Watching::Guarding { guard_ns: 1_000_000, life_factor: 3 });
+    let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut random = move || {
+        // xorshift64
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        seed
+    };
+    let good = [0x183_u16, 0x185, 0x583, 0x703, 0x083, 0x000, 0x080, 0x603, 0x203];
+    for round in 0..10_000 {
+        for _ in 0..1000 {
+            let [choice, bits, data] = [random(), random(), random()];
+            let id =
+                if choice % 4 == 0 { (choice >> 8) as u16 & 0x7FF } else { good[(choice >> 8) as usize % good.len()] };
+            let id = Id::new(id).expect("11 bits");
+            let length = (bits % 9) as u8;
+            let frame = if bits & 0xF00 == 0 {
+                Frame::remote(id, length)
+            } else {
+                Frame::data(id, &data.to_le_bytes()[..usize::from(length)])
+            };
+            rig.wire.lock().unwrap().comes.push_back(frame.expect("8 bytes at most"));
+        }
+        if round % 16 == 0 {
+            rig.order(Order::Begin { drive: 0, fault: 0 });
+            let (data, writes) = (Vec::with_capacity(300), round % 32 == 0);
+            rig.order(Order::Transfer { node: node(3), object: objects::DEVICE_TYPE, data, writes });
+        }
+        rig.outputs.drive[0].mode = if round % 9 == 0 { Mode::Homing(HOME) } else { Mode::Position };
+        rig.cycle();
+        for frame in rig.sent() {
+            let id = frame.id().get();
+            match id {
+                0x203 | 0x205 => assert_eq!(frame.bytes()[..2], [0, 0], "control word"),
+                0x603 => assert_ne!(frame.bytes()[1..3], [0x40, 0x60], "6040h by SDO"),
+                _ => assert!(matches!(id, 0x080 | 0x703 | 0x705), "{}", hex(&frame)),
+            }
+        }
+        while rig.reports.pop().is_ok() {}
+    }
+    assert!(rig.bus.busy.len() <= 127);
+}
