@@ -165,37 +165,61 @@ fn check(bus: &BusConfig, from: &CellBus, problems: &Problems) {
         let (number, axis) = (master.node.get(), &drive.axis);
         refuse(from.place, format!("backend {name}: node {number} is that of the master and of the drive of {axis}"));
     }
-    let Some(rate) = bus.bit_rate else { return };
-    let load = Load::of(bus);
-    let most_us = bus.cycle_ns as f64 / 1000.0;
-    let time_us = load.bits as f64 * 1e6 / f64::from(rate);
-    if time_us > most_us {
-        let fits_ms = (time_us / 1000.0 * 10.0).ceil() / 10.0;
-        refuse(
-            from.place,
-            format!(
-                "backend {name}: what each cycle carries does not fit: {} frames of {} bits take {time_us:.0} us at {rate} bit/s, the \
-                 cycle is {most_us} us; a cycle of {fits_ms} ms fits, or fewer drives on this bus",
-                load.frames, load.bits
-            ),
-        );
-    }
+    let Some(load) = Load::of(bus).filter(|load| load.share() > 1.0) else { return };
+    let Load { frames, bits, rate, .. } = load;
+    let fits_ms = (load.time_us() / 1000.0 * 10.0).ceil() / 10.0;
+    refuse(
+        from.place,
+        format!(
+            "backend {name}: what each cycle carries does not fit: {frames} frames of {bits} bits take {:.0} us at {rate} bit/s, the cycle \
+             is {} us; a cycle of {fits_ms} ms fits, or fewer drives on this bus",
+            load.time_us(),
+            load.cycle_us
+        ),
+    );
 }
 
-/// What each cycle carries.
+/// What a bus carries, in words; none where it has no bit rate.
+pub(crate) fn load_of(bus: &BusConfig) -> Option<String> {
+    let load = Load::of(bus)?;
+    let (name, percent) = (&bus.name, load.share() * 100.0);
+    let Load { frames, bits, rate, cycle_us } = load;
+    Some(format!(
+        "backend {name}: {frames} frames of {bits} bits at most in each cycle of {cycle_us} us: {percent:.0} % of {rate} bit/s"
+    ))
+}
+
+/// What each cycle carries: SYNC and what goes with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Load {
     frames: u64,
     /// With the most bits that are stuffed, and the space behind each frame.
     bits: u64,
+    /// (bit/s)
+    rate: u32,
+    cycle_us: f64,
 }
 
 impl Load {
-    fn of(bus: &BusConfig) -> Self {
+    fn of(bus: &BusConfig) -> Option<Self> {
         let sync = u64::from(bus.sync_overflow.is_some());
         let asked = bus.drives.iter().flat_map(|drive| cyclic(&drive.layout.asked));
         let told = bus.drives.iter().flat_map(|drive| cyclic(&drive.layout.told));
         let lengths: Vec<u64> = [sync].into_iter().chain(asked).chain(told).collect();
-        Self { frames: lengths.len() as u64, bits: lengths.iter().map(|bytes| frame_bits(*bytes)).sum() }
+        Some(Self {
+            frames: lengths.len() as u64,
+            bits: lengths.iter().map(|bytes| frame_bits(*bytes)).sum(),
+            rate: bus.bit_rate?,
+            cycle_us: bus.cycle_ns as f64 / 1000.0,
+        })
+    }
+
+    fn time_us(self) -> f64 {
+        self.bits as f64 * 1e6 / f64::from(self.rate)
+    }
+
+    fn share(self) -> f64 {
+        self.time_us() / self.cycle_us
     }
 }
 

@@ -41,6 +41,7 @@ mod wiring;
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
+pub(crate) use buses::load_of;
 pub use can::{CellBus, CellDrive};
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{GlobalConfig, MachineConfig};

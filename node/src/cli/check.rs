@@ -1,7 +1,7 @@
 //! `lineshaft check`.
 
 use super::{CheckArgs, Exit, say};
-use crate::cell::Cell;
+use crate::cell::{Cell, load_of};
 use crate::scenario::Scenario;
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::drive::Interface;
@@ -20,7 +20,17 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
         eprintln!("{}: {error}", args.cell.display());
         return Exit::Usage;
     }
+    let buses = match cell.buses(Some(&args.cell)) {
+        Ok(buses) => buses,
+        Err(problems) => {
+            eprint!("{problems}");
+            return Exit::Usage;
+        }
+    };
     say(&format_args!("{}: good: {}", args.cell.display(), summary(&cell)));
+    for line in buses.iter().filter_map(load_of) {
+        say(&line);
+    }
     for warning in warnings(&cell) {
         eprintln!("warning: {warning}");
     }
@@ -55,6 +65,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
              2 and 3 stop and hold first"
         )
     }));
+    warnings.extend(cell.missing_terminals());
     warnings.extend(one_edge_for_two(cell));
     warnings.extend(crossed_switches(cell));
     warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));

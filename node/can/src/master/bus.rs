@@ -44,8 +44,8 @@ pub(crate) enum Order {
 
 /// What the bus tells the service.
 pub(crate) enum Report {
-    /// A transfer is over.
-    Transfer(NodeId, Transfer),
+    /// A transfer is over; answers of that node so far that nobody had asked for.
+    Transfer(NodeId, Transfer, u32),
     /// Something has happened to the drive at this place of the bus, and it takes part in the cycles no longer, if it did.
     Happened { drive: usize, what: Happened, took_part: bool },
     /// An emergency message of a node that is none of its drives.
@@ -244,7 +244,7 @@ impl Bus {
             // One transfer at a time: whoever asks waits for the one under way.
             Err(data) => {
                 let result = Err(SdoError::Busy(object));
-                self.report(Report::Transfer(node, Transfer { object, data, result }));
+                self.report(Report::Transfer(node, Transfer { object, data, result }, 0));
             }
         }
     }
@@ -304,7 +304,11 @@ impl Bus {
                     self.report(Report::HomingRefused(place, error));
                 }
             }
-            None => self.report(Report::Transfer(node, done)),
+            None => {
+                let client = self.clients.get(usize::from(node.get()) - 1);
+                let strays = client.map_or(0, Client::strays);
+                self.report(Report::Transfer(node, done, strays));
+            }
         }
     }
 

@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 
 /// Profile of drives (lower half of 1000h).
 const PROFILE: u32 = 402;
+/// Pairs of requests that tell two devices with one node id from one that was late.
+const TWIN_REQUESTS: u32 = 3;
 /// How long a drive may take to stop.
 const STOP: Duration = Duration::from_secs(5);
 /// How long after its start a drive is listened to before the cycles begin: what it sends on change has come then.
@@ -72,6 +74,7 @@ pub(crate) fn configure(
     port.order(Order::Prepare { drive: place });
     let mut session = Session { port, bus, drive, written: 0 };
     session.identify()?;
+    session.refuse_twins()?;
     calm(session.port, drive.node)?;
     session.port.nmt(NmtCommand::EnterPreOperational, drive.node);
     session.write_all()?;
@@ -144,6 +147,22 @@ impl Session<'_> {
             }
         }
         self.check_modes()
+    }
+
+    /// Two devices with one node id answer each request twice, and each second answer comes unasked.
+    fn refuse_twins(&mut self) -> Result<(), Refusal> {
+        let node = self.drive.node;
+        for _ in 0..TWIN_REQUESTS {
+            let before = self.port.strays();
+            self.port.read(node, objects::DEVICE_TYPE)?;
+            // Another object: the second answer of the first one is none to this request.
+            self.port.read(node, objects::STATUS_WORD)?;
+            if self.port.strays() == before {
+                return Ok(());
+            }
+        }
+        let number = node.get();
+        Err(Refusal::Wrong(format!("each request has two answers: another device has the node id {number} as well")))
     }
 
     /// Does the drive offer the mode of the interface (6502h)?
@@ -392,3 +411,6 @@ pub(crate) fn release(port: &mut Port, bus: &BusConfig, node: NodeId) {
 pub(crate) fn begin(port: &mut Port, place: usize, configured: Configured) {
     port.order(Order::Begin { drive: place, fault: configured.fault });
 }
+
+#[cfg(test)]
+mod tests;

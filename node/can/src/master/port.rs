@@ -34,6 +34,8 @@ pub(crate) struct Port {
     reports: Consumer<Report>,
     /// Reports that came while something else was waited for.
     kept: VecDeque<Report>,
+    /// Answers of the node of the last transfer that nobody had asked for.
+    strays: u32,
     /// Counts how often the bus was run.
     turns: Arc<AtomicU64>,
 }
@@ -45,7 +47,15 @@ impl Port {
         let (told, reports) = RingBuffer::new(ROOM);
         let bus = make((taken, told));
         let turns = bus.turns();
-        Self { bus: Arc::new(Mutex::new(bus)), is_in_cycles: false, orders, reports, kept: VecDeque::new(), turns }
+        Self {
+            bus: Arc::new(Mutex::new(bus)),
+            is_in_cycles: false,
+            orders,
+            reports,
+            kept: VecDeque::new(),
+            strays: 0,
+            turns,
+        }
     }
 
     /// The bus, for the cycles.
@@ -96,6 +106,11 @@ impl Port {
         self.order(Order::Nmt(command, Some(node)));
     }
 
+    /// Answers that nobody had asked for, of the node of the last transfer, since the bus was made.
+    pub(crate) fn strays(&self) -> u32 {
+        self.strays
+    }
+
     /// Reads an object.
     pub(crate) fn read(&mut self, node: NodeId, object: Object) -> Result<Vec<u8>, SdoError> {
         self.transfer(node, object, || (Vec::with_capacity(LONGEST), false))
@@ -129,7 +144,10 @@ impl Port {
             self.step();
             while let Ok(report) = self.reports.pop() {
                 match report {
-                    Report::Transfer(of, Transfer { object: which, data, result }) if of == node && which == object => {
+                    Report::Transfer(of, Transfer { object: which, data, result }, strays)
+                        if of == node && which == object =>
+                    {
+                        self.strays = strays;
                         return result.map(|()| data);
                     }
                     // Of a transfer that was given up here.

@@ -129,12 +129,19 @@ pub struct Client {
     /// The frame that ends a transfer; it comes first.
     last: Option<Frame>,
     work: Option<Work>,
+    /// Answers that nobody had asked for.
+    strays: u32,
 }
 
 impl Client {
     /// A client that sends by one identifier and hears by another one, and waits so long for each answer (ns).
     pub fn new(request: Id, response: Id, timeout_ns: u64) -> Self {
-        Self { request, response, timeout_ns, state: State::Idle, sends: false, last: None, work: None }
+        Self { request, response, timeout_ns, state: State::Idle, sends: false, last: None, work: None, strays: 0 }
+    }
+
+    /// Answers that nobody had asked for: late ones, or those of a second device with the same node id.
+    pub fn strays(&self) -> u32 {
+        self.strays
     }
 
     /// May a transfer begin?
@@ -224,7 +231,10 @@ impl Client {
     /// Takes a frame of the device; what it ends.
     pub fn receive(&mut self, frame: &Frame, now_ns: u64) -> Option<Transfer> {
         let bytes: [u8; 8] = frame.bytes().try_into().ok().filter(|_| frame.id() == self.response)?;
-        let work = self.work.as_mut()?;
+        let Some(work) = &mut self.work else {
+            self.strays = self.strays.saturating_add(1);
+            return None;
+        };
         let is_of_object = bytes[1..4] == work.object.mux();
         let is_first =
             matches!(self.state, State::Download | State::BlockDownload | State::Upload | State::BlockUpload);
@@ -235,6 +245,7 @@ impl Client {
         }
         // The late answer of a transfer that has been given up.
         if is_first && !is_of_object {
+            self.strays = self.strays.saturating_add(1);
             return None;
         }
         work.since_ns = now_ns;

@@ -335,7 +335,7 @@ fn transfers_do_not_disturb_each_other() {
     let data = vec![0; 8];
     rig.order(Order::Transfer { node: node(3), object: objects::STATUS_WORD, data, writes: false });
     rig.cycle();
-    let Ok(Report::Transfer(_, Transfer { result: Err(SdoError::Busy(object)), .. })) = rig.reports.pop() else {
+    let Ok(Report::Transfer(_, Transfer { result: Err(SdoError::Busy(object)), .. }, _)) = rig.reports.pop() else {
         panic!("another one is under way");
     };
     assert_eq!(object, objects::STATUS_WORD);

@@ -1,0 +1,307 @@
+use super::super::bus::Bus;
+use super::*;
+use crate::config::{Identity, Master, VelocityFactor};
+use crate::drive::Layout;
+use crate::transport::{Transport, TransportError};
+use crate::{Frame, Id};
+use lineshaft_core::drive::{BusState, Capabilities};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Mutex};
+
+/// A device with an object dictionary of numbers, as strict as the standard: a PDO is mapped only while it is off and empty.
+#[derive(Debug, Default)]
+struct Device {
+    objects: BTreeMap<(u16, u8), Vec<u8>>,
+    /// What was written, in its order.
+    written: Vec<(u16, u8, u32)>,
+    nmt: Vec<u8>,
+    comes: VecDeque<Frame>,
+    answers: usize,
+    refuses: Option<(u16, u8)>,
+}
+
+const RESPONSE: u16 = 0x583;
+
+fn number(data: &[u8]) -> u32 {
+    data.iter().rev().fold(0, |number, byte| number << 8 | u32::from(*byte))
+}
+
+impl Device {
+    fn drive() -> Self {
+        let mut device = Self { answers: 1, ..Self::default() };
+        let mut set = |index: u16, sub: u8, data: &[u8]| device.objects.insert((index, sub), data.to_vec());
+        set(0x1000, 0, &0x0002_0192_u32.to_le_bytes());
+        set(0x1005, 0, &0x80_u32.to_le_bytes());
+        set(0x1006, 0, &0_u32.to_le_bytes());
+        set(0x1016, 1, &0_u32.to_le_bytes());
+        set(0x1017, 0, &0_u16.to_le_bytes());
+        for (sub, value) in [(1, 0x1234_u32), (2, 0x5678), (3, 1), (4, 99)] {
+            set(0x1018, sub, &value.to_le_bytes());
+        }
+        set(0x2080, 1, &0_u16.to_le_bytes());
+        set(0x603F, 0, &0_u16.to_le_bytes());
+        set(0x6040, 0, &0_u16.to_le_bytes());
+        set(0x6041, 0, &0x0250_u16.to_le_bytes());
+        set(0x60C2, 1, &[1]);
+        set(0x60C2, 2, &[0xFD]);
+        set(0x6502, 0, &(1_u32 << 7 | 1 << 5).to_le_bytes());
+        for number in 0..2_u16 {
+            for (communication, mapping, id) in [(0x1400, 0x1600, 0x203_u32), (0x1800, 0x1A00, 0x183)] {
+                set(communication + number, 1, &(id + 0x100 * u32::from(number)).to_le_bytes());
+                set(communication + number, 2, &[255]);
+                set(mapping + number, 0, &[1]);
+                (1..=4).for_each(|sub| drop(set(mapping + number, sub, &0x6040_0010_u32.to_le_bytes())));
+            }
+        }
+        device
+    }
+
+    fn get(&self, index: u16, sub: u8) -> u32 {
+        number(&self.objects[&(index, sub)])
+    }
+
+    /// May it be written now? An abort code, if not.
+    fn refusal(&self, index: u16, sub: u8, value: u32) -> Option<u32> {
+        let present = self.objects.get(&(index, sub));
+        let Some(_) = present else { return Some(0x0602_0000) };
+        if self.refuses == Some((index, sub)) {
+            return Some(0x0800_0022);
+        }
+        let is_mapping = (0x1600..0x1800).contains(&index) || (0x1A00..0x1C00).contains(&index);
+        if is_mapping {
+            let is_on = self.get(index - 0x200, 1) & 0x8000_0000 == 0;
+            let has_objects = sub != 0 && self.get(index, 0) != 0;
+            return (is_on || has_objects).then_some(0x0800_0022);
+        }
+        // 301: only while the period is 0.
+        (index == 0x1019 && self.get(0x1006, 0) != 0 && value != self.get(0x1019, 0)).then_some(0x0800_0022)
+    }
+
+    fn take(&mut self, frame: &Frame) {
+        if frame.id() == Id::NMT {
+            self.nmt.extend(frame.bytes().first());
+        }
+        let (0x603, &[command, low, high, sub, a, b, c, d]) = (frame.id().get(), frame.bytes()) else { return };
+        let index = u16::from_le_bytes([low, high]);
+        let abort = |code: u32| {
+            let [a, b, c, d] = code.to_le_bytes();
+            [0x80, low, high, sub, a, b, c, d]
+        };
+        let answer = match command {
+            0x40 => match self.objects.get(&(index, sub)) {
+                None => abort(0x0602_0000),
+                Some(data) => {
+                    let mut bytes = [0x43 | (4 - data.len() as u8) << 2, low, high, sub, 0, 0, 0, 0];
+                    bytes[4..4 + data.len()].copy_from_slice(data);
+                    bytes
+                }
+            },
+            0x23 | 0x27 | 0x2B | 0x2F => {
+                let data = &[a, b, c, d][..4 - usize::from(command >> 2 & 3)];
+                match self.refusal(index, sub, number(data)) {
+                    Some(code) => abort(code),
+                    None => {
+                        self.objects.insert((index, sub), data.to_vec());
+                        self.written.push((index, sub, number(data)));
+                        // Quick stop: it stops at once.
+                        if index == 0x6040 {
+                            self.objects.insert((0x6041, 0), 0x0250_u16.to_le_bytes().to_vec());
+                        }
+                        [0x60, low, high, sub, 0, 0, 0, 0]
+                    }
+                }
+            }
+            _ => return,
+        };
+        let answer = Frame::of(Id::new(RESPONSE).expect("11 bits"), answer);
+        (0..self.answers).for_each(|_| self.comes.push_back(answer));
+    }
+}
+
+#[derive(Debug)]
+struct Way(Arc<Mutex<Device>>);
+
+impl Transport for Way {
+    fn send(&mut self, frame: &Frame) -> Result<(), TransportError> {
+        self.0.lock().expect("one thread").take(frame);
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), TransportError> {
+        Ok(())
+    }
+
+    fn receive(&mut self) -> Result<Option<Frame>, TransportError> {
+        Ok(self.0.lock().expect("one thread").comes.pop_front())
+    }
+
+    fn state(&self) -> BusState {
+        BusState::Active
+    }
+}
+
+fn config() -> BusConfig {
+    let node = NodeId::new(3).expect("1 to 127");
+    let drive = DriveConfig {
+        place: 0,
+        axis: "x".to_owned(),
+        node,
+        interface: Interface::Position,
+        offers: Capabilities::default(),
+        watching: Watching::Heartbeat { time_ns: 300_000_000 },
+        layout: Layout::plan(node, Interface::Position, None).expect("without a dictionary nothing is missing"),
+        identity: Identity::default(),
+        velocity: VelocityFactor::default(),
+        startup: vec![Write { object: Object { index: 0x2080, sub: 1 }, data: vec![5, 0] }],
+    };
+    BusConfig {
+        name: "bus0".to_owned(),
+        transport: "socketcan:can0".parse().expect("it is an address"),
+        bit_rate: None,
+        cycle_ns: 4_000_000,
+        sync_overflow: None,
+        sdo_timeout_ns: 30_000_000,
+        master: Some(Master { node: NodeId::new(127).expect("1 to 127"), heartbeat_ns: 100_000_000 }),
+        drives: vec![drive],
+    }
+}
+
+/// Configures the device; what has come of it.
+fn run(device: &Arc<Mutex<Device>>, config: &BusConfig) -> Result<usize, String> {
+    let mut port = Port::new(|(orders, reports)| Bus::new(config, orders, reports));
+    port.lock().open(Box::new(Way(Arc::clone(device))));
+    device.lock().expect("one thread").written.clear();
+    let done = configure(&mut port, 0, config, &config.drives[0]);
+    done.map(|configured| configured.written).map_err(|refusal| refusal.to_string())
+}
+
+fn device(change: impl FnOnce(&mut Device)) -> Arc<Mutex<Device>> {
+    let mut device = Device::drive();
+    change(&mut device);
+    Arc::new(Mutex::new(device))
+}
+
+/// The values of the cell, by CiA 301 and 402: 100 ms heartbeat, 300 ms of node 127, 4 ms period, RPDO 1 and TPDO 1 with SYNC, the others off.
+///
+/// Proves: MACS-CAN-04
+#[test]
+fn a_drive_is_told_its_startup_its_watch_and_its_pdos() {
+    let (device, config) = (device(|_| ()), config());
+    assert!(run(&device, &config).is_ok());
+    let found = device.lock().unwrap();
+    let expected = [
+        (0x2080, 1, 5),
+        (0x1017, 0, 100),
+        (0x1016, 1, 127 << 16 | 300),
+        (0x1006, 0, 4000),
+        (0x60C2, 1, 4),
+        (0x1400, 1, 0x203),
+        (0x1400, 2, 1),
+        (0x1600, 0, 3),
+        (0x1600, 1, 0x6040_0010),
+        (0x1600, 2, 0x607A_0020),
+        (0x1600, 3, 0x6060_0008),
+        (0x1800, 1, 0x183),
+        (0x1A00, 1, 0x6041_0010),
+        (0x1A00, 2, 0x6064_0020),
+        (0x1A00, 3, 0x6061_0008),
+        (0x1401, 1, 0x8000_0303),
+        (0x1801, 1, 0x8000_0283),
+    ];
+    for (index, sub, value) in expected {
+        assert_eq!(found.get(index, sub), value, "{index:04X}h:{sub:02X}");
+    }
+    assert_eq!(found.nmt, [0x80, 0x01], "pre-operational, then operational");
+}
+
+#[test]
+fn a_drive_that_is_as_it_should_be_is_written_nothing_but_that_it_is_off() {
+    let (device, config) = (device(|_| ()), config());
+    assert!(run(&device, &config).is_ok_and(|written| written > 0));
+    assert_eq!(run(&device, &config), Ok(0));
+    assert_eq!(device.lock().unwrap().written, [(0x6040, 0, 0)]);
+}
+
+/// 1020h, where a drive has it: the values of the last configuration stand for all others.
+#[test]
+fn a_drive_that_verifies_its_configuration_is_not_compared() {
+    let (device, config) = (
+        device(|device| {
+            (1..=2).for_each(|sub| drop(device.objects.insert((0x1020, sub), vec![0; 4])));
+        }),
+        config(),
+    );
+    assert!(run(&device, &config).is_ok_and(|written| written > 2));
+    // Somebody changes a value behind the back of 1020h, which no device does: it stays.
+    device.lock().unwrap().objects.insert((0x2080, 1), vec![9, 0]);
+    assert_eq!((run(&device, &config), device.lock().unwrap().get(0x2080, 1)), (Ok(0), 9));
+    // A device clears it with each change.
+    device.lock().unwrap().objects.insert((0x1020, 1), vec![0; 4]);
+    assert_eq!(run(&device, &config), Ok(3));
+    assert_eq!(device.lock().unwrap().get(0x2080, 1), 5);
+    let other = BusConfig { cycle_ns: 2_000_000, ..config };
+    assert!(run(&device, &other).is_ok_and(|written| written > 2), "another cycle is another configuration");
+}
+
+/// Quick stop first, then no voltage; only then anything else.
+#[test]
+fn a_drive_that_runs_is_stopped_before_it_is_told_anything() {
+    let (device, config) = (device(|device| drop(device.objects.insert((0x6041, 0), vec![0x37, 0x02]))), config());
+    assert!(run(&device, &config).is_ok());
+    assert_eq!(device.lock().unwrap().written[..2], [(0x6040, 0, 2), (0x6040, 0, 0)]);
+}
+
+/// The overflow value changes only while the period is 0 (CiA 301).
+#[test]
+fn the_sync_counter_is_set_while_the_period_is_0() {
+    let (device, config) = (
+        device(|device| {
+            device.objects.insert((0x1019, 0), vec![0]);
+            device.objects.insert((0x1006, 0), 1000_u32.to_le_bytes().to_vec());
+        }),
+        BusConfig { sync_overflow: Some(10), ..config() },
+    );
+    assert!(run(&device, &config).is_ok());
+    let written: Vec<_> = device.lock().unwrap().written.clone();
+    let sync: Vec<_> = written.into_iter().filter(|(index, ..)| matches!(index, 0x1006 | 0x1019)).collect();
+    assert_eq!(sync, [(0x1006, 0, 0), (0x1019, 0, 10), (0x1006, 0, 4000)]);
+}
+
+#[test]
+fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
+    let identity = |identity| {
+        let mut config = config();
+        config.drives[0].identity = identity;
+        run(&device(|_| ()), &config).unwrap_err()
+    };
+    let id = Identity::default();
+    assert_eq!(
+        identity(Identity { vendor: Some(7), ..id }),
+        "its vendor (1018h:01) is 00001234h; 00000007h is expected"
+    );
+    assert!(identity(Identity { product: Some(7), ..id }).starts_with("its product code (1018h:02) is 00005678h"));
+    assert!(identity(Identity { revision: Some(7), ..id }).starts_with("its revision number (1018h:03) is 00000001h"));
+    assert!(identity(Identity { serial: Some(7), ..id }).starts_with("its serial number (1018h:04) is 00000063h"));
+    let with = |change: fn(&mut Device)| run(&device(change), &config()).unwrap_err();
+    assert_eq!(
+        with(|device| drop(device.objects.insert((0x1000, 0), 0x0003_0191_u32.to_le_bytes().to_vec()))),
+        "its device type (1000h) is 00030191h, profile 401; a drive of profile 402 is expected"
+    );
+    assert_eq!(
+        with(|device| drop(device.objects.insert((0x6502, 0), vec![0x25, 0, 0, 0]))),
+        "interface position needs mode 8 (csp), which the drive does not offer (6502h is 00000025h: pp, pv, hm)"
+    );
+    assert_eq!(
+        with(|device| device.refuses = Some((0x2080, 1))),
+        "2080h:01: the device refuses: the data cannot be stored in the present state of the device (08000022h)"
+    );
+    assert_eq!(
+        with(|device| device.answers = 2),
+        "each request has two answers: another device has the node id 3 as well"
+    );
+    assert_eq!(with(|device| device.answers = 0), "it is not there: 1000h:00: the device has not answered for 30 ms");
+    assert_eq!(
+        with(|device| drop(device.objects.remove(&(0x1800, 1)))),
+        "1800h:01 does not exist: the drive has no PDO 1"
+    );
+}
