@@ -70,6 +70,8 @@ pub struct DriveConfig {
     pub layout: Layout,
     /// What it must be.
     pub identity: Identity,
+    /// Counts per revolution of its shaft by the cell, as a fraction; none: nobody knows.
+    pub per_revolution: Option<(u64, u64)>,
     /// How fast it says it is.
     pub velocity: VelocityFactor,
     /// What it is told before it starts, in this order.

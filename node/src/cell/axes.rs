@@ -93,7 +93,7 @@ fn axis<'d>(
     let mut map = entry.value.map(format!("axis `{name}`"))?;
     map.explain_by(parameters::word_of_source);
     let (travel, factors) = Travel::read_axis(&mut map);
-    let described = map.required("drive").and_then(|value| drive(&value, name, cx, taken));
+    let described = map.required("drive").and_then(|value| drive(&value, name, &travel, cx, taken));
     let (drive, on_can) = described.map_or((None, None), |(drive, on_can)| (Some(drive), on_can));
     let modulo = map.optional("modulo").map(|value| modulo(&value, &travel));
     let sim = map.optional("sim");
@@ -233,7 +233,7 @@ fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
     }
 }
 
-fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken) -> Option<Described> {
+fn drive<'d>(value: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, taken: &mut Taken) -> Option<Described> {
     if !value.is_map() {
         let text = value.text()?;
         if text == "virtual" {
@@ -252,7 +252,7 @@ fn drive<'d>(value: &Value<'d>, axis: &str, cx: &Context<'d>, taken: &mut Taken)
         }
         (Some(place), Some(Backend::Can)) => {
             let node = take(&mut map, place, "node", 1..=127, cx, taken);
-            (node, can::drive(&mut map, node, interface).map(Some))
+            (node, can::drive(&mut map, node, interface, travel).map(Some))
         }
         // The keys depend on a backend that is not known.
         (None, _) | (_, None) => {

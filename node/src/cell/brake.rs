@@ -1,16 +1,12 @@
 //! Key `brake` of an axis, and what the simulation makes of it.
 
 use super::backends::Context;
-use super::names::quote;
+use super::times::time;
 use super::wiring;
-use crate::document::{Allowed, Map, Value};
+use crate::document::Map;
 use lineshaft_core::axis::BrakeConfig;
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::sim::SimBrake;
-use lineshaft_core::unit::Dimension;
-
-/// Longest time of a brake (ns).
-const LONGEST_NS: i64 = 10_000_000_000;
 
 /// Reads the key; none where it has problems.
 pub(super) fn read<'d>(
@@ -34,23 +30,6 @@ pub(super) fn read<'d>(
     let engage = map.optional("engage_delay").map_or(Some(0), |value| time(&value));
     map.finish();
     Some(Some(BrakeConfig { output: output?, closes_with_one: inverted?, release_ns: release?, engage_ns: engage? }))
-}
-
-/// 0 to 10 s (ns).
-pub(super) fn time(value: &Value<'_>) -> Option<u64> {
-    let time = value.quantity(&[Dimension::Time], &Allowed::Any)?;
-    match time.nanoseconds() {
-        Ok(ns @ 0..=LONGEST_NS) => u64::try_from(ns).ok(),
-        Ok(_) => {
-            let given = quote(value.peek().unwrap_or_default());
-            value.refuse(format!("{} is {given}; 0 s to 10 s is allowed", value.label()), None);
-            None
-        }
-        Err(error) => {
-            value.refuse(format!("{}: {error}", value.label()), error.hint());
-            None
-        }
-    }
 }
 
 /// The brake that the simulation hangs on the axis: its own, or the one that O_BRAKE names (`number`).

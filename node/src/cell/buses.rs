@@ -5,15 +5,15 @@
 //! Refuses  files with problems, values for objects that the master writes, PDOs that do not fit in the cycle at the bit rate
 //! Source   CiA 301, CiA 306-1
 
+use super::backends::{CellBackend, Hardware};
 use super::can::{CellBus, CellDrive, owner};
 use super::names::quote;
-use super::{Cell, CellBackend};
 use crate::document::{Place, Problems};
 use lineshaft_can::config::{BusConfig, DriveConfig, Identity, Write};
 use lineshaft_can::drive::Layout;
 use lineshaft_can::drive::layout::{Pdo, Transmission};
 use lineshaft_can::eds::{self, Dictionary};
-use lineshaft_core::config::AxisConfig;
+use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::Objects;
 use lineshaft_ros::layer::open_file;
 use std::io::Read;
@@ -22,13 +22,17 @@ use std::path::Path;
 /// Longest file of a device (bytes).
 const MAX_BYTES: usize = 8 << 20;
 
-impl Cell {
-    /// The buses of its backends on CAN, in the order of the section. `file` is the cell as it was named, beside which the files of devices
-    /// are.
-    ///
-    /// # Errors
-    /// All that is wrong with the files, and with what they make of the buses.
-    pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
+/// What of a cell makes its buses.
+pub(super) struct Parts<'a> {
+    pub(super) machine: &'a MachineConfig,
+    pub(super) hardware: &'a [Option<Hardware>],
+    pub(super) on_can: &'a [Option<CellDrive>],
+    pub(super) backends: &'a [CellBackend],
+}
+
+impl Parts<'_> {
+    /// The buses, in the order of the backends.
+    pub(super) fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
         let problems = Problems::new(&file.map_or("the cell".to_owned(), |file| file.display().to_string()));
         let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
         let axes: Vec<_> = self.machine.axes.iter().filter(|axis| axis.drive.is_some()).collect();
@@ -36,8 +40,8 @@ impl Cell {
             let bus = backend.bus.as_ref()?;
             let places = self.hardware.iter().flatten().enumerate().filter(|(_, hardware)| hardware.backend == at);
             let drives = places.filter_map(|(place, _)| {
-                let drive = self.on_can.get(place)?.as_ref()?;
-                self.drive(place, axes.get(place)?, drive, folder, &problems)
+                let described = self.on_can.get(place)?.as_ref()?;
+                drive(place, axes.get(place)?, described, folder, &problems)
             });
             let config = BusConfig {
                 name: backend.name.clone(),
@@ -55,73 +59,71 @@ impl Cell {
         let buses: Vec<_> = self.backends.iter().enumerate().filter_map(of).collect();
         if problems.is_empty() { Ok(buses) } else { Err(problems) }
     }
+}
 
-    /// Inputs, outputs and encoders at backends on CAN, which do not exist yet: a sentence for each backend.
-    pub fn missing_terminals(&self) -> Vec<String> {
-        let of = |backend: &CellBackend| {
-            backend.bus.as_ref()?;
-            let Objects { digital_inputs, digital_outputs, analog_inputs, analog_outputs, encoders, .. } =
-                &backend.objects;
-            let io = [digital_inputs, digital_outputs, analog_inputs, analog_outputs].map(Vec::len);
-            let (io, encoders) = (io.iter().sum::<usize>(), encoders.len());
-            let what = match (io, encoders) {
-                (0, 0) => return None,
-                (io, 0) => format!("{io} of io"),
-                (0, encoders) => format!("{encoders} of encoders"),
-                (io, encoders) => format!("{io} of io and {encoders} of encoders"),
-            };
-            let name = &backend.name;
-            Some(format!(
-                "backend {name}: entries of io and encoders do not exist on CAN yet ({what} here): such a cell only runs with --sim"
-            ))
+/// Inputs, outputs and encoders on CAN, which do not exist yet: a sentence for each backend.
+pub(super) fn missing_terminals(backends: &[CellBackend]) -> Vec<String> {
+    let of = |backend: &CellBackend| {
+        backend.bus.as_ref()?;
+        let Objects { digital_inputs, digital_outputs, analog_inputs, analog_outputs, encoders, .. } = &backend.objects;
+        let io = [digital_inputs, digital_outputs, analog_inputs, analog_outputs].map(Vec::len);
+        let what = match (io.iter().sum::<usize>(), encoders.len()) {
+            (0, 0) => return None,
+            (io, 0) => format!("{io} of io"),
+            (0, encoders) => format!("{encoders} of encoders"),
+            (io, encoders) => format!("{io} of io and {encoders} of encoders"),
         };
-        self.backends.iter().filter_map(of).collect()
-    }
+        let name = &backend.name;
+        Some(format!(
+            "backend {name}: entries of io and encoders do not exist on CAN yet ({what} here): such a cell only runs with --sim"
+        ))
+    };
+    backends.iter().filter_map(of).collect()
+}
 
-    fn drive(
-        &self,
-        place: usize,
-        axis: &AxisConfig,
-        drive: &CellDrive,
-        folder: &Path,
-        problems: &Problems,
-    ) -> Option<DriveConfig> {
-        let CellDrive { node, interface, identity, .. } = *drive;
-        let dictionary = match &drive.eds {
-            Some((name, at)) => {
-                let file = load(&folder.join(name), node.get());
-                Some(file.map_err(|sentence| problems.push(*at, sentence, None)).ok()?)
-            }
-            None => None,
-        };
-        let at = drive.eds.as_ref().map_or(drive.place, |(_, at)| *at);
-        let refuse = |sentence: String| problems.push(at, sentence, None);
-        let layout = Layout::plan(node, interface, dictionary.as_ref());
-        let layout = layout.map_err(|error| refuse(format!("drive of axis {}: {error}", quote(&axis.name)))).ok()?;
-        let configured = dictionary.as_ref().map_or(Ok(Vec::new()), configured);
-        let mut startup = configured.map_err(refuse).ok()?;
-        // What the cell says goes last, and counts.
-        startup.retain(|write| drive.startup.iter().all(|given| given.object != write.object));
-        startup.extend(drive.startup.iter().cloned());
-        let device = dictionary.as_ref().map(|dictionary| &dictionary.device);
-        let known = |number: Option<u32>| number.filter(|number| *number != 0);
-        Some(DriveConfig {
-            place,
-            axis: axis.name.clone(),
-            node,
-            interface,
-            offers: axis.drive?,
-            watching: drive.watching,
-            layout,
-            identity: Identity {
-                vendor: identity.vendor.or(device.and_then(|device| known(device.vendor_number))),
-                product: identity.product.or(device.and_then(|device| known(device.product_number))),
-                ..identity
-            },
-            velocity: drive.velocity,
-            startup,
-        })
-    }
+fn drive(
+    place: usize,
+    axis: &AxisConfig,
+    drive: &CellDrive,
+    folder: &Path,
+    problems: &Problems,
+) -> Option<DriveConfig> {
+    let CellDrive { node, interface, identity, .. } = *drive;
+    let dictionary = match &drive.eds {
+        Some((name, at)) => {
+            let file = load(&folder.join(name), node.get());
+            Some(file.map_err(|sentence| problems.push(*at, sentence, None)).ok()?)
+        }
+        None => None,
+    };
+    let at = drive.eds.as_ref().map_or(drive.place, |(_, at)| *at);
+    let refuse = |sentence: String| problems.push(at, sentence, None);
+    let layout = Layout::plan(node, interface, dictionary.as_ref());
+    let layout = layout.map_err(|error| refuse(format!("drive of axis {}: {error}", quote(&axis.name)))).ok()?;
+    let configured = dictionary.as_ref().map_or(Ok(Vec::new()), configured);
+    let mut startup = configured.map_err(refuse).ok()?;
+    // What the cell says goes last, and counts.
+    startup.retain(|write| drive.startup.iter().all(|given| given.object != write.object));
+    startup.extend(drive.startup.iter().cloned());
+    let device = dictionary.as_ref().map(|dictionary| &dictionary.device);
+    let known = |number: Option<u32>| number.filter(|number| *number != 0);
+    Some(DriveConfig {
+        place,
+        axis: axis.name.clone(),
+        node,
+        interface,
+        offers: axis.drive?,
+        watching: drive.watching,
+        layout,
+        identity: Identity {
+            vendor: identity.vendor.or(device.and_then(|device| known(device.vendor_number))),
+            product: identity.product.or(device.and_then(|device| known(device.product_number))),
+            ..identity
+        },
+        per_revolution: drive.per_revolution,
+        velocity: drive.velocity,
+        startup,
+    })
 }
 
 /// The dictionary of a device, from its file.

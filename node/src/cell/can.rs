@@ -1,14 +1,16 @@
 //! Backends of type can and their drives: what their keys say. Files of devices are read where the bus is made (`buses.rs`).
 
-use super::brake::time;
 use super::names::{Once, quote};
-use crate::document::{Map, Place, Value};
+use super::scale::Travel;
+use super::times::time;
+use crate::document::{Allowed, Map, Place, Value};
 use lineshaft_can::config::{Identity, Master, VelocityFactor, Write};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::Address;
 use lineshaft_can::{NodeId, Watching};
 use lineshaft_core::drive::Capabilities;
 use lineshaft_core::drive::Interface;
+use lineshaft_core::unit::Dimension;
 
 /// Cycles from a setpoint to the answer of a CANopen drive (contract section 1).
 pub(super) const DELAY: u32 = 1;
@@ -70,6 +72,8 @@ pub struct CellDrive {
     pub(super) eds: Option<(String, Place)>,
     pub(super) watching: Watching,
     pub(super) identity: Identity,
+    /// Increments per revolution of its shaft, as a fraction.
+    pub(super) per_revolution: Option<(u64, u64)>,
     pub(super) velocity: VelocityFactor,
     pub(super) startup: Vec<Write>,
 }
@@ -158,11 +162,17 @@ fn master(value: &Value<'_>) -> Option<Option<Master>> {
 }
 
 /// The keys of a drive beside `backend`, `node` and `interface`, which are known.
-pub(super) fn drive(map: &mut Map<'_>, node: Option<u16>, interface: Option<Interface>) -> Option<CellDrive> {
+pub(super) fn drive(
+    map: &mut Map<'_>,
+    node: Option<u16>,
+    interface: Option<Interface>,
+    travel: &Travel,
+) -> Option<CellDrive> {
     let place = map.place();
     let eds = map.optional("eds").map_or(Some(None), |value| Some(Some((value.text()?.to_owned(), value.place()))));
     let watching = watching(map);
     let identity = map.optional("identity").map_or(Some(Identity::default()), |value| identity(&value));
+    let feed = map.optional("feed").map_or(Some(None), |value| feed(&value, travel).map(Some));
     let factor = map.optional("velocity_factor").map_or(Some(VelocityFactor::default()), |value| factor(&value));
     let startup = map.optional("startup").map_or(Some(Vec::new()), |value| startup(&value));
     let node = NodeId::new(u8::try_from(node?).ok()?)?;
@@ -173,13 +183,15 @@ pub(super) fn drive(map: &mut Map<'_>, node: Option<u16>, interface: Option<Inte
         eds: eds?,
         watching: watching?,
         identity: identity?,
+        per_revolution: feed?,
         velocity: factor?,
         startup: startup?,
     })
 }
 
 /// Names of the keys that [`drive`] reads.
-pub(super) const DRIVE_KEYS: [&str; 6] = ["eds", "heartbeat", "guarding", "identity", "velocity_factor", "startup"];
+pub(super) const DRIVE_KEYS: [&str; 7] =
+    ["eds", "heartbeat", "guarding", "identity", "feed", "velocity_factor", "startup"];
 
 fn watching(map: &mut Map<'_>) -> Option<Watching> {
     let heartbeat = map.optional("heartbeat");
@@ -209,6 +221,25 @@ fn identity(value: &Value<'_>) -> Option<Identity> {
     map.finish();
     let [vendor, product, revision, serial] = numbers;
     Some(Identity { vendor: vendor?, product: product?, revision: revision?, serial: serial? })
+}
+
+/// The way of the axis per revolution of the driving shaft, in increments.
+fn feed(value: &Value<'_>, travel: &Travel) -> Option<(u64, u64)> {
+    let kind = travel.kind?;
+    let way = value.quantity(&[kind.dimension(0), Dimension::Increments(0)], &Allowed::Positive)?;
+    let exact = match travel.scale?.exact(&way) {
+        Ok(exact) => exact,
+        Err(error) => {
+            value.refuse(format!("feed: {error}"), error.hint());
+            return None;
+        }
+    };
+    let parts = (u64::try_from(*exact.numer()).ok(), u64::try_from(*exact.denom()).ok());
+    if let (Some(numerator), Some(denominator)) = parts {
+        return Some((numerator, denominator));
+    }
+    value.refuse(format!("feed is `{way}`, {exact} inc; a fraction of two numbers below 2^64 is allowed"), None);
+    None
 }
 
 fn factor(value: &Value<'_>) -> Option<VelocityFactor> {

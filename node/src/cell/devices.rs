@@ -1,10 +1,10 @@
 //! Sections `io`, `memory` and `encoders`.
 
 use super::backends::{Context, Hardware, address};
-use super::brake;
 use super::encoders;
 use super::names::{Entry, Once, Section, limit, quote};
 use super::scale::Travel;
+use super::times::time;
 use super::wiring;
 use crate::document::{Map, Value};
 use lineshaft_core::config::{EncoderConfig, FilterConfig, IoConfig, IoKind, MemoryConfig, MemoryKind, VirtualInput};
@@ -144,7 +144,7 @@ fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>, reads_output: bool) ->
 
 /// How long a level must stand before it counts (ns).
 fn filter(value: &Value<'_>, kind: Option<(&str, IoKind)>) -> Option<u64> {
-    let time = brake::time(value)?;
+    let time = time(value)?;
     match kind {
         Some((name, kind)) if kind != IoKind::DigitalInput => {
             value.refuse(format!("filter is for type di; this one is {name}"), Some("leave it out".to_owned()));

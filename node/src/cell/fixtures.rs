@@ -4,10 +4,10 @@
 //! Places are positions on the machine as its drive counts them, so that at the start the drive reads 0 at `start`.
 
 use super::backends::Context;
-use super::brake;
 use super::devices;
 use super::names::{Once, Section, quote};
 use super::scale::Travel;
+use super::times::time;
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::inputs;
@@ -65,7 +65,7 @@ pub(super) fn read<'d>(
 pub(super) fn brake_times(map: &mut Map<'_>, has_brake: bool) -> Option<[u64; 2]> {
     let [opens, closes] = ["brake_opens", "brake_closes"].map(|key| match map.optional(key) {
         None => Some(0),
-        Some(value) if has_brake => brake::time(&value),
+        Some(value) if has_brake => time(&value),
         Some(value) => {
             let sentence = format!("{key} is for an axis with a brake; this one has neither brake nor o_brake");
             value.refuse(sentence, Some("leave it out".to_owned()));

@@ -36,6 +36,7 @@ mod ros;
 mod row;
 mod safety;
 mod scale;
+mod times;
 mod wiring;
 
 use crate::document::{Allowed, Document, Problems, Value};
@@ -43,6 +44,7 @@ use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
 pub(crate) use buses::load_of;
 pub use can::{CellBus, CellDrive};
+use lineshaft_can::config::BusConfig;
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{GlobalConfig, MachineConfig};
 use lineshaft_core::drive::Objects;
@@ -142,6 +144,21 @@ impl Cell {
         let name =
             |at: Hardware| format!("{}:{}", self.backends.get(at.backend).map_or("", |found| &found.name), at.number);
         self.hardware.iter().map(|at| at.map(name)).collect()
+    }
+
+    /// The buses of its backends on CAN, in the order of the section. `file` is the cell as it was named, beside which the files of devices
+    /// are.
+    ///
+    /// # Errors
+    /// All that is wrong with the files, and with what they make of the buses.
+    pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
+        let Self { machine, hardware, on_can, backends, .. } = self;
+        buses::Parts { machine, hardware, on_can, backends }.buses(file)
+    }
+
+    /// Inputs, outputs and encoders at backends on CAN, which do not exist yet: a sentence for each backend.
+    pub fn missing_terminals(&self) -> Vec<String> {
+        buses::missing_terminals(&self.backends)
     }
 
     fn of(document: Document) -> Result<Self, Problems> {

@@ -53,6 +53,12 @@ pub const VELOCITY: Object = of(0x606C, 0);
 pub const TORQUE: Object = of(0x6077, 0);
 /// Target position (counts; CiA 402).
 pub const TARGET_POSITION: Object = of(0x607A, 0);
+/// Position encoder resolution: increments per revolutions of the motor (CiA 402).
+pub const ENCODER_RESOLUTION: [Object; 2] = [of(0x608F, 1), of(0x608F, 2)];
+/// Gear ratio: revolutions of the motor per revolutions of the driving shaft (CiA 402).
+pub const GEAR_RATIO: [Object; 2] = [of(0x6091, 1), of(0x6091, 2)];
+/// Feed constant: position units per revolutions of the driving shaft (CiA 402).
+pub const FEED_CONSTANT: [Object; 2] = [of(0x6092, 1), of(0x6092, 2)];
 /// Homing method (CiA 402).
 pub const HOMING_METHOD: Object = of(0x6098, 0);
 /// Homing speed towards the switch (CiA 402).

@@ -75,6 +75,7 @@ pub(crate) fn configure(
     let mut session = Session { port, bus, drive, written: 0 };
     session.identify()?;
     session.refuse_twins()?;
+    session.check_factors()?;
     calm(session.port, drive.node)?;
     session.port.nmt(NmtCommand::EnterPreOperational, drive.node);
     session.write_all()?;
@@ -163,6 +164,42 @@ impl Session<'_> {
         }
         let number = node.get();
         Err(Refusal::Wrong(format!("each request has two answers: another device has the node id {number} as well")))
+    }
+
+    /// Does the drive count a revolution of its shaft as the cell does?
+    fn check_factors(&mut self) -> Result<(), Refusal> {
+        let Some((counts, turns)) = self.drive.per_revolution else { return Ok(()) };
+        let (found, of) = match self.fraction(objects::FEED_CONSTANT)? {
+            Some(feed) => (feed, "6092h"),
+            None => {
+                let Some((increments, turns)) = self.fraction(objects::ENCODER_RESOLUTION)? else {
+                    let why = "key feed is given, but the drive has neither 6092h nor 608Fh: it cannot be compared";
+                    return Err(Refusal::Wrong(why.to_owned()));
+                };
+                let (motor, shaft) = self.fraction(objects::GEAR_RATIO)?.unwrap_or((1, 1));
+                ((increments * motor, turns * shaft), "608Fh, 6091h")
+            }
+        };
+        let same = u128::from(found.0) * u128::from(turns) == u128::from(found.1) * u128::from(counts);
+        if same && found.1 != 0 {
+            return Ok(());
+        }
+        let shown = |(counts, turns): (u64, u64)| match counts.checked_rem(turns) {
+            Some(0) => (counts / turns).to_string(),
+            _ => format!("{counts}/{turns}"),
+        };
+        Err(Refusal::Wrong(format!(
+            "the drive counts {} inc per revolution of its shaft ({of}); by scale and feed of the cell it is {} inc",
+            shown(found),
+            shown((counts, turns))
+        )))
+    }
+
+    /// Two numbers of 32 bits, where the drive has them.
+    fn fraction(&mut self, [numerator, denominator]: [Object; 2]) -> Result<Option<(u64, u64)>, Refusal> {
+        let Some(numerator) = self.number(numerator)? else { return Ok(None) };
+        let denominator = self.number(denominator)?.unwrap_or(1);
+        Ok(Some((numerator.into(), denominator.into())))
     }
 
     /// Does the drive offer the mode of the interface (6502h)?

@@ -1,7 +1,150 @@
 use super::*;
+use crate::cell::Cell;
 
+const HEAD: &str = "lineshaft: 1\ncycle: CYCLE\nbackends:\n  bus0: {type: can, BUS}\naxes:\n";
+
+fn axis(name: &str, drive: &str) -> String {
+    format!(
+        "  {name}: {{type: linear, scale: {{increments: 10000, per: 10 mm}}, drive: {{backend: bus0, {drive}}},\n    \
+         max_velocity: 1 m/s, max_acceleration: 1 m/s^2}}\n"
+    )
+}
+
+fn cell(cycle: &str, bus: &str, drives: &[String]) -> Cell {
+    let axes: String = drives.iter().enumerate().map(|(at, drive)| axis(&format!("x{at}"), drive)).collect();
+    let text = HEAD.replace("CYCLE", cycle).replace("BUS", bus) + &axes;
+    Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+/// The file that stands for the cell: its EDS is the one of the tests of CAN.
+fn file() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("can/tests/data/c.yaml")
+}
+
+fn refused(cell: &Cell) -> String {
+    let problems = cell.buses(Some(&file())).expect_err("it has a problem").to_string();
+    problems.replace(&file().display().to_string(), "c.yaml").trim_end().to_owned()
+}
+
+const BUS: &str = "transport: 'slcan:/dev/ttyACM0', bitrate: 1000000";
+
+/// 135 and 55 are the figures of the field for 8 bytes and none.
 #[test]
 fn a_frame_has_its_bits() {
-    // 135 and 55 are the figures of the field for 8 bytes and none.
     assert_eq!((frame_bits(8), frame_bits(0)), (135, 55));
+}
+
+/// Of 7 bytes: 47 + 56 + 89 / 4 = 125. SYNC and two frames for each drive.
+#[test]
+fn a_cycle_that_does_not_fit_the_bit_rate_is_refused_with_the_sum() {
+    let drives: Vec<_> = (1..=4).map(|node| format!("node: {node}")).collect();
+    let sentence = "c.yaml:4:9: backend bus0: what each cycle carries does not fit: 9 frames of 1055 bits take 1055 us at 1000000 bit/s, \
+                    the cycle is 1000 us; a cycle of 1.1 ms fits, or fewer drives on this bus";
+    assert_eq!(refused(&cell("1 ms", BUS, &drives)), sentence);
+    let fits = cell("2 ms", BUS, &drives).buses(None).unwrap();
+    let load = "backend bus0: 9 frames of 1055 bits at most in each cycle of 2000 us: 53 % of 1000000 bit/s";
+    assert_eq!(load_of(&fits[0]).as_deref(), Some(load));
+    // Of an interface of Linux nobody knows the rate, where the cell does not say it.
+    let unknown = cell("1 ms", "transport: 'socketcan:can0'", &drives).buses(None).unwrap();
+    assert_eq!(load_of(&unknown[0]), None);
+}
+
+#[test]
+fn a_cycle_that_drives_cannot_be_told_is_refused() {
+    let sentence = "c.yaml:4:9: backend bus0: a cycle of 1001 us cannot be told to drives (60C2h); 1 to 255 times 1, 10, 100 us or 1 ms is \
+                    allowed";
+    assert_eq!(refused(&cell("1001 us", BUS, &["node: 1".to_owned()])), sentence);
+}
+
+#[test]
+fn a_drive_with_the_node_of_the_master_is_refused() {
+    let sentence = "c.yaml:4:9: backend bus0: node 127 is that of the master and of the drive of x0";
+    assert_eq!(refused(&cell("4 ms", BUS, &["node: 127".to_owned()])), sentence);
+    let other = format!("{BUS}, master: {{node: 1}}");
+    assert!(cell("4 ms", &other, &["node: 127".to_owned()]).buses(None).is_ok());
+    let none = format!("{BUS}, master: none");
+    assert_eq!(cell("4 ms", &none, &["node: 127".to_owned()]).buses(None).unwrap()[0].master, None);
+}
+
+/// Vendor and product are those of the file, unless the cell says others; its digital inputs and error code have a place.
+#[test]
+fn a_drive_is_what_its_file_says_and_what_the_cell_says() {
+    let drive = "node: 3, eds: cia402_sim.eds, identity: {product: 7, serial: 9}, feed: 20 mm, heartbeat: 50 ms, \
+                 velocity_factor: {numerator: 60, denominator: 10000}, startup: [{index: 0x2080, sub: 1, value: -5, type: i16}]";
+    let cell = cell("4 ms", BUS, &[drive.to_owned()]);
+    let buses = cell.buses(Some(&file())).unwrap();
+    let [drive] = buses[0].drives.as_slice() else { panic!("one drive") };
+    let identity = Identity { vendor: Some(0xFFFF), product: Some(7), revision: None, serial: Some(9) };
+    assert_eq!((drive.identity, drive.per_revolution), (identity, Some((20_000, 1))));
+    assert_eq!(drive.watching, lineshaft_can::Watching::Heartbeat { time_ns: 150_000_000 });
+    assert_eq!(drive.velocity.to_drive(10_000.0), 60);
+    let [write] = drive.startup.as_slice() else { panic!("{:?}", drive.startup) };
+    assert_eq!((write.object.to_string(), write.data.as_slice()), ("2080h:01".to_owned(), [0xFB, 0xFF].as_slice()));
+    assert_eq!(drive.layout.told.len(), 2);
+}
+
+#[test]
+fn a_file_that_is_not_there_is_named() {
+    let cell = cell("4 ms", BUS, &["node: 3, eds: none.eds".to_owned()]);
+    let said = refused(&cell);
+    assert!(said.starts_with("c.yaml:6:99: eds ") && said.contains("none.eds` cannot be read: "), "{said}");
+}
+
+#[test]
+fn keys_of_buses_and_drives_have_ranges() {
+    let said = |bus: &str, drive: &str| {
+        let text = HEAD.replace("CYCLE", "4 ms").replace("BUS", bus) + &axis("x", drive);
+        let said = Cell::parse("c.yaml", text).expect_err("it has a problem").to_string();
+        said.lines().next().unwrap_or_default().split_once(": ").unwrap_or_default().1.to_owned()
+    };
+    for (bus, sentence) in [
+        ("transport: 'slcan:/dev/ttyACM0'", "missing key `bitrate` in backend `bus0`"),
+        (
+            "transport: 'udp:239.74.163.2:43113', bitrate: 500000",
+            "bitrate is for a bus; datagrams have none, leave it out",
+        ),
+        ("transport: 'socketcan:can0', sync_counter: 241", "sync_counter is 241; 2..240 is allowed"),
+        (
+            "transport: 'socketcan:can0', sdo_timeout: 5 ms",
+            "sdo_timeout is `5 ms`; 10 ms to 10000 ms in whole milliseconds is allowed",
+        ),
+        (
+            "transport: 'socketcan:can0', master: {heartbeat: 1.5 ms}",
+            "heartbeat is `1.5 ms`; 1 ms to 21000 ms in whole milliseconds is allowed",
+        ),
+    ] {
+        assert_eq!(said(bus, "node: 1"), sentence);
+    }
+    for (drive, sentence) in [
+        (
+            "node: 1, heartbeat: 50 ms, guarding: {time: 50 ms, factor: 3}",
+            "heartbeat and guarding exclude each other, leave one of them out",
+        ),
+        ("node: 1, guarding: {time: 50 ms, factor: 0}", "factor is 0; 1..255 is allowed"),
+        ("node: 1, identity: {vendor: 0x1FFFFFFFF}", "vendor is 8589934591; 0..4294967295 is allowed"),
+        ("node: 1, velocity_factor: {numerator: 0, denominator: 1}", "numerator is 0; 1..4294967295 is allowed"),
+        ("node: 1, startup: [{index: 0x2080, value: 256, type: u8}]", "value is 256; 0..255 is allowed"),
+        ("node: 1, startup: [{index: 0x2080, value: -129, type: i8}]", "value is -129; -128..127 is allowed"),
+        (
+            "node: 1, startup: [{index: 0x6060, value: 1, type: i8}]",
+            "object 6060h is not for startup: the interface of the drive says what it holds",
+        ),
+        ("node: 1, feed: 1 rev", "feed: `1 rev` is an angle; a length such as `1 m` is expected"),
+        (
+            "node: 1, interface: open_loop",
+            "interface open_loop needs mode 2 (vl) or outputs, which do not exist on CAN yet, write position or velocity",
+        ),
+    ] {
+        assert_eq!(said(BUS, drive), sentence);
+    }
+}
+
+/// A cell with terminals on CAN is simulated only.
+#[test]
+fn terminals_on_can_are_named() {
+    let text = HEAD.replace("CYCLE", "4 ms").replace("BUS", BUS) + &axis("x", "node: 1");
+    let text = text.replace("axes:", "io:\n  s: {type: di, backend: bus0, address: 0}\naxes:");
+    let cell = Cell::parse("c.yaml", text).unwrap();
+    let sentence = "backend bus0: entries of io and encoders do not exist on CAN yet (1 of io here): such a cell only runs with --sim";
+    assert_eq!(cell.missing_terminals(), [sentence]);
 }

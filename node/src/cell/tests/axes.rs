@@ -320,7 +320,7 @@ fn drives() {
         (
             "{backend: bus0, node: 1, address: 0}",
             "8:37: unknown key `address` in drive of axis `x`, known are backend, interface, node, eds, heartbeat, guarding, \
-             identity, velocity_factor, startup",
+             identity, feed, velocity_factor, startup",
         ),
     ] {
         assert_eq!(said(&axis(&[("drive", drive)])), expected);

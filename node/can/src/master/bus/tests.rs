@@ -62,6 +62,7 @@ fn drive(place: usize, number: u8, watching: Watching) -> DriveConfig {
         watching,
         layout: Layout::plan(node(number), Interface::Position, None).expect("without a dictionary nothing is missing"),
         identity: Identity::default(),
+        per_revolution: None,
         velocity: VelocityFactor::default(),
         startup: Vec::new(),
     }

@@ -151,6 +151,7 @@ fn config() -> BusConfig {
         watching: Watching::Heartbeat { time_ns: 300_000_000 },
         layout: Layout::plan(node, Interface::Position, None).expect("without a dictionary nothing is missing"),
         identity: Identity::default(),
+        per_revolution: None,
         velocity: VelocityFactor::default(),
         startup: vec![Write { object: Object { index: 0x2080, sub: 1 }, data: vec![5, 0] }],
     };
@@ -304,4 +305,28 @@ fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
         with(|device| drop(device.objects.remove(&(0x1800, 1)))),
         "1800h:01 does not exist: the drive has no PDO 1"
     );
+}
+
+/// 10,000 increments per revolution of the motor, 3 of which are 2 of the shaft: 15,000 per revolution of the shaft.
+#[test]
+fn a_scale_that_contradicts_the_factors_of_the_drive_is_refused_by_both_numbers() {
+    let with = |counts: (u64, u64), objects: &[(u16, u8, u32)]| {
+        let mut config = config();
+        config.drives[0].per_revolution = Some(counts);
+        let add = |device: &mut Device| {
+            for (index, sub, value) in objects {
+                device.objects.insert((*index, *sub), value.to_le_bytes().to_vec());
+            }
+        };
+        run(&device(add), &config).map(drop)
+    };
+    let encoder = [(0x608F, 1, 10_000), (0x608F, 2, 1), (0x6091, 1, 3), (0x6091, 2, 2)];
+    let feed = [encoder.as_slice(), &[(0x6092, 1, 360_000), (0x6092, 2, 7)]].concat();
+    assert_eq!(with((15_000, 1), &encoder), Ok(()));
+    assert_eq!(with((360_000, 7), &feed), Ok(()), "the feed constant counts before the others");
+    let sentence = "the drive counts 15000 inc per revolution of its shaft (608Fh, 6091h); by scale and feed of the cell it is 4000 inc";
+    assert_eq!(with((4000, 1), &encoder).unwrap_err(), sentence);
+    assert!(with((15_000, 1), &feed).unwrap_err().contains("360000/7 inc per revolution of its shaft (6092h)"));
+    assert!(with((1, 1), &[]).unwrap_err().contains("neither 6092h nor 608Fh"));
+    assert!(with((1, 1), &[(0x608F, 1, 1), (0x608F, 2, 0)]).is_err(), "no revolution at all");
 }
