@@ -1,6 +1,7 @@
 //! What a bus is made of, as a cell says it.
 
 use crate::drive::Layout;
+use crate::drive::probe::Probes;
 use crate::sdo::Object;
 use crate::transport::Address;
 use crate::{NodeId, Watching};
@@ -58,8 +59,12 @@ pub struct DriveConfig {
     pub place: usize,
     /// The axis that it drives.
     pub axis: String,
+    /// The number of that axis.
+    pub object: u16,
     /// Its node.
     pub node: NodeId,
+    /// What its touch probes catch.
+    pub probes: Probes,
     /// How it is commanded.
     pub interface: Interface,
     /// What it offers, by the cell.

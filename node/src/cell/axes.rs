@@ -156,7 +156,7 @@ fn axis<'d>(
         Drive::Virtual => (None, None),
         Drive::Real { at, kind, .. } => {
             let model = simulated.as_ref().map_or(Model::Ideal, |(model, _)| *model);
-            (Some(kind.offers(interface, model)), Some((at, on_can)))
+            (Some(kind.offers(interface, model, on_can.as_ref())), Some((at, on_can)))
         }
     };
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;

@@ -1,6 +1,6 @@
 //! Section `backends`, and the keys with which the other sections refer to it.
 
-use super::can::{self, CellBus};
+use super::can::{self, CellBus, CellDrive};
 use super::names::{Entry, Names, Once, Section};
 use crate::document::Map;
 use lineshaft_core::axis::MAX_DELAY;
@@ -32,11 +32,11 @@ impl Backend {
         }
     }
 
-    /// What it offers for a drive with that interface, which a model simulates, or would simulate.
-    pub(super) fn offers(self, interface: Interface, model: Model) -> Capabilities {
+    /// What it offers for a drive with that interface, which a model simulates, or would simulate; on CAN it is described.
+    pub(super) fn offers(self, interface: Interface, model: Model, on_can: Option<&CellDrive>) -> Capabilities {
         match self {
             Self::Sim { delay } => model.capabilities(delay),
-            Self::Can => can::offers(interface),
+            Self::Can => can::offers(interface, on_can),
         }
     }
 }

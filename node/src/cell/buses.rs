@@ -35,13 +35,14 @@ impl Parts<'_> {
     pub(super) fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
         let problems = Problems::new(&file.map_or("the cell".to_owned(), |file| file.display().to_string()));
         let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
-        let axes: Vec<_> = self.machine.axes.iter().filter(|axis| axis.drive.is_some()).collect();
+        let axes = (0_u16..).zip(&self.machine.axes).filter(|(_, axis)| axis.drive.is_some());
+        let axes: Vec<_> = axes.collect();
         let of = |(at, backend): (usize, &CellBackend)| {
             let bus = backend.bus.as_ref()?;
             let places = self.hardware.iter().flatten().enumerate().filter(|(_, hardware)| hardware.backend == at);
             let drives = places.filter_map(|(place, _)| {
                 let described = self.on_can.get(place)?.as_ref()?;
-                drive(place, axes.get(place)?, described, folder, &problems)
+                drive(place, *axes.get(place)?, described, folder, &problems)
             });
             let config = BusConfig {
                 name: backend.name.clone(),
@@ -83,7 +84,7 @@ pub(super) fn missing_terminals(backends: &[CellBackend]) -> Vec<String> {
 
 fn drive(
     place: usize,
-    axis: &AxisConfig,
+    (object, axis): (u16, &AxisConfig),
     drive: &CellDrive,
     folder: &Path,
     problems: &Problems,
@@ -98,7 +99,7 @@ fn drive(
     };
     let at = drive.eds.as_ref().map_or(drive.place, |(_, at)| *at);
     let refuse = |sentence: String| problems.push(at, sentence, None);
-    let layout = Layout::plan(node, interface, dictionary.as_ref());
+    let layout = Layout::plan(node, interface, drive.probes, dictionary.as_ref());
     let layout = layout.map_err(|error| refuse(format!("drive of axis {}: {error}", quote(&axis.name)))).ok()?;
     let configured = dictionary.as_ref().map_or(Ok(Vec::new()), configured);
     let mut startup = configured.map_err(refuse).ok()?;
@@ -110,7 +111,9 @@ fn drive(
     Some(DriveConfig {
         place,
         axis: axis.name.clone(),
+        object,
         node,
+        probes: drive.probes,
         interface,
         offers: axis.drive?,
         watching: drive.watching,

@@ -5,6 +5,7 @@ use super::scale::Travel;
 use super::times::time;
 use crate::document::{Allowed, Map, Place, Value};
 use lineshaft_can::config::{Identity, Master, VelocityFactor, Write};
+use lineshaft_can::drive::probe::{Probe, Probes};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::Address;
 use lineshaft_can::{NodeId, Watching};
@@ -71,6 +72,7 @@ pub struct CellDrive {
     /// A file beside the cell.
     pub(super) eds: Option<(String, Place)>,
     pub(super) watching: Watching,
+    pub(super) probes: Probes,
     pub(super) identity: Identity,
     /// Increments per revolution of its shaft, as a fraction.
     pub(super) per_revolution: Option<(u64, u64)>,
@@ -79,8 +81,10 @@ pub struct CellDrive {
 }
 
 /// What such a drive offers, by the cell alone; the drive itself is asked when it is there.
-pub(super) fn offers(interface: Interface) -> Capabilities {
+pub(super) fn offers(interface: Interface, drive: Option<&CellDrive>) -> Capabilities {
+    let catches = |probe: &Option<Probe>| probe.is_some_and(|probe| probe != Probe::Index);
     Capabilities {
+        latches: drive.is_some_and(|drive| drive.probes.iter().any(catches)),
         delay: DELAY,
         position: interface == Interface::Position,
         velocity: interface == Interface::Velocity,
@@ -171,6 +175,7 @@ pub(super) fn drive(
     let place = map.place();
     let eds = map.optional("eds").map_or(Some(None), |value| Some(Some((value.text()?.to_owned(), value.place()))));
     let watching = watching(map);
+    let probes = probes(map);
     let identity = map.optional("identity").map_or(Some(Identity::default()), |value| identity(&value));
     let feed = map.optional("feed").map_or(Some(None), |value| feed(&value, travel).map(Some));
     let factor = map.optional("velocity_factor").map_or(Some(VelocityFactor::default()), |value| factor(&value));
@@ -182,6 +187,7 @@ pub(super) fn drive(
         interface: interface?,
         eds: eds?,
         watching: watching?,
+        probes: probes?,
         identity: identity?,
         per_revolution: feed?,
         velocity: factor?,
@@ -190,8 +196,8 @@ pub(super) fn drive(
 }
 
 /// Names of the keys that [`drive`] reads.
-pub(super) const DRIVE_KEYS: [&str; 7] =
-    ["eds", "heartbeat", "guarding", "identity", "feed", "velocity_factor", "startup"];
+pub(super) const DRIVE_KEYS: [&str; 9] =
+    ["eds", "heartbeat", "guarding", "probe_1", "probe_2", "identity", "feed", "velocity_factor", "startup"];
 
 fn watching(map: &mut Map<'_>) -> Option<Watching> {
     let heartbeat = map.optional("heartbeat");
@@ -212,6 +218,22 @@ fn watching(map: &mut Map<'_>) -> Option<Watching> {
     let life_factor = map.required("factor").and_then(|value| value.integer(1..=255_u8));
     map.finish();
     Some(Watching::Guarding { guard_ns: guard_ns?, life_factor: life_factor? })
+}
+
+/// What each touch probe catches.
+fn probes(map: &mut Map<'_>) -> Option<Probes> {
+    let all = [("rising", Probe::Rising), ("falling", Probe::Falling), ("both", Probe::Both), ("index", Probe::Index)];
+    let [first, second] = ["probe_1", "probe_2"].map(|key| map.optional(key));
+    let read = |value: &Option<Value<'_>>| value.as_ref().map_or(Some(None), |value| value.choice(&all).map(Some));
+    let (one, two) = (read(&first)?, read(&second)?);
+    // Both would be the same source: the axis.
+    if let (Some(one), Some(two), Some(value)) = (one, two, second)
+        && (one == Probe::Index) == (two == Probe::Index)
+    {
+        value.refuse("probe_1 and probe_2: one of them may catch edges, and one the index", None);
+        return None;
+    }
+    Some([one, two])
 }
 
 fn identity(value: &Value<'_>) -> Option<Identity> {

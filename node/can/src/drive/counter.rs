@@ -33,6 +33,11 @@ impl Counter {
         }
     }
 
+    /// The count at another word of the same coordinate, the shorter way around; none before the first word.
+    pub fn locate(self, word: i32) -> Option<i64> {
+        self.word.map(|last| self.count.wrapping_add(i64::from(word.wrapping_sub(last))))
+    }
+
     /// All of it.
     pub fn count(self) -> i64 {
         self.count
@@ -55,6 +60,7 @@ mod tests {
         assert_eq!((counter.take(i32::MIN + 1), counter.count()), (3, i64::from(i32::MAX) + 2));
         assert_eq!((counter.take(i32::MAX), counter.count()), (-2, i64::from(i32::MAX)));
         assert_eq!(counter.epoch(), 0);
+        assert_eq!(counter.locate(i32::MIN), Some(i64::from(i32::MAX) + 1));
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! Source   CiA 301 (objects 1400h to 1BFFh), CiA 402-2
 
 use super::objects;
+use super::probe::{self, Probes, Slot};
 use crate::eds::{Dictionary, Direction};
 use crate::sdo::Object;
 use crate::{Id, NodeId};
@@ -34,6 +35,10 @@ pub enum Told {
     Inputs,
     /// Error code.
     Fault,
+    /// Position that a touch probe has caught (counts).
+    Captured(Slot),
+    /// How many it has caught.
+    Captures(Slot),
 }
 
 /// What a drive is asked for in a PDO.
@@ -132,6 +137,9 @@ pub enum LayoutError {
     /// An object that is needed.
     #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; interface {1} needs it in each cycle")]
     NotMappable(Object, &'static str),
+    /// What touch probes need.
+    #[error("probes need {0} in a PDO; the drive has no dictionary (key eds) that maps it")]
+    NoProbe(Object),
     /// Too many objects.
     #[error("what is mapped needs more than {MOST_PDOS} PDOs")]
     TooMany,
@@ -142,7 +150,12 @@ impl Layout {
     ///
     /// # Errors
     /// What the drive cannot map.
-    pub fn plan(node: NodeId, interface: Interface, dictionary: Option<&Dictionary>) -> Result<Self, LayoutError> {
+    pub fn plan(
+        node: NodeId,
+        interface: Interface,
+        probes: Probes,
+        dictionary: Option<&Dictionary>,
+    ) -> Result<Self, LayoutError> {
         let target = match interface {
             Interface::Velocity => Field::asked(Asked::Velocity, objects::TARGET_VELOCITY, 32),
             _ => Field::asked(Asked::Position, objects::TARGET_POSITION, 32),
@@ -168,6 +181,16 @@ impl Layout {
             return Err(LayoutError::NotMappable(object, interface.name()));
         }
         let seldom: Vec<_> = seldom.into_iter().filter(|field| maps(field.object)).collect();
+        let mut each_sync = each_sync.to_vec();
+        for slot in probe::slots(probes) {
+            let objects @ [position, count] = probe::objects_of(slot);
+            if let Some(missing) = objects.into_iter().find(|object| !maps(*object)) {
+                return Err(LayoutError::NoProbe(missing));
+            }
+            // 6 bytes behind 7, and behind 6: both in one PDO, so of one moment.
+            each_sync.push(Field::told(Told::Captured(slot), position, 32));
+            each_sync.push(Field::told(Told::Captures(slot), count, 16));
+        }
         let mut told = packed(&each_sync, Transmission::EachSync, 1, |number| node.tpdo(number))?;
         let next = told.len() as u8 + 1;
         told.extend(packed(&seldom, Transmission::OnChange, next, |number| node.tpdo(number))?);
@@ -224,13 +247,13 @@ mod tests {
     /// What each cycle needs is 7 bytes each way.
     #[test]
     fn without_a_dictionary_only_what_is_needed_is_mapped() {
-        let layout = Layout::plan(node(), Interface::Position, None).unwrap();
+        let layout = Layout::plan(node(), Interface::Position, [None; 2], None).unwrap();
         assert_eq!(told(&layout), [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode])]);
         let [asked] = layout.asked.as_slice() else { panic!("{:?}", layout.asked) };
         assert_eq!((asked.number, asked.id.get(), asked.bytes()), (1, 0x203, 7));
         let objects: Vec<_> = asked.fields.iter().map(|field| field.object.index).collect();
         assert_eq!(objects, [0x6040, 0x607A, 0x6060]);
-        let velocity = Layout::plan(node(), Interface::Velocity, None).unwrap();
+        let velocity = Layout::plan(node(), Interface::Velocity, [None; 2], None).unwrap();
         assert_eq!(velocity.asked[0].fields[1].object.index, 0x60FF);
     }
 
@@ -239,7 +262,7 @@ mod tests {
     fn what_the_dictionary_maps_has_a_place() {
         let text = include_bytes!("../../tests/data/cia402_sim.eds");
         let known = eds::parse(text, Some(3)).unwrap();
-        let layout = Layout::plan(node(), Interface::Position, Some(&known)).unwrap();
+        let layout = Layout::plan(node(), Interface::Position, [None; 2], Some(&known)).unwrap();
         let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
         assert!(layout.is_used(Direction::Transmit, 2) && !layout.is_used(Direction::Receive, 2));
@@ -251,9 +274,9 @@ mod tests {
         let at = text.find("[607A]").unwrap();
         let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-        let error = Layout::plan(node(), Interface::Position, Some(&known)).unwrap_err();
+        let error = Layout::plan(node(), Interface::Position, [None; 2], Some(&known)).unwrap_err();
         let sentence = "607Ah:00 cannot be mapped to a PDO, by the dictionary of the drive; interface position needs it in each cycle";
         assert_eq!(error.to_string(), sentence);
-        assert!(Layout::plan(node(), Interface::Velocity, Some(&known)).is_ok());
+        assert!(Layout::plan(node(), Interface::Velocity, [None; 2], Some(&known)).is_ok());
     }
 }

@@ -5,6 +5,7 @@ pub mod homing;
 pub mod image;
 pub mod layout;
 pub mod objects;
+pub mod probe;
 
 pub use counter::Counter;
 pub use homing::HomingSetup;

@@ -67,6 +67,12 @@ pub const HOMING_SEARCH: Object = of(0x6099, 1);
 pub const HOMING_ZERO: Object = of(0x6099, 2);
 /// Homing acceleration (CiA 402).
 pub const HOMING_ACCELERATION: Object = of(0x609A, 0);
+/// Touch probe function (CiA 402).
+pub const TOUCH_PROBE_FUNCTION: Object = of(0x60B8, 0);
+/// Position at the rising edge of probe 1; those of the other edges follow (counts; CiA 402).
+pub const TOUCH_PROBE_POSITION: Object = of(0x60BA, 0);
+/// Count of rising edges of probe 1; those of the other edges follow (CiA 402).
+pub const TOUCH_PROBE_COUNT: Object = of(0x60D5, 0);
 /// Interpolation time period, its value (CiA 402).
 pub const INTERPOLATION_VALUE: Object = of(0x60C2, 1);
 /// Interpolation time period, its power of ten of seconds (CiA 402).

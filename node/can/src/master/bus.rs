@@ -159,11 +159,7 @@ impl Bus {
         let now_ns = self.now_ns();
         self.take(now_ns);
         let state = self.state();
-        for drive in &mut self.drives {
-            if let Some(input) = inputs.drive.get_mut(drive.place) {
-                drive.read(input, state);
-            }
-        }
+        self.drives.iter_mut().for_each(|drive| drive.read(inputs, state));
     }
 
     /// The end of a cycle.

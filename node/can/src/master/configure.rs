@@ -11,7 +11,7 @@ use super::bus::Order;
 use super::port::Port;
 use crate::config::{BusConfig, DriveConfig, Write};
 use crate::drive::layout::{Field, MOST_PDOS, Pdo};
-use crate::drive::objects;
+use crate::drive::{objects, probe};
 use crate::eds::{CobId, Direction};
 use crate::sdo::{Abort, Object, SdoError};
 use crate::{NmtCommand, NodeId, Watching};
@@ -258,6 +258,10 @@ impl Session<'_> {
         if let Some(master) = self.bus.master {
             let time = ms(master.heartbeat_ns.saturating_mul(HEARTBEATS_MISSED));
             add(objects::CONSUMER_HEARTBEAT, &consumed(master.node, time), true);
+        }
+        // A drive without probes has none that catch: the object is left alone.
+        if self.drive.probes.iter().any(Option::is_some) {
+            add(objects::TOUCH_PROBE_FUNCTION, &probe::function(self.drive.probes).to_le_bytes(), false);
         }
         add(objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
         if let Some((value, index)) = self.bus.interpolation() {

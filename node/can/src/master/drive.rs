@@ -9,11 +9,13 @@
 use crate::config::{DriveConfig, VelocityFactor};
 use crate::drive::image::Image;
 use crate::drive::layout::{Asked, Told, Transmission};
+use crate::drive::probe::{self, Catch, Caught, Probes};
 use crate::drive::{Counter, HomingSetup};
 use crate::{Frame, Id, NodeId, Watch};
 use lineshaft_core::drive::{
-    BusState, DriveInput, DriveOutput, DriveState, Emergency, MODE_HOMING, STATUS_HOMING_ATTAINED,
+    BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Latch, MODE_HOMING, STATUS_HOMING_ATTAINED,
 };
+use lineshaft_core::object::Object;
 
 /// A PDO that the drive sends.
 #[derive(Clone, Debug)]
@@ -58,6 +60,9 @@ pub(crate) struct Drive {
     /// Cycles since its counts were fresh.
     stale: u32,
     emergency: Option<Emergency>,
+    object: Object,
+    probes: Probes,
+    catches: [Catch; 4],
     /// The mode that was asked for last.
     mode: i8,
     pub(super) homing: HomingSetup,
@@ -89,6 +94,9 @@ impl Drive {
             counts_velocity: !tells(Told::Velocity),
             stale: 0,
             emergency: None,
+            object: Object::Axis(config.object),
+            probes: config.probes,
+            catches: Default::default(),
             mode: 0,
             homing: HomingSetup::new(config.velocity),
         }
@@ -117,6 +125,7 @@ impl Drive {
         self.counter.begin_anew();
         self.words = Words { fault, ..Words::default() };
         (self.is_ready, self.is_heard, self.is_fresh, self.stale) = (true, false, false, 0);
+        self.catches = Default::default();
         true
     }
 
@@ -132,7 +141,7 @@ impl Drive {
         if !image.take(frame) {
             return;
         }
-        let (was, mut word) = (self.words, None);
+        let (was, mut word, mut captured) = (self.words, None, 0);
         let words = &mut self.words;
         for (what, value) in image.values() {
             match what {
@@ -143,6 +152,12 @@ impl Drive {
                 Told::Torque => words.effort = value as f64,
                 Told::Velocity => words.velocity = self.factor.from_drive(value),
                 Told::Position => word = Some(value as i32),
+                Told::Captured(_) => captured = value as i32,
+                Told::Captures(slot) => {
+                    if let Some(caught) = self.catches.get_mut(usize::from(slot)) {
+                        caught.take(captured, value as u16);
+                    }
+                }
             }
         }
         let has_zero = |words: Words| words.mode == MODE_HOMING && words.status & STATUS_HOMING_ATTAINED != 0;
@@ -157,7 +172,8 @@ impl Drive {
             }
             (self.is_heard, self.stale) = (true, 0);
         }
-        self.is_fresh |= *is_each_sync;
+        // The PDO with its position is one of those that go with each SYNC.
+        self.is_fresh |= *is_each_sync && word.is_some();
     }
 
     /// Takes an emergency message.
@@ -169,7 +185,9 @@ impl Drive {
     }
 
     /// What it shows in this cycle.
-    pub(super) fn read(&mut self, input: &mut DriveInput, bus: BusState) {
+    pub(super) fn read(&mut self, inputs: &mut Inputs, bus: BusState) {
+        let index = self.read_probes(inputs);
+        let Some(input) = inputs.drive.get_mut(self.place) else { return };
         let is_online = self.is_ready && self.is_heard && bus != BusState::Off;
         let Words { status, mode, inputs, fault, effort, velocity } = self.words;
         let is_fresh = std::mem::take(&mut self.is_fresh) && is_online;
@@ -189,8 +207,25 @@ impl Drive {
             bus,
             emergency: self.emergency.take(),
             inputs,
-            index: None,
+            index,
         };
+    }
+
+    /// Latches of the axis, and the last index pulse.
+    fn read_probes(&mut self, inputs: &mut Inputs) -> Option<i64> {
+        let mut index = None;
+        for (slot, caught) in (0..).zip(&mut self.catches) {
+            let Some((word, lost)) = caught.drain() else { continue };
+            let position = self.counter.locate(word);
+            match probe::meaning(self.probes, slot) {
+                Caught::Index => index = position,
+                Caught::Edge(edge) => {
+                    inputs.add_latch(Latch { object: self.object, edge, age_ns: None, position });
+                    inputs.latches_lost = inputs.latches_lost.saturating_add(lost.into());
+                }
+            }
+        }
+        index
     }
 
     /// The frames that ask it for what a cycle wants; none while it is not ready.

@@ -129,6 +129,11 @@ fn keys_of_buses_and_drives_have_ranges() {
             "node: 1, startup: [{index: 0x6060, value: 1, type: i8}]",
             "object 6060h is not for startup: the interface of the drive says what it holds",
         ),
+        ("node: 1, probe_1: up", "probe_1 is `up`; one of rising, falling, both, index is allowed"),
+        (
+            "node: 1, probe_1: both, probe_2: rising",
+            "probe_1 and probe_2: one of them may catch edges, and one the index",
+        ),
         ("node: 1, feed: 1 rev", "feed: `1 rev` is an angle; a length such as `1 m` is expected"),
         (
             "node: 1, interface: open_loop",
@@ -137,6 +142,16 @@ fn keys_of_buses_and_drives_have_ranges() {
     ] {
         assert_eq!(said(BUS, drive), sentence);
     }
+}
+
+#[test]
+fn probes_need_a_dictionary() {
+    let drive = "node: 1, probe_1: rising".to_owned();
+    let cell = cell("4 ms", BUS, &[drive]);
+    assert!(cell.machine.axes[0].drive.is_some_and(|offers| offers.latches));
+    let sentence =
+        "drive of axis `x0`: probes need 60BAh:00 in a PDO; the drive has no dictionary (key eds) that maps it";
+    assert!(refused(&cell).ends_with(sentence));
 }
 
 /// A cell with terminals on CAN is simulated only.

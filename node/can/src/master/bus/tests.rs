@@ -1,12 +1,14 @@
 use super::*;
 use crate::config::{DriveConfig, Identity, VelocityFactor};
+use crate::drive::probe::Probe;
 use crate::drive::{Layout, objects};
 use crate::transport::Loss;
 use crate::{Id, Watching};
 use assert_no_alloc::{assert_no_alloc, violation_count};
 use lineshaft_core::drive::{
-    Capabilities, DriveInput, DriveOutput, HomingOrder, Interface, MODE_CSP, MODE_HOMING, Mode, control,
+    Capabilities, DriveInput, DriveOutput, Edge, HomingOrder, Interface, Latch, MODE_CSP, MODE_HOMING, Mode, control,
 };
+use lineshaft_core::object::Object as CoreObject;
 use rtrb::RingBuffer;
 use std::collections::VecDeque;
 use std::sync::Mutex;
@@ -60,9 +62,12 @@ fn drive(place: usize, number: u8, watching: Watching) -> DriveConfig {
         interface: Interface::Position,
         offers: Capabilities { delay: 1, position: true, homes: true, ..Capabilities::default() },
         watching,
-        layout: Layout::plan(node(number), Interface::Position, None).expect("without a dictionary nothing is missing"),
+        layout: Layout::plan(node(number), Interface::Position, [None; 2], None)
+            .expect("without a dictionary nothing is missing"),
         identity: Identity::default(),
         per_revolution: None,
+        probes: [None; 2],
+        object: 0,
         velocity: VelocityFactor::default(),
         startup: Vec::new(),
     }
@@ -324,6 +329,42 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
     rig.cycle();
     let DriveInput { count, epoch, velocity, .. } = rig.inputs.drive[0];
     assert_eq!((count, epoch, velocity), (-3, 1, 0.0), "no motion");
+}
+
+/// Position and count of what probe 1 has caught, in TPDO 2: a latch of the axis, once; probe 2 catches the index.
+#[test]
+fn what_a_probe_catches_is_a_latch_of_the_axis() {
+    let known = crate::eds::parse(include_bytes!("../../../tests/data/cia402_sim.eds"), Some(3)).unwrap();
+    let mut config = drive(0, 3, Watching::None);
+    config.probes = [Some(Probe::Rising), Some(Probe::Index)];
+    config.object = 4;
+    config.layout = Layout::plan(node(3), Interface::Position, config.probes, Some(&known)).unwrap();
+    let ids: Vec<_> = config.layout.told.iter().map(|pdo| (pdo.id.get(), pdo.bytes())).collect();
+    assert_eq!(ids, [(0x183, 7), (0x283, 6), (0x383, 6), (0x483, 6)]);
+    let mut rig = Rig::running(Watching::None);
+    rig.bus.drives[0] = Drive::new(&config, 1_000_000);
+    rig.bus.routes = routes(&rig.bus.drives);
+    rig.bus.drives[0].begin(0);
+    let catch = |rig: &Rig, id: u16, position: i32, count: u16| {
+        rig.comes(id, &[position.to_le_bytes().as_slice(), &count.to_le_bytes()].concat());
+    };
+    rig.inputs.latch.reserve(16);
+    rig.answer(0x0237, 1000, MODE_CSP);
+    catch(&rig, 0x283, 700, 7);
+    catch(&rig, 0x383, 1234, 0);
+    rig.cycle();
+    assert_eq!((rig.inputs.latch.as_slice(), rig.inputs.drive[0].index), ([].as_slice(), None), "of before");
+    rig.answer(0x0237, 1300, MODE_CSP);
+    catch(&rig, 0x283, 1111, 9);
+    catch(&rig, 0x383, 1234, 1);
+    rig.cycle();
+    let latch = Latch { object: CoreObject::Axis(4), edge: Edge::Rising, age_ns: None, position: Some(1111) };
+    assert_eq!((rig.inputs.latch.as_slice(), rig.inputs.latches_lost), ([latch].as_slice(), 1));
+    assert_eq!(rig.inputs.drive[0].index, Some(1234));
+    rig.answer(0x0237, 1400, MODE_CSP);
+    catch(&rig, 0x283, 1111, 9);
+    rig.cycle();
+    assert_eq!((rig.inputs.latch.len(), rig.inputs.drive[0].index), (0, None), "once");
 }
 
 /// Whoever asks while a homing is set up is told to come again.

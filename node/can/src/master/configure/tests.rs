@@ -149,9 +149,12 @@ fn config() -> BusConfig {
         interface: Interface::Position,
         offers: Capabilities::default(),
         watching: Watching::Heartbeat { time_ns: 300_000_000 },
-        layout: Layout::plan(node, Interface::Position, None).expect("without a dictionary nothing is missing"),
+        layout: Layout::plan(node, Interface::Position, [None; 2], None)
+            .expect("without a dictionary nothing is missing"),
         identity: Identity::default(),
         per_revolution: None,
+        probes: [None; 2],
+        object: 0,
         velocity: VelocityFactor::default(),
         startup: vec![Write { object: Object { index: 0x2080, sub: 1 }, data: vec![5, 0] }],
     };
