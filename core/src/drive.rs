@@ -9,7 +9,7 @@ use crate::object::Object;
 pub use backend::{Backend, Capabilities, Objects, Terminal};
 pub use cia402::*;
 use serde::{Deserialize, Serialize};
-pub use service::{Service, ServiceError};
+pub use service::{Health, Service, ServiceError};
 pub use switching::{SpeedOutputs, Switching};
 
 /// Most latches of one cycle; what comes beyond is counted in [`Inputs::latches_lost`].

@@ -10,9 +10,24 @@ pub struct ServiceError {
     pub problem: String,
 }
 
+/// How a backend does, for people.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Health {
+    /// What is wrong at present, a sentence each.
+    pub problems: Vec<String>,
+    /// What else is worth knowing: a name, with its unit, and a value.
+    pub values: Vec<(&'static str, String)>,
+}
+
 /// The service half of a backend; the cyclic one is its [`Backend`](super::Backend). What the halves tell each other goes through rings
 /// that were made before either ran: the cyclic half is with its thread already when this one starts, and starts again.
 pub trait Service: Send {
+    /// Name of the backend.
+    fn name(&self) -> &str;
+
+    /// What it hangs on, such as the address of its bus.
+    fn hardware(&self) -> String;
+
     /// Makes it ready to exchange; may take its time.
     ///
     /// # Errors
@@ -21,8 +36,8 @@ pub trait Service: Send {
 
     /// Does what is due beside the cycles. It has a thread of its own then, and may wait for whatever it hangs on.
     ///
-    /// What it gives is what is wrong at present: one line of the log when it comes, and one when it is over; it stops nothing.
-    fn look(&mut self) -> Vec<ServiceError>;
+    /// Each problem is one line of the log when it comes, and one when it is over; it stops nothing.
+    fn look(&mut self) -> Health;
 
     /// Leaves its drives in a safe state.
     fn stop(&mut self);

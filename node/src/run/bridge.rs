@@ -6,6 +6,7 @@ use super::keeper::Orders;
 use super::lanes::{Commander, Numbers};
 use super::recorder::Asked;
 use super::samples::SampleReceiver;
+use super::services::HealthBoard;
 use super::thread::Statistics;
 use crate::parameters::{export_text, read_changes};
 use lineshaft_core::code::Code;
@@ -20,7 +21,7 @@ use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
 use lineshaft_ros::layer::TOLD;
 use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{
-    Busy, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
+    BackendHealth, Busy, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
 };
 use lineshaft_ros::surface::{StateSender, is_told};
 use rtrb::Consumer;
@@ -49,6 +50,7 @@ pub struct Handle {
     statistics: Arc<Statistics>,
     /// What each axis' drive is called, in file order; none for a virtual axis.
     hardware: Vec<Option<String>>,
+    health: HealthBoard,
     begins_active: bool,
 }
 
@@ -74,6 +76,7 @@ impl Handle {
             gate: Arc::new(Gate::opening()),
             statistics: Arc::default(),
             hardware: Vec::new(),
+            health: HealthBoard::default(),
             begins_active: true,
             robot_description: None,
         }
@@ -87,6 +90,11 @@ impl Handle {
     /// The same with what each axis' drive is called, in file order.
     pub fn with_hardware(self, hardware: Vec<Option<String>>) -> Self {
         Self { hardware, ..self }
+    }
+
+    /// The same with how its backends do.
+    pub fn with_health(self, health: HealthBoard) -> Self {
+        Self { health, ..self }
     }
 
     /// The same on a machine that waits to be configured; without it cycles run and axes may be switched on at once.
@@ -209,6 +217,10 @@ impl Host for Handle {
 
     fn statistics(&self) -> HostStatistics {
         self.statistics.take()
+    }
+
+    fn backends(&self) -> Vec<BackendHealth> {
+        self.health.read()
     }
 
     fn hardware(&self, axis: u16) -> Option<&str> {

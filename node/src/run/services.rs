@@ -4,9 +4,10 @@
 //! Refuses  to let cycles run where one does not start: those that have started stop then
 
 use super::gate::Gate;
-use lineshaft_core::drive::{Service, ServiceError};
-use std::sync::Arc;
+use lineshaft_core::drive::{Health, Service, ServiceError};
+use lineshaft_ros::surface::host::BackendHealth;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// How often the health of the backends is looked at.
@@ -16,13 +17,46 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct Services {
     all: Vec<Box<dyn Service>>,
     gate: Arc<Gate>,
+    board: HealthBoard,
+}
+
+/// How each of them does, for whoever shows it.
+#[derive(Clone, Debug, Default)]
+pub struct HealthBoard(Arc<Mutex<Vec<BackendHealth>>>);
+
+impl HealthBoard {
+    fn rows(&self) -> MutexGuard<'_, Vec<BackendHealth>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What stands there.
+    pub fn read(&self) -> Vec<BackendHealth> {
+        self.rows().clone()
+    }
+
+    fn set(&self, place: usize, health: Option<Health>) {
+        if let Some(row) = self.rows().get_mut(place) {
+            row.health = health;
+        }
+    }
 }
 
 impl Services {
     /// The services of a machine, whose gate waits for them from now on.
     pub fn new(all: Vec<Box<dyn Service>>, gate: Arc<Gate>) -> Self {
         gate.wait_for_services();
-        Self { all, gate }
+        let row = |service: &Box<dyn Service>| BackendHealth {
+            name: service.name().to_owned(),
+            hardware: service.hardware(),
+            health: None,
+        };
+        let board = HealthBoard(Arc::new(Mutex::new(all.iter().map(row).collect())));
+        Self { all, gate, board }
+    }
+
+    /// Where they show how they do.
+    pub fn board(&self) -> HealthBoard {
+        self.board.clone()
     }
 
     /// Runs until `stop` is set and no cycle runs.
@@ -56,8 +90,9 @@ impl Services {
     fn look_after_all(&mut self, stop: &AtomicBool) {
         let is_over = AtomicBool::new(false);
         std::thread::scope(|scope| {
-            for service in &mut self.all {
-                scope.spawn(|| look_after(service.as_mut(), &is_over));
+            let (is_over, board) = (&is_over, &self.board);
+            for (place, service) in self.all.iter_mut().enumerate() {
+                scope.spawn(move || look_after(service.as_mut(), is_over, |health| board.set(place, Some(health))));
             }
             // The cycle thread ends first: the program sees to that.
             while !self.gate.end_of_cycles() && !stop.load(Ordering::Relaxed) {
@@ -68,22 +103,25 @@ impl Services {
     }
 
     fn stop(&mut self, started: usize) {
+        (0..started).for_each(|place| self.board.set(place, None));
         self.all[..started].iter_mut().rev().for_each(|service| service.stop());
     }
 }
 
 /// Tells what is wrong once, and once that it is over.
-fn look_after(service: &mut dyn Service, is_over: &AtomicBool) {
-    let mut told: Vec<ServiceError> = Vec::new();
+fn look_after(service: &mut dyn Service, is_over: &AtomicBool, show: impl Fn(Health)) {
+    let mut told: Vec<String> = Vec::new();
     while !is_over.load(Ordering::Relaxed) {
-        let found = service.look();
-        for error in found.iter().filter(|error| !told.contains(error)) {
-            tracing::warn!("{error}");
+        let health = service.look();
+        let (name, found) = (service.name(), &health.problems);
+        for problem in found.iter().filter(|problem| !told.contains(problem)) {
+            tracing::warn!("backend {name}: {problem}");
         }
-        for ServiceError { backend, problem } in told.iter().filter(|error| !found.contains(error)) {
-            tracing::info!("backend {backend}: over: {problem}");
+        for problem in told.iter().filter(|problem| !found.contains(problem)) {
+            tracing::info!("backend {name}: over: {problem}");
         }
-        told = found;
+        told.clone_from(found);
+        show(health);
         std::thread::sleep(LOOK);
     }
 }
@@ -92,7 +130,6 @@ fn look_after(service: &mut dyn Service, is_over: &AtomicBool) {
 mod tests {
     use super::*;
     use lineshaft_ros::surface::host::GateState;
-    use std::sync::Mutex;
 
     type Diary = Arc<Mutex<Vec<String>>>;
 
@@ -120,8 +157,16 @@ mod tests {
             Ok(())
         }
 
-        fn look(&mut self) -> Vec<ServiceError> {
-            Vec::new()
+        fn name(&self) -> &str {
+            self.name
+        }
+
+        fn hardware(&self) -> String {
+            "nothing".to_owned()
+        }
+
+        fn look(&mut self) -> Health {
+            Health { problems: vec!["slow".to_owned()], ..Health::default() }
         }
 
         fn stop(&mut self) {
@@ -142,6 +187,7 @@ mod tests {
             |name, failures| -> Box<dyn Service> { Box::new(Fake { name, failures, diary: Arc::clone(&diary) }) };
         let (gate, stop) = (Arc::new(Gate::opening()), Arc::new(AtomicBool::new(false)));
         let services = Services::new(vec![fake("a", 0), fake("b", 1)], Arc::clone(&gate));
+        let board = services.board();
         let (of_services, of_cycles, end) = (Arc::clone(&stop), Arc::new(AtomicBool::new(false)), Arc::clone(&gate));
         let thread = std::thread::spawn(move || services.run(&of_services));
         // b is not there: a stops, nothing runs, until somebody asks again.
@@ -159,6 +205,7 @@ mod tests {
             }
         });
         until(|| gate.state() == GateState::Open);
+        until(|| board.read().iter().all(|row| row.health.as_ref().is_some_and(|health| health.problems == ["slow"])));
         gate.close();
         until(|| diary.lock().unwrap().iter().filter(|line| line.ends_with("stops")).count() == 3);
         of_cycles.store(true, Ordering::Relaxed);
@@ -177,5 +224,6 @@ mod tests {
             "a stops",
         ];
         assert_eq!(*diary.lock().unwrap(), expected);
+        assert!(board.read().iter().all(|row| row.health.is_none()), "nobody looks any more");
     }
 }

@@ -12,7 +12,7 @@ use super::port::Port;
 use crate::config::BusConfig;
 use crate::transport::{self, Options};
 use crate::{Happened, NmtState, NodeId};
-use lineshaft_core::drive::{Emergency, Service, ServiceError};
+use lineshaft_core::drive::{Emergency, Health, Service, ServiceError};
 use std::time::{Duration, Instant};
 
 /// Between two tries to reach a drive that is not there.
@@ -163,15 +163,17 @@ impl CanService {
         }
     }
 
-    /// Sentences on what is wrong.
-    fn problems(&self) -> Vec<ServiceError> {
+    /// What is wrong, and how many drives take part.
+    fn health(&self) -> Health {
+        let ready = self.drives.iter().filter(|known| known.is_configured).count();
+        let values = vec![("drives in operation", format!("{ready} of {}", self.drives.len()))];
         if let Some((problem, ..)) = &self.lost {
-            return vec![self.error(problem.clone())];
+            return Health { problems: vec![problem.clone()], values };
         }
         let of = |(place, known): (usize, &Known)| {
-            known.problem.as_ref().map(|problem| self.error(format!("{}: {problem}", self.name(place))))
+            known.problem.as_ref().map(|problem| format!("{}: {problem}", self.name(place)))
         };
-        self.drives.iter().enumerate().filter_map(of).collect()
+        Health { problems: self.drives.iter().enumerate().filter_map(of).collect(), values }
     }
 }
 
@@ -199,7 +201,15 @@ impl Service for CanService {
         Ok(())
     }
 
-    fn look(&mut self) -> Vec<ServiceError> {
+    fn name(&self) -> &str {
+        &self.config.name
+    }
+
+    fn hardware(&self) -> String {
+        self.config.transport.to_string()
+    }
+
+    fn look(&mut self) -> Health {
         self.hear();
         self.reopen();
         if self.lost.is_none() {
@@ -212,7 +222,7 @@ impl Service for CanService {
                 }
             }
         }
-        self.problems()
+        self.health()
     }
 
     fn stop(&mut self) {

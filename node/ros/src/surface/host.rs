@@ -3,6 +3,7 @@
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Setpoints};
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::drive::Health;
 use lineshaft_core::event::Event;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::ParameterImage;
@@ -90,6 +91,17 @@ pub struct Statistics {
     pub events_lost: u64,
 }
 
+/// How a backend does that has more to say than its drives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BackendHealth {
+    /// Its name in the cell.
+    pub name: String,
+    /// What it hangs on.
+    pub hardware: String,
+    /// How it does; none before it has started.
+    pub health: Option<Health>,
+}
+
 /// Which parameters are listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Listing {
@@ -173,6 +185,11 @@ pub trait Host: Send + Sync + 'static {
 
     /// What the drive of an axis is called, `backend:address`; none for a virtual axis.
     fn hardware(&self, axis: u16) -> Option<&str>;
+
+    /// Backends that have more to say than their drives: those that had to be started.
+    fn backends(&self) -> Vec<BackendHealth> {
+        Vec::new()
+    }
 
     /// The newest signals.
     fn snapshot(&self) -> Arc<Snapshot>;

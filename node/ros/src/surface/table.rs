@@ -185,7 +185,7 @@ pub(super) const TRANSITION_EVENT: Topic<TransitionEvent> =
 pub(super) const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::published(
     "/diagnostics",
     Qos::STREAM,
-    "how cycle, drives and recorder do: once a second, and at once when a level changes; see [Diagnostics](#diagnostics)",
+    "how cycle, drives, buses and recorder do: once a second, and at once when a level changes; see [Diagnostics](#diagnostics)",
 );
 pub(super) const CYCLE_STATISTICS: Topic<CycleStatistics> =
     Topic::published("~/cycle_statistics", Qos::STREAM, "how well the cycle keeps its time, once a second");

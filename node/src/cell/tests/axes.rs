@@ -317,10 +317,7 @@ fn drives() {
         ),
         ("{backend: bus0, eds: x.eds}", "8:12: missing key `node` in drive of axis `x`"),
         ("{backend: bus0, node: 128}", "8:34: node is 128; 1..127 is allowed"),
-        (
-            "{backend: bus0, node: 1, address: 0}",
-            "8:37: unknown key `address` in drive of axis `x`",
-        ),
+        ("{backend: bus0, node: 1, address: 0}", "8:37: unknown key `address` in drive of axis `x`"),
     ] {
         assert_eq!(said(&axis(&[("drive", drive)])), expected);
     }

@@ -163,6 +163,7 @@ impl Prepared {
         let handle = Handle::new(config.clone(), directory, commander, ask, first, image)
             .with_cycles(Arc::clone(&gate), Arc::clone(&statistics))
             .with_hardware(cell.hardware_names())
+            .with_health(services.as_ref().map(Services::board).unwrap_or_default())
             .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
         // Before the first cycle, and so before anything else that is asked.
         if let Some(Err(busy)) = given.first.map(|action| handle.submit_as(Source::Cli, action)) {

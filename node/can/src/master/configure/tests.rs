@@ -186,8 +186,6 @@ fn device(change: impl FnOnce(&mut Device)) -> Arc<Mutex<Device>> {
 }
 
 /// The values of the cell, by CiA 301 and 402: 100 ms heartbeat, 300 ms of node 127, 4 ms period, RPDO 1 and TPDO 1 with SYNC, the others off.
-///
-/// Proves: MACS-CAN-04
 #[test]
 fn a_drive_is_told_its_startup_its_watch_and_its_pdos() {
     let (device, config) = (device(|_| ()), config());

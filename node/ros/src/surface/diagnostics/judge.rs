@@ -2,7 +2,7 @@
 
 use super::Recorder;
 use crate::surface::history::fault;
-use crate::surface::host::Snapshot;
+use crate::surface::host::{BackendHealth, Snapshot};
 use crate::surface::messages::AxisView;
 use lineshaft_core::code::Code;
 use lineshaft_core::drive::DriveState;
@@ -41,15 +41,22 @@ pub(super) enum Finding {
     /// So many cycles are missing in the recording.
     Lost(u64),
     RecorderGone,
+    /// So many things are wrong with a backend.
+    BackendTroubles(usize),
 }
 
 impl Finding {
     fn level(self) -> u8 {
-        use Finding::{AxisError, DriveAway, DriveFault, DriveWarns, Error, Good, Locked, Lost, Missed, RecorderGone};
+        use Finding::{
+            AxisError, BackendTroubles, DriveAway, DriveFault, DriveWarns, Error, Good, Locked, Lost, Missed,
+            RecorderGone,
+        };
         match self {
             Good => DiagnosticStatus::OK,
             Missed(_) | Locked | DriveWarns | Lost(_) => DiagnosticStatus::WARN,
-            AxisError | Error(_) | DriveFault | DriveAway | RecorderGone => DiagnosticStatus::ERROR,
+            AxisError | Error(_) | DriveFault | DriveAway | RecorderGone | BackendTroubles(_) => {
+                DiagnosticStatus::ERROR
+            }
             Finding::Standing => DiagnosticStatus::STALE,
         }
     }
@@ -61,14 +68,16 @@ pub(super) struct Findings {
     pub machine: Finding,
     /// By place among the drives.
     pub drives: Vec<Finding>,
+    /// Of backends that have more to say.
+    pub backends: Vec<Finding>,
     pub recorder: Finding,
 }
 
 impl Findings {
     /// Their levels, in the order in which they are told.
     pub(super) fn levels(&self) -> Vec<u8> {
-        let drives = self.drives.iter().copied();
-        [self.machine].into_iter().chain(drives).chain([self.recorder]).map(Finding::level).collect()
+        let others = self.drives.iter().chain(&self.backends).copied();
+        [self.machine].into_iter().chain(others).chain([self.recorder]).map(Finding::level).collect()
     }
 }
 
@@ -129,7 +138,14 @@ impl Judge {
     }
 
     /// What is the matter at the moment.
-    pub(super) fn look(&mut self, snapshot: &Snapshot, now: Instant, recorder: &Recorder) -> Findings {
+    pub(super) fn look(
+        &mut self,
+        snapshot: &Snapshot,
+        now: Instant,
+        backends: &[BackendHealth],
+        recorder: &Recorder,
+    ) -> Findings {
+        let backends = backends.iter().map(judge_backend).collect();
         let recorder = match recorder {
             Recorder::Gone => Finding::RecorderGone,
             Recorder::Status(status) if status.recording && status.lost > 0 => Finding::Lost(status.lost),
@@ -139,11 +155,12 @@ impl Judge {
             return Findings {
                 machine: Finding::Standing,
                 drives: vec![Finding::Standing; self.drives.len()],
+                backends,
                 recorder,
             };
         }
         let drives = self.drives.iter().map(|drive| judge_drive(&drive.view, snapshot)).collect();
-        Findings { machine: self.judge_machine(snapshot, now), drives, recorder }
+        Findings { machine: self.judge_machine(snapshot, now), drives, backends, recorder }
     }
 
     fn stands(&mut self, snapshot: &Snapshot, now: Instant) -> bool {
@@ -177,12 +194,15 @@ impl Judge {
         &self,
         findings: &Findings,
         snapshot: &Snapshot,
+        backends: &[BackendHealth],
         recorder: &Recorder,
         words: &Words<'_>,
     ) -> Vec<DiagnosticStatus> {
         let mut all = vec![self.describe_machine(findings.machine, snapshot, words)];
         let drives = self.drives.iter().zip(&findings.drives);
         all.extend(drives.map(|(drive, finding)| drive.describe(*finding, snapshot, words)));
+        let backends = backends.iter().zip(&findings.backends);
+        all.extend(backends.map(|(backend, finding)| describe_backend(backend, *finding, words)));
         all.push(describe_recorder(findings.recorder, recorder, words));
         all
     }
@@ -277,6 +297,24 @@ fn judge_drive(view: &AxisView, snapshot: &Snapshot) -> Finding {
     } else {
         Finding::Good
     }
+}
+
+fn judge_backend(backend: &BackendHealth) -> Finding {
+    match backend.health.as_ref().map(|health| health.problems.len()) {
+        None => Finding::Standing,
+        Some(0) => Finding::Good,
+        Some(count) => Finding::BackendTroubles(count),
+    }
+}
+
+fn describe_backend(backend: &BackendHealth, finding: Finding, words: &Words<'_>) -> DiagnosticStatus {
+    let part = format!("backend {}", backend.name);
+    let Some(health) = &backend.health else {
+        return status(finding, words.node, &part, "not started".to_owned(), &backend.hardware, vec![]);
+    };
+    let message = if health.problems.is_empty() { "in operation".to_owned() } else { health.problems.join("; ") };
+    let values = health.values.iter().map(|(key, value)| pair(key, value)).collect();
+    status(finding, words.node, &part, message, &backend.hardware, values)
 }
 
 fn describe_recorder(finding: Finding, recorder: &Recorder, words: &Words<'_>) -> DiagnosticStatus {

@@ -1,4 +1,5 @@
-//! `/diagnostics`: one status for the cycle, one for each axis with a drive, one for the recorder; once a second, and at once
+//! `/diagnostics`: one status for the cycle, one for each axis with a drive, one for each backend that had to be
+//! started, one for the recorder; once a second, and at once
 //! when a level changes.
 
 mod judge;
@@ -64,13 +65,14 @@ async fn publish(
             recorder = ask(&hub, recorder).await;
         }
         let (snapshot, time) = (hub.host.snapshot(), Instant::now());
-        let findings = judge.look(&snapshot, time, &recorder);
+        let backends = hub.host.backends();
+        let findings = judge.look(&snapshot, time, &backends, &recorder);
         let levels = findings.levels();
         if told.as_ref().is_some_and(|(last, before)| *before == levels && time - *last < PERIOD) {
             continue;
         }
         let words = Words { node: &node, state: life.label(), error: &|axis, code| hub.error_of(axis, code) };
-        let status = judge.describe(&findings, &snapshot, &recorder, &words);
+        let status = judge.describe(&findings, &snapshot, &backends, &recorder, &words);
         let header = Header { stamp: hub.clock.now(), ..Header::default() };
         if let Err(error) = publisher.publish(&DiagnosticArray { header, status }) {
             failed += 1;

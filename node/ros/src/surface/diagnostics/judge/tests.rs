@@ -1,5 +1,6 @@
 use super::*;
 use crate::surface::parameters::fake;
+use lineshaft_core::drive::Health;
 use lineshaft_core::machine::Machine;
 use lineshaft_msgs::srv::RecordResponse;
 
@@ -38,16 +39,17 @@ impl Bench {
     /// Levels of machine, x and recorder at so many milliseconds.
     fn levels(&mut self, ms: u64) -> Vec<u8> {
         let now = self.begin + Duration::from_millis(ms);
-        self.judge.look(&self.snapshot, now, &Recorder::Unknown).levels()
+        self.judge.look(&self.snapshot, now, &[], &Recorder::Unknown).levels()
     }
 
     fn describe(&mut self, ms: u64, recorder: &Recorder) -> Vec<DiagnosticStatus> {
         let now = self.begin + Duration::from_millis(ms);
-        let findings = self.judge.look(&self.snapshot, now, recorder);
+        let findings = self.judge.look(&self.snapshot, now, &[], recorder);
         let error = |axis, code: Code| (axis == 1 && code.0 == 88).then(|| "x: a sentence".to_owned());
         self.judge.describe(
             &findings,
             &self.snapshot,
+            &[],
             recorder,
             &Words { node: "cell", state: "active", error: &error },
         )
@@ -69,7 +71,8 @@ fn a_cycle_stands_after_100_ms_and_10_cycles_without_a_new_one() {
 
     let views = AxisView::all(bench.machine.config(), bench.machine.directory());
     let mut slow = Judge::new(views, Vec::new(), bench.machine.directory(), 20_000_000, bench.begin);
-    let mut look = |ms| slow.look(&bench.snapshot, bench.begin + Duration::from_millis(ms), &Recorder::Unknown).machine;
+    let mut look =
+        |ms| slow.look(&bench.snapshot, bench.begin + Duration::from_millis(ms), &[], &Recorder::Unknown).machine;
     assert_eq!((look(0), look(200), look(201)), (Finding::Good, Finding::Good, Finding::Standing));
     // Before the first cycle it stands.
     bench.snapshot.stamp_ns = 0;
@@ -83,7 +86,7 @@ fn missed_cycles_are_warned_of_for_a_second() {
         bench.set("machine.overruns", overruns);
         bench.snapshot.cycle = ms + 1;
         let now = bench.begin + Duration::from_millis(ms);
-        bench.judge.look(&bench.snapshot, now, &Recorder::Unknown).machine
+        bench.judge.look(&bench.snapshot, now, &[], &Recorder::Unknown).machine
     };
     assert_eq!(at(0, 0), Finding::Good);
     assert_eq!(at(20, 3), Finding::Missed(3));
@@ -165,4 +168,29 @@ fn a_machine_in_error_says_so_whatever_was_missed() {
     bench.set("machine.state", 2);
     bench.set("machine.overruns", 9);
     assert_eq!(bench.levels(0)[0], ERROR);
+}
+
+/// A backend is stale before its start, and in error with each of its sentences; between the drives and the recorder.
+#[test]
+fn a_backend_tells_its_problems_and_its_values() {
+    let mut bench = Bench::new();
+    let backend = |health| BackendHealth { name: "bus0".to_owned(), hardware: "socketcan:can0".to_owned(), health };
+    let health = |problems: &[&str]| {
+        let problems = problems.iter().map(|&problem| problem.to_owned()).collect();
+        Some(Health { problems, values: vec![("drives in operation", "1 of 2".to_owned())] })
+    };
+    let mut status = |health| {
+        let backends = [backend(health)];
+        let findings = bench.judge.look(&bench.snapshot, bench.begin, &backends, &Recorder::Unknown);
+        let words = Words { node: "cell", state: "active", error: &|_, _| None };
+        let all = bench.judge.describe(&findings, &bench.snapshot, &backends, &Recorder::Unknown, &words);
+        assert_eq!(findings.levels(), all.iter().map(|status| status.level).collect::<Vec<_>>());
+        all[2].clone()
+    };
+    let (before, good) = (status(None), status(health(&[])));
+    assert_eq!((before.level, before.message.as_str()), (STALE, "not started"));
+    assert_eq!((good.level, good.name.as_str(), good.message.as_str()), (OK, "cell: backend bus0", "in operation"));
+    assert_eq!((good.hardware_id.as_str(), value(&good, "drives in operation")), ("socketcan:can0", "1 of 2"));
+    let bad = status(health(&["node 3 (x): it is silent", "node 4 (y): it has booted"]));
+    assert_eq!((bad.level, bad.message.as_str()), (ERROR, "node 3 (x): it is silent; node 4 (y): it has booted"));
 }
