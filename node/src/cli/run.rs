@@ -24,7 +24,7 @@ use lineshaft_ros::layer::{
     self, CreateError, Environment, Interface, Networks, Node, NodeOptions, RosArguments, Side, SideOptions,
 };
 use lineshaft_ros::line_limit::LineLimit;
-use lineshaft_ros::surface::host::Host;
+use lineshaft_ros::surface::host::{GateState, Host};
 use lineshaft_ros::surface::{Surface, check_names, start_command};
 use std::path::Path;
 use std::sync::Arc;
@@ -284,7 +284,7 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
             say(&report);
             if report.passed() { exit } else { Exit::Failed }
         }
-        (_, Ended::ThreadFailed | Ended::WithoutRos) => Exit::Failed,
+        (_, Ended::NotStarted | Ended::ThreadFailed | Ended::WithoutRos) => Exit::Failed,
     })
 }
 
@@ -317,6 +317,8 @@ impl Signals {
 enum Ended {
     BySignal,
     ScenarioOver(Box<Report>),
+    /// The backends do not start, and a scenario waits for them.
+    NotStarted,
     ThreadFailed,
     WithoutRos,
 }
@@ -332,6 +334,11 @@ async fn wait_for_end(running: &Running, is_lost: &AtomicBool, surface: &mut Sur
             _ = look.tick() => {
                 if let Some(report) = running.report.as_ref().and_then(|report| report.try_recv().ok()) {
                     return Ended::ScenarioOver(Box::new(report));
+                }
+                // Nobody would play it any more; without one somebody may mend what is wrong and configure the node anew.
+                if let (Some(_), GateState::Failed(reason)) = (&running.report, running.handle.gate()) {
+                    tracing::error!("the scenario is not played: {reason}");
+                    return Ended::NotStarted;
                 }
                 if records && running.recorder.is_finished() {
                     records = false;
