@@ -68,6 +68,11 @@ impl Watch {
         self.state.filter(|_| !self.is_lost)
     }
 
+    /// Is it silent for longer than it may be?
+    pub fn is_lost(&self) -> bool {
+        self.is_lost
+    }
+
     /// Takes a frame on 700h + node.
     pub fn hear(&mut self, frame: &Frame, now_ns: u64) -> Option<Happened> {
         let life = Life::of(frame).filter(|_| frame.id() == self.node.heartbeat())?;

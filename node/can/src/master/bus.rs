@@ -16,7 +16,7 @@ use crate::{Frame, Happened, NmtCommand, NmtState, NodeId};
 use lineshaft_core::drive::{BusState, Emergency, Inputs, Outputs};
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Frames that are taken in one go: far more than a bus carries in a cycle.
@@ -38,6 +38,8 @@ pub(crate) enum Order {
     Nmt(NmtCommand, Option<NodeId>),
     /// The drive at this place of the bus will be configured.
     Prepare { drive: usize },
+    /// It is configured and will be started next; its digital inputs.
+    Listen { drive: usize, inputs: u32 },
     /// It is configured and started; its error code. One that has booted meanwhile is not.
     Begin { drive: usize, fault: u16 },
 }
@@ -94,6 +96,7 @@ pub(crate) struct Bus {
     reports: Producer<Report>,
     losses: Losses,
     turns: Arc<AtomicU64>,
+    silent: Arc<[AtomicBool]>,
 }
 
 impl Bus {
@@ -105,6 +108,7 @@ impl Bus {
             transport: None,
             began: Instant::now(),
             routes: routes(&drives),
+            silent: drives.iter().map(|_| AtomicBool::new(false)).collect(),
             drives,
             clients: nodes().map(client).collect(),
             busy: Vec::with_capacity(usize::from(NodeId::MAX)),
@@ -123,6 +127,16 @@ impl Bus {
         Arc::clone(&self.turns)
     }
 
+    /// Of which drives there is no sign of life any more.
+    pub(crate) fn silent(&self) -> Arc<[AtomicBool]> {
+        Arc::clone(&self.silent)
+    }
+
+    /// Its drives take part in the cycles no longer: they are told so one by one from here on.
+    pub(crate) fn rest(&mut self) {
+        self.drives.iter_mut().for_each(|drive| drive.end(false));
+    }
+
     /// Time since the bus was made (ns).
     pub(crate) fn now_ns(&self) -> u64 {
         u64::try_from(self.began.elapsed().as_nanos()).unwrap_or(u64::MAX)
@@ -131,12 +145,12 @@ impl Bus {
     /// Opens the way, where the service has the bus.
     pub(crate) fn open(&mut self, transport: Box<dyn Transport>) {
         self.transport = Some(transport);
-        self.drives.iter_mut().for_each(|drive| drive.end(false));
+        self.rest();
     }
 
     /// Closes it.
     pub(crate) fn close(&mut self) {
-        self.drives.iter_mut().for_each(|drive| drive.end(false));
+        self.rest();
         if let Some(mut transport) = self.transport.take() {
             transport.close();
         }
@@ -218,6 +232,11 @@ impl Bus {
             Order::Prepare { drive } => {
                 if let Some(drive) = self.drives.get_mut(drive) {
                     drive.prepare();
+                }
+            }
+            Order::Listen { drive, inputs } => {
+                if let Some(drive) = self.drives.get_mut(drive) {
+                    drive.listen(inputs);
                 }
             }
             Order::Begin { drive: place, fault } => {
@@ -326,6 +345,9 @@ impl Bus {
         for place in 0..self.drives.len() {
             let Some(drive) = self.drives.get_mut(place) else { continue };
             let (happened, question) = drive.watch.tick(now_ns);
+            if let Some(silent) = self.silent.get(place) {
+                silent.store(drive.watch.is_lost(), Ordering::Relaxed);
+            }
             if let Some(question) = question {
                 self.send(&question);
             }

@@ -5,12 +5,12 @@
 //!          say that nothing has changed is not compared either
 //! Refuses  a node of another identity or profile, one that does not offer the mode of its interface, one that refuses a value: by a sentence
 //!          with the object and both values
-//! Source   CiA 301 (boot-up, objects 1000h to 1A00h), CiA 302-2, CiA 402-2, MACS-CAN-04, MACS-CAN-08
+//! Source   CiA 301 (boot-up, NMT, objects 1000h to 1A00h), CiA 302-2, CiA 402-2, MACS-CAN-04, MACS-CAN-08
 
 use super::bus::Order;
 use super::port::Port;
 use crate::config::{BusConfig, DriveConfig, Write};
-use crate::drive::layout::{Field, MOST_PDOS, Pdo};
+use crate::drive::layout::{Field, MOST_PDOS, Pdo, Told};
 use crate::drive::{objects, probe};
 use crate::eds::{CobId, Direction};
 use crate::sdo::{Abort, Object, SdoError};
@@ -33,6 +33,9 @@ pub(crate) enum Refusal {
     /// It does not answer.
     #[error("it is not there: {0}")]
     Absent(SdoError),
+    /// It answers, and nothing would tell whether it is still there.
+    #[error("it answers, but shows no sign of life")]
+    NoLife,
     /// It is not what the cell says, or does not take what it is told.
     #[error("{0}")]
     Wrong(String),
@@ -73,15 +76,22 @@ pub(crate) fn configure(
 ) -> Result<Configured, Refusal> {
     port.order(Order::Prepare { drive: place });
     let mut session = Session { port, bus, drive, written: 0 };
+    session.reach()?;
+    // One that comes tells that it has booted: nothing that counts was told before.
+    session.port.order(Order::Prepare { drive: place });
     session.identify()?;
     session.refuse_twins()?;
     session.check_factors()?;
     calm(session.port, drive.node)?;
     session.port.nmt(NmtCommand::EnterPreOperational, drive.node);
     session.write_all()?;
+    // What it sends on change comes but once where nothing changes, and not from every device when it starts.
+    let inputs = session.inputs()?;
+    session.port.order(Order::Listen { drive: place, inputs });
     session.port.nmt(NmtCommand::Start, drive.node);
     let fault = session.number(objects::ERROR_CODE)?.unwrap_or_default();
     session.port.wait(SETTLE);
+    session.await_life(place)?;
     Ok(Configured { written: session.written, fault: fault as u16 })
 }
 
@@ -122,6 +132,47 @@ impl Session<'_> {
             Err(error) if is_absent(&error) => Ok(None),
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// One that somebody has stopped (NMT) answers nothing but NMT; and a first question may get lost.
+    fn reach(&mut self) -> Result<(), Refusal> {
+        match self.port.read(self.drive.node, objects::DEVICE_TYPE) {
+            Err(error @ SdoError::Silent(..)) => {
+                self.port.nmt(NmtCommand::EnterPreOperational, self.drive.node);
+                // In the cycles the next try comes soon, and others wait meanwhile.
+                if self.port.is_in_cycles() {
+                    return Err(error.into());
+                }
+                Ok(self.port.read(self.drive.node, objects::DEVICE_TYPE).map(drop)?)
+            }
+            done => Ok(done.map(drop)?),
+        }
+    }
+
+    /// Its digital inputs, where a PDO tells them later.
+    fn inputs(&mut self) -> Result<u32, Refusal> {
+        let tells = |pdo: &Pdo<Told>| pdo.fields.iter().any(|field| field.word == Told::Inputs);
+        match self.drive.layout.told.iter().any(tells) {
+            true => Ok(self.number(objects::DIGITAL_INPUTS)?.unwrap_or_default()),
+            false => Ok(0),
+        }
+    }
+
+    /// One that was silent is not watched before it shows that it is there.
+    fn await_life(&mut self, place: usize) -> Result<(), Refusal> {
+        let most = match self.drive.watching {
+            Watching::Heartbeat { time_ns } => time_ns,
+            Watching::Guarding { guard_ns, life_factor } => guard_ns.saturating_mul(life_factor.into()),
+            Watching::None => return Ok(()),
+        };
+        let begin = Instant::now();
+        while self.port.is_silent(place) {
+            if begin.elapsed() > Duration::from_nanos(most) {
+                return Err(Refusal::NoLife);
+            }
+            self.port.wait(SETTLE);
+        }
+        Ok(())
     }
 
     fn identify(&mut self) -> Result<(), Refusal> {
@@ -440,7 +491,11 @@ fn modes(offered: u32) -> String {
 }
 
 /// Drives that watch the master stop doing so: it is going.
-pub(crate) fn release(port: &mut Port, bus: &BusConfig, node: NodeId) {
+pub(crate) fn release(port: &mut Port, bus: &BusConfig, drive: &DriveConfig) {
+    let node = drive.node;
+    if let Watching::Guarding { .. } = drive.watching {
+        let _ = port.write(node, objects::LIFE_TIME_FACTOR, &[0]);
+    }
     if let Some(master) = bus.master {
         // One that does not answer is not there; one without the object never did.
         let _ = port.write(node, objects::CONSUMER_HEARTBEAT, &consumed(master.node, 0));

@@ -47,6 +47,8 @@ pub(crate) struct Drive {
     cycle_s: f64,
     /// It is configured and was started.
     is_ready: bool,
+    /// It is configured, and about to be started: what it tells counts already.
+    listens: bool,
     /// It has booted since somebody began to configure it.
     has_booted: bool,
     pub(super) watch: Watch,
@@ -85,6 +87,7 @@ impl Drive {
             factor: config.velocity,
             cycle_s: cycle_ns as f64 * 1e-9,
             is_ready: false,
+            listens: false,
             has_booted: false,
             watch: Watch::new(config.node, config.watching),
             counter: Counter::default(),
@@ -113,7 +116,16 @@ impl Drive {
 
     /// What it is told from now on holds, unless it boots.
     pub(super) fn prepare(&mut self) {
-        (self.is_ready, self.has_booted) = (false, false);
+        (self.is_ready, self.listens, self.has_booted) = (false, false, false);
+    }
+
+    /// It is configured, and will be started next: what it sends on change it may send but once, when it starts. `inputs`: its digital
+    /// inputs until then.
+    pub(super) fn listen(&mut self, inputs: u32) {
+        self.counter.begin_anew();
+        self.words = Words { inputs, ..Words::default() };
+        (self.listens, self.is_heard, self.is_fresh, self.stale) = (true, false, false, 0);
+        self.catches = Default::default();
     }
 
     /// It is configured, and has been started; `fault` is its error code. False where it has booted since it was
@@ -122,22 +134,27 @@ impl Drive {
         if self.has_booted {
             return false;
         }
-        self.counter.begin_anew();
-        self.words = Words { fault, ..Words::default() };
-        (self.is_ready, self.is_heard, self.is_fresh, self.stale) = (true, false, false, 0);
-        self.catches = Default::default();
+        if !std::mem::take(&mut self.listens) {
+            self.listen(0);
+            self.listens = false;
+        }
+        if self.words.fault == 0 {
+            self.words.fault = fault;
+        }
+        self.is_ready = true;
         true
     }
 
     /// Nobody knows whether what it was told before holds any more; where it has booted it does not.
     pub(super) fn end(&mut self, has_booted: bool) {
-        self.is_ready = false;
+        (self.is_ready, self.listens) = (false, false);
         self.has_booted |= has_booted;
     }
 
     /// Takes the PDO at a place.
     pub(super) fn take_pdo(&mut self, place: usize, frame: &Frame) {
-        let Some(Received { image, is_each_sync }) = self.told.get_mut(place).filter(|_| self.is_ready) else { return };
+        let counts = self.is_ready || self.listens;
+        let Some(Received { image, is_each_sync }) = self.told.get_mut(place).filter(|_| counts) else { return };
         if !image.take(frame) {
             return;
         }

@@ -8,7 +8,7 @@ use crate::sdo::{Object, SdoError, Transfer};
 use crate::{NmtCommand, NodeId};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::VecDeque;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -38,6 +38,9 @@ pub(crate) struct Port {
     strays: u32,
     /// Counts how often the bus was run.
     turns: Arc<AtomicU64>,
+    silent: Arc<[AtomicBool]>,
+    /// Nobody runs the bus: the cycles are over.
+    is_dead: bool,
 }
 
 impl Port {
@@ -46,7 +49,7 @@ impl Port {
         let (orders, taken) = RingBuffer::new(ROOM);
         let (told, reports) = RingBuffer::new(ROOM);
         let bus = make((taken, told));
-        let turns = bus.turns();
+        let (turns, silent) = (bus.turns(), bus.silent());
         Self {
             bus: Arc::new(Mutex::new(bus)),
             is_in_cycles: false,
@@ -55,6 +58,8 @@ impl Port {
             kept: VecDeque::new(),
             strays: 0,
             turns,
+            silent,
+            is_dead: false,
         }
     }
 
@@ -70,7 +75,22 @@ impl Port {
 
     /// From now on the cycles run the bus, or no longer.
     pub(crate) fn set_in_cycles(&mut self, is_in_cycles: bool) {
-        self.is_in_cycles = is_in_cycles;
+        (self.is_in_cycles, self.is_dead) = (is_in_cycles, false);
+    }
+
+    /// Do the cycles run the bus?
+    pub(crate) fn is_in_cycles(&self) -> bool {
+        self.is_in_cycles
+    }
+
+    /// Has nobody run the bus for so long that nobody will, since it was asked last?
+    pub(crate) fn take_dead(&mut self) -> bool {
+        std::mem::take(&mut self.is_dead)
+    }
+
+    /// Is there no sign of life any more of the drive at this place of the bus?
+    pub(crate) fn is_silent(&self, place: usize) -> bool {
+        self.silent.get(place).is_some_and(|silent| silent.load(Ordering::Relaxed))
     }
 
     /// Runs the bus for a moment, where the cycles do not.
@@ -159,6 +179,7 @@ impl Port {
             if now != std::mem::replace(&mut turns, now) {
                 turned = Instant::now();
             } else if turned.elapsed() > DEAD {
+                self.is_dead = true;
                 return Err(SdoError::Silent(object, DEAD.as_millis() as u64));
             }
         }

@@ -37,6 +37,8 @@ pub struct CanService {
     drives: Vec<Known>,
     /// Why the way is lost, when it is tried next, and the time between two tries.
     lost: Option<(String, Instant, Duration)>,
+    /// When it was opened again last, and the time that was waited before.
+    reopened: Option<(Instant, Duration)>,
     /// When an emergency message of a foreign node was told last.
     told: Option<Instant>,
 }
@@ -47,7 +49,7 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
     let backend = CanBackend::new(&config, port.bus());
     let known = Known { problem: None, due: Instant::now(), is_configured: false };
     let drives = vec![known; config.drives.len()];
-    (backend, CanService { config, port, drives, lost: None, told: None })
+    (backend, CanService { config, port, drives, lost: None, reopened: None, told: None })
 }
 
 impl CanService {
@@ -94,7 +96,10 @@ impl CanService {
                 Report::Lost(transport, error) => {
                     // Closing may take its time: not in the cycle.
                     drop(transport);
-                    self.lost = Some((error.to_string(), Instant::now() + BACK_OFF.0, BACK_OFF.0));
+                    // One that comes and goes is not tried anew and told of several times a second.
+                    let again = self.reopened.filter(|(since, _)| since.elapsed() < BACK_OFF.1);
+                    let wait = again.map_or(BACK_OFF.0, |(_, wait)| (wait * 2).min(BACK_OFF.1));
+                    self.lost = Some((error.to_string(), Instant::now() + wait, wait));
                     self.lose_all("the way to the bus is lost");
                 }
                 Report::Emergency(node, emergency) => self.tell_emergency(node, emergency),
@@ -154,6 +159,7 @@ impl CanService {
                 self.lost = None;
                 self.port.order(super::bus::Order::Open(transport));
                 let now = Instant::now();
+                self.reopened = Some((now, wait));
                 self.drives.iter_mut().for_each(|known| known.due = now);
             }
             Err(error) => {
@@ -187,7 +193,7 @@ impl Service for CanService {
             match self.configure(place) {
                 Ok(_) => {}
                 // It is configured when it comes.
-                Err(Refusal::Absent(_)) if self.lost.is_none() => {}
+                Err(Refusal::Absent(_) | Refusal::NoLife) if self.lost.is_none() => {}
                 Err(refusal) => {
                     let error = self.error(format!("{}: {refusal}", self.name(place)));
                     self.stop();
@@ -214,6 +220,11 @@ impl Service for CanService {
         self.reopen();
         if self.lost.is_none() {
             for place in 0..self.drives.len() {
+                // The cycles are over: stop() comes next, and need not wait for the others. Where the program was only frozen, the next look
+                // goes on.
+                if self.port.take_dead() {
+                    break;
+                }
                 let is_due = |known: &Known| !known.is_configured && Instant::now() >= known.due;
                 if self.drives.get(place).is_some_and(is_due) {
                     // What is wrong stands with the others.
@@ -227,15 +238,16 @@ impl Service for CanService {
 
     fn stop(&mut self) {
         self.port.set_in_cycles(false);
+        self.port.lock().rest();
         for place in 0..self.drives.len() {
             let is_configured = self.drives.get(place).is_some_and(|known| known.is_configured);
-            let Some(node) = self.config.drives.get(place).map(|drive| drive.node).filter(|_| is_configured) else {
+            let Some(drive) = self.config.drives.get(place).filter(|_| is_configured) else {
                 continue;
             };
-            if let Err(refusal) = configure::calm(&mut self.port, node) {
+            if let Err(refusal) = configure::calm(&mut self.port, drive.node) {
                 tracing::warn!("{}: {}: it may run: {refusal}", self.config.name, self.name(place));
             }
-            configure::release(&mut self.port, &self.config, node);
+            configure::release(&mut self.port, &self.config, drive);
         }
         self.port.step();
         self.port.lock().close();
