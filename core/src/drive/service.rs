@@ -34,6 +34,12 @@ pub trait Service: Send {
     /// What is not there, or not as the cell says.
     fn start(&mut self) -> Result<(), ServiceError>;
 
+    /// Does what is due for a moment while no cycle runs, between the start of this one and the stop of this one: others start or stop
+    /// meanwhile.
+    fn idle(&mut self) {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+
     /// Does what is due beside the cycles. It has a thread of its own then, and may wait for whatever it hangs on.
     ///
     /// Each problem is one line of the log when it comes, and one when it is over; it stops nothing.

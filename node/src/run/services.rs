@@ -1,6 +1,7 @@
 //! The half of the backends that takes its time: starting, stopping, health. It has a thread of its own.
 //!
-//! Law      all have started before the first cycle, and none stops before the last one is over; they stop in reverse order
+//! Law      all have started before the first cycle, and none stops before the last one is over; they stop in reverse order. Those that
+//!          have started do what is due while others start or stop, which may take seconds: their devices watch whether they are there
 //! Refuses  to let cycles run where one does not start: those that have started stop then
 
 use super::gate::Gate;
@@ -78,7 +79,8 @@ impl Services {
 
     fn start(&mut self) -> Result<(), ServiceError> {
         for place in 0..self.all.len() {
-            if let Err(error) = self.all[place].start() {
+            let (started, others) = self.all.split_at_mut(place);
+            if let Some(Err(error)) = others.first_mut().map(|next| beside(started, || next.start())) {
                 self.stop(place);
                 return Err(error);
             }
@@ -104,7 +106,38 @@ impl Services {
 
     fn stop(&mut self, started: usize) {
         (0..started).for_each(|place| self.board.set(place, None));
-        self.all[..started].iter_mut().rev().for_each(|service| service.stop());
+        for place in (0..started).rev() {
+            let (started, others) = self.all.split_at_mut(place);
+            if let Some(last) = others.first_mut() {
+                beside(started, || last.stop());
+            }
+        }
+    }
+}
+
+/// Does this while the services of `started` do what is due, each in a thread of its own.
+fn beside<T>(started: &mut [Box<dyn Service>], this: impl FnOnce() -> T) -> T {
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        for service in started {
+            scope.spawn(|| {
+                while !is_over.load(Ordering::Relaxed) {
+                    service.idle();
+                }
+            });
+        }
+        // Also where it panics: the scope waits for them.
+        let _end = Over(&is_over);
+        this()
+    })
+}
+
+/// Is over when dropped.
+struct Over<'a>(&'a AtomicBool);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 }
 
@@ -130,6 +163,7 @@ fn look_after(service: &mut dyn Service, is_over: &AtomicBool, show: impl Fn(Hea
 mod tests {
     use super::*;
     use lineshaft_ros::surface::host::GateState;
+    use std::sync::atomic::AtomicUsize;
 
     type Diary = Arc<Mutex<Vec<String>>>;
 
@@ -138,6 +172,7 @@ mod tests {
         /// Starts that fail.
         failures: usize,
         diary: Diary,
+        idled: Arc<AtomicUsize>,
     }
 
     impl Fake {
@@ -153,6 +188,8 @@ mod tests {
                 self.note("fails");
                 return Err(ServiceError { backend: self.name.to_owned(), problem: "can0 is down".to_owned() });
             }
+            // A drive that is not there takes its time.
+            std::thread::sleep(Duration::from_millis(20));
             self.note("starts");
             Ok(())
         }
@@ -165,13 +202,35 @@ mod tests {
             "nothing".to_owned()
         }
 
+        fn idle(&mut self) {
+            self.idled.fetch_add(1, Ordering::Relaxed);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+
         fn look(&mut self) -> Health {
             Health { problems: vec!["slow".to_owned()], ..Health::default() }
         }
 
         fn stop(&mut self) {
+            std::thread::sleep(Duration::from_millis(20));
             self.note("stops");
         }
+    }
+
+    /// A device whose master is silent for a second goes into fault.
+    #[test]
+    fn who_has_started_is_at_work_while_others_start_and_stop() {
+        let idled = [Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0))];
+        let fake = |place: usize| -> Box<dyn Service> {
+            Box::new(Fake { name: "one", failures: 0, diary: Diary::default(), idled: Arc::clone(&idled[place]) })
+        };
+        let mut services = Services::new(vec![fake(0), fake(1)], Arc::new(Gate::opening()));
+        let count = || idled.each_ref().map(|idled| idled.load(Ordering::Relaxed));
+        services.start().unwrap();
+        let [first, second] = count();
+        assert!(first > 2 && second == 0, "the second one starts last: {first}, {second}");
+        services.stop(2);
+        assert!(count()[0] > first + 2 && count()[1] == 0, "and stops first: {:?}", count());
     }
 
     fn until(mut holds: impl FnMut() -> bool) {
@@ -183,8 +242,9 @@ mod tests {
     #[test]
     fn cycles_run_between_the_last_start_and_the_first_stop() {
         let diary = Diary::default();
-        let fake =
-            |name, failures| -> Box<dyn Service> { Box::new(Fake { name, failures, diary: Arc::clone(&diary) }) };
+        let fake = |name, failures| -> Box<dyn Service> {
+            Box::new(Fake { name, failures, diary: Arc::clone(&diary), idled: Arc::default() })
+        };
         let (gate, stop) = (Arc::new(Gate::opening()), Arc::new(AtomicBool::new(false)));
         let services = Services::new(vec![fake("a", 0), fake("b", 1)], Arc::clone(&gate));
         let board = services.board();

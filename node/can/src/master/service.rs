@@ -203,7 +203,6 @@ impl Service for CanService {
         }
         self.port.step();
         self.hear();
-        self.port.set_in_cycles(true);
         Ok(())
     }
 
@@ -215,7 +214,13 @@ impl Service for CanService {
         self.config.transport.to_string()
     }
 
+    fn idle(&mut self) {
+        self.port.set_in_cycles(false);
+        self.port.step();
+    }
+
     fn look(&mut self) -> Health {
+        self.port.set_in_cycles(true);
         self.hear();
         self.reopen();
         if self.lost.is_none() {
