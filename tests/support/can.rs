@@ -62,6 +62,7 @@ impl CanDrives {
         command.arg(setup::sources().join("can/cia402_sim.py"));
         command.args(["--bus", &bus, "--control", "127.0.0.1:0", "--exit-with-parent", "--nodes", nodes]);
         let mut process = Captured::start("can drives", command, &Domain::take(), Stdio::null());
+        process.prefer();
         let line = process.line(BOOT);
         let ready: Value = serde_json::from_str(&line).unwrap_or_else(|error| panic!("{line}: {error}"));
         let at = |key: &str| ready[key].as_str().unwrap_or_else(|| panic!("{line}: no {key}")).to_owned();

@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Pid, Signal, kill_process, setpriority_process};
 use tempfile::TempDir;
 
 use super::domain::Domain;
@@ -124,6 +124,12 @@ impl Captured {
         if let Err(e) = kill_process(pid, signal) {
             panic!("{} cannot be signalled: {e}", self.name);
         }
+    }
+
+    /// Has it run before others where that is allowed, as a device of its own does, which no other program delays.
+    pub(super) fn prefer(&self) {
+        // Only root may: for others it is a device among programs.
+        let _ = setpriority_process(Some(Pid::from_child(&self.child)), -10);
     }
 
     /// What the system says of it and its children; `None` once it has ended.

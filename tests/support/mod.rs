@@ -6,9 +6,11 @@
 
 pub(crate) mod bag_check;
 pub(crate) mod can;
+pub(crate) mod can_cell;
 mod child;
 pub(crate) mod domain;
 pub(crate) mod namespace;
 pub(crate) mod peer;
 pub(crate) mod program;
+pub(crate) mod proxy;
 pub(crate) mod setup;

@@ -1,0 +1,387 @@
+//! CANopen drives that somebody else has written, in a cell of the program: taken over, moved, homed, geared.
+
+mod support;
+
+use lineshaft_can::sdo::Object;
+use lineshaft_can::{NmtCommand, NodeId};
+use std::fmt::Write;
+use std::thread;
+use std::time::Duration;
+use support::can::{Bus, CanDrives, Way};
+use support::can_cell::{CanCell, axis};
+use support::namespace;
+
+const OPERATIONAL: u64 = 5;
+const PRE_OPERATIONAL: u64 = 127;
+/// Increments of the move of each test: 5 mm.
+const WAY: i64 = 5000;
+
+fn object(index: u16, sub: u8) -> Object {
+    Object { index, sub }
+}
+
+/// Predicate of all these axes.
+fn all(axes: &[&str], signal: &str, value: &str) -> String {
+    let each: Vec<_> = axes.iter().map(|axis| format!("{{signal: {axis}.{signal}, is: {value}}}")).collect();
+    format!("{{all: [{}]}}", each.join(", "))
+}
+
+/// Starts a node and leaves it enabled in mode 3, at 20000 counts/s, by objects alone.
+fn set_moving(bus: &mut Bus) {
+    let mut write = |index, data: &[u8]| bus.write(object(index, 0), data, false).unwrap();
+    write(0x6060, &[3]);
+    write(0x60FF, &20_000_i32.to_le_bytes());
+    for control in [6_u16, 7, 15] {
+        write(0x6040, &control.to_le_bytes());
+    }
+}
+
+/// PDO 1 of each direction carries something else, PDO 3 of the drive goes ten times a second.
+fn set_foreign_mapping(bus: &mut Bus, node: u8) {
+    let off = |id: u16| (0x8000_0000 | u32::from(id) + u32::from(node)).to_le_bytes();
+    let on = |id: u16| (u32::from(id) + u32::from(node)).to_le_bytes();
+    for (communication, mapping, id, mapped) in
+        [(0x1400, 0x1600, 0x200, 0x60FF_0020_u32), (0x1800, 0x1A00, 0x180, 0x606C_0020)]
+    {
+        let mut write = |index, sub, data: &[u8]| bus.write(object(index, sub), data, false).unwrap();
+        write(communication, 1, &off(id));
+        write(mapping, 0, &[0]);
+        write(mapping, 1, &mapped.to_le_bytes());
+        write(mapping, 0, &[1]);
+        write(communication, 2, &[1]);
+        write(communication, 1, &on(id));
+    }
+    bus.write(object(0x1802, 5), &100_u16.to_le_bytes(), false).unwrap();
+    bus.send(&NmtCommand::Start.frame(NodeId::new(node)));
+    bus.way.flush().unwrap();
+}
+
+/// Pre-operational, operational, stopped, enabled and moving, in fault, with PDOs of somebody else: nothing moves before it is asked to,
+/// the moving one stops, and then each of them moves to the increment. The fault is shown with its code, and ends by a reset.
+///
+/// Proves: MACS-CAN-04
+#[test]
+fn drives_are_taken_over_from_whatever_they_are_in() {
+    const NODES: [u8; 6] = [1, 2, 3, 4, 5, 6];
+    const AXES: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
+    let mut drives = CanDrives::boot("1-6");
+    for (node, command) in [(2, NmtCommand::Start), (3, NmtCommand::Stop)] {
+        let mut bus = Bus::open(&drives, node);
+        bus.send(&command.frame(NodeId::new(node)));
+        bus.way.flush().unwrap();
+    }
+    set_moving(&mut Bus::open(&drives, 4));
+    set_foreign_mapping(&mut Bus::open(&drives, 6), 6);
+    drives.tell("fault 5 0x8611");
+    for (node, nmt) in [(1, PRE_OPERATIONAL), (2, OPERATIONAL), (3, 4), (6, OPERATIONAL)] {
+        assert_eq!(drives.shown(node).nmt, nmt, "node {node}");
+    }
+    assert!(drives.shown(4).is_enabled() && drives.shown(4).velocity > 0, "{:?}", drives.shown(4));
+    assert_eq!(drives.shown(5).state, "FAULT");
+
+    let axes: String = AXES.iter().zip(NODES).map(|(name, node)| axis(name, node, "", "")).collect();
+    let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axes);
+    let others = ["a", "b", "c", "d", "f"];
+    let (off, stand) = (all(&others, "drive_state", "SWITCH_ON_DISABLED"), all(&AXES, "state", "STANDSTILL"));
+    let moves: Vec<_> =
+        AXES.iter().map(|axis| format!("{{move_axis: {{axis: {axis}, mode: relative, position: 5 mm}}}}")).collect();
+    let run = cell.run(&format!(
+        "scenario: taken over
+for: 7 s
+steps:
+  - {{when: {off}, after: 3 s, do: {{enable: {{axes: [a, b, c, d, f]}}}}}}
+  - {{when: {{signal: e.drive_state, is: FAULT}}, do: {{enable: {{axes: [e]}}}}}}
+  - {{name: reset, when: {{signal: e.error, is: 0x18611}}, do: {{reset_errors: {{axes: [e]}}}}}}
+  - {{when: {{signal: e.drive_state, is: SWITCH_ON_DISABLED}}, do: {{enable: {{axes: [e]}}}}}}
+  - {{when: {stand}, do: [{}]}}
+expect:
+  - {{event: {{kind: error, source: e, code: 0x18611}}, count: 1}}
+  - {{event: {{kind: error}}, count: 1}}
+",
+        moves.join(", ")
+    ));
+    run.until_told(6, "ready after");
+    let before = NODES.map(|node| drives.shown(node));
+    thread::sleep(Duration::from_secs(1));
+    for (before, node) in before.iter().zip(NODES) {
+        let now = drives.shown(node);
+        assert_eq!((now.nmt, now.machine, now.velocity), (OPERATIONAL, before.machine, 0), "node {node}: {now:?}");
+        assert!(now.is_off() || now.state == "FAULT" && node == 5, "node {node}: {now:?}");
+    }
+    run.passes();
+    for (before, node) in before.iter().zip(NODES) {
+        let now = drives.shown(node);
+        assert_eq!(now.position, before.position + WAY, "node {node}: {now:?}");
+        assert!(now.is_off() && now.nmt == PRE_OPERATIONAL, "node {node}: {now:?}");
+    }
+}
+
+/// Positions end to the increment, also after 5 s on the way; with interface velocity the core ends within its window of 5 increments. No
+/// cycle is without a PDO for the drive.
+#[test]
+fn axes_end_where_they_are_asked_to() {
+    let mut drives = CanDrives::boot("1-3");
+    let axes = [
+        axis("x", 1, "", ""),
+        axis("y", 2, "", ""),
+        axis("v", 3, ", interface: velocity", ", in_position_window: 5 um"),
+    ];
+    let cell = CanCell::new(&drives.address().to_string(), "4 ms", &axes.concat());
+    let axes = ["x", "y", "v"];
+    let log = cell.run(&format!(
+        "scenario: moves
+for: 8 s
+steps:
+  - {{when: {}, do: {{enable: {{axes: [x, y, v]}}}}}}
+  - when: {}
+    do:
+      - {{move_axis: {{axis: x, position: -12.345 mm}}}}
+      - {{move_axis: {{axis: y, position: 200.001 mm, velocity: 40 mm/s}}}}
+      - {{move_axis: {{axis: v, position: 30 mm, velocity: 20 mm/s}}}}
+  - {{when: {{signal: x.state, is: STANDSTILL}}, do: {{move_axis: {{axis: x, position: 1000 mm, velocity: 500 mm/s}}}}}}
+  - {{when: {{signal: x.state, is: STANDSTILL}}, do: {{move_axis: {{axis: x, position: 7 um}}}}}}
+expect:
+  - {{all: [{{signal: x.actual.position, is: 7}}, {{signal: y.actual.position, is: 200001}}], at: end}}
+  - {{signal: v.actual.position, at: end, is: 30000, within: 5}}
+  - {{signal: v.in_position, at: end, is: 1}}
+  - {{event: {{kind: error}}, mode: never}}
+",
+        all(&axes, "drive_state", "SWITCH_ON_DISABLED"),
+        all(&axes, "state", "STANDSTILL")
+    ));
+    log.passes();
+    let shown = [1, 2, 3].map(|node| drives.shown(node));
+    assert_eq!((shown[0].position, shown[1].position), (7, 200_001));
+    assert!((shown[2].position - 30_000).abs() <= 5, "{:?}", shown[2]);
+    for shown in shown {
+        assert_eq!((shown.counter("rpdo_missed"), shown.counter("emcy")), (0, 0), "{shown:?}");
+    }
+}
+
+/// Where a method of CiA 402 has its reference, and how exactly: to the increment, or within this many.
+struct Home {
+    method: i8,
+    start: i64,
+    at: i64,
+    within: i64,
+}
+
+impl Home {
+    /// Where the axis goes after it: 10 mm away, off the positive limit.
+    fn target(&self) -> i64 {
+        if matches!(self.method, 2 | 18) { -10_000 } else { 10_000 }
+    }
+}
+
+/// The simulated drive (its README): switch from -2000 to 2000, index pulses at 1234 + n * 10000; limit switches are set to -30000 and 30000.
+/// Index pulses are exact, edges within the way of a cycle at 5000 counts/s: 50.
+fn homes() -> Vec<Home> {
+    const INDEX: [(i8, i64); 14] = [
+        (1, -28_766), // right of the negative limit
+        (2, 21_234),
+        (3, -8_766), // left of the left edge
+        (4, 1_234),
+        (5, 11_234), // right of the right edge
+        (6, 1_234),
+        (7, -8_766),
+        (8, 1_234),
+        (9, 1_234),
+        (10, 11_234),
+        (11, 11_234),
+        (12, 1_234),
+        (13, 1_234),
+        (14, -8_766),
+    ];
+    const EDGES: [(i8, i64); 14] = [
+        (17, -30_000),
+        (18, 30_000),
+        (19, -2_000),
+        (20, -2_000),
+        (21, 2_000),
+        (22, 2_000),
+        (23, -2_000),
+        (24, -2_000),
+        (25, 2_000),
+        (26, 2_000),
+        (27, 2_000),
+        (28, 2_000),
+        (29, -2_000),
+        (30, -2_000),
+    ];
+    // From here, where no switch counts.
+    const HERE: [(i8, i64); 4] = [(33, 1_234), (34, 11_234), (35, 5_000), (37, 5_000)];
+    // On the switch, and beside it on either side.
+    let starts = [0, -5_000, 5_000].into_iter().cycle();
+    let index = INDEX.map(|(method, at)| (method, at, 0)).into_iter();
+    let edges = EDGES.map(|(method, at)| (method, at, 50)).into_iter();
+    let with_switch = index.chain(edges).zip(starts);
+    let with_switch = with_switch.map(|((method, at, within), start)| Home { method, start, at, within });
+    let here = HERE.map(|(method, at)| Home { method, start: 5_000, at, within: 0 });
+    with_switch.chain(here).collect()
+}
+
+/// Homes as many axes at once and moves each by 10 mm; the mechanics stand there, counted from the reference.
+fn homes_each(drives: &mut CanDrives, homes: &[Home], keys: &str, phase: &str) {
+    let names: Vec<_> = (0..homes.len()).map(|at| format!("a{at}")).collect();
+    let (mut axes, mut homing, mut moves, mut expect) = (String::new(), vec![], vec![], String::new());
+    for ((home, name), node) in homes.iter().zip(&names).zip(1_u8..) {
+        let Home { method, start, .. } = home;
+        for command in [format!("limits {node} -30000 30000"), format!("move {node} {start}")] {
+            drives.tell(&command);
+        }
+        axes += &axis(name, node, "", &format!(", homing: {{method: {method}, {keys}}}"));
+        homing.push(format!("{{home_axis: {{axis: {name}}}}}"));
+        moves.push(format!("{{move_axis: {{axis: {name}, position: {} mm}}}}", home.target() / 1000));
+        writeln!(expect, "  - {{signal: {name}.actual.position, at: end, is: {}}}", home.target()).expect("room");
+        if !matches!(method, 35 | 37) {
+            writeln!(expect, "  - {{signal: {name}.homing.phase, is: {phase}, mode: eventually}}").expect("room");
+        }
+    }
+    let names: Vec<_> = names.iter().map(String::as_str).collect();
+    let (off, stand) = (all(&names, "drive_state", "SWITCH_ON_DISABLED"), all(&names, "state", "STANDSTILL"));
+    let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axes);
+    let count = names.len();
+    let run = cell.run(&format!(
+        "scenario: homing
+for: 8 s
+steps:
+  - {{when: {off}, do: {{enable: {{}}}}}}
+  - {{when: {stand}, do: [{}]}}
+  - {{when: {}, do: [{}]}}
+expect:
+  - {{event: {{kind: homed}}, count: {count}}}
+  - {{event: {{kind: error}}, mode: never}}
+{expect}",
+        homing.join(", "),
+        all(&names, "homed", "1"),
+        moves.join(", ")
+    ));
+    run.passes();
+    for (home, node) in homes.iter().zip(1..) {
+        let (shown, Home { method, at, within, .. }) = (drives.shown(node), home);
+        let from = shown.machine - (home.target() + at) as f64;
+        assert!(from.abs() <= *within as f64, "method {method}: {from} from the reference {at}; {shown:?}");
+    }
+}
+
+/// All methods of CiA 402, by the drives themselves. Each counts from its zero on.
+#[test]
+fn drives_home_by_each_method() {
+    let mut drives = CanDrives::boot("1-8");
+    let keys =
+        "in_drive: true, velocity: 50 mm/s, index_velocity: 5 mm/s, acceleration: 500 mm/s^2, max_distance: 100 mm";
+    for homes in homes().chunks(8) {
+        homes_each(&mut drives, homes, keys, "IN_DRIVE");
+        for (node, home) in (1..).zip(homes) {
+            assert_eq!(drives.shown(node).position, home.target(), "method {}", home.method);
+        }
+        drives.tell("power *");
+    }
+}
+
+/// The core homes by the switches that a drive shows in 60FDh; edges are within the way of a cycle at 1 mm/s, 10 increments.
+#[test]
+fn the_core_homes_by_the_switches_of_drives() {
+    let mut drives = CanDrives::boot("1-8");
+    let keys = "velocity: 50 mm/s, index_velocity: 1 mm/s, acceleration: 2 m/s^2, max_distance: 100 mm";
+    let methods = [17, 18, 19, 21, 24, 25, 28, 30];
+    let homes = homes().into_iter().filter(|home| methods.contains(&home.method));
+    let homes: Vec<_> = homes.map(|home| Home { within: 10, ..home }).collect();
+    assert_eq!(homes.len(), 8);
+    homes_each(&mut drives, &homes, keys, "SEARCH_SWITCH");
+}
+
+/// 15000 cycles at 1 : 2, and back to no increment lost: 560001 of the one are floor(560001 / 2) of the other. Each SYNC finds a PDO of
+/// that cycle at both drives.
+#[test]
+fn two_drives_are_geared_for_a_minute() {
+    let mut drives = CanDrives::boot("1-2");
+    let axes = [axis("x", 1, "", ""), axis("y", 2, "", "")].concat();
+    let cell = CanCell::new(&drives.address().to_string(), "4 ms", &axes);
+    let run = cell.run(&format!(
+        "scenario: gear
+for: 60 s
+steps:
+  - {{when: {}, do: {{enable: {{}}}}}}
+  - when: {}
+    do:
+      - {{synchronize: {{axis: y, master: x, mode: position, numerator: 1, denominator: 2}}}}
+      - {{move_axis: {{axis: x, position: 560.001 mm, velocity: 10 mm/s}}}}
+expect:
+  - {{signal: y.sync.error, is: 0}}
+  - {{signal: y.in_sync, from: 5 s, to: end, is: 1}}
+  - {{all: [{{signal: x.actual.position, is: 560001}}, {{signal: y.actual.position, is: 280000}}], at: end}}
+  - {{event: {{kind: error}}, mode: never}}
+",
+        all(&["x", "y"], "drive_state", "SWITCH_ON_DISABLED"),
+        all(&["x", "y"], "state", "STANDSTILL")
+    ));
+    run.passes();
+    let shown = [1, 2].map(|node| drives.shown(node));
+    assert_eq!((shown[0].position, shown[1].position), (560_001, 280_000));
+    for shown in shown {
+        assert!(shown.counter("sync") >= 15_000 && shown.counter("tpdo") >= 15_000, "{shown:?}");
+        assert_eq!((shown.counter("rpdo_missed"), shown.counter("emcy")), (0, 0), "{shown:?}");
+    }
+}
+
+/// One scenario, one cell: with ideal simulations and with drives it ends at the same increments.
+#[test]
+fn a_scenario_ends_alike_in_a_simulation_and_with_drives() {
+    let mut drives = CanDrives::boot("1-2");
+    let axes = [axis("x", 1, "", ", sim: {model: ideal}"), axis("y", 2, "", ", sim: {model: ideal}")].concat();
+    let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axes);
+    let scenario = format!(
+        "scenario: alike
+for: 5 s
+steps:
+  - {{when: {}, do: {{enable: {{}}}}}}
+  - when: {}
+    do:
+      - {{synchronize: {{id: gear, axis: y, master: x, mode: position, numerator: -3, denominator: 7}}}}
+      - {{move_axis: {{axis: x, position: 33.333 mm, velocity: 100 mm/s}}}}
+  - {{when: {{signal: x.state, is: STANDSTILL}}, do: {{move_axis: {{axis: x, mode: relative, position: -3.332 mm}}}}}}
+  - {{when: {{signal: x.state, is: STANDSTILL}}, do: {{cancel: {{id: gear}}}}}}
+  - {{when: {{signal: y.state, is: STANDSTILL}}, do: {{set_position: {{axis: y, position: 1 mm}}}}}}
+  - {{when: {{signal: y.state, is: STANDSTILL}}, do: {{move_axis: {{axis: y, position: -4.5 mm}}}}}}
+expect: # floor(-3 * 30001 / 7) is -12858; from there 5500 back
+  - {{all: [{{signal: x.actual.position, is: 30001}}, {{signal: y.actual.position, is: -4500}}], at: end}}
+  - {{all: [{{signal: x.actual.count, is: 30001}}, {{signal: y.actual.count, is: -18358}}], at: end}}
+  - {{event: {{kind: error}}, mode: never}}
+",
+        all(&["x", "y"], "drive_state", "SWITCH_ON_DISABLED"),
+        all(&["x", "y"], "state", "STANDSTILL")
+    );
+    cell.run_with(&scenario, &["--sim"]).passes();
+    cell.run(&scenario).passes();
+    assert_eq!((drives.shown(1).position, drives.shown(2).position), (30_001, -18_358));
+}
+
+/// One move over this way.
+fn a_move_over(way: Way) {
+    let mut drives = CanDrives::boot_on(way, "1-2");
+    let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axis("x", 2, "", ""));
+    let scenario = "scenario: a move
+for: 2 s
+steps:
+  - {when: {signal: x.drive_state, is: SWITCH_ON_DISABLED}, do: {enable: {}}}
+  - {when: {signal: x.state, is: STANDSTILL}, do: {move_axis: {axis: x, position: 5 mm}}}
+expect:
+  - {signal: x.actual.position, at: end, is: 5000}
+";
+    cell.run(scenario).passes();
+    let shown = drives.shown(2);
+    assert_eq!((shown.position, shown.nmt, drives.shown(1).position), (WAY, PRE_OPERATIONAL, 0), "{shown:?}");
+}
+
+#[test]
+fn a_drive_moves_behind_an_adapter_on_a_terminal() {
+    a_move_over(Way::SlcanPty);
+}
+
+#[test]
+fn a_drive_moves_by_datagrams() {
+    if namespace::is_inside("a_drive_moves_by_datagrams") {
+        a_move_over(Way::Udp);
+    }
+}

@@ -1,0 +1,167 @@
+//! A cell of CANopen drives in a folder of its own, and the program that runs it.
+
+use super::can::CanDrives;
+use super::domain::Domain;
+use super::program::Program;
+use super::setup;
+use serde_json::Value;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Far more than anything here takes.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
+/// Between two looks.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// The keys of an axis of 10000 increments in 10 mm with the drive of a node; `drive` and `keys` are what else is said, each behind a comma.
+pub(crate) fn axis(name: &str, node: u8, drive: &str, keys: &str) -> String {
+    format!(
+        "  {name}: {{type: linear, scale: {{increments: 10000, per: 10 mm}}, drive: {{backend: bus0, node: {node}, eds: \
+         cia402_sim.eds{drive}}}, max_velocity: 500 mm/s, max_acceleration: 5 m/s^2, max_following_error: 5 mm{keys}}}\n"
+    )
+}
+
+/// A folder with a cell and its scenarios.
+pub(crate) struct CanCell {
+    folder: tempfile::TempDir,
+}
+
+impl CanCell {
+    /// Axes at one bus behind this address, with this cycle.
+    pub(crate) fn new(address: &str, cycle: &str, axes: &str) -> Self {
+        Self::with_buses(&[address], cycle, axes)
+    }
+
+    /// Axes at several buses, bus0 and so on.
+    pub(crate) fn with_buses(addresses: &[&str], cycle: &str, axes: &str) -> Self {
+        let cell = Self { folder: tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("room within the build") };
+        let mut buses = String::new();
+        for (at, address) in addresses.iter().enumerate() {
+            // Datagrams have no bit rate.
+            let rate = if address.starts_with("udp") { "" } else { ", bitrate: 1000000" };
+            writeln!(buses, "  bus{at}: {{type: can, transport: \"{address}\"{rate}}}").expect("room");
+        }
+        cell.write("cell.yaml", &format!("lineshaft: 1\ncycle: {cycle}\nbackends:\n{buses}axes:\n{axes}"));
+        let eds = setup::sources().join("../../node/can/tests/data/cia402_sim.eds");
+        fs::copy(eds, cell.folder.path().join("cia402_sim.eds")).expect("the file of the simulated drive is there");
+        cell
+    }
+
+    fn write(&self, name: &str, text: &str) -> String {
+        let path: &Path = &self.folder.path().join(name);
+        fs::write(path, text).expect("room for a file");
+        path.to_str().expect("a path of text").to_owned()
+    }
+
+    /// Starts `lineshaft run` on it with a scenario.
+    pub(crate) fn run(&self, scenario: &str) -> CanRun {
+        self.run_with(scenario, &[])
+    }
+
+    /// The same with more options.
+    pub(crate) fn run_with(&self, scenario: &str, options: &[&str]) -> CanRun {
+        let scenario = self.write("scenario.yaml", scenario);
+        let cell = self.folder.path().join("cell.yaml");
+        let cell = cell.to_str().expect("a path of text");
+        let args = ["run", cell, "--scenario", &scenario, "--store", "none", "--flight-recorder", "0"];
+        CanRun { program: Program::start(&[&args, options].concat(), &Domain::take()) }
+    }
+}
+
+/// The program on such a cell.
+pub(crate) struct CanRun {
+    pub(crate) program: Program,
+}
+
+impl CanRun {
+    /// Waits until the scenario is over and has passed; all that was written.
+    #[track_caller]
+    pub(crate) fn passes(mut self) -> String {
+        let status = self.program.wait_exit(PATIENCE * 2);
+        // The log is shown by who drops the program.
+        assert_eq!(status.code(), Some(0), "the scenario has failed");
+        self.program.log()
+    }
+
+    /// Waits until it has ended with this code; all that was written.
+    #[track_caller]
+    pub(crate) fn ends_with(mut self, code: i32) -> String {
+        let status = self.program.wait_exit(PATIENCE);
+        assert_eq!(status.code(), Some(code), "the exit code");
+        self.program.log()
+    }
+
+    /// Waits until it has written this for the n-th time; how long that took.
+    #[track_caller]
+    pub(crate) fn until_told(&self, times: usize, text: &str) -> Duration {
+        let begin = Instant::now();
+        while self.program.log().matches(text).count() < times {
+            assert!(begin.elapsed() < PATIENCE, "`{text}` is not told {times} times; {}", self.program.log());
+            thread::sleep(LOOK);
+        }
+        begin.elapsed()
+    }
+
+    /// Waits until a drive shows what is asked for.
+    #[track_caller]
+    pub(crate) fn until(&self, drives: &mut CanDrives, node: u8, what: &str, holds: impl Fn(&Shown) -> bool) -> Shown {
+        let begin = Instant::now();
+        loop {
+            let shown = drives.shown(node);
+            if holds(&shown) {
+                return shown;
+            }
+            assert!(begin.elapsed() < PATIENCE, "node {node}: {what}? {shown:?}; {}", self.program.log());
+            thread::sleep(LOOK);
+        }
+    }
+}
+
+/// What a simulated drive is like.
+#[derive(Clone, Debug)]
+pub(crate) struct Shown {
+    pub(crate) nmt: u64,
+    pub(crate) state: String,
+    pub(crate) velocity: i64,
+    /// As the drive counts (6064h).
+    pub(crate) position: i64,
+    /// Of the mechanics, which no homing changes.
+    pub(crate) machine: f64,
+    pub(crate) fault: u64,
+    counters: Value,
+}
+
+impl Shown {
+    pub(crate) fn is_enabled(&self) -> bool {
+        self.state == "OPERATION_ENABLED"
+    }
+
+    pub(crate) fn is_off(&self) -> bool {
+        self.state == "SWITCH_ON_DISABLED"
+    }
+
+    pub(crate) fn counter(&self, name: &str) -> u64 {
+        self.counters[name].as_u64().expect("the drive counts it")
+    }
+}
+
+impl CanDrives {
+    /// What a drive is like.
+    #[track_caller]
+    pub(crate) fn shown(&mut self, node: u8) -> Shown {
+        let told = self.tell(&format!("state {node}"));
+        let whole = |key: &str| told[key].as_i64().unwrap_or_else(|| panic!("{told}: no {key}"));
+        Shown {
+            nmt: whole("nmt").unsigned_abs(),
+            state: told["state"].as_str().expect("a name").to_owned(),
+            velocity: whole("velocity"),
+            position: whole("position"),
+            machine: told["machine_position"].as_f64().expect("a number"),
+            fault: whole("fault").unsigned_abs(),
+            counters: told["counters"].clone(),
+        }
+    }
+}
