@@ -28,7 +28,7 @@ fn all(axes: &[&str], signal: &str, value: &str) -> String {
 
 /// Starts a node and leaves it enabled in mode 3, at 20000 counts/s, by objects alone.
 fn set_moving(bus: &mut Bus) {
-    let mut write = |index, data: &[u8]| bus.write(object(index, 0), data, false).unwrap();
+    let mut write = |index, data: &[u8]| bus.write(object(index, 0), data, false).expect("the drive takes it");
     write(0x6060, &[3]);
     write(0x60FF, &20_000_i32.to_le_bytes());
     for control in [6_u16, 7, 15] {
@@ -38,12 +38,13 @@ fn set_moving(bus: &mut Bus) {
 
 /// PDO 1 of each direction carries something else, PDO 3 of the drive goes ten times a second.
 fn set_foreign_mapping(bus: &mut Bus, node: u8) {
-    let off = |id: u16| (0x8000_0000 | u32::from(id) + u32::from(node)).to_le_bytes();
+    let off = |id: u16| (0x8000_0000 | (u32::from(id) + u32::from(node))).to_le_bytes();
     let on = |id: u16| (u32::from(id) + u32::from(node)).to_le_bytes();
     for (communication, mapping, id, mapped) in
         [(0x1400, 0x1600, 0x200, 0x60FF_0020_u32), (0x1800, 0x1A00, 0x180, 0x606C_0020)]
     {
-        let mut write = |index, sub, data: &[u8]| bus.write(object(index, sub), data, false).unwrap();
+        let mut write =
+            |index, sub, data: &[u8]| bus.write(object(index, sub), data, false).expect("the drive takes it");
         write(communication, 1, &off(id));
         write(mapping, 0, &[0]);
         write(mapping, 1, &mapped.to_le_bytes());
@@ -51,9 +52,9 @@ fn set_foreign_mapping(bus: &mut Bus, node: u8) {
         write(communication, 2, &[1]);
         write(communication, 1, &on(id));
     }
-    bus.write(object(0x1802, 5), &100_u16.to_le_bytes(), false).unwrap();
+    bus.write(object(0x1802, 5), &100_u16.to_le_bytes(), false).expect("the drive takes it");
     bus.send(&NmtCommand::Start.frame(NodeId::new(node)));
-    bus.way.flush().unwrap();
+    bus.way.flush().expect("the bus is there");
 }
 
 /// Pre-operational, operational, stopped, enabled and moving, in fault, with PDOs of somebody else: nothing moves before it is asked to,

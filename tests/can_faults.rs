@@ -99,8 +99,8 @@ const FAULTS: [Fault; 6] = [
 
 /// One drive after the other way is lost in motion: its axis ends in error within its time, stays off when the drive is back and configured
 /// again, and moves once it is reset and enabled. The other axis does not notice, and ends to the increment. An emergency message and a warning
-/// are told, and stop nothing. z is guarded, without heartbeats: an answer that stays away is error 88 (the simulated drive, which is not asked in time
-/// either, goes into fault: 6007h).
+/// are told, and stop nothing. z is guarded, without heartbeats: an answer that stays away is error 88. The
+/// simulated drive does not take the questions meanwhile, either: its life time ends, and it goes into fault (6007h).
 ///
 /// Proves: MACS-CAN-06
 #[test]
