@@ -59,8 +59,6 @@ fn set_foreign_mapping(bus: &mut Bus, node: u8) {
 
 /// Pre-operational, operational, stopped, enabled and moving, in fault, with PDOs of somebody else: nothing moves before it is asked to,
 /// the moving one stops, and then each of them moves to the increment. The fault is shown with its code, and ends by a reset.
-///
-/// Proves: MACS-CAN-04
 #[test]
 fn drives_are_taken_over_from_whatever_they_are_in() {
     const NODES: [u8; 6] = [1, 2, 3, 4, 5, 6];
