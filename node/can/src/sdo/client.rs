@@ -149,6 +149,19 @@ impl Client {
         self.work.is_none()
     }
 
+    /// Bytes of the transfer under way that have gone or come, and how many there are, where that is known.
+    pub fn progress(&self) -> Option<(usize, Option<usize>)> {
+        let Work { data, told, .. } = self.work.as_ref()?;
+        let (most, sent) = (data.len(), |at: usize| (at.min(data.len()), Some(data.len())));
+        Some(match self.state {
+            State::Download | State::BlockDownload => sent(0),
+            State::Segment { at, .. } => sent(at),
+            State::Block { start, next, .. } => sent(start.saturating_add(usize::from(next) * SEGMENT)),
+            State::BlockEnd => sent(most),
+            _ => (most, *told),
+        })
+    }
+
     /// Reads an object into `room`: as many bytes as it has room for, and 7 more for what the last segment is filled up with. Does
     /// nothing and gives `room` back where a transfer is under way.
     ///

@@ -1,0 +1,223 @@
+//! Bringing a configuration into a device.
+//!
+//! Law      every object is read first, and written where it differs. A PDO that differs is switched off, mapped and switched on again, so that
+//!          no half of a mapping ever goes over the bus; what cannot change while something else is on waits for that
+//! Reads    what a DCF writes ([`Dictionary::written`](crate::eds::Dictionary::written))
+//! Refuses  a drive that is enabled; the first object that the device refuses ends it
+//! Source   CiA 301 (1400h to 1BFFh, 1006h and 1019h, 1014h), CiA 306-1
+
+use super::session::{CommissionError, Session};
+use super::words::{drive_state, number};
+use crate::NodeId;
+use crate::drive::objects;
+use crate::sdo::Object;
+use lineshaft_core::drive::DriveState;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// Objects that do something rather than keep something: what they would do was not asked for. Storing, restoring, and the control word.
+const ACTS: [u16; 3] = [0x1010, 0x1011, 0x6040];
+/// Bit 31 of a COB-ID: it is not in use.
+const INVALID: u32 = 0x8000_0000;
+/// What 1010h wants to read before it stores.
+const SAVE: &[u8; 4] = b"save";
+/// How long a device may take for that.
+const STORE: Duration = Duration::from_secs(10);
+
+/// What has come of it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Configured {
+    /// Objects that were compared.
+    pub compared: usize,
+    /// Those that differed and were written.
+    pub written: Vec<Object>,
+    /// Those that were left out, as they do something.
+    pub left_out: Vec<Object>,
+}
+
+/// Objects of one PDO: those of its communication and those of its mapping.
+#[derive(Default)]
+struct Pdo<'a> {
+    communication: BTreeMap<u8, &'a [u8]>,
+    mapping: BTreeMap<u8, &'a [u8]>,
+}
+
+/// The indices of the PDO to which an index belongs, and whether it is that of the mapping.
+fn pdo_of(index: u16) -> Option<((u16, u16), bool)> {
+    match index {
+        0x1400..=0x15FF | 0x1800..=0x19FF => Some(((index, index + 0x200), false)),
+        0x1600..=0x17FF | 0x1A00..=0x1BFF => Some(((index - 0x200, index), true)),
+        _ => None,
+    }
+}
+
+impl Session {
+    /// Writes what differs; `progress` is told how many objects are done, of how many.
+    ///
+    /// # Errors
+    /// The drive is enabled; the device refuses an object or does not answer; the way is lost.
+    pub fn configure(
+        &mut self,
+        node: NodeId,
+        values: &[(Object, Vec<u8>)],
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> Result<Configured, CommissionError> {
+        self.refuse_enabled(node)?;
+        let mut done = Configured::default();
+        let mut pdos: BTreeMap<(u16, u16), Pdo<'_>> = BTreeMap::new();
+        for (object, data) in values {
+            if ACTS.contains(&object.index) {
+                done.left_out.push(*object);
+            } else if let Some((place, is_mapping)) = pdo_of(object.index) {
+                let pdo = pdos.entry(place).or_default();
+                let part = if is_mapping { &mut pdo.mapping } else { &mut pdo.communication };
+                part.insert(object.sub, data);
+            } else {
+                done.compared += 1;
+                if self.differs(node, *object, data)? {
+                    self.write_alone(node, *object, data)?;
+                    done.written.push(*object);
+                }
+                progress(done.compared, values.len());
+            }
+        }
+        for (place, pdo) in pdos {
+            self.write_pdo(node, place, &pdo, &mut done)?;
+            progress(done.compared, values.len());
+        }
+        Ok(done)
+    }
+
+    /// Tells a device to keep what it has ("save" to 1010h:01).
+    ///
+    /// # Errors
+    /// It refuses or does not answer.
+    pub fn store(&mut self, node: NodeId) -> Result<(), CommissionError> {
+        self.write_within(node, Object { index: 0x1010, sub: 1 }, SAVE, STORE)
+    }
+
+    /// A device whose vendor or product code is another one is refused; 0 and none stand for any.
+    ///
+    /// # Errors
+    /// Another device; no answer.
+    pub fn refuse_others(
+        &mut self,
+        node: NodeId,
+        vendor: Option<u32>,
+        product: Option<u32>,
+    ) -> Result<(), CommissionError> {
+        for (sub, what, expected) in [(1, "vendor (1018h:01)", vendor), (2, "product code (1018h:02)", product)] {
+            let Some(expected) = expected.filter(|expected| *expected != 0) else { continue };
+            if let Some(found) = self.number(node, 0x1018, sub)?.filter(|found| *found != expected) {
+                return Err(CommissionError::Other { node, what, found, expected });
+            }
+        }
+        Ok(())
+    }
+
+    fn refuse_enabled(&mut self, node: NodeId) -> Result<(), CommissionError> {
+        let Some(status) = self.number(node, objects::STATUS_WORD.index, 0)?.map(|status| status as u16) else {
+            return Ok(());
+        };
+        let state = DriveState::from_status(status);
+        match state {
+            DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction => {
+                Err(CommissionError::Enabled { node, state: drive_state(state), status })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Has the object another value? One that cannot be read is written.
+    fn differs(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<bool, CommissionError> {
+        Ok(self.optional(node, object)?.is_none_or(|present| present != data))
+    }
+
+    /// Writes an object that belongs to no PDO, around what it depends on.
+    fn write_alone(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<(), CommissionError> {
+        let period = objects::CYCLE_PERIOD;
+        match object {
+            // The overflow of SYNC changes only while its period is 0.
+            objects::SYNC_OVERFLOW => {
+                let present = self.optional(node, period)?.filter(|present| present.iter().any(|byte| *byte != 0));
+                let Some(present) = present else { return self.write(node, object, data) };
+                self.write(node, period, &[0; 4])?;
+                self.write(node, object, data)?;
+                self.write(node, period, &present)
+            }
+            // The identifier of emergency messages changes only while they are off.
+            Object { index: 0x1014, sub: 0 } => {
+                if let Some(present) = self.number(node, 0x1014, 0)?.filter(|present| present & INVALID == 0) {
+                    self.write(node, object, &(present | INVALID).to_le_bytes())?;
+                }
+                if number(data).is_some_and(|wanted| wanted & INVALID == 0) {
+                    let off = number(data).unwrap_or_default() | INVALID;
+                    self.write(node, object, &off.to_le_bytes())?;
+                }
+                self.write(node, object, data)
+            }
+            _ => self.write(node, object, data),
+        }
+    }
+
+    /// By the sequence that all devices take: off, no objects, the objects, their number, the rest, on.
+    fn write_pdo(
+        &mut self,
+        node: NodeId,
+        (communication, mapping): (u16, u16),
+        pdo: &Pdo<'_>,
+        done: &mut Configured,
+    ) -> Result<(), CommissionError> {
+        let at = |index, sub| Object { index, sub };
+        // A file lists more entries than are in use.
+        let count = pdo.mapping.get(&0).and_then(|data| number(data));
+        let is_used = |sub: u8| sub == 0 || count.is_none_or(|count| u32::from(sub) <= count);
+        let mapped: Vec<(u8, &[u8])> =
+            pdo.mapping.iter().filter(|(sub, _)| is_used(**sub)).map(|(sub, data)| (*sub, *data)).collect();
+        let differing = |session: &mut Self, index: u16, given: &[(u8, &[u8])]| {
+            let mut differing = Vec::new();
+            for (sub, data) in given {
+                if session.differs(node, at(index, *sub), data)? {
+                    differing.push(at(index, *sub));
+                }
+            }
+            Ok::<_, CommissionError>(differing)
+        };
+        let given: Vec<(u8, &[u8])> = pdo.communication.iter().map(|(sub, data)| (*sub, *data)).collect();
+        let other = differing(self, communication, &given)?;
+        let remapped = differing(self, mapping, &mapped)?;
+        done.compared += pdo.communication.len() + pdo.mapping.len();
+        if other.is_empty() && remapped.is_empty() {
+            return Ok(());
+        }
+        let cob_id = at(communication, 1);
+        let present = number(&self.read(node, cob_id)?).unwrap_or(INVALID);
+        if present & INVALID == 0 {
+            self.write(node, cob_id, &(present | INVALID).to_le_bytes())?;
+        }
+        if !remapped.is_empty() {
+            let number_of = at(mapping, 0);
+            // Entries alone keep the number that there is.
+            let count = match pdo.mapping.get(&0) {
+                Some(count) => count.to_vec(),
+                None => self.read(node, number_of)?,
+            };
+            self.write(node, number_of, &[0])?;
+            for (sub, data) in mapped.iter().filter(|(sub, _)| *sub != 0) {
+                self.write(node, at(mapping, *sub), data)?;
+            }
+            self.write(node, number_of, &count)?;
+        }
+        for object in other.iter().filter(|object| object.sub != 1) {
+            if let Some(data) = pdo.communication.get(&object.sub) {
+                self.write(node, *object, data)?;
+            }
+        }
+        let wanted = pdo.communication.get(&1).and_then(|data| number(data)).unwrap_or(present);
+        if wanted != present | INVALID {
+            self.write(node, cob_id, &wanted.to_le_bytes())?;
+        }
+        done.written.extend(other.into_iter().chain(remapped));
+        Ok(())
+    }
+}

@@ -1,0 +1,164 @@
+//! What a device says of itself.
+//!
+//! Law      what a device does not have, or refuses, is none; what it does not answer is an error
+//! Reads    1000h to 1018h; of a drive its modes, its state, its place and its factors
+//! Source   CiA 301, CiA 402-2
+
+use super::session::{CommissionError, Session};
+use super::words::{number, text};
+use crate::drive::objects;
+use crate::sdo::Object;
+use crate::{NmtState, NodeId};
+use std::time::Duration;
+
+/// Lower half of the device type of a drive.
+const PROFILE: u32 = 402;
+/// The longest time between two heartbeats that is waited for.
+const PATIENCE: Duration = Duration::from_secs(3);
+/// Errors of the history that are read.
+const HISTORY: u32 = 8;
+
+/// Factors of a drive: object, its subindices, what they are.
+const FACTORS: [(u16, u8, u8, &str); 6] = [
+    (0x608F, 1, 2, "position encoder resolution"),
+    (0x6091, 1, 2, "gear ratio"),
+    (0x6092, 1, 2, "feed constant"),
+    (0x6096, 1, 2, "velocity factor"),
+    (0x60A8, 0, 0, "SI unit position"),
+    (0x60A9, 0, 0, "SI unit velocity"),
+];
+
+/// A device.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Device {
+    /// Device type (1000h).
+    pub device_type: Option<u32>,
+    /// Vendor, product code, revision number, serial number (1018h).
+    pub identity: [Option<u32>; 4],
+    /// Name, hardware version, software version (1008h to 100Ah).
+    pub texts: [Option<String>; 3],
+    /// Error register (1001h).
+    pub register: Option<u32>,
+    /// Errors, the newest first (1003h); none where there is no history.
+    pub history: Option<Vec<u32>>,
+    /// From one heartbeat to the next (ms; 1017h).
+    pub heartbeat_ms: Option<u32>,
+}
+
+impl Device {
+    /// Is it a drive?
+    pub fn is_drive(&self) -> bool {
+        self.device_type.is_some_and(|device_type| device_type & 0xFFFF == PROFILE)
+    }
+}
+
+/// A drive of CiA 402.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Drive {
+    /// Supported modes (6502h).
+    pub modes: Option<u32>,
+    /// Modes of operation display (6061h).
+    pub mode: Option<i8>,
+    /// Status word (6041h).
+    pub status: Option<u16>,
+    /// Error code (603Fh).
+    pub error: Option<u16>,
+    /// Position actual value (6064h).
+    pub position: Option<i32>,
+    /// Digital inputs (60FDh).
+    pub inputs: Option<u32>,
+    /// Factors that it has: index, what they are, the values of the subindices.
+    pub factors: Vec<(u16, &'static str, Vec<u32>)>,
+}
+
+/// The state of a device, as it shows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// It has shown it.
+    State(NmtState),
+    /// It has no heartbeat.
+    None,
+    /// It should have one, which has not come.
+    Silent,
+}
+
+impl Session {
+    /// An object that the device may lack.
+    pub(super) fn optional(&mut self, node: NodeId, object: Object) -> Result<Option<Vec<u8>>, CommissionError> {
+        match self.read(node, object) {
+            Ok(data) => Ok(Some(data)),
+            Err(error) if error.is_refusal() => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Its number of up to 4 bytes.
+    pub(super) fn number(&mut self, node: NodeId, index: u16, sub: u8) -> Result<Option<u32>, CommissionError> {
+        Ok(self.optional(node, Object { index, sub })?.and_then(|data| number(&data)))
+    }
+
+    /// What a device says of itself.
+    ///
+    /// # Errors
+    /// It does not answer; the way is lost.
+    pub fn device(&mut self, node: NodeId) -> Result<Device, CommissionError> {
+        let device_type = self.number(node, 0x1000, 0)?;
+        let mut device = Device { device_type, ..Device::default() };
+        for (sub, place) in (1..).zip(&mut device.identity) {
+            *place = self.number(node, 0x1018, sub)?;
+        }
+        for (index, place) in (0x1008..).zip(&mut device.texts) {
+            *place = self.optional(node, Object { index, sub: 0 })?.map(|data| text(&data));
+        }
+        device.register = self.number(node, 0x1001, 0)?;
+        device.heartbeat_ms = self.number(node, objects::PRODUCER_HEARTBEAT.index, 0)?;
+        if let Some(count) = self.number(node, 0x1003, 0)? {
+            let mut history = Vec::new();
+            for sub in 1..=count.min(HISTORY) as u8 {
+                history.extend(self.number(node, 0x1003, sub)?);
+            }
+            device.history = Some(history);
+        }
+        Ok(device)
+    }
+
+    /// What a drive says of itself.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn drive(&mut self, node: NodeId) -> Result<Drive, CommissionError> {
+        let mut of = |object: Object| self.number(node, object.index, object.sub);
+        let mut drive = Drive {
+            modes: of(objects::SUPPORTED_MODES)?,
+            mode: of(objects::MODE_DISPLAY)?.map(|mode| (mode as u8).cast_signed()),
+            status: of(objects::STATUS_WORD)?.map(|status| status as u16),
+            error: of(objects::ERROR_CODE)?.map(|error| error as u16),
+            position: of(objects::POSITION)?.map(u32::cast_signed),
+            inputs: of(objects::DIGITAL_INPUTS)?,
+            factors: Vec::new(),
+        };
+        for (index, first, last, what) in FACTORS {
+            let mut values = Vec::new();
+            for sub in first..=last {
+                values.extend(self.number(node, index, sub)?);
+            }
+            if !values.is_empty() {
+                drive.factors.push((index, what, values));
+            }
+        }
+        Ok(drive)
+    }
+
+    /// The state of a device: what has been heard, or what its heartbeat tells, which is waited for.
+    ///
+    /// # Errors
+    /// The way is lost.
+    pub fn heard(&mut self, node: NodeId, heartbeat_ms: Option<u32>) -> Result<Heard, CommissionError> {
+        if let Some(state) = self.state(node) {
+            return Ok(Heard::State(state));
+        }
+        let Some(time) = heartbeat_ms.filter(|time| *time > 0) else { return Ok(Heard::None) };
+        let time = (Duration::from_millis(time.into()) * 2).min(PATIENCE);
+        Ok(self.hear(node, time, |_| true)?.map_or(Heard::Silent, Heard::State))
+    }
+}

@@ -1,0 +1,79 @@
+//! The PDOs of a device, as it has them now.
+//!
+//! Law      the first eight of each direction are looked for one by one, the others up to the first that is missing
+//! Reads    1400h, 1600h, 1800h, 1A00h and those behind them
+//! Source   CiA 301
+
+use super::session::{CommissionError, Session};
+use crate::NodeId;
+use crate::eds::{CobId, Direction, Mapped};
+use crate::sdo::Object;
+
+/// A device may leave out some of so many.
+const LIKELY: u16 = 8;
+/// PDOs of each direction.
+const MOST: u16 = 512;
+/// Objects of a PDO.
+const MOST_MAPPED: u32 = 64;
+
+/// A PDO of a device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PdoSeen {
+    /// Which way it goes, seen from the device.
+    pub direction: Direction,
+    /// From 1.
+    pub number: u16,
+    /// Its identifier.
+    pub cob_id: CobId,
+    /// When it goes.
+    pub transmission: Option<u8>,
+    /// At least so long between two of them (100 us).
+    pub inhibit: Option<u32>,
+    /// At most so long between two of them, or until the device misses it (ms).
+    pub event_timer: Option<u32>,
+    /// What it carries.
+    pub mapped: Vec<Mapped>,
+}
+
+impl Session {
+    /// All PDOs, those that the device receives first.
+    ///
+    /// # Errors
+    /// It does not answer; the way is lost.
+    pub fn pdos(&mut self, node: NodeId) -> Result<Vec<PdoSeen>, CommissionError> {
+        let mut pdos = Vec::new();
+        for (direction, communication, mapping) in
+            [(Direction::Receive, 0x1400, 0x1600), (Direction::Transmit, 0x1800, 0x1A00_u16)]
+        {
+            for offset in 0..MOST {
+                match self.pdo(node, direction, offset, (communication + offset, mapping + offset))? {
+                    Some(pdo) => pdos.push(pdo),
+                    None if offset < LIKELY => {}
+                    None => break,
+                }
+            }
+        }
+        Ok(pdos)
+    }
+
+    fn pdo(
+        &mut self,
+        node: NodeId,
+        direction: Direction,
+        offset: u16,
+        (communication, mapping): (u16, u16),
+    ) -> Result<Option<PdoSeen>, CommissionError> {
+        let Some(cob_id) = self.number(node, communication, 1)? else { return Ok(None) };
+        let transmission = self.number(node, communication, 2)?.map(|kind| kind as u8);
+        let (inhibit, event_timer) = (self.number(node, communication, 3)?, self.number(node, communication, 5)?);
+        let count = self.number(node, mapping, 0)?.filter(|count| *count <= MOST_MAPPED).unwrap_or(0);
+        let mut mapped = Vec::new();
+        for sub in 1..=count as u8 {
+            let Some(entry) = self.number(node, mapping, sub)? else { continue };
+            let [bits, of, low, high] = entry.to_le_bytes();
+            mapped.push(Mapped { object: Object { index: u16::from_le_bytes([low, high]), sub: of }, bits });
+        }
+        let cob_id = CobId(cob_id);
+        Ok(Some(PdoSeen { direction, number: offset + 1, cob_id, transmission, inhibit, event_timer, mapped }))
+    }
+}

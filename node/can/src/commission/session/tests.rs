@@ -1,0 +1,297 @@
+//! A bus with devices that answer expedited transfers.
+
+use super::*;
+use crate::Id;
+use crate::commission::Scan;
+use crate::eds::{CobId, Direction};
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
+
+/// What goes wrong where: abort codes of reads and of writes.
+#[derive(Default)]
+struct Device {
+    objects: BTreeMap<(u16, u8), Vec<u8>>,
+    refused: BTreeMap<(u16, u8), u32>,
+}
+
+#[derive(Default)]
+struct State {
+    devices: BTreeMap<u8, Device>,
+    answers: VecDeque<Frame>,
+    sent: Vec<Frame>,
+}
+
+/// The bus, which a test looks into.
+#[derive(Clone, Default)]
+struct Bus(Arc<Mutex<State>>);
+
+impl Bus {
+    fn with(self, node: u8, objects: &[(u16, u8, u32, usize)]) -> Self {
+        let all = objects.iter().map(|(index, sub, value, bytes)| {
+            ((*index, *sub), value.to_le_bytes().iter().take(*bytes).copied().collect())
+        });
+        self.0.lock().unwrap().devices.entry(node).or_default().objects.extend(all);
+        self
+    }
+
+    fn refuse(&self, node: u8, index: u16, sub: u8, code: u32) {
+        self.0.lock().unwrap().devices.entry(node).or_default().refused.insert((index, sub), code);
+    }
+
+    fn says(&self, frame: Frame) {
+        self.0.lock().unwrap().answers.push_back(frame);
+    }
+
+    fn session(&self) -> Session {
+        Session::new(Box::new(self.clone()), Duration::from_millis(30))
+    }
+
+    /// What was written: index, subindex, value.
+    fn written(&self) -> Vec<(u16, u8, u32)> {
+        let written = |frame: &Frame| match *frame.bytes() {
+            [0x20..=0x3F, low, high, sub, a, b, c, d] => {
+                Some((u16::from_le_bytes([low, high]), sub, u32::from_le_bytes([a, b, c, d])))
+            }
+            _ => None,
+        };
+        self.0.lock().unwrap().sent.iter().filter_map(written).collect()
+    }
+}
+
+impl Transport for Bus {
+    fn send(&mut self, frame: &Frame) -> Result<(), TransportError> {
+        let mut state = self.0.lock().unwrap();
+        state.sent.push(*frame);
+        let node = (frame.id().get() & 0x7F) as u8;
+        if frame.id().get() & 0x780 != 0x600 {
+            return Ok(());
+        }
+        let Some(device) = state.devices.get_mut(&node) else { return Ok(()) };
+        let [command, low, high, sub, a, b, c, d] = <[u8; 8]>::try_from(frame.bytes()).unwrap();
+        let key = (u16::from_le_bytes([low, high]), sub);
+        let aborts = |code: u32| {
+            let [a, b, c, d] = code.to_le_bytes();
+            [0x80, low, high, sub, a, b, c, d]
+        };
+        let is_write = command >> 5 == 1;
+        let answer = match (device.objects.get(&key).cloned(), device.refused.get(&key)) {
+            (_, Some(code)) if is_write || *code == 0x0601_0001 => aborts(*code),
+            (None, _) => aborts(0x0602_0000),
+            (Some(_), _) if is_write => {
+                let count = 4 - usize::from(command >> 2 & 3);
+                device.objects.insert(key, [a, b, c, d][..count].to_vec());
+                [0x60, low, high, sub, 0, 0, 0, 0]
+            }
+            (Some(data), _) => {
+                let mut bytes = [0x43 | (4 - data.len() as u8) << 2, low, high, sub, 0, 0, 0, 0];
+                bytes[4..4 + data.len()].copy_from_slice(&data);
+                bytes
+            }
+        };
+        state.answers.push_back(Frame::of(NodeId::new(node).unwrap().sdo_response(), answer));
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), TransportError> {
+        Ok(())
+    }
+
+    fn receive(&mut self) -> Result<Option<Frame>, TransportError> {
+        Ok(self.0.lock().unwrap().answers.pop_front())
+    }
+}
+
+fn node(number: u8) -> NodeId {
+    NodeId::new(number).unwrap()
+}
+
+fn of(index: u16, sub: u8) -> Object {
+    Object { index, sub }
+}
+
+#[test]
+fn what_a_device_answers_refuses_or_does_not_say_is_told_with_its_node() {
+    let bus = Bus::default().with(3, &[(0x6064, 0, 7, 4)]);
+    let mut session = bus.session();
+    assert_eq!(session.read(node(3), of(0x6064, 0)).unwrap(), [7, 0, 0, 0]);
+    let error = session.read(node(3), of(0x5000, 0)).unwrap_err();
+    assert!(error.is_refusal());
+    assert_eq!(error.to_string(), "node 3: 5000h:00: the device refuses: the object does not exist (06020000h)");
+    let error = session.read(node(4), of(0x6064, 0)).unwrap_err();
+    assert_eq!(error.to_string(), "node 4: 6064h:00: the device has not answered for 30 ms");
+    session.write(node(3), of(0x6064, 0), &[1, 2]).unwrap();
+    assert_eq!(bus.written(), [(0x6064, 0, 0x0201)]);
+}
+
+#[test]
+fn a_scan_asks_everybody_and_finds_who_answers_or_lives() {
+    let bus = Bus::default()
+        .with(2, &[(0x1000, 0, 0x0002_0192, 4), (0x1018, 1, 0xAB, 4), (0x1008, 0, u32::from_le_bytes(*b"ABC\0"), 4)])
+        .with(7, &[(0x1018, 4, 9, 4)]);
+    bus.says(Frame::data(node(5).heartbeat(), &[4]).unwrap());
+    let mut session = bus.session();
+    let scan = Scan { from: node(1), to: node(127), gap: Duration::from_micros(100), least: Duration::from_millis(60) };
+    let mut told = Vec::new();
+    let found = session.scan(scan, &mut |done, of| told.push((done, of))).unwrap();
+    let nodes: Vec<_> = found.iter().map(|found| (found.node.get(), found.answers, found.device_type)).collect();
+    assert_eq!(nodes, [(2, true, Some(0x0002_0192)), (5, false, None), (7, true, None)]);
+    assert_eq!(found[0].identity, [Some(0xAB), None, None, None]);
+    assert_eq!(found[0].name.as_deref(), Some("ABC"));
+    assert_eq!(found[1].state, Some(NmtState::Stopped));
+    assert_eq!(found[2].identity[3], Some(9));
+    assert_eq!(told.last(), Some(&(127, 127)));
+    let bus = bus.0.lock().unwrap();
+    let is_asked = |frame: &Frame| frame.id().get() & 0x780 == 0x600;
+    assert!(bus.sent.iter().all(is_asked), "nothing but what was asked for");
+}
+
+#[test]
+fn a_state_command_goes_out_once_and_a_boot_up_is_heard() {
+    let bus = Bus::default();
+    let mut session = bus.session();
+    session.nmt(NmtCommand::ResetNode, Some(node(3))).unwrap();
+    bus.says(Frame::data(node(4).heartbeat(), &[0]).unwrap());
+    bus.says(Frame::data(node(3).heartbeat(), &[5]).unwrap());
+    bus.says(Frame::data(node(3).heartbeat(), &[0]).unwrap());
+    let is_boot = |state| state == NmtState::BootUp;
+    let heard = session.hear(node(3), Duration::from_secs(5), is_boot).unwrap();
+    assert_eq!(heard, Some(NmtState::BootUp));
+    assert_eq!(session.hear(node(3), Duration::from_millis(5), is_boot).unwrap(), None);
+    assert_eq!(bus.0.lock().unwrap().sent, [Frame::data(Id::NMT, &[0x81, 3]).unwrap()]);
+}
+
+/// A drive with TPDO 1 = 6041h, 6064h, type 255.
+fn drive() -> Bus {
+    Bus::default().with(
+        3,
+        &[
+            (0x6041, 0, 0x0250, 2),
+            (0x6083, 0, 100, 4),
+            (0x6040, 0, 0, 2),
+            (0x1006, 0, 0, 4),
+            (0x1019, 0, 0, 1),
+            (0x1014, 0, 0x83, 4),
+            (0x1018, 1, 0xFFFF, 4),
+            (0x1800, 1, 0x4000_0183, 4),
+            (0x1800, 2, 255, 1),
+            (0x1800, 3, 0, 2),
+            (0x1A00, 0, 2, 1),
+            (0x1A00, 1, 0x6041_0010, 4),
+            (0x1A00, 2, 0x6064_0020, 4),
+            (0x1A00, 3, 0, 4),
+        ],
+    )
+}
+
+fn values(values: &[(u16, u8, u32, usize)]) -> Vec<(Object, Vec<u8>)> {
+    let bytes = |value: u32, count| value.to_le_bytes().iter().take(count).copied().collect();
+    values.iter().map(|(index, sub, value, count)| (of(*index, *sub), bytes(*value, *count))).collect()
+}
+
+#[test]
+fn only_what_differs_is_written_and_what_acts_is_left_out() {
+    let bus = drive();
+    let given = values(&[(0x1010, 1, 1, 4), (0x6040, 0, 15, 2), (0x6041, 0, 0x0250, 2), (0x6083, 0, 200, 4)]);
+    let mut told = Vec::new();
+    let done = bus.session().configure(node(3), &given, &mut |done, of| told.push((done, of))).unwrap();
+    assert_eq!((done.compared, done.written), (2, vec![of(0x6083, 0)]));
+    assert_eq!(done.left_out, [of(0x1010, 1), of(0x6040, 0)]);
+    assert_eq!(bus.written(), [(0x6083, 0, 200)]);
+    assert!(!told.is_empty());
+    // All is there now.
+    let done = bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
+    assert_eq!((done.written.len(), bus.written().len()), (0, 1));
+}
+
+#[test]
+fn a_pdo_is_mapped_while_it_is_off() {
+    let bus = drive();
+    let given = values(&[
+        (0x1800, 1, 0x4000_0183, 4),
+        (0x1800, 2, 1, 1),
+        (0x1A00, 0, 1, 1),
+        (0x1A00, 1, 0x6064_0020, 4),
+        (0x1A00, 2, 0x6041_0010, 4),
+    ]);
+    let done = bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
+    let expected = [
+        (0x1800, 1, 0xC000_0183),
+        (0x1A00, 0, 0),
+        (0x1A00, 1, 0x6064_0020),
+        (0x1A00, 0, 1),
+        (0x1800, 2, 1),
+        (0x1800, 1, 0x4000_0183),
+    ];
+    assert_eq!(bus.written(), expected);
+    // The second entry is none of the one that there are.
+    assert_eq!(done.written, [of(0x1800, 2), of(0x1A00, 0), of(0x1A00, 1)]);
+    let pdos = bus.session().pdos(node(3)).unwrap();
+    let [pdo] = pdos.as_slice() else { panic!("{pdos:?}") };
+    assert_eq!((pdo.direction, pdo.number, pdo.cob_id), (Direction::Transmit, 1, CobId(0x4000_0183)));
+    assert_eq!((pdo.transmission, pdo.inhibit, pdo.event_timer), (Some(1), Some(0), None));
+    assert_eq!(pdo.mapped.len(), 1);
+}
+
+/// A PDO that is to be off stays off.
+#[test]
+fn a_pdo_is_switched_off_with_one_write() {
+    let bus = drive();
+    let given = values(&[(0x1800, 1, 0xC000_0183, 4)]);
+    bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
+    assert_eq!(bus.written(), [(0x1800, 1, 0xC000_0183)]);
+}
+
+#[test]
+fn what_changes_only_while_something_is_off_waits_for_it() {
+    let bus = drive().with(3, &[(0x1006, 0, 4000, 4)]);
+    let given = values(&[(0x1014, 0, 0x93, 4), (0x1019, 0, 16, 1)]);
+    bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
+    let expected = [
+        (0x1014, 0, 0x8000_0083),
+        (0x1014, 0, 0x8000_0093),
+        (0x1014, 0, 0x93),
+        (0x1006, 0, 0),
+        (0x1019, 0, 16),
+        (0x1006, 0, 4000),
+    ];
+    assert_eq!(bus.written(), expected);
+}
+
+#[test]
+fn an_enabled_drive_another_device_and_a_refused_object_end_it() {
+    let given = values(&[(0x6083, 0, 200, 4)]);
+    let bus = drive().with(3, &[(0x6041, 0, 0x0237, 2)]);
+    let error = bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap_err().to_string();
+    assert_eq!(error, "node 3 is operation enabled (6041h is 0237h); switch it off first");
+    assert!(bus.written().is_empty());
+
+    let bus = drive();
+    let mut session = bus.session();
+    session.refuse_others(node(3), Some(0xFFFF), Some(0)).unwrap();
+    let error = session.refuse_others(node(3), Some(0x22), None).unwrap_err().to_string();
+    assert_eq!(error, "node 3 is another device: its vendor (1018h:01) is 0000FFFFh, the file is for 00000022h");
+
+    bus.refuse(3, 0x6083, 0, 0x0609_0031);
+    let error = session.configure(node(3), &given, &mut |_, _| {}).unwrap_err().to_string();
+    assert_eq!(error, "node 3: 6083h:00: the device refuses: the value is too high (06090031h)");
+}
+
+/// One that can only be written is written each time.
+#[test]
+fn an_object_that_cannot_be_read_is_written() {
+    let bus = drive().with(3, &[(0x2000, 0, 1, 4)]);
+    bus.refuse(3, 0x2000, 0, 0x0601_0001);
+    let error = bus.session().configure(node(3), &values(&[(0x2000, 0, 1, 4)]), &mut |_, _| {}).unwrap_err();
+    assert!(error.to_string().contains("2000h:00: the device refuses"), "{error}");
+    assert_eq!(bus.written(), [(0x2000, 0, 1)]);
+}
+
+#[test]
+fn storing_says_save() {
+    let bus = drive().with(3, &[(0x1010, 1, 1, 4)]);
+    bus.session().store(node(3)).unwrap();
+    assert_eq!(bus.written(), [(0x1010, 1, u32::from_le_bytes(*b"save"))]);
+    bus.refuse(3, 0x1010, 1, 0x0800_0020);
+    let error = bus.session().store(node(3)).unwrap_err().to_string();
+    assert_eq!(error, "node 3: 1010h:01: the device refuses: the data cannot be stored (08000020h)");
+}

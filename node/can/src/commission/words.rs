@@ -1,0 +1,140 @@
+//! Numbers of the standards in words.
+//!
+//! Source   CiA 301 (states, error register, transmission types), CiA 402-2 (states, modes, inputs)
+
+use super::emergency;
+use crate::NmtState;
+use lineshaft_core::drive::DriveState;
+
+/// A number of 1 to 4 bytes.
+pub fn number(bytes: &[u8]) -> Option<u32> {
+    let is_it = (1..=4).contains(&bytes.len());
+    is_it.then(|| bytes.iter().rev().fold(0, |number, byte| number << 8 | u32::from(*byte)))
+}
+
+/// A text as devices keep it: up to its first zero.
+pub fn text(bytes: &[u8]) -> String {
+    bytes.iter().take_while(|byte| **byte != 0).copied().map(char::from).collect::<String>().trim_end().to_owned()
+}
+
+/// Pairs of hexadecimal digits.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ")
+}
+
+/// A state of network management.
+pub fn nmt_state(state: NmtState) -> &'static str {
+    match state {
+        NmtState::BootUp => "booted",
+        NmtState::Stopped => "stopped",
+        NmtState::Operational => "operational",
+        NmtState::PreOperational => "pre-operational",
+    }
+}
+
+/// A state of a drive (CiA 402-2).
+pub fn drive_state(state: DriveState) -> &'static str {
+    match state {
+        DriveState::NotReady => "not ready to switch on",
+        DriveState::SwitchOnDisabled => "switch on disabled",
+        DriveState::Ready => "ready to switch on",
+        DriveState::SwitchedOn => "switched on",
+        DriveState::Enabled => "operation enabled",
+        DriveState::QuickStop => "quick stop active",
+        DriveState::FaultReaction => "fault reaction active",
+        DriveState::Fault => "fault",
+    }
+}
+
+/// Modes of operation: number, short name, name.
+const MODES: [(i8, &str, &str); 10] = [
+    (1, "pp", "profile position"),
+    (2, "vl", "velocity"),
+    (3, "pv", "profile velocity"),
+    (4, "tq", "profile torque"),
+    (6, "hm", "homing"),
+    (7, "ip", "interpolated position"),
+    (8, "csp", "cyclic synchronous position"),
+    (9, "csv", "cyclic synchronous velocity"),
+    (10, "cst", "cyclic synchronous torque"),
+    (11, "cstca", "cyclic synchronous torque with commutation angle"),
+];
+
+/// A mode of operation (6060h, 6061h).
+pub fn mode(number: i8) -> String {
+    match MODES.iter().find(|row| row.0 == number) {
+        Some((_, short, name)) => format!("{short} ({name})"),
+        None if number == 0 => "none".to_owned(),
+        None if number < 0 => format!("{number} (of the vendor)"),
+        None => format!("{number} (not known)"),
+    }
+}
+
+/// The modes that a drive offers (6502h).
+pub fn modes(offered: u32) -> String {
+    let is_offered = |number: i8| offered >> (number - 1) & 1 == 1;
+    let known = MODES.iter().filter(|row| is_offered(row.0)).map(|row| row.1.to_owned());
+    let others = (16..32).filter(|bit| offered >> bit & 1 == 1).map(|bit| format!("bit {bit} of the vendor"));
+    listed(known.chain(others))
+}
+
+/// The error register (1001h).
+pub fn register(bits: u32) -> String {
+    const BITS: [&str; 8] =
+        ["generic", "current", "voltage", "temperature", "communication", "profile", "reserved", "vendor"];
+    listed(BITS.iter().enumerate().filter(|(bit, _)| bits >> bit & 1 == 1).map(|(_, name)| (*name).to_owned()))
+}
+
+/// Digital inputs (60FDh).
+pub fn inputs(bits: u32) -> String {
+    const BITS: [&str; 4] = ["negative limit", "positive limit", "home", "interlock"];
+    let name = |bit: usize| BITS.get(bit).map_or_else(|| format!("bit {bit}"), |name| (*name).to_owned());
+    listed((0..32).filter(|bit| bits >> bit & 1 == 1).map(name))
+}
+
+fn listed(names: impl Iterator<Item = String>) -> String {
+    let names: Vec<_> = names.collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+/// When a PDO goes (1400h:02, 1800h:02).
+pub fn transmission(kind: u8) -> String {
+    match kind {
+        0 => "0 (sync, when changed)".to_owned(),
+        1 => "1 (each sync)".to_owned(),
+        2..=240 => format!("{kind} (every {kind} syncs)"),
+        252 => "252 (sync, when asked)".to_owned(),
+        253 => "253 (when asked)".to_owned(),
+        254 => "254 (event of the vendor)".to_owned(),
+        255 => "255 (event)".to_owned(),
+        other => format!("{other} (reserved)"),
+    }
+}
+
+/// An error code (603Fh, emergency messages, 1003h).
+pub fn error(code: u16) -> String {
+    match emergency::text(code) {
+        Some(text) => format!("{code:04X}h {text}"),
+        None => format!("{code:04X}h"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_become_words() {
+        assert_eq!(modes(0x1A5), "pp, pv, hm, csp, csv");
+        assert_eq!(modes(0x0001_0000), "bit 16 of the vendor");
+        assert_eq!((mode(8), mode(0)), ("csp (cyclic synchronous position)".to_owned(), "none".to_owned()));
+        assert_eq!((mode(-3), mode(5)), ("-3 (of the vendor)".to_owned(), "5 (not known)".to_owned()));
+        assert_eq!((register(0), register(0x21)), ("none".to_owned(), "generic, profile".to_owned()));
+        assert_eq!(inputs(0x0001_0005), "negative limit, home, bit 16");
+        assert_eq!((transmission(3), transmission(241)), ("3 (every 3 syncs)".into(), "241 (reserved)".into()));
+        assert_eq!(error(0x8611), "8611h following error");
+        assert_eq!(number(&[0x92, 1, 2, 0]), Some(0x0002_0192));
+        assert_eq!((number(&[]), number(&[0; 5])), (None, None));
+        assert_eq!(text(b"drive 7 \0\xFF"), "drive 7");
+    }
+}
