@@ -9,6 +9,7 @@ use super::backends::{CellBackend, Hardware};
 use super::can::{CellBus, CellDrive, owner};
 use super::names::quote;
 use crate::document::{Place, Problems};
+use lineshaft_can::NodeId;
 use lineshaft_can::config::{BusConfig, DriveConfig, Identity, Write};
 use lineshaft_can::drive::Layout;
 use lineshaft_can::drive::layout::{Pdo, Transmission};
@@ -16,6 +17,7 @@ use lineshaft_can::eds::{self, Dictionary};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::Objects;
 use lineshaft_ros::layer::open_file;
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
@@ -60,6 +62,18 @@ impl Parts<'_> {
         let buses: Vec<_> = self.backends.iter().enumerate().filter_map(of).collect();
         if problems.is_empty() { Ok(buses) } else { Err(problems) }
     }
+
+    /// The files of the drives at one of the backends, by their nodes.
+    pub(super) fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let is_at = |at: usize| self.backends.get(at).is_some_and(|known| known.name == backend);
+        let drives = self.hardware.iter().flatten().zip(self.on_can).filter(|(hardware, _)| is_at(hardware.backend));
+        let named = drives.filter_map(|(_, drive)| {
+            let drive = drive.as_ref()?;
+            Some((drive.node, &drive.eds.as_ref()?.0))
+        });
+        named.map(|(node, name)| Ok((node, device_file("eds", &folder.join(name), node)?))).collect()
+    }
 }
 
 /// Inputs, outputs and encoders on CAN, which do not exist yet: a sentence for each backend.
@@ -92,7 +106,7 @@ fn drive(
     let CellDrive { node, interface, identity, .. } = *drive;
     let dictionary = match &drive.eds {
         Some((name, at)) => {
-            let file = load(&folder.join(name), node.get());
+            let file = device_file("eds", &folder.join(name), node);
             Some(file.map_err(|sentence| problems.push(*at, sentence, None)).ok()?)
         }
         None => None,
@@ -129,18 +143,22 @@ fn drive(
     })
 }
 
-/// The dictionary of a device, from its file.
-fn load(path: &Path, node: u8) -> Result<Dictionary, String> {
+/// The dictionary of a device, from its file; `what` says in problems who has named it.
+///
+/// # Errors
+/// A sentence: the file cannot be read, has errors, or is that of another node.
+pub(crate) fn device_file(what: &str, path: &Path, node: NodeId) -> Result<Dictionary, String> {
     let name = quote(&path.display().to_string());
     let mut bytes = Vec::new();
     match open_file(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes)) {
-        Err(error) => return Err(format!("eds {name} cannot be read: {error}")),
-        Ok(_) if bytes.len() > MAX_BYTES => return Err(format!("eds {name} is longer than {MAX_BYTES} bytes")),
+        Err(error) => return Err(format!("{what} {name} cannot be read: {error}")),
+        Ok(_) if bytes.len() > MAX_BYTES => return Err(format!("{what} {name} is longer than {MAX_BYTES} bytes")),
         Ok(_) => {}
     }
-    let dictionary = eds::parse(&bytes, Some(node)).map_err(|errors| format!("eds {name}: {errors}"))?;
-    match dictionary.commissioning.as_ref().and_then(|own| own.node_id).filter(|own| *own != u32::from(node)) {
-        Some(own) => Err(format!("eds {name} is the configuration of node {own}, not of node {node}")),
+    let dictionary = eds::parse(&bytes, Some(node.get())).map_err(|errors| format!("{what} {name}: {errors}"))?;
+    let own = dictionary.commissioning.as_ref().and_then(|own| own.node_id);
+    match own.filter(|own| *own != u32::from(node.get())) {
+        Some(own) => Err(format!("{what} {name} is the configuration of node {own}, not of {node}")),
         None => Ok(dictionary),
     }
 }

@@ -42,9 +42,11 @@ mod wiring;
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
-pub(crate) use buses::load_of;
+pub(crate) use buses::{device_file, load_of};
 pub use can::{CellBus, CellDrive};
+use lineshaft_can::NodeId;
 use lineshaft_can::config::BusConfig;
+use lineshaft_can::eds::Dictionary;
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{GlobalConfig, MachineConfig};
 use lineshaft_core::drive::Objects;
@@ -55,6 +57,7 @@ use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
 pub use robot::Robot;
 pub use ros::{OnLoss, RosOptions};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The format that this program reads.
@@ -154,6 +157,15 @@ impl Cell {
     pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
         let Self { machine, hardware, on_can, backends, .. } = self;
         buses::Parts { machine, hardware, on_can, backends }.buses(file)
+    }
+
+    /// The files of the drives at one of its backends on CAN, by their nodes.
+    ///
+    /// # Errors
+    /// The first file with a problem.
+    pub fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
+        let Self { machine, hardware, on_can, backends, .. } = self;
+        buses::Parts { machine, hardware, on_can, backends }.dictionaries(backend, file)
     }
 
     /// Inputs, outputs and encoders at backends on CAN, which do not exist yet: a sentence for each backend.

@@ -1,6 +1,7 @@
 //! The command line: what each command does, and with which code it ends.
 
 mod bag;
+mod can;
 mod check;
 mod interfaces;
 mod logging;
@@ -111,6 +112,9 @@ enum Command {
     /// Look into recordings
     #[command(subcommand)]
     Bag(BagCommand),
+    /// Commission the devices of a CAN bus, without ROS
+    #[command(subcommand)]
+    Can(can::CanCommand),
 }
 
 const PARAMS_HELP: &str = "\
@@ -452,6 +456,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Validate(args)) => validate::validate(&args),
         Some(Command::Bag(command)) => bag::bag(&command),
+        Some(Command::Can(command)) => can::can(&command),
     };
     exit.into()
 }

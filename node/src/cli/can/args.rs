@@ -1,0 +1,309 @@
+//! The words of `lineshaft can`, what each may be, and their help.
+
+use clap::{Args, Subcommand, ValueEnum};
+use lineshaft_can::eds::DataType;
+use lineshaft_can::transport::Address;
+use lineshaft_can::{NmtCommand, NodeId};
+use lineshaft_core::unit::{Dimension, Quantity};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Bit rates that CAN knows (bit/s).
+const BIT_RATES: (u32, u32) = (10_000, 1_000_000);
+
+/// Commissioning of a CAN bus, command by command.
+#[derive(Debug, Subcommand)]
+pub(in crate::cli) enum CanCommand {
+    /// Look who is on the bus: asks every node for 1000h and 1018h, and listens for heartbeats for a second
+    #[command(after_help = "Example:\n  lineshaft can scan --bus slcan:/dev/ttyACM0 --bitrate 500000\n\n\
+                            Exit codes: 0 at least one node is there, 1 none is, or the bus is not there, 2 bad usage or file.")]
+    Scan(ScanArgs),
+    /// Tell what a device is: identity, errors, state of the drive, factors, PDOs
+    #[command(after_help = "Example:\n  lineshaft can info 3 --bus socketcan:can0 --eds drive.eds\n\n\
+                            Exit codes: 0 good, 1 the device does not answer, or the bus is not there, 2 bad usage or file.")]
+    Info(NodeArgs),
+    /// List the PDOs of a device as it has them now
+    #[command(after_help = "Example:\n  lineshaft can pdo 3 --cell cell.yaml\n\n\
+                            Exit codes: 0 good, 1 the device does not answer, or the bus is not there, 2 bad usage or file.")]
+    Pdo(NodeArgs),
+    /// Read or write one object of a device
+    #[command(subcommand)]
+    Sdo(SdoCommand),
+    /// Bring a device, or all of them, into another state; after a reset of one, wait up to 1 s for its boot-up
+    #[command(
+        after_help = "Drives that are started may exchange process data; `all` reaches every device on the bus.\n\n\
+                            Example:\n  lineshaft can nmt 3 reset-node --bus slcan:/dev/ttyACM0\n\n\
+                            Exit codes: 0 it was sent, and one that was reset has booted; 1 it has not, or the bus is not there; \
+                            2 bad usage or file."
+    )]
+    Nmt(NmtArgs),
+    /// Print the frames of the bus and what they say, until Ctrl-C; sends nothing
+    #[command(
+        after_help = "Columns: time since the begin (s), identifier (hexadecimal), bytes, what it is. Values of PDOs have names \
+                            where --cell or --eds with --node say what is mapped.\n\n\
+                            Example:\n  lineshaft can monitor --cell cell.yaml --node 3 --for '10 s'\n\n\
+                            Exit codes: 0 ended by Ctrl-C, --for or a closed pipe, 1 the bus is lost or not there, 2 bad usage or file."
+    )]
+    Monitor(MonitorArgs),
+    /// Bring the configuration of a DCF file into a device: writes what differs, a PDO only while it is off
+    #[command(
+        after_help = "A drive that is enabled is refused. Left out are objects that do something: 1010h, 1011h, 6040h.\n\n\
+                            Example:\n  lineshaft can configure 3 --dcf drive.dcf --store --bus slcan:/dev/ttyACM0\n\n\
+                            Exit codes: 0 the device has it all, 1 it refuses or does not answer, or the bus is not there, \
+                            2 bad usage or file."
+    )]
+    Configure(ConfigureArgs),
+}
+
+/// Objects one by one.
+#[derive(Debug, Subcommand)]
+pub(in crate::cli) enum SdoCommand {
+    /// Read an object and print it, or write its bytes to a file
+    #[command(
+        after_help = "OBJECT is an index like 6064 or 0x6064, index and subindex like 6099:01 (both hexadecimal), or a name of the \
+                            EDS, such as \"Position actual value\" or \"Homing speeds.Speed during search for switch\". Without a type the \
+                            bytes are printed, and the number that 1, 2, 4 or 8 of them are.\n\n\
+                            Example:\n  lineshaft can sdo read 3 6064 --type i32 --bus slcan:/dev/ttyACM0\n\n\
+                            Exit codes: 0 good, 1 the device refuses or does not answer, or the bus is not there, 2 bad usage or file."
+    )]
+    Read(ReadArgs),
+    /// Write an object
+    #[command(
+        after_help = "OBJECT as for `sdo read`. VALUE is decimal (-5, 1.5) or hexadecimal (0x1F); pairs of hexadecimal digits for \
+                            bytes and domain. What the type, the access or the limits of the EDS do not allow is not sent.\n\n\
+                            Example:\n  lineshaft can sdo write 3 \"Profile velocity\" 20000 --eds drive.eds --bus socketcan:can0\n\n\
+                            Exit codes: 0 good, 1 the device refuses or does not answer, or the bus is not there, 2 bad usage or file, \
+                            or a value that is not allowed."
+    )]
+    Write(WriteArgs),
+}
+
+/// Which bus, and how it is reached.
+#[derive(Debug, Args)]
+pub(in crate::cli) struct BusArgs {
+    /// The way to the bus: slcan:/dev/ttyACM0, slcan-tcp:HOST:PORT, socketcan:can0 or udp:GROUP:PORT
+    #[arg(long, value_name = "ADDRESS", required_unless_present = "cell", conflicts_with = "cell")]
+    pub(super) bus: Option<Address>,
+    /// Bit rate of the bus (bit/s, 10000 to 1000000; left out: 1000000); an interface of Linux has its own
+    #[arg(long, value_name = "BIT/S", value_parser = bit_rate, conflicts_with = "cell")]
+    pub(super) bitrate: Option<u32>,
+    /// Take the way, the bit rate, the nodes and their EDS files from this cell
+    #[arg(long, value_name = "CELL")]
+    pub(super) cell: Option<PathBuf>,
+    /// Which of several backends on CAN of the cell
+    #[arg(long, value_name = "NAME", requires = "cell")]
+    pub(super) backend: Option<String>,
+    /// How long a device may take for an answer, as '500 ms' (10 ms to 60 s; left out: 500 ms, or what the cell says)
+    #[arg(long, value_name = "TIME", value_parser = timeout)]
+    pub(super) timeout: Option<Duration>,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct ScanArgs {
+    /// First node that is asked (1 to 127)
+    #[arg(long, value_name = "NODE", default_value = "1", value_parser = node)]
+    pub(super) from: NodeId,
+    /// Last node that is asked (1 to 127)
+    #[arg(long, value_name = "NODE", default_value = "127", value_parser = node)]
+    pub(super) to: NodeId,
+    #[command(flatten)]
+    pub(super) bus: BusArgs,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct NodeArgs {
+    /// The node (1 to 127)
+    #[arg(value_parser = node)]
+    pub(super) node: NodeId,
+    /// Names and types of its objects; goes before the one of the cell
+    #[arg(long, value_name = "FILE")]
+    pub(super) eds: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) bus: BusArgs,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct ReadArgs {
+    #[command(flatten)]
+    pub(super) node: NodeArgs,
+    /// The object: 6064, 0x6064, 6099:01, or a name of the EDS
+    pub(super) object: String,
+    /// What its bytes are, where no EDS says it
+    #[arg(long = "type", value_name = "TYPE")]
+    pub(super) kind: Option<TypeArg>,
+    /// Write the bytes to this file; one that exists is replaced
+    #[arg(long, value_name = "PATH")]
+    pub(super) file: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct WriteArgs {
+    #[command(flatten)]
+    pub(super) node: NodeArgs,
+    /// The object: 6064, 0x6064, 6099:01, or a name of the EDS
+    pub(super) object: String,
+    /// The value
+    #[arg(allow_hyphen_values = true, required_unless_present = "file", conflicts_with = "file")]
+    pub(super) value: Option<String>,
+    /// What its bytes are, where no EDS says it
+    #[arg(long = "type", value_name = "TYPE")]
+    pub(super) kind: Option<TypeArg>,
+    /// Take the bytes from this file
+    #[arg(long, value_name = "PATH")]
+    pub(super) file: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct NmtArgs {
+    /// The node (1 to 127), or `all`
+    #[arg(value_name = "NODE|all", value_parser = target)]
+    pub(super) target: Target,
+    /// What it is told
+    #[arg(value_enum)]
+    pub(super) command: NmtArg,
+    #[command(flatten)]
+    pub(super) bus: BusArgs,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct MonitorArgs {
+    /// Only frames of this node, and to it (1 to 127)
+    #[arg(long, value_parser = node)]
+    pub(super) node: Option<NodeId>,
+    /// Names and types of the objects of --node; goes before the one of the cell
+    #[arg(long, value_name = "FILE", requires = "node")]
+    pub(super) eds: Option<PathBuf>,
+    /// End after this time, as '10 s' (1 ms to 86400 s)
+    #[arg(long = "for", value_name = "TIME", value_parser = for_time)]
+    pub(super) time: Option<Duration>,
+    #[command(flatten)]
+    pub(super) bus: BusArgs,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct ConfigureArgs {
+    /// The node (1 to 127)
+    #[arg(value_parser = node)]
+    pub(super) node: NodeId,
+    /// The configuration: the objects that have a ParameterValue
+    #[arg(long, value_name = "FILE")]
+    pub(super) dcf: PathBuf,
+    /// Tell the device to keep it ("save" to 1010h:01)
+    #[arg(long)]
+    pub(super) store: bool,
+    #[command(flatten)]
+    pub(super) bus: BusArgs,
+}
+
+/// One device or all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::cli) enum Target {
+    One(NodeId),
+    All,
+}
+
+/// Commands of network management.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum NmtArg {
+    /// To operational: process data may go
+    Start,
+    /// To stopped: only network management and heartbeat
+    Stop,
+    /// To pre-operational: no process data
+    PreOperational,
+    /// Boot the device anew
+    ResetNode,
+    /// Boot its communication anew
+    ResetCommunication,
+}
+
+impl From<NmtArg> for NmtCommand {
+    fn from(argument: NmtArg) -> Self {
+        match argument {
+            NmtArg::Start => Self::Start,
+            NmtArg::Stop => Self::Stop,
+            NmtArg::PreOperational => Self::EnterPreOperational,
+            NmtArg::ResetNode => Self::ResetNode,
+            NmtArg::ResetCommunication => Self::ResetCommunication,
+        }
+    }
+}
+
+/// Types of values.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[value(rename_all = "lower")]
+pub(in crate::cli) enum TypeArg {
+    Bool,
+    U8,
+    U16,
+    U32,
+    U64,
+    I8,
+    I16,
+    I32,
+    I64,
+    F32,
+    F64,
+    String,
+    Bytes,
+    Domain,
+}
+
+impl From<TypeArg> for DataType {
+    fn from(argument: TypeArg) -> Self {
+        match argument {
+            TypeArg::Bool => Self::Boolean,
+            TypeArg::U8 => Self::Unsigned8,
+            TypeArg::U16 => Self::Unsigned16,
+            TypeArg::U32 => Self::Unsigned32,
+            TypeArg::U64 => Self::Unsigned64,
+            TypeArg::I8 => Self::Integer8,
+            TypeArg::I16 => Self::Integer16,
+            TypeArg::I32 => Self::Integer32,
+            TypeArg::I64 => Self::Integer64,
+            TypeArg::F32 => Self::Real32,
+            TypeArg::F64 => Self::Real64,
+            TypeArg::String => Self::VisibleString,
+            TypeArg::Bytes => Self::OctetString,
+            TypeArg::Domain => Self::Domain,
+        }
+    }
+}
+
+fn node(text: &str) -> Result<NodeId, String> {
+    let number = text.parse().ok().and_then(NodeId::new);
+    number.ok_or_else(|| format!("{text:?} is no node; 1 to {} is allowed", NodeId::MAX))
+}
+
+fn target(text: &str) -> Result<Target, String> {
+    match text {
+        "all" => Ok(Target::All),
+        number => node(number).map(Target::One).map_err(|sentence| format!("{sentence}, or all")),
+    }
+}
+
+fn bit_rate(text: &str) -> Result<u32, String> {
+    let (least, most) = BIT_RATES;
+    let rate = text.parse().ok().filter(|rate| (least..=most).contains(rate));
+    rate.ok_or_else(|| format!("{text:?} is no bit rate; {least} to {most} bit/s is allowed, without a unit"))
+}
+
+fn timeout(text: &str) -> Result<Duration, String> {
+    time(text, (0.01, 60.0), "10 ms to 60 s")
+}
+
+fn for_time(text: &str) -> Result<Duration, String> {
+    time(text, (0.001, 86_400.0), "1 ms to 86400 s")
+}
+
+fn time(text: &str, (least, most): (f64, f64), range: &str) -> Result<Duration, String> {
+    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.to_string())?.si();
+    // What a person writes as 0.01 may be a little less.
+    match (least - 1e-12..=most).contains(&time) {
+        true => Ok(Duration::from_secs_f64(time)),
+        false => Err(format!("{text} is not allowed; {range} is")),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,65 @@
+//! `lineshaft can`: commissioning of a CAN bus without ROS.
+//!
+//! Law      a command says what is wrong with its words and files before the bus is opened, and sends only what was asked for
+//! Refuses  bad words and files with exit code 2; what the bus or a device refuses or does not answer with exit code 1
+
+mod args;
+mod configure;
+mod info;
+mod monitor;
+mod nmt;
+mod open;
+mod progress;
+mod scan;
+mod sdo;
+mod table;
+
+pub(super) use self::args::CanCommand;
+use self::args::SdoCommand;
+use super::{Exit, complain};
+use lineshaft_can::commission::{CommissionError, Refusal};
+
+/// Why a command has not done what it was to do.
+#[derive(Debug)]
+enum Failure {
+    /// Bad words, or a file with errors.
+    Usage(String),
+    /// The bus or a device refuses or does not answer.
+    Bus(String),
+}
+
+impl From<CommissionError> for Failure {
+    fn from(error: CommissionError) -> Self {
+        Self::Bus(error.to_string())
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        Self::Usage(refusal.to_string())
+    }
+}
+
+pub(super) fn can(command: &CanCommand) -> Exit {
+    let done = match command {
+        CanCommand::Scan(args) => scan::scan(args),
+        CanCommand::Info(args) => info::info(args),
+        CanCommand::Pdo(args) => info::pdo(args),
+        CanCommand::Sdo(SdoCommand::Read(args)) => sdo::read(args),
+        CanCommand::Sdo(SdoCommand::Write(args)) => sdo::write(args),
+        CanCommand::Nmt(args) => nmt::nmt(args),
+        CanCommand::Monitor(args) => monitor::monitor(args),
+        CanCommand::Configure(args) => configure::configure(args),
+    };
+    match done {
+        Ok(()) => Exit::Good,
+        Err(Failure::Usage(sentence)) => {
+            complain(&sentence);
+            Exit::Usage
+        }
+        Err(Failure::Bus(sentence)) => {
+            complain(&sentence);
+            Exit::Failed
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The bus that a command names, opened, and what is known of its devices.
+
+use super::Failure;
+use super::args::BusArgs;
+use crate::cell::{Cell, device_file};
+use crate::recording::clean::clean;
+use lineshaft_can::NodeId;
+use lineshaft_can::commission::{self, ObjectError, Session};
+use lineshaft_can::config::BusConfig;
+use lineshaft_can::eds::{Dictionary, FindError};
+use lineshaft_can::sdo::Object;
+use lineshaft_can::transport::{Address, Obstacle, Options, open};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+/// Where the command does not say it (bit/s).
+const BIT_RATE: u32 = 1_000_000;
+/// Where neither the command nor a cell says it.
+const TIMEOUT: Duration = Duration::from_millis(500);
+/// How much a name must be like another one to be meant.
+const LIKE: f64 = 0.85;
+
+/// A bus that is known and not open yet.
+#[derive(Debug)]
+pub(super) struct Known {
+    address: Address,
+    /// (bit/s)
+    pub(super) bit_rate: u32,
+    timeout: Duration,
+    /// What the cell says, if one was named.
+    pub(super) config: Option<BusConfig>,
+    dictionaries: BTreeMap<NodeId, Dictionary>,
+}
+
+impl Known {
+    /// What the words say; the files are read.
+    pub(super) fn of(args: &BusArgs) -> Result<Self, Failure> {
+        let Some(path) = &args.cell else {
+            // The parser has seen to it that there is one or the other.
+            let address = args.bus.clone().ok_or_else(|| Failure::Usage("give --bus or --cell".to_owned()))?;
+            return Ok(Self {
+                address,
+                bit_rate: args.bitrate.unwrap_or(BIT_RATE),
+                timeout: args.timeout.unwrap_or(TIMEOUT),
+                config: None,
+                dictionaries: BTreeMap::new(),
+            });
+        };
+        let problems = |problems: crate::document::Problems| Failure::Usage(problems.to_string().trim_end().to_owned());
+        let cell = Cell::load(path).map_err(problems)?;
+        let buses = cell.buses(Some(path)).map_err(problems)?;
+        let config = chosen(buses, args.backend.as_deref(), path)?;
+        let dictionaries = cell.dictionaries(&config.name, path).map_err(Failure::Usage)?;
+        Ok(Self {
+            address: config.transport.clone(),
+            bit_rate: config.bit_rate.unwrap_or(BIT_RATE),
+            timeout: args.timeout.unwrap_or(Duration::from_nanos(config.sdo_timeout_ns)),
+            config: Some(config),
+            dictionaries,
+        })
+    }
+
+    /// The objects of a node by a file that was named for it.
+    pub(super) fn with_eds(mut self, node: NodeId, eds: Option<&Path>) -> Result<Self, Failure> {
+        if let Some(path) = eds {
+            self.dictionaries.insert(node, device_file("--eds", path, node).map_err(Failure::Usage)?);
+        }
+        Ok(self)
+    }
+
+    /// The objects of a node.
+    pub(super) fn dictionary(&self, node: NodeId) -> Option<&Dictionary> {
+        self.dictionaries.get(&node)
+    }
+
+    /// All of them.
+    pub(super) fn dictionaries(&self) -> impl Iterator<Item = (NodeId, &Dictionary)> {
+        self.dictionaries.iter().map(|(node, dictionary)| (*node, dictionary))
+    }
+
+    /// The object that a text names.
+    pub(super) fn object(&self, node: NodeId, text: &str) -> Result<Object, Failure> {
+        let dictionary = self.dictionary(node);
+        commission::object(text, dictionary).map_err(|error| {
+            let like = match (&error, dictionary) {
+                (ObjectError::Find(FindError::None(name)), Some(dictionary)) => like(name, dictionary),
+                _ => None,
+            };
+            let hint = like.map_or_else(String::new, |name| format!("; {name:?} is like it"));
+            Failure::Usage(format!("{error}{hint}"))
+        })
+    }
+
+    /// The bus, open.
+    pub(super) fn open(&self) -> Result<Session, Failure> {
+        let options = Options { bit_rate: self.bit_rate, baud: None };
+        match open(&self.address, options) {
+            Ok(transport) => Ok(Session::new(transport, self.timeout)),
+            Err(error) if matches!(error.obstacle, Obstacle::BitRate(_)) => Err(Failure::Usage(error.to_string())),
+            Err(error) => Err(Failure::Bus(error.to_string())),
+        }
+    }
+}
+
+fn chosen(mut buses: Vec<BusConfig>, name: Option<&str>, path: &Path) -> Result<BusConfig, Failure> {
+    let names = buses.iter().map(|bus| bus.name.as_str()).collect::<Vec<_>>().join(", ");
+    let file = clean(&path.display().to_string()).into_owned();
+    let place = match name {
+        _ if buses.is_empty() => return Err(Failure::Usage(format!("{file} has no backend on CAN"))),
+        Some(name) => buses.iter().position(|bus| bus.name == name).ok_or_else(|| {
+            Failure::Usage(format!("--backend: {file} has no backend {name:?} on CAN; {names} is allowed"))
+        })?,
+        None if buses.len() > 1 => {
+            return Err(Failure::Usage(format!("{file} has several backends on CAN; name one by --backend: {names}")));
+        }
+        None => 0,
+    };
+    Ok(buses.swap_remove(place))
+}
+
+/// The name that is most like another one.
+fn like(name: &str, dictionary: &Dictionary) -> Option<String> {
+    let wanted = name.to_lowercase();
+    let names = dictionary.entries().filter_map(|(object, _)| dictionary.name(object));
+    let rated = names.map(|name| (strsim::jaro_winkler(&wanted, &name.to_lowercase()), name));
+    let best = rated.max_by(|(one, _), (other, _)| one.total_cmp(other))?;
+    (best.0 >= LIKE).then_some(best.1)
+}

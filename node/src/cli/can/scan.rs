@@ -1,0 +1,63 @@
+//! `lineshaft can scan`.
+
+use super::Failure;
+use super::args::ScanArgs;
+use super::open::Known;
+use super::progress::Progress;
+use super::table::{columns, word};
+use crate::cli::say;
+use crate::recording::clean::clean_lines;
+use lineshaft_can::commission::words::nmt_state;
+use lineshaft_can::commission::{Found, Scan};
+use std::time::Duration;
+
+/// How long heartbeats are listened for: most devices send one each second or more often.
+const LISTEN: Duration = Duration::from_secs(1);
+/// From one node that is asked to the next, at least: what an adapter on a slow serial line needs.
+const GAP: Duration = Duration::from_millis(2);
+/// Bits of a question and of its answer.
+const BITS: u64 = 270;
+
+pub(super) fn scan(args: &ScanArgs) -> Result<(), Failure> {
+    let (from, to) = (args.from, args.to);
+    if from > to {
+        let sentence = format!("--from {} is behind --to {}; 1 to {} is allowed", from.get(), to.get(), to.get());
+        return Err(Failure::Usage(sentence));
+    }
+    let known = Known::of(&args.bus)?;
+    let mut session = known.open()?;
+    let gap = Duration::from_nanos(BITS * 1_000_000_000 / u64::from(known.bit_rate)).max(GAP);
+    let mut progress = Progress::new("nodes", Duration::ZERO);
+    let scan = Scan { from, to, gap, least: LISTEN };
+    let found = session.scan(scan, &mut |done, of| progress.set(done, Some(of)))?;
+    drop(progress);
+    if found.is_empty() {
+        return Err(Failure::Bus("no node has answered".to_owned()));
+    }
+    say(&clean_lines(&table(&found)));
+    Ok(())
+}
+
+fn table(found: &[Found]) -> String {
+    let titles = ["node", "state", "profile", "vendor", "product", "revision", "serial", "name"];
+    let mut rows = vec![titles.map(str::to_owned).to_vec()];
+    rows.extend(found.iter().map(row));
+    columns(&rows)
+}
+
+fn row(found: &Found) -> Vec<String> {
+    let none = || "-".to_owned();
+    let mut row = vec![
+        found.node.get().to_string(),
+        found.state.map_or_else(none, |state| nmt_state(state).to_owned()),
+        found.device_type.map_or_else(none, |device_type| (device_type & 0xFFFF).to_string()),
+    ];
+    row.extend(found.identity.map(word));
+    row.push(match (&found.name, found.answers) {
+        // It has no line of its own.
+        (Some(name), _) => name.replace('\n', " "),
+        (None, true) => none(),
+        (None, false) => "- (no answer)".to_owned(),
+    });
+    row
+}
