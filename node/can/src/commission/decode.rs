@@ -15,11 +15,6 @@ use std::collections::BTreeMap;
 
 /// TIME (CiA 301, 1012h by default).
 const TIME: u16 = 0x100;
-/// From the master of LSS to its slaves.
-const LSS_MASTER: u16 = 0x7E5;
-/// Back.
-const LSS_SLAVE: u16 = 0x7E4;
-
 /// A PDO behind an identifier.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Carried {
@@ -76,14 +71,14 @@ impl Decoder {
             return if frame.is_remote() { format!("{} is asked for", name(pdo)) } else { self.carried(pdo, frame) };
         }
         match (id.get(), owner(id)) {
+            _ if id == Id::LSS_MASTER => lss("LSS master", frame.bytes()),
+            _ if id == Id::LSS_SLAVE => lss("LSS slave", frame.bytes()),
             (0, _) => nmt(frame.bytes()),
             (0x80, _) => match frame.bytes() {
                 [counter] => format!("SYNC {counter}"),
                 _ => "SYNC".to_owned(),
             },
             (TIME, _) => time(frame.bytes()),
-            (LSS_MASTER, _) => lss("LSS master", frame.bytes()),
-            (LSS_SLAVE, _) => lss("LSS slave", frame.bytes()),
             (_, Some(node)) if frame.is_remote() => match id == node.heartbeat() {
                 true => format!("node {} is asked for its state", node.get()),
                 false => "remote frame".to_owned(),

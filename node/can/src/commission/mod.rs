@@ -10,6 +10,7 @@ mod decode;
 mod device;
 mod emergency;
 mod exchange;
+mod layer;
 mod object;
 mod pdos;
 mod scan;

@@ -4,6 +4,7 @@
 //! Refuses  objects longer than [`LONGEST`]; what a device refuses or does not answer; a way that is lost
 //! Source   CiA 301
 
+use crate::lss::{Identity, LssError};
 use crate::sdo::{Abort, Client, Object, SdoError};
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, Life, NmtCommand, NmtState, NodeId};
@@ -44,6 +45,22 @@ pub enum CommissionError {
         /// Its status word.
         status: u16,
     },
+    /// No device of an identity.
+    #[error(
+        "no device answers to vendor {:08X}h, product {:08X}h, revision {:08X}h, serial {:08X}h", .0[0], .0[1], .0[2], .0[3]
+    )]
+    Nobody(Identity),
+    /// A device in configuration does not do it.
+    #[error("{0}")]
+    Lss(LssError),
+    /// It does not answer.
+    #[error("the device has not answered for {0} ms")]
+    SilentLss(u64),
+    /// A search that has come to nothing.
+    #[error(
+        "the search lost the device that it had begun with: frames or answers were lost; try again, or with a longer --timeout"
+    )]
+    LostInSearch,
     /// A configuration for another device.
     #[error("{node} is another device: its {what} is {found:08X}h, the file is for {expected:08X}h")]
     Other {

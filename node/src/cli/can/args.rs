@@ -3,7 +3,7 @@
 use clap::{Args, Subcommand, ValueEnum};
 use lineshaft_can::eds::DataType;
 use lineshaft_can::transport::Address;
-use lineshaft_can::{NmtCommand, NodeId};
+use lineshaft_can::{NmtCommand, NodeId, lss};
 use lineshaft_core::unit::{Dimension, Quantity};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -45,6 +45,9 @@ pub(in crate::cli) enum CanCommand {
                             Exit codes: 0 ended by Ctrl-C, --for or a closed pipe, 1 the bus is lost or not there, 2 bad usage or file."
     )]
     Monitor(MonitorArgs),
+    /// Give devices node ids and bit rates by their identity (CiA 305)
+    #[command(subcommand)]
+    Lss(LssWords),
     /// Bring the configuration of a DCF file into a device: writes what differs, a PDO only while it is off
     #[command(
         after_help = "A drive that is enabled is refused. Left out are objects that do something: 1010h, 1011h, 6040h.\n\n\
@@ -53,6 +56,82 @@ pub(in crate::cli) enum CanCommand {
                             2 bad usage or file."
     )]
     Configure(ConfigureArgs),
+}
+
+/// Devices by their identity.
+#[derive(Debug, Subcommand)]
+pub(in crate::cli) enum LssWords {
+    /// Look for one device that has no node id yet, by fastscan (0.1 s for each bit that is 1: up to 13 s)
+    #[command(
+        after_help = "Of several devices the one with the lowest numbers is found; give it a node id, and search again.\n\n\
+                            Example:\n  lineshaft can lss scan --bus slcan:/dev/ttyACM0 --bitrate 500000\n\n\
+                            Exit codes: 0 one is found, 1 none is, or the bus is not there, 2 bad usage or file."
+    )]
+    Scan {
+        #[command(flatten)]
+        bus: BusArgs,
+    },
+    /// Give a device a node id
+    #[command(after_help = "The id is lost when the device starts anew, unless `lss store` keeps it.\n\n\
+                            Example:\n  lineshaft can lss set-id 5 --vendor 0xFB --product 0x60500000 --revision 0x1690000 --serial 4711 \
+                            --bus socketcan:can0\n\n\
+                            Exit codes: 0 the device has taken it, 1 it refuses or does not answer, or the bus is not there, 2 bad \
+                            usage or file.")]
+    SetId {
+        /// The node id (1 to 127)
+        #[arg(value_parser = node)]
+        node: NodeId,
+        #[command(flatten)]
+        device: IdentityArgs,
+        #[command(flatten)]
+        bus: BusArgs,
+    },
+    /// Give a device a bit rate, which holds from its next start on, once `lss store` has kept it
+    #[command(
+        after_help = "Example:\n  lineshaft can lss bit-rate 500000 --vendor 0xFB --product 0x60500000 --revision 0x1690000 --serial \
+                            4711 --bus socketcan:can0\n\n\
+                            Exit codes: 0 the device has taken it, 1 it refuses or does not answer, or the bus is not there, 2 bad \
+                            usage or file."
+    )]
+    BitRate {
+        /// The bit rate (bit/s): 1000000, 800000, 500000, 250000, 125000, 50000, 20000 or 10000
+        #[arg(value_name = "BIT/S", value_parser = lss_bit_rate)]
+        rate: u8,
+        #[command(flatten)]
+        device: IdentityArgs,
+        #[command(flatten)]
+        bus: BusArgs,
+    },
+    /// Tell a device to keep its node id and bit rate
+    #[command(
+        after_help = "Example:\n  lineshaft can lss store --vendor 0xFB --product 0x60500000 --revision 0x1690000 --serial 4711 \
+                            --bus socketcan:can0\n\n\
+                            Exit codes: 0 the device has stored them, 1 it refuses or does not answer, or the bus is not there, 2 bad \
+                            usage or file."
+    )]
+    Store {
+        #[command(flatten)]
+        device: IdentityArgs,
+        #[command(flatten)]
+        bus: BusArgs,
+    },
+}
+
+/// Which device; all four numbers, as `can scan` shows them (1018h).
+#[derive(Clone, Copy, Debug, Args)]
+pub(in crate::cli) struct IdentityArgs {
+    /// Vendor: decimal, 0xFB or FBh
+    #[arg(long, value_name = "NUMBER", value_parser = number)]
+    pub(super) vendor: u32,
+    /// Product code
+    #[arg(long, value_name = "NUMBER", value_parser = number)]
+    pub(super) product: u32,
+    /// Revision number
+    #[arg(long, value_name = "NUMBER", value_parser = number)]
+    pub(super) revision: u32,
+    /// Serial number
+    #[arg(long, value_name = "NUMBER", value_parser = number)]
+    pub(super) serial: u32,
 }
 
 /// Objects one by one.
@@ -91,7 +170,7 @@ pub(in crate::cli) struct BusArgs {
     #[arg(long, value_name = "CELL")]
     pub(super) cell: Option<PathBuf>,
     /// Which of several backends on CAN of the cell
-    #[arg(long, value_name = "NAME", requires = "cell")]
+    #[arg(long, value_name = "NAME", conflicts_with = "bus")]
     pub(super) backend: Option<String>,
     /// How long a device may take for an answer, as '500 ms' (10 ms to 60 s; left out: 500 ms, or what the cell says)
     #[arg(long, value_name = "TIME", value_parser = timeout)]
@@ -286,6 +365,27 @@ fn bit_rate(text: &str) -> Result<u32, String> {
     let (least, most) = BIT_RATES;
     let rate = text.parse().ok().filter(|rate| (least..=most).contains(rate));
     rate.ok_or_else(|| format!("{text:?} is no bit rate; {least} to {most} bit/s is allowed, without a unit"))
+}
+
+/// The index of a bit rate.
+fn lss_bit_rate(text: &str) -> Result<u8, String> {
+    let rate = text.parse().ok().and_then(lss::bit_rate);
+    rate.ok_or_else(|| {
+        let rates: Vec<_> = lss::bit_rates().map(|rate| rate.to_string()).collect();
+        format!("{text:?} is no bit rate of LSS; {} bit/s are allowed, without a unit", rates.join(", "))
+    })
+}
+
+/// A number of 32 bits: decimal, or hexadecimal as 0xFB or FBh.
+fn number(text: &str) -> Result<u32, String> {
+    let lower = text.to_ascii_lowercase();
+    let digits = lower.strip_prefix("0x").or_else(|| lower.strip_suffix('h'));
+    let read = match digits {
+        Some(digits) if !digits.starts_with('+') => u32::from_str_radix(digits, 16).ok(),
+        Some(_) => None,
+        None => lower.parse().ok(),
+    };
+    read.ok_or_else(|| format!("{text:?} is no number; 0 to 4294967295 is allowed, or 0x0 to 0xFFFFFFFF"))
 }
 
 fn timeout(text: &str) -> Result<Duration, String> {

@@ -6,6 +6,7 @@
 mod args;
 mod configure;
 mod info;
+mod layer;
 mod monitor;
 mod nmt;
 mod open;
@@ -48,6 +49,7 @@ pub(super) fn can(command: &CanCommand) -> Exit {
         CanCommand::Sdo(SdoCommand::Read(args)) => sdo::read(args),
         CanCommand::Sdo(SdoCommand::Write(args)) => sdo::write(args),
         CanCommand::Nmt(args) => nmt::nmt(args),
+        CanCommand::Lss(words) => layer::lss(words),
         CanCommand::Monitor(args) => monitor::monitor(args),
         CanCommand::Configure(args) => configure::configure(args),
     };

@@ -4,6 +4,7 @@ use super::*;
 use crate::Id;
 use crate::commission::Scan;
 use crate::eds::{CobId, Direction};
+use crate::lss::LssCommand;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
@@ -294,4 +295,49 @@ fn storing_says_save() {
     bus.refuse(3, 0x1010, 1, 0x0800_0020);
     let error = bus.session().store(node(3)).unwrap_err().to_string();
     assert_eq!(error, "node 3: 1010h:01: the device refuses: the data cannot be stored (08000020h)");
+}
+
+/// A device that answers LSS: selected by any identity with serial number 7, refuses to store.
+#[derive(Clone, Default)]
+struct Layered(Bus);
+
+impl Transport for Layered {
+    fn send(&mut self, frame: &Frame) -> Result<(), TransportError> {
+        let mut state = self.0.0.lock().unwrap();
+        state.sent.push(*frame);
+        let answer = match *frame.bytes() {
+            [67, 7, ..] => Some(68),
+            [command @ (17 | 19), ..] => Some(command),
+            _ => None,
+        };
+        let refusal = (frame.bytes()[0] == 23).then_some([23, 1, 0, 0, 0, 0, 0, 0]);
+        let answer = answer.map(|command| [command, 0, 0, 0, 0, 0, 0, 0]).or(refusal);
+        state.answers.extend(answer.map(|bytes| Frame::of(Id::LSS_SLAVE, bytes)));
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), TransportError> {
+        Ok(())
+    }
+
+    fn receive(&mut self) -> Result<Option<Frame>, TransportError> {
+        self.0.receive()
+    }
+}
+
+#[test]
+fn a_device_is_set_by_its_identity_and_left_waiting() {
+    let device = Layered::default();
+    let mut session = Session::new(Box::new(device.clone()), Duration::from_millis(30));
+    let command = LssCommand::NodeId(node(9));
+    session.set_layer([1, 2, 3, 7], command).unwrap();
+    let sent = device.0.0.lock().unwrap().sent.clone();
+    assert_eq!((sent.len(), sent[5], sent.last()), (7, command.frame(), Some(&LssCommand::Wait.frame())));
+    let error = session.set_layer([1, 2, 3, 8], command).unwrap_err().to_string();
+    let sentence = "no device answers to vendor 00000001h, product 00000002h, revision 00000003h, serial 00000008h";
+    assert_eq!(error, sentence);
+    let error = session.set_layer([1, 2, 3, 7], LssCommand::Store).unwrap_err().to_string();
+    assert_eq!(error, "the device cannot store its node id and bit rate");
+    assert_eq!(device.0.0.lock().unwrap().sent.last(), Some(&LssCommand::Wait.frame()));
+    assert_eq!(session.search(&mut |_, _| {}).unwrap(), None);
 }

@@ -31,7 +31,8 @@ fn a_bus_or_a_cell_is_needed_and_not_both() {
     assert!(parse("scan").unwrap_err().contains("--bus <ADDRESS>"));
     assert!(parse("scan --bus socketcan:can0 --cell a.yaml").unwrap_err().contains("cannot be used with"));
     assert!(parse("scan --cell a.yaml --bitrate 500000").unwrap_err().contains("cannot be used with"));
-    assert!(parse("scan --bus socketcan:can0 --backend a").unwrap_err().contains("--cell <CELL>"));
+    assert!(parse("scan --bus socketcan:can0 --backend a").unwrap_err().contains("cannot be used with"));
+    assert!(parse("scan --backend a").unwrap_err().contains("--bus <ADDRESS>"));
     assert!(parse("scan --cell a.yaml --backend a").is_ok());
 }
 
@@ -54,6 +55,8 @@ fn words_beyond_their_range_are_refused_with_it() {
             "sdo read 3 6064 --type u9 --bus socketcan:can0",
             "u8, u16, u32, u64, i8, i16, i32, i64, f32, f64, string, bytes, domain",
         ),
+        ("lss store --bus socketcan:can0 --vendor 1", "--product <NUMBER>"),
+        ("lss bit-rate 100000 --bus socketcan:can0", "\"100000\" is no bit rate of LSS; 1000000, 800000, 500000, "),
         ("scna", "a similar subcommand exists: 'scan'"),
     ];
     for (line, sentence) in rows {
@@ -68,6 +71,16 @@ fn times_have_units() {
     assert_eq!(timeout("0.01"), Ok(Duration::from_millis(10)));
     assert!(timeout("5 mm").is_err());
     assert_eq!(for_time("10 s"), Ok(Duration::from_secs(10)));
+}
+
+#[test]
+fn identities_are_decimal_or_hexadecimal() {
+    for (text, value) in [("251", 251), ("0xFB", 251), ("0000FFFFh", 0xFFFF), ("0xFFFFFFFF", u32::MAX), ("0", 0)] {
+        assert_eq!(number(text), Ok(value));
+    }
+    for text in ["", "FB", "-1", "+0x1", "0x+1", "0x100000000", "1.5", "h"] {
+        assert!(number(text).is_err_and(|sentence| sentence.ends_with("or 0x0 to 0xFFFFFFFF")), "{text}");
+    }
 }
 
 /// Each command says what it does, with an example and its exit codes.

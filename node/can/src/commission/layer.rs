@@ -1,0 +1,74 @@
+//! Node ids and bit rates of devices, by their identity (CiA 305).
+//!
+//! Law      a device that is set is switched to configuration, told, and switched back to waiting, also where it has refused
+//! Refuses  an identity that nobody has; what the device refuses
+//! Source   CiA 305
+
+use super::session::{CommissionError, Session};
+use crate::Frame;
+use crate::lss::{FastScan, Identity, LssCommand, LssError, Outcome, is_selected, select};
+use std::time::Duration;
+
+/// How long the answer to a question of a search may take: where the answer is no, this time passes.
+const ANSWER: Duration = Duration::from_millis(100);
+
+impl Session {
+    /// The first device without a node id, if there is any; `progress` is told how many questions are asked, of how many.
+    ///
+    /// # Errors
+    /// The device that was found no longer answers; the way is lost.
+    pub fn search(&mut self, progress: &mut dyn FnMut(usize, usize)) -> Result<Option<Identity>, CommissionError> {
+        let patience = ANSWER.min(Duration::from_nanos(self.timeout_ns()));
+        self.send(&LssCommand::Wait.frame())?;
+        let mut scan = FastScan::default();
+        let mut asked = 0;
+        let outcome = loop {
+            self.send(&scan.question())?;
+            asked += 1;
+            progress(asked, FastScan::QUESTIONS);
+            let is_answered = self.answer(patience, |frame| FastScan::is_answer(frame).then_some(()))?.is_some();
+            if let Some(outcome) = scan.next(is_answered) {
+                break outcome;
+            }
+        };
+        self.send(&LssCommand::Wait.frame())?;
+        match outcome {
+            Outcome::Found(identity) => Ok(Some(identity)),
+            Outcome::Nobody => Ok(None),
+            Outcome::Lost => Err(CommissionError::LostInSearch),
+        }
+    }
+
+    /// Tells the device of an identity something.
+    ///
+    /// # Errors
+    /// Nobody has the identity; the device refuses or does not answer; the way is lost.
+    pub fn set_layer(&mut self, identity: Identity, command: LssCommand) -> Result<(), CommissionError> {
+        self.send(&LssCommand::Wait.frame())?;
+        let time = Duration::from_nanos(self.timeout_ns());
+        for frame in select(identity) {
+            self.send(&frame)?;
+        }
+        if self.answer(time, |frame| is_selected(frame).then_some(()))?.is_none() {
+            return Err(CommissionError::Nobody(identity));
+        }
+        self.send(&command.frame())?;
+        let answer: Option<Result<(), LssError>> = self.answer(time, |frame| command.answered(frame))?;
+        self.send(&LssCommand::Wait.frame())?;
+        match answer {
+            Some(done) => done.map_err(CommissionError::Lss),
+            None => Err(CommissionError::SilentLss(self.timeout_ns() / 1_000_000)),
+        }
+    }
+
+    /// Listens until a frame is an answer, or the time has passed.
+    fn answer<T>(&mut self, time: Duration, is_it: impl Fn(&Frame) -> Option<T>) -> Result<Option<T>, CommissionError> {
+        let begin = self.elapsed();
+        let mut answer = None;
+        self.listen(|now, frame| {
+            answer = frame.and_then(&is_it);
+            answer.is_none() && now.saturating_sub(begin) < time
+        })?;
+        Ok(answer)
+    }
+}
