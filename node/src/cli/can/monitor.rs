@@ -74,9 +74,10 @@ fn until_signal() -> std::io::Result<Arc<AtomicBool>> {
     let is_over = Arc::new(AtomicBool::new(false));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let told = Arc::clone(&is_over);
-    let _inside = runtime.enter();
+    // From here on, not from when the thread has its turn.
+    let inside = runtime.enter();
     let (mut interrupt, mut terminate) = (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?);
-    drop(_inside);
+    drop(inside);
     std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
         runtime.block_on(async {
             tokio::select! {

@@ -21,7 +21,8 @@ pub(super) fn read(args: &ReadArgs) -> Result<(), Failure> {
     readable(object, dictionary)?;
     let data_type = type_of(object, args.kind.map(DataType::from), dictionary)?;
     // Blocks are for what can be long.
-    let in_blocks = args.file.is_some() || data_type.is_some_and(|data_type| data_type.bits().is_none());
+    let is_long = matches!(data_type, Some(DataType::Domain | DataType::OctetString));
+    let in_blocks = args.file.is_some() || is_long;
     let mut progress = Progress::new("bytes", MOMENT);
     let read = known.open()?.read_with(node, object, in_blocks, &mut |done, of| progress.set(done, of));
     drop(progress);
@@ -85,13 +86,16 @@ fn shown(value: &Value) -> String {
     }
 }
 
-/// Bytes of which nobody says what they are, and the number that they may be.
+/// Bytes of which nobody says what they are, and the number or the text that they may be.
 fn raw(bytes: &[u8]) -> String {
     let number = bytes.iter().rev().fold(0_u64, |number, byte| number << 8 | u64::from(*byte));
     match bytes.len() {
         0 => "no bytes".to_owned(),
         1 | 2 | 4 | 8 => format!("{} ({number})", hex(bytes)),
-        _ => hex(bytes),
+        _ => match std::str::from_utf8(bytes).ok().filter(|text| text.chars().all(|letter| !letter.is_control())) {
+            Some(text) => format!("{} ({text:?})", hex(bytes)),
+            None => hex(bytes),
+        },
     }
 }
 

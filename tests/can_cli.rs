@@ -1,0 +1,462 @@
+//! `lineshaft can` as a user meets it at the prompt, with CANopen drives that somebody else has written.
+
+mod support;
+
+use rustix::process::{Pid, Signal, kill_process};
+use std::io::{BufRead, BufReader, Lines, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+use support::can::CanDrives;
+
+/// Far more than any command takes.
+const LONG: Duration = Duration::from_secs(60);
+
+fn program(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+    command.arg("can").args(arguments);
+    command
+}
+
+/// What a command prints, and with which code it ends.
+struct Said {
+    code: i32,
+    out: String,
+    errors: String,
+}
+
+impl From<Output> for Said {
+    fn from(output: Output) -> Self {
+        let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
+        let code = output.status.code().expect("it ended by itself");
+        Self { code, out: text(&output.stdout), errors: text(&output.stderr) }
+    }
+}
+
+impl Said {
+    /// It has done what it was to do; what it said.
+    #[track_caller]
+    fn good(self) -> String {
+        assert_eq!((self.code, self.errors.as_str()), (0, ""), "{}", self.out);
+        self.out
+    }
+
+    /// It has refused with this code and this sentence, and printed nothing else.
+    #[track_caller]
+    fn refused(&self, code: i32, sentence: &str) {
+        assert_eq!(self.code, code, "{}{}", self.out, self.errors);
+        assert!(self.errors.contains(sentence), "`{sentence}` is not in {}", self.errors);
+        assert_eq!(self.out, "");
+    }
+}
+
+/// Runs a command that needs no bus.
+fn run(arguments: &[&str]) -> Said {
+    program(arguments).output().expect("the program starts").into()
+}
+
+/// Runs a command on the bus of the drives.
+fn on(drives: &CanDrives, arguments: &[&str]) -> Said {
+    run(&[arguments, &["--bus", &drives.address().to_string()]].concat())
+}
+
+fn eds() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("can/tests/data/cia402_sim.eds")
+}
+
+/// The EDS as a configuration: values behind the heads of their sections.
+fn dcf(folder: &Path, values: &[(&str, &str)]) -> String {
+    let mut text = std::fs::read_to_string(eds()).expect("the EDS of the drives");
+    for (section, value) in values {
+        let head = format!("[{section}]\n");
+        assert!(text.contains(&head), "the EDS has no {section}");
+        text = text.replacen(&head, &format!("{head}ParameterValue={value}\n"), 1);
+    }
+    let path = folder.join("drive.dcf");
+    std::fs::write(&path, text).expect("room in the folder");
+    path.to_str().expect("a path of text").to_owned()
+}
+
+#[test]
+fn a_scan_lists_who_is_there_and_ends_with_1_where_nobody_is() {
+    let drives = CanDrives::boot("1-3,64");
+    on(&drives, &["sdo", "write", "3", "1017", "20", "--type", "u16"]).good();
+    let began = Instant::now();
+    let table = on(&drives, &["scan"]).good();
+    let took = began.elapsed();
+    // 127 nodes one after the other would take a minute.
+    assert!(took < Duration::from_secs(20), "{took:?}");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split_whitespace().collect()).collect();
+    let row =
+        |node, state, serial| vec![node, state, "402", "0000FFFFh", "40200001h", "00010000h", serial, "cia402-sim"];
+    assert_eq!(rows[0], ["node", "state", "profile", "vendor", "product", "revision", "serial", "name"]);
+    assert_eq!(rows[1], row("1", "-", "00005001h"));
+    assert_eq!(rows[3], row("3", "pre-operational", "00005003h"));
+    assert_eq!((rows[4].clone(), rows.len()), (row("64", "-", "00005040h"), 5));
+
+    let one = on(&drives, &["scan", "--from", "2", "--to", "2"]).good();
+    assert_eq!(one.lines().count(), 2, "{one}");
+    on(&drives, &["scan", "--from", "100", "--to", "127"]).refused(1, "error: no node has answered\n");
+    on(&drives, &["scan", "--from", "5", "--to", "4"]).refused(2, "--from 5 is behind --to 4; 1 to 4 is allowed");
+}
+
+/// One that is stopped answers nothing, and is heard all the same.
+#[test]
+fn a_stopped_node_is_found_by_its_heartbeat() {
+    let drives = CanDrives::boot("7");
+    on(&drives, &["sdo", "write", "7", "1017", "50", "--type", "u16"]).good();
+    on(&drives, &["nmt", "7", "stop"]).good();
+    let table = on(&drives, &["scan", "--from", "1", "--to", "10"]).good();
+    let row: Vec<_> = table.lines().nth(1).expect("a row").split_whitespace().collect();
+    assert_eq!(row, ["7", "stopped", "-", "-", "-", "-", "-", "-", "(no", "answer)"]);
+}
+
+#[test]
+fn a_device_tells_what_it_is() {
+    let mut drives = CanDrives::boot("3");
+    drives.tell("fault 3 0x7121");
+    on(&drives, &["sdo", "write", "3", "1017", "50", "--type", "u16"]).good();
+    let eds = eds();
+    let eds = eds.to_str().unwrap();
+    let told = on(&drives, &["info", "3", "--eds", eds]).good();
+    let has = |name: &str, value: &str| {
+        let line = told.lines().find(|line| line.starts_with(&format!("{name}  "))).unwrap_or_else(|| panic!("{told}"));
+        assert!(line.ends_with(&format!("  {value}")), "{line}");
+    };
+    assert!(told.starts_with("node 3\n"), "{told}");
+    has("name", "cia402-sim");
+    has("hardware", "HW 0.1");
+    has("software", "cia402-sim 0.1.0");
+    has("device type", "00020192h, profile 402");
+    has("serial number", "00005003h");
+    has("NMT state", "pre-operational");
+    has("error history", "7121h motor blocked");
+    has("drive", "fault (6041h is 0218h)");
+    has("supported modes", "pp, pv, hm, csp, csv");
+    has("mode", "none");
+    has("error code", "7121h motor blocked");
+    has("position", "0 (6064h, units of the drive)");
+    has("digital inputs", "00000004h (home)");
+    has("position encoder resolution", "10000 / 1 (608Fh)");
+    let pdos = on(&drives, &["pdo", "3", "--eds", eds]).good();
+    assert!(told.ends_with(&pdos), "{told}{pdos}");
+    let lines: Vec<Vec<&str>> = pdos.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(lines[1], ["RPDO", "1", "203h", "yes", "255", "(event)", "6040h:00", "Controlword,", "16", "bits"]);
+    assert!(pdos.contains("6064h:00 Position actual value, 32 bits"), "{pdos}");
+    on(&drives, &["info", "4"]).refused(1, "error: node 4: 1000h:00: the device has not answered for 500 ms");
+    on(&drives, &["pdo", "4", "--timeout", "50 ms"])
+        .refused(1, "node 4: 1400h:01: the device has not answered for 50 ms");
+}
+
+#[test]
+fn objects_are_read_by_number_and_by_name() {
+    let mut drives = CanDrives::boot("3");
+    drives.tell("move 3 1234");
+    let eds = eds();
+    let eds = ["--eds", eds.to_str().unwrap()];
+    let read = |more: &[&str]| on(&drives, &[&["sdo", "read", "3"], more].concat());
+    let zeros = "6085h:00 = 80 84 1E 00 (2000000)\n";
+    for object in ["6085", "0x6085", "6085:00", "6085h:0"] {
+        assert_eq!(read(&[object]).good(), zeros);
+    }
+    assert_eq!(read(&["6064", "--type", "i32"]).good(), "6064h:00 = 1234 (INTEGER32)\n");
+    let named = [&["position ACTUAL value"], &eds[..]].concat();
+    assert_eq!(read(&named).good(), "6064h:00 Position actual value = 1234 (INTEGER32)\n");
+    let speed = read(&[&["Homing speeds.Speed during search for switch"], &eds[..]].concat()).good();
+    assert_eq!(speed, "6099h:01 Homing speeds.Speed during search for switch = 50000, C350h (UNSIGNED32)\n");
+    assert_eq!(read(&["1008"]).good(), "1008h:00 = 63 69 61 34 30 32 2D 73 69 6D (\"cia402-sim\")\n");
+    assert_eq!(read(&["1008", "--type", "string"]).good(), "1008h:00 = \"cia402-sim\" (VISIBLE_STRING)\n");
+
+    read(&["5FFF"]).refused(1, "node 3: 5FFFh:00: the device refuses: the object does not exist (06020000h)");
+    read(&["1018:9"]).refused(1, "the subindex does not exist (06090011h)");
+    read(&["6064", "--type", "i8"])
+        .refused(1, "6064h:00: INTEGER8 has 1 bytes, not 4: node 3 has answered D2 04 00 00");
+    read(&[&["6064", "--type", "u32"], &eds[..]].concat())
+        .refused(2, "6064h:00 Position actual value is INTEGER32 by the EDS, not UNSIGNED32; leave --type out");
+    read(&[&["Position actual valeu"], &eds[..]].concat())
+        .refused(2, "no object has the name \"Position actual valeu\"; \"Position actual value\" is like it");
+    read(&["Statusword"])
+        .refused(2, "\"Statusword\" is no object; allowed are an index like 6064 or 0x6064 (1000 to FFFF)");
+    on(&drives, &["sdo", "read", "9", "6064", "--timeout", "0.1"])
+        .refused(1, "node 9: 6064h:00: the device has not answered for 100 ms");
+}
+
+#[test]
+fn objects_are_written_where_they_may_be() {
+    let mut drives = CanDrives::boot("3");
+    let eds = eds();
+    let eds = ["--eds", eds.to_str().unwrap()];
+    let write = |drives: &CanDrives, more: &[&str]| on(drives, &[&["sdo", "write", "3"], more].concat());
+    assert_eq!(write(&drives, &["607A", "-5", "--type", "i32"]).good(), "607Ah:00 is -5 now\n");
+    assert_eq!(drives.tell("get 3 0x607A 0")["value"], -5);
+    let said = write(&drives, &[&["Profile velocity", "0x4E20"], &eds[..]].concat()).good();
+    assert_eq!(said, "6081h:00 Profile velocity is 0x4E20 now\n");
+    assert_eq!(drives.tell("get 3 0x6081 0")["value"], 20_000);
+
+    let before = drives.tell("stats")["rx"].as_u64();
+    write(&drives, &["6081", "1"]).refused(2, "the type of 6081h:00 is not known: give --type (u8, u16, u32, ");
+    write(&drives, &[&["Statusword", "1"], &eds[..]].concat())
+        .refused(2, "6041h:00 Statusword cannot be written: its access is ro by the EDS");
+    write(&drives, &[&["6060", "200"], &eds[..]].concat())
+        .refused(2, "6060h:00 Modes of operation: 200 is not within -128 and 127, as INTEGER8 is");
+    write(&drives, &["6060", "010", "--type", "i8"]).refused(2, "begins with 0: write a decimal number without it");
+    assert_eq!(drives.tell("stats")["rx"].as_u64(), before, "nothing was sent");
+
+    write(&drives, &["6041", "1", "--type", "u16"])
+        .refused(1, "node 3: 6041h:00: the device refuses: the object can only be read (06010002h)");
+    drives.tell("sdo_abort 3 0x6081 0 0x06090031");
+    write(&drives, &["6081", "1", "--type", "u32"]).refused(1, "the value is too high (06090031h)");
+}
+
+/// In blocks, and by a drive that knows none.
+#[test]
+fn files_are_brought_into_domains_and_back() {
+    let mut drives = CanDrives::boot("3");
+    let folder = tempfile::tempdir().unwrap();
+    let (there, back) = (folder.path().join("there"), folder.path().join("back"));
+    for (knows_blocks, length) in [(1, 20_000_usize), (0, 3_000)] {
+        drives.tell(&format!("sdo_block 3 {knows_blocks}"));
+        let bytes: Vec<u8> = (0..length).map(|at| (at * 7 + at / 256) as u8).collect();
+        std::fs::write(&there, &bytes).unwrap();
+        let said = on(&drives, &["sdo", "write", "3", "2100", "--file", there.to_str().unwrap()]).good();
+        assert!(said.starts_with(&format!("2100h:00 is {length} bytes of ")), "{said}");
+        let said = on(&drives, &["sdo", "read", "3", "2100", "--file", back.to_str().unwrap()]).good();
+        assert!(said.starts_with(&format!("2100h:00: {length} bytes to ")), "{said}");
+        assert!(std::fs::read(&back).unwrap() == bytes);
+    }
+    let none = folder.path().join("none");
+    on(&drives, &["sdo", "write", "3", "2100", "--file", none.to_str().unwrap()]).refused(2, "cannot be read: ");
+    let none = folder.path().join("no/where");
+    on(&drives, &["sdo", "read", "3", "2100", "--file", none.to_str().unwrap()]).refused(2, "cannot be written: ");
+}
+
+#[test]
+fn states_are_changed_and_a_reset_is_waited_for() {
+    let mut drives = CanDrives::boot("1-2");
+    assert_eq!(on(&drives, &["nmt", "2", "start"]).good(), "node 2: start is sent\n");
+    let state = |drives: &mut CanDrives, node: u8| drives.tell(&format!("state {node}"))["nmt"].to_string();
+    let (one, two) = (state(&mut drives, 1), state(&mut drives, 2));
+    assert_ne!(one, two, "only node 2 was started");
+    assert_eq!(on(&drives, &["nmt", "all", "start"]).good(), "all nodes: start is sent\n");
+    assert_eq!(state(&mut drives, 1), two);
+    assert_eq!(on(&drives, &["nmt", "all", "pre-operational"]).good(), "all nodes: pre-operational is sent\n");
+    assert_eq!(state(&mut drives, 2), one);
+    for command in ["reset-node", "reset-communication"] {
+        let said = on(&drives, &["nmt", "2", command]).good();
+        assert!(said.starts_with(&format!("node 2: {command} is sent\nnode 2: it has booted after ")), "{said}");
+    }
+    let said = on(&drives, &["nmt", "9", "reset-node"]);
+    assert_eq!((said.code, said.out.as_str()), (1, "node 9: reset-node is sent\n"));
+    assert_eq!(said.errors, "error: node 9: no boot-up message has come within 1 s\n");
+}
+
+/// A monitor that runs, killed with the test.
+struct Monitor {
+    child: Child,
+    /// None once whoever reads has gone.
+    lines: Option<Lines<BufReader<ChildStdout>>>,
+}
+
+impl Monitor {
+    fn start(arguments: &[&str]) -> Self {
+        let mut command = program(&[&["monitor"], arguments].concat());
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let lines = BufReader::new(child.stdout.take().expect("it is piped")).lines();
+        Self { child, lines: Some(lines) }
+    }
+
+    /// The next line that ends with these words.
+    #[track_caller]
+    fn line(&mut self, words: &str) -> String {
+        let all = self.lines.iter_mut().flatten().map(|line| line.expect("text"));
+        let found = all.take(10_000).find(|line| line.ends_with(words));
+        found.unwrap_or_else(|| panic!("no line ends with `{words}`"))
+    }
+
+    /// Ends it as Ctrl-C does; what it still prints.
+    fn interrupt(mut self) -> Vec<String> {
+        kill_process(Pid::from_child(&self.child), Signal::INT).expect("it runs");
+        let rest = self.lines.iter_mut().flatten().map(|line| line.expect("text")).collect();
+        self.ends_well();
+        rest
+    }
+
+    /// It ends by itself, with code 0 and without a word.
+    fn ends_well(&mut self) {
+        let began = Instant::now();
+        while self.child.try_wait().expect("a child of ours").is_none() {
+            assert!(began.elapsed() < LONG, "it still runs");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let mut errors = String::new();
+        self.child.stderr.take().expect("it is piped").read_to_string(&mut errors).expect("text");
+        assert_eq!((self.child.wait().expect("a child of ours").code(), errors), (Some(0), String::new()));
+    }
+}
+
+impl Drop for Monitor {
+    fn drop(&mut self) {
+        // Both fail where it has ended, which is fine.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn frames_are_shown_until_ctrl_c_or_a_closed_pipe() {
+    let mut drives = CanDrives::boot("3-4");
+    for node in ["3", "4"] {
+        on(&drives, &["sdo", "write", node, "1017", "10", "--type", "u16"]).good();
+    }
+    on(&drives, &["nmt", "all", "start"]).good();
+    let eds = eds();
+    let bus = drives.address().to_string();
+    let mut monitor = Monitor::start(&["--bus", &bus, "--node", "3", "--eds", eds.to_str().unwrap()]);
+    let first = monitor.line("node 3 is operational");
+    let columns: Vec<_> = first.split_whitespace().take(3).collect();
+    let (seconds, digits) = columns[0].split_once('.').expect("a fraction");
+    assert!(seconds.parse::<u32>().is_ok() && digits.len() == 6, "{first}");
+    assert_eq!(columns[1..], ["703", "05"]);
+    drives.tell("emcy 4 0x2310 0x03");
+    drives.tell("emcy 3 0x8611 0x21 0102030405");
+    let emergency = monitor.line("01 02 03 04 05");
+    let words =
+        "083  11 86 21 01 02 03 04 05  EMCY of node 3: 8611h following error, error register 21h (generic, profile), ";
+    assert!(emergency.contains(words), "{emergency}");
+    drives.tell("move 3 -77");
+    let told = monitor.line("6064h:00 Position actual value -77");
+    assert!(told.contains("TPDO 3 of node 3: 6041h:00 Statusword 0250h (switch on disabled), "), "{told}");
+    let rest = monitor.interrupt();
+    assert!(rest.iter().all(|line| !line.contains("node 4") && line.len() > 40), "{rest:?}");
+
+    // Whoever reads the first line alone, as `head -1` does.
+    let mut monitor = Monitor::start(&["--bus", &bus]);
+    monitor.line("");
+    monitor.lines = None;
+    monitor.ends_well();
+
+    let all = on(&drives, &["monitor", "--for", "300 ms"]).good();
+    assert!(all.contains("node 3 is operational") && all.contains("node 4 is operational"), "{all}");
+}
+
+#[test]
+fn a_configuration_is_brought_in_where_it_differs() {
+    let mut drives = CanDrives::boot("3");
+    let folder = tempfile::tempdir().unwrap();
+    let values = [
+        ("6081", "30000"),
+        ("6083", "500000"),
+        ("6040", "15"),
+        ("1800sub1", "$NODEID+0x180"),
+        ("1800sub2", "1"),
+        ("1A00sub0", "2"),
+        ("1A00sub1", "0x60640020"),
+        ("1A00sub2", "0x60410010"),
+    ];
+    let file = dcf(folder.path(), &values);
+    let configure =
+        |drives: &CanDrives, more: &[&str]| on(drives, &[&["configure", "3", "--dcf", &file], more].concat());
+    let said = configure(&drives, &["--store"]).good();
+    let expected = "node 3: 5 of 7 objects differed and were written: 6081h:00, 1800h:02, 1A00h:00, 1A00h:01, 1A00h:02\n\
+                    node 3: left out, as they do something: 6040h:00\nnode 3: it has stored them\n";
+    assert_eq!(said, expected);
+    assert_eq!(drives.tell("get 3 0x6081 0")["value"], 30_000);
+    assert_eq!(drives.tell("get 3 0x1A00 2")["value"], 0x6041_0010);
+    assert_eq!(drives.tell("get 3 0x6040 0")["value"], 0);
+    let pdos = on(&drives, &["pdo", "3"]).good();
+    assert!(pdos.contains("TPDO 1  183h    yes    1 (each sync)  6064h:00, 32 bits\n"), "{pdos}");
+    assert!(configure(&drives, &[]).good().starts_with("node 3: 0 of 7 objects differed and were written\n"));
+
+    drives.tell("sdo_abort 3 0x1010 1 0x08000020");
+    let said = configure(&drives, &["--store"]);
+    assert_eq!(said.code, 1);
+    assert_eq!(said.errors, "error: node 3: 1010h:01: the device refuses: the data cannot be stored (08000020h)\n");
+
+    let said = on(&drives, &["configure", "3", "--dcf", eds().to_str().unwrap()]);
+    said.refused(2, "configures nothing: no object that can be written has a ParameterValue");
+    for word in ["6", "7", "15"] {
+        on(&drives, &["sdo", "write", "3", "6040", word, "--type", "u16"]).good();
+    }
+    configure(&drives, &[]).refused(1, "node 3 is operation enabled (6041h is 0237h); switch it off first");
+    on(&drives, &["configure", "4", "--dcf", &file]).refused(1, "node 4: 1018h:01: the device has not answered");
+
+    let other = std::fs::read_to_string(&file).unwrap().replacen("VendorNumber=", "VendorNumber=0x22 ;", 1);
+    std::fs::write(&file, other).unwrap();
+    configure(&drives, &[])
+        .refused(1, "node 3 is another device: its vendor (1018h:01) is 0000FFFFh, the file is for 00000022h");
+}
+
+/// Way, bit rate, time and names come from the cell.
+#[test]
+fn a_cell_says_all_of_a_bus() {
+    let mut drives = CanDrives::boot("3");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(eds(), folder.path().join("drive.eds")).unwrap();
+    let address = drives.address().to_string();
+    let cell = format!(
+        "lineshaft: 1\ncycle: 10 ms\nbackends:\n  \
+         bus0: {{type: can, transport: '{address}', bitrate: 1000000, sdo_timeout: 200 ms}}\n  \
+         bus1: {{type: can, transport: 'slcan-tcp:127.0.0.1:1', bitrate: 500000}}\naxes:\n  \
+         x: {{type: linear, drive: {{backend: bus0, node: 3, interface: position, eds: drive.eds}}, scale: {{increments: 1000, \
+         per: 1 mm}}, max_velocity: 1 m/s, max_acceleration: 1 m/s^2}}\n"
+    );
+    let path = folder.path().join("cell.yaml");
+    std::fs::write(&path, cell).unwrap();
+    let path = path.to_str().unwrap();
+    let by = |more: &[&str]| run(&[more, &["--cell", path]].concat());
+    let read = by(&["sdo", "read", "3", "Profile velocity", "--backend", "bus0"]).good();
+    assert_eq!(read, "6081h:00 Profile velocity = 100000, 186A0h (UNSIGNED32)\n");
+    by(&["sdo", "read", "4", "6064", "--backend", "bus0"]).refused(1, "has not answered for 200 ms");
+    by(&["scan"]).refused(2, "cell.yaml has several backends on CAN; name one by --backend: bus0, bus1");
+    by(&["scan", "--backend", "bus2"]).refused(2, "has no backend \"bus2\" on CAN; bus0, bus1 is allowed");
+    by(&["scan", "--backend", "bus1"]).refused(1, "slcan-tcp:127.0.0.1:1 cannot be opened: ");
+    // The master maps three objects into TPDO 1, where the EDS has one.
+    let values =
+        [("1A00sub0", "3"), ("1A00sub1", "0x60410010"), ("1A00sub2", "0x60640020"), ("1A00sub3", "0x60610008")];
+    let file = dcf(folder.path(), &values);
+    by(&["configure", "3", "--dcf", &file, "--backend", "bus0"]).good();
+    by(&["sdo", "write", "3", "Producer heartbeat time", "10", "--backend", "bus0"]).good();
+    by(&["nmt", "3", "start", "--backend", "bus0"]).good();
+    let mut monitor = Monitor::start(&["--cell", path, "--backend", "bus0"]);
+    monitor.line("node 3 is operational");
+    drives.tell("move 3 -77");
+    let words = "6064h:00 Position actual value -77, 6061h:00 Modes of operation display 0";
+    let told = monitor.line(words);
+    assert!(told.contains("TPDO 1 of node 3: 6041h:00 Statusword 0250h (switch on disabled), "), "{told}");
+    monitor.interrupt();
+    std::fs::remove_file(folder.path().join("drive.eds")).unwrap();
+    by(&["scan", "--backend", "bus0"]).refused(2, "/drive.eds` cannot be read: ");
+}
+
+/// These drives have no LSS, so that nobody answers; how devices answer is tested beside the protocol.
+#[test]
+fn devices_without_lss_do_not_answer_it() {
+    let drives = CanDrives::boot("3");
+    on(&drives, &["lss", "scan"]).refused(1, "error: no device without a node id has answered\n");
+    let identity = ["--vendor", "0x22", "--product", "1", "--revision", "2", "--serial", "3"];
+    let sentence = "no device answers to vendor 00000022h, product 00000001h, revision 00000002h, serial 00000003h";
+    for words in [&["lss", "set-id", "5"][..], &["lss", "bit-rate", "500000"], &["lss", "store"]] {
+        on(&drives, &[words, &identity].concat()).refused(1, sentence);
+    }
+}
+
+#[test]
+fn what_is_wrong_with_the_words_is_said_before_a_bus_is_opened() {
+    run(&["scna"]).refused(2, "a similar subcommand exists: 'scan'");
+    run(&["scan"]).refused(2, "--bus <ADDRESS>");
+    run(&["scan", "--bus", "can0"])
+        .refused(2, "'can0' is no CAN bus; allowed are slcan:/dev/ttyACM0, slcan-tcp:HOST:PORT");
+    run(&["scan", "--bus", "slcan-tcp:host:0"]).refused(2, "allowed is slcan-tcp:HOST:PORT with a port of 1 to 65535");
+    run(&["scan", "--bus", "socketcan:can0", "--bitrate", "2000000"])
+        .refused(2, "\"2000000\" is no bit rate; 10000 to 1000000 bit/s is allowed");
+    run(&["scan", "--bus", "slcan:/dev/ttyACM99", "--bitrate", "83300"])
+        .refused(2, "adapters do not know the bit rate 83300 bit/s; they know 10000, 20000, ");
+    run(&["scan", "--bus", "slcan:/dev/ttyACM99"]).refused(1, "there is no such device; plug the adapter in");
+    run(&["scan", "--bus", "slcan-tcp:127.0.0.1:1"]).refused(1, "the adapter cannot be reached: Connection refused");
+    run(&["info", "0", "--bus", "socketcan:can0"]).refused(2, "\"0\" is no node; 1 to 127 is allowed");
+    run(&["nmt", "3", "rest-node", "--bus", "socketcan:can0"]).refused(2, "a similar value exists: 'reset-node'");
+    run(&["sdo", "read", "3", "6064", "--bus", "socketcan:can0", "--eds", "none.eds"])
+        .refused(2, "--eds `none.eds` cannot be read: ");
+    run(&["scan", "--cell", "none.yaml"]).refused(2, "none.yaml");
+    run(&["scan", "--bus", "socketcan:can0", "--timeout", "1 ms"]).refused(2, "1 ms is not allowed; 10 ms to 60 s is");
+}
