@@ -61,7 +61,7 @@ fn on(drives: &CanDrives, arguments: &[&str]) -> Said {
 }
 
 fn eds() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("can/tests/data/cia402_sim.eds")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can/cia402_sim.eds")
 }
 
 /// The EDS as a configuration: values behind the heads of their sections.

@@ -45,7 +45,7 @@ impl CanCell {
             writeln!(buses, "  bus{at}: {{type: can, transport: \"{address}\"{rate}}}").expect("room");
         }
         cell.write("cell.yaml", &format!("lineshaft: 1\ncycle: {cycle}\nbackends:\n{buses}axes:\n{axes}"));
-        let eds = setup::sources().join("../../node/can/tests/data/cia402_sim.eds");
+        let eds = setup::sources().join("../../launch-configs/can/cia402_sim.eds");
         fs::copy(eds, cell.folder.path().join("cia402_sim.eds")).expect("the file of the simulated drive is there");
         cell
     }

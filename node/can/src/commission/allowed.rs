@@ -169,7 +169,7 @@ mod tests {
 
     /// The dictionary of the simulated drive, with limits for 607Fh.
     fn known() -> Dictionary {
-        let text = String::from_utf8(include_bytes!("../../tests/data/cia402_sim.eds").to_vec()).unwrap();
+        let text = String::from_utf8(include_bytes!("../../../../launch-configs/can/cia402_sim.eds").to_vec()).unwrap();
         let at = text.find("[607F]").unwrap();
         let (before, after) = text.split_at(at);
         let text = format!("{before}{}", after.replacen("[607F]", "[607F]\nLowLimit=10\nHighLimit=2000000", 1));

@@ -241,7 +241,7 @@ mod tests {
 
     fn knowing() -> Decoder {
         let mut decoder = Decoder::default();
-        let known = eds::parse(include_bytes!("../../tests/data/cia402_sim.eds"), Some(3)).unwrap();
+        let known = eds::parse(include_bytes!("../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
         decoder.know(node(), known);
         decoder
     }

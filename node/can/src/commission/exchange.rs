@@ -179,7 +179,7 @@ mod tests {
     }
 
     fn all(frames: &[(bool, [u8; 8])]) -> Vec<String> {
-        let known = eds::parse(include_bytes!("../../tests/data/cia402_sim.eds"), Some(3)).unwrap();
+        let known = eds::parse(include_bytes!("../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
         let mut exchange = Exchange::default();
         let mut words = |(is_request, bytes): &(bool, [u8; 8])| match is_request {
             true => exchange.request(node(), &Frame::of(node().sdo_request(), *bytes), Some(&known)),

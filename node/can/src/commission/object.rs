@@ -60,7 +60,7 @@ mod tests {
     use crate::eds;
 
     fn known() -> Dictionary {
-        eds::parse(include_bytes!("../../tests/data/cia402_sim.eds"), Some(3)).unwrap()
+        eds::parse(include_bytes!("../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap()
     }
 
     #[test]

@@ -260,7 +260,7 @@ mod tests {
     /// Digital inputs and error code go when they change, where the drive has them.
     #[test]
     fn what_the_dictionary_maps_has_a_place() {
-        let text = include_bytes!("../../tests/data/cia402_sim.eds");
+        let text = include_bytes!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text, Some(3)).unwrap();
         let layout = Layout::plan(node(), Interface::Position, [None; 2], Some(&known)).unwrap();
         let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
@@ -270,7 +270,7 @@ mod tests {
 
     #[test]
     fn a_drive_that_cannot_map_its_target_is_refused() {
-        let text = String::from_utf8(include_bytes!("../../tests/data/cia402_sim.eds").to_vec()).unwrap();
+        let text = String::from_utf8(include_bytes!("../../../../launch-configs/can/cia402_sim.eds").to_vec()).unwrap();
         let at = text.find("[607A]").unwrap();
         let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();

@@ -134,7 +134,7 @@ impl Bus {
 
     /// Its drives take part in the cycles no longer: they are told so one by one from here on.
     pub(crate) fn rest(&mut self) {
-        self.drives.iter_mut().for_each(|drive| drive.end(false));
+        self.drives.iter_mut().for_each(Drive::forget);
     }
 
     /// Time since the bus was made (ns).
@@ -219,7 +219,7 @@ impl Bus {
             }
         }
         if self.transport.is_none() {
-            self.drives.iter_mut().for_each(|drive| drive.end(false));
+            self.drives.iter_mut().for_each(Drive::forget);
         }
         self.tick(now_ns);
     }
@@ -302,8 +302,10 @@ impl Bus {
         let astray = || drive.watch.state().filter(|state| takes_part && *state != NmtState::Operational);
         let Some(what) = happened.or_else(|| astray().map(Happened::State)) else { return };
         let took_part = takes_part && what != Happened::State(NmtState::Operational);
-        if took_part || what == Happened::BootedUp {
-            drive.end(what == Happened::BootedUp);
+        match what {
+            Happened::BootedUp => drive.boot(),
+            _ if took_part => drive.end(),
+            _ => {}
         }
         self.report(Report::Happened { drive: place, what, took_part });
     }

@@ -49,6 +49,8 @@ pub(crate) struct Drive {
     is_ready: bool,
     /// It is configured, and about to be started: what it tells counts already.
     listens: bool,
+    /// Its counts are those of the coordinate in which it was heard last.
+    counts_on: bool,
     /// It has booted since somebody began to configure it.
     has_booted: bool,
     pub(super) watch: Watch,
@@ -88,6 +90,7 @@ impl Drive {
             cycle_s: cycle_ns as f64 * 1e-9,
             is_ready: false,
             listens: false,
+            counts_on: false,
             has_booted: false,
             watch: Watch::new(config.node, config.watching),
             counter: Counter::default(),
@@ -122,7 +125,11 @@ impl Drive {
     /// It is configured, and will be started next: what it sends on change it may send but once, when it starts. `inputs`: its digital
     /// inputs until then.
     pub(super) fn listen(&mut self, inputs: u32) {
-        self.counter.begin_anew();
+        // One that was only away has counted what it was moved meanwhile; one that was homing may have a new zero.
+        let counts_on = std::mem::replace(&mut self.counts_on, true) && self.words.mode != MODE_HOMING;
+        if !counts_on {
+            self.counter.begin_anew();
+        }
         self.words = Words { inputs, ..Words::default() };
         (self.listens, self.is_heard, self.is_fresh, self.stale) = (true, false, false, 0);
         self.catches = Default::default();
@@ -145,10 +152,21 @@ impl Drive {
         true
     }
 
-    /// Nobody knows whether what it was told before holds any more; where it has booted it does not.
-    pub(super) fn end(&mut self, has_booted: bool) {
+    /// It takes part no longer; it counts on meanwhile.
+    pub(super) fn end(&mut self) {
         (self.is_ready, self.listens) = (false, false);
-        self.has_booted |= has_booted;
+    }
+
+    /// Nobody hears any more whether it boots.
+    pub(super) fn forget(&mut self) {
+        self.end();
+        self.counts_on = false;
+    }
+
+    /// It has booted: what it was told before does not hold, and its counts may begin anew.
+    pub(super) fn boot(&mut self) {
+        self.forget();
+        self.has_booted = true;
     }
 
     /// Takes the PDO at a place.
@@ -185,7 +203,8 @@ impl Drive {
             let change = self.counter.take(word);
             if self.counts_velocity {
                 let cycles = f64::from(self.stale.saturating_add(1));
-                words.velocity = change as f64 / (cycles * self.cycle_s);
+                // Behind an absence nobody knows how long the way has taken.
+                words.velocity = if self.is_heard { change as f64 / (cycles * self.cycle_s) } else { 0.0 };
             }
             (self.is_heard, self.stale) = (true, 0);
         }

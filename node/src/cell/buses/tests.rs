@@ -18,7 +18,7 @@ fn cell(cycle: &str, bus: &str, drives: &[String]) -> Cell {
 
 /// The file that stands for the cell: its EDS is the one of the tests of CAN.
 fn file() -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("can/tests/data/c.yaml")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can/c.yaml")
 }
 
 fn refused(cell: &Cell) -> String {

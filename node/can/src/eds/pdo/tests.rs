@@ -1,7 +1,7 @@
 use super::*;
 use crate::eds::parse;
 
-const OWN: &[u8] = include_bytes!("../../../tests/data/cia402_sim.eds");
+const OWN: &[u8] = include_bytes!("../../../../../launch-configs/can/cia402_sim.eds");
 
 fn mapped(index: u16, bits: u8) -> Mapped {
     Mapped { object: Object { index, sub: 0 }, bits }

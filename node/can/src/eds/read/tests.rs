@@ -1,7 +1,7 @@
 use super::*;
 use crate::eds::{Access, DataType, Given, Value};
 
-const OWN: &[u8] = include_bytes!("../../../tests/data/cia402_sim.eds");
+const OWN: &[u8] = include_bytes!("../../../../../launch-configs/can/cia402_sim.eds");
 
 fn at(index: u16, sub: u8) -> Object {
     Object { index, sub }

@@ -3,7 +3,7 @@ use crate::eds::{ConfigureError, Direction, FindError, parse};
 use crate::sdo::Object;
 use proptest::prelude::*;
 
-const OWN: &str = include_str!("../../../tests/data/cia402_sim.eds");
+const OWN: &str = include_str!("../../../../../launch-configs/can/cia402_sim.eds");
 
 /// Lines that put every branch of the reader to work.
 const LINES: [&str; 28] = [

@@ -250,6 +250,39 @@ fn a_drive_that_left_operation_takes_part_no_longer() {
     assert!(std::iter::from_fn(|| rig.reports.pop().ok()).any(took_part));
 }
 
+/// What it was moved while nobody heard it is motion; behind a boot-up, and behind a way that was lost, its counts are others.
+#[test]
+fn a_drive_that_was_away_has_counted_on_unless_it_has_booted() {
+    let mut rig = Rig::running(Watching::Heartbeat { time_ns: 1_000_000_000 });
+    let back = |rig: &mut Rig| {
+        rig.order(Order::Prepare { drive: 0 });
+        rig.order(Order::Listen { drive: 0, inputs: 0 });
+        rig.order(Order::Begin { drive: 0, fault: 0 });
+        rig.answer(0x0250, 300, MODE_CSP);
+        rig.cycle();
+        let DriveInput { count, epoch, velocity, online, .. } = rig.inputs.drive[0];
+        assert!(online);
+        (count, epoch, velocity)
+    };
+    rig.answer(0x0250, 100, MODE_CSP);
+    rig.comes(0x703, &[0x7F]);
+    rig.cycle();
+    assert!(!rig.is_online()[0], "it has left operation");
+    assert_eq!(back(&mut rig), (300, 0, 0.0), "200 counts further in the same coordinate");
+    rig.comes(0x703, &[0x00]);
+    rig.cycle();
+    assert_eq!(back(&mut rig), (300, 1, 0.0));
+    let way = Way(Arc::clone(&rig.wire));
+    rig.order(Order::Open(Box::new(way)));
+    rig.cycle();
+    assert_eq!(back(&mut rig), (300, 2, 0.0));
+    // In mode homing its zero may have come meanwhile.
+    rig.answer(0x0237, 300, MODE_HOMING);
+    rig.comes(0x703, &[0x7F]);
+    rig.cycle();
+    assert_eq!(back(&mut rig), (300, 3, 0.0));
+}
+
 #[test]
 fn a_way_that_is_lost_is_reported_once_and_leaves_all_drives_offline() {
     let mut rig = Rig::running(Watching::None);
@@ -334,7 +367,7 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
 /// Position and count of what probe 1 has caught, in TPDO 2: a latch of the axis, once; probe 2 catches the index.
 #[test]
 fn what_a_probe_catches_is_a_latch_of_the_axis() {
-    let known = crate::eds::parse(include_bytes!("../../../tests/data/cia402_sim.eds"), Some(3)).unwrap();
+    let known = crate::eds::parse(include_bytes!("../../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
     let mut config = drive(0, 3, Watching::None);
     config.probes = [Some(Probe::Rising), Some(Probe::Index)];
     config.object = 4;
