@@ -46,12 +46,12 @@ impl Services {
     /// The services of a machine, whose gate waits for them from now on.
     pub fn new(all: Vec<Box<dyn Service>>, gate: Arc<Gate>) -> Self {
         gate.wait_for_services();
-        let row = |service: &Box<dyn Service>| BackendHealth {
+        let rows = all.iter().map(|service| BackendHealth {
             name: service.name().to_owned(),
             hardware: service.hardware(),
             health: None,
-        };
-        let board = HealthBoard(Arc::new(Mutex::new(all.iter().map(row).collect())));
+        });
+        let board = HealthBoard(Arc::new(Mutex::new(rows.collect())));
         Self { all, gate, board }
     }
 

@@ -63,7 +63,7 @@ impl CanService {
     }
 
     /// Node and axis in a sentence.
-    fn name(&self, place: usize) -> String {
+    fn drive_name(&self, place: usize) -> String {
         self.config.drives.get(place).map_or_else(String::new, |drive| format!("{} ({})", drive.node, drive.axis))
     }
 
@@ -74,7 +74,7 @@ impl CanService {
         let done = configure::configure(&mut self.port, place, &self.config, drive);
         if let Ok(configured) = done {
             configure::begin(&mut self.port, place, configured);
-            let (ms, name) = (begin.elapsed().as_millis(), self.name(place));
+            let (ms, name) = (begin.elapsed().as_millis(), self.drive_name(place));
             tracing::info!("{}: {name}: ready after {ms} ms, {} objects written", self.config.name, configured.written);
         }
         if let Some(known) = self.drives.get_mut(place) {
@@ -91,7 +91,7 @@ impl CanService {
             match report {
                 Report::Happened { drive, what, took_part } => self.happened(drive, what, took_part),
                 Report::HomingRefused(place, error) => {
-                    tracing::error!("{}: {}: homing is not set up: {error}", self.config.name, self.name(place));
+                    tracing::error!("{}: {}: homing is not set up: {error}", self.config.name, self.drive_name(place));
                 }
                 Report::Lost(transport, error) => {
                     // Closing may take its time: not in the cycle.
@@ -135,7 +135,7 @@ impl CanService {
             Happened::State(NmtState::Stopped) => "somebody has stopped it",
             Happened::State(_) => "somebody has taken it out of operation",
         };
-        let name = self.name(place);
+        let name = self.drive_name(place);
         let Some(known) = self.drives.get_mut(place) else { return };
         if took_part {
             tracing::warn!("{}: {name}: {problem}", self.config.name);
@@ -177,7 +177,7 @@ impl CanService {
             return Health { problems: vec![problem.clone()], values };
         }
         let of = |(place, known): (usize, &Known)| {
-            known.problem.as_ref().map(|problem| format!("{}: {problem}", self.name(place)))
+            known.problem.as_ref().map(|problem| format!("{}: {problem}", self.drive_name(place)))
         };
         Health { problems: self.drives.iter().enumerate().filter_map(of).collect(), values }
     }
@@ -195,7 +195,7 @@ impl Service for CanService {
                 // It is configured when it comes.
                 Err(Refusal::Absent(_) | Refusal::NoLife) if self.lost.is_none() => {}
                 Err(refusal) => {
-                    let error = self.error(format!("{}: {refusal}", self.name(place)));
+                    let error = self.error(format!("{}: {refusal}", self.drive_name(place)));
                     self.stop();
                     return Err(error);
                 }
@@ -250,7 +250,7 @@ impl Service for CanService {
                 continue;
             };
             if let Err(refusal) = configure::calm(&mut self.port, drive.node) {
-                tracing::warn!("{}: {}: it may run: {refusal}", self.config.name, self.name(place));
+                tracing::warn!("{}: {}: it may run: {refusal}", self.config.name, self.drive_name(place));
             }
             configure::release(&mut self.port, &self.config, drive);
         }
