@@ -8,8 +8,10 @@ use std::fmt::Write;
 use std::thread;
 use std::time::Duration;
 use support::can::{Bus, CanDrives, Way};
-use support::can_cell::{CanCell, axis};
+use support::can_cell::{CanCell, CanRun, axis};
+use support::domain::Domain;
 use support::namespace;
+use support::program::Program;
 
 const OPERATIONAL: u64 = 5;
 const PRE_OPERATIONAL: u64 = 127;
@@ -324,7 +326,8 @@ expect:
     }
 }
 
-/// One scenario, one cell: with ideal simulations and with drives it ends at the same increments.
+/// One scenario, one cell: with ideal simulations and with drives it ends at the same increments. What was recorded of the drives replays
+/// bit for bit.
 #[test]
 fn a_scenario_ends_alike_in_a_simulation_and_with_drives() {
     let mut drives = CanDrives::boot("1-2");
@@ -352,8 +355,11 @@ expect: # floor(-3 * 30001 / 7) is -12858; from there 5500 back
         all(&["x", "y"], "state", "STANDSTILL")
     );
     cell.run_with(&scenario, &["--sim"]).passes();
-    cell.run(&scenario).passes();
+    let bag = cell.path("drives");
+    cell.run_with(&scenario, &["--record", &bag]).passes();
     assert_eq!((drives.shown(1).position, drives.shown(2).position), (30_001, -18_358));
+    let told = CanRun { program: Program::start(&["replay", &bag], &Domain::take()) }.passes();
+    assert!(told.contains("no difference"), "{told}");
 }
 
 /// One move over this way.

@@ -50,6 +50,11 @@ impl CanCell {
         cell
     }
 
+    /// The path of something in its folder.
+    pub(crate) fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().expect("a path of text").to_owned()
+    }
+
     fn write(&self, name: &str, text: &str) -> String {
         let path: &Path = &self.folder.path().join(name);
         fs::write(path, text).expect("room for a file");
