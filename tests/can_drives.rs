@@ -326,6 +326,36 @@ expect:
     }
 }
 
+/// Probe 1 is active from 3000 to 4000 counts, zero pulses are at 1234 and each 10000 further: the drive catches both exactly, between
+/// two SYNCs, and the axis ends where it was caught, or 1 mm further.
+#[test]
+fn drives_catch_edges_and_zero_pulses() {
+    let mut drives = CanDrives::boot("1");
+    drives.tell("probe 1 1 3000 4000");
+    let (drive, keys) = (", probe_1: both, probe_2: index", ", homing: {index_distance: 20 mm}");
+    // Both edges, the index, and what every cycle needs are 4 PDOs: no room for digital inputs.
+    let refused = CanCell::new(&drives.address().to_string(), "10 ms", &axis("x", 1, drive, keys));
+    let said = refused.run("scenario: none\nfor: 1 s\n").ends_with(2);
+    assert!(said.contains("what is mapped needs more than 4 PDOs"), "{said}");
+    let drive = ", probe_1: rising, probe_2: index";
+    let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axis("x", 1, drive, keys));
+    let probe = |edge: &str, position: &str, distance: &str| {
+        format!(
+            "  - {{when: {{signal: x.state, is: STANDSTILL}}, do: {{probe_axis: {{axis: x, event: x, edge: {edge}, position: \
+             {position}, distance: {distance}, velocity: 20 mm/s}}}}}}\n"
+        )
+    };
+    let scenario = format!(
+        "scenario: probes\nfor: 5 s\nsteps:\n  - {{when: {{signal: x.drive_state, is: SWITCH_ON_DISABLED}}, do: {{enable: {{}}}}}}\n{}{}expect:\n  \
+         - {{event: {{kind: mark}}, count: 2}}\n  - {{signal: x.latch.position, at: end, is: 3000}}\n  \
+         - {{signal: x.index.position, at: end, is: 11234}}\n  - {{signal: x.actual.position, at: end, is: 10234}}\n",
+        probe("rising", "10 mm", "1 mm"),
+        probe("index", "15 mm", "-1 mm"),
+    );
+    cell.run(&scenario).passes();
+    assert_eq!(drives.shown(1).position, 10_234);
+}
+
 /// One scenario, one cell: with ideal simulations and with drives it ends at the same increments. What was recorded of the drives replays
 /// bit for bit.
 #[test]

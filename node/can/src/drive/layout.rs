@@ -268,6 +268,21 @@ mod tests {
         assert!(layout.is_used(Direction::Transmit, 2) && !layout.is_used(Direction::Receive, 2));
     }
 
+    /// 64 bits are a PDO; one more bit is another one.
+    #[test]
+    fn a_pdo_is_filled_to_its_last_bit() {
+        let lengths = |bits: &[u32]| {
+            let field = |bits: &u32| Field::told(Told::Status, objects::STATUS_WORD, *bits);
+            let fields: Vec<_> = bits.iter().map(field).collect();
+            packed(&fields, Transmission::EachSync, 1, |number| node().tpdo(number))
+                .map(|pdos| pdos.iter().map(Pdo::bits).collect::<Vec<_>>())
+        };
+        assert_eq!(lengths(&[32, 32, 8]), Ok(vec![64, 8]));
+        assert_eq!(lengths(&[32, 33]), Ok(vec![32, 33]));
+        assert_eq!(lengths(&[64; 4]), Ok(vec![64; 4]));
+        assert_eq!(lengths(&[64; 5]), Err(LayoutError::TooMany));
+    }
+
     #[test]
     fn a_drive_that_cannot_map_its_target_is_refused() {
         let text = String::from_utf8(include_bytes!("../../../../launch-configs/can/cia402_sim.eds").to_vec()).unwrap();
