@@ -68,13 +68,13 @@ enum Route {
     Life(NodeId),
 }
 
-/// Frames that did not go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What had no room, counted for whoever tells it.
+#[derive(Debug, Default)]
 pub(crate) struct Losses {
-    /// The transport had no room.
-    pub(crate) refused: u64,
-    /// Reports that found no room.
-    pub(crate) reports: u64,
+    /// Frames that the transport did not take.
+    pub(crate) refused: AtomicU64,
+    /// Reports that did not reach the service.
+    pub(crate) reports: AtomicU64,
 }
 
 /// A bus.
@@ -94,7 +94,7 @@ pub(crate) struct Bus {
     beat_ns: Option<u64>,
     orders: Consumer<Order>,
     reports: Producer<Report>,
-    losses: Losses,
+    losses: Arc<Losses>,
     turns: Arc<AtomicU64>,
     silent: Arc<[AtomicBool]>,
 }
@@ -117,7 +117,7 @@ impl Bus {
             beat_ns: None,
             orders,
             reports,
-            losses: Losses::default(),
+            losses: Arc::default(),
             turns: Arc::default(),
         }
     }
@@ -125,6 +125,11 @@ impl Bus {
     /// Counts how often somebody has run it.
     pub(crate) fn turns(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.turns)
+    }
+
+    /// What had no room so far.
+    pub(crate) fn losses(&self) -> Arc<Losses> {
+        Arc::clone(&self.losses)
     }
 
     /// Of which drives there is no sign of life any more.
@@ -183,7 +188,7 @@ impl Bus {
             let Some(output) = outputs.drive.get(drive.place) else { continue };
             for frame in drive.frames(output) {
                 // Not `self.send`: the drive is borrowed.
-                send(&mut self.transport, &mut self.reports, &mut self.losses, &frame);
+                send(&mut self.transport, &mut self.reports, &self.losses, &frame);
             }
         }
         let sync = self.sync.next();
@@ -194,11 +199,11 @@ impl Bus {
     }
 
     fn send(&mut self, frame: &Frame) {
-        send(&mut self.transport, &mut self.reports, &mut self.losses, frame);
+        send(&mut self.transport, &mut self.reports, &self.losses, frame);
     }
 
     fn report(&mut self, report: Report) {
-        push(&mut self.reports, &mut self.losses, report);
+        push(&mut self.reports, &self.losses, report);
     }
 
     /// Orders, and what has come.
@@ -213,7 +218,7 @@ impl Bus {
                 Ok(Some(frame)) => self.dispatch(&frame, now_ns),
                 Ok(None) => break,
                 Err(error) => {
-                    lose(&mut self.transport, &mut self.reports, &mut self.losses, error);
+                    lose(&mut self.transport, &mut self.reports, &self.losses, error);
                     break;
                 }
             }
@@ -397,7 +402,7 @@ impl Bus {
             self.busy.rotate_left(1);
         }
         if let Some(Err(error)) = self.transport.as_mut().map(|transport| transport.flush()) {
-            lose(&mut self.transport, &mut self.reports, &mut self.losses, error);
+            lose(&mut self.transport, &mut self.reports, &self.losses, error);
         }
     }
 }
@@ -424,16 +429,16 @@ fn routes(drives: &[Drive]) -> Vec<Route> {
     routes
 }
 
-fn push(reports: &mut Producer<Report>, losses: &mut Losses, report: Report) {
+fn push(reports: &mut Producer<Report>, losses: &Losses, report: Report) {
     if reports.push(report).is_err() {
-        losses.reports = losses.reports.saturating_add(1);
+        losses.reports.fetch_add(1, Ordering::Relaxed);
     }
 }
 
 fn lose(
     transport: &mut Option<Box<dyn Transport>>,
     reports: &mut Producer<Report>,
-    losses: &mut Losses,
+    losses: &Losses,
     error: TransportError,
 ) {
     if let Some(transport) = transport.take() {
@@ -441,15 +446,12 @@ fn lose(
     }
 }
 
-fn send(
-    transport: &mut Option<Box<dyn Transport>>,
-    reports: &mut Producer<Report>,
-    losses: &mut Losses,
-    frame: &Frame,
-) {
+fn send(transport: &mut Option<Box<dyn Transport>>, reports: &mut Producer<Report>, losses: &Losses, frame: &Frame) {
     match transport.as_mut().map(|transport| transport.send(frame)) {
         None | Some(Ok(())) => {}
-        Some(Err(TransportError::Full(_))) => losses.refused = losses.refused.saturating_add(1),
+        Some(Err(TransportError::Full(_))) => {
+            losses.refused.fetch_add(1, Ordering::Relaxed);
+        }
         Some(Err(error)) => lose(transport, reports, losses, error),
     }
 }

@@ -6,19 +6,24 @@
 //! Source   CiA 301, CiA 302-2; MACS-CAN-04, MACS-CAN-06
 
 use super::backend::CanBackend;
-use super::bus::{Bus, Report};
+use super::bus::{Bus, Losses, Report};
 use super::configure::{self, Configured, Refusal};
 use super::port::Port;
 use crate::config::BusConfig;
 use crate::transport::{self, Options};
 use crate::{Happened, NmtState, NodeId};
 use lineshaft_core::drive::{Emergency, Health, Service, ServiceError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Between two tries to reach a drive that is not there.
 const RETRY: Duration = Duration::from_secs(1);
 /// First and longest time between two tries to open a way that was lost.
 const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(5));
+
+/// How long a bus that took no frame is told to be full.
+const FULL: Duration = Duration::from_secs(5);
 
 /// What the service knows of a drive.
 #[derive(Clone, Debug)]
@@ -41,15 +46,19 @@ pub struct CanService {
     reopened: Option<(Instant, Duration)>,
     /// When an emergency message of a foreign node was told last.
     told: Option<Instant>,
+    losses: Arc<Losses>,
+    /// Frames that had found no room when that was looked at last, and when it was last seen to grow.
+    refused: (u64, Option<Instant>),
 }
 
 /// A bus in two halves.
 pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
     let port = Port::new(|(orders, reports)| Bus::new(&config, orders, reports));
     let backend = CanBackend::new(&config, port.bus());
+    let losses = port.lock().losses();
     let known = Known { problem: None, due: Instant::now(), is_configured: false };
     let drives = vec![known; config.drives.len()];
-    (backend, CanService { config, port, drives, lost: None, reopened: None, told: None })
+    (backend, CanService { config, port, drives, lost: None, reopened: None, told: None, losses, refused: (0, None) })
 }
 
 impl CanService {
@@ -169,17 +178,31 @@ impl CanService {
         }
     }
 
-    /// What is wrong, and how many drives take part.
-    fn health(&self) -> Health {
+    /// What is wrong, how many drives take part, and what had no room.
+    fn health(&mut self) -> Health {
         let ready = self.drives.iter().filter(|known| known.is_configured).count();
-        let values = vec![("drives in operation", format!("{ready} of {}", self.drives.len()))];
+        let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        let refused = of(&self.losses.refused);
+        if refused != std::mem::replace(&mut self.refused.0, refused) {
+            self.refused.1 = Some(Instant::now());
+        }
+        let values = vec![
+            ("drives in operation", format!("{ready} of {}", self.drives.len())),
+            ("frames without room", refused.to_string()),
+            ("reports without room", of(&self.losses.reports).to_string()),
+        ];
         if let Some((problem, ..)) = &self.lost {
             return Health { problems: vec![problem.clone()], values };
         }
         let of = |(place, known): (usize, &Known)| {
             known.problem.as_ref().map(|problem| format!("{}: {problem}", self.drive_name(place)))
         };
-        Health { problems: self.drives.iter().enumerate().filter_map(of).collect(), values }
+        let mut problems: Vec<_> = self.drives.iter().enumerate().filter_map(of).collect();
+        // For a while behind the last one: not a line of the log for each.
+        if self.refused.1.is_some_and(|seen| seen.elapsed() < FULL) {
+            problems.push("the bus, or what is before it, takes no more frames: some were not sent".to_owned());
+        }
+        Health { problems, values }
     }
 }
 

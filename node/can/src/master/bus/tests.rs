@@ -441,7 +441,7 @@ fn frames_without_room_are_counted_and_not_sent_later() {
     rig.cycle();
     rig.wire.lock().unwrap().is_full = false;
     rig.cycle();
-    assert_eq!((rig.bus.losses.refused, rig.sent().len()), (3, 3));
+    assert_eq!((rig.bus.losses.refused.load(Ordering::Relaxed), rig.sent().len()), (3, 3));
 }
 
 /// Cycles with all that can come, and transfers under way.
