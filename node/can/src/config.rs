@@ -7,6 +7,9 @@ use crate::transport::Address;
 use crate::{NodeId, Watching};
 use lineshaft_core::drive::{Capabilities, Interface};
 
+/// Heartbeats that may be missed until who sends them is lost.
+pub const HEARTBEATS_MISSED: u64 = 3;
+
 /// A bus.
 #[derive(Clone, Debug)]
 pub struct BusConfig {
@@ -116,11 +119,6 @@ impl VelocityFactor {
     pub fn to_drive(self, counts_per_s: f64) -> i64 {
         (counts_per_s * f64::from(self.numerator) / f64::from(self.denominator)).round() as i64
     }
-
-    /// From the drive's units to counts/s.
-    pub fn from_drive(self, units: i64) -> f64 {
-        units as f64 * f64::from(self.denominator) / f64::from(self.numerator)
-    }
 }
 
 /// A value for an object.
@@ -167,7 +165,7 @@ mod tests {
     fn velocities_are_converted_and_saturate() {
         // Revolutions per minute of a motor with 10,000 counts per revolution.
         let factor = VelocityFactor { numerator: 60, denominator: 10_000 };
-        assert_eq!((factor.to_drive(-25_000.0), factor.from_drive(-150)), (-150, -25_000.0));
+        assert_eq!(factor.to_drive(-25_000.0), -150);
         assert_eq!(factor.to_drive(f64::INFINITY), i64::MAX);
     }
 }

@@ -4,7 +4,7 @@ use super::names::{Once, quote};
 use super::scale::Travel;
 use super::times::time;
 use crate::document::{Allowed, Map, Place, Value};
-use lineshaft_can::config::{Identity, Master, VelocityFactor, Write};
+use lineshaft_can::config::{HEARTBEATS_MISSED, Identity, Master, VelocityFactor, Write};
 use lineshaft_can::drive::probe::{Probe, Probes};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::Address;
@@ -24,8 +24,6 @@ const MASTER: NodeId = match NodeId::new(NodeId::MAX) {
     Some(node) => node,
     None => unreachable!(),
 };
-/// Heartbeats that may be missed until a node is lost.
-const MISSED: u64 = 3;
 /// Times of heartbeats and guarding are whole milliseconds in 16 bits, three of them as well (ms).
 const LONGEST_MS: u64 = 21_000;
 
@@ -207,7 +205,7 @@ fn watching(map: &mut Map<'_>) -> Option<Watching> {
             Some(value) => ms(value, 1..=LONGEST_MS)?,
             None => HEARTBEAT_NS,
         };
-        return Some(Watching::Heartbeat { time_ns: every_ns * MISSED });
+        return Some(Watching::Heartbeat { time_ns: every_ns * HEARTBEATS_MISSED });
     };
     if let Some(heartbeat) = heartbeat.filter(|value| !is_none(value)) {
         heartbeat.refuse("heartbeat and guarding exclude each other", Some("leave one of them out".to_owned()));

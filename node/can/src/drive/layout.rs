@@ -8,7 +8,7 @@
 
 use super::objects;
 use super::probe::{self, Probes, Slot};
-use crate::eds::{Dictionary, Direction};
+use crate::eds::Dictionary;
 use crate::sdo::Object;
 use crate::{Id, NodeId};
 use lineshaft_core::drive::Interface;
@@ -27,10 +27,6 @@ pub enum Told {
     Position,
     /// Modes of operation display.
     Mode,
-    /// Velocity.
-    Velocity,
-    /// Torque.
-    Torque,
     /// Digital inputs.
     Inputs,
     /// Error code.
@@ -196,14 +192,6 @@ impl Layout {
         told.extend(packed(&seldom, Transmission::OnChange, next, |number| node.tpdo(number))?);
         Ok(Self { asked: packed(&asked, Transmission::EachSync, 1, |number| node.rpdo(number))?, told })
     }
-
-    /// Numbers of the PDOs of a direction that are used.
-    pub fn is_used(&self, direction: Direction, number: u8) -> bool {
-        match direction {
-            Direction::Receive => self.asked.iter().any(|pdo| pdo.number == number),
-            Direction::Transmit => self.told.iter().any(|pdo| pdo.number == number),
-        }
-    }
 }
 
 /// As many fields in each PDO as have room, in their order.
@@ -265,7 +253,6 @@ mod tests {
         let layout = Layout::plan(node(), Interface::Position, [None; 2], Some(&known)).unwrap();
         let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
-        assert!(layout.is_used(Direction::Transmit, 2) && !layout.is_used(Direction::Receive, 2));
     }
 
     /// 64 bits are a PDO; one more bit is another one.

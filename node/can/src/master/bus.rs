@@ -75,6 +75,8 @@ pub(crate) struct Losses {
     pub(crate) refused: AtomicU64,
     /// Reports that did not reach the service.
     pub(crate) reports: AtomicU64,
+    /// Signs of trouble that the transport has seen since it was opened.
+    pub(crate) faults: AtomicU64,
 }
 
 /// A bus.
@@ -223,7 +225,9 @@ impl Bus {
                 }
             }
         }
-        if self.transport.is_none() {
+        if let Some(transport) = &self.transport {
+            self.losses.faults.store(transport.faults(), Ordering::Relaxed);
+        } else {
             self.drives.iter_mut().for_each(Drive::forget);
         }
         self.tick(now_ns);

@@ -9,7 +9,8 @@
 
 use super::bus::Order;
 use super::port::Port;
-use crate::config::{BusConfig, DriveConfig, Write};
+use crate::commission::words;
+use crate::config::{BusConfig, DriveConfig, HEARTBEATS_MISSED, Write};
 use crate::drive::layout::{Field, MOST_PDOS, Pdo, Told};
 use crate::drive::{objects, probe};
 use crate::eds::{CobId, Direction};
@@ -264,7 +265,7 @@ impl Session<'_> {
             return Ok(());
         }
         let interface = self.drive.interface.name();
-        let modes = modes(offered);
+        let modes = words::modes(offered);
         Err(Refusal::Wrong(format!(
             "interface {interface} needs mode {mode} ({name}), which the drive does not offer (6502h is {offered:08X}h: {modes})"
         )))
@@ -426,8 +427,6 @@ impl Session<'_> {
     }
 }
 
-/// Heartbeats that may be missed until a node is lost.
-pub(crate) const HEARTBEATS_MISSED: u64 = 3;
 /// Bit 31 of a COB-ID: the PDO does not exist.
 const INVALID: u32 = 0x8000_0000;
 /// Bit 30 of a COB-ID: remote frames are not answered.
@@ -481,13 +480,6 @@ fn digest(writes: &[(Write, bool)], bus: &BusConfig, drive: &DriveConfig) -> (u3
     // 0 is what a device has that was never configured.
     let (low, high) = (hash as u32, (hash >> 32) as u32);
     (low | 1, high)
-}
-
-/// The modes of 6502h by their names.
-fn modes(offered: u32) -> String {
-    const NAMES: [&str; 10] = ["pp", "vl", "pv", "tq", "?", "hm", "ip", "csp", "csv", "cst"];
-    let named = NAMES.iter().enumerate().filter(|(bit, _)| offered >> bit & 1 == 1);
-    named.map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
 }
 
 /// Drives that watch the master stop doing so: it is going.

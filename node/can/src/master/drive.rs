@@ -31,8 +31,7 @@ struct Words {
     mode: i8,
     inputs: u32,
     fault: u16,
-    effort: f64,
-    /// (counts/s)
+    /// That of the counts (counts/s).
     velocity: f64,
 }
 
@@ -59,8 +58,6 @@ pub(crate) struct Drive {
     /// It has told where it is, since it was started.
     is_heard: bool,
     is_fresh: bool,
-    /// The velocity is in no PDO: it is that of the counts.
-    counts_velocity: bool,
     /// Cycles since its counts were fresh.
     stale: u32,
     emergency: Option<Emergency>,
@@ -80,7 +77,6 @@ impl Drive {
             .iter()
             .map(|pdo| Received { image: Image::of(pdo), is_each_sync: pdo.transmission == Transmission::EachSync })
             .collect();
-        let tells = |word| config.layout.told.iter().any(|pdo| pdo.fields.iter().any(|field| field.word == word));
         Self {
             node: config.node,
             place: config.place,
@@ -97,7 +93,6 @@ impl Drive {
             words: Words::default(),
             is_heard: false,
             is_fresh: false,
-            counts_velocity: !tells(Told::Velocity),
             stale: 0,
             emergency: None,
             object: Object::Axis(config.object),
@@ -184,8 +179,6 @@ impl Drive {
                 Told::Mode => words.mode = value as i8,
                 Told::Inputs => words.inputs = value as u32,
                 Told::Fault => words.fault = value as u16,
-                Told::Torque => words.effort = value as f64,
-                Told::Velocity => words.velocity = self.factor.from_drive(value),
                 Told::Position => word = Some(value as i32),
                 Told::Captured(_) => captured = value as i32,
                 Told::Captures(slot) => {
@@ -201,11 +194,9 @@ impl Drive {
         }
         if let Some(word) = word {
             let change = self.counter.take(word);
-            if self.counts_velocity {
-                let cycles = f64::from(self.stale.saturating_add(1));
-                // Behind an absence nobody knows how long the way has taken.
-                words.velocity = if self.is_heard { change as f64 / (cycles * self.cycle_s) } else { 0.0 };
-            }
+            let cycles = f64::from(self.stale.saturating_add(1));
+            // Behind an absence nobody knows how long the way has taken.
+            words.velocity = if self.is_heard { change as f64 / (cycles * self.cycle_s) } else { 0.0 };
             (self.is_heard, self.stale) = (true, 0);
         }
         // The PDO with its position is one of those that go with each SYNC.
@@ -225,7 +216,7 @@ impl Drive {
         let index = self.read_probes(inputs);
         let Some(input) = inputs.drive.get_mut(self.place) else { return };
         let is_online = self.is_ready && self.is_heard && bus != BusState::Off;
-        let Words { status, mode, inputs, fault, effort, velocity } = self.words;
+        let Words { status, mode, inputs, fault, velocity } = self.words;
         let is_fresh = std::mem::take(&mut self.is_fresh) && is_online;
         self.stale = if is_fresh { 0 } else { self.stale.saturating_add(1) };
         let is_in_fault = matches!(DriveState::from_status(status), DriveState::Fault | DriveState::FaultReaction);
@@ -233,7 +224,8 @@ impl Drive {
             count: self.counter.count(),
             epoch: self.counter.epoch(),
             velocity,
-            effort,
+            // In no PDO yet.
+            effort: 0.0,
             status,
             mode,
             // The error code stays behind the fault that it is of.

@@ -189,6 +189,7 @@ impl CanService {
         let values = vec![
             ("drives in operation", format!("{ready} of {}", self.drives.len())),
             ("frames without room", refused.to_string()),
+            ("faults of the way", of(&self.losses.faults).to_string()),
             ("reports without room", of(&self.losses.reports).to_string()),
         ];
         if let Some((problem, ..)) = &self.lost {
