@@ -52,6 +52,11 @@ impl CanDrives {
 
     /// Drives with these node ids, booted.
     pub(crate) fn boot_on(way: Way, nodes: &str) -> Self {
+        Self::boot_with(way, nodes, &[])
+    }
+
+    /// Drives with these node ids, and other devices (`["--modules", "10"]`), booted.
+    pub(crate) fn boot_with(way: Way, nodes: &str, others: &[&str]) -> Self {
         let bus = match way {
             Way::SlcanTcp => "slcan-tcp:127.0.0.1:0".to_owned(),
             Way::SlcanPty => "slcan-pty".to_owned(),
@@ -61,6 +66,7 @@ impl CanDrives {
         let mut command = Command::new(setup::can_python());
         command.arg(setup::sources().join("can/cia402_sim.py"));
         command.args(["--bus", &bus, "--control", "127.0.0.1:0", "--exit-with-parent", "--nodes", nodes]);
+        command.args(others);
         let mut process = Captured::start("can drives", command, &Domain::take(), Stdio::null());
         process.prefer();
         let line = process.line(BOOT);

@@ -37,6 +37,15 @@ impl CanCell {
 
     /// Axes at several buses, bus0 and so on.
     pub(crate) fn with_buses(addresses: &[&str], cycle: &str, axes: &str) -> Self {
+        Self::of(addresses, cycle, "", axes)
+    }
+
+    /// Axes at one bus, and other sections before them.
+    pub(crate) fn with_sections(address: &str, cycle: &str, sections: &str, axes: &str) -> Self {
+        Self::of(&[address], cycle, sections, axes)
+    }
+
+    fn of(addresses: &[&str], cycle: &str, sections: &str, axes: &str) -> Self {
         let cell = Self { folder: tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("room within the build") };
         let mut buses = String::new();
         for (at, address) in addresses.iter().enumerate() {
@@ -44,7 +53,7 @@ impl CanCell {
             let rate = if address.starts_with("udp") { "" } else { ", bitrate: 1000000" };
             writeln!(buses, "  bus{at}: {{type: can, transport: \"{address}\"{rate}}}").expect("room");
         }
-        cell.write("cell.yaml", &format!("lineshaft: 1\ncycle: {cycle}\nbackends:\n{buses}axes:\n{axes}"));
+        cell.write("cell.yaml", &format!("lineshaft: 1\ncycle: {cycle}\nbackends:\n{buses}{sections}axes:\n{axes}"));
         let eds = setup::sources().join("../../launch-configs/can/cia402_sim.eds");
         fs::copy(eds, cell.folder.path().join("cia402_sim.eds")).expect("the file of the simulated drive is there");
         cell

@@ -87,6 +87,7 @@ use power::Power;
 use rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
 use shown::DriveShown;
+pub use shown::MAX_STALE_CYCLES;
 use stream::Streamed;
 use waiting::Waiting;
 

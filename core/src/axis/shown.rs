@@ -10,7 +10,7 @@ use crate::drive::{BusState, DriveInput, DriveState, STATUS_WARNING};
 use serde::{Deserialize, Serialize};
 
 /// Cycles without new data from a drive until it counts as lost.
-const MAX_STALE_CYCLES: u32 = 10;
+pub const MAX_STALE_CYCLES: u32 = 10;
 
 /// What the drive shows.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

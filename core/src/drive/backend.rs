@@ -48,7 +48,7 @@ impl Capabilities {
 pub struct Terminal {
     /// Place among its kind in [`Inputs`] or [`Outputs`].
     pub place: usize,
-    /// Its number at the backend: `address`, or `node` of a drive on CAN.
+    /// Its number at the backend: `address`; on CAN `node` of a drive, 256 `node` + `address` of other things.
     pub address: u16,
 }
 

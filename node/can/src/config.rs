@@ -5,7 +5,8 @@ use crate::drive::probe::Probes;
 use crate::sdo::Object;
 use crate::transport::Address;
 use crate::{NodeId, Watching};
-use lineshaft_core::drive::{Capabilities, Interface};
+use lineshaft_core::drive::{Capabilities, Interface, Terminal};
+use std::fmt;
 
 /// Heartbeats that may be missed until who sends them is lost.
 pub const HEARTBEATS_MISSED: u64 = 3;
@@ -27,8 +28,8 @@ pub struct BusConfig {
     pub sdo_timeout_ns: u64,
     /// The heartbeat of the master; none: the drives do not watch it.
     pub master: Option<Master>,
-    /// Its drives.
-    pub drives: Vec<DriveConfig>,
+    /// Its devices.
+    pub devices: Vec<DeviceConfig>,
 }
 
 /// How the master shows that it is there.
@@ -55,7 +56,101 @@ impl BusConfig {
     }
 }
 
-/// A drive.
+/// A device: a drive, a module of inputs and outputs, or an encoder.
+#[derive(Clone, Debug)]
+pub struct DeviceConfig {
+    /// Its node.
+    pub node: NodeId,
+    /// How it is watched.
+    pub watching: Watching,
+    /// What its PDOs carry.
+    pub layout: Layout,
+    /// What it must be.
+    pub identity: Identity,
+    /// What it is told before it starts, in this order.
+    pub startup: Vec<Write>,
+    /// Inputs, outputs and encoders of the machine that are there.
+    pub terminals: Terminals,
+    /// What it is.
+    pub role: Role,
+}
+
+impl DeviceConfig {
+    /// What it is as a drive, where it is one.
+    pub fn drive(&self) -> Option<&DriveConfig> {
+        match &self.role {
+            Role::Drive(drive) => Some(drive),
+            Role::Module | Role::Encoder => None,
+        }
+    }
+}
+
+/// Node and axis, or what else it is.
+impl fmt::Display for DeviceConfig {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.drive() {
+            Some(drive) => write!(to, "{} ({})", self.node, drive.axis),
+            None => write!(to, "{} ({})", self.node, self.role.profile().1),
+        }
+    }
+}
+
+/// What a device is, by its profile.
+#[derive(Clone, Debug)]
+pub enum Role {
+    /// A drive (CiA 402).
+    Drive(DriveConfig),
+    /// A module of inputs and outputs (CiA 401).
+    Module,
+    /// An encoder (CiA 406).
+    Encoder,
+}
+
+impl Role {
+    /// Number and name of its profile.
+    pub fn profile(&self) -> (u32, &'static str) {
+        match self {
+            Self::Drive(_) => (402, "drive"),
+            Self::Module => (401, "module"),
+            Self::Encoder => (406, "encoder"),
+        }
+    }
+}
+
+/// What of a machine is at the terminals of a device.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Terminals {
+    /// Digital inputs; addresses are bits, of 6000h:01 on, of 60FDh of a drive.
+    pub digital_inputs: Vec<Terminal>,
+    /// Digital outputs; addresses are bits, of 6200h:01 on, of 60FEh:01 of a drive.
+    pub digital_outputs: Vec<Terminal>,
+    /// Analog inputs (6401h).
+    pub analog_inputs: Vec<Analog>,
+    /// Analog outputs (6411h).
+    pub analog_outputs: Vec<Analog>,
+    /// Encoders of the machine that it is.
+    pub encoders: Vec<Encoder>,
+}
+
+/// An analog terminal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Analog {
+    /// Its place in the machine, and its channel from 0.
+    pub terminal: Terminal,
+    /// What 7FFFh is (V).
+    pub full_scale: f64,
+}
+
+/// An encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Encoder {
+    /// Its place in the machine.
+    pub place: usize,
+    /// Its words still hold behind a power cycle.
+    pub is_absolute: bool,
+}
+
+/// What a device is as a drive.
 #[derive(Clone, Debug)]
 pub struct DriveConfig {
     /// Its place among the drives of the machine.
@@ -64,29 +159,19 @@ pub struct DriveConfig {
     pub axis: String,
     /// The number of that axis.
     pub object: u16,
-    /// Its node.
-    pub node: NodeId,
     /// What its touch probes catch.
     pub probes: Probes,
     /// How it is commanded.
     pub interface: Interface,
     /// What it offers, by the cell.
     pub offers: Capabilities,
-    /// How it is watched.
-    pub watching: Watching,
-    /// What its PDOs carry.
-    pub layout: Layout,
-    /// What it must be.
-    pub identity: Identity,
     /// Counts per revolution of its shaft by the cell, as a fraction; none: nobody knows.
     pub per_revolution: Option<(u64, u64)>,
     /// How fast it says it is.
     pub velocity: VelocityFactor,
-    /// What it is told before it starts, in this order.
-    pub startup: Vec<Write>,
 }
 
-/// What a drive must be (1018h); what is none is not looked at.
+/// What a device must be (1018h); what is none is not looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Identity {
     /// Vendor.
@@ -145,7 +230,7 @@ mod tests {
             sync_overflow: None,
             sdo_timeout_ns,
             master: None,
-            drives: vec![],
+            devices: vec![],
         };
         bus.interpolation()
     }

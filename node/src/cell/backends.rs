@@ -3,6 +3,7 @@
 use super::can::{self, CellBus, CellDrive};
 use super::names::{Entry, Names, Once, Section};
 use crate::document::Map;
+use lineshaft_can::NodeId;
 use lineshaft_core::axis::MAX_DELAY;
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::{Capabilities, Interface, Objects, Terminal};
@@ -61,12 +62,17 @@ impl CellBackend {
     }
 }
 
+/// Highest address of an input or output at a node.
+pub(super) const MOST_CHANNELS: u8 = 63;
+/// Kind of addresses that encoders have.
+pub(super) const ENCODER: &str = "encoder";
+
 /// Where an object is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hardware {
     /// Its backend, by its place in the section.
     pub backend: usize,
-    /// Its number there: `address`, or `node` of a drive on CAN.
+    /// Its number there: `address`; on CAN `node` of a drive, 256 `node` + `address` of other things.
     pub number: u16,
 }
 
@@ -156,17 +162,53 @@ pub(super) fn name_of(backend: usize, names: &Names<'_>) -> String {
     names.section(Section::Backends).get(backend).map_or_else(String::new, Entry::quoted)
 }
 
-/// Keys `backend` and `address` of what has a `kind` of addresses of its own at a backend.
-pub(super) fn address<'d, K: Ord + Copy + std::fmt::Display>(
+/// Keys `backend` and `address` of what has a `kind` of addresses of its own at a backend; on CAN `node` as well, which is all of an
+/// encoder.
+pub(super) fn address<'d>(
     map: &mut Map<'d>,
-    names: &Names<'d>,
-    kind: Option<K>,
-    taken: &mut Once<(usize, K, u16)>,
+    cx: &Context<'d>,
+    kind: Option<&'static str>,
+    taken: &mut Once<(usize, &'static str, u16)>,
 ) -> Option<Hardware> {
-    let backend = backend_of(map, names);
-    let value = map.required("address")?;
-    let address = value.integer(0..=u16::MAX)?;
+    let backend = backend_of(map, &cx.names);
+    let described = backend.and_then(|backend| cx.backends.get(backend).copied().flatten());
+    let (number, value) = match described {
+        Some(Backend::Sim { .. }) => {
+            let value = map.required("address")?;
+            (value.integer(0..=u16::MAX)?, value)
+        }
+        Some(Backend::Can) => {
+            let node = map.required("node");
+            let channel = if kind == Some(ENCODER) { None } else { Some(map.required("address")) };
+            let node = node?;
+            let channel = channel.map_or(Some(0), |channel| channel?.integer(0..=MOST_CHANNELS))?;
+            (number(node.integer(1..=NodeId::MAX)?, channel), node)
+        }
+        // The keys depend on a backend that is not known.
+        None => {
+            map.allow(&["address", "node"]);
+            return None;
+        }
+    };
     let (backend, kind) = (backend?, kind?);
-    let what = || format!("{kind} address {address} of backend {}", name_of(backend, names));
-    taken.take((backend, kind, address), &value, what).then_some(Hardware { backend, number: address })
+    let what = || {
+        let backend = name_of(backend, &cx.names);
+        let (node, channel) = node_and_channel(number);
+        match (described, kind) {
+            (Some(Backend::Can), ENCODER) => format!("{kind} node {node} of backend {backend}"),
+            (Some(Backend::Can), _) => format!("{kind} address {channel} of node {node} of backend {backend}"),
+            _ => format!("{kind} address {number} of backend {backend}"),
+        }
+    };
+    taken.take((backend, kind, number), &value, what).then_some(Hardware { backend, number })
+}
+
+/// Number of a terminal at its backend on CAN.
+pub(super) fn number(node: u8, channel: u8) -> u16 {
+    u16::from(node) << 8 | u16::from(channel)
+}
+
+/// Node and channel of such a number.
+pub(super) fn node_and_channel(number: u16) -> (u16, u16) {
+    (number >> 8, number & 0xFF)
 }

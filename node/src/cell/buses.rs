@@ -6,16 +6,16 @@
 //! Source   CiA 301, CiA 306-1
 
 use super::backends::{CellBackend, Hardware};
-use super::can::{CellBus, CellDrive, owner};
+use super::can::{CellBus, CellDrive, CellNode, owner};
 use super::names::quote;
+use super::terminals::{self, CellTerminal};
 use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
-use lineshaft_can::config::{BusConfig, DriveConfig, Identity, Write};
+use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, Role, Terminals, Write};
 use lineshaft_can::drive::Layout;
 use lineshaft_can::drive::layout::{Pdo, Transmission};
 use lineshaft_can::eds::{self, Dictionary};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
-use lineshaft_core::drive::Objects;
 use lineshaft_ros::layer::open_file;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -29,6 +29,7 @@ pub(super) struct Parts<'a> {
     pub(super) machine: &'a MachineConfig,
     pub(super) hardware: &'a [Option<Hardware>],
     pub(super) on_can: &'a [Option<CellDrive>],
+    pub(super) terminals: &'a [CellTerminal],
     pub(super) backends: &'a [CellBackend],
 }
 
@@ -42,10 +43,31 @@ impl Parts<'_> {
         let of = |(at, backend): (usize, &CellBackend)| {
             let bus = backend.bus.as_ref()?;
             let places = self.hardware.iter().flatten().enumerate().filter(|(_, hardware)| hardware.backend == at);
-            let drives = places.filter_map(|(place, _)| {
-                let described = self.on_can.get(place)?.as_ref()?;
-                drive(place, *axes.get(place)?, described, folder, &problems)
-            });
+            let drives: Vec<_> = places
+                .filter_map(|(place, _)| Some((place, *axes.get(place)?, self.on_can.get(place)?.as_ref()?)))
+                .collect();
+            let is_drive = |node| drives.iter().any(|(.., drive)| drive.device.node == node);
+            let mut terminals = terminals::by_node(self.terminals, at, is_drive, &problems);
+            let maker = Maker { folder, problems: &problems };
+            let of_drive = |(place, axis, described): &(usize, (u16, &AxisConfig), &CellDrive)| {
+                maker.drive(*place, *axis, described, terminals.remove(&described.device.node).unwrap_or_default())
+            };
+            let mut devices: Vec<_> = drives.iter().filter_map(of_drive).collect();
+            for node in &bus.nodes {
+                let number = node.node;
+                if let Some((_, (_, axis), _)) = drives.iter().find(|(.., drive)| drive.device.node == number) {
+                    let axis = quote(&axis.name);
+                    let sentence =
+                        format!("{number} of nodes is the drive of axis {axis}; what is said of it stands there");
+                    problems.push(node.place, sentence, None);
+                } else if !terminals.contains_key(&number) {
+                    problems.push(node.place, format!("{number} of nodes: no entry of io or encoders is there"), None);
+                }
+            }
+            devices.extend(terminals.into_iter().filter_map(|(number, terminals)| {
+                let said = bus.nodes.iter().find(|node| node.node == number).cloned();
+                maker.module(&said.unwrap_or_else(|| CellNode::unsaid(number, bus.place)), terminals)
+            }));
             let config = BusConfig {
                 name: backend.name.clone(),
                 transport: bus.transport.clone(),
@@ -54,7 +76,7 @@ impl Parts<'_> {
                 sync_overflow: bus.sync_overflow,
                 sdo_timeout_ns: bus.sdo_timeout_ns,
                 master: bus.master,
-                drives: drives.collect(),
+                devices,
             };
             check(&config, bus, &problems);
             Some(config)
@@ -63,84 +85,102 @@ impl Parts<'_> {
         if problems.is_empty() { Ok(buses) } else { Err(problems) }
     }
 
-    /// The files of the drives at one of the backends, by their nodes.
+    /// The files of the devices at one of the backends, by their nodes.
     pub(super) fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let is_at = |at: usize| self.backends.get(at).is_some_and(|known| known.name == backend);
         let drives = self.hardware.iter().flatten().zip(self.on_can).filter(|(hardware, _)| is_at(hardware.backend));
-        let named = drives.filter_map(|(_, drive)| {
-            let drive = drive.as_ref()?;
-            Some((drive.node, &drive.eds.as_ref()?.0))
-        });
+        let drives = drives.filter_map(|(_, drive)| drive.as_ref().map(|drive| &drive.device));
+        let buses = self.backends.iter().filter(|known| known.name == backend).filter_map(|known| known.bus.as_ref());
+        let devices = drives.chain(buses.flat_map(|bus| &bus.nodes));
+        let named = devices.filter_map(|device| Some((device.node, &device.eds.as_ref()?.0)));
         named.map(|(node, name)| Ok((node, device_file("eds", &folder.join(name), node)?))).collect()
     }
 }
 
-/// Inputs, outputs and encoders on CAN, which do not exist yet: a sentence for each backend.
-pub(super) fn missing_terminals(backends: &[CellBackend]) -> Vec<String> {
-    let of = |backend: &CellBackend| {
-        backend.bus.as_ref()?;
-        let Objects { digital_inputs, digital_outputs, analog_inputs, analog_outputs, encoders, .. } = &backend.objects;
-        let io = [digital_inputs, digital_outputs, analog_inputs, analog_outputs].map(Vec::len);
-        let what = match (io.iter().sum::<usize>(), encoders.len()) {
-            (0, 0) => return None,
-            (io, 0) => format!("{io} of io"),
-            (0, encoders) => format!("{encoders} of encoders"),
-            (io, encoders) => format!("{io} of io and {encoders} of encoders"),
-        };
-        let name = &backend.name;
-        Some(format!(
-            "backend {name}: entries of io and encoders do not exist on CAN yet ({what} here): such a cell only runs with --sim"
-        ))
-    };
-    backends.iter().filter_map(of).collect()
+/// Makes devices of what the cell and their files say.
+struct Maker<'a> {
+    folder: &'a Path,
+    problems: &'a Problems,
 }
 
-fn drive(
-    place: usize,
-    (object, axis): (u16, &AxisConfig),
-    drive: &CellDrive,
-    folder: &Path,
-    problems: &Problems,
-) -> Option<DriveConfig> {
-    let CellDrive { node, interface, identity, .. } = *drive;
-    let dictionary = match &drive.eds {
-        Some((name, at)) => {
-            let file = device_file("eds", &folder.join(name), node);
-            Some(file.map_err(|sentence| problems.push(*at, sentence, None)).ok()?)
-        }
-        None => None,
-    };
-    let at = drive.eds.as_ref().map_or(drive.place, |(_, at)| *at);
-    let refuse = |sentence: String| problems.push(at, sentence, None);
-    let layout = Layout::plan(node, interface, drive.probes, dictionary.as_ref());
-    let layout = layout.map_err(|error| refuse(format!("drive of axis {}: {error}", quote(&axis.name)))).ok()?;
-    let configured = dictionary.as_ref().map_or(Ok(Vec::new()), configured);
-    let mut startup = configured.map_err(refuse).ok()?;
-    // What the cell says goes last, and counts.
-    startup.retain(|write| drive.startup.iter().all(|given| given.object != write.object));
-    startup.extend(drive.startup.iter().cloned());
-    let device = dictionary.as_ref().map(|dictionary| &dictionary.device);
-    let known = |number: Option<u32>| number.filter(|number| *number != 0);
-    Some(DriveConfig {
-        place,
-        axis: axis.name.clone(),
-        object,
-        node,
-        probes: drive.probes,
-        interface,
-        offers: axis.drive?,
-        watching: drive.watching,
-        layout,
-        identity: Identity {
-            vendor: identity.vendor.or(device.and_then(|device| known(device.vendor_number))),
-            product: identity.product.or(device.and_then(|device| known(device.product_number))),
-            ..identity
-        },
-        per_revolution: drive.per_revolution,
-        velocity: drive.velocity,
-        startup,
-    })
+impl Maker<'_> {
+    fn drive(
+        &self,
+        place: usize,
+        (object, axis): (u16, &AxisConfig),
+        drive: &CellDrive,
+        terminals: Terminals,
+    ) -> Option<DeviceConfig> {
+        let CellDrive { interface, probes, .. } = *drive;
+        let plan = |dictionary: Option<&Dictionary>| {
+            Layout::plan(drive.device.node, interface, probes, &terminals, dictionary)
+                .map_err(|error| format!("drive of axis {}: {error}", quote(&axis.name)))
+        };
+        let role = Role::Drive(DriveConfig {
+            place,
+            axis: axis.name.clone(),
+            object,
+            probes,
+            interface,
+            offers: axis.drive?,
+            per_revolution: drive.per_revolution,
+            velocity: drive.velocity,
+        });
+        let device = self.device(&drive.device, role, plan)?;
+        Some(DeviceConfig { terminals, ..device })
+    }
+
+    /// A module, or an encoder.
+    fn module(&self, node: &CellNode, terminals: Terminals) -> Option<DeviceConfig> {
+        let number = node.node;
+        let role = if terminals.encoders.is_empty() { Role::Module } else { Role::Encoder };
+        let layout = match role {
+            Role::Encoder => Layout::encoder(number),
+            _ => Layout::module(number, &terminals),
+        };
+        let device = self.device(node, role, |_| layout.map_err(|error| format!("{number}: {error}")))?;
+        Some(DeviceConfig { terminals, ..device })
+    }
+
+    fn device(
+        &self,
+        node: &CellNode,
+        role: Role,
+        plan: impl FnOnce(Option<&Dictionary>) -> Result<Layout, String>,
+    ) -> Option<DeviceConfig> {
+        let identity = node.identity;
+        let dictionary = match &node.eds {
+            Some((name, at)) => {
+                let file = device_file("eds", &self.folder.join(name), node.node);
+                Some(file.map_err(|sentence| self.problems.push(*at, sentence, None)).ok()?)
+            }
+            None => None,
+        };
+        let at = node.eds.as_ref().map_or(node.place, |(_, at)| *at);
+        let refuse = |sentence: String| self.problems.push(at, sentence, None);
+        let layout = plan(dictionary.as_ref()).map_err(refuse).ok()?;
+        let configured = dictionary.as_ref().map_or(Ok(Vec::new()), configured);
+        let mut startup = configured.map_err(refuse).ok()?;
+        // What the cell says goes last, and counts.
+        startup.retain(|write| node.startup.iter().all(|given| given.object != write.object));
+        startup.extend(node.startup.iter().cloned());
+        let device = dictionary.as_ref().map(|dictionary| &dictionary.device);
+        let known = |number: Option<u32>| number.filter(|number| *number != 0);
+        Some(DeviceConfig {
+            node: node.node,
+            watching: node.watching,
+            layout,
+            identity: Identity {
+                vendor: identity.vendor.or(device.and_then(|device| known(device.vendor_number))),
+                product: identity.product.or(device.and_then(|device| known(device.product_number))),
+                ..identity
+            },
+            startup,
+            terminals: Terminals::default(),
+            role,
+        })
+    }
 }
 
 /// The dictionary of a device, from its file; `what` says in problems who has named it.
@@ -183,10 +223,9 @@ fn check(bus: &BusConfig, from: &CellBus, problems: &Problems) {
         );
     }
     if let Some(master) = bus.master
-        && let Some(drive) = bus.drives.iter().find(|drive| drive.node == master.node)
+        && let Some(device) = bus.devices.iter().find(|device| device.node == master.node)
     {
-        let (number, axis) = (master.node.get(), &drive.axis);
-        refuse(from.place, format!("backend {name}: node {number} is that of the master and of the drive of {axis}"));
+        refuse(from.place, format!("backend {name}: {device} has the node id of the master"));
     }
     let Some(load) = Load::of(bus).filter(|load| load.share() > 1.0) else { return };
     let Load { frames, bits, rate, .. } = load;
@@ -195,7 +234,7 @@ fn check(bus: &BusConfig, from: &CellBus, problems: &Problems) {
         from.place,
         format!(
             "backend {name}: what each cycle carries does not fit: {frames} frames of {bits} bits take {:.0} us at {rate} bit/s, the cycle \
-             is {} us; a cycle of {fits_ms} ms fits, or fewer drives on this bus",
+             is {} us; a cycle of {fits_ms} ms fits, or fewer devices on this bus",
             load.time_us(),
             load.cycle_us
         ),
@@ -226,8 +265,8 @@ struct Load {
 impl Load {
     fn of(bus: &BusConfig) -> Option<Self> {
         let sync = u64::from(bus.sync_overflow.is_some());
-        let asked = bus.drives.iter().flat_map(|drive| cyclic(&drive.layout.asked));
-        let told = bus.drives.iter().flat_map(|drive| cyclic(&drive.layout.told));
+        let asked = bus.devices.iter().flat_map(|device| cyclic(&device.layout.asked));
+        let told = bus.devices.iter().flat_map(|device| cyclic(&device.layout.told));
         let lengths: Vec<u64> = [sync].into_iter().chain(asked).chain(told).collect();
         Some(Self {
             frames: lengths.len() as u64,

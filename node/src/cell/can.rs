@@ -1,4 +1,4 @@
-//! Backends of type can and their drives: what their keys say. Files of devices are read where the bus is made (`buses.rs`).
+//! Backends of type can and their devices: what their keys say. Files of devices are read where the bus is made (`buses.rs`).
 
 use super::names::{Once, quote};
 use super::scale::Travel;
@@ -59,23 +59,39 @@ pub struct CellBus {
     pub(super) sync_overflow: Option<u8>,
     pub(super) sdo_timeout_ns: u64,
     pub(super) master: Option<Master>,
+    /// What it says of modules and encoders.
+    pub(super) nodes: Vec<CellNode>,
+}
+
+/// A device on such a bus.
+#[derive(Clone, Debug)]
+pub(super) struct CellNode {
+    pub(super) place: Place,
+    pub(super) node: NodeId,
+    /// A file beside the cell.
+    pub(super) eds: Option<(String, Place)>,
+    pub(super) watching: Watching,
+    pub(super) identity: Identity,
+    pub(super) startup: Vec<Write>,
+}
+
+impl CellNode {
+    /// One of which the cell says nothing more.
+    pub(super) fn unsaid(node: NodeId, place: Place) -> Self {
+        let watching = Watching::Heartbeat { time_ns: HEARTBEAT_NS * HEARTBEATS_MISSED };
+        Self { place, node, eds: None, watching, identity: Identity::default(), startup: Vec::new() }
+    }
 }
 
 /// A drive on such a bus.
 #[derive(Clone, Debug)]
 pub struct CellDrive {
-    pub(super) place: Place,
-    pub(super) node: NodeId,
+    pub(super) device: CellNode,
     pub(super) interface: Interface,
-    /// A file beside the cell.
-    pub(super) eds: Option<(String, Place)>,
-    pub(super) watching: Watching,
     pub(super) probes: Probes,
-    pub(super) identity: Identity,
     /// Increments per revolution of its shaft, as a fraction.
     pub(super) per_revolution: Option<(u64, u64)>,
     pub(super) velocity: VelocityFactor,
-    pub(super) startup: Vec<Write>,
 }
 
 /// What such a drive offers, by the cell alone; the drive itself is asked when it is there.
@@ -113,6 +129,7 @@ pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
     let sdo_timeout_ns = map.optional("sdo_timeout").map_or(Some(SDO_TIMEOUT_NS), |value| ms(&value, 10..=10_000));
     let usual = Some(Master { node: MASTER, heartbeat_ns: HEARTBEAT_NS });
     let master = map.optional("master").map_or(Some(usual), |value| master(&value));
+    let nodes = map.optional("nodes").map_or(Some(Vec::new()), |value| nodes(&value));
     Some(CellBus {
         place,
         transport: transport?,
@@ -120,7 +137,23 @@ pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
         sync_overflow: sync_overflow?,
         sdo_timeout_ns: sdo_timeout_ns?,
         master: master?,
+        nodes: nodes?,
     })
+}
+
+/// What is said of modules and encoders, each once.
+fn nodes(value: &Value<'_>) -> Option<Vec<CellNode>> {
+    let mut taken = Once::new();
+    let read = |value: &Value<'_>| {
+        let mut map = value.map("an entry of nodes")?;
+        let number = map.required("node");
+        let node = number.as_ref().and_then(|value| value.integer(1..=NodeId::MAX)).and_then(NodeId::new);
+        let device = device(&mut map, node);
+        map.finish();
+        taken.take(node?, &number?, || node.map_or_else(String::new, |node| node.to_string())).then_some(device?)
+    };
+    let nodes: Vec<_> = value.list()?.iter().map(read).collect();
+    nodes.into_iter().collect()
 }
 
 fn transport(value: &Value<'_>) -> Option<Address> {
@@ -163,6 +196,16 @@ fn master(value: &Value<'_>) -> Option<Option<Master>> {
     Some(Some(Master { node: node?, heartbeat_ns: heartbeat_ns? }))
 }
 
+/// The keys of a device beside `node`, which is known.
+fn device(map: &mut Map<'_>, node: Option<NodeId>) -> Option<CellNode> {
+    let place = map.place();
+    let eds = map.optional("eds").map_or(Some(None), |value| Some(Some((value.text()?.to_owned(), value.place()))));
+    let watching = watching(map);
+    let identity = map.optional("identity").map_or(Some(Identity::default()), |value| identity(&value));
+    let startup = map.optional("startup").map_or(Some(Vec::new()), |value| startup(&value));
+    Some(CellNode { place, node: node?, eds: eds?, watching: watching?, identity: identity?, startup: startup? })
+}
+
 /// The keys of a drive beside `backend`, `node` and `interface`, which are known.
 pub(super) fn drive(
     map: &mut Map<'_>,
@@ -170,26 +213,17 @@ pub(super) fn drive(
     interface: Option<Interface>,
     travel: &Travel,
 ) -> Option<CellDrive> {
-    let place = map.place();
-    let eds = map.optional("eds").map_or(Some(None), |value| Some(Some((value.text()?.to_owned(), value.place()))));
-    let watching = watching(map);
+    let node = node.and_then(|node| NodeId::new(u8::try_from(node).ok()?));
+    let device = device(map, node);
     let probes = probes(map);
-    let identity = map.optional("identity").map_or(Some(Identity::default()), |value| identity(&value));
     let feed = map.optional("feed").map_or(Some(None), |value| feed(&value, travel).map(Some));
     let factor = map.optional("velocity_factor").map_or(Some(VelocityFactor::default()), |value| factor(&value));
-    let startup = map.optional("startup").map_or(Some(Vec::new()), |value| startup(&value));
-    let node = NodeId::new(u8::try_from(node?).ok()?)?;
     Some(CellDrive {
-        place,
-        node,
+        device: device?,
         interface: interface?,
-        eds: eds?,
-        watching: watching?,
         probes: probes?,
-        identity: identity?,
         per_revolution: feed?,
         velocity: factor?,
-        startup: startup?,
     })
 }
 

@@ -1,13 +1,16 @@
 //! Sections `io`, `memory` and `encoders`.
 
-use super::backends::{Context, Hardware, address};
+use super::backends::{Backend, Context, ENCODER, Hardware, address};
 use super::encoders;
 use super::names::{Entry, Once, Section, limit, quote};
 use super::scale::Travel;
+use super::terminals::{CellTerminal, FULL_SCALE, Kind};
 use super::times::time;
 use super::wiring;
-use crate::document::{Map, Value};
+use crate::document::{Allowed, Map, Value};
 use lineshaft_core::config::{EncoderConfig, FilterConfig, IoConfig, IoKind, MemoryConfig, MemoryKind, VirtualInput};
+use lineshaft_core::encoder::Form;
+use lineshaft_core::unit::Dimension;
 
 /// How many entries a section of these may have.
 const MOST: usize = u16::MAX as usize;
@@ -36,6 +39,7 @@ pub(super) struct Io {
     pub entries: Vec<Option<IoConfig>>,
     /// Where each entry is; none that is nowhere, or has problems.
     pub terminals: Vec<Option<Hardware>>,
+    pub on_can: Vec<CellTerminal>,
     pub filters: Vec<FilterConfig>,
     pub virtual_inputs: Vec<VirtualInput>,
 }
@@ -48,6 +52,7 @@ struct Terminal<'d> {
     /// What it reads, by its place in the section.
     output: Option<(u16, Value<'d>)>,
     at: Option<Hardware>,
+    full_scale: f64,
 }
 
 /// The entries of `io`, the filters of digital inputs, and those that read an output.
@@ -57,16 +62,26 @@ pub(super) fn io(cx: &Context<'_>) -> Io {
     let mut taken = Once::new();
     let (mut filters, mut outputs, mut inputs) = (Vec::new(), Vec::new(), 0);
     let mut terminals = Vec::with_capacity(entries.len());
-    let read = |entry| {
+    let (mut on_can, mut counts) = (Vec::new(), [0; IO_KINDS.len()]);
+    let read = entries.iter().map(|entry| {
         let terminal = one_io(entry, cx, &mut taken);
         terminals.push(terminal.as_ref().and_then(|terminal| terminal.at));
-        let Terminal { io, filter, output, .. } = terminal?;
+        let Terminal { io, filter, output, at, full_scale } = terminal?;
+        let count = IO_KINDS.iter().zip(&mut counts).find(|((_, kind), _)| *kind == io.kind).map(|(_, count)| count)?;
+        let index = std::mem::replace(count, *count + 1);
+        on_can.extend(at.filter(|at| is_on_can(*at, cx)).map(|at| CellTerminal {
+            name: io.name.clone(),
+            place: entry.value.place(),
+            kind: Kind::Io { kind: io.kind, full_scale },
+            at,
+            index,
+        }));
         filters.extend(filter.filter(|time_ns| *time_ns > 0).map(|time_ns| FilterConfig { input: inputs, time_ns }));
         outputs.extend(output.map(|(output, value)| (VirtualInput { input: inputs, output }, value)));
         inputs += usize::from(io.kind == IoKind::DigitalInput);
         Some(io)
-    };
-    let entries: Vec<_> = entries.iter().map(read).collect();
+    });
+    let entries: Vec<_> = read.collect();
     let virtual_inputs = outputs.into_iter().map(|(read, value)| {
         let kind = entries.get(usize::from(read.output)).and_then(Option::as_ref).map(|io| io.kind);
         if let Some(kind) = kind.filter(|kind| *kind != IoKind::DigitalOutput) {
@@ -75,7 +90,11 @@ pub(super) fn io(cx: &Context<'_>) -> Io {
         }
         read
     });
-    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, filters }
+    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, on_can, filters }
+}
+
+fn is_on_can(at: Hardware, cx: &Context<'_>) -> bool {
+    cx.backends.get(at.backend).copied().flatten() == Some(Backend::Can)
 }
 
 /// Does an entry without problems read an output?
@@ -96,14 +115,28 @@ fn one_io<'d>(
         output(&mut map, kind, cx).map(|output| (Some(output), None))
     } else {
         map.allow(&["output"]);
-        address(&mut map, &cx.names, kind.map(|(name, _)| name), taken).map(|at| (None, Some(at)))
+        address(&mut map, cx, kind.map(|(name, _)| name), taken).map(|at| (None, Some(at)))
     };
-    let latch = map.optional("latch").map_or(Some(false), |value| latch(&value, kind, reads_output));
+    let at = wire.as_ref().and_then(|(_, at)| *at);
+    let is_on_can = |otherwise| at.map_or(otherwise, |at| is_on_can(at, cx));
+    let latch = map.optional("latch").map_or(Some(false), |value| latch(&value, kind, reads_output, is_on_can(false)));
+    let full_scale = map
+        .optional("full_scale")
+        .map_or(Some(FULL_SCALE), |value| full_scale(&value, kind.map(|(_, kind)| kind), is_on_can(true)));
     let filter = map.optional("filter").map_or(Some(None), |value| filter(&value, kind).map(Some));
     map.finish();
     let io = IoConfig { name: entry.name().to_owned(), kind: kind?.1, latch: latch? };
     let (output, at) = wire?;
-    Some(Terminal { io, filter: filter?, output, at })
+    Some(Terminal { io, filter: filter?, output, at, full_scale: full_scale? })
+}
+
+/// What 7FFFh of an analog channel on CAN is (V).
+fn full_scale(value: &Value<'_>, kind: Option<IoKind>, is_on_can: bool) -> Option<f64> {
+    if !is_on_can || matches!(kind, Some(IoKind::DigitalInput | IoKind::DigitalOutput)) {
+        value.refuse("full_scale is for an ai or ao on CAN", Some("leave it out".to_owned()));
+        return None;
+    }
+    Some(value.quantity(&[Dimension::Voltage], &Allowed::Positive)?.si())
 }
 
 /// The output that an input without a terminal reads, by its place in the section.
@@ -124,9 +157,14 @@ fn output<'d>(map: &mut Map<'d>, kind: Option<(&str, IoKind)>, cx: &Context<'d>)
     Some((u16::try_from(place).ok()?, value))
 }
 
-fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>, reads_output: bool) -> Option<bool> {
+fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>, reads_output: bool, is_on_can: bool) -> Option<bool> {
     let latch = value.boolean()?;
     match kind {
+        _ if latch && is_on_can => {
+            let sentence = "latch is true for an input on CAN, which tells no edges; the touch probes of a drive do";
+            value.refuse(sentence, None);
+            None
+        }
         _ if latch && reads_output => {
             value.refuse(
                 "latch is true for an input that reads an output; only the edges at a terminal are latched",
@@ -180,12 +218,25 @@ fn initial(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
     }
 }
 
-/// The entries of `encoders` and where they are, none where one has problems.
-pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Option<Hardware>>) {
+/// The entries of `encoders` and where they are, none where one has problems; those that are on CAN.
+pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Option<Hardware>>, Vec<CellTerminal>) {
     let entries = cx.names.section(Section::Encoders);
     limit(entries, MOST);
     let mut taken = Once::new();
-    entries.iter().map(|entry| one_encoder(entry, cx, &mut taken).unzip()).unzip()
+    let read: Vec<_> = entries.iter().map(|entry| one_encoder(entry, cx, &mut taken)).collect();
+    let terminals = entries.iter().zip(&read).enumerate().filter_map(|(index, (entry, read))| {
+        let (config, at) = read.as_ref().filter(|(_, at)| is_on_can(*at, cx))?;
+        Some(CellTerminal {
+            name: config.name.clone(),
+            place: entry.value.place(),
+            kind: Kind::Encoder { is_absolute: matches!(config.form, Form::Absolute(_)) },
+            at: *at,
+            index,
+        })
+    });
+    let terminals = terminals.collect();
+    let (configs, at) = read.into_iter().map(Option::unzip).unzip();
+    (configs, at, terminals)
 }
 
 fn one_encoder<'d>(
@@ -194,8 +245,15 @@ fn one_encoder<'d>(
     taken: &mut Once<(usize, &'static str, u16)>,
 ) -> Option<(EncoderConfig, Hardware)> {
     let mut map = entry.value.map(format!("encoder `{}`", entry.name()))?;
-    let address = address(&mut map, &cx.names, Some("encoder"), taken);
+    let address = address(&mut map, cx, Some(ENCODER), taken);
     let travel = Travel::read(&mut map);
+    let index = address.filter(|at| is_on_can(*at, cx)).and_then(|_| map.optional("index"));
+    if let Some(index) = &index {
+        index.refuse(
+            "index is for an encoder that tells its pulses; one on CAN does not",
+            Some("leave it out".to_owned()),
+        );
+    }
     let check = encoders::check(&mut map, &travel);
     let form = encoders::form(&mut map, &travel, 32);
     map.finish();

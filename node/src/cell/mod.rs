@@ -36,6 +36,7 @@ mod ros;
 mod row;
 mod safety;
 mod scale;
+mod terminals;
 mod times;
 mod wiring;
 
@@ -59,6 +60,7 @@ pub use robot::Robot;
 pub use ros::{OnLoss, RosOptions};
 use std::collections::BTreeMap;
 use std::path::Path;
+pub use terminals::CellTerminal;
 
 /// The format that this program reads.
 const FORMAT: &str = "1";
@@ -80,6 +82,8 @@ pub struct Cell {
     pub hardware: Vec<Option<Hardware>>,
     /// One for each axis that has a drive, in file order: what the cell says of it where it is on CAN.
     pub on_can: Vec<Option<CellDrive>>,
+    /// Inputs, outputs and encoders on CAN.
+    pub terminals_on_can: Vec<CellTerminal>,
     /// How it appears in ROS 2.
     pub ros: RosOptions,
     /// Groups of axes, in file order: name, places of the axes.
@@ -155,22 +159,20 @@ impl Cell {
     /// # Errors
     /// All that is wrong with the files, and with what they make of the buses.
     pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
-        let Self { machine, hardware, on_can, backends, .. } = self;
-        buses::Parts { machine, hardware, on_can, backends }.buses(file)
+        self.parts().buses(file)
     }
 
-    /// The files of the drives at one of its backends on CAN, by their nodes.
+    /// The files of the devices at one of its backends on CAN, by their nodes.
     ///
     /// # Errors
     /// The first file with a problem.
     pub fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
-        let Self { machine, hardware, on_can, backends, .. } = self;
-        buses::Parts { machine, hardware, on_can, backends }.dictionaries(backend, file)
+        self.parts().dictionaries(backend, file)
     }
 
-    /// Inputs, outputs and encoders at backends on CAN, which do not exist yet: a sentence for each backend.
-    pub fn missing_terminals(&self) -> Vec<String> {
-        buses::missing_terminals(&self.backends)
+    fn parts(&self) -> buses::Parts<'_> {
+        let Self { machine, hardware, on_can, terminals_on_can, backends, .. } = self;
+        buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
     }
 
     fn of(document: Document) -> Result<Self, Problems> {
@@ -193,12 +195,14 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
 
     let (backends, buses) = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
-    let devices::Io { entries: io, terminals, filters, virtual_inputs } = devices::io(&cx);
+    let devices::Io { entries: io, terminals, mut on_can, filters, virtual_inputs } = devices::io(&cx);
     let mut functions = machine::Functions::new();
     let parameters = machine::read(&mut map, &io, &mut functions);
     map.finish();
     let memory = devices::memory(&cx);
-    let (encoders, encoders_at) = devices::encoders(&cx);
+    let (encoders, encoders_at, encoders_on_can) = devices::encoders(&cx);
+    on_can.extend(encoders_on_can);
+    let terminals_on_can = on_can;
     let axes = axes::read(&cx, &io, &encoders, functions);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
     functions::check(&cx, &io);
@@ -236,6 +240,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
         mechanics,
         hardware,
         on_can,
+        terminals_on_can,
         ros: ros?,
         groups,
         backends,

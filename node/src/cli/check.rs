@@ -65,7 +65,6 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
              2 and 3 stop and hold first"
         )
     }));
-    warnings.extend(cell.missing_terminals());
     warnings.extend(one_edge_for_two(cell));
     warnings.extend(crossed_switches(cell));
     warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));

@@ -1,24 +1,25 @@
-//! Which objects of a drive go in which PDO.
+//! Which objects of a device go in which PDO.
 //!
-//! Law      what every cycle needs goes with each SYNC; what seldom changes goes when it changes. Objects stand in the order in which they
-//!          are needed, as many in a PDO as have room, from PDO 1 on
+//! Law      what every cycle needs goes with each SYNC; what seldom changes goes when it changes. Objects of a drive stand in the order in
+//!          which they are needed, as many in a PDO as have room, from PDO 1 on; those of modules and encoders where their profiles have them
 //! Reads    the dictionary of the drive, where there is one: an object that it does not map has no place
-//! Refuses  a drive that cannot map what its interface needs
-//! Source   CiA 301 (objects 1400h to 1BFFh), CiA 402-2
+//! Refuses  a drive that cannot map what its interface, or the cell, needs
+//! Source   CiA 301 (objects 1400h to 1BFFh), CiA 401-1, CiA 402-2, CiA 406; MACS-CAN-18
 
 use super::objects;
 use super::probe::{self, Probes, Slot};
+use crate::config::{Analog, Terminals};
 use crate::eds::Dictionary;
 use crate::sdo::Object;
 use crate::{Id, NodeId};
-use lineshaft_core::drive::Interface;
+use lineshaft_core::drive::{Interface, Terminal};
 
 /// PDOs of each direction that have an identifier by default.
 pub const MOST_PDOS: u8 = 4;
 /// Bits of a PDO.
 const ROOM: u32 = 64;
 
-/// What a drive tells in a PDO.
+/// What a device tells in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Told {
     /// Status word.
@@ -35,9 +36,15 @@ pub enum Told {
     Captured(Slot),
     /// How many it has caught.
     Captures(Slot),
+    /// Eight digital inputs of a module, by their place.
+    Digital(u8),
+    /// Analog input of a module, by its channel.
+    Analog(u8),
+    /// Position of an encoder (counts).
+    Encoder,
 }
 
-/// What a drive is asked for in a PDO.
+/// What a device is asked for in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
     /// Control word.
@@ -48,6 +55,12 @@ pub enum Asked {
     Velocity,
     /// Modes of operation.
     Mode,
+    /// Digital outputs of a drive.
+    Outputs,
+    /// Eight digital outputs of a module, by their place.
+    Digital(u8),
+    /// Analog output of a module, by its channel.
+    Analog(u8),
 }
 
 /// A value in a PDO.
@@ -118,12 +131,12 @@ impl<W> Pdo<W> {
     }
 }
 
-/// The PDOs of a drive.
+/// The PDOs of a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// Those that the drive receives.
+    /// Those that the device receives.
     pub asked: Vec<Pdo<Asked>>,
-    /// Those that the drive sends.
+    /// Those that the device sends.
     pub told: Vec<Pdo<Told>>,
 }
 
@@ -133,6 +146,9 @@ pub enum LayoutError {
     /// An object that is needed.
     #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; interface {1} needs it in each cycle")]
     NotMappable(Object, &'static str),
+    /// What entries of `io` need.
+    #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; entries of io need it")]
+    NoTerminal(Object),
     /// What touch probes need.
     #[error("probes need {0} in a PDO; the drive has no dictionary (key eds) that maps it")]
     NoProbe(Object),
@@ -142,7 +158,7 @@ pub enum LayoutError {
 }
 
 impl Layout {
-    /// The PDOs of a drive that is commanded so; without a dictionary those objects alone that the interface needs.
+    /// The PDOs of a drive that is commanded so; without a dictionary those objects alone that the interface and the terminals need.
     ///
     /// # Errors
     /// What the drive cannot map.
@@ -150,40 +166,51 @@ impl Layout {
         node: NodeId,
         interface: Interface,
         probes: Probes,
+        terminals: &Terminals,
         dictionary: Option<&Dictionary>,
     ) -> Result<Self, LayoutError> {
         let target = match interface {
             Interface::Velocity => Field::asked(Asked::Velocity, objects::TARGET_VELOCITY, 32),
             _ => Field::asked(Asked::Position, objects::TARGET_POSITION, 32),
         };
-        let asked = [
+        let mut asked = vec![
             Field::asked(Asked::Control, objects::CONTROL_WORD, 16),
             target,
             Field::asked(Asked::Mode, objects::MODE, 8),
         ];
-        let each_sync = [
+        let mut each_sync = vec![
             Field::told(Told::Status, objects::STATUS_WORD, 16),
             Field::told(Told::Position, objects::POSITION, 32),
             Field::told(Told::Mode, objects::MODE_DISPLAY, 8),
         ];
-        let seldom =
-            [Field::told(Told::Inputs, objects::DIGITAL_INPUTS, 32), Field::told(Told::Fault, objects::ERROR_CODE, 16)];
+        let inputs = Field::told(Told::Inputs, objects::DIGITAL_INPUTS, 32);
+        let mut seldom = vec![inputs, Field::told(Told::Fault, objects::ERROR_CODE, 16)];
         let maps =
             |object: Object| dictionary.is_some_and(|known| known.entry(object).is_some_and(|entry| entry.is_mappable));
+        let cannot = |object: &Object| dictionary.is_some() && !maps(*object);
         let needed = asked.iter().map(|field| field.object).chain(each_sync.iter().map(|field| field.object));
-        if dictionary.is_some()
-            && let Some(object) = needed.into_iter().find(|object| !maps(*object))
-        {
+        if let Some(object) = needed.into_iter().find(cannot) {
             return Err(LayoutError::NotMappable(object, interface.name()));
         }
+        if !terminals.digital_inputs.is_empty() {
+            // What the machine reads is of each cycle.
+            seldom.retain(|field| *field != inputs);
+            each_sync.push(inputs);
+        }
+        if !terminals.digital_outputs.is_empty() {
+            asked.push(Field::asked(Asked::Outputs, objects::DIGITAL_OUTPUTS, 32));
+        }
+        let used = [asked.get(3).map(|field| field.object), each_sync.get(3).map(|field| field.object)];
+        if let Some(object) = used.into_iter().flatten().find(cannot) {
+            return Err(LayoutError::NoTerminal(object));
+        }
         let seldom: Vec<_> = seldom.into_iter().filter(|field| maps(field.object)).collect();
-        let mut each_sync = each_sync.to_vec();
         for slot in probe::slots(probes) {
             let objects @ [position, count] = probe::objects_of(slot);
             if let Some(missing) = objects.into_iter().find(|object| !maps(*object)) {
                 return Err(LayoutError::NoProbe(missing));
             }
-            // 6 bytes behind 7, and behind 6: both in one PDO, so of one moment.
+            // 6 bytes behind 7 or 11, and behind 6: both in one PDO, so of one moment.
             each_sync.push(Field::told(Told::Captured(slot), position, 32));
             each_sync.push(Field::told(Told::Captures(slot), count, 16));
         }
@@ -192,6 +219,51 @@ impl Layout {
         told.extend(packed(&seldom, Transmission::OnChange, next, |number| node.tpdo(number))?);
         Ok(Self { asked: packed(&asked, Transmission::EachSync, 1, |number| node.rpdo(number))?, told })
     }
+
+    /// The PDOs of a module: digital ones in PDO 1, analog ones from PDO 2 on, from the first one to the last one that is used, as its
+    /// profile has them.
+    ///
+    /// # Errors
+    /// More than there is room for.
+    pub fn module(node: NodeId, terminals: &Terminals) -> Result<Self, LayoutError> {
+        let Terminals { digital_inputs, digital_outputs, analog_inputs, analog_outputs, .. } = terminals;
+        let digital = |used: &[Terminal]| used.iter().map(|terminal| terminal.address / 8).max();
+        let analog = |used: &[Analog]| used.iter().map(|analog| analog.terminal.address).max();
+        let told = [
+            (fields(digital(digital_inputs), Told::Digital, objects::MODULE_INPUTS, 8), 1),
+            (fields(analog(analog_inputs), Told::Analog, objects::MODULE_ANALOG_INPUTS, 16), 2),
+        ];
+        let asked = [
+            (fields(digital(digital_outputs), Asked::Digital, objects::MODULE_OUTPUTS, 8), 1),
+            (fields(analog(analog_outputs), Asked::Analog, objects::MODULE_ANALOG_OUTPUTS, 16), 2),
+        ];
+        let mut layout = Self { asked: Vec::new(), told: Vec::new() };
+        for (fields, first) in told {
+            layout.told.extend(packed(&fields, Transmission::EachSync, first, |number| node.tpdo(number))?);
+        }
+        for (fields, first) in asked {
+            layout.asked.extend(packed(&fields, Transmission::EachSync, first, |number| node.rpdo(number))?);
+        }
+        Ok(layout)
+    }
+
+    /// The PDO of an encoder: its position, in PDO 2.
+    ///
+    /// # Errors
+    /// None: it has room.
+    pub fn encoder(node: NodeId) -> Result<Self, LayoutError> {
+        let position = [Field::told(Told::Encoder, objects::ENCODER_POSITION, 32)];
+        let told = packed(&position, Transmission::EachSync, 2, |number| node.tpdo(number))?;
+        Ok(Self { asked: Vec::new(), told })
+    }
+}
+
+/// Fields of a list of objects, from its first one to the one at place `last`.
+fn fields<W>(last: Option<u16>, word: fn(u8) -> W, first: Object, bits: u32) -> Vec<Field<W>> {
+    let last = last.map(|last| u8::try_from(last).unwrap_or(u8::MAX));
+    let of =
+        |place: u8| Field { word: word(place), object: Object { sub: first.sub.saturating_add(place), ..first }, bits };
+    last.into_iter().flat_map(|last| (0..=last).map(of)).collect()
 }
 
 /// As many fields in each PDO as have room, in their order.
@@ -235,13 +307,13 @@ mod tests {
     /// What each cycle needs is 7 bytes each way.
     #[test]
     fn without_a_dictionary_only_what_is_needed_is_mapped() {
-        let layout = Layout::plan(node(), Interface::Position, [None; 2], None).unwrap();
+        let layout = Layout::plan(node(), Interface::Position, [None; 2], &Terminals::default(), None).unwrap();
         assert_eq!(told(&layout), [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode])]);
         let [asked] = layout.asked.as_slice() else { panic!("{:?}", layout.asked) };
         assert_eq!((asked.number, asked.id.get(), asked.bytes()), (1, 0x203, 7));
         let objects: Vec<_> = asked.fields.iter().map(|field| field.object.index).collect();
         assert_eq!(objects, [0x6040, 0x607A, 0x6060]);
-        let velocity = Layout::plan(node(), Interface::Velocity, [None; 2], None).unwrap();
+        let velocity = Layout::plan(node(), Interface::Velocity, [None; 2], &Terminals::default(), None).unwrap();
         assert_eq!(velocity.asked[0].fields[1].object.index, 0x60FF);
     }
 
@@ -250,7 +322,7 @@ mod tests {
     fn what_the_dictionary_maps_has_a_place() {
         let text = include_bytes!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text, Some(3)).unwrap();
-        let layout = Layout::plan(node(), Interface::Position, [None; 2], Some(&known)).unwrap();
+        let layout = Layout::plan(node(), Interface::Position, [None; 2], &Terminals::default(), Some(&known)).unwrap();
         let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
     }
@@ -276,9 +348,71 @@ mod tests {
         let at = text.find("[607A]").unwrap();
         let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-        let error = Layout::plan(node(), Interface::Position, [None; 2], Some(&known)).unwrap_err();
+        let error =
+            Layout::plan(node(), Interface::Position, [None; 2], &Terminals::default(), Some(&known)).unwrap_err();
         let sentence = "607Ah:00 cannot be mapped to a PDO, by the dictionary of the drive; interface position needs it in each cycle";
         assert_eq!(error.to_string(), sentence);
-        assert!(Layout::plan(node(), Interface::Velocity, [None; 2], Some(&known)).is_ok());
+        assert!(Layout::plan(node(), Interface::Velocity, [None; 2], &Terminals::default(), Some(&known)).is_ok());
+    }
+
+    fn terminal(address: u16) -> Terminal {
+        Terminal { place: 0, address }
+    }
+
+    /// Bits of 60FDh and 60FEh that entries of io use go in each cycle, behind what the interface needs: 11 bytes are two PDOs.
+    #[test]
+    fn inputs_and_outputs_of_a_drive_go_in_each_cycle() {
+        let terminals = Terminals {
+            digital_inputs: vec![terminal(16)],
+            digital_outputs: vec![terminal(16)],
+            ..Terminals::default()
+        };
+        let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
+        let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
+        let layout = Layout::plan(node(), Interface::Position, [None; 2], &terminals, Some(&known)).unwrap();
+        let cyclic = [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]), (2, 0x283, 1, vec![Told::Inputs])];
+        assert_eq!(told(&layout), [cyclic.as_slice(), &[(3, 0x383, 255, vec![Told::Fault])]].concat());
+        let asked: Vec<_> = layout.asked.iter().map(|pdo| (pdo.number, pdo.bytes())).collect();
+        assert_eq!(asked, [(1, 7), (2, 4)]);
+        let at = text.find("[60FD]").unwrap();
+        let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
+        let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
+        let error = Layout::plan(node(), Interface::Position, [None; 2], &terminals, Some(&known)).unwrap_err();
+        let sentence = "60FDh:00 cannot be mapped to a PDO, by the dictionary of the drive; entries of io need it";
+        assert_eq!(error.to_string(), sentence);
+    }
+
+    /// Digital inputs and outputs in PDO 1, analog ones from PDO 2 on, four in each (CiA 401).
+    #[test]
+    fn a_module_has_its_default_pdos() {
+        let analog = |address| Analog { terminal: terminal(address), full_scale: 10.0 };
+        let terminals = Terminals {
+            digital_inputs: vec![terminal(12), terminal(3)],
+            digital_outputs: vec![terminal(63)],
+            analog_inputs: vec![analog(4)],
+            analog_outputs: vec![analog(11)],
+            ..Terminals::default()
+        };
+        let layout = Layout::module(node(), &terminals).unwrap();
+        let analog = |from, to| (from..to).map(Told::Analog).collect::<Vec<_>>();
+        let expected = [
+            (1, 0x183, 1, vec![Told::Digital(0), Told::Digital(1)]),
+            (2, 0x283, 1, analog(0, 4)),
+            (3, 0x383, 1, analog(4, 5)),
+        ];
+        assert_eq!(told(&layout), expected);
+        let objects = |pdo: &Pdo<Asked>| pdo.fields.iter().map(|field| field.object.to_string()).collect::<Vec<_>>();
+        let asked: Vec<_> = layout.asked.iter().map(|pdo| (pdo.number, pdo.id.get(), objects(pdo))).collect();
+        let numbers: Vec<_> = asked.iter().map(|(number, id, objects)| (*number, *id, objects.len())).collect();
+        assert_eq!(numbers, [(1, 0x203, 8), (2, 0x303, 4), (3, 0x403, 4), (4, 0x503, 4)]);
+        assert_eq!([&asked[0].2[7], &asked[3].2[3]], ["6200h:08", "6411h:0C"]);
+    }
+
+    /// Proves: MACS-CAN-18
+    #[test]
+    fn an_encoder_tells_its_position_in_pdo_2() {
+        let layout = Layout::encoder(node()).unwrap();
+        assert_eq!((told(&layout), layout.asked.len()), (vec![(2, 0x283, 1, vec![Told::Encoder])], 0));
+        assert_eq!(layout.told[0].fields[0].object.to_string(), "6004h:00");
     }
 }

@@ -35,6 +35,17 @@ pub const CONFIGURATION_DATE: Object = of(0x1020, 1);
 /// Verify configuration: time, the other half (CiA 301).
 pub const CONFIGURATION_TIME: Object = of(0x1020, 2);
 
+/// First 8 digital inputs of a module; the next ones follow (CiA 401).
+pub const MODULE_INPUTS: Object = of(0x6000, 1);
+/// First 8 digital outputs of a module; the next ones follow (CiA 401).
+pub const MODULE_OUTPUTS: Object = of(0x6200, 1);
+/// First analog input of a module, 16 bits; the next ones follow (CiA 401).
+pub const MODULE_ANALOG_INPUTS: Object = of(0x6401, 1);
+/// First analog output of a module, 16 bits; the next ones follow (CiA 401).
+pub const MODULE_ANALOG_OUTPUTS: Object = of(0x6411, 1);
+/// Position value of an encoder (CiA 406).
+pub const ENCODER_POSITION: Object = of(0x6004, 0);
+
 /// Error code (CiA 402).
 pub const ERROR_CODE: Object = of(0x603F, 0);
 /// Control word (CiA 402).
@@ -79,6 +90,10 @@ pub const INTERPOLATION_VALUE: Object = of(0x60C2, 1);
 pub const INTERPOLATION_INDEX: Object = of(0x60C2, 2);
 /// Digital inputs (CiA 402).
 pub const DIGITAL_INPUTS: Object = of(0x60FD, 0);
+/// Digital outputs of a drive (CiA 402).
+pub const DIGITAL_OUTPUTS: Object = of(0x60FE, 1);
+/// Which of its digital outputs follow 60FEh:01 (CiA 402).
+pub const DIGITAL_OUTPUT_MASK: Object = of(0x60FE, 2);
 /// Target velocity (CiA 402).
 pub const TARGET_VELOCITY: Object = of(0x60FF, 0);
 /// Supported drive modes (CiA 402).

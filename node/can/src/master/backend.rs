@@ -1,11 +1,11 @@
 //! The cyclic half: the bus, in the hands of the cycle thread.
 
 use super::bus::Bus;
-use crate::config::BusConfig;
+use crate::config::{BusConfig, DeviceConfig};
 use lineshaft_core::drive::{Backend, Capabilities, Inputs, Outputs};
 use std::sync::{Arc, Mutex};
 
-/// Exchanges with the drives of a bus.
+/// Exchanges with the devices of a bus.
 pub struct CanBackend {
     bus: Arc<Mutex<Bus>>,
     /// Places of its drives, and what they offer.
@@ -14,7 +14,8 @@ pub struct CanBackend {
 
 impl CanBackend {
     pub(super) fn new(config: &BusConfig, bus: Arc<Mutex<Bus>>) -> Self {
-        Self { bus, drives: config.drives.iter().map(|drive| (drive.place, drive.offers)).collect() }
+        let drives = config.devices.iter().filter_map(DeviceConfig::drive);
+        Self { bus, drives: drives.map(|drive| (drive.place, drive.offers)).collect() }
     }
 }
 
@@ -24,7 +25,7 @@ impl Backend for CanBackend {
     }
 
     fn read(&mut self, inputs: &mut Inputs) {
-        // In the cycles nobody else has it. Were it otherwise, its drives would not be there for a cycle.
+        // In the cycles nobody else has it. Were it otherwise, its devices would not be there for a cycle.
         if let Ok(mut bus) = self.bus.try_lock() {
             bus.read(inputs);
         }

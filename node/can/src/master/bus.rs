@@ -1,13 +1,13 @@
 //! A bus: what comes is given to whom it is for, and what is due is sent.
 //!
 //! Law      one owner at a time has it: the service while no cycles run, the cycle thread while they do. In a cycle first everything that has
-//!          come is taken; then the drives are asked, SYNC follows, and then what has time. Nothing here waits or takes memory once it is made
+//!          come is taken; then the devices are asked, SYNC follows, and then what has time. Nothing here waits or takes memory once it is made
 //! Reads    frames, the outputs of a cycle, orders of the service
 //! Writes   frames, the inputs of a cycle, reports to the service
-//! Refuses  nothing: a way that is lost leaves all its drives offline, and is reported
+//! Refuses  nothing: a way that is lost leaves all its devices offline, and is reported
 //! Source   CiA 301; contract sections 1 (delay 1) and 8
 
-use super::drive::Drive;
+use super::device::Device;
 use super::sync::SyncCounter;
 use crate::config::{BusConfig, Master};
 use crate::sdo::{Client, Object, SdoError, Transfer};
@@ -36,20 +36,20 @@ pub(crate) enum Order {
     Transfer { node: NodeId, object: Object, data: Vec<u8>, writes: bool },
     /// A node, or all of them, are told this.
     Nmt(NmtCommand, Option<NodeId>),
-    /// The drive at this place of the bus will be configured.
-    Prepare { drive: usize },
-    /// It is configured and will be started next; its digital inputs.
-    Listen { drive: usize, inputs: u32 },
-    /// It is configured and started; its error code. One that has booted meanwhile is not.
-    Begin { drive: usize, fault: u16 },
+    /// The device at this place of the bus will be configured.
+    Prepare { device: usize },
+    /// It is configured and will be started next; digital inputs of a drive.
+    Listen { device: usize, inputs: u32 },
+    /// It is configured and started; error code of a drive. One that has booted meanwhile is not.
+    Begin { device: usize, fault: u16 },
 }
 
 /// What the bus tells the service.
 pub(crate) enum Report {
     /// A transfer is over; answers of that node so far that nobody had asked for.
     Transfer(NodeId, Transfer, u32),
-    /// Something has happened to the drive at this place of the bus, and it takes part in the cycles no longer, if it did.
-    Happened { drive: usize, what: Happened, took_part: bool },
+    /// Something has happened to the device at this place of the bus, and it takes part in the cycles no longer, if it did.
+    Happened { device: usize, what: Happened, took_part: bool },
     /// An emergency message of a node that is none of its drives.
     Emergency(NodeId, Emergency),
     /// A drive refuses an object of its homing.
@@ -62,7 +62,7 @@ pub(crate) enum Report {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Route {
     Nobody,
-    Pdo { drive: u8, place: u8 },
+    Pdo { device: u8, place: u8 },
     Emergency(NodeId),
     Sdo(NodeId),
     Life(NodeId),
@@ -83,7 +83,7 @@ pub(crate) struct Losses {
 pub(crate) struct Bus {
     transport: Option<Box<dyn Transport>>,
     began: Instant,
-    drives: Vec<Drive>,
+    devices: Vec<Device>,
     /// By identifier.
     routes: Vec<Route>,
     /// By node, from 1 on.
@@ -103,15 +103,15 @@ pub(crate) struct Bus {
 
 impl Bus {
     pub(crate) fn new(config: &BusConfig, orders: Consumer<Order>, reports: Producer<Report>) -> Self {
-        let drives: Vec<_> = config.drives.iter().map(|drive| Drive::new(drive, config.cycle_ns)).collect();
+        let devices: Vec<_> = config.devices.iter().map(|device| Device::new(device, config.cycle_ns)).collect();
         let nodes = || (1..=NodeId::MAX).filter_map(NodeId::new);
         let client = |node: NodeId| Client::new(node.sdo_request(), node.sdo_response(), config.sdo_timeout_ns);
         Self {
             transport: None,
             began: Instant::now(),
-            routes: routes(&drives),
-            silent: drives.iter().map(|_| AtomicBool::new(false)).collect(),
-            drives,
+            routes: routes(&devices),
+            silent: devices.iter().map(|_| AtomicBool::new(false)).collect(),
+            devices,
             clients: nodes().map(client).collect(),
             busy: Vec::with_capacity(usize::from(NodeId::MAX)),
             sync: SyncCounter::new(config.sync_overflow),
@@ -134,14 +134,14 @@ impl Bus {
         Arc::clone(&self.losses)
     }
 
-    /// Of which drives there is no sign of life any more.
+    /// Of which devices there is no sign of life any more.
     pub(crate) fn silent(&self) -> Arc<[AtomicBool]> {
         Arc::clone(&self.silent)
     }
 
-    /// Its drives take part in the cycles no longer: they are told so one by one from here on.
+    /// Its devices take part in the cycles no longer: they are told so one by one from here on.
     pub(crate) fn rest(&mut self) {
-        self.drives.iter_mut().for_each(Drive::forget);
+        self.devices.iter_mut().for_each(Device::forget);
     }
 
     /// Time since the bus was made (ns).
@@ -180,16 +180,14 @@ impl Bus {
         let now_ns = self.now_ns();
         self.take(now_ns);
         let state = self.state();
-        self.drives.iter_mut().for_each(|drive| drive.read(inputs, state));
+        self.devices.iter_mut().for_each(|device| device.read(inputs, state));
     }
 
     /// The end of a cycle.
     pub(crate) fn write(&mut self, outputs: &Outputs) {
-        for place in 0..self.drives.len() {
-            let Some(drive) = self.drives.get_mut(place) else { continue };
-            let Some(output) = outputs.drive.get(drive.place) else { continue };
-            for frame in drive.frames(output) {
-                // Not `self.send`: the drive is borrowed.
+        for device in &mut self.devices {
+            for frame in device.frames(outputs) {
+                // Not `self.send`: the device is borrowed.
                 send(&mut self.transport, &mut self.reports, &self.losses, &frame);
             }
         }
@@ -228,7 +226,7 @@ impl Bus {
         if let Some(transport) = &self.transport {
             self.losses.faults.store(transport.faults(), Ordering::Relaxed);
         } else {
-            self.drives.iter_mut().for_each(Drive::forget);
+            self.devices.iter_mut().for_each(Device::forget);
         }
         self.tick(now_ns);
     }
@@ -238,19 +236,19 @@ impl Bus {
             Order::Open(transport) => self.open(transport),
             Order::Transfer { node, object, data, writes } => self.begin_transfer(node, object, data, writes, now_ns),
             Order::Nmt(command, node) => self.send(&command.frame(node)),
-            Order::Prepare { drive } => {
-                if let Some(drive) = self.drives.get_mut(drive) {
-                    drive.prepare();
+            Order::Prepare { device } => {
+                if let Some(device) = self.devices.get_mut(device) {
+                    device.prepare();
                 }
             }
-            Order::Listen { drive, inputs } => {
-                if let Some(drive) = self.drives.get_mut(drive) {
-                    drive.listen(inputs);
+            Order::Listen { device, inputs } => {
+                if let Some(device) = self.devices.get_mut(device) {
+                    device.listen(inputs);
                 }
             }
-            Order::Begin { drive: place, fault } => {
-                if self.drives.get_mut(place).is_some_and(|drive| !drive.begin(fault)) {
-                    self.report(Report::Happened { drive: place, what: Happened::BootedUp, took_part: true });
+            Order::Begin { device: place, fault } => {
+                if self.devices.get_mut(place).is_some_and(|device| !device.begin(fault)) {
+                    self.report(Report::Happened { device: place, what: Happened::BootedUp, took_part: true });
                 }
             }
         }
@@ -276,15 +274,16 @@ impl Bus {
     fn dispatch(&mut self, frame: &Frame, now_ns: u64) {
         match self.routes.get(usize::from(frame.id().get())).copied().unwrap_or(Route::Nobody) {
             Route::Nobody => {}
-            Route::Pdo { drive, place } => {
-                if let Some(drive) = self.drives.get_mut(usize::from(drive)) {
-                    drive.take_pdo(place.into(), frame);
+            Route::Pdo { device, place } => {
+                if let Some(device) = self.devices.get_mut(usize::from(device)) {
+                    device.take_pdo(place.into(), frame);
                 }
             }
             Route::Emergency(node) => {
                 let Ok(bytes) = <[u8; 8]>::try_from(frame.bytes()) else { return };
                 let emergency = Emergency::from_bytes(bytes);
-                match self.drives.iter_mut().find(|drive| drive.node == node) {
+                let device = self.devices.iter_mut().find(|device| device.node == node);
+                match device.and_then(|device| device.drive.as_mut()) {
                     Some(drive) => drive.take_emergency(emergency),
                     None => self.report(Report::Emergency(node, emergency)),
                 }
@@ -296,33 +295,33 @@ impl Bus {
                 }
             }
             Route::Life(node) => {
-                // Of nodes that no drive is nobody asks.
-                let Some(place) = self.drives.iter().position(|drive| drive.node == node) else { return };
-                let happened = self.drives.get_mut(place).and_then(|drive| drive.watch.hear(frame, now_ns));
+                // Of nodes that are none of its devices nobody asks.
+                let Some(place) = self.devices.iter().position(|device| device.node == node) else { return };
+                let happened = self.devices.get_mut(place).and_then(|device| device.watch.hear(frame, now_ns));
                 self.happened(place, happened);
             }
         }
     }
 
     fn happened(&mut self, place: usize, happened: Option<Happened>) {
-        let Some(drive) = self.drives.get_mut(place) else { return };
-        let takes_part = drive.is_ready();
+        let Some(device) = self.devices.get_mut(place) else { return };
+        let takes_part = device.is_ready();
         // One that takes part is operational, also where it has shown another state before, and shows it again.
-        let astray = || drive.watch.state().filter(|state| takes_part && *state != NmtState::Operational);
+        let astray = || device.watch.state().filter(|state| takes_part && *state != NmtState::Operational);
         let Some(what) = happened.or_else(|| astray().map(Happened::State)) else { return };
         let took_part = takes_part && what != Happened::State(NmtState::Operational);
         match what {
-            Happened::BootedUp => drive.boot(),
-            _ if took_part => drive.end(),
+            Happened::BootedUp => device.boot(),
+            _ if took_part => device.end(),
             _ => {}
         }
-        self.report(Report::Happened { drive: place, what, took_part });
+        self.report(Report::Happened { device: place, what, took_part });
     }
 
     fn end_transfer(&mut self, node: NodeId, done: Transfer) {
         self.busy.retain(|busy| *busy != node);
-        let place = self.drives.iter().position(|drive| drive.node == node);
-        let drive = place.and_then(|place| self.drives.get_mut(place));
+        let place = self.devices.iter().position(|device| device.node == node);
+        let drive = place.and_then(|place| self.devices.get_mut(place)?.drive.as_mut());
         match drive.filter(|drive| drive.homing.awaits(done.object)) {
             Some(drive) => {
                 drive.homing.take(done.object, done.data, done.result.is_ok());
@@ -353,11 +352,11 @@ impl Bus {
                 None => at += 1,
             }
         }
-        for place in 0..self.drives.len() {
-            let Some(drive) = self.drives.get_mut(place) else { continue };
-            let (happened, question) = drive.watch.tick(now_ns);
+        for place in 0..self.devices.len() {
+            let Some(device) = self.devices.get_mut(place) else { continue };
+            let (happened, question) = device.watch.tick(now_ns);
             if let Some(silent) = self.silent.get(place) {
-                silent.store(drive.watch.is_lost(), Ordering::Relaxed);
+                silent.store(device.watch.is_lost(), Ordering::Relaxed);
             }
             if let Some(question) = question {
                 self.send(&question);
@@ -369,14 +368,15 @@ impl Bus {
     }
 
     fn set_up_homing(&mut self, now_ns: u64) {
-        for drive in &mut self.drives {
-            let Some(client) = self.clients.get_mut(usize::from(drive.node.get()) - 1) else { continue };
-            if !drive.is_ready() || !client.is_idle() {
+        for device in &mut self.devices {
+            let Some(client) = self.clients.get_mut(usize::from(device.node.get()) - 1) else { continue };
+            if !device.is_ready() || !client.is_idle() {
                 continue;
             }
+            let Some(drive) = &mut device.drive else { continue };
             let Some((object, data)) = drive.homing.next_object() else { continue };
             match client.download(object, data, false, now_ns) {
-                Ok(()) => self.busy.push(drive.node),
+                Ok(()) => self.busy.push(device.node),
                 Err(data) => drive.homing.give_back(data),
             }
         }
@@ -412,7 +412,7 @@ impl Bus {
 }
 
 /// Where frames of each identifier go.
-fn routes(drives: &[Drive]) -> Vec<Route> {
+fn routes(devices: &[Device]) -> Vec<Route> {
     let mut routes = vec![Route::Nobody; IDS];
     let mut set = |id: crate::Id, route| {
         if let Some(place) = routes.get_mut(usize::from(id.get())) {
@@ -424,10 +424,10 @@ fn routes(drives: &[Drive]) -> Vec<Route> {
         set(node.sdo_response(), Route::Sdo(node));
         set(node.heartbeat(), Route::Life(node));
     }
-    for (drive, of) in drives.iter().enumerate() {
+    for (device, of) in devices.iter().enumerate() {
         for (place, id) in of.sent().enumerate() {
-            // 127 drives of 4 PDOs.
-            set(id, Route::Pdo { drive: drive as u8, place: place as u8 });
+            // 127 devices of 4 PDOs.
+            set(id, Route::Pdo { device: device as u8, place: place as u8 });
         }
     }
     routes

@@ -1,8 +1,8 @@
-//! Bringing a drive from whatever it is in to operational, with its axis off.
+//! Bringing a device from whatever it is in to operational, a drive with its axis off.
 //!
-//! Law      a drive is looked at before it is told anything: what it is, and whether it may run. One that runs is stopped on its quick stop
-//!          ramp, then its voltage goes. Objects that have their values already are not written; a drive whose verification objects
-//!          say that nothing has changed is not compared either
+//! Law      a device is looked at before it is told anything: what it is, and whether it may run. A drive that runs is stopped on its quick
+//!          stop ramp, then its voltage goes. Objects that have their values already are not written; a device whose verification
+//!          objects say that nothing has changed is not compared either
 //! Refuses  a node of another identity or profile, one that does not offer the mode of its interface, one that refuses a value: by a sentence
 //!          with the object and both values
 //! Source   CiA 301 (boot-up, NMT, objects 1000h to 1A00h), CiA 302-2, CiA 402-2, MACS-CAN-04, MACS-CAN-08
@@ -10,7 +10,7 @@
 use super::bus::Order;
 use super::port::Port;
 use crate::commission::words;
-use crate::config::{BusConfig, DriveConfig, HEARTBEATS_MISSED, Write};
+use crate::config::{BusConfig, DeviceConfig, DriveConfig, HEARTBEATS_MISSED, Role, Write};
 use crate::drive::layout::{Field, MOST_PDOS, Pdo, Told};
 use crate::drive::{objects, probe};
 use crate::eds::{CobId, Direction};
@@ -19,8 +19,6 @@ use crate::{NmtCommand, NodeId, Watching};
 use lineshaft_core::drive::{DriveState, Interface, MODE_CSP, MODE_CSV, control};
 use std::time::{Duration, Instant};
 
-/// Profile of drives (lower half of 1000h).
-const PROFILE: u32 = 402;
 /// Pairs of requests that tell two devices with one node id from one that was late.
 const TWIN_REQUESTS: u32 = 3;
 /// How long a drive may take to stop.
@@ -60,40 +58,56 @@ pub(crate) struct Configured {
     pub(crate) fault: u16,
 }
 
-/// A drive under configuration.
+/// A device under configuration.
 struct Session<'a> {
     port: &'a mut Port,
     bus: &'a BusConfig,
-    drive: &'a DriveConfig,
+    device: &'a DeviceConfig,
     written: usize,
 }
 
-/// Configures a drive and starts it.
+/// Configures a device and starts it.
 pub(crate) fn configure(
     port: &mut Port,
     place: usize,
     bus: &BusConfig,
-    drive: &DriveConfig,
+    device: &DeviceConfig,
 ) -> Result<Configured, Refusal> {
-    port.order(Order::Prepare { drive: place });
-    let mut session = Session { port, bus, drive, written: 0 };
+    port.order(Order::Prepare { device: place });
+    let mut session = Session { port, bus, device, written: 0 };
     session.reach()?;
     // One that comes tells that it has booted: nothing that counts was told before.
-    session.port.order(Order::Prepare { drive: place });
+    session.port.order(Order::Prepare { device: place });
     session.identify()?;
     session.refuse_twins()?;
-    session.check_factors()?;
-    calm(session.port, drive.node)?;
-    session.port.nmt(NmtCommand::EnterPreOperational, drive.node);
+    if let Some(drive) = device.drive() {
+        session.check_factors(drive)?;
+        calm(session.port, device.node)?;
+    }
+    session.port.nmt(NmtCommand::EnterPreOperational, device.node);
     session.write_all()?;
     // What it sends on change comes but once where nothing changes, and not from every device when it starts.
     let inputs = session.inputs()?;
-    session.port.order(Order::Listen { drive: place, inputs });
-    session.port.nmt(NmtCommand::Start, drive.node);
-    let fault = session.number(objects::ERROR_CODE)?.unwrap_or_default();
+    session.port.order(Order::Listen { device: place, inputs });
+    session.port.nmt(NmtCommand::Start, device.node);
+    let fault = match device.role {
+        Role::Drive(_) => session.number(objects::ERROR_CODE)?.unwrap_or_default(),
+        Role::Module | Role::Encoder => 0,
+    };
     session.port.wait(SETTLE);
     session.await_life(place)?;
     Ok(Configured { written: session.written, fault: fault as u16 })
+}
+
+/// Sees to it that the outputs of a module are off.
+pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Result<(), Refusal> {
+    let fields = device.layout.asked.iter().flat_map(|pdo| &pdo.fields);
+    for Field { object, bits, .. } in fields {
+        let zero = [0; 4];
+        let bytes = (bits / 8) as usize;
+        port.write(device.node, *object, zero.get(..bytes).unwrap_or(&zero))?;
+    }
+    Ok(())
 }
 
 /// Sees to it that a drive does not run.
@@ -128,7 +142,7 @@ fn is_absent(error: &SdoError) -> bool {
 impl Session<'_> {
     /// A number, where the drive has that object.
     fn number(&mut self, object: Object) -> Result<Option<u32>, Refusal> {
-        match self.port.read(self.drive.node, object) {
+        match self.port.read(self.device.node, object) {
             Ok(bytes) => Ok(Some(number_of(&bytes))),
             Err(error) if is_absent(&error) => Ok(None),
             Err(error) => Err(error.into()),
@@ -137,23 +151,23 @@ impl Session<'_> {
 
     /// One that somebody has stopped (NMT) answers nothing but NMT; and a first question may get lost.
     fn reach(&mut self) -> Result<(), Refusal> {
-        match self.port.read(self.drive.node, objects::DEVICE_TYPE) {
+        match self.port.read(self.device.node, objects::DEVICE_TYPE) {
             Err(error @ SdoError::Silent(..)) => {
-                self.port.nmt(NmtCommand::EnterPreOperational, self.drive.node);
+                self.port.nmt(NmtCommand::EnterPreOperational, self.device.node);
                 // In the cycles the next try comes soon, and others wait meanwhile.
                 if self.port.is_in_cycles() {
                     return Err(error.into());
                 }
-                Ok(self.port.read(self.drive.node, objects::DEVICE_TYPE).map(drop)?)
+                Ok(self.port.read(self.device.node, objects::DEVICE_TYPE).map(drop)?)
             }
             done => Ok(done.map(drop)?),
         }
     }
 
-    /// Its digital inputs, where a PDO tells them later.
+    /// Digital inputs of a drive, where a PDO tells them later.
     fn inputs(&mut self) -> Result<u32, Refusal> {
         let tells = |pdo: &Pdo<Told>| pdo.fields.iter().any(|field| field.word == Told::Inputs);
-        match self.drive.layout.told.iter().any(tells) {
+        match self.device.layout.told.iter().any(tells) {
             true => Ok(self.number(objects::DIGITAL_INPUTS)?.unwrap_or_default()),
             false => Ok(0),
         }
@@ -161,7 +175,7 @@ impl Session<'_> {
 
     /// One that was silent is not watched before it shows that it is there.
     fn await_life(&mut self, place: usize) -> Result<(), Refusal> {
-        let most = match self.drive.watching {
+        let most = match self.device.watching {
             Watching::Heartbeat { time_ns } => time_ns,
             Watching::Guarding { guard_ns, life_factor } => guard_ns.saturating_mul(life_factor.into()),
             Watching::None => return Ok(()),
@@ -177,14 +191,15 @@ impl Session<'_> {
     }
 
     fn identify(&mut self) -> Result<(), Refusal> {
-        let device = number_of(&self.port.read(self.drive.node, objects::DEVICE_TYPE)?);
-        if device & 0xFFFF != PROFILE {
-            let profile = device & 0xFFFF;
+        let device = number_of(&self.port.read(self.device.node, objects::DEVICE_TYPE)?);
+        let (profile, what) = self.device.role.profile();
+        if device & 0xFFFF != profile {
+            let found = device & 0xFFFF;
             return Err(Refusal::Wrong(format!(
-                "its device type (1000h) is {device:08X}h, profile {profile}; a drive of profile {PROFILE} is expected"
+                "its device type (1000h) is {device:08X}h, profile {found}; profile {profile} ({what}) is expected"
             )));
         }
-        let identity = self.drive.identity;
+        let identity = self.device.identity;
         let expected = [
             ("vendor", objects::VENDOR, identity.vendor),
             ("product code", objects::PRODUCT, identity.product),
@@ -199,17 +214,17 @@ impl Session<'_> {
                 return Err(Refusal::Wrong(format!("its {what} ({object}) is {found}; {expected:08X}h is expected")));
             }
         }
-        self.check_modes()
+        self.device.drive().map_or(Ok(()), |drive| self.check_modes(drive))
     }
 
     /// Two devices with one node id answer each request twice, and each second answer comes unasked.
     fn refuse_twins(&mut self) -> Result<(), Refusal> {
-        let node = self.drive.node;
+        let node = self.device.node;
         for _ in 0..TWIN_REQUESTS {
             let before = self.port.strays();
             self.port.read(node, objects::DEVICE_TYPE)?;
             // Another object: the second answer of the first one is none to this request.
-            self.port.read(node, objects::STATUS_WORD)?;
+            self.port.read(node, objects::VENDOR)?;
             if self.port.strays() == before {
                 return Ok(());
             }
@@ -219,8 +234,8 @@ impl Session<'_> {
     }
 
     /// Does the drive count a revolution of its shaft as the cell does?
-    fn check_factors(&mut self) -> Result<(), Refusal> {
-        let Some((counts, turns)) = self.drive.per_revolution else { return Ok(()) };
+    fn check_factors(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
+        let Some((counts, turns)) = drive.per_revolution else { return Ok(()) };
         let (found, of) = match self.fraction(objects::FEED_CONSTANT)? {
             Some(feed) => (feed, "6092h"),
             None => {
@@ -255,16 +270,16 @@ impl Session<'_> {
     }
 
     /// Does the drive offer the mode of the interface (6502h)?
-    fn check_modes(&mut self) -> Result<(), Refusal> {
+    fn check_modes(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
         let Some(offered) = self.number(objects::SUPPORTED_MODES)? else { return Ok(()) };
-        let (mode, name) = match self.drive.interface {
+        let (mode, name) = match drive.interface {
             Interface::Velocity => (MODE_CSV, "csv"),
             _ => (MODE_CSP, "csp"),
         };
         if offered >> (mode - 1) & 1 == 1 {
             return Ok(());
         }
-        let interface = self.drive.interface.name();
+        let interface = drive.interface.name();
         let modes = words::modes(offered);
         Err(Refusal::Wrong(format!(
             "interface {interface} needs mode {mode} ({name}), which the drive does not offer (6502h is {offered:08X}h: {modes})"
@@ -273,7 +288,7 @@ impl Session<'_> {
 
     fn write_all(&mut self) -> Result<(), Refusal> {
         let writes = self.writes();
-        let digest = digest(&writes, self.bus, self.drive);
+        let digest = digest(&writes, self.bus, self.device);
         if let (Some(date), Some(time)) =
             (self.number(objects::CONFIGURATION_DATE)?, self.number(objects::CONFIGURATION_TIME)?)
         {
@@ -291,12 +306,12 @@ impl Session<'_> {
 
     /// What the drive is told, apart from its PDOs; optional where a drive may lack it.
     fn writes(&self) -> Vec<(Write, bool)> {
-        let mut writes: Vec<_> = self.drive.startup.iter().map(|write| (write.clone(), false)).collect();
+        let mut writes: Vec<_> = self.device.startup.iter().map(|write| (write.clone(), false)).collect();
         let mut add = |object: Object, data: &[u8], is_optional| {
             writes.push((Write { object, data: data.to_vec() }, is_optional));
         };
         let ms = |ns: u64| u16::try_from(ns / 1_000_000).unwrap_or(u16::MAX);
-        match self.drive.watching {
+        match self.device.watching {
             Watching::Heartbeat { time_ns } => {
                 add(objects::PRODUCER_HEARTBEAT, &ms(time_ns / HEARTBEATS_MISSED).to_le_bytes(), false);
             }
@@ -311,14 +326,20 @@ impl Session<'_> {
             let time = ms(master.heartbeat_ns.saturating_mul(HEARTBEATS_MISSED));
             add(objects::CONSUMER_HEARTBEAT, &consumed(master.node, time), true);
         }
-        // A drive without probes has none that catch: the object is left alone.
-        if self.drive.probes.iter().any(Option::is_some) {
-            add(objects::TOUCH_PROBE_FUNCTION, &probe::function(self.drive.probes).to_le_bytes(), false);
-        }
         add(objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
+        let Some(drive) = self.device.drive() else { return writes };
+        // A drive without probes has none that catch: the object is left alone.
+        if drive.probes.iter().any(Option::is_some) {
+            add(objects::TOUCH_PROBE_FUNCTION, &probe::function(drive.probes).to_le_bytes(), false);
+        }
         if let Some((value, index)) = self.bus.interpolation() {
             add(objects::INTERPOLATION_VALUE, &[value], true);
             add(objects::INTERPOLATION_INDEX, &[index.cast_unsigned()], true);
+        }
+        let outputs = &self.device.terminals.digital_outputs;
+        if !outputs.is_empty() {
+            let mask = outputs.iter().fold(0, |mask, terminal| mask | 1_u32.unbounded_shl(terminal.address.into()));
+            add(objects::DIGITAL_OUTPUT_MASK, &mask.to_le_bytes(), true);
         }
         writes
     }
@@ -326,7 +347,7 @@ impl Session<'_> {
     /// Writes the values that the drive does not have already.
     fn write_differing(&mut self, writes: &[(Write, bool)]) -> Result<(), Refusal> {
         for (Write { object, data }, is_optional) in writes {
-            let present = match self.port.read(self.drive.node, *object) {
+            let present = match self.port.read(self.device.node, *object) {
                 Ok(present) => Some(present),
                 Err(error) if is_absent(&error) && *is_optional => continue,
                 Err(error @ SdoError::Silent(..)) => return Err(error.into()),
@@ -361,14 +382,14 @@ impl Session<'_> {
     }
 
     fn write(&mut self, object: Object, data: &[u8]) -> Result<(), Refusal> {
-        self.port.write(self.drive.node, object, data)?;
+        self.port.write(self.device.node, object, data)?;
         self.written += 1;
         Ok(())
     }
 
     fn write_pdos(&mut self) -> Result<(), Refusal> {
         for number in 1..=MOST_PDOS {
-            let layout = &self.drive.layout;
+            let layout = &self.device.layout;
             match layout.asked.iter().find(|pdo| pdo.number == number) {
                 Some(pdo) => self.write_pdo(Direction::Receive, pdo)?,
                 None => self.switch_off(Direction::Receive, number)?,
@@ -447,7 +468,7 @@ fn period_us(bus: &BusConfig) -> u32 {
 }
 
 /// What tells this configuration from others: FNV-1a of all that is written, in two halves.
-fn digest(writes: &[(Write, bool)], bus: &BusConfig, drive: &DriveConfig) -> (u32, u32) {
+fn digest(writes: &[(Write, bool)], bus: &BusConfig, device: &DeviceConfig) -> (u32, u32) {
     let mut hash = 0xCBF2_9CE4_8422_2325_u64;
     let mut add = |bytes: &[u8]| {
         for byte in bytes {
@@ -469,11 +490,11 @@ fn digest(writes: &[(Write, bool)], bus: &BusConfig, drive: &DriveConfig) -> (u3
             add(&[object.sub, bits as u8]);
         }
     };
-    for pdo in &drive.layout.asked {
+    for pdo in &device.layout.asked {
         let mut fields = pdo.fields.iter().map(|field| (field.object, field.bits));
         add_pdo(pdo.number, pdo.id.get(), pdo.transmission.number(), &mut fields);
     }
-    for pdo in &drive.layout.told {
+    for pdo in &device.layout.told {
         let mut fields = pdo.fields.iter().map(|field| (field.object, field.bits));
         add_pdo(pdo.number, pdo.id.get(), pdo.transmission.number(), &mut fields);
     }
@@ -482,10 +503,10 @@ fn digest(writes: &[(Write, bool)], bus: &BusConfig, drive: &DriveConfig) -> (u3
     (low | 1, high)
 }
 
-/// Drives that watch the master stop doing so: it is going.
-pub(crate) fn release(port: &mut Port, bus: &BusConfig, drive: &DriveConfig) {
-    let node = drive.node;
-    if let Watching::Guarding { .. } = drive.watching {
+/// Devices that watch the master stop doing so: it is going.
+pub(crate) fn release(port: &mut Port, bus: &BusConfig, device: &DeviceConfig) {
+    let node = device.node;
+    if let Watching::Guarding { .. } = device.watching {
         let _ = port.write(node, objects::LIFE_TIME_FACTOR, &[0]);
     }
     if let Some(master) = bus.master {
@@ -495,9 +516,9 @@ pub(crate) fn release(port: &mut Port, bus: &BusConfig, drive: &DriveConfig) {
     port.nmt(NmtCommand::EnterPreOperational, node);
 }
 
-/// The drive takes part in the cycles.
+/// The device takes part in the cycles.
 pub(crate) fn begin(port: &mut Port, place: usize, configured: Configured) {
-    port.order(Order::Begin { drive: place, fault: configured.fault });
+    port.order(Order::Begin { device: place, fault: configured.fault });
 }
 
 #[cfg(test)]

@@ -1,28 +1,20 @@
-//! A drive in the cycles.
+//! What a device is as a drive, in the cycles.
 //!
-//! Law      it is online while it is configured, operational, watched and heard; only then it is told anything. Its words are fresh in the
-//!          cycle behind the SYNC that they answer; else the last ones stand. Homing sets its coordinate anew (another epoch)
-//! Reads    its PDOs, emergency messages, signs of life
-//! Writes   its part of the inputs; the frames that ask it
-//! Source   CiA 301, CiA 402-2, contract section 8
+//! Law      its words are fresh in the cycle behind the SYNC that they answer; else the last ones stand. Homing sets its coordinate anew
+//!          (another epoch)
+//! Reads    words of its PDOs, emergency messages
+//! Writes   its part of the inputs; the words that ask it
+//! Source   CiA 402-2, contract section 8
 
 use crate::config::{DriveConfig, VelocityFactor};
-use crate::drive::image::Image;
-use crate::drive::layout::{Asked, Told, Transmission};
+use crate::drive::layout::{Asked, Told};
 use crate::drive::probe::{self, Catch, Caught, Probes};
 use crate::drive::{Counter, HomingSetup};
-use crate::{Frame, Id, NodeId, Watch};
+use lineshaft_core::axis::MAX_STALE_CYCLES;
 use lineshaft_core::drive::{
     BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Latch, MODE_HOMING, STATUS_HOMING_ATTAINED,
 };
 use lineshaft_core::object::Object;
-
-/// A PDO that the drive sends.
-#[derive(Clone, Debug)]
-struct Received {
-    image: Image<Told>,
-    is_each_sync: bool,
-}
 
 /// What it tells.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,21 +30,11 @@ struct Words {
 /// A drive.
 #[derive(Debug)]
 pub(crate) struct Drive {
-    pub(super) node: NodeId,
     pub(super) place: usize,
-    asked: Vec<Image<Asked>>,
-    told: Vec<Received>,
     factor: VelocityFactor,
     cycle_s: f64,
-    /// It is configured and was started.
-    is_ready: bool,
-    /// It is configured, and about to be started: what it tells counts already.
-    listens: bool,
     /// Its counts are those of the coordinate in which it was heard last.
     counts_on: bool,
-    /// It has booted since somebody began to configure it.
-    has_booted: bool,
-    pub(super) watch: Watch,
     counter: Counter,
     words: Words,
     /// It has told where it is, since it was started.
@@ -71,24 +53,11 @@ pub(crate) struct Drive {
 
 impl Drive {
     pub(super) fn new(config: &DriveConfig, cycle_ns: u64) -> Self {
-        let told: Vec<_> = config
-            .layout
-            .told
-            .iter()
-            .map(|pdo| Received { image: Image::of(pdo), is_each_sync: pdo.transmission == Transmission::EachSync })
-            .collect();
         Self {
-            node: config.node,
             place: config.place,
-            asked: config.layout.asked.iter().map(Image::of).collect(),
-            told,
             factor: config.velocity,
             cycle_s: cycle_ns as f64 * 1e-9,
-            is_ready: false,
-            listens: false,
             counts_on: false,
-            has_booted: false,
-            watch: Watch::new(config.node, config.watching),
             counter: Counter::default(),
             words: Words::default(),
             is_heard: false,
@@ -103,22 +72,17 @@ impl Drive {
         }
     }
 
-    /// Identifiers of the PDOs that it sends.
-    pub(super) fn sent(&self) -> impl Iterator<Item = Id> {
-        self.told.iter().map(|pdo| pdo.image.id())
+    /// Has it told where it is, and is it not silent since?
+    pub(super) fn is_heard(&self) -> bool {
+        self.is_heard && self.stale <= MAX_STALE_CYCLES
     }
 
-    pub(super) fn is_ready(&self) -> bool {
-        self.is_ready
+    /// Its counts, and how often they were set anew.
+    pub(super) fn counts(&self) -> (i64, u32) {
+        (self.counter.count(), self.counter.epoch())
     }
 
-    /// What it is told from now on holds, unless it boots.
-    pub(super) fn prepare(&mut self) {
-        (self.is_ready, self.listens, self.has_booted) = (false, false, false);
-    }
-
-    /// It is configured, and will be started next: what it sends on change it may send but once, when it starts. `inputs`: its digital
-    /// inputs until then.
+    /// It will be started next; its digital inputs until then.
     pub(super) fn listen(&mut self, inputs: u32) {
         // One that was only away has counted what it was moved meanwhile; one that was homing may have a new zero.
         let counts_on = std::mem::replace(&mut self.counts_on, true) && self.words.mode != MODE_HOMING;
@@ -126,54 +90,27 @@ impl Drive {
             self.counter.begin_anew();
         }
         self.words = Words { inputs, ..Words::default() };
-        (self.listens, self.is_heard, self.is_fresh, self.stale) = (true, false, false, 0);
+        (self.is_heard, self.is_fresh, self.stale) = (false, false, 0);
         self.catches = Default::default();
     }
 
-    /// It is configured, and has been started; `fault` is its error code. False where it has booted since it was
-    /// [prepared](Self::prepare).
-    pub(super) fn begin(&mut self, fault: u16) -> bool {
-        if self.has_booted {
-            return false;
-        }
-        if !std::mem::take(&mut self.listens) {
-            self.listen(0);
-            self.listens = false;
-        }
+    /// It has been started; `fault` is its error code.
+    pub(super) fn begin(&mut self, fault: u16) {
         if self.words.fault == 0 {
             self.words.fault = fault;
         }
-        self.is_ready = true;
-        true
-    }
-
-    /// It takes part no longer; it counts on meanwhile.
-    pub(super) fn end(&mut self) {
-        (self.is_ready, self.listens) = (false, false);
     }
 
     /// Nobody hears any more whether it boots.
     pub(super) fn forget(&mut self) {
-        self.end();
         self.counts_on = false;
     }
 
-    /// It has booted: what it was told before does not hold, and its counts may begin anew.
-    pub(super) fn boot(&mut self) {
-        self.forget();
-        self.has_booted = true;
-    }
-
-    /// Takes the PDO at a place.
-    pub(super) fn take_pdo(&mut self, place: usize, frame: &Frame) {
-        let counts = self.is_ready || self.listens;
-        let Some(Received { image, is_each_sync }) = self.told.get_mut(place).filter(|_| counts) else { return };
-        if !image.take(frame) {
-            return;
-        }
+    /// Takes the words of a PDO.
+    pub(super) fn take(&mut self, told: impl Iterator<Item = (Told, i64)>, is_each_sync: bool) {
         let (was, mut word, mut captured) = (self.words, None, 0);
         let words = &mut self.words;
-        for (what, value) in image.values() {
+        for (what, value) in told {
             match what {
                 Told::Status => words.status = value as u16,
                 Told::Mode => words.mode = value as i8,
@@ -186,6 +123,7 @@ impl Drive {
                         caught.take(captured, value as u16);
                     }
                 }
+                Told::Digital(_) | Told::Analog(_) | Told::Encoder => {}
             }
         }
         let has_zero = |words: Words| words.mode == MODE_HOMING && words.status & STATUS_HOMING_ATTAINED != 0;
@@ -200,7 +138,7 @@ impl Drive {
             (self.is_heard, self.stale) = (true, 0);
         }
         // The PDO with its position is one of those that go with each SYNC.
-        self.is_fresh |= *is_each_sync && word.is_some();
+        self.is_fresh |= is_each_sync && word.is_some();
     }
 
     /// Takes an emergency message.
@@ -211,11 +149,11 @@ impl Drive {
         }
     }
 
-    /// What it shows in this cycle.
-    pub(super) fn read(&mut self, inputs: &mut Inputs, bus: BusState) {
+    /// What it shows in this cycle; `is_there`: it takes part in the cycles.
+    pub(super) fn read(&mut self, inputs: &mut Inputs, is_there: bool, bus: BusState) {
         let index = self.read_probes(inputs);
         let Some(input) = inputs.drive.get_mut(self.place) else { return };
-        let is_online = self.is_ready && self.is_heard && bus != BusState::Off;
+        let is_online = is_there && self.is_heard;
         let Words { status, mode, inputs, fault, velocity } = self.words;
         let is_fresh = std::mem::take(&mut self.is_fresh) && is_online;
         self.stale = if is_fresh { 0 } else { self.stale.saturating_add(1) };
@@ -256,16 +194,19 @@ impl Drive {
         index
     }
 
-    /// The frames that ask it for what a cycle wants; none while it is not ready.
-    pub(super) fn frames(&mut self, output: &DriveOutput) -> impl Iterator<Item = Frame> {
+    /// What a cycle wants of it.
+    pub(super) fn ask(&mut self, output: &DriveOutput) {
         self.mode = self.homing.allow(output.mode, self.mode);
-        let (mode, factor, is_ready) = (self.mode, self.factor, self.is_ready);
-        let value = move |word| match word {
+    }
+
+    /// A word that asks it for that.
+    pub(super) fn value(&self, word: Asked, output: &DriveOutput) -> i64 {
+        match word {
             Asked::Control => i64::from(output.control),
             Asked::Position => output.position,
-            Asked::Velocity => factor.to_drive(output.velocity),
-            Asked::Mode => i64::from(mode),
-        };
-        self.asked.iter().filter(move |_| is_ready).map(move |image| image.frame(value))
+            Asked::Velocity => self.factor.to_drive(output.velocity),
+            Asked::Mode => i64::from(self.mode),
+            Asked::Outputs | Asked::Digital(_) | Asked::Analog(_) => 0,
+        }
     }
 }

@@ -3,10 +3,15 @@
 mod backend;
 mod bus;
 mod configure;
+mod device;
 mod drive;
+#[cfg(test)]
+mod fixtures;
 mod port;
 mod service;
 mod sync;
+mod terminals;
 
 pub use backend::CanBackend;
 pub use service::{CanService, bus};
+pub use terminals::ANALOG_CHANNELS;

@@ -1,15 +1,15 @@
-//! The half that takes its time: opening the way, configuring drives, bringing back what was lost.
+//! The half that takes its time: opening the way, configuring devices, bringing back what was lost.
 //!
-//! Law      a drive that is not there at the start, or goes, is configured when it comes (back), and stays off until somebody enables it; so
-//!          are all drives of a way that was lost and is open again
-//! Refuses  to start where the way does not open, or where a drive is there and is not what the cell says
+//! Law      a device that is not there at the start, or goes, is configured when it comes (back), a drive stays off until somebody enables it;
+//!          so are all devices of a way that was lost and is open again
+//! Refuses  to start where the way does not open, or where a device is there and is not what the cell says
 //! Source   CiA 301, CiA 302-2; MACS-CAN-04, MACS-CAN-06
 
 use super::backend::CanBackend;
 use super::bus::{Bus, Losses, Report};
 use super::configure::{self, Configured, Refusal};
 use super::port::Port;
-use crate::config::BusConfig;
+use crate::config::{BusConfig, DeviceConfig, Role};
 use crate::transport::{self, Options};
 use crate::{Happened, NmtState, NodeId};
 use lineshaft_core::drive::{Emergency, Health, Service, ServiceError};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Between two tries to reach a drive that is not there.
+/// Between two tries to reach a device that is not there.
 const RETRY: Duration = Duration::from_secs(1);
 /// First and longest time between two tries to open a way that was lost.
 const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(5));
@@ -25,7 +25,7 @@ const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::fr
 /// How long a bus that took no frame is told to be full.
 const FULL: Duration = Duration::from_secs(5);
 
-/// What the service knows of a drive.
+/// What the service knows of a device.
 #[derive(Clone, Debug)]
 struct Known {
     /// Why it takes no part in the cycles.
@@ -39,7 +39,7 @@ struct Known {
 pub struct CanService {
     config: BusConfig,
     port: Port,
-    drives: Vec<Known>,
+    devices: Vec<Known>,
     /// Why the way is lost, when it is tried next, and the time between two tries.
     lost: Option<(String, Instant, Duration)>,
     /// When it was opened again last, and the time that was waited before.
@@ -57,8 +57,8 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
     let backend = CanBackend::new(&config, port.bus());
     let losses = port.lock().losses();
     let known = Known { problem: None, due: Instant::now(), is_configured: false };
-    let drives = vec![known; config.drives.len()];
-    (backend, CanService { config, port, drives, lost: None, reopened: None, told: None, losses, refused: (0, None) })
+    let devices = vec![known; config.devices.len()];
+    (backend, CanService { config, port, devices, lost: None, reopened: None, told: None, losses, refused: (0, None) })
 }
 
 impl CanService {
@@ -71,22 +71,22 @@ impl CanService {
         transport::open(&self.config.transport, options).map_err(|error| error.to_string())
     }
 
-    /// Node and axis in a sentence.
-    fn drive_name(&self, place: usize) -> String {
-        self.config.drives.get(place).map_or_else(String::new, |drive| format!("{} ({})", drive.node, drive.axis))
+    /// A device in a sentence.
+    fn device_name(&self, place: usize) -> String {
+        self.config.devices.get(place).map_or_else(String::new, DeviceConfig::to_string)
     }
 
-    /// Configures a drive, and lets it take part in the cycles.
+    /// Configures a device, and lets it take part in the cycles.
     fn configure(&mut self, place: usize) -> Result<Configured, Refusal> {
-        let Some(drive) = self.config.drives.get(place) else { return Ok(Configured::default()) };
+        let Some(device) = self.config.devices.get(place) else { return Ok(Configured::default()) };
         let begin = Instant::now();
-        let done = configure::configure(&mut self.port, place, &self.config, drive);
+        let done = configure::configure(&mut self.port, place, &self.config, device);
         if let Ok(configured) = done {
             configure::begin(&mut self.port, place, configured);
-            let (ms, name) = (begin.elapsed().as_millis(), self.drive_name(place));
+            let (ms, name) = (begin.elapsed().as_millis(), self.device_name(place));
             tracing::info!("{}: {name}: ready after {ms} ms, {} objects written", self.config.name, configured.written);
         }
-        if let Some(known) = self.drives.get_mut(place) {
+        if let Some(known) = self.devices.get_mut(place) {
             known.problem = done.as_ref().err().map(Refusal::to_string);
             known.is_configured = done.is_ok();
             known.due = Instant::now() + RETRY;
@@ -98,9 +98,9 @@ impl CanService {
     fn hear(&mut self) {
         while let Some(report) = self.port.report() {
             match report {
-                Report::Happened { drive, what, took_part } => self.happened(drive, what, took_part),
+                Report::Happened { device, what, took_part } => self.happened(device, what, took_part),
                 Report::HomingRefused(place, error) => {
-                    tracing::error!("{}: {}: homing is not set up: {error}", self.config.name, self.drive_name(place));
+                    tracing::error!("{}: {}: homing is not set up: {error}", self.config.name, self.device_name(place));
                 }
                 Report::Lost(transport, error) => {
                     // Closing may take its time: not in the cycle.
@@ -130,7 +130,7 @@ impl CanService {
     }
 
     fn lose_all(&mut self, why: &str) {
-        for known in &mut self.drives {
+        for known in &mut self.devices {
             (known.problem, known.is_configured) = (Some(why.to_owned()), false);
         }
     }
@@ -144,8 +144,8 @@ impl CanService {
             Happened::State(NmtState::Stopped) => "somebody has stopped it",
             Happened::State(_) => "somebody has taken it out of operation",
         };
-        let name = self.drive_name(place);
-        let Some(known) = self.drives.get_mut(place) else { return };
+        let name = self.device_name(place);
+        let Some(known) = self.devices.get_mut(place) else { return };
         if took_part {
             tracing::warn!("{}: {name}: {problem}", self.config.name);
             (known.problem, known.is_configured) = (Some(problem.to_owned()), false);
@@ -169,7 +169,7 @@ impl CanService {
                 self.port.order(super::bus::Order::Open(transport));
                 let now = Instant::now();
                 self.reopened = Some((now, wait));
-                self.drives.iter_mut().for_each(|known| known.due = now);
+                self.devices.iter_mut().for_each(|known| known.due = now);
             }
             Err(error) => {
                 let wait = (wait * 2).min(BACK_OFF.1);
@@ -178,16 +178,16 @@ impl CanService {
         }
     }
 
-    /// What is wrong, how many drives take part, and what had no room.
+    /// What is wrong, how many devices take part, and what had no room.
     fn health(&mut self) -> Health {
-        let ready = self.drives.iter().filter(|known| known.is_configured).count();
+        let ready = self.devices.iter().filter(|known| known.is_configured).count();
         let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         let refused = of(&self.losses.refused);
         if refused != std::mem::replace(&mut self.refused.0, refused) {
             self.refused.1 = Some(Instant::now());
         }
         let values = vec![
-            ("drives in operation", format!("{ready} of {}", self.drives.len())),
+            ("devices in operation", format!("{ready} of {}", self.devices.len())),
             ("frames without room", refused.to_string()),
             ("faults of the way", of(&self.losses.faults).to_string()),
             ("reports without room", of(&self.losses.reports).to_string()),
@@ -196,9 +196,9 @@ impl CanService {
             return Health { problems: vec![problem.clone()], values };
         }
         let of = |(place, known): (usize, &Known)| {
-            known.problem.as_ref().map(|problem| format!("{}: {problem}", self.drive_name(place)))
+            known.problem.as_ref().map(|problem| format!("{}: {problem}", self.device_name(place)))
         };
-        let mut problems: Vec<_> = self.drives.iter().enumerate().filter_map(of).collect();
+        let mut problems: Vec<_> = self.devices.iter().enumerate().filter_map(of).collect();
         // For a while behind the last one: not a line of the log for each.
         if self.refused.1.is_some_and(|seen| seen.elapsed() < FULL) {
             problems.push("the bus, or what is before it, takes no more frames: some were not sent".to_owned());
@@ -213,13 +213,13 @@ impl Service for CanService {
         self.lost = None;
         self.port.set_in_cycles(false);
         self.port.lock().open(transport);
-        for place in 0..self.drives.len() {
+        for place in 0..self.devices.len() {
             match self.configure(place) {
                 Ok(_) => {}
                 // It is configured when it comes.
                 Err(Refusal::Absent(_) | Refusal::NoLife) if self.lost.is_none() => {}
                 Err(refusal) => {
-                    let error = self.error(format!("{}: {refusal}", self.drive_name(place)));
+                    let error = self.error(format!("{}: {refusal}", self.device_name(place)));
                     self.stop();
                     return Err(error);
                 }
@@ -248,14 +248,14 @@ impl Service for CanService {
         self.hear();
         self.reopen();
         if self.lost.is_none() {
-            for place in 0..self.drives.len() {
+            for place in 0..self.devices.len() {
                 // The cycles are over: stop() comes next, and need not wait for the others. Where the program was only frozen, the next look
                 // goes on.
                 if self.port.take_dead() {
                     break;
                 }
                 let is_due = |known: &Known| !known.is_configured && Instant::now() >= known.due;
-                if self.drives.get(place).is_some_and(is_due) {
+                if self.devices.get(place).is_some_and(is_due) {
                     // What is wrong stands with the others.
                     let _ = self.configure(place);
                     self.hear();
@@ -268,20 +268,26 @@ impl Service for CanService {
     fn stop(&mut self) {
         self.port.set_in_cycles(false);
         self.port.lock().rest();
-        for place in 0..self.drives.len() {
-            let is_configured = self.drives.get(place).is_some_and(|known| known.is_configured);
-            let Some(drive) = self.config.drives.get(place).filter(|_| is_configured) else {
+        for place in 0..self.devices.len() {
+            let is_configured = self.devices.get(place).is_some_and(|known| known.is_configured);
+            let Some(device) = self.config.devices.get(place).filter(|_| is_configured) else {
                 continue;
             };
-            if let Err(refusal) = configure::calm(&mut self.port, drive.node) {
-                tracing::warn!("{}: {}: it may run: {refusal}", self.config.name, self.drive_name(place));
+            let is_off = match device.role {
+                Role::Drive(_) => configure::calm(&mut self.port, device.node),
+                Role::Module => configure::switch_off_outputs(&mut self.port, device),
+                Role::Encoder => Ok(()),
+            };
+            if let Err(refusal) = is_off {
+                let what = if device.drive().is_some() { "it may run" } else { "its outputs may be on" };
+                tracing::warn!("{}: {device}: {what}: {refusal}", self.config.name);
             }
-            configure::release(&mut self.port, &self.config, drive);
+            configure::release(&mut self.port, &self.config, device);
         }
         self.port.step();
         self.port.lock().close();
         self.hear();
         self.lost = None;
-        self.drives.iter_mut().for_each(|known| known.is_configured = false);
+        self.devices.iter_mut().for_each(|known| known.is_configured = false);
     }
 }

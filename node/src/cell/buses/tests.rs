@@ -1,5 +1,7 @@
 use super::*;
 use crate::cell::Cell;
+use lineshaft_can::config::{Analog, Encoder};
+use lineshaft_core::drive::Terminal;
 
 const HEAD: &str = "lineshaft: 1\ncycle: CYCLE\nbackends:\n  bus0: {type: can, BUS}\naxes:\n";
 
@@ -39,7 +41,7 @@ fn a_frame_has_its_bits() {
 fn a_cycle_that_does_not_fit_the_bit_rate_is_refused_with_the_sum() {
     let drives: Vec<_> = (1..=4).map(|node| format!("node: {node}")).collect();
     let sentence = "c.yaml:4:9: backend bus0: what each cycle carries does not fit: 9 frames of 1055 bits take 1055 us at 1000000 bit/s, \
-                    the cycle is 1000 us; a cycle of 1.1 ms fits, or fewer drives on this bus";
+                    the cycle is 1000 us; a cycle of 1.1 ms fits, or fewer devices on this bus";
     assert_eq!(refused(&cell("1 ms", BUS, &drives)), sentence);
     let fits = cell("2 ms", BUS, &drives).buses(None).unwrap();
     let load = "backend bus0: 9 frames of 1055 bits at most in each cycle of 2000 us: 53 % of 1000000 bit/s";
@@ -58,7 +60,7 @@ fn a_cycle_that_drives_cannot_be_told_is_refused() {
 
 #[test]
 fn a_drive_with_the_node_of_the_master_is_refused() {
-    let sentence = "c.yaml:4:9: backend bus0: node 127 is that of the master and of the drive of x0";
+    let sentence = "c.yaml:4:9: backend bus0: node 127 (x0) has the node id of the master";
     assert_eq!(refused(&cell("4 ms", BUS, &["node: 127".to_owned()])), sentence);
     let other = format!("{BUS}, master: {{node: 1}}");
     assert!(cell("4 ms", &other, &["node: 127".to_owned()]).buses(None).is_ok());
@@ -73,11 +75,12 @@ fn a_drive_is_what_its_file_says_and_what_the_cell_says() {
                  velocity_factor: {numerator: 60, denominator: 10000}, startup: [{index: 0x2080, sub: 1, value: -5, type: i16}]";
     let cell = cell("4 ms", BUS, &[drive.to_owned()]);
     let buses = cell.buses(Some(&file())).unwrap();
-    let [drive] = buses[0].drives.as_slice() else { panic!("one drive") };
+    let [drive] = buses[0].devices.as_slice() else { panic!("one drive") };
     let identity = Identity { vendor: Some(0xFFFF), product: Some(7), revision: None, serial: Some(9) };
-    assert_eq!((drive.identity, drive.per_revolution), (identity, Some((20_000, 1))));
+    let as_drive = drive.drive().unwrap();
+    assert_eq!((drive.identity, as_drive.per_revolution), (identity, Some((20_000, 1))));
     assert_eq!(drive.watching, lineshaft_can::Watching::Heartbeat { time_ns: 150_000_000 });
-    assert_eq!(drive.velocity.to_drive(10_000.0), 60);
+    assert_eq!(as_drive.velocity.to_drive(10_000.0), 60);
     let [write] = drive.startup.as_slice() else { panic!("{:?}", drive.startup) };
     assert_eq!((write.object.to_string(), write.data.as_slice()), ("2080h:01".to_owned(), [0xFB, 0xFF].as_slice()));
     assert_eq!(drive.layout.told.len(), 2);
@@ -154,12 +157,74 @@ fn probes_need_a_dictionary() {
     assert!(refused(&cell).ends_with(sentence));
 }
 
-/// A cell with terminals on CAN is simulated only.
+/// A cell of a drive at node 1, and what else `sections` say; `bus` are more keys of its bus.
+fn with_sections(bus: &str, sections: &str) -> Cell {
+    let text = HEAD.replace("CYCLE", "4 ms").replace("BUS", &format!("{BUS}{bus}")) + &axis("x", "node: 1");
+    let text = text.replace("axes:", &format!("{sections}axes:"));
+    Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+/// Places are those of the machine, by kind; a node that is no drive is a module, or an encoder, with a heartbeat of 100 ms.
 #[test]
-fn terminals_on_can_are_named() {
-    let text = HEAD.replace("CYCLE", "4 ms").replace("BUS", BUS) + &axis("x", "node: 1");
-    let text = text.replace("axes:", "io:\n  s: {type: di, backend: bus0, address: 0}\naxes:");
-    let cell = Cell::parse("c.yaml", text).unwrap();
-    let sentence = "backend bus0: entries of io and encoders do not exist on CAN yet (1 of io here): such a cell only runs with --sim";
-    assert_eq!(cell.missing_terminals(), [sentence]);
+fn terminals_stand_at_their_devices() {
+    let sections = "io:
+  s: {type: di, backend: bus0, node: 10, address: 63}
+  v: {type: di, output: o}
+  p: {type: di, backend: bus0, node: 1, address: 31}
+  a: {type: ai, backend: bus0, node: 10, address: 11, full_scale: 500 mV}
+  o: {type: do, backend: bus0, node: 1, address: 0}
+encoders:
+  e: {backend: bus0, node: 12, steps: 4096, type: rotary, scale: {increments: 4096, per: 1 rev}}
+  d: {backend: bus0, node: 1, type: rotary, scale: {increments: 4096, per: 1 rev}}
+";
+    let buses = with_sections(", nodes: [{node: 12, heartbeat: none}]", sections).buses(None).unwrap();
+    let [drive, module, encoder] = buses[0].devices.as_slice() else { panic!("{:?}", buses[0].devices) };
+    let at = |place, address| Terminal { place, address };
+    let of_drive = Terminals {
+        digital_inputs: vec![at(2, 31)],
+        digital_outputs: vec![at(0, 0)],
+        encoders: vec![Encoder { place: 1, is_absolute: false }],
+        ..Terminals::default()
+    };
+    assert_eq!((drive.to_string(), &drive.terminals), ("node 1 (x)".to_owned(), &of_drive));
+    let of_module = Terminals {
+        digital_inputs: vec![at(0, 63)],
+        analog_inputs: vec![Analog { terminal: at(0, 11), full_scale: 0.5 }],
+        ..Terminals::default()
+    };
+    assert_eq!((module.to_string(), &module.terminals), ("node 10 (module)".to_owned(), &of_module));
+    assert_eq!(module.watching, lineshaft_can::Watching::Heartbeat { time_ns: 300_000_000 });
+    let of_encoder = vec![Encoder { place: 0, is_absolute: true }];
+    assert_eq!((encoder.to_string(), &encoder.terminals.encoders), ("node 12 (encoder)".to_owned(), &of_encoder));
+    assert_eq!(encoder.watching, lineshaft_can::Watching::None);
+}
+
+#[test]
+fn terminals_that_a_device_has_not_are_refused() {
+    let io = |of: &str| format!("io:\n  s: {{{of}, backend: bus0, node: 10, address: 12}}\n");
+    let encoder = "encoders:\n  e: {backend: bus0, node: 10, type: rotary, scale: {increments: 4096, per: 1 rev}}\n";
+    for (bus, sections, sentence) in [
+        ("", io("type: ai"), "io `s`: address is 12; node 10 is a module, 0 to 11 is allowed"),
+        ("", io("type: ao").replace("10", "1"), "io `s` is analog; node 1 is a drive, of which digital ones are taken"),
+        (
+            "",
+            io("type: do").replace("10", "1").replace("12", "32"),
+            "io `s`: address is 32; node 1 is a drive, 0 to 31 is allowed",
+        ),
+        (
+            "",
+            io("type: di") + encoder,
+            "`e`: node 10 has entries of io and of encoders; a module or an encoder is allowed",
+        ),
+        (", nodes: [{node: 9}]", io("type: di"), "node 9 of nodes: no entry of io or encoders is there"),
+        (
+            ", nodes: [{node: 1}]",
+            String::new(),
+            "node 1 of nodes is the drive of axis `x`; what is said of it stands there",
+        ),
+        ("", io("type: di").replace("10", "127"), "backend bus0: node 127 (module) has the node id of the master"),
+    ] {
+        let problem = refused(&with_sections(bus, &sections));
+        assert!(problem.ends_with(sentence), "{problem}");
+    }
 }

@@ -140,6 +140,21 @@ fn inputs_and_outputs() {
             "{type: do, backend: plant, address: 0, latch: ^true}",
             "latch is true for type do; only the edges of a di are latched",
         ),
+        ("{type: di, backend: bus0, node: ^128, address: 0}", "node is 128; 1..127 is allowed"),
+        ("{type: di, backend: bus0, node: 127, address: ^64}", "address is 64; 0..63 is allowed"),
+        ("^{type: di, backend: bus0, address: 3}", "missing key `node` in io `b`"),
+        (
+            "{type: di, backend: bus0, node: 3, address: 0, latch: ^true}",
+            "latch is true for an input on CAN, which tells no edges; the touch probes of a drive do",
+        ),
+        (
+            "{type: ai, backend: plant, address: 0, full_scale: ^5 V}",
+            "full_scale is for an ai or ao on CAN, leave it out",
+        ),
+        (
+            "{type: ai, backend: bus0, node: 3, address: 0, full_scale: ^0 V}",
+            "full_scale is `0 V`; a value above 0 is allowed",
+        ),
         ("{type: do, backend: plant, address: 0, ^lach: true}", "unknown key `lach` in io `b`, did you mean `latch`?"),
     ] {
         assert_said(&format!("{HEAD}io:\n  a: {{type: di, backend: plant, address: 0}}\n  b: {text}\n"), sentence);
@@ -148,7 +163,7 @@ fn inputs_and_outputs() {
     assert_said(no_backend, "backend is `plant`; no backend has that name, there is none");
     let cell = good(&format!(
         "{HEAD}io:\n  a: {{type: di, backend: plant, address: 0, latch: true}}\n  b: {{type: do, backend: plant, address: 0}}\n  \
-         c: {{type: di, backend: bus0, address: 0}}\n"
+         c: {{type: di, backend: bus0, node: 9, address: 0}}\n"
     ));
     let read: Vec<_> = cell.machine.io.iter().map(|io| (io.name.as_str(), io.kind, io.latch)).collect();
     assert_eq!(

@@ -6,7 +6,7 @@ use super::open::Known;
 use crate::recording::clean::clean;
 use lineshaft_can::commission::words::hex;
 use lineshaft_can::commission::{Carried, Decoder};
-use lineshaft_can::config::DriveConfig;
+use lineshaft_can::config::DeviceConfig;
 use lineshaft_can::drive::layout::Pdo;
 use lineshaft_can::eds::{Direction, Mapped};
 use lineshaft_can::{Frame, NodeId};
@@ -20,8 +20,8 @@ pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
         known = known.with_eds(node, args.eds.as_deref())?;
     }
     let mut decoder = Decoder::default();
-    for drive in known.config.iter().flat_map(|config| &config.drives) {
-        carry(&mut decoder, drive);
+    for device in known.config.iter().flat_map(|config| &config.devices) {
+        carry(&mut decoder, device);
     }
     for (node, dictionary) in known.dictionaries() {
         decoder.know(node, dictionary.clone());
@@ -53,13 +53,13 @@ fn line(since_s: f64, frame: &Frame, words: &str) -> String {
     format!("{since_s:12.6}  {:03X}  {bytes:23}  {}", frame.id().get(), clean(words))
 }
 
-/// The PDOs that the cell gives a drive.
-fn carry(decoder: &mut Decoder, drive: &DriveConfig) {
-    for pdo in &drive.layout.asked {
-        decoder.carry(pdo.id, carried(drive.node, Direction::Receive, pdo));
+/// The PDOs that the cell gives a device.
+fn carry(decoder: &mut Decoder, device: &DeviceConfig) {
+    for pdo in &device.layout.asked {
+        decoder.carry(pdo.id, carried(device.node, Direction::Receive, pdo));
     }
-    for pdo in &drive.layout.told {
-        decoder.carry(pdo.id, carried(drive.node, Direction::Transmit, pdo));
+    for pdo in &device.layout.told {
+        decoder.carry(pdo.id, carried(device.node, Direction::Transmit, pdo));
     }
 }
 

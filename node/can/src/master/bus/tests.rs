@@ -1,12 +1,14 @@
+use super::super::fixtures::{self, as_drive};
 use super::*;
-use crate::config::{DriveConfig, Identity, VelocityFactor};
+use crate::config::{self, DeviceConfig, Role, Terminals};
 use crate::drive::probe::Probe;
 use crate::drive::{Layout, objects};
 use crate::transport::Loss;
 use crate::{Id, Watching};
 use assert_no_alloc::{assert_no_alloc, violation_count};
 use lineshaft_core::drive::{
-    Capabilities, DriveInput, DriveOutput, Edge, HomingOrder, Interface, Latch, MODE_CSP, MODE_HOMING, Mode, control,
+    DriveInput, DriveOutput, Edge, EncoderInput, HomingOrder, Interface, Latch, MODE_CSP, MODE_HOMING, Mode, Terminal,
+    control,
 };
 use lineshaft_core::object::Object as CoreObject;
 use rtrb::RingBuffer;
@@ -54,23 +56,8 @@ fn node(number: u8) -> NodeId {
     NodeId::new(number).expect("1 to 127")
 }
 
-fn drive(place: usize, number: u8, watching: Watching) -> DriveConfig {
-    DriveConfig {
-        place,
-        axis: format!("x{place}"),
-        node: node(number),
-        interface: Interface::Position,
-        offers: Capabilities { delay: 1, position: true, homes: true, ..Capabilities::default() },
-        watching,
-        layout: Layout::plan(node(number), Interface::Position, [None; 2], None)
-            .expect("without a dictionary nothing is missing"),
-        identity: Identity::default(),
-        per_revolution: None,
-        probes: [None; 2],
-        object: 0,
-        velocity: VelocityFactor::default(),
-        startup: Vec::new(),
-    }
+fn drive(place: usize, number: u8, watching: Watching) -> DeviceConfig {
+    fixtures::drive(place, node(number), watching)
 }
 
 /// A bus of two drives, nodes 3 and 5, and what hangs on it.
@@ -98,7 +85,7 @@ impl Rig {
             sync_overflow: None,
             sdo_timeout_ns: SDO_TIMEOUT_NS,
             master: None,
-            drives: vec![drive(0, 3, watching), drive(1, 5, watching)],
+            devices: vec![drive(0, 3, watching), drive(1, 5, watching)],
         };
         let mut bus = Bus::new(&config, taken, told);
         let (sent, comes) = (VecDeque::with_capacity(ROOM), VecDeque::with_capacity(ROOM));
@@ -112,8 +99,15 @@ impl Rig {
     /// Both drives are configured and started.
     fn running(watching: Watching) -> Self {
         let mut rig = Self::new(watching);
-        (0..2).for_each(|drive| rig.order(Order::Begin { drive, fault: 0 }));
+        (0..2).for_each(|drive| rig.order(Order::Begin { device: drive, fault: 0 }));
         rig
+    }
+
+    /// The first device is another one, configured and started.
+    fn replace_first(&mut self, config: &DeviceConfig) {
+        self.bus.devices[0] = Device::new(config, 1_000_000);
+        self.bus.routes = routes(&self.bus.devices);
+        self.bus.devices[0].begin(0);
     }
 
     fn order(&mut self, order: Order) {
@@ -166,20 +160,87 @@ fn drives_are_asked_before_sync() {
     assert_eq!(sent, ["203#0F008967452308", "205#0600FEFFFFFF00", "080#"]);
 }
 
+/// A module of 16 inputs and 8 outputs, of an analog input and an analog output, at node 3: its outputs go in each cycle, its inputs
+/// are those of its last words; nothing of it is there before both of its PDOs have come, and behind a boot-up.
+#[test]
+fn a_module_is_inputs_and_outputs_of_the_machine() {
+    let terminal = |place, address| Terminal { place, address };
+    let analog = |place, address| config::Analog { terminal: terminal(place, address), full_scale: 10.0 };
+    let terminals = Terminals {
+        digital_inputs: vec![terminal(0, 15)],
+        digital_outputs: vec![terminal(1, 7)],
+        analog_inputs: vec![analog(0, 0)],
+        analog_outputs: vec![analog(0, 1)],
+        ..Terminals::default()
+    };
+    let mut config = drive(0, 3, Watching::None);
+    config.role = Role::Module;
+    config.layout = Layout::module(node(3), &terminals).unwrap();
+    config.terminals = terminals;
+    let mut rig = Rig::running(Watching::None);
+    rig.replace_first(&config);
+    (rig.inputs.digital, rig.inputs.analog) = (vec![0], vec![0.0]);
+    (rig.outputs.digital, rig.outputs.analog) = (vec![0b10], vec![-5.0]);
+    let seen = |rig: &Rig| (rig.inputs.digital[0], rig.inputs.analog[0]);
+    rig.comes(0x183, &[0x00, 0x80]);
+    rig.cycle();
+    assert_eq!(seen(&rig), (0, 0.0), "its analog word has not come");
+    rig.comes(0x283, &[0xFF, 0x7F]);
+    rig.sent();
+    assert_no_alloc(|| rig.cycle());
+    assert_eq!(seen(&rig), (1, 10.0));
+    let sent: Vec<_> = rig.sent().iter().map(hex).collect();
+    // -5 V of 10 V are -16383.5 of 32767, rounded away from 0: C000h.
+    assert_eq!(sent, ["203#80", "303#000000C0", "205#00000000000000", "080#"]);
+    rig.comes(0x703, &[0]);
+    rig.cycle();
+    assert_eq!(seen(&rig), (0, 0.0));
+    assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["205#00000000000000", "080#"]);
+    assert_eq!(violation_count(), 0);
+}
+
+/// Bits of 60FDh and 60FEh:01 of a drive, and its counts as an encoder of the machine.
+#[test]
+fn a_drive_has_terminals_as_well() {
+    let terminal = |place, address| Terminal { place, address };
+    let terminals = Terminals {
+        digital_inputs: vec![terminal(0, 17)],
+        digital_outputs: vec![terminal(0, 16)],
+        encoders: vec![config::Encoder { place: 0, is_absolute: false }],
+        ..Terminals::default()
+    };
+    let mut config = drive(0, 3, Watching::None);
+    config.layout = Layout::plan(node(3), Interface::Position, [None; 2], &terminals, None).unwrap();
+    config.terminals = terminals;
+    let mut rig = Rig::running(Watching::None);
+    rig.replace_first(&config);
+    (rig.inputs.digital, rig.inputs.encoder) = (vec![0], vec![EncoderInput::default()]);
+    rig.outputs.digital = vec![1];
+    rig.answer(0x0231, -7, MODE_CSP);
+    rig.comes(0x283, &[0, 0, 2, 0]);
+    rig.cycle();
+    let encoder = EncoderInput { count: -7, epoch: 0, valid: true, index: None };
+    assert_eq!((rig.inputs.digital[0], rig.inputs.encoder[0]), (1, encoder));
+    let sent: Vec<_> = rig.sent().iter().map(hex).collect();
+    assert_eq!(sent[..2], ["203#00000000000000", "303#00000100"]);
+    (0..11).for_each(|_| rig.cycle());
+    assert_eq!((rig.inputs.digital[0], rig.inputs.encoder[0].valid), (0, false), "silent for more than 10 cycles");
+}
+
 /// Nobody is told anything before he is configured, and behind a boot-up.
 #[test]
 fn a_drive_that_is_not_configured_is_told_nothing() {
     let mut rig = Rig::new(Watching::None);
     rig.cycle();
     assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
-    rig.order(Order::Prepare { drive: 0 });
-    rig.order(Order::Begin { drive: 0, fault: 0 });
+    rig.order(Order::Prepare { device: 0 });
+    rig.order(Order::Begin { device: 0, fault: 0 });
     rig.cycle();
     assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["203#00000000000000", "080#"]);
     rig.comes(0x703, &[0]);
     rig.cycle();
     assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
-    let Ok(Report::Happened { drive: 0, what: Happened::BootedUp, took_part: true }) = rig.reports.pop() else {
+    let Ok(Report::Happened { device: 0, what: Happened::BootedUp, took_part: true }) = rig.reports.pop() else {
         panic!("it is reported");
     };
 }
@@ -188,14 +249,15 @@ fn a_drive_that_is_not_configured_is_told_nothing() {
 #[test]
 fn a_drive_that_boots_under_its_configuration_does_not_begin() {
     let mut rig = Rig::new(Watching::None);
-    rig.order(Order::Prepare { drive: 1 });
+    rig.order(Order::Prepare { device: 1 });
     rig.cycle();
     rig.comes(0x705, &[0]);
     rig.cycle();
-    rig.order(Order::Begin { drive: 1, fault: 0 });
+    rig.order(Order::Begin { device: 1, fault: 0 });
     rig.cycle();
     assert!(rig.sent().iter().all(|frame| frame.id() == Id::SYNC));
-    let took_part = |report| matches!(report, Report::Happened { drive: 1, what: Happened::BootedUp, took_part: true });
+    let took_part =
+        |report| matches!(report, Report::Happened { device: 1, what: Happened::BootedUp, took_part: true });
     assert!(std::iter::from_fn(|| rig.reports.pop().ok()).any(took_part));
 }
 
@@ -241,12 +303,12 @@ fn a_drive_that_left_operation_takes_part_no_longer() {
     let mut rig = Rig::new(Watching::Heartbeat { time_ns: 10_000_000_000 });
     rig.comes(0x703, &[0x7F]);
     rig.cycle();
-    rig.order(Order::Begin { drive: 0, fault: 0 });
+    rig.order(Order::Begin { device: 0, fault: 0 });
     rig.comes(0x703, &[0x7F]);
     rig.answer(0x0250, 0, 0);
     rig.cycle();
     assert_eq!(rig.is_online(), [false; 2]);
-    let took_part = |report| matches!(report, Report::Happened { drive: 0, took_part: true, .. });
+    let took_part = |report| matches!(report, Report::Happened { device: 0, took_part: true, .. });
     assert!(std::iter::from_fn(|| rig.reports.pop().ok()).any(took_part));
 }
 
@@ -255,9 +317,9 @@ fn a_drive_that_left_operation_takes_part_no_longer() {
 fn a_drive_that_was_away_has_counted_on_unless_it_has_booted() {
     let mut rig = Rig::running(Watching::Heartbeat { time_ns: 1_000_000_000 });
     let back = |rig: &mut Rig| {
-        rig.order(Order::Prepare { drive: 0 });
-        rig.order(Order::Listen { drive: 0, inputs: 0 });
-        rig.order(Order::Begin { drive: 0, fault: 0 });
+        rig.order(Order::Prepare { device: 0 });
+        rig.order(Order::Listen { device: 0, inputs: 0 });
+        rig.order(Order::Begin { device: 0, fault: 0 });
         rig.answer(0x0250, 300, MODE_CSP);
         rig.cycle();
         let DriveInput { count, epoch, velocity, online, .. } = rig.inputs.drive[0];
@@ -369,15 +431,13 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
 fn what_a_probe_catches_is_a_latch_of_the_axis() {
     let known = crate::eds::parse(include_bytes!("../../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
     let mut config = drive(0, 3, Watching::None);
-    config.probes = [Some(Probe::Rising), Some(Probe::Index)];
-    config.object = 4;
-    config.layout = Layout::plan(node(3), Interface::Position, config.probes, Some(&known)).unwrap();
+    let probes = [Some(Probe::Rising), Some(Probe::Index)];
+    (as_drive(&mut config).probes, as_drive(&mut config).object) = (probes, 4);
+    config.layout = Layout::plan(node(3), Interface::Position, probes, &config.terminals, Some(&known)).unwrap();
     let ids: Vec<_> = config.layout.told.iter().map(|pdo| (pdo.id.get(), pdo.bytes())).collect();
     assert_eq!(ids, [(0x183, 7), (0x283, 6), (0x383, 6), (0x483, 6)]);
     let mut rig = Rig::running(Watching::None);
-    rig.bus.drives[0] = Drive::new(&config, 1_000_000);
-    rig.bus.routes = routes(&rig.bus.drives);
-    rig.bus.drives[0].begin(0);
+    rig.replace_first(&config);
     let catch = |rig: &Rig, id: u16, position: i32, count: u16| {
         rig.comes(id, &[position.to_le_bytes().as_slice(), &count.to_le_bytes()].concat());
     };
@@ -462,8 +522,8 @@ fn a_cycle_takes_no_memory() {
             rig.order(Order::Transfer { node: node(9), object: objects::DEVICE_TYPE, data, writes: false });
         }
         if cycle % 60 == 20 {
-            rig.order(Order::Prepare { drive: 0 });
-            rig.order(Order::Begin { drive: 0, fault: 0 });
+            rig.order(Order::Prepare { device: 0 });
+            rig.order(Order::Begin { device: 0, fault: 0 });
         }
         assert_no_alloc(|| rig.cycle());
         let sent = rig.sent();
@@ -502,7 +562,7 @@ fn noise_enables_nobody() {
             rig.wire.lock().unwrap().comes.push_back(frame.expect("8 bytes at most"));
         }
         if round % 16 == 0 {
-            rig.order(Order::Begin { drive: 0, fault: 0 });
+            rig.order(Order::Begin { device: 0, fault: 0 });
             let (data, writes) = (Vec::with_capacity(300), round % 32 == 0);
             rig.order(Order::Transfer { node: node(3), object: objects::DEVICE_TYPE, data, writes });
         }

@@ -1,10 +1,10 @@
 use super::super::bus::Bus;
+use super::super::fixtures;
 use super::*;
-use crate::config::{Identity, Master, VelocityFactor};
-use crate::drive::Layout;
+use crate::config::{Identity, Master};
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, Id};
-use lineshaft_core::drive::{BusState, Capabilities};
+use lineshaft_core::drive::BusState;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex};
 
@@ -142,22 +142,8 @@ impl Transport for Way {
 
 fn config() -> BusConfig {
     let node = NodeId::new(3).expect("1 to 127");
-    let drive = DriveConfig {
-        place: 0,
-        axis: "x".to_owned(),
-        node,
-        interface: Interface::Position,
-        offers: Capabilities::default(),
-        watching: Watching::Heartbeat { time_ns: 300_000_000 },
-        layout: Layout::plan(node, Interface::Position, [None; 2], None)
-            .expect("without a dictionary nothing is missing"),
-        identity: Identity::default(),
-        per_revolution: None,
-        probes: [None; 2],
-        object: 0,
-        velocity: VelocityFactor::default(),
-        startup: vec![Write { object: Object { index: 0x2080, sub: 1 }, data: vec![5, 0] }],
-    };
+    let mut drive = fixtures::drive(0, node, Watching::Heartbeat { time_ns: 300_000_000 });
+    drive.startup = vec![Write { object: Object { index: 0x2080, sub: 1 }, data: vec![5, 0] }];
     BusConfig {
         name: "bus0".to_owned(),
         transport: "socketcan:can0".parse().expect("it is an address"),
@@ -166,7 +152,7 @@ fn config() -> BusConfig {
         sync_overflow: None,
         sdo_timeout_ns: 30_000_000,
         master: Some(Master { node: NodeId::new(127).expect("1 to 127"), heartbeat_ns: 100_000_000 }),
-        drives: vec![drive],
+        devices: vec![drive],
     }
 }
 
@@ -175,7 +161,7 @@ fn run(device: &Arc<Mutex<Device>>, config: &BusConfig) -> Result<usize, String>
     let mut port = Port::new(|(orders, reports)| Bus::new(config, orders, reports));
     port.lock().open(Box::new(Way(Arc::clone(device))));
     device.lock().expect("one thread").written.clear();
-    let done = configure(&mut port, 0, config, &config.drives[0]);
+    let done = configure(&mut port, 0, config, &config.devices[0]);
     done.map(|configured| configured.written).map_err(|refusal| refusal.to_string())
 }
 
@@ -273,7 +259,7 @@ fn the_sync_counter_is_set_while_the_period_is_0() {
 fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
     let identity = |identity| {
         let mut config = config();
-        config.drives[0].identity = identity;
+        config.devices[0].identity = identity;
         run(&device(|_| ()), &config).unwrap_err()
     };
     let id = Identity::default();
@@ -287,7 +273,7 @@ fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
     let with = |change: fn(&mut Device)| run(&device(change), &config()).unwrap_err();
     assert_eq!(
         with(|device| drop(device.objects.insert((0x1000, 0), 0x0003_0191_u32.to_le_bytes().to_vec()))),
-        "its device type (1000h) is 00030191h, profile 401; a drive of profile 402 is expected"
+        "its device type (1000h) is 00030191h, profile 401; profile 402 (drive) is expected"
     );
     assert_eq!(
         with(|device| drop(device.objects.insert((0x6502, 0), vec![0x25, 0, 0, 0]))),
@@ -313,7 +299,7 @@ fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
 fn a_scale_that_contradicts_the_factors_of_the_drive_is_refused_by_both_numbers() {
     let with = |counts: (u64, u64), objects: &[(u16, u8, u32)]| {
         let mut config = config();
-        config.drives[0].per_revolution = Some(counts);
+        fixtures::as_drive(&mut config.devices[0]).per_revolution = Some(counts);
         let add = |device: &mut Device| {
             for (index, sub, value) in objects {
                 device.objects.insert((*index, *sub), value.to_le_bytes().to_vec());

@@ -1,0 +1,159 @@
+//! A device in the cycles.
+//!
+//! Law      it is online while it is configured, operational, watched and heard; only then it is told anything
+//! Reads    its PDOs, emergency messages, signs of life
+//! Writes   its part of the inputs; the frames that ask it
+//! Source   CiA 301, contract section 8
+
+use super::drive::Drive;
+use super::terminals::Terminals;
+use crate::config::DeviceConfig;
+use crate::drive::image::Image;
+use crate::drive::layout::{Asked, Told, Transmission};
+use crate::{Frame, Id, NodeId, Watch};
+use lineshaft_core::drive::{BusState, Inputs, Outputs};
+
+/// A PDO that the device sends.
+#[derive(Clone, Debug)]
+struct Received {
+    image: Image<Told>,
+    is_each_sync: bool,
+}
+
+/// A device.
+#[derive(Debug)]
+pub(crate) struct Device {
+    pub(super) node: NodeId,
+    asked: Vec<Image<Asked>>,
+    told: Vec<Received>,
+    /// It is configured and was started.
+    is_ready: bool,
+    /// It is configured, and about to be started: what it tells counts already.
+    listens: bool,
+    /// It has booted since somebody began to configure it.
+    has_booted: bool,
+    pub(super) watch: Watch,
+    /// What it is as a drive.
+    pub(super) drive: Option<Drive>,
+    terminals: Terminals,
+}
+
+impl Device {
+    pub(super) fn new(config: &DeviceConfig, cycle_ns: u64) -> Self {
+        let told: Vec<_> = config
+            .layout
+            .told
+            .iter()
+            .map(|pdo| Received { image: Image::of(pdo), is_each_sync: pdo.transmission == Transmission::EachSync })
+            .collect();
+        Self {
+            node: config.node,
+            asked: config.layout.asked.iter().map(Image::of).collect(),
+            told,
+            is_ready: false,
+            listens: false,
+            has_booted: false,
+            watch: Watch::new(config.node, config.watching),
+            drive: config.drive().map(|drive| Drive::new(drive, cycle_ns)),
+            terminals: Terminals::new(&config.terminals, config.layout.told.len()),
+        }
+    }
+
+    /// Identifiers of the PDOs that it sends.
+    pub(super) fn sent(&self) -> impl Iterator<Item = Id> {
+        self.told.iter().map(|pdo| pdo.image.id())
+    }
+
+    pub(super) fn is_ready(&self) -> bool {
+        self.is_ready
+    }
+
+    /// What it is told from now on holds, unless it boots.
+    pub(super) fn prepare(&mut self) {
+        (self.is_ready, self.listens, self.has_booted) = (false, false, false);
+    }
+
+    /// It is configured, and will be started next: what it sends on change it may send but once, when it starts. `inputs`: digital inputs
+    /// of a drive until then.
+    pub(super) fn listen(&mut self, inputs: u32) {
+        if let Some(drive) = &mut self.drive {
+            drive.listen(inputs);
+        }
+        self.terminals.listen();
+        self.listens = true;
+    }
+
+    /// It is configured, and has been started; `fault` is its error code. False where it has booted since it was
+    /// [prepared](Self::prepare).
+    pub(super) fn begin(&mut self, fault: u16) -> bool {
+        if self.has_booted {
+            return false;
+        }
+        if !self.listens {
+            self.listen(0);
+        }
+        self.listens = false;
+        if let Some(drive) = &mut self.drive {
+            drive.begin(fault);
+        }
+        self.is_ready = true;
+        true
+    }
+
+    /// It takes part no longer; it counts on meanwhile.
+    pub(super) fn end(&mut self) {
+        (self.is_ready, self.listens) = (false, false);
+    }
+
+    /// Nobody hears any more whether it boots.
+    pub(super) fn forget(&mut self) {
+        self.end();
+        if let Some(drive) = &mut self.drive {
+            drive.forget();
+        }
+        self.terminals.forget();
+    }
+
+    /// It has booted: what it was told before does not hold, and its counts may begin anew.
+    pub(super) fn boot(&mut self) {
+        self.forget();
+        self.has_booted = true;
+    }
+
+    /// Takes the PDO at a place.
+    pub(super) fn take_pdo(&mut self, place: usize, frame: &Frame) {
+        let counts = self.is_ready || self.listens;
+        let Some(Received { image, is_each_sync }) = self.told.get_mut(place).filter(|_| counts) else { return };
+        if !image.take(frame) {
+            return;
+        }
+        if let Some(drive) = &mut self.drive {
+            drive.take(image.values(), *is_each_sync);
+        }
+        self.terminals.take(place, image.values());
+    }
+
+    /// What it shows in this cycle.
+    pub(super) fn read(&mut self, inputs: &mut Inputs, bus: BusState) {
+        let is_there = self.is_ready && bus != BusState::Off;
+        if let Some(drive) = &mut self.drive {
+            drive.read(inputs, is_there, bus);
+        }
+        self.terminals.read(inputs, is_there, self.drive.as_ref());
+    }
+
+    /// The frames that ask it for what a cycle wants; none while it is not ready.
+    pub(super) fn frames(&mut self, outputs: &Outputs) -> impl Iterator<Item = Frame> {
+        let output = self.drive.as_ref().and_then(|drive| outputs.drive.get(drive.place));
+        if let (Some(drive), Some(output)) = (&mut self.drive, output) {
+            drive.ask(output);
+        }
+        let Self { asked, drive, terminals, is_ready, .. } = &*self;
+        let value = move |word| match (word, drive, output) {
+            (Asked::Outputs | Asked::Digital(_) | Asked::Analog(_), ..) => terminals.value(word, outputs),
+            (_, Some(drive), Some(output)) => drive.value(word, output),
+            _ => 0,
+        };
+        asked.iter().filter(move |_| *is_ready).map(move |image| image.frame(value))
+    }
+}
