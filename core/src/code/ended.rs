@@ -112,7 +112,7 @@ codes! {
         remedy: "Choose one of docs/encoders.md.",
     }
 
-    /// ENCODERTYPE or MENCODERTYPE names a node of a bus, which does not exist yet.
+    /// ENCODERTYPE or MENCODERTYPE names a node of a bus, which an entry of `encoders` does here.
     ENCODER_NEEDS_BUS = 10322, NoError {
         says: "",
         cause: "encodertype or mencodertype names an encoder on a bus.",

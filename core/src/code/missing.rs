@@ -17,8 +17,8 @@ pub fn not_built_here(code: Code) -> &'static str {
             "is no side of the cam; with an incremental encoder 0 (the one that JOG leads to), 1 (plus) and 2 (minus) are allowed"
         }
         Code::ENCODER_NEEDS_BUS => {
-            "names a node of a bus, which does not exist yet; the types 0 to 5, 9, 10, 20, 30 exist, for a master 0, 1, 2, \
-             5, 6, 10, 20, 30 and -1 to -999"
+            "names a node of a bus, which an entry of encoders does (key feedback of the axis reads it); the types 0 to 5, \
+             9, 10, 20, 30 exist, for a master 0, 1, 2, 5, 6, 10, 20, 30 and -1 to -999"
         }
         Code::ENCODER_NO_TERMINAL => {
             "names an entry of section encoders that the cell does not have: 10 is the first one"
@@ -40,7 +40,9 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::WF_NO_PARITY => {
             "is no parity; with wf.md4 absolute 0 inc (none), 1 inc (even) and 2 inc (odd) are allowed"
         }
-        Code::NO_REVERSING_OUTPUTS => "asks for a node on a bus, which does not exist yet; below 100 is allowed",
+        Code::NO_REVERSING_OUTPUTS => {
+            "asks for a node on a bus, which key node of the drive does; below 100 is allowed"
+        }
         Code::REVERSING_BY_POSITION => {
             "asks for outputs, which tell the sign of a velocity to drives with interface velocity or open_loop; 0, 1 and 2 \
              are allowed"

@@ -1,11 +1,11 @@
 //! What a bus is made of, as a cell says it.
 
-use crate::drive::Layout;
 use crate::drive::probe::Probes;
+use crate::drive::{DriveMode, DriveType, Layout};
 use crate::sdo::Object;
 use crate::transport::Address;
 use crate::{NodeId, Watching};
-use lineshaft_core::drive::{Capabilities, Interface, Terminal};
+use lineshaft_core::drive::{Capabilities, Terminal};
 use std::fmt;
 
 /// Heartbeats that may be missed until who sends them is lost.
@@ -162,7 +162,9 @@ pub struct DriveConfig {
     /// What its touch probes catch.
     pub probes: Probes,
     /// How it is commanded.
-    pub interface: Interface,
+    pub mode: DriveMode,
+    /// Its number in MACS, where the cell has chosen it by that.
+    pub drive_type: Option<DriveType>,
     /// What it offers, by the cell.
     pub offers: Capabilities,
     /// Counts per revolution of its shaft by the cell, as a fraction; none: nobody knows.
@@ -200,6 +202,17 @@ impl Default for VelocityFactor {
 }
 
 impl VelocityFactor {
+    /// 1/1000 rpm of a shaft with so many counts in so many revolutions (MACS-CAN-12); none where 32 bits do not say it.
+    pub fn mrpm(counts: u64, turns: u64) -> Option<Self> {
+        let (numerator, denominator) = (turns.checked_mul(60_000)?, counts);
+        let mut divisor = (numerator, denominator);
+        while divisor.1 != 0 {
+            divisor = (divisor.1, divisor.0 % divisor.1);
+        }
+        let part = |of: u64| u32::try_from(of.checked_div(divisor.0)?).ok().filter(|part| *part != 0);
+        Some(Self { numerator: part(numerator)?, denominator: part(denominator)? })
+    }
+
     /// From counts/s to the drive's units; saturates.
     pub fn to_drive(self, counts_per_s: f64) -> i64 {
         (counts_per_s * f64::from(self.numerator) / f64::from(self.denominator)).round() as i64
@@ -252,5 +265,18 @@ mod tests {
         let factor = VelocityFactor { numerator: 60, denominator: 10_000 };
         assert_eq!(factor.to_drive(-25_000.0), -150);
         assert_eq!(factor.to_drive(f64::INFINITY), i64::MAX);
+    }
+
+    /// 3000 rpm of a motor with 4096 counts are 204,800 counts/s, and 3,000,000 of 1/1000 rpm.
+    ///
+    /// Proves: MACS-O-57
+    #[test]
+    fn velocities_of_an_akd_are_thousandths_of_rpm() {
+        let factor = VelocityFactor::mrpm(4096, 1).unwrap();
+        assert_eq!(factor, VelocityFactor { numerator: 1875, denominator: 128 });
+        assert_eq!([factor.to_drive(204_800.0), factor.to_drive(-102_400.0)], [3_000_000, -1_500_000]);
+        assert_eq!(VelocityFactor::mrpm(20_000, 3), Some(VelocityFactor { numerator: 9, denominator: 1 }));
+        assert_eq!([VelocityFactor::mrpm(0, 1), VelocityFactor::mrpm(1, u64::MAX)], [None, None]);
+        assert_eq!(VelocityFactor::mrpm((1 << 40) + 1, 1), None, "two numbers of 32 bits do not say it");
     }
 }

@@ -245,7 +245,7 @@ fn drive<'d>(value: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, t
     let mut map = value.map(format!("drive of axis `{axis}`"))?;
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
-    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value, backend));
+    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
     let (number, on_can) = match (place, backend) {
         (Some(place), Some(Backend::Sim { .. })) => {
             (take(&mut map, place, "address", 0..=u16::MAX, cx, taken), Some(None))
@@ -281,17 +281,12 @@ fn take(
     taken.take((backend, key, number), &value, what).then_some(number)
 }
 
-fn interface(value: &Value<'_>, backend: Option<Backend>) -> Option<Interface> {
+fn interface(value: &Value<'_>) -> Option<Interface> {
     let all = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
     let interface = value.choice(&all.map(|interface| (interface.name(), interface)))?;
     match interface {
         Interface::Torque => {
             value.refuse("interface torque needs the velocity loop, which does not exist yet", None);
-            None
-        }
-        Interface::OpenLoop if backend == Some(Backend::Can) => {
-            let sentence = "interface open_loop needs mode 2 (vl) or outputs, which do not exist on CAN yet";
-            value.refuse(sentence, Some("write position or velocity".to_owned()));
             None
         }
         _ => Some(interface),

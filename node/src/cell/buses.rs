@@ -112,17 +112,26 @@ impl Maker<'_> {
         drive: &CellDrive,
         terminals: Terminals,
     ) -> Option<DeviceConfig> {
-        let CellDrive { interface, probes, .. } = *drive;
+        let CellDrive { mode, drive_type, probes, .. } = *drive;
+        let node = drive.device.node;
+        let is_bare =
+            probes == [None; 2] && terminals.digital_inputs.is_empty() && terminals.digital_outputs.is_empty();
         let plan = |dictionary: Option<&Dictionary>| {
-            Layout::plan(drive.device.node, interface, probes, &terminals, dictionary)
-                .map_err(|error| format!("drive of axis {}: {error}", quote(&axis.name)))
+            let of_axis = |problem: &dyn std::fmt::Display| format!("drive of axis {}: {problem}", quote(&axis.name));
+            match drive_type {
+                None => Layout::plan(node, mode, probes, &terminals, dictionary),
+                Some(_) if !is_bare => return Err(of_axis(&"probes and io are not for a drive with drivetype")),
+                Some(of_type) => of_type.layout(node),
+            }
+            .map_err(|error| of_axis(&error))
         };
         let role = Role::Drive(DriveConfig {
             place,
             axis: axis.name.clone(),
             object,
             probes,
-            interface,
+            mode,
+            drive_type,
             offers: axis.drive?,
             per_revolution: drive.per_revolution,
             velocity: drive.velocity,

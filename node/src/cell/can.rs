@@ -5,7 +5,9 @@ use super::scale::Travel;
 use super::times::time;
 use crate::document::{Allowed, Map, Place, Value};
 use lineshaft_can::config::{HEARTBEATS_MISSED, Identity, Master, VelocityFactor, Write};
+use lineshaft_can::drive::drive_type::Kind;
 use lineshaft_can::drive::probe::{Probe, Probes};
+use lineshaft_can::drive::{DriveMode, DriveType};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::Address;
 use lineshaft_can::{NodeId, Watching};
@@ -19,6 +21,9 @@ pub(super) const DELAY: u32 = 1;
 const SDO_TIMEOUT_NS: u64 = 500_000_000;
 /// From one heartbeat to the next where the cell does not say it (ns).
 const HEARTBEAT_NS: u64 = 100_000_000;
+/// Between two questions of guarding, and how many may be without an answer, of a drive by number where the cell does not say it.
+const GUARD_NS: u64 = 100_000_000;
+const LIFE_FACTOR: u8 = 3;
 /// Node of the master where the cell does not say it.
 const MASTER: NodeId = match NodeId::new(NodeId::MAX) {
     Some(node) => node,
@@ -87,7 +92,8 @@ impl CellNode {
 #[derive(Clone, Debug)]
 pub struct CellDrive {
     pub(super) device: CellNode,
-    pub(super) interface: Interface,
+    pub(super) mode: DriveMode,
+    pub(super) drive_type: Option<DriveType>,
     pub(super) probes: Probes,
     /// Increments per revolution of its shaft, as a fraction.
     pub(super) per_revolution: Option<(u64, u64)>,
@@ -97,12 +103,15 @@ pub struct CellDrive {
 /// What such a drive offers, by the cell alone; the drive itself is asked when it is there.
 pub(super) fn offers(interface: Interface, drive: Option<&CellDrive>) -> Capabilities {
     let catches = |probe: &Option<Probe>| probe.is_some_and(|probe| probe != Probe::Index);
+    let by_type = drive.is_some_and(|drive| drive.drive_type.is_some());
     Capabilities {
         latches: drive.is_some_and(|drive| drive.probes.iter().any(catches)),
         delay: DELAY,
         position: interface == Interface::Position,
         velocity: interface == Interface::Velocity,
-        homes: true,
+        open_loop: interface == Interface::OpenLoop,
+        // Those by number stay in their mode.
+        homes: !by_type,
         ..Capabilities::default()
     }
 }
@@ -214,22 +223,113 @@ pub(super) fn drive(
     travel: &Travel,
 ) -> Option<CellDrive> {
     let node = node.and_then(|node| NodeId::new(u8::try_from(node).ok()?));
-    let device = device(map, node);
+    let mode = mode(map, interface);
+    let number = map.optional("drivetype");
+    let drive_type = number.as_ref().map_or(Some(None), |value| drive_type(value, interface).map(Some));
+    let watched = ["heartbeat", "guarding"].map(|key| map.has(key));
+    let mut device = device(map, node);
+    if let (Some(Some(of_type)), Some(value), Some(device)) = (drive_type, &number, &mut device) {
+        device.watching = watching_of(of_type, device.watching, watched, value)?;
+    }
     let probes = probes(map);
     let feed = map.optional("feed").map_or(Some(None), |value| feed(&value, travel).map(Some));
-    let factor = map.optional("velocity_factor").map_or(Some(VelocityFactor::default()), |value| factor(&value));
+    let given = map.optional("velocity_factor").map_or(Some(None), |value| factor(&value).map(Some));
+    let factor = factor_of(given?, drive_type?, feed?, number.as_ref());
     Some(CellDrive {
         device: device?,
-        interface: interface?,
+        mode: mode?,
+        drive_type: drive_type?,
         probes: probes?,
         per_revolution: feed?,
         velocity: factor?,
     })
 }
 
+/// How it is commanded.
+fn mode(map: &mut Map<'_>, interface: Option<Interface>) -> Option<DriveMode> {
+    let Some(value) = map.optional("mode") else { return DriveMode::usual(interface?) };
+    let mode = value.choice(&DriveMode::NAMES)?;
+    let interface = interface?;
+    if mode.interface() != interface {
+        let fits = DriveMode::NAMES.iter().filter(|(_, mode)| mode.interface() == interface).map(|(name, _)| *name);
+        let fits: Vec<_> = fits.collect();
+        let sentence =
+            format!("mode is {}; with interface {} {} is allowed", mode.name(), interface.name(), fits.join(", "));
+        value.refuse(sentence, None);
+        return None;
+    }
+    Some(mode)
+}
+
+fn drive_type(value: &Value<'_>, interface: Option<Interface>) -> Option<DriveType> {
+    let number = value.integer(-194..=194_i16)?;
+    let Some(known) = DriveType::decode(number) else {
+        value.refuse(format!("drivetype is {number}; -2, -3, -4, -11, -13, 2, 3, 4, 11, 13 are allowed"), None);
+        return None;
+    };
+    if let Some(why) = known.refusal() {
+        value.refuse(format!("drivetype {number} does not exist here: {why}"), None);
+        return None;
+    }
+    if interface.is_some_and(|interface| interface != Interface::Velocity) {
+        value.refuse(format!("drivetype {number} is commanded by a velocity: it needs interface velocity"), None);
+        return None;
+    }
+    Some(known)
+}
+
+/// A type is guarded by its sign; the times are those of key `guarding`.
+fn watching_of(of: DriveType, said: Watching, [heartbeat, guarding]: [bool; 2], at: &Value<'_>) -> Option<Watching> {
+    let number = at.peek().unwrap_or_default();
+    if heartbeat {
+        at.refuse(format!("drivetype {number}: its sign says how it is watched; heartbeat is not for it"), None);
+        return None;
+    }
+    match (of.guarded, guarding) {
+        (true, true) => Some(said),
+        (true, false) => Some(Watching::Guarding { guard_ns: GUARD_NS, life_factor: LIFE_FACTOR }),
+        (false, false) => Some(Watching::None),
+        (false, true) => {
+            at.refuse(format!("drivetype {number} is without guarding; key guarding is for a positive one"), None);
+            None
+        }
+    }
+}
+
+/// Units of velocity; those of a type where it has some.
+fn factor_of(
+    given: Option<VelocityFactor>,
+    of: Option<DriveType>,
+    feed: Option<(u64, u64)>,
+    at: Option<&Value<'_>>,
+) -> Option<VelocityFactor> {
+    match (given, of.map(|of| of.kind), at) {
+        (Some(given), ..) => Some(given),
+        (None, Some(Kind::Akd), Some(at)) => {
+            let factor = feed.and_then(|(counts, turns)| VelocityFactor::mrpm(counts, turns));
+            if factor.is_none() {
+                at.refuse("drivetype 13 has velocities in 1/1000 rpm: it needs feed, or velocity_factor", None);
+            }
+            factor
+        }
+        _ => Some(VelocityFactor::default()),
+    }
+}
+
 /// Names of the keys that [`drive`] reads.
-pub(super) const DRIVE_KEYS: [&str; 9] =
-    ["eds", "heartbeat", "guarding", "probe_1", "probe_2", "identity", "feed", "velocity_factor", "startup"];
+pub(super) const DRIVE_KEYS: [&str; 11] = [
+    "mode",
+    "drivetype",
+    "eds",
+    "heartbeat",
+    "guarding",
+    "probe_1",
+    "probe_2",
+    "identity",
+    "feed",
+    "velocity_factor",
+    "startup",
+];
 
 fn watching(map: &mut Map<'_>) -> Option<Watching> {
     let heartbeat = map.optional("heartbeat");

@@ -1,22 +1,40 @@
-//! Counts of 32 bits that never run out.
+//! Counts of 16 or 32 bits that never run out.
 //!
 //! Law      the change from one word to the next is the shorter way around; a coordinate that was set anew is another epoch, and its change
 //!          is no motion
 //! Reads    position actual values (6064h)
 //! Source   CiA 402-2; contract section 8 (`epoch`)
 
-/// Counts all changes of a word of 32 bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Counts all changes of a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counter {
+    /// Of its word that are not there.
+    unused_bits: u32,
     word: Option<i32>,
     count: i64,
     epoch: u32,
 }
 
+impl Default for Counter {
+    fn default() -> Self {
+        Self::of_bits(i32::BITS)
+    }
+}
+
 impl Counter {
-    /// Takes a word; by how much it has changed.
+    /// One whose words have so many bits, 1 to 32.
+    pub fn of_bits(bits: u32) -> Self {
+        Self { unused_bits: i32::BITS - bits.clamp(1, i32::BITS), word: None, count: 0, epoch: 0 }
+    }
+
+    /// The shorter way from a word to another one.
+    fn way(self, from: i32, to: i32) -> i64 {
+        i64::from(to.wrapping_sub(from) << self.unused_bits >> self.unused_bits)
+    }
+
+    /// Takes a word, with its sign; by how much it has changed.
     pub fn take(&mut self, word: i32) -> i64 {
-        let change = self.word.map(|last| i64::from(word.wrapping_sub(last)));
+        let change = self.word.map(|last| self.way(last, word));
         self.word = Some(word);
         match change {
             // 2^63 counts are not reached by steps of 2^31.
@@ -35,7 +53,7 @@ impl Counter {
 
     /// The count at another word of the same coordinate, the shorter way around; none before the first word.
     pub fn locate(self, word: i32) -> Option<i64> {
-        self.word.map(|last| self.count.wrapping_add(i64::from(word.wrapping_sub(last))))
+        self.word.map(|last| self.count.wrapping_add(self.way(last, word)))
     }
 
     /// All of it.
@@ -61,6 +79,16 @@ mod tests {
         assert_eq!((counter.take(i32::MAX), counter.count()), (-2, i64::from(i32::MAX)));
         assert_eq!(counter.epoch(), 0);
         assert_eq!(counter.locate(i32::MIN), Some(i64::from(i32::MAX) + 1));
+    }
+
+    /// Proves: MACS-CAN-12
+    #[test]
+    fn a_word_of_16_bits_wraps_at_its_own_end() {
+        let mut counter = Counter::of_bits(16);
+        assert_eq!((counter.take(0x7FFF), counter.count()), (0, 0x7FFF));
+        assert_eq!((counter.take(-0x8000), counter.count()), (1, 0x8000));
+        assert_eq!((counter.take(0x7FFE), counter.count()), (-2, 0x7FFE));
+        assert_eq!(counter.locate(-0x7FFF), Some(0x8001));
     }
 
     #[test]

@@ -80,7 +80,7 @@ mod tests {
         let field = |(word, bits): (usize, &u32)| Field { word, object: objects::STATUS_WORD, bits: *bits };
         let fields = bits.iter().enumerate().map(field).collect();
         let id = Id::new(0x183).expect("11 bits");
-        Image::of(&Pdo { number: 1, id, transmission: Transmission::EachSync, fields })
+        Image::of(&Pdo { number: 1, id, transmission: Transmission::EachSync, is_mapped: true, fields })
     }
 
     /// Status 1637h, position -2, mode 8.

@@ -6,13 +6,14 @@
 //! Refuses  a drive that cannot map what its interface, or the cell, needs
 //! Source   CiA 301 (objects 1400h to 1BFFh), CiA 401-1, CiA 402-2, CiA 406; MACS-CAN-18
 
+use super::mode::DriveMode;
 use super::objects;
 use super::probe::{self, Probes, Slot};
 use crate::config::{Analog, Terminals};
 use crate::eds::Dictionary;
 use crate::sdo::Object;
 use crate::{Id, NodeId};
-use lineshaft_core::drive::{Interface, Terminal};
+use lineshaft_core::drive::Terminal;
 
 /// PDOs of each direction that have an identifier by default.
 pub const MOST_PDOS: u8 = 4;
@@ -42,6 +43,8 @@ pub enum Told {
     Analog(u8),
     /// Position of an encoder (counts).
     Encoder,
+    /// What nobody reads.
+    Nothing,
 }
 
 /// What a device is asked for in a PDO.
@@ -61,6 +64,8 @@ pub enum Asked {
     Digital(u8),
     /// Analog output of a module, by its channel.
     Analog(u8),
+    /// What nobody asks for: 0.
+    Nothing,
 }
 
 /// A value in a PDO.
@@ -114,6 +119,8 @@ pub struct Pdo<W> {
     pub id: Id,
     /// When it goes.
     pub transmission: Transmission,
+    /// The master maps it; else whoever has set the device up.
+    pub is_mapped: bool,
     /// What it carries, from bit 0 on.
     pub fields: Vec<Field<W>>,
 }
@@ -144,7 +151,7 @@ pub struct Layout {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutError {
     /// An object that is needed.
-    #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; interface {1} needs it in each cycle")]
+    #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; mode {1} needs it in each cycle")]
     NotMappable(Object, &'static str),
     /// What entries of `io` need.
     #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; entries of io need it")]
@@ -164,18 +171,14 @@ impl Layout {
     /// What the drive cannot map.
     pub fn plan(
         node: NodeId,
-        interface: Interface,
+        mode: DriveMode,
         probes: Probes,
         terminals: &Terminals,
         dictionary: Option<&Dictionary>,
     ) -> Result<Self, LayoutError> {
-        let target = match interface {
-            Interface::Velocity => Field::asked(Asked::Velocity, objects::TARGET_VELOCITY, 32),
-            _ => Field::asked(Asked::Position, objects::TARGET_POSITION, 32),
-        };
         let mut asked = vec![
             Field::asked(Asked::Control, objects::CONTROL_WORD, 16),
-            target,
+            mode.target(),
             Field::asked(Asked::Mode, objects::MODE, 8),
         ];
         let mut each_sync = vec![
@@ -190,7 +193,7 @@ impl Layout {
         let cannot = |object: &Object| dictionary.is_some() && !maps(*object);
         let needed = asked.iter().map(|field| field.object).chain(each_sync.iter().map(|field| field.object));
         if let Some(object) = needed.into_iter().find(cannot) {
-            return Err(LayoutError::NotMappable(object, interface.name()));
+            return Err(LayoutError::NotMappable(object, mode.name()));
         }
         if !terminals.digital_inputs.is_empty() {
             // What the machine reads is of each cycle.
@@ -280,7 +283,7 @@ fn packed<W: Copy>(
             None => {
                 let number = first.saturating_add(pdos.len() as u8);
                 let id = id(number).ok_or(LayoutError::TooMany)?;
-                pdos.push(Pdo { number, id, transmission, fields: vec![*field] });
+                pdos.push(Pdo { number, id, transmission, is_mapped: true, fields: vec![*field] });
             }
         }
     }
@@ -307,13 +310,13 @@ mod tests {
     /// What each cycle needs is 7 bytes each way.
     #[test]
     fn without_a_dictionary_only_what_is_needed_is_mapped() {
-        let layout = Layout::plan(node(), Interface::Position, [None; 2], &Terminals::default(), None).unwrap();
+        let layout = Layout::plan(node(), DriveMode::Csp, [None; 2], &Terminals::default(), None).unwrap();
         assert_eq!(told(&layout), [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode])]);
         let [asked] = layout.asked.as_slice() else { panic!("{:?}", layout.asked) };
         assert_eq!((asked.number, asked.id.get(), asked.bytes()), (1, 0x203, 7));
         let objects: Vec<_> = asked.fields.iter().map(|field| field.object.index).collect();
         assert_eq!(objects, [0x6040, 0x607A, 0x6060]);
-        let velocity = Layout::plan(node(), Interface::Velocity, [None; 2], &Terminals::default(), None).unwrap();
+        let velocity = Layout::plan(node(), DriveMode::Csv, [None; 2], &Terminals::default(), None).unwrap();
         assert_eq!(velocity.asked[0].fields[1].object.index, 0x60FF);
     }
 
@@ -322,7 +325,7 @@ mod tests {
     fn what_the_dictionary_maps_has_a_place() {
         let text = include_bytes!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text, Some(3)).unwrap();
-        let layout = Layout::plan(node(), Interface::Position, [None; 2], &Terminals::default(), Some(&known)).unwrap();
+        let layout = Layout::plan(node(), DriveMode::Csp, [None; 2], &Terminals::default(), Some(&known)).unwrap();
         let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
     }
@@ -348,11 +351,11 @@ mod tests {
         let at = text.find("[607A]").unwrap();
         let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-        let error =
-            Layout::plan(node(), Interface::Position, [None; 2], &Terminals::default(), Some(&known)).unwrap_err();
-        let sentence = "607Ah:00 cannot be mapped to a PDO, by the dictionary of the drive; interface position needs it in each cycle";
+        let error = Layout::plan(node(), DriveMode::Csp, [None; 2], &Terminals::default(), Some(&known)).unwrap_err();
+        let sentence =
+            "607Ah:00 cannot be mapped to a PDO, by the dictionary of the drive; mode csp needs it in each cycle";
         assert_eq!(error.to_string(), sentence);
-        assert!(Layout::plan(node(), Interface::Velocity, [None; 2], &Terminals::default(), Some(&known)).is_ok());
+        assert!(Layout::plan(node(), DriveMode::Csv, [None; 2], &Terminals::default(), Some(&known)).is_ok());
     }
 
     fn terminal(address: u16) -> Terminal {
@@ -369,7 +372,7 @@ mod tests {
         };
         let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-        let layout = Layout::plan(node(), Interface::Position, [None; 2], &terminals, Some(&known)).unwrap();
+        let layout = Layout::plan(node(), DriveMode::Csp, [None; 2], &terminals, Some(&known)).unwrap();
         let cyclic = [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]), (2, 0x283, 1, vec![Told::Inputs])];
         assert_eq!(told(&layout), [cyclic.as_slice(), &[(3, 0x383, 255, vec![Told::Fault])]].concat());
         let asked: Vec<_> = layout.asked.iter().map(|pdo| (pdo.number, pdo.bytes())).collect();
@@ -377,7 +380,7 @@ mod tests {
         let at = text.find("[60FD]").unwrap();
         let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-        let error = Layout::plan(node(), Interface::Position, [None; 2], &terminals, Some(&known)).unwrap_err();
+        let error = Layout::plan(node(), DriveMode::Csp, [None; 2], &terminals, Some(&known)).unwrap_err();
         let sentence = "60FDh:00 cannot be mapped to a PDO, by the dictionary of the drive; entries of io need it";
         assert_eq!(error.to_string(), sentence);
     }

@@ -1,12 +1,16 @@
 //! Drives of CiA 402: their objects, their PDOs, and what a cycle of the machine makes of them.
 
 mod counter;
+pub mod drive_type;
 pub mod homing;
 pub mod image;
 pub mod layout;
+pub mod mode;
 pub mod objects;
 pub mod probe;
 
 pub use counter::Counter;
+pub use drive_type::DriveType;
 pub use homing::HomingSetup;
 pub use layout::{Layout, LayoutError};
+pub use mode::{Commander, DriveMode};

@@ -52,6 +52,8 @@ pub const ERROR_CODE: Object = of(0x603F, 0);
 pub const CONTROL_WORD: Object = of(0x6040, 0);
 /// Status word (CiA 402).
 pub const STATUS_WORD: Object = of(0x6041, 0);
+/// Target velocity of mode vl, 16 bits (CiA 402).
+pub const VL_TARGET_VELOCITY: Object = of(0x6042, 0);
 /// Modes of operation (CiA 402).
 pub const MODE: Object = of(0x6060, 0);
 /// Modes of operation display (CiA 402).
@@ -84,6 +86,8 @@ pub const TOUCH_PROBE_FUNCTION: Object = of(0x60B8, 0);
 pub const TOUCH_PROBE_POSITION: Object = of(0x60BA, 0);
 /// Count of rising edges of probe 1; those of the other edges follow (CiA 402).
 pub const TOUCH_PROBE_COUNT: Object = of(0x60D5, 0);
+/// Interpolation data record, its position (counts; CiA 402).
+pub const INTERPOLATION_POSITION: Object = of(0x60C1, 1);
 /// Interpolation time period, its value (CiA 402).
 pub const INTERPOLATION_VALUE: Object = of(0x60C2, 1);
 /// Interpolation time period, its power of ten of seconds (CiA 402).

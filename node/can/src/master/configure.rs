@@ -3,7 +3,7 @@
 //! Law      a device is looked at before it is told anything: what it is, and whether it may run. A drive that runs is stopped on its quick
 //!          stop ramp, then its voltage goes. Objects that have their values already are not written; a device whose verification
 //!          objects say that nothing has changed is not compared either
-//! Refuses  a node of another identity or profile, one that does not offer the mode of its interface, one that refuses a value: by a sentence
+//! Refuses  a node of another identity or profile, one that does not offer its mode, one that refuses a value: by a sentence
 //!          with the object and both values
 //! Source   CiA 301 (boot-up, NMT, objects 1000h to 1A00h), CiA 302-2, CiA 402-2, MACS-CAN-04, MACS-CAN-08
 
@@ -16,7 +16,7 @@ use crate::drive::{objects, probe};
 use crate::eds::{CobId, Direction};
 use crate::sdo::{Abort, Object, SdoError};
 use crate::{NmtCommand, NodeId, Watching};
-use lineshaft_core::drive::{DriveState, Interface, MODE_CSP, MODE_CSV, control};
+use lineshaft_core::drive::{DriveState, control};
 use std::time::{Duration, Instant};
 
 /// Pairs of requests that tell two devices with one node id from one that was late.
@@ -269,20 +269,16 @@ impl Session<'_> {
         Ok(Some((numerator.into(), denominator.into())))
     }
 
-    /// Does the drive offer the mode of the interface (6502h)?
+    /// Does the drive offer its mode (6502h)?
     fn check_modes(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
         let Some(offered) = self.number(objects::SUPPORTED_MODES)? else { return Ok(()) };
-        let (mode, name) = match drive.interface {
-            Interface::Velocity => (MODE_CSV, "csv"),
-            _ => (MODE_CSP, "csp"),
-        };
+        let (mode, name) = (drive.mode.number(), drive.mode.name());
         if offered >> (mode - 1) & 1 == 1 {
             return Ok(());
         }
-        let interface = drive.interface.name();
         let modes = words::modes(offered);
         Err(Refusal::Wrong(format!(
-            "interface {interface} needs mode {mode} ({name}), which the drive does not offer (6502h is {offered:08X}h: {modes})"
+            "it does not offer mode {mode} ({name}; 6502h is {offered:08X}h: {modes}); key mode chooses another"
         )))
     }
 
@@ -335,6 +331,11 @@ impl Session<'_> {
         if let Some((value, index)) = self.bus.interpolation() {
             add(objects::INTERPOLATION_VALUE, &[value], true);
             add(objects::INTERPOLATION_INDEX, &[index.cast_unsigned()], true);
+        }
+        let tells_mode =
+            self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == Told::Mode);
+        if !tells_mode {
+            add(objects::MODE, &drive.mode.number().to_le_bytes(), false);
         }
         let outputs = &self.device.terminals.digital_outputs;
         if !outputs.is_empty() {
@@ -420,25 +421,36 @@ impl Session<'_> {
         let found = self.number(at(communication, 1))?.ok_or_else(|| missing(at(communication, 1), pdo.number))?;
         // Remote frames that ask for a PDO were never of use.
         let id = u32::from(pdo.id.get()) | found & NO_REMOTE;
+        let is_mapped = !pdo.is_mapped || self.has_entries(direction, pdo.number, &entries)?;
         let is_there = CobId(found).is_valid()
             && CobId(found).id() == CobId(id).id()
-            && self.number(at(communication, 2))? == Some(kind.into())
-            && self.number(at(mapping, 0))? == Some(entries.len() as u32)
-            && self.has_entries(mapping, &entries)?;
-        if is_there {
+            && self.number(at(communication, 2))? == Some(kind.into());
+        if is_there && is_mapped {
             return Ok(());
         }
         self.write(at(communication, 1), &(id | INVALID).to_le_bytes())?;
         self.write(at(communication, 2), &[kind])?;
-        self.write(at(mapping, 0), &[0])?;
-        for (sub, entry) in (1..).zip(&entries) {
-            self.write(at(mapping, sub), &entry.to_le_bytes())?;
+        if !is_mapped {
+            self.write(at(mapping, 0), &[0])?;
+            for (sub, entry) in (1..).zip(&entries) {
+                self.write(at(mapping, sub), &entry.to_le_bytes())?;
+            }
+            self.write(at(mapping, 0), &[entries.len() as u8])?;
         }
-        self.write(at(mapping, 0), &[entries.len() as u8])?;
         self.write(at(communication, 1), &id.to_le_bytes())
     }
 
-    fn has_entries(&mut self, mapping: u16, entries: &[u32]) -> Result<bool, Refusal> {
+    /// Does a PDO carry these objects? What a module sends behind them is passed over: its mapping may be fixed.
+    fn has_entries(&mut self, direction: Direction, number: u8, entries: &[u32]) -> Result<bool, Refusal> {
+        let mapping = direction.mapping(number);
+        let count = self.number(Object { index: mapping, sub: 0 })?.unwrap_or_default() as usize;
+        let more = match (direction, &self.device.role) {
+            (Direction::Transmit, Role::Module) => 8,
+            _ => 0,
+        };
+        if !(entries.len()..=entries.len() + more).contains(&count) {
+            return Ok(false);
+        }
         for (sub, entry) in (1..).zip(entries) {
             if self.number(Object { index: mapping, sub })? != Some(*entry) {
                 return Ok(false);

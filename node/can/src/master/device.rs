@@ -54,7 +54,7 @@ impl Device {
             listens: false,
             has_booted: false,
             watch: Watch::new(config.node, config.watching),
-            drive: config.drive().map(|drive| Drive::new(drive, cycle_ns)),
+            drive: config.drive().map(|drive| Drive::new(drive, &config.layout, cycle_ns)),
             terminals: Terminals::new(&config.terminals, config.layout.told.len()),
         }
     }

@@ -7,12 +7,13 @@
 //! Source   CiA 402-2, contract section 8
 
 use crate::config::{DriveConfig, VelocityFactor};
-use crate::drive::layout::{Asked, Told};
+use crate::drive::layout::{Asked, Layout, Told};
 use crate::drive::probe::{self, Catch, Caught, Probes};
-use crate::drive::{Counter, HomingSetup};
+use crate::drive::{Commander, Counter, HomingSetup};
 use lineshaft_core::axis::MAX_STALE_CYCLES;
 use lineshaft_core::drive::{
     BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Latch, MODE_HOMING, STATUS_HOMING_ATTAINED,
+    control,
 };
 use lineshaft_core::object::Object;
 
@@ -46,19 +47,32 @@ pub(crate) struct Drive {
     object: Object,
     probes: Probes,
     catches: [Catch; 4],
-    /// The mode that was asked for last.
+    /// The mode that was asked for last, by the number of the axis.
     mode: i8,
+    commander: Commander,
+    /// Bits of its target.
+    target_bits: u32,
+    /// Its mode goes in no PDO: it was set when it was configured.
+    is_mode_fixed: bool,
+    /// Where its voltage would go it is shut down instead.
+    is_shut_down: bool,
+    /// Control word and position of this cycle.
+    asked: (u16, i64),
     pub(super) homing: HomingSetup,
 }
 
 impl Drive {
-    pub(super) fn new(config: &DriveConfig, cycle_ns: u64) -> Self {
+    pub(super) fn new(config: &DriveConfig, layout: &Layout, cycle_ns: u64) -> Self {
+        let told = || layout.told.iter().flat_map(|pdo| &pdo.fields);
+        let position = told().find(|field| field.word == Told::Position);
+        let target = layout.asked.iter().flat_map(|pdo| &pdo.fields);
+        let target = target.into_iter().find(|field| field.word == Asked::Velocity);
         Self {
             place: config.place,
             factor: config.velocity,
             cycle_s: cycle_ns as f64 * 1e-9,
             counts_on: false,
-            counter: Counter::default(),
+            counter: position.map_or_else(Counter::default, |field| Counter::of_bits(field.bits)),
             words: Words::default(),
             is_heard: false,
             is_fresh: false,
@@ -68,6 +82,11 @@ impl Drive {
             probes: config.probes,
             catches: Default::default(),
             mode: 0,
+            commander: Commander::new(config.mode),
+            target_bits: target.map_or(32, |field| field.bits),
+            is_mode_fixed: !told().any(|field| field.word == Told::Mode),
+            is_shut_down: config.drive_type.is_some(),
+            asked: (0, 0),
             homing: HomingSetup::new(config.velocity),
         }
     }
@@ -89,7 +108,8 @@ impl Drive {
         if !counts_on {
             self.counter.begin_anew();
         }
-        self.words = Words { inputs, ..Words::default() };
+        let mode = if self.is_mode_fixed { self.commander.mode().number() } else { 0 };
+        self.words = Words { inputs, mode, ..Words::default() };
         (self.is_heard, self.is_fresh, self.stale) = (false, false, 0);
         self.catches = Default::default();
     }
@@ -123,7 +143,7 @@ impl Drive {
                         caught.take(captured, value as u16);
                     }
                 }
-                Told::Digital(_) | Told::Analog(_) | Told::Encoder => {}
+                Told::Digital(_) | Told::Analog(_) | Told::Encoder | Told::Nothing => {}
             }
         }
         let has_zero = |words: Words| words.mode == MODE_HOMING && words.status & STATUS_HOMING_ATTAINED != 0;
@@ -165,7 +185,7 @@ impl Drive {
             // In no PDO yet.
             effort: 0.0,
             status,
-            mode,
+            mode: self.commander.mode().across(mode),
             // The error code stays behind the fault that it is of.
             fault: if is_in_fault { fault } else { 0 },
             online: is_online,
@@ -197,16 +217,27 @@ impl Drive {
     /// What a cycle wants of it.
     pub(super) fn ask(&mut self, output: &DriveOutput) {
         self.mode = self.homing.allow(output.mode, self.mode);
+        let mode = self.commander.mode();
+        let is_in_mode = mode.across(self.mode) == mode.number() && self.words.mode == mode.number();
+        let control = match output.control {
+            control::DISABLE_VOLTAGE if self.is_shut_down => control::SHUTDOWN,
+            other => other,
+        };
+        self.asked = self.commander.command(control, output.position, self.words.status, is_in_mode);
     }
 
     /// A word that asks it for that.
     pub(super) fn value(&self, word: Asked, output: &DriveOutput) -> i64 {
         match word {
-            Asked::Control => i64::from(output.control),
-            Asked::Position => output.position,
-            Asked::Velocity => self.factor.to_drive(output.velocity),
-            Asked::Mode => i64::from(self.mode),
-            Asked::Outputs | Asked::Digital(_) | Asked::Analog(_) => 0,
+            Asked::Control => i64::from(self.asked.0),
+            // Positions wrap, as those of the drive do.
+            Asked::Position => self.asked.1,
+            Asked::Velocity => {
+                let most = (1_i64 << (self.target_bits.clamp(2, 63) - 1)) - 1;
+                self.factor.to_drive(output.velocity).clamp(-most, most)
+            }
+            Asked::Mode => i64::from(self.commander.mode().across(self.mode)),
+            Asked::Outputs | Asked::Digital(_) | Asked::Analog(_) | Asked::Nothing => 0,
         }
     }
 }

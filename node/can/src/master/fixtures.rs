@@ -1,9 +1,9 @@
 //! Devices for the tests of this room.
 
 use crate::config::{DeviceConfig, DriveConfig, Identity, Role, Terminals, VelocityFactor};
-use crate::drive::Layout;
+use crate::drive::{DriveMode, Layout};
 use crate::{NodeId, Watching};
-use lineshaft_core::drive::{Capabilities, Interface};
+use lineshaft_core::drive::Capabilities;
 
 /// A drive in csp, which tells what is needed.
 pub(super) fn drive(place: usize, node: NodeId, watching: Watching) -> DeviceConfig {
@@ -11,7 +11,7 @@ pub(super) fn drive(place: usize, node: NodeId, watching: Watching) -> DeviceCon
     DeviceConfig {
         node,
         watching,
-        layout: Layout::plan(node, Interface::Position, [None; 2], &terminals, None)
+        layout: Layout::plan(node, DriveMode::Csp, [None; 2], &terminals, None)
             .expect("without a dictionary nothing is missing"),
         identity: Identity::default(),
         startup: Vec::new(),
@@ -21,7 +21,8 @@ pub(super) fn drive(place: usize, node: NodeId, watching: Watching) -> DeviceCon
             axis: format!("x{place}"),
             object: 0,
             probes: [None; 2],
-            interface: Interface::Position,
+            mode: DriveMode::Csp,
+            drive_type: None,
             offers: Capabilities { delay: 1, position: true, homes: true, ..Capabilities::default() },
             per_revolution: None,
             velocity: VelocityFactor::default(),

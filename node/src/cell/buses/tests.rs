@@ -1,5 +1,6 @@
 use super::*;
 use crate::cell::Cell;
+use lineshaft_can::Watching;
 use lineshaft_can::config::{Analog, Encoder};
 use lineshaft_core::drive::Terminal;
 
@@ -37,6 +38,8 @@ fn a_frame_has_its_bits() {
 }
 
 /// Of 7 bytes: 47 + 56 + 89 / 4 = 125. SYNC and two frames for each drive.
+///
+/// Proves: MACS-CAN-16
 #[test]
 fn a_cycle_that_does_not_fit_the_bit_rate_is_refused_with_the_sum() {
     let drives: Vec<_> = (1..=4).map(|node| format!("node: {node}")).collect();
@@ -79,11 +82,29 @@ fn a_drive_is_what_its_file_says_and_what_the_cell_says() {
     let identity = Identity { vendor: Some(0xFFFF), product: Some(7), revision: None, serial: Some(9) };
     let as_drive = drive.drive().unwrap();
     assert_eq!((drive.identity, as_drive.per_revolution), (identity, Some((20_000, 1))));
-    assert_eq!(drive.watching, lineshaft_can::Watching::Heartbeat { time_ns: 150_000_000 });
+    assert_eq!(drive.watching, Watching::Heartbeat { time_ns: 150_000_000 });
     assert_eq!(as_drive.velocity.to_drive(10_000.0), 60);
     let [write] = drive.startup.as_slice() else { panic!("{:?}", drive.startup) };
     assert_eq!((write.object.to_string(), write.data.as_slice()), ("2080h:01".to_owned(), [0xFB, 0xFF].as_slice()));
     assert_eq!(drive.layout.told.len(), 2);
+}
+
+/// The sign says how a drive by number is watched; an AKD has 1/1000 rpm of its shaft: 10 mm, 10,000 increments.
+///
+/// Proves: MACS-CAN-01, MACS-CAN-12
+#[test]
+fn a_drive_by_number_has_its_watch_and_its_units() {
+    let device = |drive: &str| {
+        let cell = cell("4 ms", BUS, &[format!("node: 3, interface: velocity, {drive}")]);
+        assert!(!cell.machine.axes[0].drive.unwrap().homes, "it stays in its mode");
+        cell.buses(None).unwrap().remove(0).devices.remove(0)
+    };
+    let guarding = |ms: u64, life_factor| Watching::Guarding { guard_ns: ms * 1_000_000, life_factor };
+    assert_eq!(device("drivetype: 2").watching, guarding(100, 3));
+    assert_eq!(device("drivetype: 2, guarding: {time: 50 ms, factor: 2}").watching, guarding(50, 2));
+    assert_eq!(device("drivetype: -4").watching, Watching::None);
+    let akd = device("drivetype: -13, feed: 10 mm");
+    assert_eq!(akd.drive().unwrap().velocity.to_drive(500_000.0), 3_000_000);
 }
 
 #[test]
@@ -138,9 +159,28 @@ fn keys_of_buses_and_drives_have_ranges() {
             "probe_1 and probe_2: one of them may catch edges, and one the index",
         ),
         ("node: 1, feed: 1 rev", "feed: `1 rev` is an angle; a length such as `1 m` is expected"),
+        ("node: 1, mode: csv", "mode is csv; with interface position pp, ip, csp is allowed"),
+        ("node: 1, interface: velocity, mode: vl", "mode is vl; with interface velocity pv, csv is allowed"),
         (
-            "node: 1, interface: open_loop",
-            "interface open_loop needs mode 2 (vl) or outputs, which do not exist on CAN yet, write position or velocity",
+            "node: 1, interface: velocity, drivetype: 14",
+            "drivetype is 14; -2, -3, -4, -11, -13, 2, 3, 4, 11, 13 are allowed",
+        ),
+        (
+            "node: 1, interface: velocity, drivetype: -110",
+            "drivetype -110 does not exist here: nothing here writes a control word that the axis leaves alone",
+        ),
+        ("node: 1, drivetype: 2", "drivetype 2 is commanded by a velocity: it needs interface velocity"),
+        (
+            "node: 1, interface: velocity, drivetype: 13",
+            "drivetype 13 has velocities in 1/1000 rpm: it needs feed, or velocity_factor",
+        ),
+        (
+            "node: 1, interface: velocity, drivetype: 2, heartbeat: 50 ms",
+            "drivetype 2: its sign says how it is watched; heartbeat is not for it",
+        ),
+        (
+            "node: 1, interface: velocity, drivetype: -2, guarding: {time: 50 ms, factor: 3}",
+            "drivetype -2 is without guarding; key guarding is for a positive one",
         ),
     ] {
         assert_eq!(said(BUS, drive), sentence);
@@ -193,10 +233,10 @@ encoders:
         ..Terminals::default()
     };
     assert_eq!((module.to_string(), &module.terminals), ("node 10 (module)".to_owned(), &of_module));
-    assert_eq!(module.watching, lineshaft_can::Watching::Heartbeat { time_ns: 300_000_000 });
+    assert_eq!(module.watching, Watching::Heartbeat { time_ns: 300_000_000 });
     let of_encoder = vec![Encoder { place: 0, is_absolute: true }];
     assert_eq!((encoder.to_string(), &encoder.terminals.encoders), ("node 12 (encoder)".to_owned(), &of_encoder));
-    assert_eq!(encoder.watching, lineshaft_can::Watching::None);
+    assert_eq!(encoder.watching, Watching::None);
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn sources_that_an_axis_cannot_read() {
         (
             "velocity",
             "encodertype: ^102005",
-            "encodertype 102005 names a node of a bus, which does not exist yet; the types 0 to 5, 9, 10, 20, 30 exist, for a \
+            "encodertype 102005 names a node of a bus, which an entry of encoders does (key feedback of the axis reads it); the types 0 to 5, 9, 10, 20, 30 exist, for a \
              master 0, 1, 2, 5, 6, 10, 20, 30 and -1 to -999"
                 .to_owned(),
         ),

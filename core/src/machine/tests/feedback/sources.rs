@@ -224,8 +224,8 @@ fn a_simulated_encoder_shows_the_command() {
 fn sources_that_are_not_there_are_refused() {
     let mut rig = Rig::of(velocity_config());
     rig.run(2);
-    let bus = "which does not exist yet; the types 0 to 5, 9, 10, 20, 30 exist, for a master 0, 1, 2, 5, 6, 10, 20, 30 and -1 \
-               to -999";
+    let bus = "which an entry of encoders does (key feedback of the axis reads it); the types 0 to 5, 9, 10, 20, 30 exist, for \
+               a master 0, 1, 2, 5, 6, 10, 20, 30 and -1 to -999";
     for (value, sentence) in [
         (102_005, format!("x: encodertype 102005 names a node of a bus, {bus}")),
         (251_105, format!("x: encodertype 251105 names a node of a bus, {bus}")),

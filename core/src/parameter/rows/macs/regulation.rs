@@ -69,7 +69,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "0",
         range: Range::Int(-194, 194),
         default: Value::Int(0),
-        missing: "the choice of a drive by number",
+        missing: "the choice of a drive by number other than by key drivetype of the drive in the cell",
         description: "Kind of drive: 0 an analog output, 1 to 13 a drive on the bus, 91 to 94 an output on the bus, 100 more: its control word is left alone; negative without guarding. Setting it builds the objects of the bus anew.",
         source: "MACS-CAN-01",
         note: "D09: the range is +-94 though 110 is used; +-194 in AXR is taken.",
@@ -209,8 +209,8 @@ pub(in super::super) const ROWS: &[Row] = &[
         description: "May the axis move backwards? 0 always, 1 only while its master does, 2 never.",
         source: "MACS-DIR-05, MACS-DIR-06",
         note: "A-08: the printed range leaves out samples of the text; rule 0 to 2, output 0 to 9, node 0 to 127 and -10, -20 to \
-               -90 are taken. Outputs are for interface velocity and open_loop; a node does not exist yet: values of 100 \
-               and above are refused.",
+               -90 are taken. Outputs are for interface velocity and open_loop; key node of the drive says its \
+               node: values of 100 and above are refused.",
         get: |p| Value::Int(p.macs.revers),
         set: |p, v| p.macs.revers = int(v).unwrap_or(p.macs.revers),
         ..REGULATION_ROW

@@ -2,13 +2,12 @@ use super::super::fixtures::{self, as_drive};
 use super::*;
 use crate::config::{self, DeviceConfig, Role, Terminals};
 use crate::drive::probe::Probe;
-use crate::drive::{Layout, objects};
+use crate::drive::{DriveMode, Layout, objects};
 use crate::transport::Loss;
 use crate::{Id, Watching};
 use assert_no_alloc::{assert_no_alloc, violation_count};
 use lineshaft_core::drive::{
-    DriveInput, DriveOutput, Edge, EncoderInput, HomingOrder, Interface, Latch, MODE_CSP, MODE_HOMING, Mode, Terminal,
-    control,
+    DriveInput, DriveOutput, Edge, EncoderInput, HomingOrder, Latch, MODE_CSP, MODE_HOMING, Mode, Terminal, control,
 };
 use lineshaft_core::object::Object as CoreObject;
 use rtrb::RingBuffer;
@@ -210,7 +209,7 @@ fn a_drive_has_terminals_as_well() {
         ..Terminals::default()
     };
     let mut config = drive(0, 3, Watching::None);
-    config.layout = Layout::plan(node(3), Interface::Position, [None; 2], &terminals, None).unwrap();
+    config.layout = Layout::plan(node(3), DriveMode::Csp, [None; 2], &terminals, None).unwrap();
     config.terminals = terminals;
     let mut rig = Rig::running(Watching::None);
     rig.replace_first(&config);
@@ -433,7 +432,7 @@ fn what_a_probe_catches_is_a_latch_of_the_axis() {
     let mut config = drive(0, 3, Watching::None);
     let probes = [Some(Probe::Rising), Some(Probe::Index)];
     (as_drive(&mut config).probes, as_drive(&mut config).object) = (probes, 4);
-    config.layout = Layout::plan(node(3), Interface::Position, probes, &config.terminals, Some(&known)).unwrap();
+    config.layout = Layout::plan(node(3), DriveMode::Csp, probes, &config.terminals, Some(&known)).unwrap();
     let ids: Vec<_> = config.layout.told.iter().map(|pdo| (pdo.id.get(), pdo.bytes())).collect();
     assert_eq!(ids, [(0x183, 7), (0x283, 6), (0x383, 6), (0x483, 6)]);
     let mut rig = Rig::running(Watching::None);

@@ -277,7 +277,7 @@ fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
     );
     assert_eq!(
         with(|device| drop(device.objects.insert((0x6502, 0), vec![0x25, 0, 0, 0]))),
-        "interface position needs mode 8 (csp), which the drive does not offer (6502h is 00000025h: pp, pv, hm)"
+        "it does not offer mode 8 (csp; 6502h is 00000025h: pp, pv, hm); key mode chooses another"
     );
     assert_eq!(
         with(|device| device.refuses = Some((0x2080, 1))),

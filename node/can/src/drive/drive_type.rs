@@ -1,0 +1,175 @@
+//! Drives by the numbers of MACS: DRIVETYPE.
+//!
+//! Law      |v| is the type, or the type and 100: the control word is left alone; a positive one is guarded
+//! Refuses  numbers that the table does not have; types whose words the source does not tell
+//! Source   MACS-CAN-01, -02, -08, -11, -12, -13, A-51, A-53
+
+use super::layout::{Asked, Field, Layout, LayoutError, Pdo, Told, Transmission};
+use super::objects;
+use crate::NodeId;
+use crate::sdo::Object;
+
+/// Objects that stand for words nobody maps here: dummy entries of 16 bits (CiA 301, data type 0006h).
+const UNUSED: Object = Object { index: 0x0006, sub: 0 };
+
+/// A kind of drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// 1: Lenze, 5000h are 100 %.
+    Lenze,
+    /// 2: servo drive of DS402.
+    Ds402,
+    /// 3: maxon EPOS.
+    Epos,
+    /// 4: zub DSA.
+    Dsa,
+    /// 5: Lenze, 4000h are 100 %.
+    LenzeProfibus,
+    /// 10: Danfoss.
+    Danfoss,
+    /// 11: Servostar.
+    Servostar,
+    /// 12: Lenze 8400.
+    Lenze8400,
+    /// 13: Kollmorgen AKD.
+    Akd,
+    /// 91 to 94: analog output 1 to 4 of a module.
+    Analog(u8),
+}
+
+/// DRIVETYPE but 0, which is no drive on a bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DriveType {
+    /// Its kind.
+    pub kind: Kind,
+    /// Its node guarding is on.
+    pub guarded: bool,
+    /// The controller writes its control word.
+    pub controlled: bool,
+}
+
+impl DriveType {
+    /// Decodes DRIVETYPE; none for 0, and for a number that the table does not have.
+    pub fn decode(value: i16) -> Option<Self> {
+        let size = value.unsigned_abs();
+        let (kind, controlled) = if size > 100 { (size - 100, false) } else { (size, true) };
+        let kind = match kind {
+            1 => Kind::Lenze,
+            2 => Kind::Ds402,
+            3 => Kind::Epos,
+            4 => Kind::Dsa,
+            5 => Kind::LenzeProfibus,
+            10 => Kind::Danfoss,
+            11 => Kind::Servostar,
+            12 => Kind::Lenze8400,
+            13 => Kind::Akd,
+            91..=94 => Kind::Analog((kind - 90) as u8),
+            _ => return None,
+        };
+        Some(Self { kind, guarded: value > 0, controlled })
+    }
+
+    /// Why such a drive cannot be had; none where it can.
+    pub fn refusal(self) -> Option<&'static str> {
+        if !self.controlled {
+            return Some("nothing here writes a control word that the axis leaves alone");
+        }
+        match self.kind {
+            Kind::Ds402 | Kind::Epos | Kind::Dsa | Kind::Servostar | Kind::Akd => None,
+            Kind::Lenze | Kind::LenzeProfibus | Kind::Danfoss | Kind::Lenze8400 => {
+                Some("its control and status words are not those of CiA 402, and no source tells them")
+            }
+            Kind::Analog(_) => Some("an axis has its speed at an ao of section io by interface open_loop (wf)"),
+        }
+    }
+
+    /// What its PDO 1 carries. Words of [`Kind::Servostar`] and [`Kind::Akd`] are mapped by whoever sets the drive up.
+    ///
+    /// # Errors
+    /// None: there is room.
+    pub fn layout(self, node: NodeId) -> Result<Layout, LayoutError> {
+        let asked = [
+            Field { word: Asked::Control, object: objects::CONTROL_WORD, bits: 16 },
+            Field { word: Asked::Velocity, object: objects::TARGET_VELOCITY, bits: 32 },
+            // Latch control: no latch is asked for.
+            Field { word: Asked::Nothing, object: UNUSED, bits: 16 },
+        ];
+        let position = |bits| Field { word: Told::Position, object: objects::POSITION, bits };
+        // Position and status of the latch.
+        let unused = Field { word: Told::Nothing, object: UNUSED, bits: 16 };
+        let status = Field { word: Told::Status, object: objects::STATUS_WORD, bits: 16 };
+        let (asked, told) = match self.kind {
+            Kind::Akd => (asked.to_vec(), vec![status, position(16), unused, unused]),
+            _ => (asked.into_iter().take(2).collect(), vec![status, position(32)]),
+        };
+        let is_mapped = !matches!(self.kind, Kind::Servostar | Kind::Akd);
+        let transmission = Transmission::EachSync;
+        let rpdo = node.rpdo(1).ok_or(LayoutError::TooMany)?;
+        let tpdo = node.tpdo(1).ok_or(LayoutError::TooMany)?;
+        Ok(Layout {
+            asked: vec![Pdo { number: 1, id: rpdo, transmission, is_mapped, fields: asked }],
+            told: vec![Pdo { number: 1, id: tpdo, transmission, is_mapped, fields: told }],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn kind(kind: Kind, guarded: bool, controlled: bool) -> Option<DriveType> {
+        Some(DriveType { kind, guarded, controlled })
+    }
+
+    /// -110 is a Danfoss without guarding and control word, 13 an AKD with guarding, -91 an analog output 1 without.
+    ///
+    /// Proves: MACS-O-55, MACS-CAN-01, MACS-CAN-02
+    #[test]
+    fn numbers_decode() {
+        for (value, expected) in [
+            (-110, kind(Kind::Danfoss, false, false)),
+            (13, kind(Kind::Akd, true, true)),
+            (-91, kind(Kind::Analog(1), false, true)),
+            (1, kind(Kind::Lenze, true, true)),
+            (-2, kind(Kind::Ds402, false, true)),
+            (103, kind(Kind::Epos, true, false)),
+            (4, kind(Kind::Dsa, true, true)),
+            (5, kind(Kind::LenzeProfibus, true, true)),
+            (11, kind(Kind::Servostar, true, true)),
+            (-112, kind(Kind::Lenze8400, false, false)),
+            (94, kind(Kind::Analog(4), true, true)),
+            (194, kind(Kind::Analog(4), true, false)),
+        ] {
+            assert_eq!(DriveType::decode(value), expected, "{value}");
+        }
+        for value in [0, 6, 9, 14, 90, 95, 100, -100, 106, 190, 195, -195, 200, 1013, i16::MAX, i16::MIN] {
+            assert_eq!(DriveType::decode(value), None, "{value}");
+        }
+    }
+
+    /// Servostar: control word and reference of 4 bytes; status word and position of 4. AKD: 2, 4, 2; 2, 2, 2, 2.
+    ///
+    /// Proves: MACS-CAN-11, MACS-CAN-12
+    #[test]
+    fn pdo_1_is_that_of_the_type() {
+        let lengths = |value| {
+            let layout = DriveType::decode(value).unwrap().layout(NodeId::new(3).unwrap()).unwrap();
+            let (asked, told) = (&layout.asked[0], &layout.told[0]);
+            let bits = |fields: &mut dyn Iterator<Item = u32>| fields.map(|bits| bits / 8).collect::<Vec<_>>();
+            assert_eq!((asked.id.get(), told.id.get(), asked.is_mapped), (0x203, 0x183, told.is_mapped));
+            let asked_bits = bits(&mut asked.fields.iter().map(|field| field.bits));
+            (asked_bits, bits(&mut told.fields.iter().map(|field| field.bits)), asked.is_mapped)
+        };
+        assert_eq!(lengths(2), (vec![2, 4], vec![2, 4], true));
+        assert_eq!(lengths(-4), lengths(3));
+        assert_eq!(lengths(11), (vec![2, 4], vec![2, 4], false));
+        assert_eq!(lengths(-13), (vec![2, 4, 2], vec![2, 2, 2, 2], false));
+    }
+
+    #[test]
+    fn types_without_words_are_refused() {
+        let is_refused = |value| DriveType::decode(value).unwrap().refusal().is_some();
+        assert_eq!([2, -3, 4, 11, 13].map(is_refused), [false; 5]);
+        assert_eq!([1, 5, 10, 12, 91, 102, -113].map(is_refused), [true; 7]);
+    }
+}

@@ -1,0 +1,152 @@
+//! CANopen drives that somebody else has written, commanded in modes that are not cyclic, and as the numbers of MACS say.
+
+mod support;
+
+use lineshaft_can::sdo::Object;
+use support::can::{Bus, CanDrives};
+use support::can_cell::{CanCell, Shown, axis};
+
+/// Each axis moves to 20 mm at 40 mm/s and back to -5 mm; those that the drive positions end to the increment, those of the core within its
+/// window. No setpoint goes before the axis is enabled, and each drive is in its own mode.
+#[test]
+fn axes_move_in_each_mode_that_a_drive_offers() {
+    let mut drives = CanDrives::boot("1-3");
+    let axes = [
+        axis("p", 1, ", mode: pp, startup: [{index: 0x6081, value: 100000, type: u32}]", ""),
+        axis("i", 2, ", mode: ip", ""),
+        axis(
+            "v",
+            3,
+            ", interface: velocity, mode: pv, startup: [{index: 0x6083, value: 20000000, type: u32}, {index: 0x6084, value: 20000000, type: u32}]",
+            ", in_position_window: 5 um",
+        ),
+    ];
+    let cell = CanCell::new(&drives.address().to_string(), "4 ms", &axes.concat());
+    let all = |state: &str| {
+        let each = ["p", "i", "v"].map(|axis| format!("{{signal: {axis}.{state}}}"));
+        format!("{{all: [{}]}}", each.join(", "))
+    };
+    let moves = |to: &str| {
+        let each =
+            ["p", "i", "v"].map(|axis| format!("{{move_axis: {{axis: {axis}, position: {to}, velocity: 40 mm/s}}}}"));
+        each.join(", ")
+    };
+    let (off, on) = (all("drive_state, is: SWITCH_ON_DISABLED"), all("state, is: STANDSTILL"));
+    let run = cell.run(&format!(
+        "scenario: modes
+for: 6 s
+steps:
+  - {{when: {off}, do: {{enable: {{axes: [p, i, v]}}}}}}
+  - {{when: {on}, do: [{}]}}
+  - {{when: {on}, after: 500 ms, do: [{}]}}
+expect:
+  - {{all: [{{signal: p.actual.position, is: -5000}}, {{signal: i.actual.position, is: -5000}}], at: end}}
+  - {{signal: v.actual.position, at: end, is: -5000, within: 5}}
+  - {{event: {{kind: error}}, mode: never}}
+",
+        moves("20 mm"),
+        moves("-5 mm")
+    ));
+    for (node, mode) in [(1, 1), (2, 7), (3, 3)] {
+        run.until(&mut drives, node, "enabled", Shown::is_enabled);
+        assert_eq!(drives.tell(&format!("get {node} 0x6061 0"))["value"], mode, "node {node}");
+    }
+    run.passes();
+    let shown = [1, 2, 3].map(|node| drives.shown(node));
+    assert_eq!([shown[0].position, shown[1].position], [-5_000; 2]);
+    for shown in shown {
+        assert_eq!((shown.counter("rpdo_missed"), shown.counter("emcy")), (0, 0), "{shown:?}");
+    }
+}
+
+/// Types 2 (guarded) and -3 are mapped; 13 is mapped beforehand, with a position of 16 bits, which wraps on the way: 100000 counts. Where an
+/// axis is off its drive is shut down (06h), not without voltage.
+///
+/// Proves: MACS-CAN-01, MACS-CAN-02, MACS-CAN-04, MACS-CAN-08, MACS-CAN-12
+#[test]
+fn drives_are_chosen_by_the_numbers_of_macs() {
+    let mut drives = CanDrives::boot("1-3");
+    map_as_akd(&mut Bus::open(&drives, 3));
+    let keys = ", in_position_window: 5 um";
+    let axes = [
+        axis("d", 1, ", interface: velocity, drivetype: 2", keys),
+        axis("e", 2, ", interface: velocity, drivetype: -3", keys),
+        axis("a", 3, ", interface: velocity, drivetype: -13, velocity_factor: {numerator: 1, denominator: 1}", keys),
+    ];
+    let cell = CanCell::new(&drives.address().to_string(), "4 ms", &axes.concat());
+    let run = cell.run(
+        "scenario: types
+for: 6 s
+steps:
+  - {at: 500 ms, do: {enable: {axes: [d, e, a]}}}
+  - when: {all: [{signal: d.state, is: STANDSTILL}, {signal: e.state, is: STANDSTILL}, {signal: a.state, is: STANDSTILL}]}
+    do:
+      - {move_axis: {axis: d, position: 20 mm, velocity: 40 mm/s}}
+      - {move_axis: {axis: e, position: -20 mm, velocity: 40 mm/s}}
+      - {move_axis: {axis: a, position: 100 mm, velocity: 50 mm/s}}
+  - {when: {signal: a.in_position, is: 1}, after: 1 s, do: {disable: {axes: [d, e, a]}}}
+expect:
+  - {signal: d.actual.position, at: end, is: 20000, within: 5}
+  - {signal: e.actual.position, at: end, is: -20000, within: 5}
+  - {signal: a.actual.position, at: end, is: 100000, within: 5}
+  - {signal: d.drive_state, at: end, is: READY_TO_SWITCH_ON}
+  - {event: {kind: error}, mode: never}
+",
+    );
+    run.passes();
+    assert!((drives.shown(3).position - 100_000).abs() <= 5, "{:?}", drives.shown(3));
+    let guarded = [1, 2].map(|node| drives.tell(&format!("get {node} 0x100C 0"))["value"].clone());
+    assert_eq!(guarded, [100, 0], "guard time");
+    let modes = [1, 2, 3].map(|node| drives.tell(&format!("get {node} 0x6061 0"))["value"].clone());
+    assert_eq!(modes, [9, 9, 9]);
+}
+
+/// Status word, 16 bits of the position and two more words; control word, velocity and one more word.
+fn map_as_akd(bus: &mut Bus) {
+    let mut write = |index, sub, data: &[u8]| {
+        bus.write(Object { index, sub }, data, false).expect("the drive takes it");
+    };
+    let pdos: [(u16, &[u32]); 2] = [
+        (0x1600, &[0x6040_0010, 0x60FF_0020, 0x60B8_0010]),
+        (0x1A00, &[0x6041_0010, 0x2010_0010, 0x60D5_0010, 0x60B9_0010]),
+    ];
+    for (mapping, entries) in pdos {
+        let id = if mapping == 0x1600 { 0x203_u32 } else { 0x183 };
+        write(mapping - 0x200, 1, &(id | 0x8000_0000).to_le_bytes());
+        write(mapping, 0, &[0]);
+        for (sub, entry) in (1..).zip(entries) {
+            write(mapping, sub, &entry.to_le_bytes());
+        }
+        write(mapping, 0, &[entries.len() as u8]);
+        write(mapping - 0x200, 1, &id.to_le_bytes());
+    }
+}
+
+/// An axis that runs at speeds: 6042h in units of 1000 counts/s, its ramp by bits 4 to 6 of the control word. At 100 mm/s until 10 mm before the
+/// target, 10 mm/s until 1 mm before it, then off.
+#[test]
+fn an_axis_runs_at_the_speeds_of_a_frequency_converter() {
+    let mut drives = CanDrives::boot("1");
+    let wf = ", unit: mm, error_reaction: 2, min_position: -1 m, max_position: 1 m, wf: {md42: 2, md43: 2, md44: 2, md45: 10, md46: 8, md47: 5, md48: 1, \
+              md30: 2 s, peh_window: 2 mm}";
+    let drive = ", interface: open_loop, velocity_factor: {numerator: 1, denominator: 1000}, startup: [{index: 0x6083, value: 5000000, type: u32}]";
+    let text = axis("g", 1, drive, wf).replace(", max_following_error: 5 mm", "");
+    let cell = CanCell::new(&drives.address().to_string(), "4 ms", &text);
+    let run = cell.run(
+        "scenario: speeds
+for: 6 s
+steps:
+  - {at: 500 ms, do: {enable: {axes: [g]}}}
+  - when: {signal: g.state, is: STANDSTILL}
+    do: {wf: {axis: g, mode: mdi, blocks: [{position: 100 mm, velocity: 20}], start: true}}
+expect:
+  - {signal: g.output.velocity, max: 100 mm/s}
+  - {signal: g.output.velocity, is: 100 mm/s, mode: eventually}
+  - {signal: g.actual.position, at: end, is: 100 mm, within: 2 mm}
+  - {event: {kind: error}, mode: never}
+",
+    );
+    run.until(&mut drives, 1, "fast", |shown| shown.velocity == 100_000);
+    assert_eq!(drives.tell("get 1 0x6061 0")["value"], 2);
+    run.passes();
+}
