@@ -172,7 +172,7 @@ fn objects_are_read_by_number_and_by_name() {
     read(&["6064", "--type", "i8"])
         .refused(1, "6064h:00: INTEGER8 has 1 bytes, not 4: node 3 has answered D2 04 00 00");
     read(&[&["6064", "--type", "u32"], &eds[..]].concat())
-        .refused(2, "6064h:00 Position actual value is INTEGER32 by the EDS, not UNSIGNED32; leave --type out");
+        .refused(2, "6064h:00 Position actual value is INTEGER32 by the EDS, not UNSIGNED32; leave the type out");
     read(&[&["Position actual valeu"], &eds[..]].concat())
         .refused(2, "no object has the name \"Position actual valeu\"; \"Position actual value\" is like it");
     read(&["Statusword"])
@@ -194,7 +194,7 @@ fn objects_are_written_where_they_may_be() {
     assert_eq!(drives.tell("get 3 0x6081 0")["value"], 20_000);
 
     let before = drives.tell("stats")["rx"].as_u64();
-    write(&drives, &["6081", "1"]).refused(2, "the type of 6081h:00 is not known: give --type (u8, u16, u32, ");
+    write(&drives, &["6081", "1"]).refused(2, "the type of 6081h:00 is not known: give it (bool, u8, u16, u32, ");
     write(&drives, &[&["Statusword", "1"], &eds[..]].concat())
         .refused(2, "6041h:00 Statusword cannot be written: its access is ro by the EDS");
     write(&drives, &[&["6060", "200"], &eds[..]].concat())

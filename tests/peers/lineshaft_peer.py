@@ -20,6 +20,7 @@ import homing
 import hostile
 import lifecycle
 import node_services
+import objects
 import outputs
 import parameters
 import ros2wire as rw
@@ -329,6 +330,7 @@ def parser():
     parameters.add_commands(command)
     node_services.add_commands(command)
     homing.add_commands(command)
+    objects.add_commands(command)
     outputs.add_commands(command)
     streams.add_commands(command)
     trajectories.add_commands(command)

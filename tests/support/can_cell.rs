@@ -77,11 +77,16 @@ impl CanCell {
 
     /// The same with more options.
     pub(crate) fn run_with(&self, scenario: &str, options: &[&str]) -> CanRun {
+        self.run_in(&Domain::take(), scenario, options)
+    }
+
+    /// The same in a domain that others are in.
+    pub(crate) fn run_in(&self, domain: &Domain, scenario: &str, options: &[&str]) -> CanRun {
         let scenario = self.write("scenario.yaml", scenario);
         let cell = self.folder.path().join("cell.yaml");
         let cell = cell.to_str().expect("a path of text");
         let args = ["run", cell, "--scenario", &scenario, "--store", "none", "--flight-recorder", "0"];
-        CanRun { program: Program::start(&[&args, options].concat(), &Domain::take()) }
+        CanRun { program: Program::start(&[&args, options].concat(), domain) }
     }
 }
 

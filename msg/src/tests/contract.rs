@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 21] = [
+const OWN_INTERFACES: [(&str, &str); 23] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -229,6 +229,26 @@ const OWN_INTERFACES: [(&str, &str); 21] = [
     (
         "srv/ImportParameters",
         "string text
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/SdoRead",
+        "string axis backend
+        uint8 node
+        string object type
+        ---
+        bool success
+        string message
+        uint8[] data
+        string value type",
+    ),
+    (
+        "srv/SdoWrite",
+        "string axis backend
+        uint8 node
+        string object type value
         ---
         bool success
         string message",

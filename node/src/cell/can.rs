@@ -425,7 +425,7 @@ const OWN: [(u16, u16, &str); 10] = [
 ];
 
 /// Who writes an object, where that is the master.
-pub(super) fn owner(index: u16) -> Option<&'static str> {
+pub(crate) fn owner(index: u16) -> Option<&'static str> {
     OWN.iter().find(|(first, last, _)| (*first..=*last).contains(&index)).map(|(.., owner)| *owner)
 }
 

@@ -44,6 +44,7 @@ use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
 pub(crate) use buses::{device_file, load_of};
+pub(crate) use can::owner;
 pub use can::{CellBus, CellDrive};
 use lineshaft_can::NodeId;
 use lineshaft_can::config::BusConfig;

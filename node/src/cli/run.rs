@@ -11,6 +11,7 @@ use super::{Exit, RunArgs, complain, say, store};
 use crate::cell::{Cell, OnLoss};
 use crate::run::backends::Backends;
 use crate::run::bridge::Handle;
+use crate::run::objects::ObjectDesk;
 use crate::scenario::{Report, Scenario};
 use lineshaft_can::config::BusConfig;
 use lineshaft_core::command::{Action, Command, Commands, Source};
@@ -90,8 +91,13 @@ fn start(
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
     let mut backends = Backends::simulated(cell.plant_of(|backend| args.sim || backend.is_simulated()));
     let mut services: Vec<Box<dyn Service>> = Vec::new();
+    let on_can = cell.backends.iter().filter(|backend| args.sim && !backend.is_simulated());
+    let mut objects = ObjectDesk::new(on_can.map(|backend| backend.name.clone()).collect());
     for bus in buses {
+        let sheets = args.cell.as_deref().map(|file| cell.dictionaries(&bus.name, file)).transpose()?;
+        let config = bus.clone();
         let (cyclic, service) = lineshaft_can::master::bus(bus);
+        objects = objects.with_bus(&config, service.objects(), sheets.unwrap_or_default());
         backends = backends.with(Box::new(cyclic));
         services.push(Box::new(service));
     }
@@ -117,7 +123,7 @@ fn start(
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
         let (prepared, heard) =
-            Prepared::new(args, cell, machine, (backends, services), scenario, Given { store, first });
+            Prepared::new(args, cell, machine, (backends, services), scenario, Given { store, first, objects });
         serve(Start { args, cell, options, environment: &environment, logging }, prepared, heard, signals).await
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));

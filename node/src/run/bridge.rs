@@ -4,6 +4,7 @@ use super::frames::Spent;
 use super::gate::Gate;
 use super::keeper::Orders;
 use super::lanes::{Commander, Numbers};
+use super::objects::ObjectDesk;
 use super::recorder::Asked;
 use super::samples::SampleReceiver;
 use super::services::HealthBoard;
@@ -17,11 +18,13 @@ use lineshaft_core::object::{AxisSet, Object};
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text;
-use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
+use lineshaft_msgs::srv::{
+    RecordRequest, RecordResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse,
+};
 use lineshaft_ros::layer::TOLD;
 use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{
-    BackendHealth, Busy, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
+    BackendHealth, Busy, Coming, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
 };
 use lineshaft_ros::surface::{StateSender, is_told};
 use rtrb::Consumer;
@@ -51,6 +54,7 @@ pub struct Handle {
     /// What each axis' drive is called, in file order; none for a virtual axis.
     hardware: Vec<Option<String>>,
     health: HealthBoard,
+    objects: ObjectDesk,
     begins_active: bool,
 }
 
@@ -77,6 +81,7 @@ impl Handle {
             statistics: Arc::default(),
             hardware: Vec::new(),
             health: HealthBoard::default(),
+            objects: ObjectDesk::default(),
             begins_active: true,
             robot_description: None,
         }
@@ -95,6 +100,11 @@ impl Handle {
     /// The same with how its backends do.
     pub fn with_health(self, health: HealthBoard) -> Self {
         Self { health, ..self }
+    }
+
+    /// The same with where objects of its devices are asked for.
+    pub fn with_objects(self, objects: ObjectDesk) -> Self {
+        Self { objects, ..self }
     }
 
     /// The same on a machine that waits to be configured; without it cycles run and axes may be switched on at once.
@@ -136,6 +146,18 @@ impl Handle {
     /// Its lane is full, or no cycle runs.
     pub fn submit_as(&self, source: Source, action: Action) -> Result<u64, Busy> {
         self.commander.submit(source, action)
+    }
+}
+
+impl Handle {
+    /// Are the buses open, or is there none that could be?
+    fn has_buses(&self) -> Result<(), String> {
+        match self.gate.state() {
+            _ if self.objects.is_empty() => Ok(()),
+            GateState::Open => Ok(()),
+            GateState::Closed => Err(Busy::Unconfigured.to_string()),
+            GateState::Failed(why) => Err(why),
+        }
     }
 }
 
@@ -189,6 +211,16 @@ impl Host for Handle {
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>) {
         // A recorder that has ended drops the answer, which tells the asker.
         let _ = self.recorder.send((request, answer));
+    }
+
+    fn read_object(&self, request: &SdoReadRequest) -> Result<Coming<SdoReadResponse>, String> {
+        self.has_buses()?;
+        self.objects.read(request)
+    }
+
+    fn write_object(&self, request: &SdoWriteRequest) -> Result<Coming<SdoWriteResponse>, String> {
+        self.has_buses()?;
+        self.objects.write(request)
     }
 
     fn begins_active(&self) -> bool {

@@ -11,6 +11,7 @@ pub mod frames;
 pub mod gate;
 pub mod keeper;
 pub mod lanes;
+pub mod objects;
 mod pool;
 pub mod realtime;
 pub mod recorder;

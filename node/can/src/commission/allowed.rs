@@ -4,6 +4,7 @@
 //! Refuses  reading what can only be written and the other way round, another type, values beyond the limits, a value without a type
 //! Source   CiA 306-1
 
+use super::kind;
 use crate::eds::{DataType, Dictionary, Value, ValueError};
 use crate::sdo::Object;
 use std::cmp::Ordering;
@@ -22,20 +23,17 @@ pub enum Refusal {
         access: &'static str,
     },
     /// Another type than was given.
-    #[error("{label} is {known} by the EDS, not {given}; leave --type out")]
+    #[error("{label} is {known} by the EDS, not {given}; leave the type out")]
     Type {
         /// The object and its name.
         label: String,
         /// By the EDS.
         known: DataType,
-        /// On the command line.
+        /// By whoever asks.
         given: DataType,
     },
     /// Nobody says what its bytes are.
-    #[error(
-        "the type of {0} is not known: give --type (u8, u16, u32, u64, i8, i16, i32, i64, f32, f64, string, bytes, domain), or an EDS \
-         that has the object"
-    )]
+    #[error("the type of {0} is not known: give it ({types}), or an EDS that has the object", types = kind::list())]
     NoType(String),
     /// The value is none of the type.
     #[error("{0}: {1}")]
@@ -209,9 +207,9 @@ mod tests {
         );
         assert_eq!(
             refused(0x6060, "1", Some(DataType::Unsigned8)),
-            format!("6060h:00 Modes of operation is INTEGER8 {by}, not UNSIGNED8; leave --type out")
+            format!("6060h:00 Modes of operation is INTEGER8 {by}, not UNSIGNED8; leave the type out")
         );
-        assert!(refused(0x5000, "1", None).starts_with("the type of 5000h:00 is not known: give --type (u8, "));
+        assert!(refused(0x5000, "1", None).starts_with("the type of 5000h:00 is not known: give it (bool, u8, "));
         assert!(refused(0x607A, "fast", None).contains("is no number"));
     }
 

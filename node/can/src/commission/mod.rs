@@ -10,6 +10,7 @@ mod decode;
 mod device;
 mod emergency;
 mod exchange;
+pub mod kind;
 mod layer;
 mod object;
 mod pdos;

@@ -165,6 +165,12 @@ pub enum LayoutError {
 }
 
 impl Layout {
+    /// All objects that its PDOs carry.
+    pub fn mapped(&self) -> impl Iterator<Item = Object> {
+        let asked = self.asked.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object);
+        asked.chain(self.told.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object))
+    }
+
     /// The PDOs of a drive that is commanded so; without a dictionary those objects alone that the interface and the terminals need.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! The CANopen master of a bus, in two halves behind the backend contract.
 
+mod asked;
 mod backend;
 mod bus;
 mod configure;
@@ -12,6 +13,7 @@ mod service;
 mod sync;
 mod terminals;
 
+pub use asked::{Access, Denied, LONGEST, MOST_WAITING, Objects, Ticket};
 pub use backend::CanBackend;
 pub use service::{CanService, bus};
 pub use terminals::ANALOG_CHANNELS;

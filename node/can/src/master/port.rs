@@ -18,8 +18,10 @@ const ROOM: usize = 1024;
 const LOOK: Duration = Duration::from_micros(200);
 /// Between two looks whether a transfer is done, while the cycles run the bus.
 const LOOK_IN_CYCLES: Duration = Duration::from_millis(1);
-/// Bytes of the longest object that is read, and of a last segment.
-const LONGEST: usize = 256;
+/// Bytes of the longest object that the master itself reads.
+const LONGEST: usize = 249;
+/// What the last segment of an object is filled up with has room, too (bytes).
+const SEGMENT: usize = 7;
 /// Without a cycle for so long nobody runs the bus any more.
 const DEAD: Duration = Duration::from_secs(2);
 
@@ -133,7 +135,12 @@ impl Port {
 
     /// Reads an object.
     pub(crate) fn read(&mut self, node: NodeId, object: Object) -> Result<Vec<u8>, SdoError> {
-        self.transfer(node, object, || (Vec::with_capacity(LONGEST), false))
+        self.read_long(node, object, LONGEST)
+    }
+
+    /// Reads an object of at most so many bytes.
+    pub(crate) fn read_long(&mut self, node: NodeId, object: Object, most: usize) -> Result<Vec<u8>, SdoError> {
+        self.transfer(node, object, || (Vec::with_capacity(most.saturating_add(SEGMENT)), false))
     }
 
     /// Writes an object.

@@ -5,6 +5,7 @@
 //! Refuses  to start where the way does not open, or where a device is there and is not what the cell says
 //! Source   CiA 301, CiA 302-2; MACS-CAN-04, MACS-CAN-06
 
+use super::asked::{Line, Objects, line};
 use super::backend::CanBackend;
 use super::bus::{Bus, Losses, Report};
 use super::configure::{self, Configured, Refusal};
@@ -47,6 +48,8 @@ pub struct CanService {
     /// When an emergency message of a foreign node was told last.
     told: Option<Instant>,
     losses: Arc<Losses>,
+    /// Objects that others ask for, and where they do.
+    asked: (Objects, Line),
     /// Frames that had found no room when that was looked at last, and when it was last seen to grow.
     refused: (u64, Option<Instant>),
 }
@@ -58,10 +61,31 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
     let losses = port.lock().losses();
     let known = Known { problem: None, due: Instant::now(), is_configured: false };
     let devices = vec![known; config.devices.len()];
-    (backend, CanService { config, port, devices, lost: None, reopened: None, told: None, losses, refused: (0, None) })
+    let service = CanService {
+        config,
+        port,
+        devices,
+        lost: None,
+        reopened: None,
+        told: None,
+        losses,
+        asked: line(),
+        refused: (0, None),
+    };
+    (backend, service)
 }
 
 impl CanService {
+    /// Where objects of its nodes are asked for while cycles run.
+    pub fn objects(&self) -> Objects {
+        self.asked.0.clone()
+    }
+
+    fn serve_askers(&mut self) {
+        let lost = self.lost.as_ref().map(|(why, ..)| why.as_str());
+        self.asked.1.serve(&mut self.port, lost);
+    }
+
     fn error(&self, problem: impl Into<String>) -> ServiceError {
         ServiceError { backend: self.config.name.clone(), problem: problem.into() }
     }
@@ -247,6 +271,7 @@ impl Service for CanService {
         self.port.set_in_cycles(true);
         self.hear();
         self.reopen();
+        self.serve_askers();
         if self.lost.is_none() {
             for place in 0..self.devices.len() {
                 // The cycles are over: stop() comes next, and need not wait for the others. Where the program was only frozen, the next look
@@ -259,6 +284,7 @@ impl Service for CanService {
                     // What is wrong stands with the others.
                     let _ = self.configure(place);
                     self.hear();
+                    self.serve_askers();
                 }
             }
         }
@@ -266,6 +292,7 @@ impl Service for CanService {
     }
 
     fn stop(&mut self) {
+        self.asked.1.turn_away();
         self.port.set_in_cycles(false);
         self.port.lock().rest();
         for place in 0..self.devices.len() {

@@ -8,9 +8,18 @@ use lineshaft_core::event::Event;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::signal::{Board, Directory};
-use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
+use lineshaft_msgs::srv::{
+    RecordRequest, RecordResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse,
+};
+use std::pin::Pin;
 use std::sync::Arc;
 use tokio::sync::oneshot;
+
+/// There is nobody who could have objects.
+pub const NO_BUS: &str = "the cell has no backend on CAN";
+
+/// An answer that comes within a bounded time.
+pub type Coming<T> = Pin<Box<dyn Future<Output = T> + Send>>;
 
 /// The signals of one cycle, and when it was.
 #[derive(Clone, Debug, Default)]
@@ -158,6 +167,22 @@ pub trait Host: Send + Sync + 'static {
     /// Asks the recorder, which answers when it is done or has failed. An answer that is dropped means that the machine has
     /// stopped.
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>);
+
+    /// Has an object of a device on a bus read. Requests are begun in the order of these calls.
+    ///
+    /// # Errors
+    /// What is wrong with it, in one sentence; no device was asked.
+    fn read_object(&self, _request: &SdoReadRequest) -> Result<Coming<SdoReadResponse>, String> {
+        Err(NO_BUS.to_owned())
+    }
+
+    /// Has one written, likewise.
+    ///
+    /// # Errors
+    /// What is wrong with it, in one sentence; no device was asked.
+    fn write_object(&self, _request: &SdoWriteRequest) -> Result<Coming<SdoWriteResponse>, String> {
+        Err(NO_BUS.to_owned())
+    }
 
     /// The description of the robot (URDF) that is published; none: nothing is.
     fn robot_description(&self) -> Option<&str> {

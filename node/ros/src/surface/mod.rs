@@ -26,6 +26,7 @@ mod probe_axis;
 mod record;
 mod refusing;
 mod robot_description;
+mod sdo;
 mod set_output;
 mod set_position;
 mod signals;
@@ -90,6 +91,7 @@ impl Surface {
         goal::start::<Synchronize>(&node, &hub, &mut tasks)?;
         home::start(&node, &hub, &mut tasks)?;
         set_position::start(&node, &hub, &mut tasks)?;
+        sdo::start(&node, &hub, &mut tasks)?;
         set_output::start(&node, &hub, &mut tasks)?;
         record::start(&node, &hub, &mut tasks)?;
         robot_description::start(&node, &hub, &mut tasks)?;

@@ -8,8 +8,9 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{
 use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
 use lineshaft_msgs::srv::{
     AxesCommandRequest, AxesCommandResponse, ImportParametersRequest, ImportParametersResponse, RecordRequest,
-    RecordResponse, ResetParametersRequest, ResetParametersResponse, SetOutputRequest, SetOutputResponse,
-    SetPositionRequest, SetPositionResponse, VocabularyRequest, VocabularyResponse,
+    RecordResponse, ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest,
+    SdoWriteResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest, SetPositionResponse, VocabularyRequest,
+    VocabularyResponse,
 };
 
 /// An answer to requests of type `Q`.
@@ -32,6 +33,7 @@ with_a_message! {
     AxesCommandRequest, AxesCommandResponse;
     ImportParametersRequest, ImportParametersResponse;
     ResetParametersRequest, ResetParametersResponse;
+    SdoWriteRequest, SdoWriteResponse;
     SetOutputRequest, SetOutputResponse;
     SetPositionRequest, SetPositionResponse;
     TriggerRequest, TriggerResponse;
@@ -40,6 +42,12 @@ with_a_message! {
 
 impl Refusing<RecordRequest> for RecordResponse {
     fn refusing(_: &RecordRequest, message: String) -> Self {
+        Self { success: false, message, ..Self::default() }
+    }
+}
+
+impl Refusing<SdoReadRequest> for SdoReadResponse {
+    fn refusing(_: &SdoReadRequest, message: String) -> Self {
         Self { success: false, message, ..Self::default() }
     }
 }

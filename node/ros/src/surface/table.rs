@@ -25,7 +25,8 @@ use lineshaft_msgs::foreign::std_srvs::srv::Trigger;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, Setpoints};
 use lineshaft_msgs::srv::{
-    AxesCommand, ExportParameters, ImportParameters, Record, ResetParameters, SetOutput, SetPosition, Vocabulary,
+    AxesCommand, ExportParameters, ImportParameters, Record, ResetParameters, SdoRead, SdoWrite, SetOutput,
+    SetPosition, Vocabulary,
 };
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
@@ -228,6 +229,18 @@ pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
     Qos::SERVICE,
     "sets digital outputs (0, 1) and analog ones (V) for good, all of a request in one cycle, or none; see [io.md](io.md)",
 ).in_time();
+pub(super) const SDO_READ: Served<SdoRead> = Served::new(
+    "~/sdo_read",
+    Qos::SERVICE,
+    "an object of a device on CAN, by its name in the EDS or its index, beside the cycles; see [can.md](can.md#objects-by-ros)",
+)
+.in_time();
+pub(super) const SDO_WRITE: Served<SdoWrite> = Served::new(
+    "~/sdo_write",
+    Qos::SERVICE,
+    "the same the other way; refused for what the master writes, and for mapped objects of a drive under power",
+)
+.in_time();
 pub(super) const ABORT: Served<Trigger> = Served::new(
     "~/abort",
     Qos::SERVICE,
@@ -392,6 +405,8 @@ pub const ROWS: &[Row] = &[
     HOME.0,
     SET_POSITION.0,
     SET_OUTPUT.0,
+    SDO_READ.0,
+    SDO_WRITE.0,
     RECORD.0,
     VOCABULARY.0,
     GET_PARAMETERS.0,

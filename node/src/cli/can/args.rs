@@ -1,6 +1,8 @@
 //! The words of `lineshaft can`, what each may be, and their help.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum};
+use lineshaft_can::commission::kind;
 use lineshaft_can::eds::DataType;
 use lineshaft_can::transport::Address;
 use lineshaft_can::{NmtCommand, NodeId, lss};
@@ -208,8 +210,8 @@ pub(in crate::cli) struct ReadArgs {
     /// The object: 6064, 0x6064, 6099:01, or a name of the EDS
     pub(super) object: String,
     /// What its bytes are, where no EDS says it
-    #[arg(long = "type", value_name = "TYPE")]
-    pub(super) kind: Option<TypeArg>,
+    #[arg(long = "type", value_name = "TYPE", value_parser = data_type())]
+    pub(super) kind: Option<DataType>,
     /// Write the bytes to this file; one that exists is replaced
     #[arg(long, value_name = "PATH")]
     pub(super) file: Option<PathBuf>,
@@ -225,8 +227,8 @@ pub(in crate::cli) struct WriteArgs {
     #[arg(allow_hyphen_values = true, required_unless_present = "file", conflicts_with = "file")]
     pub(super) value: Option<String>,
     /// What its bytes are, where no EDS says it
-    #[arg(long = "type", value_name = "TYPE")]
-    pub(super) kind: Option<TypeArg>,
+    #[arg(long = "type", value_name = "TYPE", value_parser = data_type())]
+    pub(super) kind: Option<DataType>,
     /// Take the bytes from this file
     #[arg(long, value_name = "PATH")]
     pub(super) file: Option<PathBuf>,
@@ -308,45 +310,9 @@ impl From<NmtArg> for NmtCommand {
     }
 }
 
-/// Types of values.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-#[value(rename_all = "lower")]
-pub(in crate::cli) enum TypeArg {
-    Bool,
-    U8,
-    U16,
-    U32,
-    U64,
-    I8,
-    I16,
-    I32,
-    I64,
-    F32,
-    F64,
-    String,
-    Bytes,
-    Domain,
-}
-
-impl From<TypeArg> for DataType {
-    fn from(argument: TypeArg) -> Self {
-        match argument {
-            TypeArg::Bool => Self::Boolean,
-            TypeArg::U8 => Self::Unsigned8,
-            TypeArg::U16 => Self::Unsigned16,
-            TypeArg::U32 => Self::Unsigned32,
-            TypeArg::U64 => Self::Unsigned64,
-            TypeArg::I8 => Self::Integer8,
-            TypeArg::I16 => Self::Integer16,
-            TypeArg::I32 => Self::Integer32,
-            TypeArg::I64 => Self::Integer64,
-            TypeArg::F32 => Self::Real32,
-            TypeArg::F64 => Self::Real64,
-            TypeArg::String => Self::VisibleString,
-            TypeArg::Bytes => Self::OctetString,
-            TypeArg::Domain => Self::Domain,
-        }
-    }
+/// Types of values by their names.
+fn data_type() -> impl TypedValueParser<Value = DataType> {
+    PossibleValuesParser::new(kind::names()).try_map(|name| kind::named(&name).ok_or("no type"))
 }
 
 fn node(text: &str) -> Result<NodeId, String> {

@@ -19,7 +19,7 @@ pub(super) fn read(args: &ReadArgs) -> Result<(), Failure> {
     let object = known.object(node, &args.object)?;
     let dictionary = known.dictionary(node);
     readable(object, dictionary)?;
-    let data_type = type_of(object, args.kind.map(DataType::from), dictionary)?;
+    let data_type = type_of(object, args.kind, dictionary)?;
     // Blocks are for what can be long.
     let is_long = matches!(data_type, Some(DataType::Domain | DataType::OctetString));
     let in_blocks = args.file.is_some() || is_long;
@@ -52,7 +52,7 @@ pub(super) fn write(args: &WriteArgs) -> Result<(), Failure> {
     let known = Known::of(&args.node.bus)?.with_eds(node, args.node.eds.as_deref())?;
     let object = known.object(node, &args.object)?;
     let dictionary = known.dictionary(node);
-    let given = args.kind.map(DataType::from);
+    let given = args.kind;
     let (bytes, shown) = match (&args.file, &args.value) {
         (Some(path), _) => {
             writable(object, dictionary)?;

@@ -13,6 +13,7 @@ use crate::run::frames::{FrameReceiver, frames};
 use crate::run::gate::Gate;
 use crate::run::keeper::Keeper;
 use crate::run::lanes;
+use crate::run::objects::ObjectDesk;
 use crate::run::recorder::{Asked, FlightRecorder, Recorder};
 use crate::run::samples::{Cadences, samples};
 use crate::run::services::Services;
@@ -91,6 +92,8 @@ pub(super) struct Given {
     pub store: Option<Store>,
     /// Its first command.
     pub first: Option<Action>,
+    /// Where objects of its devices are asked for.
+    pub objects: ObjectDesk,
 }
 
 /// The threads of a running machine.
@@ -164,6 +167,7 @@ impl Prepared {
             .with_cycles(Arc::clone(&gate), Arc::clone(&statistics))
             .with_hardware(cell.hardware_names())
             .with_health(services.as_ref().map(Services::board).unwrap_or_default())
+            .with_objects(given.objects)
             .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
         // Before the first cycle, and so before anything else that is asked.
         if let Some(Err(busy)) = given.first.map(|action| handle.submit_as(Source::Cli, action)) {

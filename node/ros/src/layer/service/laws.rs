@@ -10,8 +10,8 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{
 };
 use lineshaft_msgs::foreign::std_srvs::srv::TriggerRequest;
 use lineshaft_msgs::srv::{
-    AxesCommandRequest, ImportParametersRequest, RecordRequest, ResetParametersRequest, SetPositionRequest,
-    VocabularyRequest,
+    AxesCommandRequest, ImportParametersRequest, RecordRequest, ResetParametersRequest, SdoReadRequest,
+    SdoWriteRequest, SetPositionRequest, VocabularyRequest,
 };
 use lineshaft_msgs::{GetResultRequest, SendGoalRequest};
 use serde::Serialize;
@@ -29,7 +29,7 @@ use crate::link::protocol::{Related, Sample, SampleId};
 pub fn any_request(bytes: &[u8]) {
     let [form, kind, bytes @ ..] = bytes else { return };
     let sample = sample(*form, bytes);
-    match kind % 15 {
+    match kind % 17 {
         0 => law::<AxesCommandRequest>(&sample),
         1 => law::<SetPositionRequest>(&sample),
         2 => law::<VocabularyRequest>(&sample),
@@ -44,6 +44,8 @@ pub fn any_request(bytes: &[u8]) {
         11 => law::<SendGoalRequest<MoveAxisGoal>>(&sample),
         12 => law::<SendGoalRequest<ProbeAxisGoal>>(&sample),
         13 => law::<SendGoalRequest<SynchronizeGoal>>(&sample),
+        14 => law::<SdoReadRequest>(&sample),
+        15 => law::<SdoWriteRequest>(&sample),
         _ => {
             law::<SendGoalRequest<HomeAxisGoal>>(&sample);
             law::<TriggerRequest>(&sample);

@@ -1,0 +1,45 @@
+//! `~/sdo_read` and `~/sdo_write`: objects of devices on CAN, answered when the device has, or when it is known that it will not.
+
+use super::host::{Coming, Host};
+use super::hub::Hub;
+use super::refusing::Refusing;
+use super::table;
+use crate::layer::{CreateError, Node, Request, ServiceServer};
+use lineshaft_msgs::Service;
+use std::sync::Arc;
+use tokio::task::JoinSet;
+
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+    let (read, write) = (table::SDO_READ.server(node)?, table::SDO_WRITE.server(node)?);
+    tasks.spawn(serve(read, Arc::clone(hub), |host, request| host.read_object(request)));
+    tasks.spawn(serve(write, Arc::clone(hub), |host, request| host.write_object(request)));
+    Ok(())
+}
+
+async fn serve<S: Service>(
+    mut server: ServiceServer<S>,
+    hub: Arc<Hub>,
+    ask: fn(&dyn Host, &S::Request) -> Result<Coming<S::Response>, String>,
+) where
+    S::Response: Refusing<S::Request>,
+{
+    // Waiting requests end with the service.
+    let mut open = JoinSet::new();
+    let service = server.name().to_string();
+    while let Some(Request { message, reply }) = server.next().await {
+        while open.try_join_next().is_some() {}
+        // They stand in the line of their bus from here on, in their order.
+        match ask(hub.host.as_ref(), &message) {
+            Ok(answer) => {
+                open.spawn(async move {
+                    // A client that has gone is no fault of the machine; the layer logs it.
+                    let _ = reply.send(answer.await).await;
+                });
+            }
+            Err(sentence) => {
+                hub.refuse(format!("{service}: {sentence}"));
+                reply.send_soon(S::Response::refusing(&message, sentence));
+            }
+        }
+    }
+}

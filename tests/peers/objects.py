@@ -1,0 +1,64 @@
+"""~/sdo_read and ~/sdo_write, from docs/contract.md, section 7."""
+from dataclasses import dataclass, field
+
+from cyclonedds.idl import IdlStruct, types as t
+
+from report import Failure, show
+
+
+@dataclass
+class SdoReadRequest(IdlStruct, typename="SdoReadRequest"):
+    axis: str = ""
+    backend: str = ""
+    node: t.uint8 = 0
+    object: str = ""
+    type: str = ""
+
+
+@dataclass
+class SdoReadResponse(IdlStruct, typename="SdoReadResponse"):
+    success: bool = False
+    message: str = ""
+    data: t.sequence[t.uint8] = field(default_factory=list)
+    value: str = ""
+    type: str = ""
+
+
+@dataclass
+class SdoWriteRequest(IdlStruct, typename="SdoWriteRequest"):
+    axis: str = ""
+    backend: str = ""
+    node: t.uint8 = 0
+    object: str = ""
+    type: str = ""
+    value: str = ""
+
+
+@dataclass
+class SdoWriteResponse(IdlStruct, typename="SdoWriteResponse"):
+    success: bool = False
+    message: str = ""
+
+
+def sdo_read(peer, a):
+    client = peer.service(a.node, "sdo_read", "SdoRead", SdoReadRequest, SdoReadResponse)
+    r = client.call(SdoReadRequest(a.axis, a.backend, a.device, " ".join(a.object), a.type))
+    show(success=r.success, message=r.message, data=bytes(r.data).hex(), value=r.value, type=r.type)
+    if not r.success:
+        raise Failure(r.message)
+
+
+def sdo_write(peer, a):
+    client = peer.service(a.node, "sdo_write", "SdoWrite", SdoWriteRequest, SdoWriteResponse)
+    r = client.call(SdoWriteRequest(a.axis, a.backend, a.device, " ".join(a.object), a.type, " ".join(a.value)))
+    show(success=r.success, message=r.message)
+    if not r.success:
+        raise Failure(r.message)
+
+
+def add_commands(command):
+    for name, run in (("sdo-read", sdo_read), ("sdo-write", sdo_write)):
+        p = command(name, run, axis="", backend="", device=0, type="")
+        p.add_argument("--object", nargs="*", default=[])
+        if run is sdo_write:
+            p.add_argument("--value", nargs="*", default=[])
