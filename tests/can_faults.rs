@@ -105,7 +105,7 @@ const FAULTS: [Fault; 6] = [
 /// Proves: MACS-CAN-06
 #[test]
 fn a_drive_that_is_lost_stops_its_axis_alone_and_comes_back() {
-    let mut drives = CanDrives::boot("1-3");
+    let mut drives = CanDrives::boot("1-4");
     let guarded = ", heartbeat: none, guarding: {time: 50 ms, factor: 3}";
     let axes = [axis("x", 1, "", ""), axis("y", 2, "", ""), axis("z", 3, guarded, "")].concat();
     let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axes);
@@ -145,12 +145,17 @@ steps:
   - {{event: {{kind: error, source: y}}, mode: never}}
   - {{signal: y.state, at: 26 s, is: DISCRETE_MOTION}}
   - {{signal: y.actual.position, at: end, is: 130000}}
-  - {{event: {{kind: warning, source: x, code: EMERGENCY, text: \"2310h\"}}, count: 1}}
+  - {{event: {{kind: warning, source: x, code: EMERGENCY, text: \"emergency 2310h (over-current at the output), register 01h (generic)\"}}, count: 1}}
+  - {{event: {{kind: warning, source: machine, code: FOREIGN_EMERGENCY, text: \"node 4, no drive of the cell, sends emergency FF01h (of the vendor)\"}}, count: 1}}
+  - {{event: {{kind: warning, source: x, text: \"node 1: it has booted\"}}, mode: eventually}}
+  - {{event: {{kind: warning, source: z, text: \"node 3: it is silent: no sign of life\"}}, count: 1}}
+  - {{event: {{kind: warning, source: z, severity: info, text: \"node 3: it is configured and operational\"}}, count: 2}}
+  - {{event: {{source: y, code: NODE_CHANGED}}, count: 1}}
   - {{signal: x.warning, is: 1, mode: eventually}}
 {expect}"
     ));
     run.until(&mut drives, 1, "it moves", |shown| shown.velocity == 10_000);
-    for command in ["emcy 1 0x2310", "warning 1 1"] {
+    for command in ["emcy 1 0x2310", "emcy 4 0xFF01", "warning 1 1"] {
         drives.tell(command);
     }
     thread::sleep(ms(200));

@@ -125,7 +125,7 @@ pub enum Action {
     /// A request that never became a command, with the sentence that refused it: it is answered with the event `refused` of
     /// code BAD_REQUEST, so that every refusal stands in the event stream.
     Refuse(Box<str>),
-    /// A notice from the recorder, which becomes an event `warning` of the machine. That event is its answer: it is neither
+    /// A notice from the recorder or from a backend, which becomes an event `warning` of the machine, or of the axis that it names. That event is its answer: it is neither
     /// accepted nor, unless a cycle has more than [`MAX_COMMANDS`](crate::machine::MAX_COMMANDS), refused.
     Note {
         /// One of [`Code::NOTES`].

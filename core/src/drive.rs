@@ -2,14 +2,18 @@
 
 mod backend;
 mod cia402;
+mod error_code;
+mod node;
 mod service;
 mod switching;
 
 use crate::object::Object;
 pub use backend::{Backend, Capabilities, Objects, Terminal};
 pub use cia402::*;
+pub use error_code::{error_text, register_texts};
+pub use node::{ForeignEmergency, NodeChange, NodeNotice};
 use serde::{Deserialize, Serialize};
-pub use service::{Health, Service, ServiceError};
+pub use service::{Health, Note, Service, ServiceError};
 pub use switching::{SpeedOutputs, Switching};
 
 /// Most latches of one cycle; what comes beyond is counted in [`Inputs::latches_lost`].

@@ -200,7 +200,7 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
                 Action::SetMasterPosition(SetMasterPosition { axis: numbers.below(3) as u16, position })
             }
             2 => Action::Refuse("nobody knows what this is".into()),
-            3 => Action::Note { code: Code::NOTES[numbers.below(3) as usize], number: 7 },
+            3 => Action::Note { code: Code::NOTES[numbers.below(Code::NOTES.len() as u64) as usize], number: 7 },
             4 | 5 => Action::Cancel { goal: sequence.saturating_sub(1 + numbers.below(20)) },
             _ => Action::vocabulary(module(numbers)),
         };

@@ -278,6 +278,20 @@ codes! {
         remedy: "Look the code up in the manual of the drive. An error of the axis follows only where the drive goes into fault.",
     }
 
+    /// The node of a drive has booted, fallen silent, come back, changed its state.
+    NODE_CHANGED = 10370, NoError {
+        says: "the node of a drive has changed its state",
+        cause: "The node of a drive on CAN has booted, is silent, is back, is configured and operational, or was stopped by somebody (NMT).",
+        remedy: "Nothing where it is operational. Else look at its power, its cable, and who else is on the bus; it is configured again by itself.",
+    }
+
+    /// A node that is no drive of the cell has sent an emergency message.
+    FOREIGN_EMERGENCY = 10371, NoError {
+        says: "a node that is no drive of the cell sends an emergency message",
+        cause: "A node of a bus that is no drive of the cell has sent an emergency message: error code (as in 603Fh), error register (1001h).",
+        remedy: "Look the code up in the manual of that device. No axis has an error by it.",
+    }
+
     /// A newer command took the axis over.
     REPLACED = 10101, NoError {
         says: "a newer command took the axis over",

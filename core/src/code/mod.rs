@@ -70,8 +70,10 @@ pub const DRIVE_FAULT: Row = Row {
 };
 
 impl Code {
-    /// What the recorder has to say: cycles that are missing, the number of the system's error (0 where it is not known).
-    pub const NOTES: [Code; 3] = [Code::RECORD_LOST, Code::RECORD_FAILED, Code::FLIGHT_FAILED];
+    /// What the recorder has to say: cycles that are missing, the number of the system's error (0 where it is not known); what a backend
+    /// has, of nodes of its bus: [`NodeNotice`](crate::drive::NodeNotice), [`ForeignEmergency`](crate::drive::ForeignEmergency).
+    pub const NOTES: [Code; 5] =
+        [Code::RECORD_LOST, Code::RECORD_FAILED, Code::FLIGHT_FAILED, Code::NODE_CHANGED, Code::FOREIGN_EMERGENCY];
 
     /// First code of drive faults: 0x10000 + object 603Fh.
     pub const DRIVE_FAULT: u32 = 0x1_0000;

@@ -1,5 +1,7 @@
 //! The half of a backend that takes its time: starting, stopping, health. It runs on a thread of its own, never on that of the cycle.
 
+use crate::code::Code;
+
 /// What a backend has to say of itself outside the cycle.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("backend {backend}: {problem}")]
@@ -10,6 +12,15 @@ pub struct ServiceError {
     pub problem: String,
 }
 
+/// Something that has happened to a backend, which becomes an event of the machine (`Action::Note`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// One of [`Code::NOTES`].
+    pub code: Code,
+    /// What the code counts or names.
+    pub number: i64,
+}
+
 /// How a backend does, for people.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Health {
@@ -17,6 +28,8 @@ pub struct Health {
     pub problems: Vec<String>,
     /// What else is worth knowing: a name, with its unit, and a value.
     pub values: Vec<(&'static str, String)>,
+    /// What has happened since it was asked last.
+    pub notes: Vec<Note>,
 }
 
 /// The service half of a backend; the cyclic one is its [`Backend`](super::Backend). What the halves tell each other goes through rings

@@ -4,6 +4,7 @@ use super::{MAX_COMMANDS, Machine, Told};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, Probe, ProbeEdge, Synchronize};
 use crate::config::IoKind;
+use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
 
@@ -115,12 +116,30 @@ impl Machine {
             }
             Action::Refuse(_) => Err(Refusal::new(Code::BAD_REQUEST, Object::Machine)),
             Action::Note { code, number } => {
-                let severity = if *code == Code::RECORD_LOST { Severity::Warn } else { Severity::Error };
-                let event = Event::new(severity, Kind::Warning, Object::Machine, *code).of_command(command.sequence);
+                let (severity, object) = self.note(*code, *number);
+                let event = Event::new(severity, Kind::Warning, object, *code).of_command(command.sequence);
                 self.events.push(event.with(Number::Count(*number), Number::None));
                 Ok(false)
             }
         }
+    }
+
+    /// How much a note matters, and what it is about.
+    fn note(&self, code: Code, number: i64) -> (Severity, Object) {
+        let notice = NodeNotice::from_number(number).filter(|_| code == Code::NODE_CHANGED);
+        let axis = notice.map(|notice| notice.axis).filter(|axis| usize::from(*axis) < self.state.axes.len());
+        let is_over = match code {
+            Code::NODE_CHANGED => notice.is_some_and(|notice| notice.change == NodeChange::Ready),
+            // Code 0 says that an error is over.
+            Code::FOREIGN_EMERGENCY => ForeignEmergency::from_number(number).is_some_and(|message| message.code == 0),
+            _ => false,
+        };
+        let severity = match code {
+            _ if is_over => Severity::Info,
+            Code::RECORD_LOST | Code::NODE_CHANGED | Code::FOREIGN_EMERGENCY => Severity::Warn,
+            _ => Severity::Error,
+        };
+        (severity, axis.map_or(Object::Machine, Object::Axis))
     }
 
     pub(super) fn accept(&mut self, command: &Command, object: Object) {

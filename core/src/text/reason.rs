@@ -4,6 +4,7 @@ use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_r
 use super::{number_text, plain, row};
 use crate::code::{Code, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
+use crate::drive::{ForeignEmergency, NodeNotice, error_text, register_texts};
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
 use crate::state::AxisState;
@@ -123,6 +124,16 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             _ => by_row(),
         },
         Code::EMERGENCY => emergency(event),
+        Code::NODE_CHANGED => match told(event).and_then(NodeNotice::from_number) {
+            Some(NodeNotice { node, change, .. }) => format!("node {node}: {}", change.text()),
+            None => by_row(),
+        },
+        Code::FOREIGN_EMERGENCY => match told(event).and_then(ForeignEmergency::from_number) {
+            Some(ForeignEmergency { node, code, register }) => {
+                format!("node {node}, no drive of the cell, sends emergency {}, {}", error(code), errors(register))
+            }
+            None => by_row(),
+        },
         Code::SOFTWARE_LIMIT_POSITIVE => format!("stopped at max_position {}", limit_of(event, config)),
         Code::SOFTWARE_LIMIT_NEGATIVE => format!("stopped at min_position {}", limit_of(event, config)),
         Code::ENCODER_JUMP if event.limit == Number::None => format!("the leader jumped by {} in one cycle", asked()),
@@ -247,7 +258,22 @@ fn emergency(event: &Event) -> String {
     let bytes = data.to_le_bytes();
     let [a, b, c, d, e, ..] = bytes;
     let (code, register) = (told & 0xFFFF, told >> 16 & 0xFF);
-    format!(
-        "the drive sends emergency {code:04X}h, register {register:02X}h, data {a:02X} {b:02X} {c:02X} {d:02X} {e:02X}"
-    )
+    let (error, errors) = (error(code as u16), errors(register as u8));
+    format!("the drive sends emergency {error}, {errors}, data {a:02X} {b:02X} {c:02X} {d:02X} {e:02X}")
+}
+
+/// The number of a note.
+fn told(event: &Event) -> Option<i64> {
+    if let Number::Count(number) = event.asked { Some(number) } else { None }
+}
+
+/// An error code, and what the standards say of it.
+fn error(code: u16) -> String {
+    error_text(code).map_or_else(|| format!("{code:04X}h"), |text| format!("{code:04X}h ({text})"))
+}
+
+/// The error register.
+fn errors(register: u8) -> String {
+    let texts = register_texts(register.into()).collect::<Vec<_>>().join(", ");
+    if texts.is_empty() { format!("register {register:02X}h") } else { format!("register {register:02X}h ({texts})") }
 }

@@ -6,7 +6,7 @@
 //!          its command. JSON is YAML: the text does the same as the `do` of a scenario's step, where the ids that it
 //!          cancels are carried
 //! Reads    the same, by the scenario's own reader, and two verbs that no scenario has: `refuse`, a request that never became
-//!          a command, and `note`, a notice from the recorder
+//!          a command, and `note`, a notice from the recorder or a backend
 //! Refuses  everything else, with one sentence. Actions that no door makes (of an axis that does not exist, NaN) are written
 //!          so that they are refused here
 //!
@@ -105,8 +105,8 @@ fn note(arguments: &Value<'_>) -> Option<Action> {
         let known = code.integer(0..=u32::MAX).map(Code)?;
         let is_note = Code::NOTES.contains(&known);
         if !is_note {
-            let [lost, failed, flight] = Code::NOTES.map(|code| code.0);
-            let sentence = format!("code is {}; {lost}, {failed} and {flight} are notes of the recorder", known.0);
+            let notes = Code::NOTES.map(|code| code.0.to_string()).join(", ");
+            let sentence = format!("code is {}; notes are {notes}", known.0);
             code.refuse(sentence, None);
         }
         is_note.then_some(known)

@@ -5,7 +5,7 @@
 //! Refuses  to let cycles run where one does not start: those that have started stop then
 
 use super::gate::Gate;
-use lineshaft_core::drive::{Health, Service, ServiceError};
+use lineshaft_core::drive::{Health, Note, Service, ServiceError};
 use lineshaft_ros::surface::host::BackendHealth;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -60,8 +60,8 @@ impl Services {
         self.board.clone()
     }
 
-    /// Runs until `stop` is set and no cycle runs.
-    pub fn run(mut self, stop: &AtomicBool) {
+    /// Runs until `stop` is set and no cycle runs; `tell` gets what happens to what they hang on.
+    pub fn run(mut self, stop: &AtomicBool, tell: &(impl Fn(Note) + Sync)) {
         while !stop.load(Ordering::Relaxed) {
             if !self.gate.is_wanted() {
                 std::thread::sleep(LOOK);
@@ -72,7 +72,7 @@ impl Services {
                 continue;
             }
             self.gate.set_ready();
-            self.look_after_all(stop);
+            self.look_after_all(stop, tell);
             self.stop(self.all.len());
         }
     }
@@ -89,12 +89,16 @@ impl Services {
     }
 
     /// Until no cycle runs any more. Each has a thread of its own, as it may wait for what it hangs on.
-    fn look_after_all(&mut self, stop: &AtomicBool) {
+    fn look_after_all(&mut self, stop: &AtomicBool, tell: &(impl Fn(Note) + Sync)) {
         let is_over = AtomicBool::new(false);
         std::thread::scope(|scope| {
             let (is_over, board) = (&is_over, &self.board);
             for (place, service) in self.all.iter_mut().enumerate() {
-                scope.spawn(move || look_after(service.as_mut(), is_over, |health| board.set(place, Some(health))));
+                let show = move |mut health: Health| {
+                    std::mem::take(&mut health.notes).into_iter().for_each(tell);
+                    board.set(place, Some(health));
+                };
+                scope.spawn(move || look_after(service.as_mut(), is_over, show));
             }
             // The cycle thread ends first: the program sees to that.
             while !self.gate.end_of_cycles() && !stop.load(Ordering::Relaxed) {
@@ -162,6 +166,7 @@ fn look_after(service: &mut dyn Service, is_over: &AtomicBool, show: impl Fn(Hea
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lineshaft_core::code::Code;
     use lineshaft_ros::surface::host::GateState;
     use std::sync::atomic::AtomicUsize;
 
@@ -208,7 +213,8 @@ mod tests {
         }
 
         fn look(&mut self) -> Health {
-            Health { problems: vec!["slow".to_owned()], ..Health::default() }
+            let notes = vec![Note { code: Code::NODE_CHANGED, number: 7 }];
+            Health { problems: vec!["slow".to_owned()], notes, ..Health::default() }
         }
 
         fn stop(&mut self) {
@@ -249,7 +255,10 @@ mod tests {
         let services = Services::new(vec![fake("a", 0), fake("b", 1)], Arc::clone(&gate));
         let board = services.board();
         let (of_services, of_cycles, end) = (Arc::clone(&stop), Arc::new(AtomicBool::new(false)), Arc::clone(&gate));
-        let thread = std::thread::spawn(move || services.run(&of_services));
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let heard = Arc::clone(&told);
+        let tell = move |note| heard.lock().unwrap().push(note);
+        let thread = std::thread::spawn(move || services.run(&of_services, &tell));
         // b is not there: a stops, nothing runs, until somebody asks again.
         until(|| gate.state() != GateState::Closed);
         assert_eq!(gate.state(), GateState::Failed("backend b: can0 is down".to_owned()));
@@ -285,5 +294,7 @@ mod tests {
         ];
         assert_eq!(*diary.lock().unwrap(), expected);
         assert!(board.read().iter().all(|row| row.health.is_none()), "nobody looks any more");
+        let told = told.lock().unwrap();
+        assert!(!told.is_empty() && told.iter().all(|note| *note == Note { code: Code::NODE_CHANGED, number: 7 }));
     }
 }

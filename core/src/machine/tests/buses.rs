@@ -152,7 +152,10 @@ fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
     assert_eq!(events.len(), 3);
     assert!(events.iter().all(|event| (event.severity, event.kind) == (Severity::Warn, Kind::Warning)));
     let sentence = crate::text::sentence(events[0], rig.machine.config());
-    assert_eq!(sentence, "x: the drive sends emergency 8130h, register 11h, data DE AD 00 BE EF");
+    assert_eq!(
+        sentence,
+        "x: the drive sends emergency 8130h (life guard or heartbeat), register 11h (generic, communication), data DE AD 00 BE EF"
+    );
     rig.tamper = |inputs| inputs.drive[0].emergency = Some(Emergency { code: 0, register: 0, data: [0; 5] });
     rig.run(1);
     let events = told(&rig, Code::EMERGENCY);

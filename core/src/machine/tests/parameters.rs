@@ -2,7 +2,7 @@ use super::rig::{Rig, X, config, to};
 use crate::code::Code;
 use crate::command::{Action, Move};
 use crate::config::{IoConfig, IoKind, MemoryConfig, MemoryKind};
-use crate::drive::{Edge, Latch};
+use crate::drive::{Edge, ForeignEmergency, Latch, NodeChange, NodeNotice};
 use crate::event::{Kind, Number, Severity};
 use crate::object::Object;
 use crate::parameter::{Change, Row, Value};
@@ -108,7 +108,7 @@ fn latches_that_found_no_room_are_told() {
 }
 
 #[test]
-fn a_note_of_the_recorder_is_answered_by_its_warning_alone() {
+fn a_note_is_answered_by_its_warning_alone() {
     let mut rig = Rig::new();
     for (code, number, severity) in [
         (Code::RECORD_LOST, 12, Severity::Warn),
@@ -120,6 +120,39 @@ fn a_note_of_the_recorder_is_answered_by_its_warning_alone() {
         assert_eq!(answers.len(), 1, "{answers:?}");
         let told = (answers[0].kind, answers[0].severity, answers[0].code, answers[0].asked, answers[0].source);
         assert_eq!(told, (Kind::Warning, severity, code, Number::Count(number), Object::Machine));
+    }
+}
+
+#[test]
+fn a_note_of_a_bus_names_axis_and_node_and_says_how_much_it_matters() {
+    let mut rig = Rig::new();
+    let changed = |axis, change| {
+        let notice = NodeNotice { axis, node: 3, change };
+        Action::Note { code: Code::NODE_CHANGED, number: notice.to_number() }
+    };
+    let foreign = |code, register| {
+        let message = ForeignEmergency { node: 9, code, register };
+        Action::Note { code: Code::FOREIGN_EMERGENCY, number: message.to_number() }
+    };
+    for (note, severity, sentence) in [
+        (changed(X, NodeChange::Booted), Severity::Warn, "x: node 3: it has booted"),
+        (changed(X, NodeChange::Ready), Severity::Info, "x: node 3: it is configured and operational"),
+        (changed(99, NodeChange::Silent), Severity::Warn, "machine: node 3: it is silent: no sign of life"),
+        (
+            foreign(0x8130, 0x11),
+            Severity::Warn,
+            "machine: node 9, no drive of the cell, sends emergency 8130h (life guard or heartbeat), register 11h (generic, communication)",
+        ),
+        (
+            foreign(0, 0),
+            Severity::Info,
+            "machine: node 9, no drive of the cell, sends emergency 0000h (no error), register 00h",
+        ),
+    ] {
+        let sequence = rig.give(note);
+        let answers: Vec<_> = rig.events.iter().filter(|event| event.command == sequence).collect();
+        let told: Vec<_> = answers.iter().map(|event| crate::text::sentence(event, rig.machine.config())).collect();
+        assert_eq!((told, answers[0].severity), (vec![sentence.to_owned()], severity));
     }
 }
 

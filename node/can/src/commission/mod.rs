@@ -8,7 +8,6 @@ mod allowed;
 mod configure;
 mod decode;
 mod device;
-mod emergency;
 mod exchange;
 pub mod kind;
 mod layer;

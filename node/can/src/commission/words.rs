@@ -2,9 +2,8 @@
 //!
 //! Source   CiA 301 (states, error register, transmission types), CiA 402-2 (states, modes, inputs)
 
-use super::emergency;
 use crate::NmtState;
-use lineshaft_core::drive::DriveState;
+use lineshaft_core::drive::{DriveState, error_text, register_texts};
 
 /// A number of 1 to 4 bytes.
 pub fn number(bytes: &[u8]) -> Option<u32> {
@@ -80,9 +79,7 @@ pub fn modes(offered: u32) -> String {
 
 /// The error register (1001h).
 pub fn register(bits: u32) -> String {
-    const BITS: [&str; 8] =
-        ["generic", "current", "voltage", "temperature", "communication", "profile", "reserved", "vendor"];
-    listed(BITS.iter().enumerate().filter(|(bit, _)| bits >> bit & 1 == 1).map(|(_, name)| (*name).to_owned()))
+    listed(register_texts(bits).map(str::to_owned))
 }
 
 /// Digital inputs (60FDh).
@@ -113,7 +110,7 @@ pub fn transmission(kind: u8) -> String {
 
 /// An error code (603Fh, emergency messages, 1003h).
 pub fn error(code: u16) -> String {
-    match emergency::text(code) {
+    match error_text(code) {
         Some(text) => format!("{code:04X}h {text}"),
         None => format!("{code:04X}h"),
     }

@@ -8,6 +8,7 @@ mod device;
 mod drive;
 #[cfg(test)]
 mod fixtures;
+mod notes;
 mod port;
 mod service;
 mod sync;

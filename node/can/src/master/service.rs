@@ -9,11 +9,13 @@ use super::asked::{Line, Objects, line};
 use super::backend::CanBackend;
 use super::bus::{Bus, Losses, Report};
 use super::configure::{self, Configured, Refusal};
+use super::notes::Notes;
 use super::port::Port;
 use crate::config::{BusConfig, DeviceConfig, Role};
 use crate::transport::{self, Options};
 use crate::{Happened, NmtState, NodeId};
-use lineshaft_core::drive::{Emergency, Health, Service, ServiceError};
+use lineshaft_core::code::Code;
+use lineshaft_core::drive::{Emergency, ForeignEmergency, Health, NodeChange, NodeNotice, Service, ServiceError};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -47,6 +49,7 @@ pub struct CanService {
     reopened: Option<(Instant, Duration)>,
     /// When an emergency message of a foreign node was told last.
     told: Option<Instant>,
+    notes: Notes,
     losses: Arc<Losses>,
     /// Objects that others ask for, and where they do.
     asked: (Objects, Line),
@@ -68,6 +71,7 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
         lost: None,
         reopened: None,
         told: None,
+        notes: Notes::default(),
         losses,
         asked: line(),
         refused: (0, None),
@@ -109,6 +113,7 @@ impl CanService {
             configure::begin(&mut self.port, place, configured);
             let (ms, name) = (begin.elapsed().as_millis(), self.device_name(place));
             tracing::info!("{}: {name}: ready after {ms} ms, {} objects written", self.config.name, configured.written);
+            self.note(place, NodeChange::Ready);
         }
         if let Some(known) = self.devices.get_mut(place) {
             known.problem = done.as_ref().err().map(Refusal::to_string);
@@ -143,13 +148,25 @@ impl CanService {
     }
 
     /// One of a node that is no drive of the cell; at most one a second is told.
-    fn tell_emergency(&mut self, node: NodeId, Emergency { code, register, .. }: Emergency) {
+    fn tell_emergency(&mut self, node: NodeId, emergency: Emergency) {
         if self.told.is_none_or(|told| told.elapsed() >= RETRY) {
             self.told = Some(Instant::now());
-            let name = &self.config.name;
-            tracing::warn!(
-                "{name}: {node}, no drive of the cell: emergency {code:04X}h, error register {register:02X}h"
-            );
+            let message = ForeignEmergency::new(node.get(), emergency);
+            self.notes.add(Code::FOREIGN_EMERGENCY, message.to_number());
+        }
+    }
+
+    /// Tells what has happened to the node of a drive; of another device, which is of no axis, the log alone does.
+    fn note(&mut self, place: usize, change: NodeChange) {
+        let Some(device) = self.config.devices.get(place) else { return };
+        match device.drive() {
+            Some(drive) => {
+                let notice = NodeNotice { axis: drive.object, node: device.node.get(), change };
+                self.notes.add(Code::NODE_CHANGED, notice.to_number());
+            }
+            // That it is ready was told with its figures.
+            None if change == NodeChange::Ready => {}
+            None => tracing::warn!("{}: {device}: {}", self.config.name, change.text()),
         }
     }
 
@@ -160,19 +177,19 @@ impl CanService {
     }
 
     fn happened(&mut self, place: usize, what: Happened, took_part: bool) {
-        let problem = match what {
-            Happened::BootedUp => "it has booted",
-            Happened::Lost => "it is silent: no sign of life",
-            Happened::Back(_) => "it was silent, and is back",
-            Happened::State(NmtState::Operational) => "it is operational",
-            Happened::State(NmtState::Stopped) => "somebody has stopped it",
-            Happened::State(_) => "somebody has taken it out of operation",
+        let change = match what {
+            Happened::BootedUp => NodeChange::Booted,
+            Happened::Lost => NodeChange::Silent,
+            Happened::Back(_) | Happened::State(NmtState::Operational) => NodeChange::Back,
+            Happened::State(NmtState::Stopped) => NodeChange::Stopped,
+            Happened::State(_) => NodeChange::Left,
         };
-        let name = self.device_name(place);
+        if took_part || what == Happened::BootedUp {
+            self.note(place, change);
+        }
         let Some(known) = self.devices.get_mut(place) else { return };
         if took_part {
-            tracing::warn!("{}: {name}: {problem}", self.config.name);
-            (known.problem, known.is_configured) = (Some(problem.to_owned()), false);
+            (known.problem, known.is_configured) = (Some(change.text().to_owned()), false);
         }
         // Whoever shows that it is there is configured at once.
         if !known.is_configured && what != Happened::Lost {
@@ -217,7 +234,7 @@ impl CanService {
             ("reports without room", of(&self.losses.reports).to_string()),
         ];
         if let Some((problem, ..)) = &self.lost {
-            return Health { problems: vec![problem.clone()], values };
+            return Health { problems: vec![problem.clone()], values, notes: self.notes.take() };
         }
         let of = |(place, known): (usize, &Known)| {
             known.problem.as_ref().map(|problem| format!("{}: {problem}", self.device_name(place)))
@@ -227,7 +244,7 @@ impl CanService {
         if self.refused.1.is_some_and(|seen| seen.elapsed() < FULL) {
             problems.push("the bus, or what is before it, takes no more frames: some were not sent".to_owned());
         }
-        Health { problems, values }
+        Health { problems, values, notes: self.notes.take() }
     }
 }
 

@@ -21,7 +21,7 @@ use crate::run::thread::{CycleThread, Play, Statistics};
 use crate::scenario::{Player, Report, Scenario};
 use crate::store::Store;
 use lineshaft_core::command::{Action, Source};
-use lineshaft_core::drive::Service;
+use lineshaft_core::drive::{Note, Service};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::signal::Signal;
@@ -232,7 +232,12 @@ impl Prepared {
         let recorder = Recorder::new(Arc::clone(&handle), frames, encoder, subject, asked, bag, flight);
         let (ready, granted) = channel();
         let end = Arc::clone(&stop_others);
-        let services = services.map(|services| std::thread::spawn(move || services.run(&end)));
+        let by_services = Arc::clone(&handle);
+        let tell = move |Note { code, number }| {
+            // With a full lane the log has what matters.
+            let _ = by_services.submit_as(Source::Machine, Action::Note { code, number });
+        };
+        let services = services.map(|services| std::thread::spawn(move || services.run(&end, &tell)));
         let cycle = std::thread::spawn(move || cycle.run(ready));
         if let Ok(refused) = granted.recv() {
             warn(&refused);

@@ -355,7 +355,7 @@ fn what_is_wrong_is_one_sentence() {
         (r#"{"inject":{"drive_lost":{"axis":"x"}}}"#, "x is virtual: it has no drive"),
         (r#"{"refuse":{}}"#, "missing key `text` in refuse"),
         (r#"{"refuse":{"text":["a"]}}"#, "text is a list; a text is expected"),
-        (r#"{"note":{"code":10001,"number":1}}"#, "code is 10001; 10216, 10217 and 10218 are notes of the recorder"),
+        (r#"{"note":{"code":10001,"number":1}}"#, "code is 10001; notes are 10216, 10217, 10218, 10370, 10371"),
         (r#"{"note":{"code":10216}}"#, "missing key `number` in note"),
         (r#"{"note":{"code":-1,"number":1.5}}"#, "code is -1; 0..4294967295 is allowed"),
     ] {

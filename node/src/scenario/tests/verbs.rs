@@ -185,7 +185,7 @@ fn the_plant_is_made_to_fail() {
     inject("{bus_lost: {backend: plant}}", "signal: turret.error, since: go, at: 0, is: BUS_ERROR");
     inject(
         "{emergency: {axis: x, code: 0x8130, data: [1, 2, 3, 4, 255]}}",
-        "event: {kind: warning, source: x, text: \"8130h, register 00h, data 01 02 03 04 FF\"}, since: go, at: 0, count: 1",
+        "event: {kind: warning, source: x, text: \"8130h (life guard or heartbeat), register 00h, data 01 02 03 04 FF\"}, since: go, at: 0, count: 1",
     );
     inject("{encoder_jump: {axis: x, by: 3 mm}}", "signal: x.actual.position, since: go, at: 0, is: 3 mm");
     inject("{encoder_jump: {axis: x, by: 11000}}", "signal: x.error, since: go, at: 0, is: FOLLOWING_ERROR");

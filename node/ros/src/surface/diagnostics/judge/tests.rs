@@ -177,7 +177,7 @@ fn a_backend_tells_its_problems_and_its_values() {
     let backend = |health| BackendHealth { name: "bus0".to_owned(), hardware: "socketcan:can0".to_owned(), health };
     let health = |problems: &[&str]| {
         let problems = problems.iter().map(|&problem| problem.to_owned()).collect();
-        Some(Health { problems, values: vec![("drives in operation", "1 of 2".to_owned())] })
+        Some(Health { problems, values: vec![("drives in operation", "1 of 2".to_owned())], ..Health::default() })
     };
     let mut status = |health| {
         let backends = [backend(health)];

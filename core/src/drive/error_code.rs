@@ -1,6 +1,7 @@
 //! Error codes of emergency messages and of 603Fh in words.
 //!
-//! Law      a code that the standards name has its own text; any other one has that of its class; one of the vendor is called so
+//! Law      a code that the standards name has its own text; any other one has that of its class; one of the vendor is called so: what it
+//!          means stands in the manual of the device alone, EDS files have no place for it
 //! Source   CiA 301, table of emergency error codes; CiA 402-2, error codes
 
 /// Codes with a text of their own.
@@ -67,10 +68,19 @@ const CLASSES: [(u16, u16, &str); 22] = [
     (0xF000, 0x1000, "generic error"),
 ];
 
-/// What a code says; none for one of no class.
-pub(super) fn text(code: u16) -> Option<&'static str> {
+/// What an error code (603Fh, emergency messages, 1003h) says; none for one of no class.
+pub fn error_text(code: u16) -> Option<&'static str> {
     let own = CODES.iter().find(|row| row.0 == code).map(|row| row.1);
     own.or_else(|| CLASSES.iter().find(|row| code & row.0 == row.1).map(|row| row.2))
+}
+
+/// Bits of the error register (1001h), from 0 on.
+const REGISTER: [&str; 8] =
+    ["generic", "current", "voltage", "temperature", "communication", "profile", "reserved", "vendor"];
+
+/// What the error register (1001h) says; nothing where no bit is set.
+pub fn register_texts(bits: u32) -> impl Iterator<Item = &'static str> {
+    REGISTER.iter().enumerate().filter(move |(bit, _)| bits >> bit & 1 == 1).map(|(_, name)| *name)
 }
 
 #[cfg(test)]
@@ -79,12 +89,12 @@ mod tests {
 
     #[test]
     fn a_code_has_its_own_text_or_that_of_its_class() {
-        assert_eq!(text(0x8611), Some("following error"));
-        assert_eq!(text(0x8613), Some("monitoring"));
-        assert_eq!(text(0x2315), Some("current at the output"));
-        assert_eq!(text(0x5441), Some("device hardware"));
-        assert_eq!(text(0xFF12), Some("of the vendor"));
-        assert_eq!(text(0x1000), Some("generic error"));
-        assert_eq!(text(0xA000), None);
+        assert_eq!(error_text(0x8611), Some("following error"));
+        assert_eq!(error_text(0x8613), Some("monitoring"));
+        assert_eq!(error_text(0x2315), Some("current at the output"));
+        assert_eq!(error_text(0x5441), Some("device hardware"));
+        assert_eq!(error_text(0xFF12), Some("of the vendor"));
+        assert_eq!(error_text(0x1000), Some("generic error"));
+        assert_eq!(error_text(0xA000), None);
     }
 }

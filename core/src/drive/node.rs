@@ -1,0 +1,115 @@
+//! What a backend tells of nodes of its bus, as the number of a note (`Action::Note`).
+//!
+//! Law      a number that a backend has made reads back as what it was made of
+//! Refuses  numbers that nobody has made: they read as nothing
+
+use super::Emergency;
+
+/// What has happened to the node of a drive (NMT and its supervision, CiA 301).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeChange {
+    /// Boot-up.
+    Booted = 1,
+    /// Neither heartbeats nor answers to guarding.
+    Silent = 2,
+    /// One of them again.
+    Back = 3,
+    /// Configured and started.
+    Ready = 4,
+    /// State stopped, unasked.
+    Stopped = 5,
+    /// State pre-operational, unasked.
+    Left = 6,
+}
+
+impl NodeChange {
+    const ALL: [(Self, &str); 6] = [
+        (Self::Booted, "it has booted"),
+        (Self::Silent, "it is silent: no sign of life"),
+        (Self::Back, "it was silent, and is back"),
+        (Self::Ready, "it is configured and operational"),
+        (Self::Stopped, "somebody has stopped it"),
+        (Self::Left, "somebody has taken it out of operation"),
+    ];
+
+    /// For people.
+    pub fn text(self) -> &'static str {
+        Self::ALL.iter().find(|row| row.0 == self).map_or("", |row| row.1)
+    }
+}
+
+/// That it has happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NodeNotice {
+    /// The axis of the drive.
+    pub axis: u16,
+    /// Its node, 1 to 127.
+    pub node: u8,
+    /// What has happened.
+    pub change: NodeChange,
+}
+
+impl NodeNotice {
+    /// As the number of a note.
+    pub fn to_number(self) -> i64 {
+        i64::from(self.axis) | i64::from(self.node) << 16 | i64::from(self.change as u8) << 24
+    }
+
+    /// What a number says.
+    pub fn from_number(number: i64) -> Option<Self> {
+        let [a, b, node, change, 0, 0, 0, 0] = number.to_le_bytes() else { return None };
+        let (change, _) = *NodeChange::ALL.iter().find(|(known, _)| *known as u8 == change)?;
+        Some(Self { axis: u16::from_le_bytes([a, b]), node, change })
+    }
+}
+
+/// An emergency message of a node that is no drive of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ForeignEmergency {
+    /// The node, 1 to 127.
+    pub node: u8,
+    /// Error code (as in 603Fh).
+    pub code: u16,
+    /// Error register (1001h).
+    pub register: u8,
+}
+
+impl ForeignEmergency {
+    /// The message of a node, without the bytes of its maker.
+    pub fn new(node: u8, Emergency { code, register, .. }: Emergency) -> Self {
+        Self { node, code, register }
+    }
+
+    /// As the number of a note.
+    pub fn to_number(self) -> i64 {
+        i64::from(self.code) | i64::from(self.register) << 16 | i64::from(self.node) << 24
+    }
+
+    /// What a number says.
+    pub fn from_number(number: i64) -> Option<Self> {
+        let [a, b, register, node, 0, 0, 0, 0] = number.to_le_bytes() else { return None };
+        Some(Self { node, code: u16::from_le_bytes([a, b]), register })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_number_says_what_it_was_made_of(axis: u16, node: u8, place in 0..NodeChange::ALL.len(), code: u16, register: u8) {
+            let notice = NodeNotice { axis, node, change: NodeChange::ALL[place].0 };
+            prop_assert_eq!(NodeNotice::from_number(notice.to_number()), Some(notice));
+            let message = ForeignEmergency { node, code, register };
+            prop_assert_eq!(ForeignEmergency::from_number(message.to_number()), Some(message));
+        }
+
+        #[test]
+        fn any_number_reads_as_what_makes_it_or_as_nothing(number: i64) {
+            prop_assert!(NodeNotice::from_number(number).is_none_or(|notice| notice.to_number() == number));
+            prop_assert!(ForeignEmergency::from_number(number).is_none_or(|message| message.to_number() == number));
+        }
+    }
+}
