@@ -9,6 +9,9 @@ use lineshaft_msgs::Service;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
+/// Asks for an object, or tells what is wrong with the request.
+type Ask<S> = fn(&dyn Host, &<S as Service>::Request) -> Result<Coming<<S as Service>::Response>, String>;
+
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let (read, write) = (table::SDO_READ.server(node)?, table::SDO_WRITE.server(node)?);
     tasks.spawn(serve(read, Arc::clone(hub), |host, request| host.read_object(request)));
@@ -16,11 +19,8 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
     Ok(())
 }
 
-async fn serve<S: Service>(
-    mut server: ServiceServer<S>,
-    hub: Arc<Hub>,
-    ask: fn(&dyn Host, &S::Request) -> Result<Coming<S::Response>, String>,
-) where
+async fn serve<S: Service>(mut server: ServiceServer<S>, hub: Arc<Hub>, ask: Ask<S>)
+where
     S::Response: Refusing<S::Request>,
 {
     // Waiting requests end with the service.
