@@ -1,7 +1,7 @@
 //! Objects of devices on CAN, as people ask for them: by axis or node, by name or index.
 //!
 //! Law      what a request says is looked up here; the service of its bus then does it beside the cycles, one request after the other. Each is
-//!          answered: one that has waited for [`PATIENCE`] is taken back
+//!          answered: one that has waited for 5 s is taken back
 //! Reads    the data sheets of the cell's devices
 //! Refuses  what nobody has, what the data sheet forbids, what is longer than a block; of devices of the cell what the master writes, and
 //!          what is mapped in a PDO of a module, or of a drive that is under power

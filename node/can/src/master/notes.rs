@@ -1,6 +1,6 @@
 //! What happens to nodes, until somebody takes it to tell it.
 //!
-//! Law      at most [`MOST`] notes come within [`PERIOD`]: a node that flaps floods no event stream
+//! Law      at most 128 notes come within 10 s: a node that flaps floods no event stream
 
 use lineshaft_core::code::Code;
 use lineshaft_core::drive::Note;
