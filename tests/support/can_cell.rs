@@ -85,8 +85,10 @@ impl CanCell {
         let scenario = self.write("scenario.yaml", scenario);
         let cell = self.folder.path().join("cell.yaml");
         let cell = cell.to_str().expect("a path of text");
-        let args = ["run", cell, "--scenario", &scenario, "--store", "none", "--flight-recorder", "0"];
-        CanRun { program: Program::start(&[&args, options].concat(), domain) }
+        let args = ["run", cell, "--scenario", &scenario, "--store", "none"];
+        let flies = options.contains(&"--flight-folder");
+        let flight: &[&str] = if flies { &[] } else { &["--flight-recorder", "0"] };
+        CanRun { program: Program::start(&[&args, flight, options].concat(), domain) }
     }
 }
 

@@ -291,7 +291,7 @@ const OWN_INTERFACES: [(&str, &str); 23] = [
 ];
 
 /// The layouts of other packages that are easy to get wrong, in the same form.
-const FOREIGN_INTERFACES: [(&str, &str, &str); 12] = [
+const FOREIGN_INTERFACES: [(&str, &str, &str); 13] = [
     ("builtin_interfaces", "msg/Time", "int32 sec\nuint32 nanosec"),
     ("std_msgs", "msg/Header", "builtin_interfaces/Time stamp\nstring frame_id"),
     ("std_srvs", "srv/Trigger", "---\nbool success\nstring message"),
@@ -351,6 +351,15 @@ const FOREIGN_INTERFACES: [(&str, &str, &str); 12] = [
         "string<=256 node_namespace node_name\nrmw_dds_common/Gid[] reader_gid_seq writer_gid_seq",
     ),
     ("unique_identifier_msgs", "msg/UUID", "uint8[16] uuid"),
+    (
+        "can_msgs",
+        "msg/Frame",
+        "std_msgs/Header header
+        uint32 id
+        bool is_rtr is_extended is_error
+        uint8 dlc
+        uint8[8] data",
+    ),
     ("sensor_msgs", "msg/JointState", "std_msgs/Header header\nstring[] name\nfloat64[] position velocity effort"),
 ];
 

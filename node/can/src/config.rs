@@ -76,6 +76,32 @@ pub struct DeviceConfig {
 }
 
 impl DeviceConfig {
+    /// A drive in csp of which nothing more is said, as benches and tests have it.
+    pub fn plain_drive(place: usize, node: NodeId, watching: Watching) -> Self {
+        let terminals = Terminals::default();
+        let drive = DriveConfig {
+            place,
+            axis: format!("x{place}"),
+            object: 0,
+            probes: [None; 2],
+            mode: DriveMode::Csp,
+            drive_type: None,
+            offers: Capabilities { delay: 1, position: true, homes: true, ..Capabilities::default() },
+            per_revolution: None,
+            velocity: VelocityFactor::default(),
+        };
+        Self {
+            node,
+            watching,
+            layout: Layout::plan(node, drive.mode, drive.probes, &terminals, None)
+                .expect("without a dictionary nothing is missing"),
+            identity: Identity::default(),
+            startup: Vec::new(),
+            terminals,
+            role: Role::Drive(drive),
+        }
+    }
+
     /// What it is as a drive, where it is one.
     pub fn drive(&self) -> Option<&DriveConfig> {
         match &self.role {

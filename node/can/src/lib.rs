@@ -7,6 +7,7 @@ pub mod config;
 pub mod drive;
 pub mod eds;
 mod frame;
+pub mod load;
 pub mod lss;
 pub mod master;
 mod nmt;

@@ -13,8 +13,8 @@ use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
 use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, Role, Terminals, Write};
 use lineshaft_can::drive::Layout;
-use lineshaft_can::drive::layout::{Pdo, Transmission};
 use lineshaft_can::eds::{self, Dictionary};
+use lineshaft_can::load::Load;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_ros::layer::open_file;
 use std::collections::BTreeMap;
@@ -258,51 +258,6 @@ pub(crate) fn load_of(bus: &BusConfig) -> Option<String> {
     Some(format!(
         "backend {name}: {frames} frames of {bits} bits at most in each cycle of {cycle_us} us: {percent:.0} % of {rate} bit/s"
     ))
-}
-
-/// What each cycle carries: SYNC and what goes with it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Load {
-    frames: u64,
-    /// With the most bits that are stuffed, and the space behind each frame.
-    bits: u64,
-    /// (bit/s)
-    rate: u32,
-    cycle_us: f64,
-}
-
-impl Load {
-    fn of(bus: &BusConfig) -> Option<Self> {
-        let sync = u64::from(bus.sync_overflow.is_some());
-        let asked = bus.devices.iter().flat_map(|device| cyclic(&device.layout.asked));
-        let told = bus.devices.iter().flat_map(|device| cyclic(&device.layout.told));
-        let lengths: Vec<u64> = [sync].into_iter().chain(asked).chain(told).collect();
-        Some(Self {
-            frames: lengths.len() as u64,
-            bits: lengths.iter().map(|bytes| frame_bits(*bytes)).sum(),
-            rate: bus.bit_rate?,
-            cycle_us: bus.cycle_ns as f64 / 1000.0,
-        })
-    }
-
-    fn time_us(self) -> f64 {
-        self.bits as f64 * 1e6 / f64::from(self.rate)
-    }
-
-    fn share(self) -> f64 {
-        self.time_us() / self.cycle_us
-    }
-}
-
-/// Lengths of the PDOs that go in each cycle (bytes).
-fn cyclic<W>(pdos: &[Pdo<W>]) -> impl Iterator<Item = u64> {
-    pdos.iter().filter(|pdo| pdo.transmission == Transmission::EachSync).map(|pdo| u64::from(pdo.bytes()))
-}
-
-/// Bits of a frame with an 11-bit identifier at the worst (ISO 11898-1): 34 and the data can be stuffed, one in four.
-fn frame_bits(bytes: u64) -> u64 {
-    let data = 8 * bytes;
-    47 + data + (34 + data - 1) / 4
 }
 
 #[cfg(test)]

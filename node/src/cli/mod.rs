@@ -236,6 +236,9 @@ struct RunArgs {
     cpu: Option<Processor>,
     #[command(flatten)]
     record: RecordArgs,
+    /// Keep the frames of buses on CAN in recordings, as the flight recorder does in its bags
+    #[arg(long)]
+    record_frames: bool,
     #[command(flatten)]
     flight: FlightArgs,
     #[command(flatten)]

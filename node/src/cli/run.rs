@@ -91,13 +91,17 @@ fn start(
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
     let mut backends = Backends::simulated(cell.plant_of(|backend| args.sim || backend.is_simulated()));
     let mut services: Vec<Box<dyn Service>> = Vec::new();
+    let (mut frames, are_kept) = (Vec::new(), args.record_frames || args.flight.flight_recorder > 0);
     let on_can = cell.backends.iter().filter(|backend| args.sim && !backend.is_simulated());
     let mut objects = ObjectDesk::new(on_can.map(|backend| backend.name.clone()).collect());
     for bus in buses {
         let sheets = args.cell.as_deref().map(|file| cell.dictionaries(&bus.name, file)).transpose()?;
         let config = bus.clone();
-        let (cyclic, service) = lineshaft_can::master::bus(bus);
+        let (cyclic, mut service) = lineshaft_can::master::bus(bus);
         objects = objects.with_bus(&config, service.objects(), sheets.unwrap_or_default());
+        if are_kept {
+            frames.push((config.name.clone(), service.frames()));
+        }
         backends = backends.with(Box::new(cyclic));
         services.push(Box::new(service));
     }
@@ -122,8 +126,14 @@ fn start(
     let exit = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        let (prepared, heard) =
-            Prepared::new(args, cell, machine, (backends, services), scenario, Given { store, first, objects });
+        let (prepared, heard) = Prepared::new(
+            args,
+            cell,
+            machine,
+            (backends, services),
+            scenario,
+            Given { store, first, objects, buses: frames },
+        );
         serve(Start { args, cell, options, environment: &environment, logging }, prepared, heard, signals).await
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
@@ -267,7 +277,8 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
             return Ok(Exit::Failed);
         }
     };
-    let running = prepared.start(Recording::open(args, cell, &name)?);
+    let recording = Recording::open(args, cell, &name, &prepared.buses)?;
+    let running = prepared.start(recording);
     let watch = watch(&surface, Arc::clone(&running.handle), cell.ros.on_loss);
     let watch = watch.map_err(|error| format!("no thread that watches ROS: {error}"))?;
     let networks = match &environment.networks {

@@ -11,19 +11,20 @@ mod file;
 mod place;
 mod topics;
 
+use super::Encoded;
 use super::metadata::{FileInformation, Metadata, TopicInformation};
-use super::{Encoded, Topic};
 use crate::cell::Cell;
 use crate::parameters::parameters_text;
 use crate::store::store_text;
 use disk::Medium;
 use file::{BagFile, Counts, Opening};
-use lineshaft_ros::layer::{FullName, NodeName};
+use lineshaft_ros::layer::NodeName;
 use place::Place;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
+use topics::Offered;
 
 /// Where a bag goes, and when it goes on in a new file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -59,6 +60,8 @@ pub struct Subject {
     pub cycle_ns: u64,
     /// Of this program.
     pub version: String,
+    /// Buses on CAN whose frames the bag keeps.
+    pub buses: Vec<String>,
 }
 
 /// Why a bag cannot be written.
@@ -114,7 +117,7 @@ pub struct Bag {
     place: Place,
     subject: Subject,
     cell_sha256: String,
-    topics: Vec<FullName>,
+    topics: Vec<Offered>,
     open: Open,
     ended: Vec<Ended>,
     file: Option<BagFile>,
@@ -155,6 +158,7 @@ impl Subject {
             node: node.clone(),
             cycle_ns: cell.machine.cycle_ns,
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            buses: Vec::new(),
         }
     }
 }
@@ -186,8 +190,7 @@ impl Bag {
                 "{path} is one file and is never split; leave the largest size and duration out, or name a folder"
             )));
         }
-        let names = Topic::ALL.iter().map(|topic| topic.name(&subject.node));
-        let topics = names.collect::<Result<_, _>>().map_err(|error| BagError::Refused(error.to_string()))?;
+        let topics = Offered::all(&subject).map_err(|error| BagError::Refused(error.to_string()))?;
         place.claim()?;
         let cell_sha256 = super::sha256(&subject.cell);
         let mut bag = Self {
@@ -394,17 +397,17 @@ impl Bag {
     }
 
     fn write_metadata(&self, replayable: bool) -> Result<(), BagError> {
-        let count = |topic: usize| self.ended.iter().map(|file| file.counts.messages[topic]).sum();
-        let topic = |(place, (topic, name)): (usize, (Topic, &FullName))| TopicInformation {
-            name: name.to_string(),
-            type_name: topic.schema().0,
-            qos: topic.qos(),
+        let count = |place: usize| self.ended.iter().filter_map(|file| file.counts.messages.get(place)).sum();
+        let topic = |(place, topic): (usize, &Offered)| TopicInformation {
+            name: topic.name.to_string(),
+            type_name: topic.schema.0,
+            qos: topic.qos,
             messages: count(place),
         };
         let (kind, is) = self.place.kind();
         let metadata = Metadata {
             files: self.ended.iter().map(|file| file.counts.information(&file.path)).collect::<Vec<FileInformation>>(),
-            topics: Topic::ALL.into_iter().zip(&self.topics).enumerate().map(topic).collect(),
+            topics: self.topics.iter().enumerate().map(topic).collect(),
             custom: vec![
                 (kind, is.to_owned()),
                 ("lineshaft_version", self.subject.version.clone()),

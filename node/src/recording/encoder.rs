@@ -8,7 +8,7 @@
 //! ~/signals holds all words in a key cycle, else those that differ from the cycle that was encoded before.
 
 use super::cadence::Cadence;
-use super::{Cycle, Encoded, Topic, key_cycles};
+use super::{Cycle, Encoded, Topic, Way, key_cycles};
 use super::{inputs, verb};
 use crate::cell::Cell;
 use lineshaft_core::code::Code;
@@ -18,6 +18,7 @@ use lineshaft_core::event::Event;
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::text;
 use lineshaft_msgs::cdr::append_with_header;
+use lineshaft_msgs::foreign::can_msgs::msg::Frame;
 use lineshaft_msgs::msg::{AppliedCommand, CycleInputs, Signals};
 use lineshaft_ros::surface::messages::{self, AxisView};
 use serde::Serialize;
@@ -125,6 +126,25 @@ pub fn sentence<'c>(event: &Event, commands: impl IntoIterator<Item = &'c Comman
 }
 
 impl Encoded {
+    /// Takes a frame that went over the bus at this place, `offset_ns` behind the beginning of the cycle.
+    pub fn add_frame(&mut self, bus: usize, way: Way, offset_ns: i64, frame: &lineshaft_can::Frame) {
+        let mut data = [0; 8];
+        for (to, from) in data.iter_mut().zip(frame.bytes()) {
+            *to = *from;
+        }
+        let message = Frame {
+            header: messages::header(self.stamp_ns.saturating_add_signed(offset_ns)),
+            id: frame.id().get().into(),
+            is_rtr: frame.is_remote(),
+            dlc: frame.length(),
+            data,
+            ..Frame::default()
+        };
+        let start = self.bytes.len();
+        append_with_header(&mut self.bytes, &message);
+        self.frames.push((bus, way, start..self.bytes.len()));
+    }
+
     fn push<T: Serialize>(&mut self, topic: Topic, message: &T) {
         let start = self.bytes.len();
         append_with_header(&mut self.bytes, message);

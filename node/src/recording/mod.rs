@@ -70,6 +70,28 @@ pub enum Topic {
     JointStates,
 }
 
+/// Which way a frame went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// From this program to the bus.
+    Sent,
+    /// From the bus to this program.
+    Received,
+}
+
+impl Way {
+    /// Both, in the order of their topics.
+    pub const ALL: [Self; 2] = [Self::Sent, Self::Received];
+
+    /// The last part of the name of its topic.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sent => "sent",
+            Self::Received => "received",
+        }
+    }
+}
+
 /// The messages of one cycle, serialized.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Encoded {
@@ -85,6 +107,8 @@ pub struct Encoded {
     pub parameters: Option<String>,
     /// Where the messages stand in `bytes`.
     parts: Vec<(Topic, Range<usize>)>,
+    /// Frames on CAN: the place of the bus, which way, and where the message stands in `bytes`.
+    frames: Vec<(usize, Way, Range<usize>)>,
     bytes: Vec<u8>,
 }
 
@@ -99,6 +123,15 @@ impl Encoded {
         self.parts.iter().map(|(topic, range)| (*topic, &self.bytes[range.clone()]))
     }
 
+    /// All messages, frames behind the others, each with the place of its topic in a bag: those of [`Topic::ALL`], then two for each bus.
+    fn places(&self) -> impl Iterator<Item = (usize, &[u8])> {
+        let frames = self.frames.iter().map(|(bus, way, range)| {
+            let place = Topic::ALL.len() + bus * Way::ALL.len() + *way as usize;
+            (place, self.bytes.get(range.clone()).unwrap_or_default())
+        });
+        self.messages().map(|(topic, message)| (topic as usize, message)).chain(frames)
+    }
+
     /// The same with the state of the machine before it.
     pub fn with_state(self, state: &State, config: &MachineConfig) -> Self {
         let parameters: Vec<AxisParameters> = state.parameters().copied().collect();
@@ -111,7 +144,8 @@ impl Encoded {
     /// Memory that it takes (bytes).
     pub fn memory(&self) -> usize {
         let texts = self.state.as_ref().map_or(0, Vec::capacity) + self.parameters.as_ref().map_or(0, String::capacity);
-        size_of::<Self>() + self.bytes.capacity() + size_of_val(self.parts.as_slice()) + texts
+        let frames = self.frames.capacity() * size_of::<(usize, Way, Range<usize>)>();
+        size_of::<Self>() + self.bytes.capacity() + size_of_val(self.parts.as_slice()) + frames + texts
     }
 
     /// Bytes of all messages.

@@ -13,7 +13,8 @@ use super::frames::{Frame, FrameReceiver, Taken};
 use super::writer::{Failure, Writer};
 use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use crate::recording::encoder::Encoder;
-use crate::recording::{Cycle, Encoded};
+use crate::recording::{Cycle, Encoded, Way};
+use lineshaft_can::master::Frames;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::event::{Event, Kind, Severity};
@@ -42,6 +43,9 @@ type Answer = oneshot::Sender<RecordResponse>;
 /// The flight recorder of a run: its memory and where its bags go.
 pub type FlightRecorder = (Flight, FlightFolder);
 
+/// A bus on CAN by its name, and the frames that go over it.
+pub type BusFrames = (String, Frames);
+
 /// The recorder of a running machine.
 pub struct Recorder {
     handle: Arc<Handle>,
@@ -53,6 +57,8 @@ pub struct Recorder {
     /// A bag that begins with the next cycle that one may begin with.
     waiting: Option<(BagOptions, Answer)>,
     flight: Option<FlightRecorder>,
+    /// Buses on CAN, and what goes over them.
+    buses: Vec<BusFrames>,
     /// Bags that are being ended, on threads of their own.
     ending: Vec<JoinHandle<Ended>>,
     /// The bag of the flight recorder that is being saved.
@@ -96,6 +102,7 @@ impl Recorder {
             writer: bag.map(Writer::of),
             waiting: None,
             flight,
+            buses: Vec::new(),
             ending: Vec::new(),
             saving: None,
             last: RecordResponse::default(),
@@ -105,6 +112,11 @@ impl Recorder {
             told: None,
             has_failed: false,
         }
+    }
+
+    /// The same, which keeps frames of buses: in the bags of the flight recorder, and in those whose [`Subject`] has them.
+    pub fn with_buses(self, buses: Vec<BusFrames>) -> Self {
+        Self { buses, ..self }
     }
 
     /// Works until `stop` is set, then takes what is left and ends all bags. True when nothing failed.
@@ -141,6 +153,7 @@ impl Recorder {
         let cycle = frame.inputs.cycle;
         self.count_missing(cycle);
         if self.is_idle() {
+            self.buses.iter_mut().for_each(|(_, frames)| frames.take(cycle, |_, _, _| {}));
             return self.frames.give_back(frame, taken);
         }
         let of_frame = Cycle {
@@ -152,6 +165,12 @@ impl Recorder {
             board: &frame.board,
         };
         let mut encoded = self.encoder.encode(&of_frame);
+        for (place, (_, frames)) in self.buses.iter_mut().enumerate() {
+            frames.take(cycle, |offset_ns, frame, is_sent| {
+                let way = if is_sent { Way::Sent } else { Way::Received };
+                encoded.add_frame(place, way, offset_ns, frame);
+            });
+        }
         if let Some(state) = &frame.state {
             encoded = encoded.with_state(state, self.handle.config());
         }
@@ -275,7 +294,8 @@ impl Recorder {
     /// Saves cycles as a bag of the flight recorder.
     fn save(&mut self, cycles: Vec<Arc<Encoded>>, answer: Option<Answer>) {
         let Some((_, folder)) = &self.flight else { return };
-        let (folder, subject) = (folder.clone(), Arc::clone(&self.subject));
+        let buses = self.buses.iter().map(|(name, _)| name.clone()).collect();
+        let (folder, subject) = (folder.clone(), Subject { buses, ..Subject::clone(&self.subject) });
         let is_recording = self.writer.is_some();
         self.saving = Some(std::thread::spawn(move || {
             let saved = folder.save(&cycles, &subject);

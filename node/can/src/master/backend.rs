@@ -1,8 +1,10 @@
 //! The cyclic half: the bus, in the hands of the cycle thread.
 
-use super::bus::Bus;
+use super::bus::{Bus, Order};
 use crate::config::{BusConfig, DeviceConfig};
+use crate::transport::Transport;
 use lineshaft_core::drive::{Backend, Capabilities, Inputs, Outputs};
+use rtrb::RingBuffer;
 use std::sync::{Arc, Mutex};
 
 /// Exchanges with the devices of a bus.
@@ -13,6 +15,20 @@ pub struct CanBackend {
 }
 
 impl CanBackend {
+    /// The cyclic half alone, over a way that is open, with all drives taken for configured and started: what an exchange costs can be measured
+    /// so. Nobody hears what it reports.
+    pub fn started(config: &BusConfig, transport: Box<dyn Transport>) -> Self {
+        let (mut orders, taken) = RingBuffer::new(config.devices.len() + 1);
+        let (told, _) = RingBuffer::new(1);
+        let mut bus = Bus::new(config, taken, told);
+        bus.open(transport);
+        for device in 0..config.devices.len() {
+            // The ring has room for each.
+            let _ = orders.push(Order::Begin { device, fault: 0 });
+        }
+        Self::new(config, Arc::new(Mutex::new(bus)))
+    }
+
     pub(super) fn new(config: &BusConfig, bus: Arc<Mutex<Bus>>) -> Self {
         let drives = config.devices.iter().filter_map(DeviceConfig::drive);
         Self { bus, drives: drives.map(|drive| (drive.place, drive.offers)).collect() }

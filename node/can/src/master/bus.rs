@@ -7,8 +7,10 @@
 //! Refuses  nothing: a way that is lost leaves all its devices offline, and is reported
 //! Source   CiA 301; contract sections 1 (delay 1) and 8
 
+use super::capture::{Frames, Tap};
 use super::device::Device;
 use super::sync::SyncCounter;
+use super::tally::Tally;
 use crate::config::{BusConfig, Master};
 use crate::sdo::{Client, Object, SdoError, Transfer};
 use crate::transport::{Transport, TransportError};
@@ -97,6 +99,7 @@ pub(crate) struct Bus {
     orders: Consumer<Order>,
     reports: Producer<Report>,
     losses: Arc<Losses>,
+    tap: Tap,
     turns: Arc<AtomicU64>,
     silent: Arc<[AtomicBool]>,
 }
@@ -111,6 +114,7 @@ impl Bus {
             began: Instant::now(),
             routes: routes(&devices),
             silent: devices.iter().map(|_| AtomicBool::new(false)).collect(),
+            tap: Tap::new(devices.len()),
             devices,
             clients: nodes().map(client).collect(),
             busy: Vec::with_capacity(usize::from(NodeId::MAX)),
@@ -132,6 +136,16 @@ impl Bus {
     /// What had no room so far.
     pub(crate) fn losses(&self) -> Arc<Losses> {
         Arc::clone(&self.losses)
+    }
+
+    /// What it carries.
+    pub(crate) fn tally(&self) -> Arc<Tally> {
+        Arc::clone(self.tap.tally())
+    }
+
+    /// The frames that go over it from now on; before the cycles only.
+    pub(crate) fn frames(&mut self) -> Frames {
+        self.tap.keep()
     }
 
     /// Of which devices there is no sign of life any more.
@@ -171,6 +185,7 @@ impl Bus {
     /// Everything that is due while no cycle runs.
     pub(crate) fn exchange(&mut self) {
         let now_ns = self.now_ns();
+        self.tap.set_time(now_ns);
         self.take(now_ns);
         self.send_services(now_ns, SDO_FRAMES_AT_REST);
     }
@@ -178,6 +193,8 @@ impl Bus {
     /// The beginning of a cycle.
     pub(crate) fn read(&mut self, inputs: &mut Inputs) {
         let now_ns = self.now_ns();
+        self.tap.set_time(now_ns);
+        self.tap.begin(inputs.cycle);
         self.take(now_ns);
         let state = self.state();
         self.devices.iter_mut().for_each(|device| device.read(inputs, state));
@@ -185,21 +202,22 @@ impl Bus {
 
     /// The end of a cycle.
     pub(crate) fn write(&mut self, outputs: &Outputs) {
+        let now_ns = self.now_ns();
+        self.tap.set_time(now_ns);
         for device in &mut self.devices {
             for frame in device.frames(outputs) {
                 // Not `self.send`: the device is borrowed.
-                send(&mut self.transport, &mut self.reports, &self.losses, &frame);
+                send(&mut self.transport, &mut self.reports, (&self.losses, &mut self.tap), &frame);
             }
         }
         let sync = self.sync.next();
         self.send(&sync);
-        let now_ns = self.now_ns();
         self.set_up_homing(now_ns);
         self.send_services(now_ns, SDO_FRAMES);
     }
 
     fn send(&mut self, frame: &Frame) {
-        send(&mut self.transport, &mut self.reports, &self.losses, frame);
+        send(&mut self.transport, &mut self.reports, (&self.losses, &mut self.tap), frame);
     }
 
     fn report(&mut self, report: Report) {
@@ -215,7 +233,10 @@ impl Bus {
         for _ in 0..MOST_FRAMES {
             let Some(transport) = &mut self.transport else { break };
             match transport.receive() {
-                Ok(Some(frame)) => self.dispatch(&frame, now_ns),
+                Ok(Some(frame)) => {
+                    self.tap.take(&frame, false);
+                    self.dispatch(&frame, now_ns);
+                }
                 Ok(None) => break,
                 Err(error) => {
                     lose(&mut self.transport, &mut self.reports, &self.losses, error);
@@ -228,6 +249,7 @@ impl Bus {
         } else {
             self.devices.iter_mut().for_each(Device::forget);
         }
+        self.tap.tally().note(self.state(), self.transport.as_ref().and_then(|transport| transport.errors()));
         self.tick(now_ns);
     }
 
@@ -355,6 +377,7 @@ impl Bus {
         for place in 0..self.devices.len() {
             let Some(device) = self.devices.get_mut(place) else { continue };
             let (happened, question) = device.watch.tick(now_ns);
+            self.tap.tally().note_node(place, device.watch.state());
             if let Some(silent) = self.silent.get(place) {
                 silent.store(device.watch.is_lost(), Ordering::Relaxed);
             }
@@ -450,9 +473,15 @@ fn lose(
     }
 }
 
-fn send(transport: &mut Option<Box<dyn Transport>>, reports: &mut Producer<Report>, losses: &Losses, frame: &Frame) {
+fn send(
+    transport: &mut Option<Box<dyn Transport>>,
+    reports: &mut Producer<Report>,
+    (losses, tap): (&Losses, &mut Tap),
+    frame: &Frame,
+) {
     match transport.as_mut().map(|transport| transport.send(frame)) {
-        None | Some(Ok(())) => {}
+        None => {}
+        Some(Ok(())) => tap.take(frame, true),
         Some(Err(TransportError::Full(_))) => {
             losses.refused.fetch_add(1, Ordering::Relaxed);
         }

@@ -3,6 +3,7 @@
 mod asked;
 mod backend;
 mod bus;
+mod capture;
 mod configure;
 mod device;
 mod drive;
@@ -12,9 +13,11 @@ mod notes;
 mod port;
 mod service;
 mod sync;
+mod tally;
 mod terminals;
 
 pub use asked::{Access, Denied, LONGEST, MOST_WAITING, Objects, Ticket};
 pub use backend::CanBackend;
+pub use capture::Frames;
 pub use service::{CanService, bus};
 pub use terminals::ANALOG_CHANNELS;

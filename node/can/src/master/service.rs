@@ -8,10 +8,14 @@
 use super::asked::{Line, Objects, line};
 use super::backend::CanBackend;
 use super::bus::{Bus, Losses, Report};
+use super::capture::Frames;
 use super::configure::{self, Configured, Refusal};
 use super::notes::Notes;
 use super::port::Port;
+use super::tally::{Meter, Tally};
+use crate::commission::words::nmt_state;
 use crate::config::{BusConfig, DeviceConfig, Role};
+use crate::load::Load;
 use crate::transport::{self, Options};
 use crate::{Happened, NmtState, NodeId};
 use lineshaft_core::code::Code;
@@ -51,6 +55,10 @@ pub struct CanService {
     told: Option<Instant>,
     notes: Notes,
     losses: Arc<Losses>,
+    tally: Arc<Tally>,
+    meter: Meter,
+    /// What each cycle carries at most, by the cell.
+    load: Option<Load>,
     /// Objects that others ask for, and where they do.
     asked: (Objects, Line),
     /// Frames that had found no room when that was looked at last, and when it was last seen to grow.
@@ -62,6 +70,8 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
     let port = Port::new(|(orders, reports)| Bus::new(&config, orders, reports));
     let backend = CanBackend::new(&config, port.bus());
     let losses = port.lock().losses();
+    let tally = port.lock().tally();
+    let (meter, load) = (Meter::new(), Load::of(&config));
     let known = Known { problem: None, due: Instant::now(), is_configured: false };
     let devices = vec![known; config.devices.len()];
     let service = CanService {
@@ -73,6 +83,9 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
         told: None,
         notes: Notes::default(),
         losses,
+        tally,
+        meter,
+        load,
         asked: line(),
         refused: (0, None),
     };
@@ -83,6 +96,11 @@ impl CanService {
     /// Where objects of its nodes are asked for while cycles run.
     pub fn objects(&self) -> Objects {
         self.asked.0.clone()
+    }
+
+    /// The frames that go over the bus from now on; asked for before anything runs.
+    pub fn frames(&mut self) -> Frames {
+        self.port.lock().frames()
     }
 
     fn serve_askers(&mut self) {
@@ -219,7 +237,20 @@ impl CanService {
         }
     }
 
-    /// What is wrong, how many devices take part, and what had no room.
+    /// States of the nodes of the devices.
+    fn nodes(&self) -> String {
+        let of = |place: usize| {
+            let state = match self.tally.node(place) {
+                Some(state) => nmt_state(state),
+                None if self.port.is_silent(place) => "silent",
+                None => "not heard yet",
+            };
+            format!("{}: {state}", self.device_name(place))
+        };
+        (0..self.devices.len()).map(of).collect::<Vec<_>>().join(", ")
+    }
+
+    /// What is wrong, how many devices take part and how they are, what the bus carries, and what had no room.
     fn health(&mut self) -> Health {
         let ready = self.devices.iter().filter(|known| known.is_configured).count();
         let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
@@ -227,11 +258,19 @@ impl CanService {
         if refused != std::mem::replace(&mut self.refused.0, refused) {
             self.refused.1 = Some(Instant::now());
         }
+        let [measured, computed, frames] =
+            self.meter.look(&self.tally, Instant::now(), self.config.bit_rate, self.load);
         let values = vec![
             ("devices in operation", format!("{ready} of {}", self.devices.len())),
+            ("NMT states", self.nodes()),
+            ("controller", self.tally.controller()),
+            measured,
+            computed,
+            frames,
             ("frames without room", refused.to_string()),
             ("faults of the way", of(&self.losses.faults).to_string()),
             ("reports without room", of(&self.losses.reports).to_string()),
+            ("frames missing in recordings", self.tally.missed().to_string()),
         ];
         if let Some((problem, ..)) = &self.lost {
             return Health { problems: vec![problem.clone()], values, notes: self.notes.take() };
@@ -268,6 +307,7 @@ impl Service for CanService {
         }
         self.port.step();
         self.hear();
+        self.meter.restart(&self.tally, Instant::now());
         Ok(())
     }
 

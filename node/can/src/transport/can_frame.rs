@@ -18,6 +18,8 @@ const ERROR: u32 = 1 << 29;
 const CONTROLLER: u32 = 0x004;
 const BUS_OFF: u32 = 0x040;
 const RESTARTED: u32 = 0x100;
+/// The frame has error counters (CAN_ERR_CNT): transmit in byte 6, receive in byte 7.
+const COUNTERS: u32 = 0x200;
 /// The classes that are understood.
 pub(super) const ERRORS: u32 = CONTROLLER | BUS_OFF | RESTARTED;
 
@@ -31,10 +33,11 @@ const ACTIVE: u8 = 0x40;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Heard {
     Frame(Frame),
-    /// What the controller tells: how the bus does, where that is new; whether frames were lost.
+    /// What the controller tells: how the bus does, where that is new; whether frames were lost; its error counters, where it tells them.
     Controller {
         state: Option<BusState>,
         has_lost: bool,
+        errors: Option<(u8, u8)>,
     },
     Other,
 }
@@ -54,7 +57,7 @@ pub(super) fn bytes_of(frame: &Frame) -> [u8; SIZE] {
 pub(super) fn heard(&[a, b, c, d, length, _, _, _, ref data @ ..]: &[u8; SIZE]) -> Heard {
     let word = u32::from_ne_bytes([a, b, c, d]);
     if word & ERROR != 0 {
-        return controller(word, data[1]);
+        return controller(word, *data);
     }
     if word & EXTENDED != 0 {
         return Heard::Other;
@@ -68,7 +71,8 @@ pub(super) fn heard(&[a, b, c, d, length, _, _, _, ref data @ ..]: &[u8; SIZE]) 
     frame.map_or(Heard::Other, Heard::Frame)
 }
 
-fn controller(classes: u32, detail: u8) -> Heard {
+fn controller(classes: u32, [_, detail, _, _, _, _, transmit, receive]: [u8; 8]) -> Heard {
+    let errors = (classes & COUNTERS != 0).then_some((transmit, receive));
     let detail = if classes & CONTROLLER != 0 { detail } else { 0 };
     let state = match () {
         () if classes & BUS_OFF != 0 => Some(BusState::Off),
@@ -77,7 +81,7 @@ fn controller(classes: u32, detail: u8) -> Heard {
         () if classes & RESTARTED != 0 || detail & (ACTIVE | WARNING) != 0 => Some(BusState::Active),
         () => None,
     };
-    Heard::Controller { state, has_lost: detail & OVERFLOW != 0 }
+    Heard::Controller { state, has_lost: detail & OVERFLOW != 0, errors }
 }
 
 #[cfg(test)]
@@ -105,8 +109,8 @@ mod tests {
 
     #[test]
     fn the_controller_tells_how_the_bus_does() {
-        let tells = |classes, detail| heard(&bytes(ERROR | classes, 8, [0, detail, 0, 0, 0, 0, 0, 0]));
-        let state = |state| Heard::Controller { state, has_lost: false };
+        let tells = |classes, detail| heard(&bytes(ERROR | classes, 8, [0, detail, 0, 0, 0, 0, 130, 7]));
+        let state = |state| Heard::Controller { state, has_lost: false, errors: None };
         assert_eq!(tells(BUS_OFF, 0), state(Some(BusState::Off)));
         assert_eq!(tells(CONTROLLER, 0x10), state(Some(BusState::Passive)));
         assert_eq!(tells(CONTROLLER, 0x20 | 0x04), state(Some(BusState::Passive)));
@@ -114,7 +118,8 @@ mod tests {
         assert_eq!(tells(CONTROLLER, 0x40), state(Some(BusState::Active)));
         assert_eq!(tells(RESTARTED, 0x10), state(Some(BusState::Active)), "the detail is of another class");
         assert_eq!(tells(0x2, 0), state(None));
-        assert_eq!(tells(CONTROLLER, 0x01), Heard::Controller { state: None, has_lost: true });
+        let errors = Some((130, 7));
+        assert_eq!(tells(CONTROLLER | COUNTERS, 0x01), Heard::Controller { state: None, has_lost: true, errors });
     }
 
     proptest! {

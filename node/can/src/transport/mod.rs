@@ -67,6 +67,11 @@ pub trait Transport: Send {
         0
     }
 
+    /// Error counters of the controller, transmit and receive, as it has told them last; none where it tells none.
+    fn errors(&self) -> Option<(u8, u8)> {
+        None
+    }
+
     /// Takes leave of the bus, as far as that is possible at once.
     fn close(&mut self) {}
 }
@@ -90,6 +95,10 @@ impl<T: Transport + ?Sized> Transport for Box<T> {
 
     fn faults(&self) -> u64 {
         (**self).faults()
+    }
+
+    fn errors(&self) -> Option<(u8, u8)> {
+        (**self).errors()
     }
 
     fn close(&mut self) {

@@ -27,6 +27,7 @@ pub struct SocketCan {
     waiting: Waiting<[u8; SIZE]>,
     state: BusState,
     faults: u64,
+    errors: Option<(u8, u8)>,
 }
 
 impl SocketCan {
@@ -47,7 +48,8 @@ impl SocketCan {
             pending.map_or(Ok(socket), Err)
         };
         let socket = opened().map_err(|error| obstacle(error, interface))?;
-        Ok(Self { socket, way: Way::default(), waiting: Waiting::new(), state: BusState::Active, faults: 0 })
+        let (way, waiting, state) = (Way::default(), Waiting::new(), BusState::Active);
+        Ok(Self { socket, way, waiting, state, faults: 0, errors: None })
     }
 
     fn controller_tells(&mut self, state: Option<BusState>, has_lost: bool) {
@@ -94,7 +96,10 @@ impl Transport for SocketCan {
             match heard(&bytes) {
                 _ if count != SIZE => self.faults = self.faults.saturating_add(1),
                 Heard::Frame(frame) => return Ok(Some(frame)),
-                Heard::Controller { state, has_lost } => self.controller_tells(state, has_lost),
+                Heard::Controller { state, has_lost, errors } => {
+                    self.errors = errors.or(self.errors);
+                    self.controller_tells(state, has_lost);
+                }
                 Heard::Other => {}
             }
         }
@@ -107,6 +112,10 @@ impl Transport for SocketCan {
 
     fn faults(&self) -> u64 {
         self.faults
+    }
+
+    fn errors(&self) -> Option<(u8, u8)> {
+        self.errors
     }
 }
 

@@ -18,7 +18,8 @@ fn time(stamp_ns: u64) -> Time {
     Time { sec, nanosec: (stamp_ns % 1_000_000_000) as u32 }
 }
 
-pub(super) fn header(stamp_ns: u64) -> Header {
+/// A header of that time (ns).
+pub fn header(stamp_ns: u64) -> Header {
     Header { stamp: time(stamp_ns), frame_id: String::new() }
 }
 

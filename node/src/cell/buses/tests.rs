@@ -31,12 +31,6 @@ fn refused(cell: &Cell) -> String {
 
 const BUS: &str = "transport: 'slcan:/dev/ttyACM0', bitrate: 1000000";
 
-/// 135 and 55 are the figures of the field for 8 bytes and none.
-#[test]
-fn a_frame_has_its_bits() {
-    assert_eq!((frame_bits(8), frame_bits(0)), (135, 55));
-}
-
 /// Of 7 bytes: 47 + 56 + 89 / 4 = 125. SYNC and two frames for each drive.
 ///
 /// Proves: MACS-CAN-16

@@ -47,6 +47,16 @@ pub(in crate::cli) enum CanCommand {
                             Exit codes: 0 ended by Ctrl-C, --for or a closed pipe, 1 the bus is lost or not there, 2 bad usage or file."
     )]
     Monitor(MonitorArgs),
+    /// Print the frames that a bag holds, as `monitor` prints those of a bus
+    #[command(
+        after_help = "Bags of the flight recorder hold the frames of all buses on CAN, others where `lineshaft run --record-frames` has made \
+                            them. Columns: time since the first cycle of the bag (s), bus, which way, identifier (hexadecimal), bytes, what it \
+                            is. What PDOs carry is told by the cell that is attached to the bag, or by --cell where its EDS files stand \
+                            beside that one.\n\n\
+                            Example:\n  lineshaft can dump ~/.ros/lineshaft/lineshaft/flight_20261121_152804_000000048211 --cell cell.yaml\n\n\
+                            Exit codes: 0 good, or a closed pipe; 2 bad usage or file, a bag without frames."
+    )]
+    Dump(DumpArgs),
     /// Give devices node ids and bit rates by their identity (CiA 305)
     #[command(subcommand)]
     Lss(LssWords),
@@ -259,6 +269,24 @@ pub(in crate::cli) struct MonitorArgs {
     pub(super) time: Option<Duration>,
     #[command(flatten)]
     pub(super) bus: BusArgs,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct DumpArgs {
+    /// The bag: a folder, its metadata.yaml, or a file of it
+    pub(super) bag: PathBuf,
+    /// Only frames of this bus, by its name in the cell
+    #[arg(long, value_name = "NAME")]
+    pub(super) bus: Option<String>,
+    /// Only frames of this node, and to it (1 to 127)
+    #[arg(long, value_parser = node)]
+    pub(super) node: Option<NodeId>,
+    /// Names and types of the objects of --node; goes before the one of the cell
+    #[arg(long, value_name = "FILE", requires = "node")]
+    pub(super) eds: Option<PathBuf>,
+    /// The cell, with its EDS files beside it; left out: the one that is attached, with its files in this folder
+    #[arg(long, value_name = "CELL.yaml")]
+    pub(super) cell: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -5,6 +5,7 @@
 
 mod args;
 mod configure;
+mod dump;
 mod info;
 mod layer;
 mod monitor;
@@ -51,6 +52,7 @@ pub(super) fn can(command: &CanCommand) -> Exit {
         CanCommand::Nmt(args) => nmt::nmt(args),
         CanCommand::Lss(words) => layer::lss(words),
         CanCommand::Monitor(args) => monitor::monitor(args),
+        CanCommand::Dump(args) => dump::dump(args),
         CanCommand::Configure(args) => configure::configure(args),
     };
     match done {

@@ -41,20 +41,21 @@ pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
         if args.node.is_some_and(|node| !decoder.concerns(frame, node)) {
             return true;
         }
-        let line = line(since.as_secs_f64(), frame, &words);
+        let (since_s, told) = (since.as_secs_f64(), told(frame, &words));
         // Whoever reads has seen enough.
-        writeln!(out, "{line}").and_then(|()| out.flush()).is_ok()
+        writeln!(out, "{since_s:12.6}  {told}").and_then(|()| out.flush()).is_ok()
     })?;
     Ok(())
 }
 
-fn line(since_s: f64, frame: &Frame, words: &str) -> String {
+/// A frame, and what it says.
+pub(super) fn told(frame: &Frame, words: &str) -> String {
     let bytes = if frame.is_remote() { format!("R{}", frame.length()) } else { hex(frame.bytes()) };
-    format!("{since_s:12.6}  {:03X}  {bytes:23}  {}", frame.id().get(), clean(words))
+    format!("{:03X}  {bytes:23}  {}", frame.id().get(), clean(words))
 }
 
 /// The PDOs that the cell gives a device.
-fn carry(decoder: &mut Decoder, device: &DeviceConfig) {
+pub(super) fn carry(decoder: &mut Decoder, device: &DeviceConfig) {
     for pdo in &device.layout.asked {
         decoder.carry(pdo.id, carried(device.node, Direction::Receive, pdo));
     }

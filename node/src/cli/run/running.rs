@@ -14,7 +14,7 @@ use crate::run::gate::Gate;
 use crate::run::keeper::Keeper;
 use crate::run::lanes;
 use crate::run::objects::ObjectDesk;
-use crate::run::recorder::{Asked, FlightRecorder, Recorder};
+use crate::run::recorder::{Asked, BusFrames, FlightRecorder, Recorder};
 use crate::run::samples::{Cadences, samples};
 use crate::run::services::Services;
 use crate::run::thread::{CycleThread, Play, Statistics};
@@ -51,8 +51,9 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    pub(super) fn open(args: &RunArgs, cell: &Cell, name: &NodeName) -> Result<Self, String> {
-        let subject = Arc::new(Subject::new(cell, name));
+    pub(super) fn open(args: &RunArgs, cell: &Cell, name: &NodeName, buses: &[BusFrames]) -> Result<Self, String> {
+        let kept = buses.iter().filter(|_| args.record_frames).map(|(name, _)| name.clone());
+        let subject = Arc::new(Subject { buses: kept.collect(), ..Subject::new(cell, name) });
         let bag = args.record.options().map(|options| Bag::create(&options, Subject::clone(&subject)));
         let bag = bag.transpose().map_err(|error| error.to_string())?;
         Ok(Self { subject, bag, flight: flight(&args.flight, name)? })
@@ -94,6 +95,8 @@ pub(super) struct Given {
     pub first: Option<Action>,
     /// Where objects of its devices are asked for.
     pub objects: ObjectDesk,
+    /// What goes over its buses on CAN.
+    pub buses: Vec<BusFrames>,
 }
 
 /// The threads of a running machine.
@@ -125,6 +128,7 @@ pub(super) struct Prepared {
     encoder: Encoder,
     frames: FrameReceiver,
     asked: Receiver<Asked>,
+    pub buses: Vec<BusFrames>,
     report: Option<Receiver<Report>>,
 }
 
@@ -219,17 +223,19 @@ impl Prepared {
             processor: args.cpu.unwrap_or_default(),
         };
         let heard = Heard { events: events_heard, states: states_heard };
-        (Self { handle, cycle, services, bridge, keeper, encoder, frames: frames_out, asked, report }, heard)
+        let (frames, buses) = (frames_out, given.buses);
+        (Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report }, heard)
     }
 
     /// Runs it.
     pub(super) fn start(self, recording: Recording) -> Running {
-        let Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, report } = self;
+        let Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report } = self;
         let Recording { subject, bag, flight } = recording;
         let (stop_cycle, stop_others) = (Arc::clone(&cycle.stop), Arc::<AtomicBool>::default());
         let statistics = Arc::clone(&cycle.statistics);
         let keeper = keeper.map(|keeper| std::thread::spawn(move || keeper.run()));
-        let recorder = Recorder::new(Arc::clone(&handle), frames, encoder, subject, asked, bag, flight);
+        let recorder =
+            Recorder::new(Arc::clone(&handle), frames, encoder, subject, asked, bag, flight).with_buses(buses);
         let (ready, granted) = channel();
         let end = Arc::clone(&stop_others);
         let by_services = Arc::clone(&handle);

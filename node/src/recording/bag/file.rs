@@ -3,10 +3,10 @@
 //! Each file stands for itself: schemas, all channels, attachments and the record `lineshaft` are in it, and its first
 //! cycle is a key cycle. Chunks are gathered in memory and reach the disk whole.
 
+use super::super::Encoded;
 use super::super::metadata::{FileInformation, qos_text};
-use super::super::{Encoded, Topic};
 use super::disk::{Disk, Medium};
-use lineshaft_ros::layer::FullName;
+use super::topics::Offered;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use std::borrow::Cow;
@@ -24,8 +24,8 @@ const CHUNK_NS: u64 = 1_000_000_000;
 /// Messages, and the time that they span.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counts {
-    /// For each topic, in the order of [`Topic::ALL`].
-    pub messages: [u64; Topic::ALL.len()],
+    /// For each topic of the file, in their order.
+    pub messages: Vec<u64>,
     pub cycles: u64,
     /// Least and largest t_k (ns).
     pub span: Option<(u64, u64)>,
@@ -91,7 +91,7 @@ impl BagFile {
     }
 
     /// Writes what stands before the first cycle.
-    pub(super) fn begin(&mut self, opening: Opening<'_>, topics: &[FullName]) -> io::Result<()> {
+    pub(super) fn begin(&mut self, opening: Opening<'_>, topics: &[Offered]) -> io::Result<()> {
         let time = opening.stamp_ns;
         for (name, media_type, data) in opening.attachments {
             let (name, media_type) = (name.to_owned(), media_type.to_owned());
@@ -99,13 +99,13 @@ impl BagFile {
             self.writer.attach(&attachment).map_err(io_error)?;
         }
         self.record("lineshaft", opening.record)?;
-        for (topic, name) in Topic::ALL.into_iter().zip(topics) {
-            let (schema_name, schema) = topic.schema();
+        for Offered { name, schema: (schema_name, schema), qos } in topics {
             let schema = self.writer.add_schema(schema_name, "ros2msg", schema.as_bytes()).map_err(io_error)?;
-            let qos = BTreeMap::from([("offered_qos_profiles".to_owned(), qos_text(topic.qos(), 0))]);
+            let qos = BTreeMap::from([("offered_qos_profiles".to_owned(), qos_text(*qos, 0))]);
             let channel = self.writer.add_channel(schema, &name.to_string(), "cdr", &qos).map_err(io_error)?;
             self.channels.push(channel);
         }
+        self.counts.messages.resize(self.channels.len(), 0);
         Ok(())
     }
 
@@ -123,9 +123,12 @@ impl BagFile {
             self.chunk_start_ns = encoded.stamp_ns;
         }
         let time = encoded.stamp_ns;
-        for (topic, message) in encoded.messages() {
-            let Some(&channel_id) = self.channels.get(topic as usize) else { continue };
-            let count = &mut self.counts.messages[topic as usize];
+        // Frames of buses that this bag does not keep have no place.
+        for (place, message) in encoded.places() {
+            let (Some(&channel_id), Some(count)) = (self.channels.get(place), self.counts.messages.get_mut(place))
+            else {
+                continue;
+            };
             let header = MessageHeader { channel_id, sequence: *count as u32, log_time: time, publish_time: time };
             self.writer.write_to_known_channel(&header, message).map_err(io_error)?;
             *count += 1;

@@ -4,6 +4,7 @@ mod full;
 pub(super) mod full_disk;
 mod splits;
 
+use super::super::Topic;
 use super::super::metadata::FILE_NAME;
 use super::super::rig::{self, MOVING, Recorded};
 use super::*;
@@ -28,6 +29,7 @@ fn subject() -> Subject {
         node: NodeName::new("/", "lineshaft").unwrap(),
         cycle_ns: 1_000_000,
         version: "0.1.0".to_owned(),
+        buses: Vec::new(),
     }
 }
 
@@ -329,4 +331,50 @@ fn a_bag_may_live_in_another_thread() {
     fn can_be_sent<T: Send>(_: &T) {}
     let folder = tempfile::tempdir().unwrap();
     can_be_sent(&Bag::create(&at(folder.path().join("a")), subject()).unwrap());
+}
+
+/// Frames stand behind the other messages of their cycle, with its time as they are recorded and their own in them; in a bag that keeps
+/// none the same cycles give the same bytes as without.
+#[test]
+fn frames_of_buses_have_topics_of_their_own() {
+    use super::super::Way;
+    use super::super::run::Run;
+    use lineshaft_can::{Frame as CanFrame, Id};
+    use lineshaft_msgs::foreign::can_msgs::msg::Frame;
+    let folder = tempfile::tempdir().unwrap();
+    let bare = &run().encoded[..20];
+    let mut cycles = bare.to_vec();
+    let frame = CanFrame::data(Id::new(0x183).unwrap(), &[1, 2, 3]).unwrap();
+    cycles[3].add_frame(1, Way::Received, -250, &frame);
+    cycles[3].add_frame(0, Way::Sent, 70, &CanFrame::remote(Id::new(0x703).unwrap(), 1).unwrap());
+    let buses = vec!["bus0".to_owned(), "bus1".to_owned()];
+    let path = folder.path().join("kept");
+    let mut bag = Bag::create(&at(path.clone()), Subject { buses, ..subject() }).unwrap();
+    cycles.iter().for_each(|cycle| bag.write(cycle).unwrap());
+    bag.finish().unwrap();
+    let mut found = Vec::new();
+    let mut bag = Run::open(&path).unwrap();
+    while let Some(message) = bag.next_message().unwrap() {
+        if message.kind == "can_msgs/msg/Frame" {
+            let told: Frame = message.decode().unwrap();
+            assert_eq!(message.log_time, cycles[3].stamp_ns);
+            let late = i64::from(told.header.stamp.nanosec) - (cycles[3].stamp_ns % 1_000_000_000) as i64;
+            found.push((message.topic.to_owned(), late, told.id, told.is_rtr, told.dlc, told.data));
+        }
+    }
+    let kept =
+        |topic: &str, late, id, is_rtr, dlc, data| (format!("/lineshaft/can/{topic}"), late, id, is_rtr, dlc, data);
+    let expected = [
+        kept("bus1/received", -250, 0x183, false, 3, [1, 2, 3, 0, 0, 0, 0, 0]),
+        kept("bus0/sent", 70, 0x703, true, 1, [0; 8]),
+    ];
+    assert_eq!(found, expected);
+    let metadata = fs::read_to_string(path.join(FILE_NAME)).unwrap();
+    assert_eq!(metadata.matches("type: can_msgs/msg/Frame").count(), 4);
+    let bytes = |name: &str, cycles: &[Encoded]| {
+        let path = folder.path().join(name);
+        write(&at(path.clone()), cycles);
+        fs::read(path).unwrap()
+    };
+    assert!(bytes("a.mcap", bare) == bytes("b.mcap", &cycles));
 }

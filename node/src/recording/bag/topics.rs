@@ -1,10 +1,38 @@
 //! The topics of a bag: what they are called, what their messages are, how a node offers them.
 
-use super::super::Topic;
+use super::super::{Topic, Way};
+use super::Subject;
 use lineshaft_msgs::Message;
+use lineshaft_msgs::foreign::can_msgs::msg::Frame;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::msg::{AppliedCommand, AxisStates, CycleInputs, Event, Signals};
 use lineshaft_ros::layer::{FullName, NameError, NodeName, Qos};
+
+/// A topic that a bag has.
+#[derive(Debug)]
+pub(super) struct Offered {
+    pub name: FullName,
+    /// Type of its messages, and their text for the schema encoding `ros2msg`.
+    pub schema: (&'static str, &'static str),
+    pub qos: Qos,
+}
+
+impl Offered {
+    /// All topics of a bag: those of [`Topic::ALL`], then two for each bus.
+    pub(super) fn all(subject: &Subject) -> Result<Vec<Self>, NameError> {
+        let of = |topic: Topic| Ok(Self { name: topic.name(&subject.node)?, schema: topic.schema(), qos: topic.qos() });
+        let frames = |(bus, way): (&String, Way)| {
+            let name = subject.node.expand(&format!("~/can/{bus}/{}", way.name()))?;
+            Ok(Self { name, schema: schema::<Frame>(), qos: Qos::STREAM })
+        };
+        let buses = subject.buses.iter().flat_map(|bus| Way::ALL.map(|way| (bus, way)));
+        Topic::ALL.into_iter().map(of).chain(buses.map(frames)).collect()
+    }
+}
+
+fn schema<M: Message>() -> (&'static str, &'static str) {
+    (M::NAME, M::SCHEMA)
+}
 
 impl Topic {
     /// Every topic, in the order of the enum.
@@ -38,16 +66,13 @@ impl Topic {
 
     /// Type of its messages, as `lineshaft_msgs/msg/Event`, and their text for the schema encoding `ros2msg`.
     pub fn schema(self) -> (&'static str, &'static str) {
-        fn of<M: Message>() -> (&'static str, &'static str) {
-            (M::NAME, M::SCHEMA)
-        }
         match self {
-            Topic::Commands => of::<AppliedCommand>(),
-            Topic::Inputs => of::<CycleInputs>(),
-            Topic::Events => of::<Event>(),
-            Topic::Signals => of::<Signals>(),
-            Topic::AxisStates => of::<AxisStates>(),
-            Topic::JointStates => of::<JointState>(),
+            Topic::Commands => schema::<AppliedCommand>(),
+            Topic::Inputs => schema::<CycleInputs>(),
+            Topic::Events => schema::<Event>(),
+            Topic::Signals => schema::<Signals>(),
+            Topic::AxisStates => schema::<AxisStates>(),
+            Topic::JointStates => schema::<JointState>(),
         }
     }
 

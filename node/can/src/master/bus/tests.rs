@@ -1,8 +1,9 @@
-use super::super::fixtures::{self, as_drive};
+use super::super::fixtures::as_drive;
 use super::*;
 use crate::config::{self, DeviceConfig, Role, Terminals};
 use crate::drive::probe::Probe;
 use crate::drive::{DriveMode, Layout, objects};
+use crate::master::tally::Meter;
 use crate::transport::Loss;
 use crate::{Id, Watching};
 use assert_no_alloc::{assert_no_alloc, violation_count};
@@ -13,6 +14,7 @@ use lineshaft_core::object::Object as CoreObject;
 use rtrb::RingBuffer;
 use std::collections::VecDeque;
 use std::sync::Mutex;
+use std::time::Duration;
 
 /// Frames that a wire has room for.
 const ROOM: usize = 4096;
@@ -56,7 +58,7 @@ fn node(number: u8) -> NodeId {
 }
 
 fn drive(place: usize, number: u8, watching: Watching) -> DeviceConfig {
-    fixtures::drive(place, node(number), watching)
+    DeviceConfig::plain_drive(place, node(number), watching)
 }
 
 /// A bus of two drives, nodes 3 and 5, and what hangs on it.
@@ -507,6 +509,8 @@ fn frames_without_room_are_counted_and_not_sent_later() {
 #[test]
 fn a_cycle_takes_no_memory() {
     let mut rig = Rig::running(Watching::Heartbeat { time_ns: 2_000_000 });
+    // Also where its frames are kept, and nobody takes them.
+    let _frames = rig.bus.frames();
     rig.bus.master = Some(Master { node: node(127), heartbeat_ns: 1 });
     let before = violation_count();
     for cycle in 0..200 {
@@ -578,4 +582,28 @@ fn noise_enables_nobody() {
         while rig.reports.pop().is_ok() {}
     }
     assert!(rig.bus.busy.len() <= 127);
+}
+
+/// What goes over the wire is counted; what found no room is not.
+#[test]
+fn frames_that_go_and_come_are_counted() {
+    let mut rig = Rig::running(Watching::None);
+    let mut meter = Meter::new();
+    let begin = Instant::now();
+    meter.restart(&rig.bus.tally(), begin);
+    rig.answer(0x0627, 0, 8);
+    rig.comes(0x703, &[0x05]);
+    rig.cycle();
+    let went: Vec<Frame> = rig.sent();
+    rig.wire.lock().expect("one thread").is_full = true;
+    rig.cycle();
+    let tally = rig.bus.tally();
+    let second = begin + Duration::from_secs(1);
+    let [_, _, (_, frames)] = meter.look(&tally, second, None, None);
+    assert_eq!((went.len(), frames.as_str()), (3, "6 /s: 3 sent, 3 received"));
+    assert_eq!((tally.node(0), tally.node(1)), (Some(NmtState::Operational), None));
+    assert_eq!(tally.controller(), "active");
+    rig.wire.lock().expect("one thread").is_lost = true;
+    rig.cycle();
+    assert_eq!(tally.controller(), "off");
 }

@@ -142,7 +142,7 @@ impl Transport for Way {
 
 fn config() -> BusConfig {
     let node = NodeId::new(3).expect("1 to 127");
-    let mut drive = fixtures::drive(0, node, Watching::Heartbeat { time_ns: 300_000_000 });
+    let mut drive = DeviceConfig::plain_drive(0, node, Watching::Heartbeat { time_ns: 300_000_000 });
     drive.startup = vec![Write { object: Object { index: 0x2080, sub: 1 }, data: vec![5, 0] }];
     BusConfig {
         name: "bus0".to_owned(),

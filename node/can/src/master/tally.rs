@@ -1,0 +1,203 @@
+//! What a bus carries and how it does, for whoever tells it.
+//!
+//! Law      the cycle counts, the service reads: numbers that nobody waits for. A rate is that of the last whole second
+//! Reads    frames as the transport takes and gives them, what the controller tells, states of nodes
+//! Writes   values for people
+
+use crate::load::{self, Load};
+use crate::{Frame, NmtState};
+use lineshaft_core::drive::BusState;
+use std::sync::atomic::{AtomicU8, AtomicU16, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// What a rate is measured over.
+const SECOND: Duration = Duration::from_secs(1);
+
+/// Counters of a bus, since it was made.
+#[derive(Debug)]
+pub(crate) struct Tally {
+    sent: AtomicU64,
+    received: AtomicU64,
+    bits: AtomicU64,
+    missed: AtomicU64,
+    /// 0 to 2, as [`BusState`].
+    state: AtomicU8,
+    /// Whether there are error counters, and they: transmit, receive.
+    has_errors: AtomicU8,
+    errors: AtomicU16,
+    /// Of each drive: 0 where it has not been heard, or is lost.
+    nodes: Box<[AtomicU8]>,
+}
+
+impl Tally {
+    pub(super) fn new(drives: usize) -> Self {
+        Self {
+            sent: AtomicU64::new(0),
+            received: AtomicU64::new(0),
+            bits: AtomicU64::new(0),
+            missed: AtomicU64::new(0),
+            state: AtomicU8::new(BusState::Off as u8),
+            has_errors: AtomicU8::new(0),
+            errors: AtomicU16::new(0),
+            nodes: (0..drives).map(|_| AtomicU8::new(0)).collect(),
+        }
+    }
+
+    /// Counts a frame.
+    pub(super) fn count(&self, frame: &Frame, is_sent: bool) {
+        let of = if is_sent { &self.sent } else { &self.received };
+        of.fetch_add(1, Ordering::Relaxed);
+        self.bits.fetch_add(load::bits(frame), Ordering::Relaxed);
+    }
+
+    /// Counts what found no room on its way to whoever keeps frames.
+    pub(super) fn miss(&self) {
+        self.missed.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// How often that was.
+    pub(super) fn missed(&self) -> u64 {
+        self.missed.load(Ordering::Relaxed)
+    }
+
+    /// Notes what the controller tells.
+    pub(super) fn note(&self, state: BusState, errors: Option<(u8, u8)>) {
+        self.state.store(state as u8, Ordering::Relaxed);
+        if let Some((transmit, receive)) = errors {
+            self.errors.store(u16::from_be_bytes([transmit, receive]), Ordering::Relaxed);
+        }
+        self.has_errors.store(errors.is_some().into(), Ordering::Relaxed);
+    }
+
+    /// Notes the state of the node of the drive at this place of the bus.
+    pub(super) fn note_node(&self, place: usize, state: Option<NmtState>) {
+        if let Some(node) = self.nodes.get(place) {
+            node.store(state.map_or(0, |state| 1 + state as u8), Ordering::Relaxed);
+        }
+    }
+
+    fn counts(&self) -> Counts {
+        let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        Counts { sent: of(&self.sent), received: of(&self.received), bits: of(&self.bits) }
+    }
+
+    /// The state that a drive's node has shown last; none where it has shown none, or is lost.
+    pub(super) fn node(&self, place: usize) -> Option<NmtState> {
+        let states = [NmtState::BootUp, NmtState::Stopped, NmtState::Operational, NmtState::PreOperational];
+        let word = self.nodes.get(place)?.load(Ordering::Relaxed);
+        states.into_iter().find(|state| 1 + *state as u8 == word)
+    }
+
+    /// How the controller does, and its error counters where it tells them.
+    pub(super) fn controller(&self) -> String {
+        let state = match self.state.load(Ordering::Relaxed) {
+            state if state == BusState::Active as u8 => "active",
+            state if state == BusState::Passive as u8 => "passive: many errors",
+            _ => "off",
+        };
+        if self.has_errors.load(Ordering::Relaxed) == 0 {
+            return state.to_owned();
+        }
+        let [transmit, receive] = self.errors.load(Ordering::Relaxed).to_be_bytes();
+        format!(
+            "{state}; when it told them last, its error counters were {transmit} (transmit) and {receive} (receive)"
+        )
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    sent: u64,
+    received: u64,
+    bits: u64,
+}
+
+/// What a bus carries at present.
+#[derive(Debug)]
+pub(crate) struct Meter {
+    since: Instant,
+    last: Counts,
+    /// Of the last whole second, each per second: frames sent, frames received, bits.
+    rates: Option<[f64; 3]>,
+}
+
+impl Meter {
+    pub(super) fn new() -> Self {
+        Self { since: Instant::now(), last: Counts::default(), rates: None }
+    }
+
+    /// Begins anew: nobody has looked for a while.
+    pub(super) fn restart(&mut self, tally: &Tally, now: Instant) {
+        *self = Self { since: now, last: tally.counts(), rates: None };
+    }
+
+    /// What is carried, for people, beside what was computed.
+    pub(super) fn look(
+        &mut self,
+        tally: &Tally,
+        now: Instant,
+        rate: Option<u32>,
+        load: Option<Load>,
+    ) -> [(&'static str, String); 3] {
+        let time = now.saturating_duration_since(self.since);
+        if time >= SECOND {
+            let (counts, last, s) = (tally.counts(), self.last, time.as_secs_f64());
+            let per_s = |now: u64, then: u64| now.saturating_sub(then) as f64 / s;
+            let rates = [(counts.sent, last.sent), (counts.received, last.received), (counts.bits, last.bits)];
+            (self.rates, self.last, self.since) = (Some(rates.map(|(now, then)| per_s(now, then))), counts, now);
+        }
+        let unknown = || "not known yet".to_owned();
+        let measured = self.rates.map_or_else(unknown, |[.., bits]| match rate {
+            Some(rate) => format!("{:.1} % of {rate} bit/s", bits * 100.0 / f64::from(rate)),
+            None => format!("{bits:.0} bit/s"),
+        });
+        let frames = self.rates.map_or_else(unknown, |[sent, received, _]| {
+            format!("{:.0} /s: {sent:.0} sent, {received:.0} received", sent + received)
+        });
+        let computed = |load: Load| format!("{:.1} % at most, the frames of each cycle alone", load.share() * 100.0);
+        let computed = load.map_or_else(|| "none: the cell gives no bit rate".to_owned(), computed);
+        [("load, measured", measured), ("load, computed", computed), ("frames", frames)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Id;
+
+    /// 100 frames of 53 bits within 2 s at 10 kbit/s; then nothing.
+    #[test]
+    fn a_rate_is_that_of_the_last_whole_second() {
+        let (tally, begin) = (Tally::new(0), Instant::now());
+        let frame = Frame::data(Id::NMT, &[]).unwrap();
+        let mut meter = Meter::new();
+        meter.restart(&tally, begin);
+        (0..100).for_each(|at| tally.count(&frame, at < 40));
+        let load = Load { frames: 2, bits: 5, rate: 10_000, cycle_us: 1000.0 };
+        let mut look =
+            |ms, rate| meter.look(&tally, begin + Duration::from_millis(ms), rate, Some(load)).map(|(_, value)| value);
+        assert_eq!(look(999, Some(10_000))[0], "not known yet");
+        let computed = "50.0 % at most, the frames of each cycle alone";
+        assert_eq!(look(2000, Some(10_000)), ["26.5 % of 10000 bit/s", computed, "50 /s: 20 sent, 30 received"]);
+        assert_eq!(look(2999, None)[0], "2650 bit/s");
+        assert_eq!(look(3000, Some(10_000))[0], "0.0 % of 10000 bit/s");
+    }
+
+    #[test]
+    fn the_controller_and_the_nodes_are_told_as_they_were_noted() {
+        let tally = Tally::new(2);
+        assert_eq!(tally.controller(), "off");
+        tally.note(BusState::Passive, Some((128, 3)));
+        let told =
+            "passive: many errors; when it told them last, its error counters were 128 (transmit) and 3 (receive)";
+        assert_eq!(tally.controller(), told);
+        tally.note(BusState::Active, None);
+        assert_eq!(tally.controller(), "active");
+        for state in [NmtState::BootUp, NmtState::Stopped, NmtState::Operational, NmtState::PreOperational] {
+            tally.note_node(1, Some(state));
+            assert_eq!((tally.node(0), tally.node(1)), (None, Some(state)));
+        }
+        tally.note_node(1, None);
+        assert_eq!(tally.node(1), None);
+    }
+}

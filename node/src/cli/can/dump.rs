@@ -1,0 +1,178 @@
+//! `lineshaft can dump`.
+//!
+//! Law      frames come in the order in which the bag has them, each with its time from the first cycle of the bag on
+//! Reads    a bag; the cell that was named, else the one that is attached to it
+//! Refuses  bags without frames, and buses that it does not have, with what it has
+
+use super::Failure;
+use super::args::DumpArgs;
+use super::monitor::{carry, told};
+use crate::cell::{Cell, device_file};
+use crate::recording::Way;
+use crate::recording::clean::clean;
+use crate::recording::run::{Message, Run, RunError};
+use lineshaft_can::commission::Decoder;
+use lineshaft_can::{Frame, Id};
+use lineshaft_core::unit::excerpt;
+use lineshaft_msgs::Message as _;
+use lineshaft_msgs::foreign::can_msgs::msg::Frame as Told;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+
+/// Most names in a sentence.
+const MOST_NAMES: usize = 20;
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
+/// What a frame was of.
+struct Topic<'a> {
+    bus: &'a str,
+    way: Way,
+}
+
+impl<'a> Topic<'a> {
+    /// By the name of a topic: `/lineshaft/can/bus0/sent`.
+    fn of(name: &'a str) -> Option<Self> {
+        let (before, last) = name.rsplit_once('/')?;
+        let way = Way::ALL.into_iter().find(|way| way.name() == last)?;
+        let (before, bus) = before.rsplit_once('/')?;
+        before.ends_with("/can").then_some(Self { bus, way })
+    }
+}
+
+pub(super) fn dump(args: &DumpArgs) -> Result<(), Failure> {
+    let mut run = Run::open(&args.bag)?;
+    let (mut decoders, other) = decoders(args, &run)?;
+    let (mut topics, mut buses, mut begin) = (BTreeSet::new(), BTreeSet::new(), None);
+    let mut out = std::io::stdout().lock();
+    while let Some(message) = run.next_message()? {
+        let begin = *begin.get_or_insert(message.log_time);
+        let topic = Topic::of(message.topic).filter(|_| message.kind == Told::NAME);
+        if !topics.contains(message.topic) {
+            topics.insert(message.topic.to_owned());
+            buses.extend(topic.as_ref().map(|topic| topic.bus.to_owned()));
+        }
+        let Some(Topic { bus, way }) = topic.filter(|topic| args.bus.as_deref().is_none_or(|name| name == topic.bus))
+        else {
+            continue;
+        };
+        let (stamp_ns, frame) = frame(&message)?;
+        let Some(frame) = frame else { continue };
+        if !decoders.contains_key(bus) {
+            decoders.insert(bus.to_owned(), other.clone());
+        }
+        let Some(decoder) = decoders.get_mut(bus) else { continue };
+        // What others have said belongs to an exchange, also where it is not shown.
+        let words = decoder.words(&frame);
+        if args.node.is_some_and(|node| !decoder.concerns(&frame, node)) {
+            continue;
+        }
+        let since_s = (i128::from(stamp_ns) - i128::from(begin)) as f64 * 1e-9;
+        let (bus, way, told) = (clean(bus), way.name(), told(&frame, &words));
+        match writeln!(out, "{since_s:12.6}  {bus}  {way:8}  {told}") {
+            Ok(()) => {}
+            // Whoever reads has seen enough.
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
+            Err(error) => return Err(Failure::Bus(format!("the frames cannot be printed: {error}"))),
+        }
+    }
+    // A file of which nothing more is whole ends before its time.
+    for cut in run.cuts() {
+        eprintln!("note: {}", clean(&cut.to_string()));
+    }
+    let bag = args.bag.display().to_string();
+    match &args.bus {
+        _ if buses.is_empty() => Err(Failure::Usage(format!(
+            "{}: it has no frames of CAN, topics ../can/BUS/sent and ../received of {}; its topics are {}",
+            clean(&bag),
+            Told::NAME,
+            listed(&topics)
+        ))),
+        Some(name) if !buses.contains(name) => Err(Failure::Usage(format!(
+            "--bus: {} has no frames of bus {name:?}; {} is allowed",
+            clean(&bag),
+            listed(&buses)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Names in a sentence.
+fn listed(names: &BTreeSet<String>) -> String {
+    let mut listed: Vec<_> = names.iter().take(MOST_NAMES).map(|name| clean(&excerpt(name)).into_owned()).collect();
+    if names.len() > MOST_NAMES {
+        listed.push(format!("and {} more", names.len() - MOST_NAMES));
+    }
+    if listed.is_empty() { "none".to_owned() } else { listed.join(", ") }
+}
+
+/// A frame and its time (ns); no frame where it is none that CANopen uses.
+fn frame(message: &Message<'_>) -> Result<(u64, Option<Frame>), Failure> {
+    let sentence =
+        |reason| Failure::Usage(format!("{} at {} ns: {reason}", clean(&excerpt(message.topic)), message.log_time));
+    let told: Told = message.decode().map_err(sentence)?;
+    let stamp = &told.header.stamp;
+    let stamp_ns =
+        u64::try_from(stamp.sec).unwrap_or(0).saturating_mul(1_000_000_000).saturating_add(stamp.nanosec.into());
+    let id =
+        u16::try_from(told.id).ok().and_then(|id| Id::new(id).ok()).filter(|_| !told.is_extended && !told.is_error);
+    let frame = id.and_then(|id| match told.is_rtr {
+        true => Frame::remote(id, told.dlc).ok(),
+        false => Frame::data(id, told.data.get(..usize::from(told.dlc))?).ok(),
+    });
+    Ok((stamp_ns, frame))
+}
+
+/// What is known of the devices of each bus, and of one that no cell tells of.
+fn decoders(args: &DumpArgs, run: &Run) -> Result<(BTreeMap<String, Decoder>, Decoder), Failure> {
+    let mut decoders = match &args.cell {
+        Some(path) => {
+            let cell = Cell::load(path).map_err(|problems| problems.to_string().trim_end().to_owned());
+            cell.and_then(|cell| of_cell(&cell, path)).map_err(Failure::Usage)?
+        }
+        None => attached(run)?,
+    };
+    let mut other = Decoder::default();
+    if let (Some(node), Some(path)) = (args.node, &args.eds) {
+        let dictionary = device_file("--eds", path, node).map_err(Failure::Usage)?;
+        decoders.values_mut().chain([&mut other]).for_each(|decoder| decoder.know(node, dictionary.clone()));
+    }
+    Ok((decoders, other))
+}
+
+/// What the cell says that is attached to the bag, as far as its files are here.
+fn attached(run: &Run) -> Result<BTreeMap<String, Decoder>, Failure> {
+    let text = run.attachment("cell.yaml")?.and_then(|bytes| String::from_utf8(bytes).ok());
+    let known =
+        text.and_then(|text| Cell::parse("cell.yaml", text).ok()).map(|cell| of_cell(&cell, Path::new("cell.yaml")));
+    Ok(match known {
+        Some(Ok(decoders)) => decoders,
+        Some(Err(sentence)) => {
+            let first = sentence.lines().next().unwrap_or_default();
+            eprintln!(
+                "note: what PDOs carry is not told; --cell names the cell where its EDS files are: {}",
+                clean(first)
+            );
+            BTreeMap::new()
+        }
+        None => BTreeMap::new(),
+    })
+}
+
+fn of_cell(cell: &Cell, path: &Path) -> Result<BTreeMap<String, Decoder>, String> {
+    let buses = cell.buses(Some(path)).map_err(|problems| problems.to_string().trim_end().to_owned())?;
+    let of = |bus: lineshaft_can::config::BusConfig| {
+        let mut decoder = Decoder::default();
+        bus.devices.iter().for_each(|device| carry(&mut decoder, device));
+        for (node, dictionary) in cell.dictionaries(&bus.name, path)? {
+            decoder.know(node, dictionary);
+        }
+        Ok((bus.name, decoder))
+    };
+    buses.into_iter().map(of).collect()
+}
