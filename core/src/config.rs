@@ -8,7 +8,9 @@ pub use error::ConfigError;
 pub use functions::{Function, OutputShared, Switcher};
 pub use numbers::{IoCounts, NoSuchIo, names_no_io};
 
-use crate::axis::{AxisSetup, BrakeConfig, MAX_DELAY, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop};
+use crate::axis::{
+    AxisSetup, BrakeConfig, MAX_DELAY, MISSED_CYCLES, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop,
+};
 use crate::code::Code;
 use crate::drive::{Backend, Capabilities, Interface, SpeedOutputs};
 use crate::encoder::{Form, PulseCheck};
@@ -126,6 +128,8 @@ pub struct AxisConfig {
     pub drive: Option<Capabilities>,
     /// How its drive is commanded.
     pub interface: Interface,
+    /// Cycles without new data from its drive that are waited for.
+    pub missed_cycles: u32,
     /// What its vocabularies are wired to.
     pub vocabularies: Wiring,
     /// Outputs of an open-loop axis.
@@ -149,6 +153,7 @@ impl AxisConfig {
             modulo: None,
             drive,
             interface: Interface::Position,
+            missed_cycles: MISSED_CYCLES,
             vocabularies: Wiring::default(),
             open_loop: SpeedOutputs::default(),
             wired: Wired::default(),
@@ -480,6 +485,7 @@ impl MachineConfig {
                 drive: axis.drive.and_then(|offers| drives.next().map(|place| (place, offers))),
                 modulo: axis.modulo,
                 interface: axis.interface,
+                missed_cycles: axis.missed_cycles,
                 unit: axis.increments_per_unit(),
                 vocabularies: axis.vocabularies,
                 open_loop: axis.open_loop,

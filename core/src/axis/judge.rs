@@ -296,14 +296,15 @@ impl Axis {
     /// this cycle is waited for.
     pub(super) fn turns(&self, cycle: u64) -> bool {
         let age = |drifted| cycle.saturating_sub(drifted).saturating_mul(self.setup.cycle_ns);
-        self.shown.is_awaited() || self.judge.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
+        self.shown.is_awaited(self.setup.missed_cycles)
+            || self.judge.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
     }
 
     /// Did its encoder move in this cycle, faster than one that stands may creep? One look tells, where a reset waits for a while: what
     /// is braked by its drive does not coast.
     pub(super) fn moves(&self) -> bool {
         let moved = self.actual.change.to_f64().abs() * STILL_NS as f64;
-        self.shown.is_awaited() || moved > self.slack().to_f64() * self.setup.cycle_ns as f64
+        self.shown.is_awaited(self.setup.missed_cycles) || moved > self.slack().to_f64() * self.setup.cycle_ns as f64
     }
 
     /// Longer than it may? In each cycle anew.

@@ -87,7 +87,7 @@ use power::Power;
 use rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
 use shown::DriveShown;
-pub use shown::MAX_STALE_CYCLES;
+pub use shown::MISSED_CYCLES;
 use stream::Streamed;
 use waiting::Waiting;
 
@@ -105,6 +105,8 @@ pub struct AxisSetup {
     pub modulo: Option<Modulo>,
     /// How its drive is commanded.
     pub interface: Interface,
+    /// Cycles without new data from its drive that are waited for.
+    pub missed_cycles: u32,
     /// Increments per axis unit.
     pub unit: f64,
     /// What its vocabularies are wired to.

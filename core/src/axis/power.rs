@@ -217,7 +217,7 @@ impl Axis {
     }
 
     pub(super) fn failure(&self, input: &DriveInput) -> Option<Code> {
-        self.shown.failure(input).or_else(|| self.source_failure())
+        self.shown.failure(input, self.setup.missed_cycles).or_else(|| self.source_failure())
     }
 
     /// Switches the axis off at once.

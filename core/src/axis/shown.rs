@@ -1,7 +1,7 @@
 //! What the drive of an axis shows in this cycle.
 //!
 //! Law      a drive that is not there shows that it is not ready; one that has told nothing new for longer than
-//!          [`MAX_STALE_CYCLES`] fails
+//!          its setup allows fails
 //! Reads    the inputs of the drive
 //! Source   CiA 402 (statusword, modes of operation display)
 
@@ -9,8 +9,8 @@ use crate::code::Code;
 use crate::drive::{BusState, DriveInput, DriveState, STATUS_WARNING};
 use serde::{Deserialize, Serialize};
 
-/// Cycles without new data from a drive until it counts as lost.
-pub const MAX_STALE_CYCLES: u32 = 10;
+/// Cycles without new data from a drive that are waited for, where nobody says how many.
+pub const MISSED_CYCLES: u32 = 10;
 
 /// What the drive shows.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -72,9 +72,9 @@ impl DriveShown {
         self.stale_cycles == 0
     }
 
-    /// Has it told nothing new in this cycle, and does it still count as there?
-    pub(super) fn is_awaited(&self) -> bool {
-        (1..=MAX_STALE_CYCLES).contains(&self.stale_cycles)
+    /// Has it told nothing new in this cycle, and does it still count as there, for so many cycles?
+    pub(super) fn is_awaited(&self, missed_cycles: u32) -> bool {
+        (1..=missed_cycles).contains(&self.stale_cycles)
     }
 
     pub(super) fn is_in_fault(&self) -> bool {
@@ -86,12 +86,12 @@ impl DriveShown {
         matches!(self.state, DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction)
     }
 
-    /// What of it keeps an axis from moving, by these inputs of this cycle.
-    pub(super) fn failure(&self, input: &DriveInput) -> Option<Code> {
+    /// What of it keeps an axis from moving, by these inputs of this cycle; so many cycles without new data are waited for.
+    pub(super) fn failure(&self, input: &DriveInput, missed_cycles: u32) -> Option<Code> {
         match () {
             () if input.bus == BusState::Off => Some(Code::BUS_ERROR),
             () if !input.online => Some(Code::DRIVE_LOST),
-            () if self.stale_cycles > MAX_STALE_CYCLES => Some(Code::DRIVE_STALE),
+            () if self.stale_cycles > missed_cycles => Some(Code::DRIVE_STALE),
             () => self.is_in_fault().then(|| Code::drive_fault(input.fault)),
         }
     }
@@ -102,19 +102,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_drive_is_awaited_for_ten_cycles_and_fails_in_the_eleventh() {
+    fn a_drive_is_awaited_for_some_cycles_and_fails_in_the_next_one() {
+        for missed in [1, 10, 100] {
+            fails_behind(missed);
+        }
+    }
+
+    fn fails_behind(missed: u32) {
         let mut shown = DriveShown::new(false);
         let mut input = DriveInput { online: true, fresh: true, ..DriveInput::default() };
         shown.read(&input, 0.0);
-        assert!(shown.is_fresh() && !shown.is_awaited());
+        assert!(shown.is_fresh() && !shown.is_awaited(missed));
         input.fresh = false;
-        for cycle in 1..=11 {
+        for cycle in 1..=missed + 1 {
             shown.read(&input, 0.0);
-            let failure = (cycle == 11).then_some(Code::DRIVE_STALE);
-            assert_eq!((shown.failure(&input), shown.is_awaited()), (failure, cycle < 11), "{cycle}");
+            let failure = (cycle > missed).then_some(Code::DRIVE_STALE);
+            assert_eq!(
+                (shown.failure(&input, missed), shown.is_awaited(missed)),
+                (failure, cycle <= missed),
+                "{cycle}"
+            );
         }
         input.fresh = true;
         shown.read(&input, 0.0);
-        assert_eq!((shown.failure(&input), shown.is_fresh()), (None, true));
+        assert_eq!((shown.failure(&input, missed), shown.is_fresh()), (None, true));
     }
 }

@@ -393,8 +393,8 @@ codes! {
 
     /// A drive gave no new data for too long.
     DRIVE_STALE = 10208, Drive {
-        says: "the drive sent nothing new for more than 10 cycles",
-        cause: "The drive sent nothing new for more than 10 cycles.",
+        says: "the drive sent nothing new for more than missed_cycles",
+        cause: "The drive sent nothing new for more than `missed_cycles` of it: 10 where the cell says nothing else.",
         remedy: "Check the load of the bus and the cycle, then reset_errors.",
     }
 

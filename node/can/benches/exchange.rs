@@ -67,6 +67,7 @@ fn bus(drives: usize) -> BusConfig {
         cycle_ns: 1_000_000,
         sync_overflow: None,
         sdo_timeout_ns: 500_000_000,
+        time_ns: None,
         master: None,
         devices: (0..drives).map(drive).collect(),
     }

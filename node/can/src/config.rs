@@ -1,10 +1,12 @@
 //! What a bus is made of, as a cell says it.
 
+use crate::drive::layout::Extras;
 use crate::drive::probe::Probes;
 use crate::drive::{DriveMode, DriveType, Layout};
 use crate::sdo::Object;
 use crate::transport::Address;
 use crate::{NodeId, Watching};
+use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{Capabilities, Terminal};
 use std::fmt;
 
@@ -26,6 +28,8 @@ pub struct BusConfig {
     pub sync_overflow: Option<u8>,
     /// How long an SDO server may take for an answer (ns).
     pub sdo_timeout_ns: u64,
+    /// From one TIME to the next (ns); none: there is none.
+    pub time_ns: Option<u64>,
     /// The heartbeat of the master; none: the drives do not watch it.
     pub master: Option<Master>,
     /// Its devices.
@@ -89,11 +93,13 @@ impl DeviceConfig {
             offers: Capabilities { delay: 1, position: true, homes: true, ..Capabilities::default() },
             per_revolution: None,
             velocity: VelocityFactor::default(),
+            missed: Missed::default(),
+            rated_effort: None,
         };
         Self {
             node,
             watching,
-            layout: Layout::plan(node, drive.mode, drive.probes, &terminals, None)
+            layout: Layout::plan(node, drive.mode, Extras::default(), &terminals, None)
                 .expect("without a dictionary nothing is missing"),
             identity: Identity::default(),
             startup: Vec::new(),
@@ -197,6 +203,25 @@ pub struct DriveConfig {
     pub per_revolution: Option<(u64, u64)>,
     /// How fast it says it is.
     pub velocity: VelocityFactor,
+    /// What is shown of it while its words are missing.
+    pub missed: Missed,
+    /// Effort of the axis at the rated torque of the drive (6076h), where the cell says it (N or Nm).
+    pub rated_effort: Option<f64>,
+}
+
+/// What is shown of a drive whose words are missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Missed {
+    /// Cycles that are waited for.
+    pub cycles: u32,
+    /// Its position goes on at its last velocity meanwhile; else it stays.
+    pub extrapolates: bool,
+}
+
+impl Default for Missed {
+    fn default() -> Self {
+        Self { cycles: MISSED_CYCLES, extrapolates: false }
+    }
 }
 
 /// What a device must be (1018h); what is none is not looked at.
@@ -268,6 +293,7 @@ mod tests {
             cycle_ns,
             sync_overflow: None,
             sdo_timeout_ns,
+            time_ns: None,
             master: None,
             devices: vec![],
         };

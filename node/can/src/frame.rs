@@ -20,6 +20,8 @@ impl Id {
     pub const NMT: Self = Self(0x000);
     /// SYNC (CiA 301, object 1005h by default).
     pub const SYNC: Self = Self(0x080);
+    /// TIME (CiA 301, object 1012h by default).
+    pub const TIME: Self = Self(0x100);
     /// From the slaves of LSS to its master (CiA 305).
     pub const LSS_SLAVE: Self = Self(0x7E4);
     /// From the master of LSS to its slaves (CiA 305).

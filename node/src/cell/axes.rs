@@ -13,7 +13,7 @@ use super::parameters;
 use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
-use lineshaft_core::axis::{Wired, may_read, may_tell_sign};
+use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_read, may_tell_sign};
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig};
 use lineshaft_core::drive::Interface;
@@ -46,6 +46,8 @@ enum Drive {
         /// What it hangs on.
         kind: Backend,
         interface: Interface,
+        /// Cycles without new data that are waited for.
+        missed_cycles: u32,
     },
 }
 
@@ -152,6 +154,10 @@ fn axis<'d>(
         }
     };
     let interface = interface_of(drive).unwrap_or_default();
+    let missed_cycles = match drive {
+        Some(Drive::Real { missed_cycles, .. }) => missed_cycles,
+        _ => MISSED_CYCLES,
+    };
     let (drive, hardware) = match drive? {
         Drive::Virtual => (None, None),
         Drive::Real { at, kind, .. } => {
@@ -162,8 +168,16 @@ fn axis<'d>(
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;
     let open_loop = open_loop?;
     let config = AxisConfig::new(name.to_owned(), travel.scale?, drive, parameters);
-    let config =
-        AxisConfig { modulo, interface, open_loop, brake: brake?, vocabularies: wiring?, wired: wired?, ..config };
+    let config = AxisConfig {
+        modulo,
+        interface,
+        missed_cycles,
+        open_loop,
+        brake: brake?,
+        vocabularies: wiring?,
+        wired: wired?,
+        ..config
+    };
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
     amc::check(&config, &given, cx.cycle_ns);
@@ -214,6 +228,8 @@ fn check_master(axis: &AxisConfig, place: usize, given: &parameters::Given<'_>, 
     value.refuse(format!("{key} {number} {wrong}; {} are allowed", allowed.join(", ")), None);
 }
 
+/// Most cycles without new data from a drive that may be waited for.
+const MOST_MISSED: u32 = 1000;
 /// Encoders that MENCODERTYPE has numbers for.
 const TERMINALS: usize = 3;
 
@@ -246,6 +262,7 @@ fn drive<'d>(value: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, t
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
     let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
+    let missed = map.optional("missed_cycles").map_or(Some(MISSED_CYCLES), |value| value.integer(1..=MOST_MISSED));
     let (number, on_can) = match (place, backend) {
         (Some(place), Some(Backend::Sim { .. })) => {
             (take(&mut map, place, "address", 0..=u16::MAX, cx, taken), Some(None))
@@ -263,7 +280,8 @@ fn drive<'d>(value: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, t
     };
     map.finish();
     let number = number?;
-    Some((Drive::Real { at: Hardware { backend: place?, number }, kind: backend?, interface: interface? }, on_can?))
+    let (at, kind) = (Hardware { backend: place?, number }, backend?);
+    Some((Drive::Real { at, kind, interface: interface?, missed_cycles: missed? }, on_can?))
 }
 
 /// Key `key`, which numbers the drives of a backend.

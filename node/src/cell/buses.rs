@@ -11,8 +11,9 @@ use super::names::quote;
 use super::terminals::{self, CellTerminal};
 use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
-use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, Role, Terminals, Write};
+use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, Missed, Role, Terminals, Write};
 use lineshaft_can::drive::Layout;
+use lineshaft_can::drive::layout::Extras;
 use lineshaft_can::eds::{self, Dictionary};
 use lineshaft_can::load::Load;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
@@ -75,6 +76,7 @@ impl Parts<'_> {
                 cycle_ns: self.machine.cycle_ns,
                 sync_overflow: bus.sync_overflow,
                 sdo_timeout_ns: bus.sdo_timeout_ns,
+                time_ns: bus.time_ns,
                 master: bus.master,
                 devices,
             };
@@ -114,13 +116,16 @@ impl Maker<'_> {
     ) -> Option<DeviceConfig> {
         let CellDrive { mode, drive_type, probes, .. } = *drive;
         let node = drive.device.node;
+        let extras = Extras { probes, torque: drive.rated_effort.is_some() };
         let is_bare =
-            probes == [None; 2] && terminals.digital_inputs.is_empty() && terminals.digital_outputs.is_empty();
+            extras == Extras::default() && terminals.digital_inputs.is_empty() && terminals.digital_outputs.is_empty();
         let plan = |dictionary: Option<&Dictionary>| {
             let of_axis = |problem: &dyn std::fmt::Display| format!("drive of axis {}: {problem}", quote(&axis.name));
             match drive_type {
-                None => Layout::plan(node, mode, probes, &terminals, dictionary),
-                Some(_) if !is_bare => return Err(of_axis(&"probes and io are not for a drive with drivetype")),
+                None => Layout::plan(node, mode, extras, &terminals, dictionary),
+                Some(_) if !is_bare => {
+                    return Err(of_axis(&"probes, rated_effort and io are not for a drive with drivetype"));
+                }
                 Some(of_type) => of_type.layout(node),
             }
             .map_err(|error| of_axis(&error))
@@ -135,6 +140,8 @@ impl Maker<'_> {
             offers: axis.drive?,
             per_revolution: drive.per_revolution,
             velocity: drive.velocity,
+            missed: Missed { cycles: axis.missed_cycles, extrapolates: drive.extrapolates },
+            rated_effort: drive.rated_effort,
         });
         let device = self.device(&drive.device, role, plan)?;
         Some(DeviceConfig { terminals, ..device })

@@ -13,7 +13,7 @@ use lineshaft_can::transport::Address;
 use lineshaft_can::{NodeId, Watching};
 use lineshaft_core::drive::Capabilities;
 use lineshaft_core::drive::Interface;
-use lineshaft_core::unit::Dimension;
+use lineshaft_core::unit::{Dimension, ScaleKind};
 
 /// Cycles from a setpoint to the answer of a CANopen drive (contract section 1).
 pub(super) const DELAY: u32 = 1;
@@ -63,6 +63,7 @@ pub struct CellBus {
     pub(super) bit_rate: Option<u32>,
     pub(super) sync_overflow: Option<u8>,
     pub(super) sdo_timeout_ns: u64,
+    pub(super) time_ns: Option<u64>,
     pub(super) master: Option<Master>,
     /// What it says of modules and encoders.
     pub(super) nodes: Vec<CellNode>,
@@ -98,6 +99,10 @@ pub struct CellDrive {
     /// Increments per revolution of its shaft, as a fraction.
     pub(super) per_revolution: Option<(u64, u64)>,
     pub(super) velocity: VelocityFactor,
+    /// Its position goes on while its words are missing.
+    pub(super) extrapolates: bool,
+    /// (N or Nm)
+    pub(super) rated_effort: Option<f64>,
 }
 
 /// What such a drive offers, by the cell alone; the drive itself is asked when it is there.
@@ -136,6 +141,7 @@ pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
     };
     let sync_overflow = map.optional("sync_counter").map_or(Some(None), |value| value.integer(2..=240).map(Some));
     let sdo_timeout_ns = map.optional("sdo_timeout").map_or(Some(SDO_TIMEOUT_NS), |value| ms(&value, 10..=10_000));
+    let time_ns = map.optional("time").map_or(Some(None), |value| ms(&value, 100..=3_600_000).map(Some));
     let usual = Some(Master { node: MASTER, heartbeat_ns: HEARTBEAT_NS });
     let master = map.optional("master").map_or(Some(usual), |value| master(&value));
     let nodes = map.optional("nodes").map_or(Some(Vec::new()), |value| nodes(&value));
@@ -145,6 +151,7 @@ pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
         bit_rate: bit_rate?,
         sync_overflow: sync_overflow?,
         sdo_timeout_ns: sdo_timeout_ns?,
+        time_ns: time_ns?,
         master: master?,
         nodes: nodes?,
     })
@@ -234,6 +241,9 @@ pub(super) fn drive(
     let probes = probes(map);
     let feed = map.optional("feed").map_or(Some(None), |value| feed(&value, travel).map(Some));
     let given = map.optional("velocity_factor").map_or(Some(None), |value| factor(&value).map(Some));
+    let policies = [("hold", false), ("extrapolate", true)];
+    let extrapolates = map.optional("missed_pdo").map_or(Some(false), |value| value.choice(&policies));
+    let rated = map.optional("rated_effort").map_or(Some(None), |value| rated_effort(&value, travel).map(Some));
     let factor = factor_of(given?, drive_type?, feed?, number.as_ref());
     Some(CellDrive {
         device: device?,
@@ -242,7 +252,18 @@ pub(super) fn drive(
         probes: probes?,
         per_revolution: feed?,
         velocity: factor?,
+        extrapolates: extrapolates?,
+        rated_effort: rated?,
     })
+}
+
+/// What the axis has at the rated torque of its drive (N or Nm).
+fn rated_effort(value: &Value<'_>, travel: &Travel) -> Option<f64> {
+    let dimension = match travel.kind? {
+        ScaleKind::Linear => Dimension::Force,
+        ScaleKind::Rotary => Dimension::Torque,
+    };
+    Some(value.quantity(&[dimension], &Allowed::Positive)?.si())
 }
 
 /// How it is commanded.
@@ -317,7 +338,9 @@ fn factor_of(
 }
 
 /// Names of the keys that [`drive`] reads.
-pub(super) const DRIVE_KEYS: [&str; 11] = [
+pub(super) const DRIVE_KEYS: [&str; 13] = [
+    "missed_pdo",
+    "rated_effort",
     "mode",
     "drivetype",
     "eds",

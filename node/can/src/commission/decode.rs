@@ -13,8 +13,6 @@ use crate::{Frame, Id, Life, NmtState, NodeId};
 use lineshaft_core::drive::DriveState;
 use std::collections::BTreeMap;
 
-/// TIME (CiA 301, 1012h by default).
-const TIME: u16 = 0x100;
 /// A PDO behind an identifier.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Carried {
@@ -78,7 +76,7 @@ impl Decoder {
                 [counter] => format!("SYNC {counter}"),
                 _ => "SYNC".to_owned(),
             },
-            (TIME, _) => time(frame.bytes()),
+            _ if id == Id::TIME => time(frame.bytes()),
             (_, Some(node)) if frame.is_remote() => match id == node.heartbeat() {
                 true => format!("node {} is asked for its state", node.get()),
                 false => "remote frame".to_owned(),

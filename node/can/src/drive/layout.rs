@@ -33,6 +33,8 @@ pub enum Told {
     Inputs,
     /// Error code.
     Fault,
+    /// Torque (0.1 % of the rated one).
+    Torque,
     /// Position that a touch probe has caught (counts).
     Captured(Slot),
     /// How many it has caught.
@@ -147,6 +149,15 @@ pub struct Layout {
     pub told: Vec<Pdo<Told>>,
 }
 
+/// What a drive tells beside what its mode needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// What its touch probes catch.
+    pub probes: Probes,
+    /// Its torque.
+    pub torque: bool,
+}
+
 /// Why a drive has no layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutError {
@@ -156,6 +167,9 @@ pub enum LayoutError {
     /// What entries of `io` need.
     #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; entries of io need it")]
     NoTerminal(Object),
+    /// What the effort of the axis needs.
+    #[error("{} cannot be mapped to a PDO, by the dictionary of the drive; rated_effort needs it", objects::TORQUE)]
+    NoTorque,
     /// What touch probes need.
     #[error("probes need {0} in a PDO; the drive has no dictionary (key eds) that maps it")]
     NoProbe(Object),
@@ -178,7 +192,7 @@ impl Layout {
     pub fn plan(
         node: NodeId,
         mode: DriveMode,
-        probes: Probes,
+        extras: Extras,
         terminals: &Terminals,
         dictionary: Option<&Dictionary>,
     ) -> Result<Self, LayoutError> {
@@ -213,8 +227,14 @@ impl Layout {
         if let Some(object) = used.into_iter().flatten().find(cannot) {
             return Err(LayoutError::NoTerminal(object));
         }
+        if extras.torque {
+            if cannot(&objects::TORQUE) {
+                return Err(LayoutError::NoTorque);
+            }
+            each_sync.push(Field::told(Told::Torque, objects::TORQUE, 16));
+        }
         let seldom: Vec<_> = seldom.into_iter().filter(|field| maps(field.object)).collect();
-        for slot in probe::slots(probes) {
+        for slot in probe::slots(extras.probes) {
             let objects @ [position, count] = probe::objects_of(slot);
             if let Some(missing) = objects.into_iter().find(|object| !maps(*object)) {
                 return Err(LayoutError::NoProbe(missing));
@@ -316,13 +336,13 @@ mod tests {
     /// What each cycle needs is 7 bytes each way.
     #[test]
     fn without_a_dictionary_only_what_is_needed_is_mapped() {
-        let layout = Layout::plan(node(), DriveMode::Csp, [None; 2], &Terminals::default(), None).unwrap();
+        let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), None).unwrap();
         assert_eq!(told(&layout), [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode])]);
         let [asked] = layout.asked.as_slice() else { panic!("{:?}", layout.asked) };
         assert_eq!((asked.number, asked.id.get(), asked.bytes()), (1, 0x203, 7));
         let objects: Vec<_> = asked.fields.iter().map(|field| field.object.index).collect();
         assert_eq!(objects, [0x6040, 0x607A, 0x6060]);
-        let velocity = Layout::plan(node(), DriveMode::Csv, [None; 2], &Terminals::default(), None).unwrap();
+        let velocity = Layout::plan(node(), DriveMode::Csv, Extras::default(), &Terminals::default(), None).unwrap();
         assert_eq!(velocity.asked[0].fields[1].object.index, 0x60FF);
     }
 
@@ -331,7 +351,8 @@ mod tests {
     fn what_the_dictionary_maps_has_a_place() {
         let text = include_bytes!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text, Some(3)).unwrap();
-        let layout = Layout::plan(node(), DriveMode::Csp, [None; 2], &Terminals::default(), Some(&known)).unwrap();
+        let layout =
+            Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known)).unwrap();
         let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
     }
@@ -357,11 +378,12 @@ mod tests {
         let at = text.find("[607A]").unwrap();
         let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-        let error = Layout::plan(node(), DriveMode::Csp, [None; 2], &Terminals::default(), Some(&known)).unwrap_err();
+        let error =
+            Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known)).unwrap_err();
         let sentence =
             "607Ah:00 cannot be mapped to a PDO, by the dictionary of the drive; mode csp needs it in each cycle";
         assert_eq!(error.to_string(), sentence);
-        assert!(Layout::plan(node(), DriveMode::Csv, [None; 2], &Terminals::default(), Some(&known)).is_ok());
+        assert!(Layout::plan(node(), DriveMode::Csv, Extras::default(), &Terminals::default(), Some(&known)).is_ok());
     }
 
     fn terminal(address: u16) -> Terminal {
@@ -378,7 +400,7 @@ mod tests {
         };
         let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-        let layout = Layout::plan(node(), DriveMode::Csp, [None; 2], &terminals, Some(&known)).unwrap();
+        let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &terminals, Some(&known)).unwrap();
         let cyclic = [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]), (2, 0x283, 1, vec![Told::Inputs])];
         assert_eq!(told(&layout), [cyclic.as_slice(), &[(3, 0x383, 255, vec![Told::Fault])]].concat());
         let asked: Vec<_> = layout.asked.iter().map(|pdo| (pdo.number, pdo.bytes())).collect();
@@ -386,7 +408,7 @@ mod tests {
         let at = text.find("[60FD]").unwrap();
         let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-        let error = Layout::plan(node(), DriveMode::Csp, [None; 2], &terminals, Some(&known)).unwrap_err();
+        let error = Layout::plan(node(), DriveMode::Csp, Extras::default(), &terminals, Some(&known)).unwrap_err();
         let sentence = "60FDh:00 cannot be mapped to a PDO, by the dictionary of the drive; entries of io need it";
         assert_eq!(error.to_string(), sentence);
     }

@@ -11,6 +11,7 @@ use super::capture::{Frames, Tap};
 use super::device::Device;
 use super::sync::SyncCounter;
 use super::tally::Tally;
+use super::time::TimeOfDay;
 use crate::config::{BusConfig, Master};
 use crate::sdo::{Client, Object, SdoError, Transfer};
 use crate::transport::{Transport, TransportError};
@@ -19,7 +20,7 @@ use lineshaft_core::drive::{BusState, Emergency, Inputs, Outputs};
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 /// Frames that are taken in one go: far more than a bus carries in a cycle.
 const MOST_FRAMES: usize = 1024;
@@ -93,6 +94,7 @@ pub(crate) struct Bus {
     /// Nodes with a transfer under way.
     busy: Vec<NodeId>,
     sync: SyncCounter,
+    time: TimeOfDay,
     master: Option<Master>,
     /// When the heartbeat of the master went last (ns).
     beat_ns: Option<u64>,
@@ -119,6 +121,7 @@ impl Bus {
             clients: nodes().map(client).collect(),
             busy: Vec::with_capacity(usize::from(NodeId::MAX)),
             sync: SyncCounter::new(config.sync_overflow),
+            time: TimeOfDay::new(config.time_ns),
             master: config.master,
             beat_ns: None,
             orders,
@@ -414,6 +417,10 @@ impl Bus {
             if let Ok(frame) = Frame::data(node.heartbeat(), &[0x05]) {
                 self.send(&frame);
             }
+        }
+        // No call of the system, as with the clock above.
+        if let Some(frame) = self.time.due(now_ns, || SystemTime::UNIX_EPOCH.elapsed().unwrap_or_default()) {
+            self.send(&frame);
         }
         let mut left = most;
         for at in 0..self.busy.len() {

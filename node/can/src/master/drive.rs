@@ -6,11 +6,10 @@
 //! Writes   its part of the inputs; the words that ask it
 //! Source   CiA 402-2, contract section 8
 
-use crate::config::{DriveConfig, VelocityFactor};
+use crate::config::{DriveConfig, Missed, VelocityFactor};
 use crate::drive::layout::{Asked, Layout, Told};
 use crate::drive::probe::{self, Catch, Caught, Probes};
 use crate::drive::{Commander, Counter, HomingSetup};
-use lineshaft_core::axis::MAX_STALE_CYCLES;
 use lineshaft_core::drive::{
     BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Latch, MODE_HOMING, STATUS_HOMING_ATTAINED,
     control,
@@ -24,6 +23,8 @@ struct Words {
     mode: i8,
     inputs: u32,
     fault: u16,
+    /// Thousandths of the rated torque.
+    torque: i16,
     /// That of the counts (counts/s).
     velocity: f64,
 }
@@ -43,6 +44,9 @@ pub(crate) struct Drive {
     is_fresh: bool,
     /// Cycles since its counts were fresh.
     stale: u32,
+    missed: Missed,
+    /// Effort of a thousandth of its rated torque.
+    effort_unit: f64,
     emergency: Option<Emergency>,
     object: Object,
     probes: Probes,
@@ -77,6 +81,8 @@ impl Drive {
             is_heard: false,
             is_fresh: false,
             stale: 0,
+            missed: config.missed,
+            effort_unit: config.rated_effort.unwrap_or_default() / 1000.0,
             emergency: None,
             object: Object::Axis(config.object),
             probes: config.probes,
@@ -93,7 +99,7 @@ impl Drive {
 
     /// Has it told where it is, and is it not silent since?
     pub(super) fn is_heard(&self) -> bool {
-        self.is_heard && self.stale <= MAX_STALE_CYCLES
+        self.is_heard && self.stale <= self.missed.cycles
     }
 
     /// Its counts, and how often they were set anew.
@@ -136,6 +142,7 @@ impl Drive {
                 Told::Mode => words.mode = value as i8,
                 Told::Inputs => words.inputs = value as u32,
                 Told::Fault => words.fault = value as u16,
+                Told::Torque => words.torque = value as i16,
                 Told::Position => word = Some(value as i32),
                 Told::Captured(_) => captured = value as i32,
                 Told::Captures(slot) => {
@@ -174,16 +181,15 @@ impl Drive {
         let index = self.read_probes(inputs);
         let Some(input) = inputs.drive.get_mut(self.place) else { return };
         let is_online = is_there && self.is_heard;
-        let Words { status, mode, inputs, fault, velocity } = self.words;
+        let Words { status, mode, inputs, fault, torque, velocity } = self.words;
         let is_fresh = std::mem::take(&mut self.is_fresh) && is_online;
         self.stale = if is_fresh { 0 } else { self.stale.saturating_add(1) };
         let is_in_fault = matches!(DriveState::from_status(status), DriveState::Fault | DriveState::FaultReaction);
         *input = DriveInput {
-            count: self.counter.count(),
+            count: self.counter.count().wrapping_add(self.way_since(velocity)),
             epoch: self.counter.epoch(),
             velocity,
-            // In no PDO yet.
-            effort: 0.0,
+            effort: f64::from(torque) * self.effort_unit,
             status,
             mode: self.commander.mode().across(mode),
             // The error code stays behind the fault that it is of.
@@ -195,6 +201,13 @@ impl Drive {
             inputs,
             index,
         };
+    }
+
+    /// How far it has come since its words are missing, where that is extrapolated.
+    fn way_since(&self, velocity: f64) -> i64 {
+        let cycles = if self.missed.extrapolates { self.stale.min(self.missed.cycles) } else { 0 };
+        // Saturates.
+        (velocity * self.cycle_s * f64::from(cycles)).round() as i64
     }
 
     /// Latches of the axis, and the last index pulse.

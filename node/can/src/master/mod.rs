@@ -15,6 +15,7 @@ mod service;
 mod sync;
 mod tally;
 mod terminals;
+mod time;
 
 pub use asked::{Access, Denied, LONGEST, MOST_WAITING, Objects, Ticket};
 pub use backend::CanBackend;

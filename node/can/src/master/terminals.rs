@@ -9,7 +9,7 @@
 use super::drive::Drive;
 use crate::config;
 use crate::drive::layout::{Asked, Told};
-use lineshaft_core::axis::MAX_STALE_CYCLES;
+use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{EncoderInput, Inputs, Outputs, bit};
 
 /// What full scale is in words.
@@ -86,7 +86,7 @@ impl Terminals {
     /// What they show in this cycle; `drive`: what the device is as one.
     pub(super) fn read(&mut self, inputs: &mut Inputs, is_there: bool, drive: Option<&Drive>) {
         // All PDOs of a module or encoder go with each SYNC.
-        let is_late = |age: &Option<u32>| age.is_none_or(|age| age > MAX_STALE_CYCLES);
+        let is_late = |age: &Option<u32>| age.is_none_or(|age| age > MISSED_CYCLES);
         let is_heard = drive.map_or_else(|| !self.ages.iter().any(is_late), Drive::is_heard);
         for age in self.ages.iter_mut().flatten() {
             *age = age.saturating_add(1);

@@ -123,6 +123,10 @@ fn keys_of_buses_and_drives_have_ranges() {
         ),
         ("transport: 'socketcan:can0', sync_counter: 241", "sync_counter is 241; 2..240 is allowed"),
         (
+            "transport: 'socketcan:can0', time: 50 ms",
+            "time is `50 ms`; 100 ms to 3600000 ms in whole milliseconds is allowed",
+        ),
+        (
             "transport: 'socketcan:can0', sdo_timeout: 5 ms",
             "sdo_timeout is `5 ms`; 10 ms to 10000 ms in whole milliseconds is allowed",
         ),
@@ -153,6 +157,9 @@ fn keys_of_buses_and_drives_have_ranges() {
             "probe_1 and probe_2: one of them may catch edges, and one the index",
         ),
         ("node: 1, feed: 1 rev", "feed: `1 rev` is an angle; a length such as `1 m` is expected"),
+        ("node: 1, missed_cycles: 0", "missed_cycles is 0; 1..1000 is allowed"),
+        ("node: 1, missed_pdo: guess", "missed_pdo is `guess`; one of hold, extrapolate is allowed"),
+        ("node: 1, rated_effort: 2 Nm", "rated_effort: `2 Nm` is a torque; a force such as `2 N` is expected"),
         ("node: 1, mode: csv", "mode is csv; with interface position pp, ip, csp is allowed"),
         ("node: 1, interface: velocity, mode: vl", "mode is vl; with interface velocity pv, csv is allowed"),
         (

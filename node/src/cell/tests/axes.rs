@@ -313,7 +313,7 @@ fn drives() {
         ),
         (
             "{backend: plant, address: 0, node: 3}",
-            "8:41: unknown key `node` in drive of axis `x`, known are backend, interface, address",
+            "8:41: unknown key `node` in drive of axis `x`, known are backend, interface, missed_cycles, address",
         ),
         ("{backend: bus0, eds: x.eds}", "8:12: missing key `node` in drive of axis `x`"),
         ("{backend: bus0, node: 128}", "8:34: node is 128; 1..127 is allowed"),

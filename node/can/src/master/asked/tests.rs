@@ -89,6 +89,7 @@ impl Rig {
             cycle_ns: 1_000_000,
             sync_overflow: None,
             sdo_timeout_ns: 20_000_000,
+            time_ns: None,
             master: None,
             devices: Vec::new(),
         };

@@ -1,6 +1,7 @@
 use super::super::fixtures::as_drive;
 use super::*;
-use crate::config::{self, DeviceConfig, Role, Terminals};
+use crate::config::{self, DeviceConfig, Missed, Role, Terminals};
+use crate::drive::layout::Extras;
 use crate::drive::probe::Probe;
 use crate::drive::{DriveMode, Layout, objects};
 use crate::master::tally::Meter;
@@ -85,6 +86,7 @@ impl Rig {
             cycle_ns: 1_000_000,
             sync_overflow: None,
             sdo_timeout_ns: SDO_TIMEOUT_NS,
+            time_ns: None,
             master: None,
             devices: vec![drive(0, 3, watching), drive(1, 5, watching)],
         };
@@ -200,6 +202,36 @@ fn a_module_is_inputs_and_outputs_of_the_machine() {
     assert_eq!(violation_count(), 0);
 }
 
+/// 100 counts a cycle: while its words are missing the position stays, or goes on, for as many cycles as are waited for. A thousandth of the
+/// rated torque is 2 mNm.
+#[test]
+fn missing_words_are_held_or_extrapolated() {
+    for (extrapolates, expected) in [(false, [200; 4]), (true, [300, 400, 500, 500])] {
+        let mut config = drive(0, 3, Watching::None);
+        let extras = Extras { torque: true, ..Extras::default() };
+        config.layout = Layout::plan(node(3), DriveMode::Csp, extras, &config.terminals, None).unwrap();
+        as_drive(&mut config).missed = Missed { cycles: 3, extrapolates };
+        as_drive(&mut config).rated_effort = Some(2.0);
+        let mut rig = Rig::running(Watching::None);
+        rig.replace_first(&config);
+        rig.comes(0x283, &(-500_i16).to_le_bytes());
+        for position in [100, 200] {
+            rig.answer(0x0237, position, MODE_CSP);
+            rig.cycle();
+        }
+        assert_eq!((rig.inputs.drive[0].count, rig.inputs.drive[0].effort), (200, -1.0));
+        let held = expected.map(|_| {
+            rig.cycle();
+            assert_eq!((rig.inputs.drive[0].fresh, rig.inputs.drive[0].velocity), (false, 100_000.0));
+            rig.inputs.drive[0].count
+        });
+        assert_eq!(held, expected);
+        rig.answer(0x0237, 450, MODE_CSP);
+        rig.cycle();
+        assert_eq!((rig.inputs.drive[0].fresh, rig.inputs.drive[0].count), (true, 450));
+    }
+}
+
 /// Bits of 60FDh and 60FEh:01 of a drive, and its counts as an encoder of the machine.
 #[test]
 fn a_drive_has_terminals_as_well() {
@@ -211,7 +243,7 @@ fn a_drive_has_terminals_as_well() {
         ..Terminals::default()
     };
     let mut config = drive(0, 3, Watching::None);
-    config.layout = Layout::plan(node(3), DriveMode::Csp, [None; 2], &terminals, None).unwrap();
+    config.layout = Layout::plan(node(3), DriveMode::Csp, Extras::default(), &terminals, None).unwrap();
     config.terminals = terminals;
     let mut rig = Rig::running(Watching::None);
     rig.replace_first(&config);
@@ -434,7 +466,9 @@ fn what_a_probe_catches_is_a_latch_of_the_axis() {
     let mut config = drive(0, 3, Watching::None);
     let probes = [Some(Probe::Rising), Some(Probe::Index)];
     (as_drive(&mut config).probes, as_drive(&mut config).object) = (probes, 4);
-    config.layout = Layout::plan(node(3), DriveMode::Csp, probes, &config.terminals, Some(&known)).unwrap();
+    config.layout =
+        Layout::plan(node(3), DriveMode::Csp, Extras { probes, torque: false }, &config.terminals, Some(&known))
+            .unwrap();
     let ids: Vec<_> = config.layout.told.iter().map(|pdo| (pdo.id.get(), pdo.bytes())).collect();
     assert_eq!(ids, [(0x183, 7), (0x283, 6), (0x383, 6), (0x483, 6)]);
     let mut rig = Rig::running(Watching::None);

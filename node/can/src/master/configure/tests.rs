@@ -151,6 +151,7 @@ fn config() -> BusConfig {
         cycle_ns: 4_000_000,
         sync_overflow: None,
         sdo_timeout_ns: 30_000_000,
+        time_ns: None,
         master: Some(Master { node: NodeId::new(127).expect("1 to 127"), heartbeat_ns: 100_000_000 }),
         devices: vec![drive],
     }
