@@ -254,13 +254,13 @@ fn a_bus_that_is_not_as_the_cell_says_is_refused() {
         (
             plain.clone(),
             "set 1 0x1000 0 0x191",
-            "its device type (1000h) is 00000191h, profile 401; a drive of profile 402 is expected",
+            "its device type (1000h) is 00000191h, profile 401; profile 402 (drive) is expected",
         ),
         // Without csp: pp, pv, hm, csv.
         (
             plain.clone(),
             "set 1 0x6502 0 0x125",
-            "interface position needs mode 8 (csp), which the drive does not offer (6502h is 00000125h: pp, pv, hm, csv)",
+            "it does not offer mode 8 (csp; 6502h is 00000125h: pp, pv, hm, csv); key mode chooses another",
         ),
         (
             plain.clone(),
