@@ -269,3 +269,16 @@ fn terminals_that_a_device_has_not_are_refused() {
         assert!(problem.ends_with(sentence), "{problem}");
     }
 }
+
+/// Cells that stand there for others to begin with.
+#[test]
+fn the_example_cells_make_buses() {
+    let folder = file().parent().unwrap().to_owned();
+    let cells = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let cells: Vec<_> = cells.filter(|path| path.extension().is_some_and(|end| end == "yaml")).collect();
+    assert!(cells.len() >= 4, "{cells:?}");
+    for path in cells {
+        let cell = Cell::load(&path).unwrap_or_else(|problems| panic!("{problems}"));
+        assert_eq!(cell.buses(Some(&path)).map(|buses| buses.len()).map_err(|problems| problems.to_string()), Ok(1));
+    }
+}
