@@ -7,13 +7,14 @@
 //!          with the object and both values
 //! Source   CiA 301 (boot-up, NMT, objects 1000h to 1A00h), CiA 302-2, CiA 402-2, MACS-CAN-04, MACS-CAN-08
 
+mod mapping;
+
 use super::bus::Order;
 use super::port::Port;
 use crate::commission::words;
 use crate::config::{BusConfig, DeviceConfig, DriveConfig, HEARTBEATS_MISSED, Role, Write};
-use crate::drive::layout::{Field, MOST_PDOS, Pdo, Told};
+use crate::drive::layout::{Field, Pdo, Told};
 use crate::drive::{objects, probe};
-use crate::eds::{CobId, Direction};
 use crate::sdo::{Abort, Object, SdoError};
 use crate::{NmtCommand, NodeId, Watching};
 use lineshaft_core::drive::{DriveState, control};
@@ -224,7 +225,7 @@ impl Session<'_> {
             let before = self.port.strays();
             self.port.read(node, objects::DEVICE_TYPE)?;
             // Another object: the second answer of the first one is none to this request.
-            self.port.read(node, objects::VENDOR)?;
+            self.number(objects::VENDOR)?;
             if self.port.strays() == before {
                 return Ok(());
             }
@@ -387,86 +388,6 @@ impl Session<'_> {
         self.written += 1;
         Ok(())
     }
-
-    fn write_pdos(&mut self) -> Result<(), Refusal> {
-        for number in 1..=MOST_PDOS {
-            let layout = &self.device.layout;
-            match layout.asked.iter().find(|pdo| pdo.number == number) {
-                Some(pdo) => self.write_pdo(Direction::Receive, pdo)?,
-                None => self.switch_off(Direction::Receive, number)?,
-            }
-            match layout.told.iter().find(|pdo| pdo.number == number) {
-                Some(pdo) => self.write_pdo(Direction::Transmit, pdo)?,
-                None => self.switch_off(Direction::Transmit, number)?,
-            }
-        }
-        Ok(())
-    }
-
-    /// A PDO that nobody needs would only load the bus.
-    fn switch_off(&mut self, direction: Direction, number: u8) -> Result<(), Refusal> {
-        let cob_id = Object { index: direction.communication(number), sub: 1 };
-        let Some(present) = self.number(cob_id)? else { return Ok(()) };
-        if CobId(present).is_valid() { self.write(cob_id, &(present | INVALID).to_le_bytes()) } else { Ok(()) }
-    }
-
-    /// Maps a PDO by the sequence that all devices take: off, no objects, the objects, their number, type, on.
-    fn write_pdo<W: Copy>(&mut self, direction: Direction, pdo: &Pdo<W>) -> Result<(), Refusal> {
-        let (communication, mapping) = (direction.communication(pdo.number), direction.mapping(pdo.number));
-        let at = |index, sub| Object { index, sub };
-        let entry =
-            |field: &Field<W>| u32::from(field.object.index) << 16 | u32::from(field.object.sub) << 8 | field.bits;
-        let entries: Vec<u32> = pdo.fields.iter().map(entry).collect();
-        let kind = pdo.transmission.number();
-        let found = self.number(at(communication, 1))?.ok_or_else(|| missing(at(communication, 1), pdo.number))?;
-        // Remote frames that ask for a PDO were never of use.
-        let id = u32::from(pdo.id.get()) | found & NO_REMOTE;
-        let is_mapped = !pdo.is_mapped || self.has_entries(direction, pdo.number, &entries)?;
-        let is_there = CobId(found).is_valid()
-            && CobId(found).id() == CobId(id).id()
-            && self.number(at(communication, 2))? == Some(kind.into());
-        if is_there && is_mapped {
-            return Ok(());
-        }
-        self.write(at(communication, 1), &(id | INVALID).to_le_bytes())?;
-        self.write(at(communication, 2), &[kind])?;
-        if !is_mapped {
-            self.write(at(mapping, 0), &[0])?;
-            for (sub, entry) in (1..).zip(&entries) {
-                self.write(at(mapping, sub), &entry.to_le_bytes())?;
-            }
-            self.write(at(mapping, 0), &[entries.len() as u8])?;
-        }
-        self.write(at(communication, 1), &id.to_le_bytes())
-    }
-
-    /// Does a PDO carry these objects? What a module sends behind them is passed over: its mapping may be fixed.
-    fn has_entries(&mut self, direction: Direction, number: u8, entries: &[u32]) -> Result<bool, Refusal> {
-        let mapping = direction.mapping(number);
-        let count = self.number(Object { index: mapping, sub: 0 })?.unwrap_or_default() as usize;
-        let more = match (direction, &self.device.role) {
-            (Direction::Transmit, Role::Module) => 8,
-            _ => 0,
-        };
-        if !(entries.len()..=entries.len() + more).contains(&count) {
-            return Ok(false);
-        }
-        for (sub, entry) in (1..).zip(entries) {
-            if self.number(Object { index: mapping, sub })? != Some(*entry) {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-}
-
-/// Bit 31 of a COB-ID: the PDO does not exist.
-const INVALID: u32 = 0x8000_0000;
-/// Bit 30 of a COB-ID: remote frames are not answered.
-const NO_REMOTE: u32 = 0x4000_0000;
-
-fn missing(object: Object, number: u8) -> Refusal {
-    Refusal::Wrong(format!("{object} does not exist: the drive has no PDO {number}"))
 }
 
 /// The heartbeat that a drive watches (1016h): whose, and within which time (ms); 0: it does not.

@@ -2,6 +2,7 @@ use super::super::bus::Bus;
 use super::super::fixtures;
 use super::*;
 use crate::config::{Identity, Master};
+use crate::drive::DriveType;
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, Id};
 use lineshaft_core::drive::BusState;
@@ -317,4 +318,33 @@ fn a_scale_that_contradicts_the_factors_of_the_drive_is_refused_by_both_numbers(
     assert!(with((15_000, 1), &feed).unwrap_err().contains("360000/7 inc per revolution of its shaft (6092h)"));
     assert!(with((1, 1), &[]).unwrap_err().contains("neither 6092h nor 608Fh"));
     assert!(with((1, 1), &[(0x608F, 1, 1), (0x608F, 2, 0)]).is_err(), "no revolution at all");
+}
+
+/// PDO 1 of a drive that is mapped beforehand is left as it is, where its words have the lengths of the type; else its words would be taken
+/// for others.
+///
+/// Proves: MACS-CAN-11
+#[test]
+fn a_mapping_of_somebody_else_has_the_lengths_of_its_type() {
+    let mut config = config();
+    let of_type = DriveType::decode(-11).unwrap();
+    config.devices[0].layout = of_type.layout(config.devices[0].node).unwrap();
+    let mapped = |index, entries: &[u32]| {
+        let of = |(sub, entry): (u8, &u32)| ((index, sub), entry.to_le_bytes().to_vec());
+        let count = ((index, 0), vec![entries.len() as u8]);
+        (1..).zip(entries).map(of).chain([count]).collect::<Vec<_>>()
+    };
+    let with = |asked: &[u32]| {
+        device(|device| {
+            device.objects.extend(mapped(0x1600, asked));
+            device.objects.extend(mapped(0x1A00, &[0x6041_0010, 0x6064_0020]));
+            // Its mode goes in no PDO: it is written.
+            device.objects.insert((0x6060, 0), vec![0]);
+        })
+    };
+    let good = with(&[0x6040_0010, 0x3001_0120]);
+    assert_eq!(run(&good, &config).map(drop), Ok(()));
+    assert!(good.lock().unwrap().written.iter().all(|(index, ..)| !matches!(index, 0x1600 | 0x1A00)), "left alone");
+    let sentence = "1600h maps 2, 1 bytes; 2, 4 bytes are expected, mapped before the drive is used here";
+    assert_eq!(run(&with(&[0x6040_0010, 0x6060_0008]), &config).unwrap_err(), sentence);
 }
