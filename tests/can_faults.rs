@@ -2,11 +2,10 @@
 
 mod support;
 
-use std::fmt::Write;
 use std::thread;
 use std::time::{Duration, Instant};
 use support::can::CanDrives;
-use support::can_cell::{CanCell, CanRun, Shown, axis};
+use support::can_cell::{CanCell, CanRun, Shown, axis, recovery};
 use support::proxy::Proxy;
 
 const PRE_OPERATIONAL: u64 = 127;
@@ -111,27 +110,9 @@ fn a_drive_that_is_lost_stops_its_axis_alone_and_comes_back() {
     let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axes);
     let (mut steps, mut expect) = (String::new(), String::new());
     for (at, Fault { axis, code, state, .. }) in FAULTS.iter().enumerate() {
-        write!(
-            steps,
-            "  - {{when: {{signal: {axis}.state, is: STANDSTILL}}, do: {{move_axis: {{axis: {axis}, mode: velocity, velocity: 10 mm/s}}}}}}
-  - name: reset{at}
-    when: {{all: [{{signal: {axis}.error, is: {code}}}, {{signal: {axis}.drive_state, is: {state}}}]}}
-    after: 300 ms
-    do: {{reset_errors: {{axes: [{axis}]}}}}
-  - {{name: enable{at}, when: {{signal: {axis}.state, is: DISABLED}}, after: 300 ms, do: {{enable: {{axes: [{axis}]}}}}}}
-  - {{name: move{at}, when: {{signal: {axis}.state, is: STANDSTILL}}, do: {{move_axis: {{axis: {axis}, mode: relative, position: 5 mm}}}}}}
-"
-        )
-        .expect("room");
-        write!(
-            expect,
-            "  - {{signal: {axis}.enabled, since: reset{at}, from: -25, to: 25, is: 0}}
-  - {{signal: {axis}.enabled, since: enable{at}, from: -25, to: 0, is: 0}}
-  - {{signal: {axis}.command.velocity, since: move{at}, from: 0, to: 1 s, min: 9 mm/s, mode: eventually}}
-  - {{event: {{kind: error, source: {axis}, code: {code}}}, mode: eventually}}
-"
-        )
-        .expect("room");
+        let (what, after) = recovery(at, axis, code, state);
+        steps += &what;
+        expect += &after;
     }
     let run = cell.run(&format!(
         "scenario: losses
@@ -438,11 +419,4 @@ steps:
     }
     let log = run.program.log();
     assert!(!log.contains("out of operation"), "nobody else has done that: {log}");
-}
-
-impl CanRun {
-    /// How often it has written this.
-    fn told(&self, text: &str) -> usize {
-        self.program.log().matches(text).count()
-    }
 }

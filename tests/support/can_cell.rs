@@ -24,6 +24,29 @@ pub(crate) fn axis(name: &str, node: u8, drive: &str, keys: &str) -> String {
     )
 }
 
+/// Steps of a scenario, and what it expects: an axis is moved with 10 mm/s; once it has that error and its drive that state, the error is
+/// reset, the axis enabled, and moved by 5 mm. It has the error, and is off until it is enabled.
+pub(crate) fn recovery(at: usize, axis: &str, code: &str, state: &str) -> (String, String) {
+    let steps = format!(
+        "  - {{when: {{signal: {axis}.state, is: STANDSTILL}}, do: {{move_axis: {{axis: {axis}, mode: velocity, velocity: 10 mm/s}}}}}}
+  - name: reset{at}
+    when: {{all: [{{signal: {axis}.error, is: {code}}}, {{signal: {axis}.drive_state, is: {state}}}]}}
+    after: 300 ms
+    do: {{reset_errors: {{axes: [{axis}]}}}}
+  - {{name: enable{at}, when: {{signal: {axis}.state, is: DISABLED}}, after: 300 ms, do: {{enable: {{axes: [{axis}]}}}}}}
+  - {{name: move{at}, when: {{signal: {axis}.state, is: STANDSTILL}}, do: {{move_axis: {{axis: {axis}, mode: relative, position: 5 mm}}}}}}
+"
+    );
+    let expect = format!(
+        "  - {{signal: {axis}.enabled, since: reset{at}, from: -25, to: 25, is: 0}}
+  - {{signal: {axis}.enabled, since: enable{at}, from: -25, to: 0, is: 0}}
+  - {{signal: {axis}.command.velocity, since: move{at}, from: 0, to: 1 s, min: 9 mm/s, mode: eventually}}
+  - {{event: {{kind: error, source: {axis}, code: {code}}}, mode: eventually}}
+"
+    );
+    (steps, expect)
+}
+
 /// A folder with a cell and its scenarios.
 pub(crate) struct CanCell {
     folder: tempfile::TempDir,
@@ -64,7 +87,8 @@ impl CanCell {
         self.folder.path().join(name).to_str().expect("a path of text").to_owned()
     }
 
-    fn write(&self, name: &str, text: &str) -> String {
+    /// Writes a file there; its path.
+    pub(crate) fn write(&self, name: &str, text: &str) -> String {
         let path: &Path = &self.folder.path().join(name);
         fs::write(path, text).expect("room for a file");
         path.to_str().expect("a path of text").to_owned()
@@ -115,11 +139,16 @@ impl CanRun {
         self.program.log()
     }
 
+    /// How often it has written this.
+    pub(crate) fn told(&self, text: &str) -> usize {
+        self.program.log().matches(text).count()
+    }
+
     /// Waits until it has written this for the n-th time; how long that took.
     #[track_caller]
     pub(crate) fn until_told(&self, times: usize, text: &str) -> Duration {
         let begin = Instant::now();
-        while self.program.log().matches(text).count() < times {
+        while self.told(text) < times {
             assert!(begin.elapsed() < PATIENCE, "`{text}` is not told {times} times; {}", self.program.log());
             thread::sleep(LOOK);
         }
