@@ -41,7 +41,8 @@ pub(crate) enum Way {
 pub(crate) struct CanDrives {
     process: Captured,
     address: Address,
-    control: BufReader<TcpStream>,
+    /// What is told to it beside the bus; a device of another make has none.
+    control: Option<BufReader<TcpStream>>,
 }
 
 impl CanDrives {
@@ -57,6 +58,15 @@ impl CanDrives {
 
     /// Drives with these node ids, and other devices (`["--modules", "10"]`), booted.
     pub(crate) fn boot_with(way: Way, nodes: &str, others: &[&str]) -> Self {
+        Self::start("cia402_sim.py", way, nodes, &[&["--control", "127.0.0.1:0"], others].concat())
+    }
+
+    /// A device without a drive, of a make of its own, behind an adapter over TCP.
+    pub(crate) fn boot_device(node: u8) -> Self {
+        Self::start("durand_node.py", Way::SlcanTcp, &node.to_string(), &[])
+    }
+
+    fn start(script: &str, way: Way, nodes: &str, others: &[&str]) -> Self {
         let bus = match way {
             Way::SlcanTcp => "slcan-tcp:127.0.0.1:0".to_owned(),
             Way::SlcanPty => "slcan-pty".to_owned(),
@@ -64,8 +74,8 @@ impl CanDrives {
             Way::SocketCan(interface) => format!("socketcan:{interface}"),
         };
         let mut command = Command::new(setup::can_python());
-        command.arg(setup::sources().join("can/cia402_sim.py"));
-        command.args(["--bus", &bus, "--control", "127.0.0.1:0", "--exit-with-parent", "--nodes", nodes]);
+        command.arg(setup::sources().join("can").join(script));
+        command.args(["--bus", &bus, "--exit-with-parent", "--nodes", nodes]);
         command.args(others);
         let mut process = Captured::start("can drives", command, &Domain::take(), Stdio::null());
         process.prefer();
@@ -78,8 +88,8 @@ impl CanDrives {
             Way::Udp => Address::Udp { group: GROUP, port: PORT },
             Way::SocketCan(interface) => Address::SocketCan(interface.to_owned()),
         };
-        let control = TcpStream::connect(at("control")).expect("the drives listen");
-        Self { process, address, control: BufReader::new(control) }
+        let control = ready["control"].as_str().map(|at| TcpStream::connect(at).expect("the drives listen"));
+        Self { process, address, control: control.map(BufReader::new) }
     }
 
     /// The way to their bus.
@@ -90,7 +100,8 @@ impl CanDrives {
     /// Tells the simulation something beside the bus, such as `sdo_mute 1 1`.
     pub(crate) fn tell(&mut self, command: &str) -> Value {
         let mut answer = String::new();
-        let asked = writeln!(self.control.get_mut(), "{command}").and_then(|()| self.control.read_line(&mut answer));
+        let control = self.control.as_mut().expect("they take commands");
+        let asked = writeln!(control.get_mut(), "{command}").and_then(|()| control.read_line(&mut answer));
         asked.expect("the drives listen");
         let value: Value = serde_json::from_str(&answer).unwrap_or_else(|error| panic!("{command}: {answer}: {error}"));
         assert_eq!(value["ok"], true, "{command}: {answer}");
