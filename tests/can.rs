@@ -28,7 +28,7 @@ fn conforms(bus: &mut Bus, name: &str, reads: impl Fn(usize) -> Option<&'static 
     assert_eq!(bus.read(HEARTBEAT, false), Ok(vec![100, 0]));
     for length in LENGTHS {
         for in_blocks in [false, true] {
-            bus.write(ECHO, b"something else", false).unwrap();
+            bus.write(ECHO, b"something else", false).expect("in segments");
             assert_eq!(bus.write(ECHO, &text(length), in_blocks), Ok(()), "{name}: {length} bytes, blocks {in_blocks}");
             assert_eq!(bus.read(ECHO, false), Ok(text(length)), "{name}: {length} bytes, blocks {in_blocks}");
         }
@@ -45,7 +45,11 @@ fn conforms(bus: &mut Bus, name: &str, reads: impl Fn(usize) -> Option<&'static 
         assert_eq!(written, refused("1018h:01", "the object can only be read (06010002h)"), "{name}");
         let written = bus.write(NAME, &text(40), in_blocks);
         assert_eq!(written, refused("1008h:00", "the object can only be read (06010002h)"), "{name}");
-        assert!(bus.write(HEARTBEAT, &text(5), in_blocks).unwrap_err().starts_with("1017h:00: the device refuses: "));
+        assert!(
+            bus.write(HEARTBEAT, &text(5), in_blocks)
+                .expect_err("too long")
+                .starts_with("1017h:00: the device refuses: ")
+        );
         assert_eq!(bus.read(HEARTBEAT, in_blocks), Ok(vec![100, 0]), "{name}");
     }
 }

@@ -5,7 +5,7 @@ mod support;
 use std::thread;
 use std::time::{Duration, Instant};
 use support::can::CanDrives;
-use support::can_cell::{CanCell, CanRun, Shown, axis, recovery};
+use support::can_cell::{CanCell, Shown, axis, recovery};
 use support::proxy::Proxy;
 
 const PRE_OPERATIONAL: u64 = 127;
