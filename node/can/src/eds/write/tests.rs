@@ -165,3 +165,70 @@ proptest! {
         comes_back(lines.join("\n").as_bytes(), Some(127));
     }
 }
+
+/// Keys whose value is a number, in any notation.
+const NUMBERS: [&str; 6] = ["DataType", "ObjectType", "SubNumber", "PDOMapping", "ObjFlags", "SupportedObjects"];
+const VALUES: [&str; 3] = ["DefaultValue", "LowLimit", "HighLimit"];
+
+/// One of several ways to write the same line; `how` chooses.
+fn rewritten(line: &str, how: u16) -> String {
+    let bit = |place: u16| how >> place & 1 == 1;
+    let cased = |text: &str| if bit(0) { text.to_uppercase() } else { text.to_lowercase() };
+    let remark = if bit(1) { " ; as [we] had it=1" } else { "" };
+    let blank = if bit(2) { "\t " } else { "" };
+    if let Some(section) = line.strip_prefix('[') {
+        let name = section.trim_end_matches(']');
+        return format!("{blank}[{blank}{}{blank}]{remark}", cased(name));
+    }
+    let Some((key, value)) = line.split_once('=') else { return format!("{blank}{line}") };
+    let parsed = value.strip_prefix("0x").map_or_else(|| value.parse(), |digits| u64::from_str_radix(digits, 16));
+    let hex = |number: u64| if bit(3) { format!("0x{number:x}") } else { format!("0X{number:08X}") };
+    let value = match (parsed, value.strip_prefix("$NODEID+")) {
+        (_, Some(summand)) if bit(4) => format!("{summand}{blank}+{blank}$NodeId{remark}"),
+        (_, Some(summand)) => format!("$nodeid{blank}+{blank}{summand}{remark}"),
+        (Ok(number), _) if NUMBERS.contains(&key) || key.parse::<u16>().is_ok() => {
+            let notations = [number.to_string(), format!("0{number:o}"), hex(number), format!("+{number}")];
+            format!("{}{remark}", notations[usize::from(how >> 5 & 3)])
+        }
+        // Hexadecimal digits may be the bits of a negative number: they stay what they are.
+        (Ok(number), _) if VALUES.contains(&key) && value.starts_with("0x") => format!("{}{remark}", hex(number)),
+        _ => value.to_owned(),
+    };
+    let between = if bit(7) { "; a line of somebody\n\n" } else { "" };
+    format!("{between}{blank}{}{blank}={blank}{value}{blank}", cased(key))
+}
+
+proptest! {
+    /// Case, blanks, remarks, notations of numbers, order of sections, ends of lines: none of it is a matter.
+    #[test]
+    fn the_same_file_in_other_words_means_the_same(
+        ways in proptest::collection::vec(any::<u16>(), 1..200),
+        first in any::<prop::sample::Index>(),
+        is_of_windows: bool,
+        has_mark: bool,
+    ) {
+        let mut sections: Vec<Vec<String>> = vec![vec![]];
+        for (line, how) in OWN.lines().zip(ways.iter().cycle()) {
+            if line.starts_with('[') {
+                sections.push(vec![]);
+            }
+            sections.last_mut().unwrap().push(rewritten(line, *how));
+        }
+        // What stands before the first section is a remark.
+        let head = sections.remove(0);
+        prop_assert!(head.iter().all(|line| line.trim().is_empty() || line.trim().starts_with(';')), "{head:?}");
+        let first = first.index(sections.len());
+        sections.rotate_left(first);
+        let mut file = sections.concat().join("\n");
+        if is_of_windows {
+            file = file.replace('\n', "\r\n");
+        }
+        if has_mark {
+            file.insert(0, '\u{FEFF}');
+        }
+        let (read, own) = (parse(file.as_bytes(), Some(5)).unwrap(), parse(OWN.as_bytes(), Some(5)).unwrap());
+        prop_assert_eq!(read.warnings().to_string(), "");
+        prop_assert_eq!(&read, &own);
+        prop_assert_eq!(read.to_eds(), own.to_eds());
+    }
+}
