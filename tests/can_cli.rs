@@ -440,6 +440,29 @@ fn devices_without_lss_do_not_answer_it() {
     }
 }
 
+/// A device of another make without a node id is found by its identity, gets one, and answers by it; it keeps that, and cannot change its bit rate.
+#[test]
+fn a_device_without_a_node_id_gets_one() {
+    let device = CanDrives::boot_device(NO_NODE);
+    let found = on(&device, &["lss", "scan"]).good();
+    assert_eq!(found, "--vendor 0x0000FFFF --product 0x40200001 --revision 0x00010001 --serial 0x8000000B\n");
+    let identity: Vec<&str> = found.split_whitespace().collect();
+    let other = [&identity[..7], &["12"]].concat();
+    on(&device, &[&["lss", "set-id", "5"][..], &other].concat()).refused(1, "no device answers to vendor 0000FFFFh");
+    on(&device, &["scan", "--from", "5", "--to", "5"]).refused(1, "error: no node has answered\n");
+    on(&device, &[&["lss", "set-id", "5"][..], &identity].concat()).good();
+    let table = on(&device, &["scan", "--from", "4", "--to", "6"]).good();
+    let row: Vec<_> = table.lines().nth(1).expect("a row").split_whitespace().collect();
+    assert_eq!((row[0], &row[6..], table.lines().count()), ("5", &["8000000Bh", "durand", "device"][..], 2), "{table}");
+    on(&device, &["lss", "scan"]).refused(1, "error: no device without a node id has answered\n");
+    on(&device, &[&["lss", "store"][..], &identity].concat()).good();
+    on(&device, &[&["lss", "bit-rate", "500000"][..], &identity].concat())
+        .refused(1, "the device does not know this bit rate");
+}
+
+/// What a device has in the place of a node id (CiA 305).
+const NO_NODE: u8 = 255;
+
 #[test]
 fn what_is_wrong_with_the_words_is_said_before_a_bus_is_opened() {
     run(&["scna"]).refused(2, "a similar subcommand exists: 'scan'");

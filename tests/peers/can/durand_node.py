@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""A CANopen device on durand, whose SDO server shares nothing with python-canopen's.
+"""A CANopen device on durand, whose SDO server and LSS slave share nothing with python-canopen.
 
   durand_node.py --bus slcan-tcp:127.0.0.1:0 --nodes 1 --exit-with-parent
 
-Objects: 1000h to 1018h as durand has them, 2001h a text that can be written.
+Objects: 1000h to 1018h as durand has them, 2001h a text that can be written. LSS: a node
+id can be given and stored (255: it has none yet), no other bit rate.
 Prints one JSON line when ready.
 """
 import argparse
@@ -45,7 +46,7 @@ class Network(NetworkABC):
 def main():
     ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     ap.add_argument("--bus", required=True, help="slcan-tcp:HOST:PORT")
-    ap.add_argument("--nodes", required=True, help="its node id")
+    ap.add_argument("--nodes", required=True, help="its node id; 255: none yet")
     ap.add_argument("--exit-with-parent", action="store_true", help="end when the starting process ends")
     a = ap.parse_args()
     if a.exit_with_parent:
@@ -57,9 +58,10 @@ def main():
     od = node.object_dictionary
     od[0x1008] = Variable(DT.VISIBLE_STRING, "ro", b"durand device", name="Manufacturer device name")
     identity = Record(name="Identity object")
-    for sub, value in enumerate((0xFFFF, 0x40200001, 0x10001, 1), 1):
+    for sub, value in enumerate((0xFFFF, 0x40200001, 0x10001, 0x8000000B), 1):
         identity[sub] = Variable(DT.UNSIGNED32, "ro", value, name=f"Identity {sub}")
     od[0x1018] = identity
+    node.lss.set_store_configuration_callback(lambda bit_rate, node_id: None)
     od[0x2001] = Variable(DT.VISIBLE_STRING, "rw", b"", name="Echo")
     print(json.dumps({"ready": True, "bus": bus.path, "nodes": [node.node_id]}), flush=True)
     network.run()
