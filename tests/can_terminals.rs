@@ -100,7 +100,7 @@ expect:
     devices.tell("set 10 0x6000 1 1");
     until(&run, &mut devices, |devices| object(devices, 10, 0x6200, 1) == 0x80);
     devices.tell("dead 10 1");
-    run.until_told(1, "node 10 (module): it is silent: no sign of life");
+    run.until_told(1, "machine: node 10: it is silent: no sign of life");
     thread::sleep(Duration::from_secs(1));
     devices.tell("dead 10 0");
     run.until_told(3, "ready after");

@@ -278,10 +278,10 @@ codes! {
         remedy: "Look the code up in the manual of the drive. An error of the axis follows only where the drive goes into fault.",
     }
 
-    /// The node of a drive has booted, fallen silent, come back, changed its state.
+    /// A node of a bus has booted, fallen silent, come back, changed its state.
     NODE_CHANGED = 10370, NoError {
-        says: "the node of a drive has changed its state",
-        cause: "The node of a drive on CAN has booted, is silent, is back, is configured and operational, or was stopped by somebody (NMT).",
+        says: "a node of a bus has changed its state",
+        cause: "A node on CAN, of a drive, a module or an encoder, has booted, is silent, is back, is configured and operational, or was stopped by somebody (NMT).",
         remedy: "Nothing where it is operational. Else look at its power, its cable, and who else is on the bus; it is configured again by itself.",
     }
 

@@ -4,8 +4,13 @@
 //! Refuses  numbers that nobody has made: they read as nothing
 
 use super::Emergency;
+use crate::object::MAX_AXES;
 
-/// What has happened to the node of a drive (NMT and its supervision, CiA 301).
+/// No axis has this number.
+const NO_AXIS: u16 = u16::MAX;
+const _: () = assert!(MAX_AXES <= NO_AXIS as usize);
+
+/// What has happened to a node of a bus (NMT and its supervision, CiA 301).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeChange {
     /// Boot-up.
@@ -41,8 +46,8 @@ impl NodeChange {
 /// That it has happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NodeNotice {
-    /// The axis of the drive.
-    pub axis: u16,
+    /// The axis of a drive; none of another device.
+    pub axis: Option<u16>,
     /// Its node, 1 to 127.
     pub node: u8,
     /// What has happened.
@@ -52,14 +57,15 @@ pub struct NodeNotice {
 impl NodeNotice {
     /// As the number of a note.
     pub fn to_number(self) -> i64 {
-        i64::from(self.axis) | i64::from(self.node) << 16 | i64::from(self.change as u8) << 24
+        i64::from(self.axis.unwrap_or(NO_AXIS)) | i64::from(self.node) << 16 | i64::from(self.change as u8) << 24
     }
 
     /// What a number says.
     pub fn from_number(number: i64) -> Option<Self> {
         let [a, b, node, change, 0, 0, 0, 0] = number.to_le_bytes() else { return None };
         let (change, _) = *NodeChange::ALL.iter().find(|(known, _)| *known as u8 == change)?;
-        Some(Self { axis: u16::from_le_bytes([a, b]), node, change })
+        let axis = u16::from_le_bytes([a, b]);
+        Some(Self { axis: (axis != NO_AXIS).then_some(axis), node, change })
     }
 }
 
@@ -99,7 +105,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_number_says_what_it_was_made_of(axis: u16, node: u8, place in 0..NodeChange::ALL.len(), code: u16, register: u8) {
+        fn a_number_says_what_it_was_made_of(axis in prop::option::of(0..NO_AXIS), node: u8, place in 0..NodeChange::ALL.len(), code: u16, register: u8) {
             let notice = NodeNotice { axis, node, change: NodeChange::ALL[place].0 };
             prop_assert_eq!(NodeNotice::from_number(notice.to_number()), Some(notice));
             let message = ForeignEmergency { node, code, register };

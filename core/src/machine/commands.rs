@@ -127,7 +127,7 @@ impl Machine {
     /// How much a note matters, and what it is about.
     fn note(&self, code: Code, number: i64) -> (Severity, Object) {
         let notice = NodeNotice::from_number(number).filter(|_| code == Code::NODE_CHANGED);
-        let axis = notice.map(|notice| notice.axis).filter(|axis| usize::from(*axis) < self.state.axes.len());
+        let axis = notice.and_then(|notice| notice.axis).filter(|axis| usize::from(*axis) < self.state.axes.len());
         let is_over = match code {
             Code::NODE_CHANGED => notice.is_some_and(|notice| notice.change == NodeChange::Ready),
             // Code 0 says that an error is over.

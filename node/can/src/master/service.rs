@@ -174,18 +174,12 @@ impl CanService {
         }
     }
 
-    /// Tells what has happened to the node of a drive; of another device, which is of no axis, the log alone does.
+    /// Tells what has happened to a node.
     fn note(&mut self, place: usize, change: NodeChange) {
         let Some(device) = self.config.devices.get(place) else { return };
-        match device.drive() {
-            Some(drive) => {
-                let notice = NodeNotice { axis: drive.object, node: device.node.get(), change };
-                self.notes.add(Code::NODE_CHANGED, notice.to_number());
-            }
-            // That it is ready was told with its figures.
-            None if change == NodeChange::Ready => {}
-            None => tracing::warn!("{}: {device}: {}", self.config.name, change.text()),
-        }
+        let axis = device.drive().map(|drive| drive.object);
+        let notice = NodeNotice { axis, node: device.node.get(), change };
+        self.notes.add(Code::NODE_CHANGED, notice.to_number());
     }
 
     fn lose_all(&mut self, why: &str) {

@@ -108,9 +108,14 @@ impl Rig {
 
     /// The first device is another one, configured and started.
     fn replace_first(&mut self, config: &DeviceConfig) {
-        self.bus.devices[0] = Device::new(config, 1_000_000);
+        self.replace(0, config);
+    }
+
+    /// The device at a place is another one, configured and started.
+    fn replace(&mut self, place: usize, config: &DeviceConfig) {
+        self.bus.devices[place] = Device::new(config, 1_000_000);
         self.bus.routes = routes(&self.bus.devices);
-        self.bus.devices[0].begin(0);
+        self.bus.devices[place].begin(0);
     }
 
     fn order(&mut self, order: Order) {
@@ -571,10 +576,29 @@ fn a_cycle_takes_no_memory() {
     assert_eq!(violation_count(), before);
 }
 
-/// Random frames, and random changes of good ones, into running drives: nothing panics, nobody is told more than the outputs say.
+/// Random frames, and random changes of good ones, into a running drive in mode pp and a module: nothing panics, nobody is told more than the
+/// outputs say.
 #[test]
 fn noise_enables_nobody() {
-    let mut rig = Rig::running(Watching::Guarding { guard_ns: 1_000_000, life_factor: 3 });
+    let watching = Watching::Guarding { guard_ns: 1_000_000, life_factor: 3 };
+    let mut rig = Rig::running(watching);
+    let mut pp = drive(0, 3, watching);
+    as_drive(&mut pp).mode = DriveMode::Pp;
+    rig.replace(0, &pp);
+    let terminal = |place, address| Terminal { place, address };
+    let analog = |place, address| config::Analog { terminal: terminal(place, address), full_scale: 10.0 };
+    let mut module = drive(1, 5, watching);
+    module.role = Role::Module;
+    module.terminals = Terminals {
+        digital_inputs: (0..64).map(|at| terminal(usize::from(at), at)).collect(),
+        digital_outputs: vec![terminal(0, 63)],
+        analog_inputs: (0..12).map(|at| analog(usize::from(at), at)).collect(),
+        ..Terminals::default()
+    };
+    module.layout = Layout::module(node(5), &module.terminals).unwrap();
+    rig.replace(1, &module);
+    (rig.inputs.digital, rig.inputs.analog) = (vec![0], vec![0.0; 12]);
+    rig.outputs.digital = vec![0];
     let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
     let mut random = move || {
         // xorshift64
@@ -583,7 +607,7 @@ fn noise_enables_nobody() {
         seed ^= seed << 17;
         seed
     };
-    let good = [0x183_u16, 0x185, 0x583, 0x703, 0x083, 0x000, 0x080, 0x603, 0x203];
+    let good = [0x183_u16, 0x185, 0x285, 0x385, 0x583, 0x703, 0x083, 0x000, 0x080, 0x603, 0x203];
     for round in 0..10_000 {
         for _ in 0..1000 {
             let [choice, bits, data] = [random(), random(), random()];
@@ -599,7 +623,7 @@ fn noise_enables_nobody() {
             rig.wire.lock().unwrap().comes.push_back(frame.expect("8 bytes at most"));
         }
         if round % 16 == 0 {
-            rig.order(Order::Begin { device: 0, fault: 0 });
+            (0..2).for_each(|device| rig.order(Order::Begin { device, fault: 0 }));
             let (data, writes) = (Vec::with_capacity(300), round % 32 == 0);
             rig.order(Order::Transfer { node: node(3), object: objects::DEVICE_TYPE, data, writes });
         }
@@ -608,7 +632,8 @@ fn noise_enables_nobody() {
         for frame in rig.sent() {
             let id = frame.id().get();
             match id {
-                0x203 | 0x205 => assert_eq!(frame.bytes()[..2], [0, 0], "control word"),
+                0x203 => assert_eq!(frame.bytes()[..2], [0, 0], "control word"),
+                0x205 => assert_eq!(frame.bytes(), [0; 8], "outputs"),
                 0x603 => assert_ne!(frame.bytes()[1..3], [0x40, 0x60], "6040h by SDO"),
                 _ => assert!(matches!(id, 0x080 | 0x703 | 0x705), "{}", hex(&frame)),
             }
