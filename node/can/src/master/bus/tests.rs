@@ -207,6 +207,35 @@ fn a_module_is_inputs_and_outputs_of_the_machine() {
     assert_eq!(violation_count(), 0);
 }
 
+/// An encoder that counts begins anew behind a boot-up, and counts on behind a silence.
+#[test]
+fn an_encoder_that_has_booted_has_another_coordinate() {
+    let mut config = drive(0, 3, Watching::None);
+    config.role = Role::Encoder;
+    config.layout = Layout::encoder(node(3)).unwrap();
+    config.terminals =
+        Terminals { encoders: vec![config::Encoder { place: 0, is_absolute: false }], ..Terminals::default() };
+    let mut rig = Rig::running(Watching::None);
+    rig.replace_first(&config);
+    rig.inputs.encoder = vec![EncoderInput::default()];
+    let mut seen = Vec::new();
+    for boots in [false, false, true] {
+        if boots {
+            rig.comes(0x703, &[0]);
+            rig.cycle();
+            assert!(!rig.inputs.encoder[0].valid);
+        }
+        rig.order(Order::Prepare { device: 0 });
+        rig.order(Order::Begin { device: 0, fault: 0 });
+        rig.cycle();
+        rig.comes(0x283, &[7, 0, 0, 0]);
+        rig.cycle();
+        assert!(rig.inputs.encoder[0].valid);
+        seen.push(rig.inputs.encoder[0].epoch);
+    }
+    assert_eq!(seen, [1, 1, 2]);
+}
+
 /// 100 counts a cycle: while its words are missing the position stays, or goes on, for as many cycles as are waited for. A thousandth of the
 /// rated torque is 2 mNm.
 #[test]
