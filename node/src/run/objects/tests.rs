@@ -5,7 +5,11 @@ use std::path::Path;
 
 /// The desk of launch-configs/can/mixed.yaml, whose bus nobody serves: x is node 1, y node 2, z is simulated.
 fn desk() -> (ObjectDesk, CanService) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can/mixed.yaml");
+    desk_of("mixed.yaml")
+}
+
+fn desk_of(name: &str) -> (ObjectDesk, CanService) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can").join(name);
     let cell = Cell::load(&file).expect("it has no errors");
     let bus = cell.buses(Some(&file)).expect("its files have none").remove(0);
     let sheets = cell.dictionaries(&bus.name, &file).expect("the same files");
@@ -135,4 +139,17 @@ fn who_waits_for_too_long_is_told_so_and_a_bus_that_ends_answers() {
     assert_eq!(runtime.block_on(open).message, "bus0: node 1 (x): the machine has stopped");
     let gone = desk.read(&read("x - 0 6085 -")).err();
     assert_eq!(gone.as_deref(), Some("bus0: node 1 (x): the bus is closed"));
+}
+
+/// Outputs of a module are those of the cell, whatever its state; of other objects of it nobody else writes what the cell does not say.
+#[test]
+fn outputs_of_a_module_are_not_for_the_service() {
+    let (desk, _service) = desk_of("terminals.yaml");
+    let said = |words: &str| desk.write(&request(words, "1")).err();
+    let sentence =
+        "bus0: node 10 (module): 6200h:01 is not for ~/sdo_write: an output or input of the cell says what it holds";
+    assert_eq!(said("- - 10 6200:01 u8").as_deref(), Some(sentence));
+    let heartbeat = "bus0: node 10 (module): 1017h:00 is not for ~/sdo_write: key heartbeat says what it holds";
+    assert_eq!(said("- - 10 1017 u16").as_deref(), Some(heartbeat));
+    assert_eq!(said("- - 10 6206:01 u8"), None, "its error mode");
 }
