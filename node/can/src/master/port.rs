@@ -85,6 +85,11 @@ impl Port {
         self.is_in_cycles
     }
 
+    /// Has nobody run the bus for so long that nobody will? What was waited for then says nothing of the device.
+    pub(crate) fn is_dead(&self) -> bool {
+        self.is_dead
+    }
+
     /// Has nobody run the bus for so long that nobody will, since it was asked last?
     pub(crate) fn take_dead(&mut self) -> bool {
         std::mem::take(&mut self.is_dead)

@@ -133,7 +133,9 @@ impl CanService {
             tracing::info!("{}: {name}: ready after {ms} ms, {} objects written", self.config.name, configured.written);
             self.note(place, NodeChange::Ready);
         }
-        if let Some(known) = self.devices.get_mut(place) {
+        // The cycles ended meanwhile: what is known of the device stays.
+        let is_dead = self.port.is_dead();
+        if let Some(known) = self.devices.get_mut(place).filter(|_| !is_dead) {
             known.problem = done.as_ref().err().map(Refusal::to_string);
             known.is_configured = done.is_ok();
             known.due = Instant::now() + RETRY;
