@@ -160,7 +160,10 @@ mod tests {
         // One increment is a micrometre.
         assert_eq!(low.floating_point_range[0].step, 1e-6);
         let node_id = descriptor("machine.cannr");
-        assert_eq!(node_id.additional_constraints, "0 to 127, 9999; only 0: the CAN bus does not exist yet");
+        assert_eq!(
+            node_id.additional_constraints,
+            "0 to 127, 9999; only 0: a node id other than by key master of the bus in the cell does not exist yet"
+        );
         assert_eq!(node_id.integer_range[0], IntegerRange { from_value: 0, to_value: 9999, step: 1 });
         let amplifier = descriptor("x.ampencrpm");
         let constraints = amplifier.additional_constraints;
