@@ -8,6 +8,7 @@ use crate::transport::Address;
 use crate::{NodeId, Watching};
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{Capabilities, Terminal};
+use lineshaft_core::sync::gear::gcd;
 use std::fmt;
 
 /// Heartbeats that may be missed until who sends them is lost.
@@ -256,11 +257,8 @@ impl VelocityFactor {
     /// 1/1000 rpm of a shaft with so many counts in so many revolutions (MACS-CAN-12); none where 32 bits do not say it.
     pub fn mrpm(counts: u64, turns: u64) -> Option<Self> {
         let (numerator, denominator) = (turns.checked_mul(60_000)?, counts);
-        let mut divisor = (numerator, denominator);
-        while divisor.1 != 0 {
-            divisor = (divisor.1, divisor.0 % divisor.1);
-        }
-        let part = |of: u64| u32::try_from(of.checked_div(divisor.0)?).ok().filter(|part| *part != 0);
+        let divisor = gcd(numerator, denominator);
+        let part = |of: u64| u32::try_from(of.checked_div(divisor)?).ok().filter(|part| *part != 0);
         Some(Self { numerator: part(numerator)?, denominator: part(denominator)? })
     }
 

@@ -32,6 +32,8 @@ pub(crate) struct Device {
     listens: bool,
     /// It has booted since somebody began to configure it.
     has_booted: bool,
+    /// Its counts are those of the coordinate in which it was heard last.
+    counts_on: bool,
     pub(super) watch: Watch,
     /// What it is as a drive.
     pub(super) drive: Option<Drive>,
@@ -53,6 +55,7 @@ impl Device {
             is_ready: false,
             listens: false,
             has_booted: false,
+            counts_on: false,
             watch: Watch::new(config.node, config.watching),
             drive: config.drive().map(|drive| Drive::new(drive, &config.layout, cycle_ns)),
             terminals: Terminals::new(&config.terminals, config.layout.told.len()),
@@ -76,10 +79,11 @@ impl Device {
     /// It is configured, and will be started next: what it sends on change it may send but once, when it starts. `inputs`: digital inputs
     /// of a drive until then.
     pub(super) fn listen(&mut self, inputs: u32) {
+        let counts_on = std::mem::replace(&mut self.counts_on, true);
         if let Some(drive) = &mut self.drive {
-            drive.listen(inputs);
+            drive.listen(inputs, counts_on);
         }
-        self.terminals.listen();
+        self.terminals.listen(counts_on);
         self.listens = true;
     }
 
@@ -108,10 +112,7 @@ impl Device {
     /// Nobody hears any more whether it boots.
     pub(super) fn forget(&mut self) {
         self.end();
-        if let Some(drive) = &mut self.drive {
-            drive.forget();
-        }
-        self.terminals.forget();
+        self.counts_on = false;
     }
 
     /// It has booted: what it was told before does not hold, and its counts may begin anew.

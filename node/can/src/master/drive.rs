@@ -35,8 +35,6 @@ pub(crate) struct Drive {
     pub(super) place: usize,
     factor: VelocityFactor,
     cycle_s: f64,
-    /// Its counts are those of the coordinate in which it was heard last.
-    counts_on: bool,
     counter: Counter,
     words: Words,
     /// It has told where it is, since it was started.
@@ -75,7 +73,6 @@ impl Drive {
             place: config.place,
             factor: config.velocity,
             cycle_s: cycle_ns as f64 * 1e-9,
-            counts_on: false,
             counter: position.map_or_else(Counter::default, |field| Counter::of_bits(field.bits)),
             words: Words::default(),
             is_heard: false,
@@ -107,11 +104,10 @@ impl Drive {
         (self.counter.count(), self.counter.epoch())
     }
 
-    /// It will be started next; its digital inputs until then.
-    pub(super) fn listen(&mut self, inputs: u32) {
-        // One that was only away has counted what it was moved meanwhile; one that was homing may have a new zero.
-        let counts_on = std::mem::replace(&mut self.counts_on, true) && self.words.mode != MODE_HOMING;
-        if !counts_on {
+    /// It will be started next; its digital inputs until then. `counts_on`: it was only away.
+    pub(super) fn listen(&mut self, inputs: u32, counts_on: bool) {
+        // It has counted what it was moved meanwhile; one that was homing may have a new zero.
+        if !counts_on || self.words.mode == MODE_HOMING {
             self.counter.begin_anew();
         }
         let mode = if self.is_mode_fixed { self.commander.mode().number() } else { 0 };
@@ -125,11 +121,6 @@ impl Drive {
         if self.words.fault == 0 {
             self.words.fault = fault;
         }
-    }
-
-    /// Nobody hears any more whether it boots.
-    pub(super) fn forget(&mut self) {
-        self.counts_on = false;
     }
 
     /// Takes the words of a PDO.

@@ -28,8 +28,6 @@ pub(crate) struct Terminals {
     encoder: (u32, u32),
     /// Cycles since each PDO came; none of one that has not come since the device was started.
     ages: Vec<Option<u32>>,
-    /// Its encoder has not been away.
-    counts_on: bool,
 }
 
 impl Terminals {
@@ -41,23 +39,17 @@ impl Terminals {
             analog: [0; ANALOG_CHANNELS],
             encoder: (0, 0),
             ages: vec![None; pdos],
-            counts_on: false,
         }
     }
 
-    /// The device is about to be started.
-    pub(super) fn listen(&mut self) {
-        if !std::mem::replace(&mut self.counts_on, true) {
+    /// The device is about to be started; `counts_on`: it was only away.
+    pub(super) fn listen(&mut self, counts_on: bool) {
+        if !counts_on {
             // An epoch that comes around differs from the one before, which is all that counts.
             self.encoder.1 = self.encoder.1.wrapping_add(1);
         }
         self.ages.fill(None);
         (self.digital, self.analog) = (0, [0; ANALOG_CHANNELS]);
-    }
-
-    /// Nobody hears any more whether it boots.
-    pub(super) fn forget(&mut self) {
-        self.counts_on = false;
     }
 
     /// Takes the words of the PDO at a place.
@@ -177,7 +169,7 @@ mod tests {
     #[test]
     fn inputs_stand_at_their_places() {
         let mut module = module();
-        module.listen();
+        module.listen(false);
         module.take(0, [(Told::Digital(0), 0x01), (Told::Digital(1), -1)].into_iter());
         let mut seen = inputs();
         module.read(&mut seen, true, None);
@@ -198,7 +190,7 @@ mod tests {
     #[test]
     fn inputs_of_a_silent_module_are_not_there() {
         let mut module = module();
-        module.listen();
+        module.listen(false);
         module.take(0, [(Told::Digital(0), 1)].into_iter());
         module.take(1, [(Told::Analog(1), 0x7FFF)].into_iter());
         let mut shown = |is_there| {
@@ -236,10 +228,7 @@ mod tests {
             let encoders = vec![config::Encoder { place: 1, is_absolute }];
             let mut encoder = Terminals::new(&config::Terminals { encoders, ..config::Terminals::default() }, 1);
             let mut shown = |boots: bool| {
-                if boots {
-                    encoder.forget();
-                }
-                encoder.listen();
+                encoder.listen(!boots);
                 encoder.take(0, [(Told::Encoder, -2)].into_iter());
                 let mut seen = inputs();
                 encoder.read(&mut seen, true, None);

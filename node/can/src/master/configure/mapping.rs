@@ -111,5 +111,5 @@ fn lengths(entries: &[u32]) -> String {
 }
 
 fn missing(object: Object, number: u8) -> Refusal {
-    Refusal::Wrong(format!("{object} does not exist: the drive has no PDO {number}"))
+    Refusal::Wrong(format!("{object} does not exist: the device has no PDO {number}"))
 }

@@ -292,7 +292,7 @@ fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
     assert_eq!(with(|device| device.answers = 0), "it is not there: 1000h:00: the device has not answered for 30 ms");
     assert_eq!(
         with(|device| drop(device.objects.remove(&(0x1800, 1)))),
-        "1800h:01 does not exist: the drive has no PDO 1"
+        "1800h:01 does not exist: the device has no PDO 1"
     );
 }
 

@@ -1,0 +1,129 @@
+//! Devices with terminals, and what is shown while words are missing.
+
+use super::*;
+
+/// A module of 16 inputs and 8 outputs, of an analog input and an analog output, at node 3: its outputs go in each cycle, its inputs
+/// are those of its last words; nothing of it is there before both of its PDOs have come, and behind a boot-up.
+#[test]
+fn a_module_is_inputs_and_outputs_of_the_machine() {
+    let terminal = |place, address| Terminal { place, address };
+    let analog = |place, address| config::Analog { terminal: terminal(place, address), full_scale: 10.0 };
+    let terminals = Terminals {
+        digital_inputs: vec![terminal(0, 15)],
+        digital_outputs: vec![terminal(1, 7)],
+        analog_inputs: vec![analog(0, 0)],
+        analog_outputs: vec![analog(0, 1)],
+        ..Terminals::default()
+    };
+    let mut config = drive(0, 3, Watching::None);
+    config.role = Role::Module;
+    config.layout = Layout::module(node(3), &terminals).unwrap();
+    config.terminals = terminals;
+    let mut rig = Rig::running(Watching::None);
+    rig.replace_first(&config);
+    (rig.inputs.digital, rig.inputs.analog) = (vec![0], vec![0.0]);
+    (rig.outputs.digital, rig.outputs.analog) = (vec![0b10], vec![-5.0]);
+    let seen = |rig: &Rig| (rig.inputs.digital[0], rig.inputs.analog[0]);
+    rig.comes(0x183, &[0x00, 0x80]);
+    rig.cycle();
+    assert_eq!(seen(&rig), (0, 0.0), "its analog word has not come");
+    rig.comes(0x283, &[0xFF, 0x7F]);
+    rig.sent();
+    assert_no_alloc(|| rig.cycle());
+    assert_eq!(seen(&rig), (1, 10.0));
+    let sent: Vec<_> = rig.sent().iter().map(hex).collect();
+    // -5 V of 10 V are -16383.5 of 32767, rounded away from 0: C000h.
+    assert_eq!(sent, ["203#80", "303#000000C0", "205#00000000000000", "080#"]);
+    rig.comes(0x703, &[0]);
+    rig.cycle();
+    assert_eq!(seen(&rig), (0, 0.0));
+    assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["205#00000000000000", "080#"]);
+    assert_eq!(violation_count(), 0);
+}
+
+/// An encoder that counts begins anew behind a boot-up, and counts on behind a silence.
+#[test]
+fn an_encoder_that_has_booted_has_another_coordinate() {
+    let mut config = drive(0, 3, Watching::None);
+    config.role = Role::Encoder;
+    config.layout = Layout::encoder(node(3)).unwrap();
+    config.terminals =
+        Terminals { encoders: vec![config::Encoder { place: 0, is_absolute: false }], ..Terminals::default() };
+    let mut rig = Rig::running(Watching::None);
+    rig.replace_first(&config);
+    rig.inputs.encoder = vec![EncoderInput::default()];
+    let mut seen = Vec::new();
+    for boots in [false, false, true] {
+        if boots {
+            rig.comes(0x703, &[0]);
+            rig.cycle();
+            assert!(!rig.inputs.encoder[0].valid);
+        }
+        rig.order(Order::Prepare { device: 0 });
+        rig.order(Order::Begin { device: 0, fault: 0 });
+        rig.cycle();
+        rig.comes(0x283, &[7, 0, 0, 0]);
+        rig.cycle();
+        assert!(rig.inputs.encoder[0].valid);
+        seen.push(rig.inputs.encoder[0].epoch);
+    }
+    assert_eq!(seen, [1, 1, 2]);
+}
+
+/// 100 counts a cycle: while its words are missing the position stays, or goes on, for as many cycles as are waited for. A thousandth of the
+/// rated torque is 2 mNm.
+#[test]
+fn missing_words_are_held_or_extrapolated() {
+    for (extrapolates, expected) in [(false, [200; 4]), (true, [300, 400, 500, 500])] {
+        let mut config = drive(0, 3, Watching::None);
+        let extras = Extras { torque: true, ..Extras::default() };
+        config.layout = Layout::plan(node(3), DriveMode::Csp, extras, &config.terminals, None).unwrap();
+        as_drive(&mut config).missed = Missed { cycles: 3, extrapolates };
+        as_drive(&mut config).rated_effort = Some(2.0);
+        let mut rig = Rig::running(Watching::None);
+        rig.replace_first(&config);
+        rig.comes(0x283, &(-500_i16).to_le_bytes());
+        for position in [100, 200] {
+            rig.answer(0x0237, position, MODE_CSP);
+            rig.cycle();
+        }
+        assert_eq!((rig.inputs.drive[0].count, rig.inputs.drive[0].effort), (200, -1.0));
+        let held = expected.map(|_| {
+            rig.cycle();
+            assert_eq!((rig.inputs.drive[0].fresh, rig.inputs.drive[0].velocity), (false, 100_000.0));
+            rig.inputs.drive[0].count
+        });
+        assert_eq!(held, expected);
+        rig.answer(0x0237, 450, MODE_CSP);
+        rig.cycle();
+        assert_eq!((rig.inputs.drive[0].fresh, rig.inputs.drive[0].count), (true, 450));
+    }
+}
+
+/// Bits of 60FDh and 60FEh:01 of a drive, and its counts as an encoder of the machine.
+#[test]
+fn a_drive_has_terminals_as_well() {
+    let terminal = |place, address| Terminal { place, address };
+    let terminals = Terminals {
+        digital_inputs: vec![terminal(0, 17)],
+        digital_outputs: vec![terminal(0, 16)],
+        encoders: vec![config::Encoder { place: 0, is_absolute: false }],
+        ..Terminals::default()
+    };
+    let mut config = drive(0, 3, Watching::None);
+    config.layout = Layout::plan(node(3), DriveMode::Csp, Extras::default(), &terminals, None).unwrap();
+    config.terminals = terminals;
+    let mut rig = Rig::running(Watching::None);
+    rig.replace_first(&config);
+    (rig.inputs.digital, rig.inputs.encoder) = (vec![0], vec![EncoderInput::default()]);
+    rig.outputs.digital = vec![1];
+    rig.answer(0x0231, -7, MODE_CSP);
+    rig.comes(0x283, &[0, 0, 2, 0]);
+    rig.cycle();
+    let encoder = EncoderInput { count: -7, epoch: 0, valid: true, index: None };
+    assert_eq!((rig.inputs.digital[0], rig.inputs.encoder[0]), (1, encoder));
+    let sent: Vec<_> = rig.sent().iter().map(hex).collect();
+    assert_eq!(sent[..2], ["203#00000000000000", "303#00000100"]);
+    (0..11).for_each(|_| rig.cycle());
+    assert_eq!((rig.inputs.digital[0], rig.inputs.encoder[0].valid), (0, false), "silent for more than 10 cycles");
+}
