@@ -1,0 +1,111 @@
+//! What a type of function is to its slot: the interface that all of them share.
+
+use super::field::Words;
+use crate::code::Code;
+use crate::event::Number;
+use crate::table::Table;
+
+/// Inputs, outputs, tables and monitored drives of one function.
+pub(super) const LINES: usize = 8;
+
+/// What a function reads of its source in one call.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Reading {
+    /// As wide as the source: 16 and 32 bits are sign-extended.
+    pub value: i64,
+    /// Its way since anything, unwrapped: differences count. A new coordinate of an axis or encoder is no way.
+    pub travel: i64,
+    /// Where a mark of this call was, as `travel`; of several the last one.
+    pub mark: Option<i64>,
+}
+
+/// What is told of a monitored drive.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Drive {
+    /// Position control difference (inc): command less actual position.
+    pub error: i64,
+    /// What the function whose sink it is adds for the following error (inc).
+    pub sak_share: i64,
+}
+
+/// What a function sees in one call.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen<'a> {
+    /// Time between two calls (ns), above 0.
+    pub call_ns: u64,
+    pub source: Reading,
+    /// E1 in bit 0 to E8 in bit 7, after inversion.
+    pub inputs: u8,
+    /// What the sink holds: at START what its object has, then what the function gave it.
+    pub sink: i64,
+    /// What the word that the set names holds (`word_addr`, `mw_offset_addr`); 0 without one.
+    pub word: i64,
+    pub tables: [Option<&'a Table>; LINES],
+    /// The first eight axes.
+    pub drives: [Drive; LINES],
+}
+
+/// What a function gives in one call.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Outcome {
+    /// What the sink gets; the slot cuts it to the width of the sink.
+    pub sink: i64,
+    /// A1 in bit 0 to A8 in bit 7, before inversion.
+    pub outputs: u8,
+    /// Which of them it writes; the others keep what they have.
+    pub writes: u8,
+    /// What compensation of the following error adds (inc).
+    pub sak_share: i64,
+}
+
+/// Why a set does not make a function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fault {
+    pub code: Code,
+    /// Which field, from 0; none where it is a table.
+    pub field: Option<u16>,
+    pub asked: Number,
+    pub limit: Number,
+}
+
+impl Fault {
+    pub(super) fn new(code: Code) -> Self {
+        Self { code, field: None, asked: Number::None, limit: Number::None }
+    }
+
+    pub(super) fn of(self, field: u16) -> Self {
+        Self { field: Some(field), ..self }
+    }
+
+    pub(super) fn with(self, asked: i64, limit: i64) -> Self {
+        Self { asked: Number::Count(asked), limit: Number::Count(limit), ..self }
+    }
+}
+
+/// What a set is checked against.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Setting<'a> {
+    /// Time between two calls (ns), above 0.
+    pub call_ns: u64,
+    pub tables: [Option<&'a Table>; LINES],
+}
+
+/// A type of function. Nothing in it takes memory after it was made.
+pub(super) trait Program {
+    /// What the ranges of the fields do not say: fields against each other, and tables.
+    fn check(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault>;
+
+    /// The first call, with a set that was checked.
+    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome;
+
+    /// Takes the live fields of a set that was checked (VALUE_NEW). Types without live fields are never asked.
+    fn renew(&mut self, _words: Words<'_>) {}
+
+    /// Each further call.
+    fn step(&mut self, seen: &Seen<'_>) -> Outcome;
+
+    /// Could its state have come about? One that was read from outside may hold anything.
+    fn is_sound(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,160 @@
+//! Tables: numbers that functions and cams read, made outside the cycle and handed over by pointer.
+//!
+//! Law      a table never changes: a new one takes its place as a whole
+//! Refuses  lists of different lengths, words beyond 16 bits, more numbers than [`MOST`]
+//! Source   contract section 10, AMK-INIT-09
+
+use serde::{Deserialize, Serialize};
+
+/// Most points or words of one table.
+pub const MOST: usize = 65_536;
+
+/// What the numbers of a table are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Form {
+    /// Values at equal distances of the master.
+    Y,
+    /// Values, each with its place of the master.
+    Xy,
+    /// 16-bit words of a data block, in its order.
+    Words,
+}
+
+impl Form {
+    /// Every form with its name.
+    pub const ALL: [(Form, &'static str); 3] = [(Form::Y, "y"), (Form::Xy, "xy"), (Form::Words, "words")];
+
+    /// The name in cells and in the interface.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(form, _)| *form == self).map_or("", |(_, name)| name)
+    }
+}
+
+/// Why numbers are no table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TableError {
+    /// Nothing in it, or too much.
+    #[error("a table has {0} numbers; 1 to {MOST} are possible")]
+    Count(usize),
+    /// Two lists that do not belong together.
+    #[error("a table of form xy has {x} places and {y} values; as many of both are needed")]
+    Lengths {
+        /// Places of the master.
+        x: usize,
+        /// Values.
+        y: usize,
+    },
+    /// Places without a use.
+    #[error("a table of form {} has {count} places in x; it takes none", form.name())]
+    Places {
+        /// Its form.
+        form: Form,
+        /// How many there are.
+        count: usize,
+    },
+    /// A word that has no place in 16 bits.
+    #[error("word {place} is {value}; -32768 to 65535 is possible")]
+    Word {
+        /// Which, from 0.
+        place: usize,
+        /// Its value.
+        value: i64,
+    },
+}
+
+/// A table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Table {
+    form: Form,
+    x: Box<[i64]>,
+    y: Box<[i64]>,
+}
+
+impl Table {
+    /// A table of numbers; `x` is empty but in form xy.
+    ///
+    /// # Errors
+    /// What makes them none.
+    pub fn new(form: Form, x: &[i64], y: &[i64]) -> Result<Self, TableError> {
+        if y.is_empty() || y.len() > MOST {
+            return Err(TableError::Count(y.len()));
+        }
+        match form {
+            Form::Xy if x.len() != y.len() => return Err(TableError::Lengths { x: x.len(), y: y.len() }),
+            Form::Y | Form::Words if !x.is_empty() => return Err(TableError::Places { form, count: x.len() }),
+            _ => {}
+        }
+        let is_word = |value: &i64| (i64::from(i16::MIN)..=u16::MAX.into()).contains(value);
+        if form == Form::Words
+            && let Some(place) = y.iter().position(|value| !is_word(value))
+        {
+            return Err(TableError::Word { place, value: y.get(place).copied().unwrap_or_default() });
+        }
+        Ok(Self { form, x: x.into(), y: y.into() })
+    }
+
+    /// What its numbers are.
+    pub fn form(&self) -> Form {
+        self.form
+    }
+
+    /// Places of the master; empty but in form xy.
+    pub fn x(&self) -> &[i64] {
+        &self.x
+    }
+
+    /// Values, or words as they were given.
+    pub fn y(&self) -> &[i64] {
+        &self.y
+    }
+
+    /// How many values or words it has.
+    pub fn len(&self) -> usize {
+        self.y.len()
+    }
+
+    /// Never: a table has numbers.
+    pub fn is_empty(&self) -> bool {
+        self.y.is_empty()
+    }
+
+    /// DW of a data block, unsigned; 0 behind its end.
+    #[inline]
+    pub fn word(&self, place: usize) -> u16 {
+        // Words are within 16 bits: the cast keeps their bits.
+        self.y.get(place).map_or(0, |word| *word as u16)
+    }
+
+    /// DD of a data block, low word first; 0 behind its end.
+    #[inline]
+    pub fn double(&self, place: usize) -> i32 {
+        let (low, high) = (u32::from(self.word(place)), u32::from(self.word(place.saturating_add(1))));
+        (low | high << 16).cast_signed()
+    }
+
+    /// Could it have come about?
+    pub fn is_sound(&self) -> bool {
+        Self::new(self.form, &self.x, &self.y).is_ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_read_as_a_data_block() {
+        let table = Table::new(Form::Words, &[], &[-1, 65_535, 0x1234, 1]).unwrap();
+        assert_eq!((table.word(0), table.word(1), table.word(9)), (0xFFFF, 0xFFFF, 0));
+        assert_eq!((table.double(0), table.double(2), table.double(3)), (-1, 0x1_1234, 1));
+    }
+
+    #[test]
+    fn what_is_no_table_is_refused_with_its_number() {
+        let refused = |form, x: &[i64], y: &[i64]| Table::new(form, x, y).unwrap_err().to_string();
+        assert_eq!(refused(Form::Words, &[], &[0, 65_536]), "word 1 is 65536; -32768 to 65535 is possible");
+        assert_eq!(refused(Form::Y, &[], &[]), "a table has 0 numbers; 1 to 65536 are possible");
+        assert_eq!(refused(Form::Y, &[1], &[1]), "a table of form y has 1 places in x; it takes none");
+        assert!(refused(Form::Xy, &[1], &[1, 2]).contains("1 places and 2 values"));
+    }
+}
