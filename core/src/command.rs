@@ -5,12 +5,14 @@
 //! at the border.
 
 use crate::code::Code;
+use crate::function::Order;
 use crate::modulo::Direction;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer};
 use crate::position::Length;
 use crate::state::Reference;
 use crate::sync::{Disengage, SyncMode};
+use crate::table::Table;
 use crate::trajectory::Trajectory;
 use crate::vocabulary::Request;
 use serde::{Deserialize, Serialize};
@@ -119,6 +121,16 @@ pub enum Action {
         /// New value; a whole number for integer cells.
         value: f64,
     },
+    /// Stages values of a function and gives it an order, or changes nothing.
+    CommandFunction(CommandFunction),
+    /// Gives a table new numbers. Who gives it keeps a reference for as long as the machine may have one, so that none is freed in a
+    /// cycle.
+    LoadTable {
+        /// Place in section `tables`.
+        index: u16,
+        /// The numbers, of the form that it has.
+        table: Arc<Table>,
+    },
     /// Sets outputs for good, all of them or none (OUT, OUTB, OUTAN; MACS-IO-03): also one that has a function, which sets it
     /// again with its next change.
     SetOutputs(Box<[OutputValue]>),
@@ -133,6 +145,17 @@ pub enum Action {
         /// What the code counts or names.
         number: i64,
     },
+}
+
+/// An order to a function, with values that it stages first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CommandFunction {
+    /// Place among the slots.
+    pub slot: u16,
+    /// What is done.
+    pub order: Order,
+    /// Values by their places in the set.
+    pub values: Box<[(u16, i64)]>,
 }
 
 /// What an output is to have.

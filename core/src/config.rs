@@ -3,10 +3,14 @@
 mod error;
 mod functions;
 mod numbers;
+mod slots;
 
 pub use error::ConfigError;
 pub use functions::{Function, OutputShared, Switcher};
 pub use numbers::{IoCounts, NoSuchIo, names_no_io};
+pub use slots::{
+    Line, MAX_FACTOR, MAX_SLOTS, MAX_WINDOW, SinkConfig, SlotConfig, SlotProblem, SourceConfig, TableConfig,
+};
 
 use crate::axis::{
     AxisSetup, BrakeConfig, MAX_DELAY, MISSED_CYCLES, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop,
@@ -237,6 +241,10 @@ pub struct MachineConfig {
     pub memory: Vec<MemoryConfig>,
     /// Encoders.
     pub encoders: Vec<EncoderConfig>,
+    /// Tables.
+    pub tables: Vec<TableConfig>,
+    /// Function slots, by their numbers.
+    pub slots: Vec<SlotConfig>,
     /// Axes.
     pub axes: Vec<AxisConfig>,
     /// Contacts that must be closed, by their places among the digital inputs.
@@ -262,6 +270,8 @@ impl MachineConfig {
             ("io", self.io.len(), most),
             ("memory cells", self.memory.len(), most),
             ("encoders", self.encoders.len(), most),
+            ("tables", self.tables.len(), most),
+            ("functions", self.slots.len(), MAX_SLOTS),
         ];
         for (what, count, most) in counts {
             if count > most {
@@ -295,6 +305,7 @@ impl MachineConfig {
             }
         }
         self.check_inputs()?;
+        self.check_slots()?;
         self.check_masters()
     }
 
@@ -438,6 +449,8 @@ impl MachineConfig {
             Object::Memory(index) => self.memory.get(usize::from(index)).map(|entry| &entry.name),
             Object::Encoder(index) => self.encoders.get(usize::from(index)).map(|entry| &entry.name),
             Object::Axis(index) => self.axes.get(usize::from(index)).map(|entry| &entry.name),
+            Object::Function(index) => self.slots.get(usize::from(index)).map(|entry| &entry.name),
+            Object::Table(index) => self.tables.get(usize::from(index)).map(|entry| &entry.name),
         };
         name.map_or("machine", String::as_str)
     }

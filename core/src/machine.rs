@@ -1,6 +1,6 @@
 //! One cycle of it all.
 //!
-//! Law      commands | inputs | encoders | axes, a leader before its followers | outputs | signals, events
+//! Law      commands | inputs | encoders | function slots, ascending | axes, a leader before its followers | outputs | signals, events
 //! Reads    [`Inputs`] of t_k, the commands that are due
 //! Writes   [`Outputs`], the signal board, the events of the cycle
 //! Refuses  commands, each by one event; the cycle itself cannot fail: faults are states
@@ -9,6 +9,7 @@
 mod activity;
 mod commands;
 mod encoders;
+mod functions;
 mod order;
 mod panel;
 mod parameters;
@@ -20,10 +21,11 @@ mod trajectories;
 use crate::axis::{Axis, Context, Edges, Fault, MAX_WAITING, Pace};
 use crate::code::Code;
 use crate::command::{Command, Commands, Setpoints};
-use crate::config::{ConfigError, IoKind, MachineConfig};
+use crate::config::{ConfigError, IoKind, MachineConfig, SlotConfig};
 use crate::drive::{DriveOutput, EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::{Encoder, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
+use crate::function::{Slot, Wires};
 use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::profile::Motion;
@@ -33,6 +35,7 @@ use crate::vocabulary::Latched;
 use panel::Panel;
 use signals::Signals;
 pub use state::{State, StateError};
+use std::sync::Arc;
 
 /// Most commands of one cycle. Whoever has more keeps them for the next one; what is given beyond that is refused.
 pub const MAX_COMMANDS: usize = 64;
@@ -67,6 +70,10 @@ pub struct Machine {
     set_by: Vec<u64>,
     /// Room for the inputs as the machine sees them.
     seen: Inputs,
+    /// What the slots are wired to.
+    wires: Vec<Wires>,
+    /// Room for two sets of a function.
+    room: Vec<i64>,
     /// It passes over nothing: what others are compared with.
     #[cfg(test)]
     pub(crate) steps_all: bool,
@@ -90,11 +97,16 @@ impl Machine {
         let encoders: Vec<Encoder> =
             config.encoders.iter().map(|encoder| Encoder::new(encoder.form, encoder.check)).collect();
         let set_by = vec![0; encoders.len()];
+        let wires = config.wires(&directory, &signals.slots)?;
+        let new_slot = |(wires, slot): (&Wires, &SlotConfig)| Slot::new(wires, &slot.values, slot.room);
+        let slots: Vec<Slot> = wires.iter().zip(&config.slots).map(new_slot).collect();
+        let widest = config.slots.iter().map(|slot| slot.values.len()).max();
         let command = Lead { valid: true, ..Lead::default() };
         let of_axis = |axis: &Axis| OfAxis { command, actual: axis.actual(), simulated: Lead::default() };
         let leads = Leads {
             of_axes: axes.iter().map(of_axis).collect(),
             encoders: encoders.iter().map(Encoder::lead).collect(),
+            sinks: slots.iter().map(Slot::lead).collect(),
         };
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
@@ -113,6 +125,8 @@ impl Machine {
             panel: Panel::new(&config),
             axes,
             encoders,
+            slots,
+            tables: config.tables.iter().map(|entry| Arc::clone(&entry.table)).collect(),
         };
         let axes = &state.axes;
         let mut machine = Self {
@@ -124,6 +138,8 @@ impl Machine {
             couples: false,
             set_by,
             seen: Inputs::default(),
+            wires,
+            room: vec![0; 2 * widest.unwrap_or(0)],
             #[cfg(test)]
             steps_all: false,
             first: state.clone(),
@@ -263,6 +279,7 @@ impl Machine {
                 self.events.push(encoders::event(told, index as u16, errors));
             }
         }
+        self.step_slots(inputs);
         let State { axes, leads, encoders, .. } = &mut self.state;
         for (axis, of) in axes.iter_mut().zip(&mut leads.of_axes) {
             let drive = axis.drive().and_then(|drive| inputs.drive.get(drive));

@@ -18,6 +18,10 @@ pub enum Object {
     Encoder(u16),
     /// An entry of `axes`.
     Axis(u16),
+    /// An entry of `functions`, by its place among the slots.
+    Function(u16),
+    /// An entry of `tables`.
+    Table(u16),
 }
 
 /// What an axis can follow.
@@ -31,14 +35,17 @@ pub enum Leader {
     Encoder(u16),
     /// The simulated master of an axis, which its `mencodertype` 6 asks for.
     Simulated(u16),
+    /// The sink of a function (`ratio.sink`), by its place among the slots.
+    Sink(u16),
 }
 
 impl Leader {
-    /// The axis whose command it is: that axis moves before its followers, and no follower may lead it in turn.
+    /// The axis whose command it is: that axis moves before its followers, and no follower may lead it in turn. Through which axis a
+    /// sink closes a loop its slot knows.
     pub fn commanded(self) -> Option<u16> {
         match self {
             Self::AxisCommand(axis) => Some(axis),
-            Self::AxisActual(_) | Self::Encoder(_) | Self::Simulated(_) => None,
+            Self::AxisActual(_) | Self::Encoder(_) | Self::Simulated(_) | Self::Sink(_) => None,
         }
     }
 }

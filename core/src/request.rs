@@ -4,6 +4,7 @@
 //! reaches the machine. What limits or states forbid is refused by the machine.
 
 mod error;
+mod function;
 mod homing;
 mod meaning;
 mod outputs;
@@ -13,6 +14,7 @@ mod setpoints;
 mod trajectory;
 
 pub use error::RequestError;
+pub use function::{FieldValue, FunctionRequest};
 pub use homing::{HomeRequest, SetPositionRequest};
 pub use rates::Rates;
 pub use setpoints::SetpointRequest;
@@ -200,7 +202,7 @@ impl MachineConfig {
         names.iter().map(|name| self.find_axis(name.as_ref()).map(|(index, _)| index)).collect()
     }
 
-    /// What can lead, by name: an axis (its command), `axis.command`, `axis.actual`, an encoder.
+    /// What can lead, by name: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink`.
     ///
     /// # Errors
     /// Nothing of that name can.
@@ -212,13 +214,15 @@ impl MachineConfig {
             (Some(axis), "command", _) => Ok(Leader::AxisCommand(axis)),
             (Some(axis), "actual", _) => Ok(Leader::AxisActual(axis)),
             (_, _, Some(encoder)) => Ok(Leader::Encoder(encoder as u16)),
+            (None, "sink", None) if let Ok((slot, _)) = self.find_function(object) => Ok(Leader::Sink(slot)),
             _ => Err(RequestError::UnknownLeader { name: crate::unit::excerpt(name), known: self.leaders() }),
         }
     }
 
     fn leaders(&self) -> String {
         let axes = self.axes.iter().flat_map(|axis| [axis.name.clone(), format!("{}.actual", axis.name)]);
-        list(axes.chain(self.encoders.iter().map(|encoder| encoder.name.clone())))
+        let sinks = self.slots.iter().map(|slot| format!("{}.sink", slot.name));
+        list(axes.chain(self.encoders.iter().map(|encoder| encoder.name.clone())).chain(sinks))
     }
 
     /// A positioning goal as a command's content.

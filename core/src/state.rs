@@ -88,6 +88,8 @@ pub enum Reference {
     PositionRelative = 6,
     /// The last target position, held.
     PositionProfile = 7,
+    /// A function slot.
+    Function = 8,
     /// Streamed setpoints.
     Stream = 9,
     /// A trajectory.

@@ -138,6 +138,21 @@ impl Table {
     }
 }
 
+/// Tables that are shared, as serde has them.
+pub(crate) mod shared {
+    use super::Table;
+    use serde::{Deserialize, Deserializer, Serializer};
+    use std::sync::Arc;
+
+    pub(crate) fn serialize<S: Serializer>(tables: &[Arc<Table>], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(tables.iter().map(|table| &**table))
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Arc<Table>>, D::Error> {
+        Ok(Vec::<Table>::deserialize(deserializer)?.into_iter().map(Arc::new).collect())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

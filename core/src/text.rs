@@ -10,6 +10,7 @@ use crate::parameter::{ROWS, Row, Value};
 use crate::state::AXIS_STATES;
 use crate::unit::{Scale, number_to_text};
 
+mod function;
 mod parameter;
 mod reason;
 mod set;
@@ -49,6 +50,10 @@ fn state_name(number: Number) -> &'static str {
 }
 
 fn row(event: &Event) -> Option<&'static Row> {
+    // Of a function it is a field.
+    if matches!(event.source, Object::Function(_)) {
+        return None;
+    }
     ROWS.get(usize::from(event.parameter?))
 }
 

@@ -94,7 +94,7 @@ impl Axis {
     pub(super) fn follow(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
         let (slave, cycle_s, reserve) = (self.underlying(), self.cycle_s(), self.reserve());
         let rule = self.parameters.reversing().rule;
-        let Generator::Follow(Coupling { leader, follower, .. }) = &mut self.generator else { return None };
+        let Generator::Follow(Coupling { leader, .. }) = &self.generator else { return None };
         let lead = cx.leads.get(*leader);
         let bound = Position::whole(Gear::MAX_CHANGE);
         if !lead.valid || lead.change > bound || lead.change < -bound {
@@ -104,6 +104,12 @@ impl Axis {
             self.raise(cx, Failure::of(code).with(change, Number::None).before_motion());
             return None;
         }
+        let (change, uneven) = (lead.change, lead.uneven);
+        if let Err(failure) = self.check_sink(change, uneven) {
+            self.raise(cx, failure.before_motion());
+            return None;
+        }
+        let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
         let was = follower.phase();
         let next = follower.step(slave, lead, cycle_s, reserve, rule);
         if was == Phase::Synchronized && follower.phase() == Phase::CatchingUp {

@@ -69,6 +69,10 @@ impl Axis {
         self.end_overlay(cx, code, numbers);
         self.buffer.end(cx.events, self.setup.index, code, self.command.position, numbers);
         self.owner = Owner::Native;
+        // Switched off and on again it follows on.
+        if code != Code::DISABLED {
+            self.function = None;
+        }
         self.homing.stop();
     }
 

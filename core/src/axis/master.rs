@@ -188,6 +188,13 @@ impl Axis {
         }
     }
 
+    /// The same of the sink of a function that was set anew.
+    pub fn count_on_sink(&mut self, slot: u16, by: Position) {
+        if self.sight.leader == Some(Leader::Sink(slot)) {
+            self.sight.offset = self.sight.offset - by;
+        }
+    }
+
     /// What it shows of its master is `position` from now on (DEFMORIGIN, SETMORIGIN).
     pub(super) fn set_master_position(
         &mut self,

@@ -15,6 +15,7 @@ mod coupling;
 mod course;
 mod direction;
 mod feedback;
+mod function;
 mod generator;
 mod goal;
 mod homing;
@@ -45,6 +46,7 @@ pub use alarm::Fault;
 pub use brake::{BrakeConfig, Edges};
 pub use direction::{may_tell_sign, may_turn_loop};
 pub use feedback::Claim;
+pub use function::MovedBy;
 pub(crate) use homing::methods as homing_methods;
 pub use in_force::InForce;
 pub use master::may_name;
@@ -202,6 +204,8 @@ pub struct Axis {
     generator: Generator,
     homing: Homing,
     goal: Option<Goal>,
+    /// The function that moves it whenever it is on.
+    function: Option<function::MovedBy>,
     /// As the machine is: it may be switched on and moved.
     active: bool,
     watch: power::Watch,
@@ -267,6 +271,7 @@ impl Axis {
             is_led: false,
             generator: Generator::Rest,
             goal: None,
+            function: None,
             left: None,
             lost: None,
             overlay: None,
@@ -343,6 +348,7 @@ impl Axis {
         self.leave_velocity(cx);
         self.step_vocabularies(cx);
         self.follow_stream(cx);
+        self.follow_function(cx);
         self.obey_inputs(cx);
         self.heed_stop(cx);
         self.judge_arrival(cx);
@@ -409,7 +415,9 @@ impl Axis {
             Generator::Track(_) => !self.is_open_loop() && self.tracker().is_some(),
         };
         let tracks = self.tracker().is_none_or(|tracker| tracker.is_sound()) && self.left.is_none();
+        let is_moved = self.function.is_none_or(|by| by.is_sound());
         fits && tracks
+            && is_moved
             && self.is_sensor_sound()
             && self.generator.is_sound()
             && self.homing.is_sound()

@@ -75,6 +75,7 @@ impl Axis {
         self.abandon(cx, Code::DISABLED);
         if self.is_virtual() {
             // A virtual axis is always on: there is only its motion to end.
+            self.function = None;
             self.brake_to_rest(cx, &self.stop_limits());
             return;
         }

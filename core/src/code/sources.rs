@@ -245,4 +245,207 @@ codes! {
         cause: "What is read does not fit its register.",
         remedy: "Check saia.mcfac.",
     }
+
+    /// START of a function that runs.
+    FUNCTION_ACTIVE = 3001, NoError {
+        says: "it is started already; RESET comes before another START",
+        cause: "START was given to a function that is started (AMK-CMD-10).",
+        remedy: "Give RESET first, or VALUE_NEW where its type takes that.",
+    }
+
+    /// VALUE_NEW of a function at rest.
+    FUNCTION_AT_REST = 3002, NoError {
+        says: "it is in RESET; VALUE_NEW needs a function that is started",
+        cause: "VALUE_NEW was given to a function that is not started (AMK-CMD-12).",
+        remedy: "Give START, with the values.",
+    }
+
+    /// VALUE_NEW of a type that has none.
+    FUNCTION_NO_VALUE_NEW = 3003, NoError {
+        says: "its type has no VALUE_NEW; values count from START on",
+        cause: "The type of the function takes new values at START only (AMK-CMD-03).",
+        remedy: "Give RESET, then START with the values.",
+    }
+
+    /// A value beyond the range of its field.
+    FUNCTION_RANGE = 3004, NoError {
+        says: "",
+        cause: "A value of the set lies beyond the range of its field; `lineshaft functions TYPE` lists the ranges.",
+        remedy: "Give a value within the range; nothing of the set was taken.",
+    }
+
+    /// A table that a started function reads.
+    FUNCTION_USES_TABLE = 3005, NoError {
+        says: "",
+        cause: "The table is read by a started function whose type allows no edit (AMK-GEN-13).",
+        remedy: "Give RESET to the function, load the table, start it again.",
+    }
+
+    /// A table of another form or kind than the one that it is to replace.
+    FUNCTION_TABLE_FORM = 3006, NoError {
+        says: "",
+        cause: "A table keeps the form that the cell gives it.",
+        remedy: "Load a table of that form.",
+    }
+
+    /// An output that a function writes.
+    FUNCTION_WRITES = 3008, NoError {
+        says: "",
+        cause: "The output is one of a function, which sets it while it runs (AMK-GEN-09).",
+        remedy: "Command the function, or take the output out of its list.",
+    }
+
+    /// A sink that is faster than its axis may be.
+    FUNCTION_TOO_FAST = 3007, Ends {
+        says: "its function asks for {asked}; max_velocity is {limit}",
+        cause: "The sink of the function that moves the axis changed faster than max_velocity allows; it is followed exactly or not at all.",
+        remedy: "Slow the source down, choose another ratio or raise max_velocity; then reset_errors, RESET and START.",
+    }
+
+    /// A cycle in a set of a function that is not the one of its slot.
+    AMK_CYCLE_MISMATCH = 3020, NoError {
+        says: "{asked} times 0.5 ms is not the cycle of the slot, {limit}",
+        cause: "A set of a function names another cycle than its slot has.",
+        remedy: "Leave it out, or give the cycle of the machine times `cycle_factor`, in units of 0.5 ms.",
+    }
+
+    /// No table where a function needs one.
+    AMK_TABLE_MISSING = 3021, NoError {
+        says: "the first table is missing; the function reads its points or cams there",
+        cause: "A function that reads a table has none.",
+        remedy: "Name a table of form words as the first of `tables`.",
+    }
+
+    /// A table of points where a data block is needed.
+    AMK_TABLE_FORM = 3022, NoError {
+        says: "the first table is not of form words",
+        cause: "A function that reads a data block was given a table of form y or xy.",
+        remedy: "Make it of form words, in the layout of the source's data block.",
+    }
+
+    /// A table that ends before its last cam or point.
+    AMK_TABLE_SHORT = 3023, NoError {
+        says: "the table has {asked} words; what is counted in it needs {limit}",
+        cause: "A table ends before the last cam, point or drive that is counted.",
+        remedy: "Add the missing words, or count fewer.",
+    }
+
+    /// DW0 of an output table counts no points, or too many.
+    AMK_POINTS = 3024, NoError {
+        says: "DW0 of the table is {asked}; points + 1, so 2 to {limit}, is possible",
+        cause: "DW0 of an output table counts no points, or too many.",
+        remedy: "Give the number of points + 1.",
+    }
+
+    /// Points that do not rise.
+    AMK_POINT_ORDER = 3025, NoError {
+        says: "DD{asked} of the table does not lie above the point before it, {limit}",
+        cause: "The points of an output table do not rise.",
+        remedy: "Sort them; no two are equal.",
+    }
+
+    /// A point that cannot be reached.
+    AMK_POINT_NEGATIVE = 3026, NoError {
+        says: "the first point of the table is {asked}; x runs from {limit} on",
+        cause: "An output table has negative points, and in this mode x is never negative.",
+        remedy: "Begin at 0 or above, or choose ba 0.",
+    }
+
+    /// A modulo of 0.
+    AMK_NO_MODULO = 3027, NoError {
+        says: "x begins anew at {asked}; {limit} or more is possible",
+        cause: "The modulo of a cam controller, or the last point of an output table, is 0 in a mode that runs round.",
+        remedy: "Give the increments, or the time, after which x begins anew.",
+    }
+
+    /// A time of a table beyond its range.
+    AMK_TIME_LONG = 3028, NoError {
+        says: "DW{asked} of the table is a time above {limit} half milliseconds",
+        cause: "A time in the table of a cam controller lies beyond its range.",
+        remedy: "Give a shorter one; a negative word is none.",
+    }
+
+    /// A time of a table below a call.
+    AMK_TIME_SHORT = 3029, NoError {
+        says: "DW{asked} of the table is a time shorter than a call, {limit} ns",
+        cause: "A time in the table of a cam controller is shorter than the time between two calls.",
+        remedy: "Give a longer one; dead times and pulses may be 0.",
+    }
+
+    /// A mode word that joins bit and input in no way.
+    AMK_TRACK_LOGIC = 3030, NoError {
+        says: "mode {asked} has AND and OR at once, bits 2 and 3",
+        cause: "The mode of a track has both bits of its logic.",
+        remedy: "Set one of them, or none.",
+    }
+
+    /// A mean over more calls than there is room for.
+    AMK_MEAN_LONG = 3031, NoError {
+        says: "a mean over {asked} calls is asked for; there is room for {limit}",
+        cause: "A mean over more calls was asked for than the cell leaves room for.",
+        remedy: "Average over fewer calls, or make more room in the cell.",
+    }
+
+    /// Compensation of a dead time in a mode without it.
+    AMK_DEAD_TIME_MODE = 3032, NoError {
+        says: "fct 1 compensates a dead time in ba {limit} only; ba is {asked}",
+        cause: "BINEA was to compensate a dead time in another mode than the incremental one.",
+        remedy: "Set fct to 0, or ba to 1.",
+    }
+
+    /// A dead time that nothing compensates.
+    AMK_DEAD_TIME_UNUSED = 3033, NoError {
+        says: "a dead time of {asked} half milliseconds needs fct 1",
+        cause: "BINEA was given a dead time without its compensation.",
+        remedy: "Set fct to 1 with ba 1, or leave the dead time out.",
+    }
+
+    /// Cams of all tracks together.
+    AMK_CAM_COUNT = 3034, NoError {
+        says: "the tracks have {asked} cams together; up to {limit} are possible",
+        cause: "The tracks of a cam controller have too many cams together.",
+        remedy: "Use fewer, or a second function.",
+    }
+
+    /// A hysteresis that leaves no way between off and on.
+    AMK_HYSTERESIS = 3035, NoError {
+        says: "the hysteresis of {asked} inc is not below the {limit} inc from the end of a cam to its start",
+        cause: "The hysteresis of a track is as long as the way from the end of one of its cams to its start, or longer.",
+        remedy: "Choose a smaller hysteresis, or a shorter cam.",
+    }
+
+    /// A track that there is not.
+    AMK_TRACK_SELECT = 3036, NoError {
+        says: "DR1 of the table names track {asked}; 0 to {limit} are there",
+        cause: "A cam table selects a track that there is not for the offset in the sink.",
+        remedy: "Name one of the tracks 0 to 7.",
+    }
+
+    /// A ratio by a word that the function does not have.
+    AMK_NO_WORD = 3040, NoError {
+        says: "mode 3 takes its ratio from a word; the function names none",
+        cause: "Mode 3 of varsync was chosen, and the function names no word that holds the ratio.",
+        remedy: "Name one in `word_addr`, or choose mode 0, 1 or 2.",
+    }
+
+    /// A threshold in a table that is no 15-bit number.
+    AMK_THRESHOLD = 3043, NoError {
+        says: "the first table has a threshold of {asked}; 0 to {limit} is possible",
+        cause: "A threshold of a chosen drive lies beyond its range, or the word behind it is not 0.",
+        remedy: "Give one of 0 to 32767, and 0 behind it.",
+    }
+
+    /// A divider of a ratio in a table that is too small.
+    AMK_RATIO_DIVIDER = 3044, NoError {
+        says: "the first table has a ratio divider of {asked}; 0 and {limit} or more are possible",
+        cause: "The divider of a chosen drive's ratio is negative, or above 0 and below 65536.",
+        remedy: "Give it as the drive has it, low word first; 0 and 0 is ratio 1.",
+    }
+
+    /// A measurement that is limited to both sides.
+    AMK_LIMITATION = 3045, NoError {
+        says: "{asked} limits the measurement to positive and to negative at once",
+        cause: "Bits 2 and 3 of `ba` are both 1.",
+        remedy: "Set one of them, or none.",
+    }
 }

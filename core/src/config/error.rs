@@ -1,6 +1,6 @@
 //! Why a machine cannot be made.
 
-use super::names_no_io;
+use super::{SlotProblem, names_no_io};
 use crate::axis::MAX_DELAY;
 use crate::code::{Code, not_built_here};
 use crate::drive::Interface;
@@ -168,6 +168,14 @@ pub enum ConfigError {
         key: &'static str,
         /// What does not exist.
         code: Code,
+    },
+    /// A function slot.
+    #[error("{slot}: {problem}")]
+    Slot {
+        /// Whose.
+        slot: String,
+        /// What is wrong with it.
+        problem: SlotProblem,
     },
     /// Two parameters of an axis.
     #[error("{axis}: {low} lies above {high}")]

@@ -5,6 +5,7 @@
 //! Source   MACS-IO-04, MACS-IO-06, MACS-IO-07, MACS-DIR-08, MACS-DIR-09
 
 use super::{ConfigError, IoKind, MachineConfig};
+use crate::object::Object;
 use crate::parameter::{AxisParameters, MACHINE, Polarity};
 
 /// Outputs that parameters can name are below that: O_* to 8, REVERS to 10.
@@ -22,6 +23,8 @@ pub enum Switcher {
     Parameter(u16, Function),
     /// The axis by itself: its brake, what `wf` switches.
     Axis(u16),
+    /// A function slot, by its place.
+    Slot(u16),
 }
 
 /// An output that would have two functions.
@@ -67,6 +70,15 @@ impl MachineConfig {
                     && let Some(switcher) = switchers.get_mut(self.io_place(entry) + 1)
                 {
                     *switcher = Some(Switcher::Axis(index as u16));
+                }
+            }
+        }
+        for (place, slot) in self.slots.iter().enumerate() {
+            for line in slot.outputs.iter().flatten() {
+                if let Object::Io(entry) = line.object
+                    && let Some(switcher) = switchers.get_mut(self.io_place(entry.into()) + 1)
+                {
+                    *switcher = Some(Switcher::Slot(place as u16));
                 }
             }
         }

@@ -11,7 +11,7 @@ pub struct Field {
     pub min: i64,
     /// Largest value.
     pub max: i64,
-    /// Where it is left out.
+    /// Where it is left out; beyond the range where it must be given before START.
     pub default: i64,
     /// Unit of the value; empty without one.
     pub unit: &'static str,

@@ -1,6 +1,35 @@
 //! Function slots: small programs beside the axes, stepped in each cycle between encoders and axes, in ascending order.
-#![allow(dead_code)]
+//!
+//! Law      a slot sees this cycle's value of what stands before it (inputs, encoders, lower slots, also through memory), and the last
+//!          cycle's of what stands behind it (axes, its own sink, higher slots)
+//! Reads    any signal as source, bits as E1 to E8, tables
+//! Writes   one sink, bits as A1 to A8, a lead that axes follow
+//! Refuses  sets and commands, each with the field, its value and its range; the cycle of a slot cannot fail
+//! Source   spec/amkasyn-a.md to -c.md: AMKASYN fast functions; contract section 10
+
+mod binea;
+mod cam;
+mod copy;
+mod digdreh;
 mod field;
+mod imes;
+mod kind;
 mod program;
 mod sak;
+mod sidiff;
+mod slot;
+mod time;
+mod track;
+#[cfg(test)]
+mod trial;
+mod types;
+mod varsync;
 mod window;
+mod wires;
+
+pub use field::Field;
+pub use kind::{Description, Kind, Need, Quantity, TYPES};
+pub use program::{Drive, Fault, LINES};
+pub(crate) use slot::Cycle;
+pub use slot::{Order, Slot};
+pub use wires::{Bit, Input, Mark, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word};

@@ -6,7 +6,7 @@ use crate::event::Number;
 use crate::table::Table;
 
 /// Inputs, outputs, tables and monitored drives of one function.
-pub(super) const LINES: usize = 8;
+pub const LINES: usize = 8;
 
 /// What a function reads of its source in one call.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,7 +21,7 @@ pub(super) struct Reading {
 
 /// What is told of a monitored drive.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Drive {
+pub struct Drive {
     /// Position control difference (inc): command less actual position.
     pub error: i64,
     /// What the function whose sink it is adds for the following error (inc).
@@ -60,11 +60,14 @@ pub(super) struct Outcome {
 
 /// Why a set does not make a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fault {
+pub struct Fault {
+    /// The code.
     pub code: Code,
     /// Which field, from 0; none where it is a table.
     pub field: Option<u16>,
+    /// What was asked.
     pub asked: Number,
+    /// What is allowed.
     pub limit: Number,
 }
 
@@ -93,7 +96,7 @@ pub(super) struct Setting<'a> {
 /// A type of function. Nothing in it takes memory after it was made.
 pub(super) trait Program {
     /// What the ranges of the fields do not say: fields against each other, and tables.
-    fn check(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault>;
+    fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault>;
 
     /// The first call, with a set that was checked.
     fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome;

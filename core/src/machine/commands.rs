@@ -107,6 +107,11 @@ impl Machine {
                 self.accept(command, object);
                 Ok(false)
             }
+            Action::CommandFunction(request) => self.command_function(command, request),
+            Action::LoadTable { index, table } => {
+                self.load_table(command, *index, table)?;
+                Ok(false)
+            }
             // An output may let go what the axes are not to move.
             Action::SetOutputs(_) if !self.state.active => Err(Refusal::new(Code::NOT_ACTIVE, Object::Machine)),
             Action::SetOutputs(values) => {
@@ -191,6 +196,10 @@ impl Machine {
             }
             Action::Vocabulary(request) => self.give(told, request.axis(), command),
             Action::Cancel { goal } => self.cancel(told, command.sequence, *goal),
+            Action::CommandFunction(request) => {
+                self.tell_moved(told, request);
+                Ok(())
+            }
             Action::Trajectory(trajectory) => self.start_trajectory(told, command, trajectory),
             _ => Ok(()),
         }

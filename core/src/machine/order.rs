@@ -4,19 +4,29 @@
 //! it did, so that no selector ever closes a loop or waits for another order.
 
 use super::Machine;
-use crate::object::{AxisSet, Leader};
+use crate::object::{AxisSet, Leader, Object};
 
 impl Machine {
-    /// The axes that `axis` follows or may follow: at present, by its reference selector.
+    /// The axes that `axis` follows or may follow: at present, by its reference selector, by the function
+    /// whose sink it is.
     fn leaders(&self, axis: u16) -> impl Iterator<Item = u16> {
+        let function = self.config.writer(Object::Axis(axis)).map(Leader::Sink);
         let axis = self.state.axes.get(usize::from(axis));
-        let leaders = [axis.and_then(|axis| axis.leader()), axis.and_then(|axis| axis.master())];
-        leaders.into_iter().flatten().filter_map(Leader::commanded)
+        let leaders = [axis.and_then(|axis| axis.leader()), axis.and_then(|axis| axis.master()), function];
+        leaders.into_iter().flatten().filter_map(|leader| self.commanded(leader))
+    }
+
+    /// Through which axis' command a leader closes a loop: what a sink reads of a command counts.
+    fn commanded(&self, leader: Leader) -> Option<u16> {
+        match leader {
+            Leader::Sink(slot) => self.config.commanded_by(slot),
+            other => other.commanded(),
+        }
     }
 
     /// Would axis `follower` follow itself through `leader`? Counted are the couplings that there are, and those that may come.
     pub(super) fn closes_loop(&self, follower: u16, leader: Leader) -> bool {
-        let Some(first) = leader.commanded() else { return false };
+        let Some(first) = self.commanded(leader) else { return false };
         let (mut reached, mut next) = (AxisSet::one(first), AxisSet::one(first));
         // Each axis is looked at once.
         while let Some(axis) = next.pop() {

@@ -191,6 +191,18 @@ impl Panel {
         Ok(())
     }
 
+    /// An output of a function, by its place among the digital ones.
+    pub(super) fn set_digital(&mut self, place: usize, on: bool) {
+        set_bit(&mut self.outputs, place, on);
+    }
+
+    /// An output of a function, by its place among the analog ones (V).
+    pub(super) fn set_analog(&mut self, place: usize, volts: f64) {
+        if let Some(output) = self.analog.get_mut(place) {
+            *output = volts;
+        }
+    }
+
     /// All axes abort in this cycle. Outputs are of the machine, ESCCOND of an axis: the largest one holds.
     pub(super) fn abort(&mut self, axes: &[Axis], outputs: usize) {
         let esccond = axes.iter().map(|axis| axis.parameters.supervision.esccond).max();
@@ -286,6 +298,9 @@ fn check(config: &MachineConfig, OutputValue { index, value }: OutputValue) -> R
     let refuse = |code| Refusal::new(code, Object::Io(index)).with(Number::Real(value), Number::None);
     if let Some(axis) = config.owner_of_output(index) {
         return Err(refuse(Code::OUTPUT_TAKEN).with(Number::Real(value), Number::Count(axis.into())));
+    }
+    if let Some(slot) = config.writer(Object::Io(index)) {
+        return Err(refuse(Code::FUNCTION_WRITES).with(Number::Real(value), Number::Count(slot.into())));
     }
     match config.io.get(usize::from(index)).map(|io| io.kind) {
         Some(IoKind::DigitalOutput) if value == 0.0 || value == 1.0 => Ok(()),

@@ -3,10 +3,11 @@
 use super::Machine;
 use crate::axis::Axis;
 use crate::code::Code;
-use crate::config::{IoKind, MachineConfig, MemoryKind};
+use crate::config::{IoKind, MachineConfig, MemoryKind, SlotConfig};
 use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs, SpeedOutputs, Switching};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
+use crate::function::LINES;
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
@@ -29,6 +30,8 @@ pub(super) struct Signals {
     memory: Vec<(Signal, MemoryKind)>,
     /// First of: count, position, velocity, error, errors.
     encoders: Vec<Signal>,
+    /// First of those of each slot.
+    pub slots: Vec<Signal>,
     /// First of [`AxisSignal`].
     pub axes: Vec<Signal>,
     /// First of: state, error, overruns.
@@ -66,8 +69,9 @@ impl Signals {
         });
         let memory = memory.collect();
         let encoders = config.encoders.iter().map(|entry| add_encoder(directory, &entry.name)).collect();
+        let slots = config.slots.iter().map(|slot| add_slot(directory, slot)).collect();
         let axes = config.axes.iter().map(|axis| add_axis(directory, &axis.name)).collect();
-        Self { io, virtual_inputs, memory, encoders, axes, machine: add_machine(directory) }
+        Self { io, virtual_inputs, memory, encoders, slots, axes, machine: add_machine(directory) }
     }
 
     /// The inputs that read an output, with the levels that the last cycle has left there.
@@ -207,6 +211,28 @@ fn add_encoder(directory: &mut Directory, name: &str) -> Signal {
     first
 }
 
+/// The block of a slot, in the order in which it publishes.
+fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
+    let row = slot.kind.description();
+    let mut add = |text: &str, kind, help| {
+        let name = format!("{}.{text}", slot.name);
+        directory.add(Entry { name, kind, measure: Measure::None, drivable: false, help })
+    };
+    let first = add("sink", Type::Int, "what the function gives its sink");
+    add("active", Type::Bit, "the function is started");
+    add("error", Type::Int, "why its last command was refused, 0 for nothing");
+    for line in 1..=LINES {
+        add(&format!("in{line}"), Type::Bit, "binary input of the function, after inversion");
+    }
+    for line in 1..=LINES {
+        add(&format!("out{line}"), Type::Bit, "binary output of the function, before inversion");
+    }
+    if row.compensates {
+        add("sak_share", Type::Int, "what compensation of the following error adds to its sink");
+    }
+    first
+}
+
 /// The block of an axis and, right behind it, those of the vocabularies: [`Axis::publish`] relies on the order.
 fn add_axis(directory: &mut Directory, name: &str) -> Signal {
     let first = AxisSignal::add_all(directory, name);
@@ -223,6 +249,15 @@ fn add_machine(directory: &mut Directory) -> Signal {
     add("error", Type::Int, "code of the first axis error, 0 for none");
     add("overruns", Type::Int, "cycles missed so far");
     first
+}
+
+impl MachineConfig {
+    /// Names and types of the signals of such a machine.
+    pub fn directory(&self) -> Directory {
+        let mut directory = Directory::default();
+        Signals::new(&mut directory, self);
+        directory
+    }
 }
 
 impl Machine {
@@ -272,7 +307,7 @@ impl Machine {
 }
 
 /// Position and age of a latch: what it does not bring lies on the straight line through this cycle's change.
-fn locate(position: Option<i64>, age_ns: Option<u32>, lead: Option<Lead>, cycle_ns: u64) -> (Position, u32) {
+pub(super) fn locate(position: Option<i64>, age_ns: Option<u32>, lead: Option<Lead>, cycle_ns: u64) -> (Position, u32) {
     let lead = lead.unwrap_or_default();
     let cycle = cycle_ns as f64;
     match (position, age_ns) {

@@ -8,10 +8,13 @@ use super::panel::Panel;
 use crate::axis::{Axis, Run};
 use crate::config::{ConfigError, MachineConfig};
 use crate::encoder::Encoder;
+use crate::function::Slot;
 use crate::parameter::{AxisParameters, MachineParameters};
 use crate::signal::Board;
 use crate::sync::Leads;
+use crate::table::Table;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// All that the cycles of a machine change.
 #[derive(Debug, Serialize, Deserialize)]
@@ -19,6 +22,11 @@ pub struct State {
     pub(super) board: Board,
     pub(super) axes: Vec<Axis>,
     pub(super) encoders: Vec<Encoder>,
+    /// Function slots, by their numbers.
+    pub(super) slots: Vec<Slot>,
+    /// Tables as they were loaded last.
+    #[serde(with = "crate::table::shared")]
+    pub(super) tables: Vec<Arc<Table>>,
     /// Axes, a leader before its followers.
     pub(super) order: Vec<u16>,
     pub(super) leads: Leads,
@@ -83,6 +91,12 @@ pub enum StateError {
     /// Encoders of another width.
     #[error("the state holds encoders of another width than the cell")]
     Encoders,
+    /// Functions of another cell, or that cannot be in such a state.
+    #[error("the state holds functions that the cell has not, or a state that they cannot be in")]
+    Functions,
+    /// Tables of another form.
+    #[error("the state holds tables of another form than the cell")]
+    Tables,
     /// An order that leaves axes out.
     #[error("the state holds an order of axes that names one twice, or one that is not there")]
     Order,
@@ -111,6 +125,8 @@ impl State {
             board,
             axes,
             encoders,
+            slots,
+            tables,
             order,
             leads,
             runs,
@@ -126,6 +142,9 @@ impl State {
         self.board.copy_from(board);
         self.axes.clone_from(axes);
         self.encoders.clone_from(encoders);
+        self.slots.clone_from(slots);
+        // Who gave a table frees it: here only counts change.
+        self.tables.clone_from(tables);
         self.order.clone_from(order);
         self.leads.copy_from(leads);
         self.runs.clone_from(runs);
@@ -146,6 +165,8 @@ impl State {
         shape("axes", self.axes.len(), fresh.axes.len())?;
         shape("saved sets of parameters", self.user.len(), fresh.user.len())?;
         shape("encoders", self.encoders.len(), fresh.encoders.len())?;
+        shape("functions", self.slots.len(), fresh.slots.len())?;
+        shape("tables", self.tables.len(), fresh.tables.len())?;
         shape("places for trajectories", self.runs.len(), fresh.runs.len())?;
         if !self.leads.has_shape_of(&fresh.leads) {
             return Err(StateError::Leads);
@@ -162,6 +183,16 @@ impl State {
             .all(|(mine, fresh)| mine.is_set_up_as(fresh) && mine.is_sound())
         {
             return Err(StateError::Encoders);
+        }
+        if !std::iter::zip(&self.tables, &fresh.tables)
+            .all(|(mine, fresh)| mine.form() == fresh.form() && mine.is_sound())
+        {
+            return Err(StateError::Tables);
+        }
+        for ((mine, fresh), wires) in std::iter::zip(&self.slots, &fresh.slots).zip(&machine.wires) {
+            if !(mine.is_set_up_as(fresh) && mine.is_sound(wires, &self.tables)) {
+                return Err(StateError::Functions);
+            }
         }
         if let Some(unsound) = self.user.iter().position(|user| !user.is_sound()) {
             return Err(StateError::Unsound { axis: machine.config.axes[unsound].name.clone() });
@@ -227,6 +258,8 @@ impl Clone for State {
             board: self.board.clone(),
             axes: self.axes.clone(),
             encoders: self.encoders.clone(),
+            slots: self.slots.clone(),
+            tables: self.tables.clone(),
             order: self.order.clone(),
             leads: self.leads.clone(),
             user: self.user.clone(),
@@ -243,6 +276,8 @@ impl Clone for State {
             board,
             axes,
             encoders,
+            slots,
+            tables,
             order,
             leads,
             cycle,
@@ -258,6 +293,9 @@ impl Clone for State {
         self.board.copy_from(board);
         self.axes.clone_from(axes);
         self.encoders.clone_from(encoders);
+        self.slots.clone_from(slots);
+        // Who gave a table frees it: here only counts change.
+        self.tables.clone_from(tables);
         self.order.clone_from(order);
         self.leads.copy_from(leads);
         self.user.clone_from(user);

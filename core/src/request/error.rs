@@ -21,6 +21,62 @@ pub enum RequestError {
         /// The names there are.
         known: String,
     },
+    /// A name that no function has.
+    #[error("no function is called `{name}`; {known} are known")]
+    UnknownFunction {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A name that no table has.
+    #[error("no table is called `{name}`; {known} are known")]
+    UnknownTable {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A name that no field of a function has.
+    #[error("{function}: a {kind} has no field `{field}`; it has {known}")]
+    UnknownField {
+        /// The function.
+        function: String,
+        /// Its type.
+        kind: &'static str,
+        /// The name given.
+        field: String,
+        /// The names there are.
+        known: String,
+    },
+    /// More values than a field has, or none.
+    #[error("{function}: {given} values for {field}; 1 to {most} are possible")]
+    FieldCount {
+        /// The function.
+        function: String,
+        /// The field.
+        field: String,
+        /// How many.
+        given: usize,
+        /// How many are possible.
+        most: usize,
+    },
+    /// Two values for one place of a set.
+    #[error("{function}: {field} is given twice")]
+    FieldTwice {
+        /// The function.
+        function: String,
+        /// The field.
+        field: String,
+    },
+    /// Numbers that make no table.
+    #[error("{name}: {sentence}")]
+    BadTable {
+        /// The table.
+        name: String,
+        /// What is wrong.
+        sentence: String,
+    },
     /// A name that nothing has that latches.
     #[error("`{name}` does not latch; {known} can")]
     UnknownLatch {

@@ -1,7 +1,7 @@
 //! Why something was refused, ended or failed: the sentence of each code, by its row or, where the event has to be looked at, here.
 
 use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_range, read_only, reverse_forbidden};
-use super::{number_text, plain, row};
+use super::{function, number_text, plain, row};
 use crate::code::{Code, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
 use crate::drive::{ForeignEmergency, NodeNotice, error_text, register_texts};
@@ -15,7 +15,13 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
     let asked = || number_text(event.asked, event.source, config);
     let limit = || number_text(event.limit, event.source, config);
     let fixed = |text: &str| text.to_owned();
-    let by_row = || event.code.row().map_or_else(String::new, |row| filled(row.says, event, config));
+    let by_row = || {
+        let says = event.code.row().map_or_else(String::new, |row| filled(row.says, event, config));
+        function::of_field(event, config, says)
+    };
+    if let Some(text) = function::reason(event, config) {
+        return text;
+    }
     match event.code {
         Code::LIMIT_VIOLATION if event.limit == Number::None && event.kind == Kind::Refused => {
             let is = |code: Code| event.asked == Number::Count(code.0.into());

@@ -66,16 +66,12 @@ pub(super) fn read<'d>(
     io: &[Option<IoConfig>],
     coded: &[Option<EncoderConfig>],
     functions: machine::Functions<'d>,
+    outputs: wiring::Taken,
 ) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
     limit(entries, MAX_AXES);
-    let mut once = Onces {
-        taken: Once::new(),
-        outputs: Once::new(),
-        switches: Once::new(),
-        masters: amc::Masters::new(),
-        functions,
-    };
+    let mut once =
+        Onces { taken: Once::new(), outputs, switches: Once::new(), masters: amc::Masters::new(), functions };
     let axes = entries.iter().enumerate();
     let axes = axes.map(|(place, entry)| axis(place, entry, cx, (io, coded), &mut once)).collect();
     machine::refuse_shared(&once.functions, io, &once.outputs);

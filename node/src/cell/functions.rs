@@ -1,21 +1,34 @@
-//! Section `functions`: no type exists yet, and each is refused by its name. What does not depend on the type is checked:
-//! slots, the names of source and sink, and that no axis follows itself.
+//! Section `functions`: slots, what each reads and writes, and the set of its type.
+//!
+//! Refuses  types that do not exist, slots that stand twice, names that are none of what the type can use, two writers of one object
+//!          (with both places), values beyond their fields, axes that follow each other's commands in a loop
 
 use super::backends::Context;
 use super::names::{Entry, Once, Section, quote};
-use crate::document::Value;
-use lineshaft_core::config::{IoConfig, IoKind};
-use lineshaft_core::unit::excerpt;
+use super::wiring::Taken;
+use crate::document::{Map, Value};
+use lineshaft_core::config::{
+    IoConfig, IoKind, Line, MAX_FACTOR, MAX_SLOTS, MAX_WINDOW, MachineConfig, MemoryConfig, MemoryKind, SinkConfig,
+    SlotConfig, SourceConfig, TableConfig,
+};
+use lineshaft_core::drive::Interface;
+use lineshaft_core::function::{Description, Kind, LINES, Need, OnAxisError, Quantity, Room, TYPES, Width};
+use lineshaft_core::object::{Leader, Object};
+use lineshaft_core::signal::Directory;
+use lineshaft_core::unit::{ScaleKind, excerpt};
+
+/// Types of the contract that are not built.
+const LATER: [&str; 8] = ["fipw", "fipz", "dfkt", "fgen", "regl", "xfipw", "apsf", "epos"];
 
 /// Readings of an axis that follow from its command.
 const OF_COMMAND: [&str; 5] = ["command", "target", "modulo", "turns", "output"];
 
 /// What a function reads, as far as loops are concerned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Source {
+enum Reads {
     /// The command of an axis.
     Command(usize),
-    /// Another function.
+    /// Another function, by its place in the file.
     Function(usize),
 }
 
@@ -24,76 +37,511 @@ enum Source {
 struct Link {
     /// Place in the section.
     function: usize,
-    source: Option<Source>,
+    source: Option<Reads>,
     /// The axis that it moves.
     sink: Option<usize>,
 }
 
-/// Checks all functions. `io` are the entries of that section.
-pub(super) fn check(cx: &Context<'_>, io: &[Option<IoConfig>]) {
-    let entries = cx.names.section(Section::Functions);
-    let mut slots = Once::new();
-    let links: Vec<_> =
-        entries.iter().enumerate().filter_map(|(place, entry)| link(place, entry, cx, io, &mut slots)).collect();
-    refuse_loops(&links, cx);
+/// A source that is any signal: whether there is one shows once the signals are known.
+pub(super) struct Open<'d> {
+    value: Value<'d>,
+    name: String,
 }
 
-/// The function's part of a loop; none without a slot of its own, so that there are never more than there are slots.
-fn link<'d>(
-    function: usize,
+/// The slots as far as they could be read.
+#[derive(Default)]
+pub(super) struct Read<'d> {
+    pub slots: Vec<Option<SlotConfig>>,
+    pub open: Vec<Open<'d>>,
+}
+
+/// What functions may name beside names.
+#[derive(Clone, Copy)]
+pub(super) struct Objects<'a> {
+    pub io: &'a [Option<IoConfig>],
+    pub memory: &'a [Option<MemoryConfig>],
+    pub tables: &'a [Option<TableConfig>],
+}
+
+/// What functions have taken so far: slots, and objects that they write.
+struct Claims<'t> {
+    slots: Once<u16>,
+    written: Written<'t>,
+}
+
+/// What functions write.
+struct Written<'t> {
+    /// Entries of section `io`; nothing else may switch one.
+    outputs: &'t mut Taken,
+    axes: Once<u16>,
+    memory: Once<u16>,
+}
+
+impl Written<'_> {
+    /// Takes an object, which stands in `value`.
+    fn take(&mut self, object: Object, value: &Value<'_>) -> bool {
+        let name = || quote(value.peek().unwrap_or_default());
+        let writer = || format!("what writes {}", name());
+        match object {
+            Object::Io(place) => self.outputs.take(place, value, || format!("output {}", name())),
+            Object::Axis(place) => self.axes.take(place, value, writer),
+            Object::Memory(place) => self.memory.take(place, value, writer),
+            _ => true,
+        }
+    }
+}
+
+/// Reads all functions; the slots stand by their numbers. `outputs` are the entries of `io` that have one who switches them.
+pub(super) fn read<'d>(cx: &Context<'d>, objects: Objects<'_>, outputs: &mut Taken) -> Read<'d> {
+    let entries = cx.names.section(Section::Functions);
+    let written = Written { outputs, axes: Once::new(), memory: Once::new() };
+    let mut taken = Claims { slots: Once::new(), written };
+    let (mut read, mut links, mut numbers) = (Read::default(), Vec::new(), Vec::new());
+    for (place, entry) in entries.iter().enumerate() {
+        let (slot, link, number) = function(place, entry, cx, objects, (&mut taken, &mut read.open));
+        links.extend(link);
+        numbers.push(number.unwrap_or(u16::MAX));
+        read.slots.push(slot);
+    }
+    refuse_loops(&links, cx);
+    sort(&mut read.slots, &numbers);
+    read
+}
+
+/// Puts the slots in the order of their numbers, and sinks that they read with them.
+fn sort(slots: &mut Vec<Option<SlotConfig>>, numbers: &[u16]) {
+    let mut order: Vec<usize> = (0..slots.len()).collect();
+    order.sort_by_key(|place| numbers.get(*place).copied());
+    let now = |file: u16| order.iter().position(|place| *place == usize::from(file)).map_or(file, |now| now as u16);
+    let mut sorted: Vec<_> = order.iter().map(|place| slots.get_mut(*place).and_then(Option::take)).collect();
+    for slot in sorted.iter_mut().flatten() {
+        if let SourceConfig::Lead(Leader::Sink(file)) = &mut slot.source {
+            *file = now(*file);
+        }
+    }
+    *slots = sorted;
+}
+
+/// Refuses sources that no signal has, once all else is good.
+pub(super) fn check_signals(open: &[Open<'_>], directory: &Directory) {
+    for Open { value, name } in open {
+        if directory.find(name).is_none() {
+            let known = directory.iter().map(|(_, entry)| entry.name.as_str());
+            let hint = crate::scenario::nearest(name, known).map(crate::scenario::did_you_mean);
+            let hint = hint.unwrap_or_else(|| "`lineshaft signals CELL` lists them".to_owned());
+            value.refuse(format!("{} is {}; no signal has that name", value.label(), quote(name)), Some(hint));
+        }
+    }
+}
+
+/// Refuses speeds in rpm for axes that have no revolution, and open-loop axes.
+pub(super) fn check_speeds(cx: &Context<'_>, machine: &MachineConfig) {
+    for slot in &machine.slots {
+        let SinkConfig::Axis(place) = slot.sink else { continue };
+        let Some(axis) = machine.axes.get(usize::from(place)) else { continue };
+        let entry = cx.names.section(Section::Functions).iter().find(|entry| entry.name() == slot.name);
+        let Some(entry) = entry else { continue };
+        let is_speed = slot.kind.description().quantity == Quantity::Speed;
+        if is_speed && axis.scale.kind() != ScaleKind::Rotary {
+            let (kind, axis) = (slot.kind.name(), quote(&axis.name));
+            entry.key.refuse(format!("a {kind} gives a speed in rpm; its sink {axis} is no rotary axis"), None);
+        }
+        if axis.interface == Interface::OpenLoop {
+            let sentence = format!("its sink {} is an axis in open loop, which no function moves", quote(&axis.name));
+            entry.key.refuse(sentence, None);
+        }
+    }
+}
+
+/// The slot, its part of a loop, and its number.
+#[allow(clippy::type_complexity, reason = "three things that are read in one go")]
+fn function<'d>(
+    place: usize,
     entry: &Entry<'d>,
     cx: &Context<'d>,
-    io: &[Option<IoConfig>],
-    slots: &mut Once<u8>,
-) -> Option<Link> {
-    let mut map = entry.value.map(format!("function `{}`", entry.name()))?;
-    let slot = map.required("slot").and_then(|value| {
-        let slot = value.integer(0..=63_u8)?;
-        slots.take(slot, &value, || format!("slot {slot}")).then_some(slot)
+    objects: Objects<'_>,
+    (taken, open): (&mut Claims<'_>, &mut Vec<Open<'d>>),
+) -> (Option<SlotConfig>, Option<Link>, Option<u16>) {
+    let Some(mut map) = entry.value.map(format!("function `{}`", entry.name())) else { return (None, None, None) };
+    let number = map.required("slot").and_then(|value| {
+        let number = value.integer(0..=(MAX_SLOTS as u16 - 1))?;
+        taken.slots.take(number, &value, || format!("slot {number}")).then_some(number)
     });
-    if let Some(value) = map.required("type")
-        && let Some(kind) = value.text()
-    {
-        value.refuse(format!("function type {} does not exist yet", excerpt(kind)), None);
-    }
-    let source = map.optional("source").and_then(|value| source(&value, cx));
-    let sink = map.optional("sink").and_then(|value| sink(&value, cx, io));
-    // The other keys belong to the type.
-    map.rest();
+    let kind = map.required("type").and_then(|value| kind(&value));
+    let reader = Reader { cx, objects };
+    let source = map.optional("source").map(|value| (reader.source(&value, open), value));
+    let sink = map.optional("sink").map(|value| (reader.sink(&value), value));
+    let link = Link {
+        function: place,
+        source: source.as_ref().and_then(|(_, value)| reader.reads(value)),
+        sink: match sink.as_ref().and_then(|(sink, _)| *sink) {
+            Some(SinkConfig::Axis(axis)) => Some(axis.into()),
+            _ => None,
+        },
+    };
+    let link = number.map(|_| link);
+    let Some(kind) = kind else {
+        // The other keys belong to the type.
+        map.rest();
+        map.finish();
+        return (None, link, number);
+    };
+    let slot = slot(&mut map, entry, kind, (source, sink), &reader, (taken, open));
     map.finish();
-    slot.map(|_| Link { function, source, sink })
+    (slot.zip(number).map(|(slot, number)| SlotConfig { number, ..slot }), link, number)
 }
 
-fn source<'d>(value: &Value<'d>, cx: &Context<'d>) -> Option<Source> {
+fn kind(value: &Value<'_>) -> Option<Kind> {
     let text = value.text()?;
-    let (object, part) = text.split_once('.').unwrap_or((text, "command"));
-    if object == "machine" {
-        return None;
+    if let Some(kind) = Kind::find(text) {
+        return Some(kind);
     }
-    let readable = [Section::Axes, Section::Encoders, Section::Io, Section::Memory, Section::Functions];
-    match cx.names.find(value, object, &readable)? {
-        (Section::Axes, axis) if OF_COMMAND.contains(&part.split('.').next()?) => Some(Source::Command(axis)),
-        (Section::Functions, function) => Some(Source::Function(function)),
-        _ => None,
+    let names = || TYPES.iter().map(|row| row.name).collect::<Vec<_>>().join(", ");
+    if LATER.contains(&text) {
+        value.refuse(format!("function type {text} does not exist yet"), Some(format!("there are {}", names())));
+    } else {
+        value.refuse(format!("type is {}; {} is allowed", quote(text), names()), None);
     }
+    None
 }
 
-fn sink<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<usize> {
-    let text = value.text()?;
-    if text == "none" {
-        return None;
-    }
-    match cx.names.find(value, text, &[Section::Axes, Section::Memory, Section::Io])? {
-        (Section::Axes, axis) => Some(axis),
-        (Section::Io, place) => {
-            let kind = io.get(place).and_then(Option::as_ref).map(|io| io.kind);
-            if kind.is_some_and(|kind| kind != IoKind::AnalogOutput) {
-                let allowed = "an axis, a memory cell, an ao or none is allowed";
-                value.refuse(format!("sink is {}, which is no ao; {allowed}", quote(text)), None);
-            }
-            None
+/// A key that was given, with what it means where that could be read.
+type Given<'d, T> = Option<(Option<T>, Value<'d>)>;
+
+/// The rest of a slot, by its type.
+fn slot<'d>(
+    map: &mut Map<'d>,
+    entry: &Entry<'d>,
+    kind: Kind,
+    (source, sink): (Given<'d, SourceConfig>, Given<'d, SinkConfig>),
+    reader: &Reader<'_, 'd>,
+    (taken, open): (&mut Claims<'_>, &mut Vec<Open<'d>>),
+) -> Option<SlotConfig> {
+    let row = kind.description();
+    let mut slot = SlotConfig::new(entry.name().to_owned(), 0, kind);
+    let mut is_good = true;
+    let mut note = |good: bool| is_good &= good;
+    match source {
+        Some((read, value)) => {
+            // One problem is enough for what could not be read.
+            note(read.as_ref().is_some_and(|source| fits_source(&value, source, row)));
+            slot.source = read.unwrap_or_default();
         }
-        _ => None,
+        None if row.source == Need::Must => {
+            map.refuse(format!("function {} has no source; a {} reads one", entry.quoted(), row.name), None);
+            note(false);
+        }
+        None => {}
+    }
+    match sink {
+        Some((read, value)) => {
+            note(read.is_some_and(|sink| reader.fits_sink(&value, sink, row)));
+            slot.sink = read.unwrap_or_default();
+            note(Reader::take_sink(&value, slot.sink, &mut taken.written));
+        }
+        None if row.sink == Need::Must => {
+            let hint = Some("`sink: none` keeps the value for other functions".to_owned());
+            map.refuse(format!("function {} has no sink; a {} writes one", entry.quoted(), row.name), hint);
+            note(false);
+        }
+        None => {}
+    }
+    for (key, width) in [("source_bits", &mut slot.source_width), ("sink_bits", &mut slot.sink_width)] {
+        if let Some(value) = map.optional(key) {
+            let bits = value.integer(16..=64_u32);
+            match bits.map(Width::of) {
+                Some(Some(read)) => *width = read,
+                Some(None) => {
+                    value.refuse(format!("{key} is {}; 16, 32, 64 is allowed", bits.unwrap_or_default()), None);
+                    note(false);
+                }
+                None => note(false),
+            }
+        }
+    }
+    let inputs = map.optional("inputs");
+    let (lines, good) = reader.lines(inputs.as_ref(), ("E", row.inputs), row, None);
+    slot.inputs = lines;
+    note(good);
+    let outputs = map.optional("outputs");
+    let (lines, good) = reader.lines(outputs.as_ref(), ("A", row.outputs), row, Some(&mut taken.written));
+    slot.outputs = lines;
+    note(good);
+    if let Some(value) = map.optional("tables") {
+        note(reader.tables(&value, row, &mut slot.tables));
+    }
+    if let Some(value) = map.optional("cycle_factor") {
+        let factor = value.integer(1..=MAX_FACTOR);
+        note(factor.is_some());
+        slot.factor = factor.unwrap_or(1);
+    }
+    if let Some(value) = map.optional("on_axis_error") {
+        let reaction = value.choice(&[("run", OnAxisError::Run), ("reset", OnAxisError::Reset)]);
+        note(reaction.is_some());
+        slot.on_axis_error = reaction.unwrap_or_default();
+    }
+    if let Some(key) = row.word
+        && let Some(value) = map.optional(key)
+    {
+        slot.word = reader.word(&value, open);
+        note(slot.word.is_some());
+    }
+    note(fields(map, row, &mut slot.values));
+    slot.room = reader.room(&slot);
+    is_good.then_some(slot)
+}
+
+/// Reads the fields of the type into a set; true where all of them are good.
+fn fields(map: &mut Map<'_>, row: &Description, values: &mut [i64]) -> bool {
+    let (mut is_good, mut first) = (true, 0);
+    for field in row.fields {
+        if let Some(value) = map.optional(field.name) {
+            let items = if field.count == 1 { Some(vec![value]) } else { list(&value, field.count, field.name) };
+            is_good &= items.is_some();
+            for (place, item) in (first..).zip(items.into_iter().flatten()) {
+                let number = item.integer(field.min..=field.max);
+                is_good &= number.is_some();
+                if let (Some(to), Some(number)) = (values.get_mut(place), number) {
+                    *to = number;
+                }
+            }
+        }
+        first += field.count;
+    }
+    is_good
+}
+
+/// At most so many items.
+fn list<'d>(value: &Value<'d>, most: usize, key: &str) -> Option<Vec<Value<'d>>> {
+    let items = value.list()?;
+    if items.len() > most {
+        value.refuse(format!("{key} has {} entries; at most {most} are possible", items.len()), None);
+        return None;
+    }
+    Some(items)
+}
+
+fn fits_source(value: &Value<'_>, source: &SourceConfig, row: &Description) -> bool {
+    let has = *source != SourceConfig::None;
+    let problem = match row.source {
+        Need::Never if has => format!("a {} reads no source", row.name),
+        Need::Must if !has => format!("source is none; a {} reads one", row.name),
+        _ if row.kind == Kind::Imes && !matches!(source, SourceConfig::Lead(Leader::Encoder(_))) => {
+            "an imes measures on an encoder; source is something else".to_owned()
+        }
+        _ => return true,
+    };
+    value.refuse(problem, None);
+    false
+}
+
+/// What names are looked up in.
+struct Reader<'a, 'd> {
+    cx: &'a Context<'d>,
+    objects: Objects<'a>,
+}
+
+impl<'d> Reader<'_, 'd> {
+    fn source(&self, value: &Value<'d>, open: &mut Vec<Open<'d>>) -> Option<SourceConfig> {
+        let text = value.text()?;
+        if text == "none" {
+            return Some(SourceConfig::None);
+        }
+        let (object, part) = text.split_once('.').unwrap_or((text, ""));
+        let any = |open: &mut Vec<Open<'d>>| {
+            open.push(Open { value: value.clone(), name: text.to_owned() });
+            Some(SourceConfig::Signal(text.to_owned()))
+        };
+        if object == "machine" {
+            return any(open);
+        }
+        let readable = [Section::Axes, Section::Encoders, Section::Io, Section::Memory, Section::Functions];
+        let (section, place) = self.cx.names.find(value, object, &readable)?;
+        let place = u16::try_from(place).ok()?;
+        match (section, part) {
+            (Section::Axes, "" | "command" | "command.position") => {
+                Some(SourceConfig::Lead(Leader::AxisCommand(place)))
+            }
+            (Section::Axes, "actual" | "actual.position") => Some(SourceConfig::Lead(Leader::AxisActual(place))),
+            (Section::Encoders, "" | "position") => Some(SourceConfig::Lead(Leader::Encoder(place))),
+            (Section::Functions, "sink") => Some(SourceConfig::Lead(Leader::Sink(place))),
+            (Section::Functions, "") => {
+                let hint = Some(format!("`{}.sink`", excerpt(text)));
+                value.refuse(format!("{} is {}, a function; its sink is read", value.label(), quote(text)), hint);
+                None
+            }
+            _ => any(open),
+        }
+    }
+
+    /// What a source reads, as far as loops are concerned.
+    fn reads(&self, value: &Value<'d>) -> Option<Reads> {
+        let text = value.peek()?;
+        let (object, part) = text.split_once('.').unwrap_or((text, "command"));
+        let find = |section| self.cx.names.section(section).iter().position(|entry| entry.name() == object);
+        match (find(Section::Axes), find(Section::Functions)) {
+            (Some(axis), _) => OF_COMMAND.contains(&part.split('.').next()?).then_some(Reads::Command(axis)),
+            (None, function) => function.map(Reads::Function),
+        }
+    }
+
+    /// The signal of a word: a memory cell by its bare name, or any other.
+    fn word(&self, value: &Value<'d>, open: &mut Vec<Open<'d>>) -> Option<String> {
+        let text = value.text()?;
+        let object = text.split_once('.').map_or(text, |(object, _)| object);
+        if object != "machine" {
+            let readable = [Section::Axes, Section::Encoders, Section::Io, Section::Memory, Section::Functions];
+            self.cx.names.find(value, object, &readable)?;
+        }
+        open.push(Open { value: value.clone(), name: text.to_owned() });
+        Some(text.to_owned())
+    }
+
+    fn sink(&self, value: &Value<'d>) -> Option<SinkConfig> {
+        let text = value.text()?;
+        if text == "none" {
+            return Some(SinkConfig::None);
+        }
+        let (section, place) = self.cx.names.find(value, text, &[Section::Axes, Section::Memory, Section::Io])?;
+        let index = u16::try_from(place).ok()?;
+        let allowed = "an axis, a memory cell of numbers, an ao or none is allowed";
+        let problem = match section {
+            Section::Axes => return Some(SinkConfig::Axis(index)),
+            Section::Memory => {
+                let kind = self.objects.memory.get(place)?.as_ref()?.kind;
+                if kind != MemoryKind::Bit {
+                    return Some(SinkConfig::Memory(index));
+                }
+                "a bit"
+            }
+            _ => {
+                let kind = self.objects.io.get(place)?.as_ref()?.kind;
+                if kind == IoKind::AnalogOutput {
+                    return Some(SinkConfig::Output(index));
+                }
+                "no ao"
+            }
+        };
+        value.refuse(format!("sink is {}, which is {problem}; {allowed}", quote(text)), None);
+        None
+    }
+
+    fn fits_sink(&self, value: &Value<'d>, sink: SinkConfig, row: &Description) -> bool {
+        let is_axis = matches!(sink, SinkConfig::Axis(_));
+        let problem = match row.sink {
+            Need::Never if sink != SinkConfig::None => format!("a {} writes no sink", row.name),
+            _ if is_axis && !row.moves_axes => format!("a {} moves no axis", row.name),
+            _ => return true,
+        };
+        value.refuse(problem, None);
+        false
+    }
+
+    /// Takes what a sink writes; nobody else may.
+    fn take_sink(value: &Value<'d>, sink: SinkConfig, written: &mut Written<'_>) -> bool {
+        match sink {
+            SinkConfig::None => true,
+            SinkConfig::Axis(place) => written.take(Object::Axis(place), value),
+            SinkConfig::Memory(place) => written.take(Object::Memory(place), value),
+            SinkConfig::Output(place) => written.take(Object::Io(place), value),
+        }
+    }
+
+    /// Inputs or outputs in their order; `written`: they are outputs.
+    fn lines(
+        &self,
+        value: Option<&Value<'d>>,
+        (letter, most): (&str, usize),
+        row: &Description,
+        mut written: Option<&mut Written<'_>>,
+    ) -> ([Option<Line>; LINES], bool) {
+        let mut lines = [None; LINES];
+        let Some(value) = value else { return (lines, true) };
+        let Some(items) = value.list() else { return (lines, false) };
+        if items.len() > most {
+            let last = if most == 0 { "none".to_owned() } else { format!("{letter}1 to {letter}{most}") };
+            value.refuse(format!("{} has {} entries; a {} has {last}", value.label(), items.len(), row.name), None);
+            return (lines, false);
+        }
+        let mut is_good = true;
+        for (to, item) in lines.iter_mut().zip(&items) {
+            match self.line(item, written.as_deref_mut()) {
+                Some(line) => *to = line,
+                None => is_good = false,
+            }
+        }
+        (lines, is_good)
+    }
+
+    /// A name, `none`, or `{name, inverted}`.
+    fn line(&self, item: &Value<'d>, written: Option<&mut Written<'_>>) -> Option<Option<Line>> {
+        let (name, inverted) = if item.is_map() {
+            let mut map = item.map("a line")?;
+            let name = map.required("name");
+            let inverted = map.optional("inverted").map_or(Some(false), |value| value.boolean());
+            map.finish();
+            (name?, inverted?)
+        } else {
+            (item.clone(), false)
+        };
+        let text = name.text()?;
+        if text == "none" {
+            return Some(None);
+        }
+        let (section, place) = self.cx.names.find(&name, text, &[Section::Io, Section::Memory])?;
+        let index = u16::try_from(place).ok()?;
+        let (wanted, what) = match written {
+            Some(_) => (IoKind::DigitalOutput, "do"),
+            None => (IoKind::DigitalInput, "di"),
+        };
+        let object = match section {
+            Section::Io if self.objects.io.get(place)?.as_ref()?.kind == wanted => Object::Io(index),
+            Section::Memory if self.objects.memory.get(place)?.as_ref()?.kind == MemoryKind::Bit => {
+                Object::Memory(index)
+            }
+            _ => {
+                name.refuse(format!("{} is no {what} and no memory cell of type bit", quote(text)), None);
+                return None;
+            }
+        };
+        if let Some(written) = written
+            && !written.take(object, &name)
+        {
+            return None;
+        }
+        Some(Some(Line { object, inverted }))
+    }
+
+    /// Room for what the cell asks for, or for what most need.
+    fn room(&self, slot: &SlotConfig) -> Room {
+        const MEAN: usize = 256;
+        const HEAD: usize = 32;
+        const WORDS_PER_CAM: usize = 4;
+        let row = slot.kind.description();
+        let mean = ["mean_factor", "dead_time_mean"].into_iter().find_map(|name| row.find(name));
+        let asked = mean.and_then(|(_, place)| slot.values.get(place).copied()).unwrap_or(0);
+        let table =
+            slot.tables.first().copied().flatten().and_then(|place| self.objects.tables.get(usize::from(place)));
+        let words = table.and_then(Option::as_ref).map_or(0, |entry| entry.table.len());
+        Room {
+            mean: usize::try_from(asked).unwrap_or(MEAN).clamp(MEAN, MAX_WINDOW),
+            cams: words.saturating_sub(HEAD) / WORDS_PER_CAM,
+        }
+    }
+
+    fn tables(&self, value: &Value<'d>, row: &Description, to: &mut [Option<u16>; LINES]) -> bool {
+        let Some(items) = list(value, row.tables, "tables") else { return false };
+        let mut is_good = true;
+        for (to, item) in to.iter_mut().zip(items) {
+            let Some(text) = item.text() else { return false };
+            if text == "none" {
+                continue;
+            }
+            let found = self.cx.names.find(&item, text, &[Section::Tables]);
+            *to = found.and_then(|(_, place)| u16::try_from(place).ok());
+            is_good &= to.is_some();
+        }
+        is_good
     }
 }
 
@@ -124,8 +572,8 @@ fn leader(link: &Link, links: &[Link]) -> Option<usize> {
     // Functions that read each other in a circle lead to no axis.
     for _ in 0..=links.len() {
         match source {
-            Source::Command(axis) => return Some(axis),
-            Source::Function(function) => source = links.iter().find(|link| link.function == function)?.source?,
+            Reads::Command(axis) => return Some(axis),
+            Reads::Function(function) => source = links.iter().find(|link| link.function == function)?.source?,
         }
     }
     None

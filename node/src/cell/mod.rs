@@ -36,6 +36,7 @@ mod ros;
 mod row;
 mod safety;
 mod scale;
+mod tables;
 mod terminals;
 mod times;
 mod wiring;
@@ -61,6 +62,8 @@ pub use robot::Robot;
 pub use ros::{OnLoss, RosOptions};
 use std::collections::BTreeMap;
 use std::path::Path;
+use tables::Files;
+pub(crate) use tables::listed;
 pub use terminals::CellTerminal;
 
 /// The format that this program reads.
@@ -93,6 +96,8 @@ pub struct Cell {
     pub backends: Vec<CellBackend>,
     /// The file as it was read.
     pub text: String,
+    /// CSV files of its tables, by their names in it.
+    pub files: BTreeMap<String, String>,
     /// The description that `ros` names; none from a text, which has no files beside it.
     pub robot: Option<Robot>,
 }
@@ -103,7 +108,9 @@ impl Cell {
     /// # Errors
     /// Everything that is wrong with it, at least one problem.
     pub fn load(path: &Path) -> Result<Self, Problems> {
-        let mut cell = Self::of(Document::read(path))?;
+        let files = Files::beside(path);
+        let mut cell = Self::of(Document::read(path), &files)?;
+        cell.files = files.into_read();
         let folder = path.parent().unwrap_or(Path::new(""));
         let robot = cell.ros.robot_description.as_ref().map(|file| Robot::load(&folder.join(file)));
         cell.robot = robot.transpose()?;
@@ -115,7 +122,23 @@ impl Cell {
     /// # Errors
     /// Everything that is wrong with it, at least one problem.
     pub fn parse(name: &str, text: impl Into<String>) -> Result<Self, Problems> {
-        Self::of(Document::parse(name, text))
+        Self::of(Document::parse(name, text), &Files::None)
+    }
+
+    /// Reads the text of a recording, with the files of its tables as they were attached.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, at least one problem.
+    pub fn parse_recorded(name: &str, text: impl Into<String>, files: Option<&str>) -> Result<Self, Problems> {
+        let files = files.map_or(Ok(Files::None), tables::files_of)?;
+        let mut cell = Self::of(Document::parse(name, text), &files)?;
+        cell.files = files.into_read();
+        Ok(cell)
+    }
+
+    /// The files of its tables as one text, to be attached to a recording; none where it has none.
+    pub fn files_text(&self) -> Option<String> {
+        (!self.files.is_empty()).then(|| tables::files_text(&self.files))
     }
 
     /// The built-in cell: launch-configs/demo.yaml, described by demo.urdf beside it.
@@ -176,8 +199,8 @@ impl Cell {
         buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
     }
 
-    fn of(document: Document) -> Result<Self, Problems> {
-        let cell = document.root("the cell").and_then(|root| read(&root, document.text()));
+    fn of(document: Document, files: &Files) -> Result<Self, Problems> {
+        let cell = document.root("the cell").and_then(|root| read(&root, document.text(), files));
         match cell {
             Some(cell) if document.problems().is_empty() => Ok(cell),
             _ => Err(document.into_problems()),
@@ -186,7 +209,7 @@ impl Cell {
 }
 
 /// The cell as far as it could be read; good only when no problem was noted.
-fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
+fn read(root: &Value<'_>, text: &str, files: &Files) -> Option<Cell> {
     let mut map = root.map("the cell")?;
     map.required("lineshaft").iter().for_each(check_format);
     let cycle_ns = map.required("cycle").and_then(|value| cycle(&value));
@@ -197,16 +220,18 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
     let (backends, buses) = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
     let devices::Io { entries: io, terminals, mut on_can, filters, virtual_inputs } = devices::io(&cx);
-    let mut functions = machine::Functions::new();
-    let parameters = machine::read(&mut map, &io, &mut functions);
+    let mut named = machine::Functions::new();
+    let parameters = machine::read(&mut map, &io, &mut named);
     map.finish();
     let memory = devices::memory(&cx);
     let (encoders, encoders_at, encoders_on_can) = devices::encoders(&cx);
     on_can.extend(encoders_on_can);
     let terminals_on_can = on_can;
-    let axes = axes::read(&cx, &io, &encoders, functions);
+    let mut outputs = names::Once::new();
+    let tables = tables::read(&cx, files);
+    let slots = functions::read(&cx, functions::Objects { io: &io, memory: &memory, tables: &tables }, &mut outputs);
+    let axes = axes::read(&cx, &io, &encoders, named, outputs);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
-    functions::check(&cx, &io);
     let groups = groups::read(&cx);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
@@ -223,10 +248,14 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
         io: io.into_iter().collect::<Option<_>>()?,
         memory: memory.into_iter().collect::<Option<_>>()?,
         encoders: encoders.into_iter().collect::<Option<_>>()?,
+        tables: tables.into_iter().collect::<Option<_>>()?,
+        slots: slots.slots.into_iter().collect::<Option<_>>()?,
         axes,
         safety: safety?,
         global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },
     };
+    functions::check_signals(&slots.open, &machine.directory());
+    functions::check_speeds(&cx, &machine);
     let drives: Vec<_> = hardware.iter().flatten().copied().collect();
     let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &drives);
     let kinds: Vec<_> = cx.backends.iter().map(|backend| backend.map(Backend::kind)).collect::<Option<_>>()?;
@@ -246,6 +275,7 @@ fn read(root: &Value<'_>, text: &str) -> Option<Cell> {
         groups,
         backends,
         text: text.to_owned(),
+        files: BTreeMap::new(),
         robot: None,
     })
 }

@@ -12,13 +12,22 @@ pub(super) enum Section {
     Memory,
     Encoders,
     Axes,
+    Tables,
     Functions,
     Groups,
 }
 
 impl Section {
-    const ALL: [Self; 7] =
-        [Self::Backends, Self::Io, Self::Memory, Self::Encoders, Self::Axes, Self::Functions, Self::Groups];
+    const ALL: [Self; 8] = [
+        Self::Backends,
+        Self::Io,
+        Self::Memory,
+        Self::Encoders,
+        Self::Axes,
+        Self::Tables,
+        Self::Functions,
+        Self::Groups,
+    ];
 
     fn key(self) -> &'static str {
         match self {
@@ -27,6 +36,7 @@ impl Section {
             Self::Memory => "memory",
             Self::Encoders => "encoders",
             Self::Axes => "axes",
+            Self::Tables => "tables",
             Self::Functions => "functions",
             Self::Groups => "groups",
         }
@@ -40,6 +50,7 @@ impl Section {
             Self::Memory => "memory cell",
             Self::Encoders => "encoder",
             Self::Axes => "axis",
+            Self::Tables => "table",
             Self::Functions => "function",
             Self::Groups => "group",
         }

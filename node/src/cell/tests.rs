@@ -4,6 +4,7 @@ mod amc;
 mod axes;
 mod encoders;
 mod fixtures;
+mod functions;
 mod interfaces;
 mod scale;
 mod sections;
@@ -55,17 +56,10 @@ fn contract_example() -> String {
 }
 
 #[test]
-fn the_example_of_the_contract_asks_for_one_thing_that_does_not_exist_yet() {
-    assert_eq!(said(&contract_example()), "41:26: function type varsync does not exist yet");
-}
-
-#[test]
-fn the_example_of_the_contract_without_it_is_good() {
+fn the_example_of_the_contract_is_good() {
     let text = contract_example();
-    let start = text.find("functions:").unwrap();
-    let end = text.find("groups:").unwrap();
-    let text = format!("{}{}", &text[..start], &text[end..]);
     let cell = good(&text);
+    assert_eq!(cell.machine.slots.iter().map(|slot| slot.name.as_str()).collect::<Vec<_>>(), ["ratio"]);
     let MachineConfig { cycle_ns, io, memory, encoders, axes, .. } = &cell.machine;
     assert_eq!((*cycle_ns, io.len(), memory.len(), encoders.len(), axes.len()), (1_000_000, 3, 1, 1, 3));
     assert_eq!(
@@ -124,7 +118,7 @@ axes:
     max_pos: 3 mm
   X2: {type: liner, drive: virtual}
 functions:
-  f: {slot: 64, type: cam}
+  f: {slot: 256, type: epos}
 groups: {arm: [x, y]}
 ";
     assert_eq!(
@@ -145,8 +139,8 @@ groups: {arm: [x, y]}
          16:7: missing key `max_velocity` in axis `X2`\n\
          16:7: missing key `scale` in axis `X2`\n\
          16:14: type is `liner`; one of linear, rotary is allowed, did you mean `linear`?\n\
-         18:13: slot is 64; 0..63 is allowed\n\
-         18:23: function type cam does not exist yet\n\
+         18:13: slot is 256; 0..255 is allowed\n\
+         18:24: function type epos does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam\n\
          19:19: arm[1] is `y`; no axis has that name, there are x, X2"
     );
 }

@@ -142,7 +142,7 @@ impl<'d> Lines<'d> {
         let Err(shared) = config.check_functions(machine.o_error, functions, is_new) else { return };
         let other = match shared.other {
             Switcher::Parameter(axis, (key, _)) => Some((axis, key)),
-            Switcher::Axis(_) => None,
+            Switcher::Axis(_) | Switcher::Slot(_) => None,
         };
         for (axis, key) in [Some((shared.axis, shared.function.0)), other].into_iter().flatten() {
             if let Some((_, value)) = self.given(usize::from(axis)).into_iter().find(|(known, _)| *known == key) {

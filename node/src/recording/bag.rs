@@ -52,6 +52,8 @@ pub struct Subject {
     pub cell: String,
     /// Parameters in force before cycle 0, of [`parameters_text`]; a later file has those of its first cycle.
     pub parameters: String,
+    /// CSV files of its tables, of [`Cell::files_text`]; nothing where it has none.
+    pub files: Option<String>,
     /// What was saved when the machine started, of [`store_text`]; nothing where nothing was.
     pub store: Option<String>,
     /// Whose topics they are.
@@ -147,6 +149,9 @@ impl Lost {
     }
 }
 
+/// Attachment with the CSV files of tables.
+pub(crate) const TABLES: &str = "tables.json";
+
 impl Subject {
     /// A machine of that cell before its cycle 0, shown as `node`.
     pub fn new(cell: &Cell, node: &NodeName) -> Self {
@@ -154,6 +159,7 @@ impl Subject {
         Self {
             cell: cell.text.clone(),
             parameters: parameters_text(&cell.machine, &cell.machine.global.power_on(), &parameters),
+            files: cell.files_text(),
             store: store_text(&cell.machine),
             node: node.clone(),
             cycle_ns: cell.machine.cycle_ns,
@@ -329,6 +335,8 @@ impl Bag {
         let parameters = first.and_then(|first| first.parameters.as_deref()).unwrap_or(&subject.parameters);
         let yaml = |name, text: &str| (name, "application/yaml", Cow::Owned(text.as_bytes().to_vec()));
         let mut attachments = vec![yaml("cell.yaml", &subject.cell), yaml("parameters.yaml", parameters)];
+        let json = |files: &String| (TABLES, "application/json", Cow::Owned(files.as_bytes().to_vec()));
+        attachments.extend(subject.files.as_ref().map(json));
         attachments.extend(subject.store.as_ref().map(|store| yaml("store.yaml", store)));
         attachments.extend(state.map(|state| ("machine_state", "application/octet-stream", Cow::Borrowed(state))));
         let record = [

@@ -36,6 +36,12 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::ops::Range;
 
+/// The files of tables that are attached to a run, as [`Cell::parse_recorded`](crate::cell::Cell::parse_recorded) takes them.
+pub(crate) fn attached_files(run: &run::Run) -> Result<Option<String>, run::RunError> {
+    let bytes = run.attachment(bag::TABLES)?;
+    Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
+}
+
 /// What one cycle took and did.
 #[derive(Clone, Copy, Debug)]
 pub struct Cycle<'a> {

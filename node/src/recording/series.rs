@@ -179,6 +179,7 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
     run.rewind();
     let mut select = Select::new(patterns)?;
     let cell = run.attachment("cell.yaml")?;
+    let attached = super::attached_files(run)?;
     let files: Vec<String> = run.files().iter().map(|file| file.name.clone()).collect();
     let (mut budget, mut topics, mut board, mut events) = (Budget::default(), Topics::default(), None, Vec::new());
     while let Some(message) = run.next_message()? {
@@ -192,7 +193,7 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
                         topics = Topics::default();
                         select.start_again();
                         budget = Budget::default();
-                        board.insert(BoardTracks::new(cell, message.topic, &mut select)?)
+                        board.insert(BoardTracks::new((cell, attached.as_deref()), message.topic, &mut select)?)
                     }
                 };
                 let signals: Signals = decode(&message, file)?;

@@ -338,7 +338,7 @@ impl Bridge {
 
     fn pass_on(&mut self, handle: &Handle) {
         self.spent.free();
-        handle.commander.free_trajectories();
+        handle.commander.free_kept();
         // Events are taken before the signals, and passed on after them: the cycle thread publishes its signals first, so
         // these are at least as new as the events.
         self.taken.extend(std::iter::from_fn(|| self.events.pop().ok()));

@@ -2,19 +2,46 @@
 
 use lineshaft_core::command::{Action, Command, Commands, Setpoint, Setpoints, Source};
 use lineshaft_core::machine::MAX_COMMANDS;
+use lineshaft_core::table::Table;
 use lineshaft_core::trajectory::Trajectory;
 use lineshaft_ros::surface::host::{Busy, MOST_COMMANDS};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// What the machine only borrows.
+#[derive(Debug)]
+enum Kept {
+    Trajectory(Arc<Trajectory>),
+    Table(Arc<Table>),
+}
+
+impl Kept {
+    fn of(action: &Action) -> Option<Self> {
+        match action {
+            Action::Trajectory(trajectory) => Some(Self::Trajectory(Arc::clone(trajectory))),
+            Action::LoadTable { table, .. } => Some(Self::Table(Arc::clone(table))),
+            _ => None,
+        }
+    }
+
+    /// Has anybody else it?
+    fn is_shared(&self) -> bool {
+        let count = match self {
+            Self::Trajectory(trajectory) => Arc::strong_count(trajectory),
+            Self::Table(table) => Arc::strong_count(table),
+        };
+        count > 1
+    }
+}
+
 /// The end of the lanes at which commands go in; shared by all who give commands.
 #[derive(Debug)]
 pub struct Commander {
     doors: Mutex<Doors>,
     numbers: Numbers,
-    /// A reference to each trajectory that the cycle thread may have: it never frees one.
-    trajectories: Mutex<Vec<Arc<Trajectory>>>,
+    /// A reference to each trajectory and table that the cycle thread may have: it never frees one.
+    kept: Mutex<Vec<Kept>>,
 }
 
 #[derive(Debug)]
@@ -75,7 +102,7 @@ pub fn lanes(axes: usize) -> (Commander, Lanes) {
     let room = || Vec::with_capacity(MAX_COMMANDS);
     let (seen, taken_stream) = (vec![0; axes], Setpoints::none(axes));
     let lanes = Lanes { stop, queue, stream, seen, taken_stream, taken_stop: room(), taken_queue: room() };
-    (Commander { doors, numbers: Numbers::default(), trajectories: Mutex::default() }, lanes)
+    (Commander { doors, numbers: Numbers::default(), kept: Mutex::default() }, lanes)
 }
 
 impl Commander {
@@ -127,22 +154,20 @@ impl Commander {
         if lane.is_full() {
             return Err(Busy::Full);
         }
-        if let Action::Trajectory(trajectory) = &action {
-            self.trajectories().push(Arc::clone(trajectory));
-        }
+        self.kept().extend(Kept::of(&action));
         let sequence = self.numbers.reserve(1) + 1;
         lane.push(Command { sequence, source, action }).map_err(|_| Busy::Full)?;
         Ok(sequence)
     }
 
-    /// Frees the trajectories that nobody else has any more.
-    pub fn free_trajectories(&self) {
+    /// Frees the trajectories and tables that nobody else has any more.
+    pub fn free_kept(&self) {
         // Nobody can clone one that stands only here.
-        self.trajectories().retain(|trajectory| Arc::strong_count(trajectory) > 1);
+        self.kept().retain(Kept::is_shared);
     }
 
-    fn trajectories(&self) -> MutexGuard<'_, Vec<Arc<Trajectory>>> {
-        self.trajectories.lock().unwrap_or_else(PoisonError::into_inner)
+    fn kept(&self) -> MutexGuard<'_, Vec<Kept>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Where the numbers come from, for whoever gives commands past the lanes.
@@ -339,12 +364,12 @@ mod tests {
         let watch = Arc::downgrade(&trajectory);
         let (commander, mut lanes) = lanes(3);
         commander.submit(Source::Ros, Action::Trajectory(trajectory)).unwrap();
-        commander.free_trajectories();
+        commander.free_kept();
         assert_eq!(watch.strong_count(), 2, "in the lane and here");
         lanes.take();
         lanes.drain().1.for_each(drop);
         assert_eq!(watch.strong_count(), 1);
-        commander.free_trajectories();
+        commander.free_kept();
         assert_eq!(watch.strong_count(), 0);
     }
 

@@ -64,7 +64,9 @@ impl Names<'_> {
         let encoders =
             config.encoders.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Encoder(index)));
         let axes = config.axes.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Axis(index)));
-        io.chain(memory).chain(encoders).chain(axes)
+        let tables = config.tables.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Table(index)));
+        let slots = config.slots.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Function(index)));
+        io.chain(memory).chain(encoders).chain(axes).chain(tables).chain(slots)
     }
 
     /// The scale of the axis or encoder that a signal belongs to.

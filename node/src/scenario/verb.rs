@@ -14,6 +14,7 @@ use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, Synchron
 use lineshaft_core::unit::{Scale, excerpt};
 
 mod amount;
+mod function;
 mod homing;
 mod output;
 mod probe;
@@ -30,7 +31,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 25] = [
+const VERBS: [&str; 27] = [
     "enable",
     "disable",
     "halt",
@@ -50,6 +51,8 @@ const VERBS: [&str; 25] = [
     "save_parameters",
     "reset_parameters",
     "delete_parameters",
+    "command_function",
+    "load_table",
     "set_memory",
     "set_output",
     "setpoints",
@@ -57,8 +60,6 @@ const VERBS: [&str; 25] = [
     "wf",
     "inject",
 ];
-/// Verbs of the contract that are not built.
-const LATER: [&str; 2] = ["command_function", "load_table"];
 
 const MODES: [(&str, u8); 5] =
     [("absolute", 0), ("relative", 1), ("additive", 2), ("velocity", 3), ("superimposed", 4)];
@@ -220,13 +221,14 @@ impl Reader<'_> {
             "save_parameters" => add(self.axes(arguments, Action::SaveParameters), None),
             "reset_parameters" => add(self.reset_parameters(arguments), None),
             "delete_parameters" => add(self.axes(arguments, Action::DeleteParameters), None),
+            "command_function" => add(self.command_function(arguments), None),
+            "load_table" => add(self.load_table(arguments), None),
             "set_memory" => self.set_memory(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
             "set_output" => add(self.set_output(arguments), None),
             "setpoints" => add(self.setpoints(arguments, Source::Scenario), None),
             "saia" => add(self.saia(arguments), None),
             "wf" => add(self.wf(arguments), None),
             "inject" => add(self.inject(arguments), None),
-            later if LATER.contains(&later) => verb.refuse(format!("verb {later} does not exist yet"), None),
             other => {
                 let hint = nearest(other, VERBS.into_iter()).map(did_you_mean);
                 let known = format!("known are {}", VERBS.join(", "));

@@ -291,7 +291,7 @@ fn a_name_stands_once_in_a_cell() {
 }
 
 /// Two axes with drives and a virtual one.
-fn three_axes(more: &str) -> String {
+pub(super) fn three_axes(more: &str) -> String {
     let axis = |name: &str, drive: &str| {
         format!(
             "  {name}: {{type: linear, drive: {drive}, scale: {{increments: 1, per: 1 mm}}, max_velocity: 1, max_acceleration: 1}}\n"
@@ -317,82 +317,4 @@ fn groups() {
     ] {
         assert_said(&three_axes(&format!("groups: {{g: {text}}}\n")), sentence);
     }
-}
-
-/// The problems of functions from line 12 on, without those that name a type.
-fn functions(text: &str) -> String {
-    let before = "io: {lamp: {type: do, backend: plant, address: 0}}\nfunctions:\n";
-    let said = said(&three_axes(&format!("{before}{text}")));
-    let no_type = "function type varsync does not exist yet";
-    assert_eq!(said.matches(no_type).count(), text.matches("varsync").count(), "{said}");
-    said.lines().filter(|line| !line.contains(no_type)).collect::<Vec<_>>().join("\n")
-}
-
-#[test]
-fn functions_are_refused_by_name_and_checked_all_the_same() {
-    for (text, expected) in [
-        ("{slot: 1, type: varsync, m1: 3, whatever: [1]}", ""),
-        ("{slot: 0, type: varsync}", "13:13: slot 0 is taken already, at 12:13"),
-        ("{slot: 64, type: varsync}", "13:13: slot is 64; 0..63 is allowed"),
-        ("{type: varsync}", "13:6: missing key `slot` in function `g`"),
-        ("{slot: 1}", "13:6: missing key `type` in function `g`"),
-        (
-            "{slot: 1, type: varsync, source: turet.command.position}",
-            "13:39: source is `turet`; no axis, encoder, input or output, memory cell, function has that name, \
-             did you mean `turret`?",
-        ),
-        ("{slot: 1, type: varsync, source: machine.error, sink: none}", ""),
-        (
-            "{slot: 1, type: varsync, sink: lamp}",
-            "13:37: sink is `lamp`, which is no ao; an axis, a memory cell, an ao or none is allowed",
-        ),
-        (
-            "{slot: 1, type: varsync, sink: plant}",
-            "13:37: sink is `plant`, which is a backend; axis, memory cell, input or output is allowed",
-        ),
-    ] {
-        assert_eq!(functions(&format!("  f: {{slot: 0, type: varsync}}\n  g: {text}\n")), expected);
-    }
-}
-
-/// Functions of ascending slots from source to sink.
-fn links(links: &[(&str, &str)]) -> String {
-    let line = |(slot, (source, sink)): (usize, &(&str, &str))| {
-        format!("  f{slot}: {{slot: {slot}, type: varsync, source: {source}, sink: {sink}}}\n")
-    };
-    functions(&links.iter().enumerate().map(line).collect::<String>())
-}
-
-#[test]
-fn axes_that_follow_each_other_in_a_loop_are_named() {
-    let hint = |name: &str| format!(", follow `{name}.actual`");
-    let says = "axes follow each other's commands in a loop:";
-    assert_eq!(links(&[("line", "x"), ("x.command.position", "turret")]), "");
-    assert_eq!(
-        links(&[("x.command", "turret"), ("turret.command.position", "x")]),
-        format!("13:3: {says} x -> turret -> x{}", hint("turret"))
-    );
-    assert_eq!(links(&[("x.turns", "x")]), format!("12:3: {says} x -> x{}", hint("x")));
-    assert_eq!(
-        links(&[("line", "x"), ("x", "turret"), ("turret.target.position", "line")]),
-        format!("14:3: {says} line -> x -> turret -> line{}", hint("turret"))
-    );
-    // Through the output of other functions, also of those that stand further down.
-    assert_eq!(
-        links(&[("f2.sink", "x"), ("x", "turret"), ("turret", "none")]),
-        format!("13:3: {says} turret -> x -> turret{}", hint("x"))
-    );
-    // Two loops, each at the function that closes it.
-    assert_eq!(
-        links(&[("line", "x"), ("x", "line"), ("line", "turret"), ("turret", "line")]),
-        format!("13:3: {says} x -> line -> x{}\n15:3: {says} line -> turret -> line{}", hint("x"), hint("turret"))
-            .replace("x -> line -> x", "line -> x -> line")
-    );
-}
-
-#[test]
-fn an_input_makes_no_loop() {
-    assert_eq!(links(&[("x.actual", "turret"), ("turret", "x")]), "");
-    assert_eq!(links(&[("x.actual.position", "x")]), "");
-    assert_eq!(links(&[("f1.sink", "none"), ("f0.sink", "x")]), "");
 }

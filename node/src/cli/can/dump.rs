@@ -8,9 +8,9 @@ use super::Failure;
 use super::args::DumpArgs;
 use super::monitor::{carry, told};
 use crate::cell::{Cell, device_file};
-use crate::recording::Way;
 use crate::recording::clean::clean;
 use crate::recording::run::{Message, Run, RunError};
+use crate::recording::{Way, attached_files};
 use lineshaft_can::commission::Decoder;
 use lineshaft_can::{Frame, Id};
 use lineshaft_core::unit::excerpt;
@@ -148,8 +148,9 @@ fn decoders(args: &DumpArgs, run: &Run) -> Result<(BTreeMap<String, Decoder>, De
 /// What the cell says that is attached to the bag, as far as its files are here.
 fn attached(run: &Run) -> Result<BTreeMap<String, Decoder>, Failure> {
     let text = run.attachment("cell.yaml")?.and_then(|bytes| String::from_utf8(bytes).ok());
-    let known =
-        text.and_then(|text| Cell::parse("cell.yaml", text).ok()).map(|cell| of_cell(&cell, Path::new("cell.yaml")));
+    let files = attached_files(run)?;
+    let cell = text.and_then(|text| Cell::parse_recorded("cell.yaml", text, files.as_deref()).ok());
+    let known = cell.map(|cell| of_cell(&cell, Path::new("cell.yaml")));
     Ok(match known {
         Some(Ok(decoders)) => decoders,
         Some(Err(sentence)) => {

@@ -25,6 +25,7 @@ fn subject() -> Subject {
     Subject {
         parameters: parameters_text(&cell.machine, &cell.machine.global.power_on(), &parameters),
         store: None,
+        files: None,
         cell: cell.text,
         node: NodeName::new("/", "lineshaft").unwrap(),
         cycle_ns: 1_000_000,

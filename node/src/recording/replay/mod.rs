@@ -143,7 +143,8 @@ fn attached_cell(run: &Run) -> Result<Cell, ReplayError> {
             return Err(ReplayError::ChangedCell { found, recorded: recorded.clone() });
         }
     }
-    let mut cell = Cell::parse("cell.yaml", text).map_err(ReplayError::Cell)?;
+    let files = super::attached_files(run)?;
+    let mut cell = Cell::parse_recorded("cell.yaml", text, files.as_deref()).map_err(ReplayError::Cell)?;
     if let Some(bytes) = run.attachment("store.yaml")? {
         let text = String::from_utf8_lossy(&bytes);
         let stored = read_store("store.yaml", &text, &cell.machine).map_err(ReplayError::Store)?;

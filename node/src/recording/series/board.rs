@@ -33,8 +33,13 @@ pub(super) struct BoardTracks {
 
 impl BoardTracks {
     /// For the machine of a cell, of which those signals are kept that are asked for.
-    pub(super) fn new(cell: &[u8], topic: &str, select: &mut Select) -> Result<Self, SeriesError> {
-        let cell = Cell::parse("cell.yaml", String::from_utf8_lossy(cell)).map_err(SeriesError::Cell)?;
+    pub(super) fn new(
+        (cell, files): (&[u8], Option<&str>),
+        topic: &str,
+        select: &mut Select,
+    ) -> Result<Self, SeriesError> {
+        let text = String::from_utf8_lossy(cell);
+        let cell = Cell::parse_recorded("cell.yaml", text, files).map_err(SeriesError::Cell)?;
         let machine = Machine::new(cell.machine)?;
         let (mut readings, mut tracks) = (Vec::new(), Vec::new());
         for (_, entry) in machine.directory().iter() {

@@ -18,7 +18,8 @@ impl Units {
         let mut units = Self::default();
         for run in runs {
             let Some(bytes) = run.attachment("cell.yaml")? else { continue };
-            match Cell::parse("cell.yaml", String::from_utf8_lossy(&bytes)) {
+            let files = crate::recording::attached_files(run)?;
+            match Cell::parse_recorded("cell.yaml", String::from_utf8_lossy(&bytes), files.as_deref()) {
                 Ok(cell) => units.add(&cell),
                 // Another program may call anything so.
                 Err(_) => {

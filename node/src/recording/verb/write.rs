@@ -2,15 +2,17 @@
 
 use super::{saia, trajectory, wf};
 use lineshaft_core::command::{
-    Action, BufferMode, Command, HomeAxis as Homing, HomingMethod, MasterPosition, Move, MoveMode, Probe, ProbeEdge,
-    Setpoint, Setpoints, Synchronize as Coupling,
+    Action, BufferMode, Command, CommandFunction, HomeAxis as Homing, HomingMethod, MasterPosition, Move, MoveMode,
+    Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
+use lineshaft_core::function::Order;
 use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
 use lineshaft_core::position::Length;
 use lineshaft_core::sync::{Disengage, SyncMode};
+use lineshaft_core::table::{Form, Table};
 use lineshaft_core::unit::Unit;
 use lineshaft_core::vocabulary::Request;
 use serde::{Serialize, Serializer};
@@ -85,6 +87,16 @@ enum Verb<'a> {
         power_cycle: Nothing,
     },
     SetMemory(Entries),
+    CommandFunction {
+        function: &'a str,
+        command: &'static str,
+        #[serde(skip_serializing_if = "Entries::is_empty")]
+        parameters: Entries,
+    },
+    LoadTable {
+        table: &'a str,
+        points: Numbers<'a>,
+    },
     SetOutput(Entries),
     Setpoints {
         axes: StreamedAxes,
@@ -259,8 +271,40 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::SetOutputs(values) => {
             Verb::SetOutput(Entries(values.iter().map(|value| output(value.index, value.value, config)).collect()))
         }
+        Action::CommandFunction(request) => command_function(request, config),
+        Action::LoadTable { index, table } => {
+            Verb::LoadTable { table: config.name(Object::Table(*index)), points: Numbers(table) }
+        }
         Action::Refuse(text) => Verb::Refuse { text },
         Action::Note { code, number } => Verb::Note { code: code.0, number: *number },
+    }
+}
+
+/// The numbers of a table as its cell has them.
+struct Numbers<'a>(&'a Table);
+
+impl Serialize for Numbers<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0.form() {
+            Form::Xy => serializer.collect_seq(self.0.x().iter().zip(self.0.y()).map(|(x, y)| [x, y])),
+            Form::Y | Form::Words => serializer.collect_seq(self.0.y()),
+        }
+    }
+}
+
+fn command_function<'a>(request: &CommandFunction, config: &'a MachineConfig) -> Verb<'a> {
+    let kind = config.slots.get(usize::from(request.slot)).map(|slot| slot.kind);
+    let name = |place: u16| match kind.and_then(|kind| kind.description().field_of(place.into())) {
+        Some((_, field, _)) if field.count == 1 => field.name.to_owned(),
+        Some((_, field, nth)) => format!("{}[{nth}]", field.name),
+        None => NAMELESS.to_owned(),
+    };
+    let values = request.values.iter().map(|&(place, value)| (name(place), Scalar::Whole(value.into())));
+    let order = Order::ALL.iter().find(|(order, ..)| *order == request.order);
+    Verb::CommandFunction {
+        function: config.name(Object::Function(request.slot)),
+        command: order.map_or(NAMELESS, |(_, name, _)| name),
+        parameters: Entries(values.collect()),
     }
 }
 
@@ -322,7 +366,7 @@ fn probe_axis<'a>(id: String, request: &Probe, config: &'a MachineConfig) -> Pro
             Object::Io(index) => io(index).map_or(NAMELESS, String::as_str),
             Object::Encoder(index) => encoder(index).map_or(NAMELESS, String::as_str),
             Object::Axis(index) => axis(index, config),
-            Object::Machine | Object::Memory(_) => NAMELESS,
+            Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) => NAMELESS,
         },
         edge: match request.edge {
             ProbeEdge::Rising => None,
@@ -352,6 +396,7 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
             // A command never names it: its axis does.
             Leader::Simulated(_) => NAMELESS.to_owned(),
             Leader::AxisCommand(index) => axis(index, config).to_owned(),
+            Leader::Sink(index) => format!("{}.sink", config.name(Object::Function(index))),
             Leader::AxisActual(index) => format!("{}.actual", axis(index, config)),
             Leader::Encoder(index) => {
                 let encoder = config.encoders.get(usize::from(index));

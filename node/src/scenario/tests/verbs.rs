@@ -311,10 +311,6 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
 
 #[test]
 fn verbs_that_are_not_built_are_refused_by_name() {
-    for verb in ["command_function", "load_table"] {
-        let said = problem("steps", &format!("{{at: 1, do: {{^{verb}: {{axis: x}}}}}}"));
-        assert_eq!(said, format!("verb {verb} does not exist yet"));
-    }
     assert_eq!(
         bad(
             "{synchronize: ^{axis: x, master: line, engage: at_position, master_increments: 5, slave_increments: 5, start_distance_increments: 1}}"

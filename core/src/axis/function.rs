@@ -1,0 +1,152 @@
+//! An axis that is the sink of a function slot.
+//!
+//! Law      position: each change of the sink is one of the command, exactly; profile limits do not bend it. An axis that moves when the
+//!          function takes it first comes to the velocity of the sink, within its limits. Speed: the axis runs at it, within its
+//!          limits. It is followed while the axis is on: switched off and on again it follows on. Whatever else moves or stops
+//!          the axis takes it from the function until the next START
+//! Reads    the sink of the slot
+//! Refuses  START where the axis is in error, locked, homing, without the zero that it must have; in the cycle: a sink that is faster
+//!          than max_velocity, or lost
+//! Source   contract section 3 and 10, A-11, AMK-GEN-11, PLCopen (SYNCHRONIZED_MOTION)
+
+use super::course::Aim;
+use super::generator::Coupling;
+use super::power::Power;
+use super::reaction::Failure;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::event::{Number, Refusal};
+use crate::object::Leader;
+use crate::position::Position;
+use crate::sync::follower::{Bounds, Follower};
+use crate::sync::gear::{Gear, Ratio};
+use crate::sync::{Disengage, SyncMode, Transmission};
+use crate::vocabulary::Owner;
+use serde::{Deserialize, Serialize};
+
+/// The function that moves an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MovedBy {
+    /// Its sink.
+    pub sink: Leader,
+    /// (inc/s) of one of a sink that carries a speed; none for a position.
+    pub speed: Option<f64>,
+}
+
+impl MovedBy {
+    pub(super) fn is_sound(&self) -> bool {
+        matches!(self.sink, Leader::Sink(_)) && self.speed.is_none_or(f64::is_finite)
+    }
+}
+
+impl Axis {
+    /// May a function whose sink it is start? One that is off follows once it is on.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn check_function(&self) -> Result<(), Refusal> {
+        self.check_closed_loop()?;
+        match self.state {
+            AxisState::Disabled => self.check_settled(),
+            _ => self.check_free(),
+        }
+    }
+
+    /// A function that has started moves it from now on.
+    pub fn take_function(&mut self, cx: &mut Context<'_>, by: MovedBy) {
+        // An error of this cycle wins.
+        if self.check_function().is_err() {
+            return;
+        }
+        if self.state == AxisState::Disabled {
+            (self.function, self.reference) = (Some(by), Reference::Function);
+            return;
+        }
+        self.abandon(cx, Code::REPLACED);
+        self.homing.forget_end();
+        self.judge.rested_at = None;
+        self.function = Some(by);
+        self.begin_function(cx, by);
+    }
+
+    /// The function is back in RESET: what its sink holds, the axis holds.
+    pub fn leave_function(&mut self, cx: &mut Context<'_>, sink: Leader) {
+        if self.function.take_if(|by| by.sink == sink).is_none() || self.reference != Reference::Function {
+            return;
+        }
+        if self.state == AxisState::Disabled {
+            self.reference = Reference::Stop;
+        } else {
+            self.brake_to_rest(cx, &self.parameters.usual_limits());
+        }
+    }
+
+    /// Follows on once it is on again, and a speed whenever that changes.
+    pub(super) fn follow_function(&mut self, cx: &mut Context<'_>) {
+        let Some(by) = self.function else { return };
+        if self.state == AxisState::Disabled {
+            self.reference = Reference::Function;
+        }
+        let rests = self.state == AxisState::Standstill && self.power == Power::On && self.goal.is_none();
+        if rests && self.check_free().is_ok() {
+            self.begin_function(cx, by);
+        } else if self.reference == Reference::Function
+            && let (Some(speed), Generator::Plan(course)) = (by.speed, &self.generator)
+            && course.aim != Aim::velocity(asked(cx, by.sink, speed))
+        {
+            self.run_at(cx, by.sink, speed);
+        }
+    }
+
+    fn begin_function(&mut self, cx: &mut Context<'_>, by: MovedBy) {
+        self.owner = Owner::Native;
+        if let Some(speed) = by.speed {
+            return self.run_at(cx, by.sink, speed);
+        }
+        let p = &self.parameters;
+        let bounds = Bounds {
+            velocity: p.max_velocity,
+            acceleration: p.usual_acceleration().min(p.deceleration_limit()),
+            max_velocity: p.max_velocity,
+            // What the sink asks is done, however suddenly.
+            max_acceleration: f64::MAX,
+            max_deceleration: f64::MAX,
+        };
+        let present = self.present();
+        let (mode, transmission) = (SyncMode::Velocity, Transmission::Gear(Gear::new(Ratio::ONE)));
+        let lead = cx.leads.get(by.sink);
+        let follower = Follower::new(lead.uneven, transmission, mode, present, Position::ZERO, bounds);
+        let follower = if present.velocity == 0.0 { follower.at_once() } else { follower };
+        let (leader, disengage, accuracy) = (by.sink, Disengage::Stop, self.parameters.sync_accuracy);
+        let coupling = Coupling { leader, disengage, accuracy, follower };
+        self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Function, Generator::Follow(coupling));
+    }
+
+    /// Runs at the speed of its function.
+    fn run_at(&mut self, cx: &mut Context<'_>, sink: Leader, speed: f64) {
+        let velocity = asked(cx, sink, speed);
+        let most = self.velocity_for_base();
+        if velocity.abs() > most {
+            let numbers = (Number::Velocity(velocity), Number::Velocity(most));
+            return self.raise(cx, Failure::of(Code::FUNCTION_TOO_FAST).with(numbers.0, numbers.1));
+        }
+        let (from, limits) = (self.base(), self.parameters.usual_limits());
+        let course = self.course(cx.cycle, from, Aim::velocity(velocity), limits);
+        self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Function, Generator::Plan(course));
+    }
+
+    /// Is the sink that it follows faster than it may be? One count more is what a counted sink differs by at one speed.
+    pub(super) fn check_sink(&self, change: Position, uneven: f64) -> Result<(), Failure> {
+        let velocity = change.to_f64() / self.cycle_s();
+        let most = self.parameters.max_velocity;
+        if self.reference != Reference::Function || velocity.abs() <= most + uneven / self.cycle_s() {
+            return Ok(());
+        }
+        Err(Failure::of(Code::FUNCTION_TOO_FAST).with(Number::Velocity(velocity), Number::Velocity(most)))
+    }
+}
+
+/// The velocity that a sink asks for (inc/s).
+fn asked(cx: &Context<'_>, sink: Leader, speed: f64) -> f64 {
+    cx.leads.get(sink).position.to_f64() * speed
+}

@@ -1,0 +1,429 @@
+//! Function slots and tables of a machine: what each is wired to, by places in the sections.
+//!
+//! Law      slots stand by their numbers, ascending; everything in core counts places in that list
+//! Refuses  what a type has not, places that do not exist, two writers of one object, values beyond their fields
+//! Source   contract section 10
+
+use super::{ConfigError, IoKind, MachineConfig, MemoryKind};
+use crate::function::{
+    self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word,
+};
+use crate::object::{Leader, Object};
+use crate::signal::{Directory, Measure, Signal};
+use crate::table::Table;
+use crate::unit::{Dimension, Quantity, Scale};
+use std::sync::Arc;
+
+/// Most slots of one machine.
+pub const MAX_SLOTS: usize = 256;
+/// Most cycles of the machine between two calls of a slot.
+pub const MAX_FACTOR: u32 = 255;
+/// Most values over which a mean slides.
+pub const MAX_WINDOW: usize = 30_000;
+
+/// An entry of `tables`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableConfig {
+    /// Name.
+    pub name: String,
+    /// Its numbers at the start.
+    pub table: Arc<Table>,
+}
+
+/// What a slot reads.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum SourceConfig {
+    /// Nothing.
+    #[default]
+    None,
+    /// A position or a sink.
+    Lead(Leader),
+    /// Any other signal by its name.
+    Signal(String),
+}
+
+/// What a slot writes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SinkConfig {
+    /// Nothing but its signal.
+    #[default]
+    None,
+    /// The command of an axis.
+    Axis(u16),
+    /// A memory cell.
+    Memory(u16),
+    /// An analog output, by its place in section `io`.
+    Output(u16),
+}
+
+/// A binary input or output: an entry of `io` or a bit of `memory`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// Which.
+    pub object: Object,
+    /// Its level is turned.
+    pub inverted: bool,
+}
+
+/// An entry of `functions`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlotConfig {
+    /// Name.
+    pub name: String,
+    /// Its number: lower ones come first in a cycle.
+    pub number: u16,
+    /// Its type.
+    pub kind: Kind,
+    /// What it reads.
+    pub source: SourceConfig,
+    /// How wide that is.
+    pub source_width: Width,
+    /// What it writes.
+    pub sink: SinkConfig,
+    /// How wide that is.
+    pub sink_width: Width,
+    /// E1 to E8.
+    pub inputs: [Option<Line>; LINES],
+    /// A1 to A8.
+    pub outputs: [Option<Line>; LINES],
+    /// Places in `tables`.
+    pub tables: [Option<u16>; LINES],
+    /// The signal of the word that it reads beside its source.
+    pub word: Option<String>,
+    /// It is called in each n-th cycle.
+    pub factor: u32,
+    /// What an error of the axis that it moves does.
+    pub on_axis_error: OnAxisError,
+    /// The set at the start, value by value.
+    pub values: Box<[i64]>,
+    /// Room for its mean and its cams.
+    pub room: Room,
+}
+
+impl SlotConfig {
+    /// A slot that is wired to nothing, with the defaults of its type.
+    pub fn new(name: String, number: u16, kind: Kind) -> Self {
+        Self {
+            name,
+            number,
+            kind,
+            source: SourceConfig::None,
+            source_width: Width::W64,
+            sink: SinkConfig::None,
+            sink_width: Width::W64,
+            inputs: [None; LINES],
+            outputs: [None; LINES],
+            tables: [None; LINES],
+            word: None,
+            factor: 1,
+            on_axis_error: OnAxisError::Run,
+            values: kind.description().defaults(),
+            room: Room::default(),
+        }
+    }
+
+    /// Time between two calls (ns).
+    pub fn call_ns(&self, cycle_ns: u64) -> u64 {
+        cycle_ns.saturating_mul(u64::from(self.factor.max(1)))
+    }
+}
+
+/// Why a slot cannot be what it says.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SlotProblem {
+    /// Its number.
+    #[error("slot {0} stands behind a slot of the same or a higher number, or is above 255")]
+    Number(u16),
+    /// A source that is missing or too much.
+    #[error("a {0} has {source} source", source = if *.1 { "a" } else { "no" })]
+    Source(&'static str, bool),
+    /// A sink that is missing or too much.
+    #[error("a {0} has {sink} sink", sink = if *.1 { "a" } else { "no" })]
+    Sink(&'static str, bool),
+    /// Something that does not exist, or that it cannot use.
+    #[error("{0} is nothing that it can use")]
+    Place(&'static str),
+    /// Something that another one writes.
+    #[error("{0} is written by something else, too")]
+    Twice(&'static str),
+    /// A value of its set.
+    #[error("{0} is {1}; {2} to {3} is allowed")]
+    Value(&'static str, i64, i64, i64),
+    /// A speed without a revolution.
+    #[error("its sink carries a speed in rpm, and {0} is no rotary axis")]
+    Linear(String),
+    /// Cycles between two calls.
+    #[error("cycle_factor is {0}; 1 to {MAX_FACTOR} is allowed")]
+    Factor(u32),
+}
+
+impl MachineConfig {
+    /// Are the slots what they say?
+    pub(super) fn check_slots(&self) -> Result<(), ConfigError> {
+        let mut last = None;
+        for (place, slot) in self.slots.iter().enumerate() {
+            let refuse = |problem| ConfigError::Slot { slot: slot.name.clone(), problem };
+            if last.is_some_and(|last| slot.number <= last) || usize::from(slot.number) >= MAX_SLOTS {
+                return Err(refuse(SlotProblem::Number(slot.number)));
+            }
+            last = Some(slot.number);
+            self.check_slot(place, slot).map_err(refuse)?;
+        }
+        Ok(())
+    }
+
+    fn check_slot(&self, place: usize, slot: &SlotConfig) -> Result<(), SlotProblem> {
+        let row = slot.kind.description();
+        let is_wrong = |need: Need, has: bool| need == Need::Must && !has || need == Need::Never && has;
+        let has_source = slot.source != SourceConfig::None;
+        if is_wrong(row.source, has_source) {
+            return Err(SlotProblem::Source(row.name, !has_source));
+        }
+        let has_sink = slot.sink != SinkConfig::None;
+        if row.sink == Need::Never && has_sink {
+            return Err(SlotProblem::Sink(row.name, !has_sink));
+        }
+        if !(1..=MAX_FACTOR).contains(&slot.factor) {
+            return Err(SlotProblem::Factor(slot.factor));
+        }
+        self.check_source(slot)?;
+        self.check_sink(slot, row)?;
+        let bit = |object: Object, kind| match object {
+            Object::Io(place) => self.io.get(usize::from(place)).is_some_and(|io| io.kind == kind),
+            Object::Memory(place) => {
+                self.memory.get(usize::from(place)).is_some_and(|memory| memory.kind == MemoryKind::Bit)
+            }
+            _ => false,
+        };
+        let lines = |lines: &[Option<Line>; LINES], most: usize, kind| {
+            lines.iter().enumerate().all(|(nth, line)| line.is_none_or(|line| nth < most && bit(line.object, kind)))
+        };
+        if !lines(&slot.inputs, row.inputs, IoKind::DigitalInput) {
+            return Err(SlotProblem::Place("inputs"));
+        }
+        if !lines(&slot.outputs, row.outputs, IoKind::DigitalOutput) {
+            return Err(SlotProblem::Place("outputs"));
+        }
+        let is_table = |(nth, table): (usize, &Option<u16>)| {
+            table.is_none_or(|table| nth < row.tables && usize::from(table) < self.tables.len())
+        };
+        if !slot.tables.iter().enumerate().all(is_table) {
+            return Err(SlotProblem::Place("tables"));
+        }
+        if slot.word.is_some() && row.word.is_none() {
+            return Err(SlotProblem::Place("word"));
+        }
+        for (nth, object) in slot.writes().enumerate() {
+            let earlier = self.slots.iter().take(place).flat_map(SlotConfig::writes);
+            let is_axis_output = matches!(object, Object::Io(entry) if self.owner_of_output(entry).is_some());
+            if is_axis_output || earlier.chain(slot.writes().take(nth)).any(|other| other == object) {
+                return Err(SlotProblem::Twice(if matches!(object, Object::Axis(_)) { "sink" } else { "an output" }));
+            }
+        }
+        for (place, value) in slot.values.iter().enumerate() {
+            if let Some((_, field, _)) = row.field_of(place)
+                && !(field.min..=field.max).contains(value)
+                && *value != field.default
+            {
+                return Err(SlotProblem::Value(field.name, *value, field.min, field.max));
+            }
+        }
+        if slot.values.len() != row.width() || slot.room.mean > MAX_WINDOW {
+            return Err(SlotProblem::Place("its set"));
+        }
+        Ok(())
+    }
+
+    fn check_source(&self, slot: &SlotConfig) -> Result<(), SlotProblem> {
+        let exists = match &slot.source {
+            SourceConfig::None | SourceConfig::Signal(_) => slot.kind != Kind::Imes,
+            SourceConfig::Lead(Leader::AxisCommand(axis) | Leader::AxisActual(axis)) => {
+                usize::from(*axis) < self.axes.len() && slot.kind != Kind::Imes
+            }
+            SourceConfig::Lead(Leader::Encoder(place)) => usize::from(*place) < self.encoders.len(),
+            SourceConfig::Lead(Leader::Sink(place)) => {
+                usize::from(*place) < self.slots.len() && slot.kind != Kind::Imes
+            }
+            SourceConfig::Lead(Leader::Simulated(_)) => false,
+        };
+        if exists { Ok(()) } else { Err(SlotProblem::Place("source")) }
+    }
+
+    fn check_sink(&self, slot: &SlotConfig, row: &Description) -> Result<(), SlotProblem> {
+        let fits = match slot.sink {
+            SinkConfig::None => true,
+            SinkConfig::Axis(axis) => {
+                let axis = self.axes.get(usize::from(axis)).filter(|_| row.moves_axes);
+                if let Some(axis) = axis
+                    && row.quantity == function::Quantity::Speed
+                    && self.rpm(axis.scale).is_none()
+                {
+                    return Err(SlotProblem::Linear(axis.name.clone()));
+                }
+                axis.is_some_and(|axis| axis.interface != crate::drive::Interface::OpenLoop)
+            }
+            SinkConfig::Memory(place) => {
+                self.memory.get(usize::from(place)).is_some_and(|memory| memory.kind != MemoryKind::Bit)
+            }
+            SinkConfig::Output(place) => {
+                self.io.get(usize::from(place)).is_some_and(|io| io.kind == IoKind::AnalogOutput)
+            }
+        };
+        if fits { Ok(()) } else { Err(SlotProblem::Place("sink")) }
+    }
+
+    /// One revolution per minute of an axis (inc/s); none of a linear one.
+    fn rpm(&self, scale: Scale) -> Option<f64> {
+        scale.rate(&Quantity::parse("1 rpm", &[Dimension::Angle(1)]).ok()?, 1).ok()
+    }
+
+    /// The slot that writes an object, if one does.
+    pub fn writer(&self, object: Object) -> Option<u16> {
+        self.slots.iter().position(|slot| slot.writes().any(|written| written == object)).map(|place| place as u16)
+    }
+
+    /// The axis whose command a slot reads, itself or through others; none where no axis leads it.
+    pub fn commanded_by(&self, slot: u16) -> Option<u16> {
+        let mut place = usize::from(slot);
+        // Slots that read each other in a circle lead to no axis.
+        for _ in 0..=self.slots.len() {
+            match self.slots.get(place)?.source {
+                SourceConfig::Lead(Leader::AxisCommand(axis)) => return Some(axis),
+                SourceConfig::Lead(Leader::Sink(other)) => place = usize::from(other),
+                _ => return None,
+            }
+        }
+        None
+    }
+
+    /// What each slot is wired to, where the first signals of the slots stand at `first`.
+    pub(crate) fn wires(&self, directory: &Directory, first: &[Signal]) -> Result<Vec<Wires>, ConfigError> {
+        let wire = |(slot, &first): (&SlotConfig, &Signal)| {
+            let problem = |problem| ConfigError::Slot { slot: slot.name.clone(), problem };
+            self.wire(slot, first, directory).map_err(problem)
+        };
+        self.slots.iter().zip(first).map(wire).collect()
+    }
+
+    fn wire(&self, slot: &SlotConfig, first: Signal, directory: &Directory) -> Result<Wires, SlotProblem> {
+        let word = |name: &str| {
+            let signal = directory.find(name)?;
+            let entry = directory.entry(signal);
+            Some(Word::of(signal, entry.kind, entry.measure == Measure::Voltage))
+        };
+        let of_object = |object, key| directory.find(self.name(object)).ok_or(SlotProblem::Place(key));
+        let source = match &slot.source {
+            SourceConfig::None => Source::None,
+            SourceConfig::Lead(leader) => {
+                let name = self.signal_of(*leader);
+                Source::Lead(*leader, name.and_then(|name| word(&name)).ok_or(SlotProblem::Place("source"))?)
+            }
+            SourceConfig::Signal(name) => Source::Signal(word(name).ok_or(SlotProblem::Place("source"))?),
+        };
+        let mut speed = None;
+        let sink = match slot.sink {
+            SinkConfig::None => Sink::None,
+            SinkConfig::Axis(axis) => {
+                let config = self.axes.get(usize::from(axis)).ok_or(SlotProblem::Place("sink"))?;
+                if slot.kind.description().quantity == function::Quantity::Speed {
+                    // Of 0.0001 rpm.
+                    speed = self.rpm(config.scale).map(|rpm| rpm / 10_000.0);
+                }
+                let name = format!("{}.command.position", config.name);
+                Sink::Axis(axis, directory.find(&name).ok_or(SlotProblem::Place("sink"))?)
+            }
+            SinkConfig::Memory(place) => {
+                let signal = of_object(Object::Memory(place), "sink")?;
+                match self.memory.get(usize::from(place)).map(|memory| memory.kind) {
+                    Some(MemoryKind::F64) => Sink::Real(signal),
+                    Some(MemoryKind::I16) => Sink::Memory(signal, Width::W16),
+                    Some(MemoryKind::I32) => Sink::Memory(signal, Width::W32),
+                    _ => Sink::Memory(signal, Width::W64),
+                }
+            }
+            SinkConfig::Output(place) => {
+                Sink::Analog(self.io_place(place.into()), of_object(Object::Io(place), "sink")?)
+            }
+        };
+        let mut inputs = [None; LINES];
+        for (to, line) in inputs.iter_mut().zip(slot.inputs) {
+            if let Some(Line { object, inverted }) = line {
+                *to = Some(Input { signal: of_object(object, "inputs")?, inverted });
+            }
+        }
+        let mut outputs = [None; LINES];
+        for (to, line) in outputs.iter_mut().zip(slot.outputs) {
+            if let Some(Line { object, inverted }) = line {
+                let bit = match object {
+                    Object::Io(place) => Bit::Digital(self.io_place(place.into())),
+                    _ => Bit::Memory(of_object(object, "outputs")?),
+                };
+                *to = Some(Output { to: bit, inverted });
+            }
+        }
+        Ok(Wires {
+            kind: slot.kind,
+            first,
+            source,
+            source_width: slot.source_width,
+            sink,
+            sink_width: slot.sink_width,
+            speed,
+            inputs,
+            outputs,
+            tables: slot.tables,
+            word: match &slot.word {
+                Some(name) => Some(word(name).ok_or(SlotProblem::Place("word"))?),
+                None => None,
+            },
+            mark: self.mark(slot),
+            factor: slot.factor,
+            call_ns: slot.call_ns(self.cycle_ns),
+            on_axis_error: slot.on_axis_error,
+        })
+    }
+
+    /// What latches the marks that a slot measures: E1, or else its encoder itself.
+    fn mark(&self, slot: &SlotConfig) -> Mark {
+        if slot.kind != Kind::Imes {
+            return Mark::None;
+        }
+        match (slot.inputs[0], &slot.source) {
+            (Some(Line { object: Object::Io(place), .. }), _)
+                if self.io.get(usize::from(place)).is_some_and(|io| io.latch) =>
+            {
+                Mark::Latch(place)
+            }
+            (Some(_), _) => Mark::Edge,
+            (None, SourceConfig::Lead(Leader::Encoder(place))) => Mark::Encoder(*place),
+            (None, _) => Mark::None,
+        }
+    }
+
+    /// The signal of what leads.
+    pub fn signal_of(&self, leader: Leader) -> Option<String> {
+        let axis = |place: u16| self.axes.get(usize::from(place)).map(|axis| &axis.name);
+        match leader {
+            Leader::AxisCommand(place) => axis(place).map(|name| format!("{name}.command.position")),
+            Leader::AxisActual(place) => axis(place).map(|name| format!("{name}.actual.position")),
+            Leader::Encoder(place) => {
+                self.encoders.get(usize::from(place)).map(|encoder| format!("{}.position", encoder.name))
+            }
+            Leader::Sink(place) => self.slots.get(usize::from(place)).map(|slot| format!("{}.sink", slot.name)),
+            Leader::Simulated(_) => None,
+        }
+    }
+}
+
+impl SlotConfig {
+    /// What it writes.
+    fn writes(&self) -> impl Iterator<Item = Object> {
+        let sink = match self.sink {
+            SinkConfig::None => None,
+            SinkConfig::Axis(place) => Some(Object::Axis(place)),
+            SinkConfig::Memory(place) => Some(Object::Memory(place)),
+            SinkConfig::Output(place) => Some(Object::Io(place)),
+        };
+        sink.into_iter().chain(self.outputs.iter().flatten().map(|line| line.object))
+    }
+}

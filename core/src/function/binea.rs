@@ -1,0 +1,320 @@
+//! Binary outputs by a table (BINEA).
+//!
+//! Law      x = source + offset (ba 0); (sum of differences + offset) mod M (ba 1); time since START mod M (ba 2), M = last point;
+//!          k: point(k-1) <= x + lead < point(k); bits = a_value(k); lead = mean(dx) * dead_time / call (ba 1)
+//! Reads    the source; E1.. per track; Tab0: points + 1 in DW0, from DW4 on 4 words per point: point, A-value, A time;
+//!          the word of the offset where there is one
+//! Writes   A1.. of the tracks in use that are not disabled; no sink
+//! Refuses  points that do not rise, a modulo below 1, times beyond 32767, a dead time where nothing compensates it
+//! Source   AMK-BINEA-01 to -35, B1 to B10
+
+use super::field::{Field, Words, number, place};
+use super::program::{Fault, LINES, Outcome, Program, Seen, Setting};
+use super::time::{self, HALF_MS, wrapped};
+use super::track::{self, Track};
+use super::window::Window;
+use crate::code::Code;
+use crate::table::Table;
+use serde::{Deserialize, Serialize};
+
+/// The parameter set.
+pub(super) const FIELDS: &[Field] = &[
+    Field::new("fct", 0, 1, "", "1 compensates the dead time (ba 1 only)", "AMK-BINEA-07"),
+    Field::new("ba", 0, 2, "", "operating mode: 0 absolute, 1 incremental, 2 time", "AMK-BINEA-09"),
+    Field::new("dead_time", 0, 32_000, "0.5 ms", "dead time of what is switched; 0: none", "AMK-BINEA-10").live(),
+    Field::new("sf_cycle_time", 0, 131, "0.5 ms", "time between two calls; 0: the slot's own", "AMK-BINEA-11"),
+    Field::new("tracks", 1, 8, "", "tracks in use, from the first one on", "AMK-BINEA-12"),
+    Field::new("feedback_offset", -32_768, 32_767, "inc", "what is added to the source", "AMK-BINEA-14").live(),
+    Field::new("mode", 0, 63, "bits", "logic of each track", "AMK-BINEA-15").list(LINES),
+    Field::new("mean_factor", 0, 30_000, "calls", "over how many the velocity is averaged; 0: 20", "AMK-BINEA-16"),
+];
+
+const FCT: usize = place(FIELDS, "fct");
+const BA: usize = place(FIELDS, "ba");
+const DEAD_TIME: usize = place(FIELDS, "dead_time");
+const SF_CYCLE_TIME: usize = place(FIELDS, "sf_cycle_time");
+const TRACKS: usize = place(FIELDS, "tracks");
+const FEEDBACK_OFFSET: usize = place(FIELDS, "feedback_offset");
+const MODE: usize = place(FIELDS, "mode");
+const MEAN_FACTOR: usize = place(FIELDS, "mean_factor");
+
+/// Most points of a table.
+const MOST_POINTS: usize = 63;
+/// Longest time in a table.
+const LONGEST: u16 = 32_767;
+
+/// What x is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Base {
+    Absolute,
+    Incremental,
+    Time,
+}
+
+impl Base {
+    fn new(ba: i64) -> Self {
+        match ba {
+            0 => Self::Absolute,
+            1 => Self::Incremental,
+            _ => Self::Time,
+        }
+    }
+}
+
+/// What START and VALUE_NEW have given, and where x is.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Course {
+    base: Base,
+    compensates: bool,
+    dead_time: i64,
+    offset: i64,
+    tracks: [Track; LINES],
+    count: u8,
+    /// Without offset, within the modulo: increments, nanoseconds in time mode; unused in absolute mode.
+    x: i64,
+    /// The source's in the last call.
+    travel: i64,
+}
+
+/// The function.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Binea {
+    /// The cell names a word that holds the offset.
+    has_offset_word: bool,
+    course: Course,
+    window: Window,
+}
+
+impl Binea {
+    /// One that can average over `capacity` calls.
+    pub(super) fn new(capacity: usize, has_offset_word: bool) -> Self {
+        let course = Course {
+            base: Base::Absolute,
+            compensates: false,
+            dead_time: 0,
+            offset: 0,
+            tracks: [Track::default(); LINES],
+            count: 0,
+            x: 0,
+            travel: 0,
+        };
+        Self { has_offset_word, course, window: Window::new(capacity) }
+    }
+
+    /// Has it been made the same?
+    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
+        (self.has_offset_word, self.window.capacity()) == (other.has_offset_word, other.window.capacity())
+    }
+
+    /// Refuses a mean over more calls than there is room for.
+    fn check_mean(&self, words: Words<'_>) -> Result<(), Fault> {
+        if words.get(FCT) == 0 {
+            return Ok(());
+        }
+        time::check_mean(&self.window, words.get(MEAN_FACTOR), number(FIELDS, "mean_factor"))
+    }
+
+    /// Where the table is looked up.
+    fn place(&self, points: Points<'_>, seen: &Seen<'_>) -> i64 {
+        let offset = if self.has_offset_word { seen.word } else { self.course.offset };
+        match self.course.base {
+            // What saturates lies far beyond every point.
+            Base::Absolute => seen.source.value.saturating_add(offset),
+            Base::Incremental => {
+                let lead = if self.course.compensates && self.course.dead_time != 0 {
+                    time::lead(self.window.mean(), self.course.dead_time, seen.call_ns)
+                } else {
+                    0
+                };
+                // Offset and lead are far below 2^62 unless a source has jumped beyond all sense.
+                wrapped(self.course.x.saturating_add(offset).saturating_add(lead), points.modulo())
+            }
+            Base::Time => self.course.x / HALF_MS,
+        }
+    }
+
+    /// Takes the way or the time since the last call.
+    fn advance(&mut self, points: Points<'_>, seen: &Seen<'_>) {
+        match self.course.base {
+            Base::Absolute => {}
+            Base::Incremental => {
+                let travel = seen.source.travel;
+                let change = travel.wrapping_sub(std::mem::replace(&mut self.course.travel, travel));
+                // Both terms lie within the modulo, which is below 2^31.
+                self.course.x = wrapped(self.course.x.wrapping_add(change % points.modulo()), points.modulo());
+                if self.course.compensates {
+                    self.window.push(change);
+                }
+            }
+            Base::Time => {
+                // The modulo is below 2^31 half milliseconds, 2^50 ns.
+                let turn = points.modulo().wrapping_mul(HALF_MS);
+                let call = (seen.call_ns % turn.unsigned_abs()).cast_signed();
+                self.course.x = wrapped(self.course.x.wrapping_add(call), turn);
+            }
+        }
+    }
+
+    /// The outputs of a segment.
+    fn write(&mut self, seen: &Seen<'_>, output: impl Fn(&mut Track, u8, bool) -> bool) -> Outcome {
+        let mut outcome = Outcome { sink: seen.sink, ..Outcome::default() };
+        for (track, bit) in self.course.tracks.iter_mut().zip(0..self.course.count.min(LINES as u8)) {
+            let mask = 1 << bit;
+            let is_on = output(track, mask, seen.inputs & mask != 0);
+            if track.is_written() {
+                outcome.writes |= mask;
+                outcome.outputs |= if is_on { mask } else { 0 };
+            }
+        }
+        outcome
+    }
+}
+
+impl Program for Binea {
+    fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+        let base = Base::new(words.get(BA));
+        self.check_mean(words)?;
+        time::check_cycle(words.get(SF_CYCLE_TIME), number(FIELDS, "sf_cycle_time"), setting)?;
+        if words.get(FCT) != 0 && base != Base::Incremental {
+            return Err(Fault::new(Code::AMK_DEAD_TIME_MODE).of(number(FIELDS, "fct")).with(words.get(BA), 1));
+        }
+        // BINEA-32: a dead time that nothing would compensate is refused, at START as in VALUE_NEW.
+        if words.get(DEAD_TIME) != 0 && words.get(FCT) == 0 {
+            let fault = Fault::new(Code::AMK_DEAD_TIME_UNUSED).of(number(FIELDS, "dead_time"));
+            return Err(fault.with(words.get(DEAD_TIME), 0));
+        }
+        for track in 0..LINES {
+            track::check_mode(words.get(MODE + track), number(FIELDS, "mode"))?;
+        }
+        let modes = (0..LINES).take(words.get(TRACKS) as usize).map(|track| Track::new(words.get(MODE + track)));
+        check_table(track::check_words(setting)?, base, modes.into_iter().any(Track::has_pulse))
+    }
+
+    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+        self.course.base = Base::new(words.get(BA));
+        self.course.compensates = words.get(FCT) != 0;
+        for (place, track) in self.course.tracks.iter_mut().enumerate() {
+            *track = Track::new(words.get(MODE + place));
+        }
+        // The range of the field is 1 to 8.
+        self.course.count = words.get(TRACKS) as u8;
+        time::restart(&mut self.window, words.get(MEAN_FACTOR));
+        (self.course.x, self.course.travel) = (0, seen.source.travel);
+        self.renew(words);
+        let Some(points) = Points::seen(seen) else { return Outcome { sink: seen.sink, ..Outcome::default() } };
+        let bits = points.bits(points.find(self.place(points, seen)));
+        self.write(seen, |track, mask, input| track.start(bits & mask != 0, input))
+    }
+
+    fn renew(&mut self, words: Words<'_>) {
+        (self.course.dead_time, self.course.offset) = (words.get(DEAD_TIME), words.get(FEEDBACK_OFFSET));
+    }
+
+    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+        let Some(points) = Points::seen(seen) else { return Outcome { sink: seen.sink, ..Outcome::default() } };
+        self.advance(points, seen);
+        let segment = points.find(self.place(points, seen));
+        let (bits, time) = (points.bits(segment), points.time(segment));
+        self.write(seen, |track, mask, input| track.step(bits & mask != 0, time, input, seen.call_ns))
+    }
+
+    fn is_sound(&self) -> bool {
+        usize::from(self.course.count) <= LINES && (0..1 << 50).contains(&self.course.x) && self.window.is_sound()
+    }
+}
+
+impl Clone for Binea {
+    fn clone(&self) -> Self {
+        Self { window: self.window.clone(), ..*self }
+    }
+
+    /// Takes no memory where both are of one machine.
+    fn clone_from(&mut self, other: &Self) {
+        (self.has_offset_word, self.course) = (other.has_offset_word, other.course);
+        self.window.clone_from(&other.window);
+    }
+}
+
+/// The points of a table.
+#[derive(Clone, Copy)]
+struct Points<'a> {
+    table: &'a Table,
+    count: usize,
+}
+
+/// Words before the first point, and of each.
+const HEAD: usize = 4;
+const STRIDE: usize = 4;
+
+impl<'a> Points<'a> {
+    fn new(table: &'a Table) -> Self {
+        Self { table, count: usize::from(table.word(0)).saturating_sub(1).min(MOST_POINTS) }
+    }
+
+    fn seen(seen: &Seen<'a>) -> Option<Self> {
+        track::words(seen).map(Self::new)
+    }
+
+    fn point(self, number: usize) -> i64 {
+        self.table.double(HEAD + STRIDE * number).into()
+    }
+
+    fn bits(self, number: usize) -> u8 {
+        let [low, _] = self.table.word(HEAD + STRIDE * number + 2).to_le_bytes();
+        low
+    }
+
+    fn time(self, number: usize) -> u16 {
+        self.table.word(HEAD + STRIDE * number + 3)
+    }
+
+    /// The last point, where x begins anew; a table that was checked has no lower one than 1.
+    fn modulo(self) -> i64 {
+        self.point(self.count.saturating_sub(1)).max(1)
+    }
+
+    /// The segment in which x lies: beyond the last point the last one (B5).
+    fn find(self, x: i64) -> usize {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = (low + high) / 2;
+            if self.point(middle) <= x {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low.min(self.count.saturating_sub(1))
+    }
+}
+
+fn check_table(table: &Table, base: Base, has_pulses: bool) -> Result<(), Fault> {
+    let count = usize::from(table.word(0));
+    if !(2..=MOST_POINTS + 1).contains(&count) {
+        return Err(Fault::new(Code::AMK_POINTS).with(count as i64, MOST_POINTS as i64 + 1));
+    }
+    let points = Points::new(table);
+    track::check_length(table, HEAD + STRIDE * points.count)?;
+    // Places of words are below 2^16.
+    let word = |number: usize, part: usize| (HEAD + STRIDE * number + part) as i64;
+    if base != Base::Absolute && points.point(0) < 0 {
+        return Err(Fault::new(Code::AMK_POINT_NEGATIVE).with(points.point(0), 0));
+    }
+    for number in 1..points.count {
+        let (before, point) = (points.point(number - 1), points.point(number));
+        if point <= before {
+            return Err(Fault::new(Code::AMK_POINT_ORDER).with(word(number, 0), before));
+        }
+    }
+    let last = points.point(points.count - 1);
+    if base != Base::Absolute && last < 1 {
+        return Err(Fault::new(Code::AMK_NO_MODULO).with(last, 1));
+    }
+    match (0..points.count).find(|number| has_pulses && points.time(*number) > LONGEST) {
+        Some(number) => Err(Fault::new(Code::AMK_TIME_LONG).with(word(number, 3), LONGEST.into())),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

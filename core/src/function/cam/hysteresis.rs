@@ -1,0 +1,345 @@
+//! Hysteresis of one cam: from which side it was reached, and how far it has to be overrun before the other side counts.
+//!
+//! Law      AMK-CAM-17 to -26 along the shorter way from place to place; several transitions in one call follow each other
+//! Source   AMK-CAM-15 to -27, A-57
+//!
+//! A ring is the modulo. The absolute mode takes one so long that no way of 32 bits closes it: there a cam whose end lies below
+//! its start is on at both ends of the travel, as A-56 has it.
+
+use crate::function::time::wrapped;
+use serde::{Deserialize, Serialize};
+
+/// Where places lie: from `low` on, `length` of them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Ring {
+    low: i64,
+    length: i64,
+}
+
+impl Ring {
+    /// For the absolute mode.
+    pub(super) const LINE: Self = Self { low: -(1 << 39), length: 1 << 40 };
+
+    /// Of a modulo above 0.
+    pub(super) fn of(modulo: i64) -> Self {
+        Self { low: 0, length: modulo }
+    }
+
+    /// The way up from a place to another one, within a turn.
+    fn ahead(self, from: i64, to: i64) -> i64 {
+        wrapped(to.wrapping_sub(from), self.length)
+    }
+
+    /// The shorter way; up where both are equal.
+    pub(super) fn way(self, from: i64, to: i64) -> i64 {
+        let ahead = self.ahead(from, to);
+        if ahead > self.length - ahead { ahead - self.length } else { ahead }
+    }
+
+    /// A cam; what cannot be reached of it is cut off.
+    pub(super) fn arc(self, on: i32, off: i32) -> Arc {
+        let place = |x: i32| i64::from(x).clamp(self.low, self.low.saturating_add(self.length));
+        let (start, end) = (place(on), place(off));
+        let length = match on.cmp(&off) {
+            std::cmp::Ordering::Less => end - start,
+            std::cmp::Ordering::Equal => 0,
+            std::cmp::Ordering::Greater => self.length - (start - end),
+        };
+        Arc { ring: self, start, length }
+    }
+}
+
+/// Where a cam is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Arc {
+    ring: Ring,
+    start: i64,
+    length: i64,
+}
+
+impl Arc {
+    /// The way from its end to its start: a hysteresis is shorter. None for a cam that is never on.
+    pub(super) fn rest(self) -> Option<i64> {
+        (self.length > 0).then_some(self.ring.length - self.length)
+    }
+}
+
+/// Basic cam: on from `on` up to `off`, round the end where `off` lies below, never where both are equal.
+#[inline]
+pub(super) fn is_inside(on: i32, off: i32, x: i64) -> bool {
+    let (on, off) = (i64::from(on), i64::from(off));
+    if on < off { on <= x && x < off } else { on > off && (on <= x || x < off) }
+}
+
+/// From where a cam was reached, and where it is left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+enum State {
+    #[default]
+    Free,
+    PositiveOn,
+    PositivePast,
+    NegativeOn,
+    NegativePast,
+}
+
+/// A cam with hysteresis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Overrun {
+    /// On and off as the table had them.
+    cam: (i32, i32),
+    state: State,
+    /// Place as seen from the cam's start, in the turn in which it was reached.
+    u: i64,
+}
+
+impl Overrun {
+    /// Most transitions in half a turn: a cam is left for either side, reached from the other and left again.
+    const MOST: usize = 8;
+
+    /// At START and after an edit.
+    fn begin(cam: (i32, i32), arc: Arc, x: i64) -> Self {
+        let u = arc.ring.ahead(arc.start, x);
+        Self { cam, state: if u < arc.length { State::PositiveOn } else { State::Free }, u }
+    }
+
+    /// Is the cam on, after a way to x?
+    pub(super) fn step(&mut self, cam: (i32, i32), at: At, is_first: bool) -> bool {
+        let arc = at.ring.arc(cam.0, cam.1);
+        if is_first || cam != self.cam {
+            *self = Self::begin(cam, arc, at.x);
+        } else {
+            // Two values below a turn; of a state from outside any.
+            self.u = self.u.wrapping_add(at.way);
+            self.settle(arc, at.hysteresis);
+        }
+        arc.length > 0 && matches!(self.state, State::PositiveOn | State::NegativeOn)
+    }
+
+    fn settle(&mut self, arc: Arc, hysteresis: i64) {
+        let (end, turn) = (arc.length, arc.ring.length);
+        let behind = end + hysteresis;
+        for _ in 0..Self::MOST {
+            let u = self.u;
+            let (state, shift) = match self.state {
+                State::PositiveOn if u < -hysteresis => (State::Free, turn),
+                State::PositiveOn if u >= end => (State::PositivePast, 0),
+                State::PositivePast if u >= behind => (State::Free, 0),
+                State::PositivePast if u < end - hysteresis => (State::PositiveOn, 0),
+                State::NegativeOn if u >= behind => (State::Free, 0),
+                State::NegativeOn if u < 0 => (State::NegativePast, 0),
+                State::NegativePast if u < -hysteresis => (State::Free, turn),
+                State::NegativePast if u >= hysteresis => (State::NegativeOn, 0),
+                // Outside, u lies between the end of the cam and its next start.
+                State::Free if u >= turn => (State::PositiveOn, -turn),
+                State::Free if u < end => (State::NegativeOn, 0),
+                _ => return,
+            };
+            (self.state, self.u) = (state, u.wrapping_add(shift));
+        }
+    }
+
+    /// Could it have come about?
+    pub(super) fn is_sound(&self) -> bool {
+        self.u.unsigned_abs() <= Ring::LINE.length.unsigned_abs() * 2
+    }
+}
+
+/// Where a track is, and how it got there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct At {
+    pub ring: Ring,
+    pub x: i64,
+    pub way: i64,
+    pub hysteresis: i64,
+}
+
+#[cfg(test)]
+impl Overrun {
+    /// One at any place.
+    pub(super) fn at(u: i64) -> Self {
+        Self { u, ..Self::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const TURN: i64 = 20_000;
+
+    /// A cam, begun at the first place, led from place to place.
+    fn run(ring: Ring, cam: (i32, i32), hysteresis: i64, places: &[i64]) -> String {
+        let mut overrun = Overrun::default();
+        let mut last = None;
+        let outputs = places.iter().map(|x| {
+            let way = ring.way(last.unwrap_or(*x), *x);
+            let at = At { ring, x: *x, way, hysteresis };
+            let is_on = overrun.step(cam, at, last.replace(*x).is_none());
+            assert!(overrun.is_sound());
+            if is_on { '1' } else { '0' }
+        });
+        outputs.collect()
+    }
+
+    /// Each row of the machine, at the increment before it and at it.
+    /// Proves: AMK-CAM-17, AMK-CAM-18, AMK-CAM-19, AMK-CAM-20, AMK-CAM-21, AMK-CAM-22, AMK-CAM-23, AMK-CAM-24, AMK-CAM-25,
+    /// AMK-CAM-26, AMK-CAM-27
+    #[test]
+    fn a_cam_switches_at_the_increments_of_its_table() {
+        let cam = (10_000, 11_000);
+        for ring in [Ring::of(TURN), Ring::LINE] {
+            let run = |places: &[i64]| run(ring, cam, 100, places);
+            // 17, 19: on at its start, off again only below 9900.
+            assert_eq!(run(&[9_999, 10_000, 9_999, 9_900, 9_899, 9_999, 10_000]), "0111001");
+            // 20, 21: off at its end, on again only below 10900.
+            assert_eq!(run(&[9_999, 10_500, 10_999, 11_000, 10_999, 10_900, 10_899]), "0110001");
+            // 22: overrun by 100, it comes from the other side: on right below its end. One less and it does not.
+            assert_eq!(run(&[10_500, 11_000, 11_100, 11_000, 10_999]), "10001");
+            assert_eq!(run(&[10_500, 11_000, 11_099, 11_000, 10_999]), "10000");
+            // 18, 23: reached backwards, it stays on up to 11099.
+            assert_eq!(run(&[11_000, 10_999, 11_000, 11_099, 11_100, 11_099, 10_999]), "0111001");
+            // 24, 25: off below its start, on again only from 10100 on.
+            assert_eq!(run(&[11_000, 10_500, 10_000, 9_999, 10_000, 10_099, 10_100]), "0110001");
+            // 26: overrun by 101 backwards, it counts from below again. One less and it does not.
+            assert_eq!(run(&[11_000, 10_500, 9_999, 9_899, 9_999, 10_000]), "010001");
+            assert_eq!(run(&[11_000, 10_500, 9_999, 9_900, 9_999, 10_000]), "010000");
+        }
+    }
+
+    #[test]
+    fn a_cam_that_is_passed_within_one_call_leaves_the_right_side_behind() {
+        let run = |places: &[i64]| run(Ring::of(TURN), (10_000, 11_000), 100, places);
+        // Over it and beyond the hysteresis: free, so that the way back is on at once.
+        assert_eq!(run(&[9_000, 12_000, 10_999]), "001");
+        // Over it by less than the hysteresis: the way back is late.
+        assert_eq!(run(&[9_000, 11_050, 10_999, 10_899]), "0001");
+        // Backwards the same.
+        assert_eq!(run(&[12_000, 9_000, 10_000]), "001");
+        assert_eq!(run(&[12_000, 9_950, 10_050, 10_100]), "0001");
+    }
+
+    /// Proves: AMK-CAM-16, AMK-CAM-22, AMK-CAM-26
+    #[test]
+    fn a_cam_over_the_wrap_is_one_cam() {
+        let run = |cam, places: &[i64]| run(Ring::of(TURN), cam, 300, places);
+        // On from 19800 over 0 up to 200.
+        assert_eq!(run((19_800, 200), &[19_000, 19_800, 0, 199, 200, 499, 200, 199]), "01110000");
+        assert_eq!(
+            run((19_800, 200), &[19_000, 19_800, 100, 500, 199, 19_800, 19_799, 19_500, 19_799, 100]),
+            "0110110001"
+        );
+        // Its hysteresis reaches over the wrap: up to 200 from the start at 100 on.
+        assert_eq!(run((100, 5_000), &[50, 100, 19_900, 19_800, 19_799, 99, 100]), "0111001");
+        // Around the whole turn, again and again.
+        let laps = (0..12).map(|k| k * 7_000 % TURN).collect::<Vec<_>>();
+        assert_eq!(run((0, 7_000), &laps), "100100100100");
+    }
+
+    #[test]
+    fn the_absolute_line_has_two_ends() {
+        let (first, last) = (i64::from(i32::MIN), i64::from(i32::MAX));
+        // On outside of -100 .. 100.
+        assert_eq!(
+            run(Ring::LINE, (100, -100), 10, &[first, -101, -100, -91, -90, 0, 99, 100, 90, last, first]),
+            "11000001111"
+        );
+        assert_eq!(run(Ring::LINE, (i32::MIN, 0), 10, &[first, -1, 0, 9, -1, last, -1, first]), "11000011");
+    }
+
+    #[test]
+    fn what_cannot_be_reached_of_a_cam_is_cut_off() {
+        let rest = |on, off| Ring::of(TURN).arc(on, off).rest();
+        assert_eq!(rest(19_000, 25_000), Some(19_000));
+        assert_eq!(rest(-5, 10), Some(19_990));
+        assert_eq!(rest(10, -5), Some(10));
+        assert_eq!(rest(25_000, 5_000), Some(15_000));
+        assert_eq!((rest(5, 5), rest(25_000, 30_000), rest(-9, -5)), (None, None, None));
+        // Always on.
+        assert_eq!((rest(0, 20_000), rest(0, -5), rest(30_000, 25_000)), (Some(0), Some(0), Some(0)));
+    }
+
+    #[test]
+    fn the_shorter_way_is_taken_and_up_at_the_half() {
+        let ring = Ring::of(10);
+        assert_eq!(
+            [(0, 4), (0, 5), (0, 6), (9, 0), (0, 9), (3, 3)].map(|(from, to)| ring.way(from, to)),
+            [4, 5, -4, 1, -1, 0]
+        );
+        assert_eq!(Ring::LINE.way(i32::MIN.into(), i32::MAX.into()), u32::MAX.into());
+    }
+
+    /// The machine as the spec prints it, one increment at a time along an endless line of cams; `n` is the turn of the cam in question.
+    struct Walk {
+        state: State,
+        x: i64,
+        n: i64,
+    }
+
+    impl Walk {
+        fn walk(&mut self, way: i64, (on, off): (i64, i64), h: i64, turn: i64) {
+            for _ in 0..way.abs() {
+                let before = self.x;
+                self.x += way.signum();
+                let x = self.x;
+                let (x_on, x_off) = (on + self.n * turn, off + self.n * turn);
+                let starts = (x - on).rem_euclid(turn) == 0 && x > before;
+                let ends = (before - off).rem_euclid(turn) == 0 && x < before;
+                self.state = match self.state {
+                    State::Free if starts => {
+                        self.n = (x - on).div_euclid(turn);
+                        State::PositiveOn
+                    }
+                    State::Free if ends => {
+                        self.n = (before - off).div_euclid(turn);
+                        State::NegativeOn
+                    }
+                    State::PositiveOn if x < x_on - h => State::Free,
+                    State::PositiveOn if x >= x_off => State::PositivePast,
+                    State::PositivePast if x < x_off - h => State::PositiveOn,
+                    State::PositivePast if x >= x_off + h => State::Free,
+                    State::NegativeOn if x >= x_off + h => State::Free,
+                    State::NegativeOn if x < x_on => State::NegativePast,
+                    State::NegativePast if x >= x_on + h => State::NegativeOn,
+                    State::NegativePast if x < x_on - h => State::Free,
+                    state => state,
+                };
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_call_does_what_its_increments_do_one_by_one(
+            turn in 4_i64..120,
+            start in 0_i64..120,
+            length in 1_i64..119,
+            hysteresis in 1_i64..119,
+            first in 0_i64..120,
+            ways in proptest::collection::vec(-60_i64..61, 1..60),
+        ) {
+            let length = length.min(turn - 2);
+            let hysteresis = hysteresis.min(turn - length - 1);
+            let (start, first) = (start % turn, first % turn);
+            let ring = Ring::of(turn);
+            // An end round the wrap lies below its start; one at the wrap is the turn itself.
+            let end = if start + length > turn { start + length - turn } else { start + length };
+            let cam = (start as i32, end as i32);
+            let is_inside = (first - start).rem_euclid(turn) < length;
+            let state = if is_inside { State::PositiveOn } else { State::Free };
+            let mut walk = Walk { state, x: first, n: (first - start).div_euclid(turn) };
+            let mut overrun = Overrun::default();
+            overrun.step(cam, At { ring, x: first, way: 0, hysteresis }, true);
+            for way in ways {
+                let way = way.clamp(-(turn - 1) / 2, turn / 2);
+                let from = walk.x.rem_euclid(turn);
+                walk.walk(way, (start, start + length), hysteresis, turn);
+                let x = walk.x.rem_euclid(turn);
+                prop_assert_eq!(ring.way(from, x), way);
+                let is_on = overrun.step(cam, At { ring, x, way, hysteresis }, false);
+                prop_assert_eq!(is_on, matches!(walk.state, State::PositiveOn | State::NegativeOn));
+                prop_assert_eq!(overrun.state, walk.state);
+            }
+        }
+    }
+}

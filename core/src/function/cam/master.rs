@@ -1,0 +1,132 @@
+//! The place that all tracks share, and its velocity.
+//!
+//! Law      x = source cut to 32 bits (ba 0); sum of differences mod modulo (ba 1); sum of modulo * call / cycle time mod modulo,
+//!          fractions kept (ba 2); lead = mean(dx) * dead time / call
+//! Source   AMK-CAM-03 to -05, AMK-CAM-10, -11, A-55, A-59
+
+use super::hysteresis::Ring;
+use crate::function::program::Seen;
+use crate::function::time::{self, HALF_MS, floor_ratio, wrapped};
+use crate::function::window::Window;
+use serde::{Deserialize, Serialize};
+
+/// What x is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Base {
+    Absolute,
+    Incremental,
+    Time,
+}
+
+/// The shared place.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Master {
+    base: Base,
+    /// Above 0.
+    modulo: i64,
+    x: i64,
+    /// The source's in the last call.
+    travel: i64,
+    /// Time mode: ns of a turn, and what x lies further on, in inc / turn.
+    turn_ns: i64,
+    rest: i64,
+    /// Time mode: has it moved yet?
+    runs: bool,
+}
+
+impl Master {
+    /// At START.
+    pub(super) fn new(ba: i64, modulo: i64, cycle_time: u16, seen: &Seen<'_>) -> Self {
+        let base = match ba {
+            0 => Base::Absolute,
+            1 => Base::Incremental,
+            _ => Base::Time,
+        };
+        let x = if base == Base::Absolute { cut(seen.source.value) } else { 0 };
+        let (travel, turn_ns) = (seen.source.travel, turn_ns(cycle_time));
+        Self { base, modulo: modulo.max(1), x, travel, turn_ns, rest: 0, runs: false }
+    }
+
+    /// Takes the way or the time since the last call.
+    pub(super) fn advance(&mut self, cycle_time: u16, window: &mut Window, seen: &Seen<'_>) {
+        let travel = seen.source.travel;
+        let change = travel.wrapping_sub(std::mem::replace(&mut self.travel, travel));
+        match self.base {
+            Base::Absolute => {
+                self.x = cut(seen.source.value);
+                window.push(change);
+            }
+            Base::Incremental => {
+                // Both terms lie within the modulo, which is below 2^30.
+                self.x = wrapped(self.x.wrapping_add(change % self.modulo.max(1)), self.modulo);
+                window.push(change);
+            }
+            Base::Time => self.run(turn_ns(cycle_time), seen.call_ns),
+        }
+    }
+
+    /// Time mode. A new cycle time takes the fraction over, rounded once, and counts at once in the lead as well: its velocity
+    /// is told, not measured.
+    fn run(&mut self, turn_ns: i64, call_ns: u64) {
+        if turn_ns != self.turn_ns {
+            let (rest, turn) = (i128::from(self.rest) * i128::from(turn_ns), i128::from(self.turn_ns.max(1)));
+            self.rest = floor_ratio(rest + turn / 2, turn);
+            self.turn_ns = turn_ns;
+        }
+        self.runs = true;
+        let way = i128::from(self.modulo) * i128::from(call_ns) + i128::from(self.rest);
+        let whole = floor_ratio(way, turn_ns.into());
+        // The remainder lies below the divisor unless the quotient was cut, in a state from outside.
+        self.rest = i64::try_from(way - i128::from(whole) * i128::from(turn_ns)).unwrap_or(0);
+        self.x = wrapped(self.x.saturating_add(whole), self.modulo);
+    }
+
+    /// Where a track of an offset and a dead time is.
+    pub(super) fn place(&self, offset: i64, dead_time: u16, window: &Window, call_ns: u64) -> i64 {
+        let lead = match dead_time {
+            0 => 0,
+            _ if self.base == Base::Time && self.runs => {
+                let ahead = i128::from(self.modulo) * i128::from(dead_time) * i128::from(HALF_MS);
+                floor_ratio(ahead + i128::from(self.rest), self.turn_ns.max(1).into())
+            }
+            _ => time::lead(window.mean(), dead_time.into(), call_ns),
+        };
+        // A lead that saturates is the end of the travel, or of a source that has jumped beyond all sense.
+        let x = self.x.saturating_add(offset).saturating_add(lead);
+        if self.base == Base::Absolute { cut(x) } else { wrapped(x, self.modulo) }
+    }
+
+    /// An offset after a change of its word: a counter of 32 bits, or within the modulo.
+    pub(super) fn shifted(&self, offset: i64, change: i16) -> i64 {
+        let sum = offset.wrapping_add(change.into());
+        // The cast wraps, as counters do (AMK-BCOM-41).
+        if self.base == Base::Absolute { i64::from(sum as i32) } else { wrapped(sum, self.modulo) }
+    }
+
+    /// Where its places lie.
+    pub(super) fn ring(&self) -> Ring {
+        if self.base == Base::Absolute { Ring::LINE } else { Ring::of(self.modulo) }
+    }
+
+    /// Is x a place of it?
+    pub(super) fn has(&self, x: i64) -> bool {
+        if self.base == Base::Absolute { cut(x) == x } else { (0..self.modulo).contains(&x) }
+    }
+
+    /// Could it have come about?
+    pub(super) fn is_sound(&self) -> bool {
+        (1..1 << 30).contains(&self.modulo)
+            && self.has(self.x)
+            && (1..1 << 36).contains(&self.turn_ns)
+            && (0..self.turn_ns).contains(&self.rest)
+    }
+}
+
+/// The end of the travel, where the source lies beyond 32 bits.
+fn cut(x: i64) -> i64 {
+    x.clamp(i32::MIN.into(), i32::MAX.into())
+}
+
+fn turn_ns(cycle_time: u16) -> i64 {
+    i64::from(cycle_time.max(1)) * HALF_MS
+}

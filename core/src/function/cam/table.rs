@@ -1,0 +1,113 @@
+//! Cam table: the words of a data block that may change while its function runs.
+//!
+//! Law      DW0 cycle time, DR1 the track whose offset is shown, from DW8 on offset, from DW16 on dead time, from DW24 on pulse
+//!          of each track; from DD32 on the cams, on and off of each, those of a track behind those of all lower ones
+//! Refuses  fewer words than its cams need; times below a call or above 32767 where they count; a hysteresis as long as the way
+//!          from the end of a cam to its start
+//! Source   AMK-CAM-16, AMK-CAM-38 to -46, A-60. That a hysteresis lies above the lead depends on the velocity: nothing checks it
+
+use super::hysteresis::Ring;
+use super::{BA, CAMS, HYSTERESIS, MODE, MODULO, hysteresis_inc};
+use crate::code::Code;
+use crate::function::field::Words;
+use crate::function::program::{Fault, LINES, Setting};
+use crate::function::time::HALF_MS;
+use crate::function::track::{self, Track};
+use crate::table::Table;
+
+const TRACK_SELECT: usize = 1;
+const OFFSET: usize = 8;
+const DEAD_TIME: usize = 16;
+const MONOFLOP: usize = 24;
+const FIRST_CAM: usize = 32;
+/// Words of a cam.
+const CAM: usize = 4;
+/// Longest time.
+const LONGEST: u16 = 32_767;
+
+/// A data block as a cam table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CamTable<'a>(pub &'a Table);
+
+impl<'a> CamTable<'a> {
+    /// Half milliseconds for a turn of the time mode.
+    pub(super) fn cycle_time(self) -> u16 {
+        self.0.word(0)
+    }
+
+    /// The track whose offset is shown.
+    pub(super) fn track_select(self) -> u8 {
+        let [low, _] = self.0.word(TRACK_SELECT).to_le_bytes();
+        low
+    }
+
+    pub(super) fn offset(self, track: usize) -> i16 {
+        self.0.word(OFFSET + track).cast_signed()
+    }
+
+    pub(super) fn dead_time(self, track: usize) -> u16 {
+        self.0.word(DEAD_TIME + track)
+    }
+
+    pub(super) fn monoflop(self, track: usize) -> u16 {
+        self.0.word(MONOFLOP + track)
+    }
+
+    /// On and off of `count` cams from `first` on; none where the table ends before.
+    #[inline]
+    pub(super) fn cams(self, first: usize, count: usize) -> impl Iterator<Item = (i32, i32)> + use<'a> {
+        let from = FIRST_CAM + CAM * first;
+        // One look at the length for all of them: word by word it would be four per cam.
+        let words = self.0.y().get(from..from + CAM * count).unwrap_or_default();
+        let double = |low: i64, high: i64| (u32::from(low as u16) | u32::from(high as u16) << 16).cast_signed();
+        words.as_chunks::<CAM>().0.iter().map(move |[a, b, c, d]| (double(*a, *b), double(*c, *d)))
+    }
+}
+
+/// What is asked of the tracks that a table belongs to.
+pub(in crate::function) fn check_table(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+    let counts = || (0..LINES).map(|track| words.get(CAMS + track) as usize);
+    let table = CamTable(track::check_words(setting)?);
+    track::check_length(table.0, FIRST_CAM + CAM * counts().sum::<usize>())?;
+    if usize::from(table.track_select()) >= LINES {
+        return Err(Fault::new(Code::AMK_TRACK_SELECT).with(table.track_select().into(), LINES as i64 - 1));
+    }
+    let call_ns = setting.call_ns;
+    if words.get(BA) == 2 {
+        check_time(0, table.cycle_time(), call_ns)?;
+    }
+    let ring = ring(words);
+    let mut first = 0;
+    for (number, count) in counts().enumerate().filter(|(_, count)| *count > 0) {
+        if table.dead_time(number) != 0 {
+            check_time(DEAD_TIME + number, table.dead_time(number), call_ns)?;
+        }
+        if Track::new(words.get(MODE + number)).has_pulse() && table.monoflop(number) != 0 {
+            check_time(MONOFLOP + number, table.monoflop(number), call_ns)?;
+        }
+        let hysteresis = hysteresis_inc(words.get(HYSTERESIS + number));
+        let rests = table.cams(first, count).filter_map(|(on, off)| ring.arc(on, off).rest());
+        if let Some(rest) = rests.min().filter(|rest| hysteresis > 0 && hysteresis >= *rest) {
+            return Err(Fault::new(Code::AMK_HYSTERESIS).with(hysteresis, rest));
+        }
+        first += count;
+    }
+    Ok(())
+}
+
+/// Where the places of a set lie.
+fn ring(words: Words<'_>) -> Ring {
+    if words.get(BA) == 0 { Ring::LINE } else { Ring::of(words.get(MODULO).max(1)) }
+}
+
+fn check_time(place: usize, half_ms: u16, call_ns: u64) -> Result<(), Fault> {
+    // Places of words are below 2^16.
+    if half_ms > LONGEST {
+        return Err(Fault::new(Code::AMK_TIME_LONG).with(place as i64, LONGEST.into()));
+    }
+    if u64::from(half_ms) * HALF_MS.unsigned_abs() < call_ns {
+        let call = i64::try_from(call_ns).unwrap_or(i64::MAX);
+        return Err(Fault::new(Code::AMK_TIME_SHORT).with(place as i64, call));
+    }
+    Ok(())
+}

@@ -1,0 +1,254 @@
+//! The types of functions: what each is called, reads, writes, and of which fields its set is made.
+
+use super::field::{self, Field};
+use super::types;
+use serde::{Deserialize, Serialize};
+
+/// A type of function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Kind {
+    /// Copies its source.
+    Dcopy,
+    /// Copies its source or one of two values, as E1 says.
+    Ecopy,
+    /// Watches the following errors of drives.
+    Sidiff,
+    /// Gears its sink to its source with ratios that inputs choose.
+    Varsync,
+    /// Switches a speed.
+    Digdreh,
+    /// Measures the distance of marks.
+    Imes,
+    /// Switches outputs by a table of segments.
+    Binea,
+    /// Switches outputs by cams.
+    Cam,
+}
+
+/// May a type have a source or a sink?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// None.
+    Never,
+    /// It may be `none`.
+    May,
+    /// It must be something.
+    Must,
+}
+
+/// What its sink carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A position, a copied or a measured value: RESET holds it.
+    Position,
+    /// A speed (0.0001 rpm): RESET makes it 0.
+    Speed,
+}
+
+/// What is to be said of a type.
+#[derive(Clone, Copy, Debug)]
+pub struct Description {
+    /// Which.
+    pub kind: Kind,
+    /// Its name in cells.
+    pub name: &'static str,
+    /// What it is for.
+    pub help: &'static str,
+    /// Its fields.
+    pub fields: &'static [Field],
+    /// Its source.
+    pub source: Need,
+    /// It may be an axis, too.
+    pub sink: Need,
+    /// What its sink carries.
+    pub quantity: Quantity,
+    /// An axis may be its sink.
+    pub moves_axes: bool,
+    /// Inputs that it knows, E1 first.
+    pub inputs: usize,
+    /// Outputs that it knows, A1 first.
+    pub outputs: usize,
+    /// Outputs that RESET sets: what stands for at rest.
+    pub rests: u8,
+    /// Tables that it reads.
+    pub tables: usize,
+    /// Its tables may get new numbers while it is started.
+    pub edits_tables: bool,
+    /// Key of the word that it reads beside its source; none without one.
+    pub word: Option<&'static str>,
+    /// It publishes `sak_share`.
+    pub compensates: bool,
+    /// It takes VALUE_NEW.
+    pub renews: bool,
+}
+
+/// All types.
+pub const TYPES: &[Description] = &[
+    Description {
+        source: Need::Must,
+        sink: Need::Must,
+        moves_axes: true,
+        ..Description::of(Kind::Dcopy, "dcopy", "copies its source into its sink", types::DCOPY)
+    },
+    Description {
+        source: Need::May,
+        sink: Need::Must,
+        moves_axes: true,
+        inputs: 1,
+        outputs: 1,
+        renews: true,
+        ..Description::of(Kind::Ecopy, "ecopy", "copies its source or one of two values, as E1 says", types::ECOPY)
+    },
+    Description {
+        outputs: 8,
+        tables: 1,
+        renews: true,
+        ..Description::of(
+            Kind::Sidiff,
+            "sidiff",
+            "tells which drives have a larger difference than allowed",
+            types::SIDIFF,
+        )
+    },
+    Description {
+        source: Need::Must,
+        moves_axes: true,
+        inputs: 4,
+        outputs: 1,
+        word: Some("word_addr"),
+        compensates: true,
+        ..Description::of(
+            Kind::Varsync,
+            "varsync",
+            "gears its sink to its source by ratios that inputs choose",
+            types::VARSYNC,
+        )
+    },
+    Description {
+        source: Need::Never,
+        quantity: Quantity::Speed,
+        moves_axes: true,
+        inputs: 3,
+        outputs: 1,
+        rests: 1,
+        ..Description::of(Kind::Digdreh, "digdreh", "switches a speed on and off by inputs", types::DIGDREH)
+    },
+    Description {
+        source: Need::Must,
+        inputs: 1,
+        outputs: 2,
+        renews: true,
+        ..Description::of(Kind::Imes, "imes", "measures the distance of marks", types::IMES)
+    },
+    Description {
+        sink: Need::Never,
+        inputs: 8,
+        outputs: 8,
+        tables: 1,
+        word: Some("mw_offset_addr"),
+        renews: true,
+        ..Description::of(Kind::Binea, "binea", "switches outputs by the segments of a table", types::BINEA)
+    },
+    Description {
+        inputs: 8,
+        outputs: 8,
+        tables: 1,
+        edits_tables: true,
+        ..Description::of(Kind::Cam, "cam", "switches outputs by cams, ahead of time where they are slow", types::CAM)
+    },
+];
+
+impl Description {
+    const fn of(kind: Kind, name: &'static str, help: &'static str, fields: &'static [Field]) -> Self {
+        Self {
+            kind,
+            name,
+            help,
+            fields,
+            source: Need::May,
+            sink: Need::May,
+            quantity: Quantity::Position,
+            moves_axes: false,
+            inputs: 0,
+            outputs: 0,
+            rests: 0,
+            tables: 0,
+            edits_tables: false,
+            word: None,
+            compensates: false,
+            renews: false,
+        }
+    }
+
+    /// How many values its set has.
+    pub fn width(&self) -> usize {
+        field::width(self.fields)
+    }
+
+    /// The field of that name, and where its values begin in the set.
+    pub fn find(&self, name: &str) -> Option<(&'static Field, usize)> {
+        let mut place = 0;
+        for field in self.fields {
+            if field.name == name {
+                return Some((field, place));
+            }
+            place += field.count;
+        }
+        None
+    }
+
+    /// The field of a value of the set: its number, and which of its values it is.
+    pub fn field_of(&self, mut place: usize) -> Option<(u16, &'static Field, usize)> {
+        for (number, field) in (0_u16..).zip(self.fields) {
+            if place < field.count {
+                return Some((number, field, place));
+            }
+            place -= field.count;
+        }
+        None
+    }
+
+    /// The set where nothing is given.
+    pub fn defaults(&self) -> Box<[i64]> {
+        self.fields.iter().flat_map(|field| std::iter::repeat_n(field.default, field.count)).collect()
+    }
+}
+
+impl Kind {
+    /// What is to be said of it.
+    pub fn description(self) -> &'static Description {
+        // Types stand in their order, which a test holds.
+        TYPES.get(self as usize).unwrap_or(&TYPES[0])
+    }
+
+    /// The type of that name.
+    pub fn find(name: &str) -> Option<Self> {
+        TYPES.iter().find(|row| row.name == name).map(|row| row.kind)
+    }
+
+    /// The name in cells.
+    pub fn name(self) -> &'static str {
+        self.description().name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn types_stand_in_their_order_and_their_defaults_in_their_ranges() {
+        for (place, row) in TYPES.iter().enumerate() {
+            assert_eq!((row.kind as usize, Kind::find(row.name)), (place, Some(row.kind)));
+            // Where 0 is no value the field has to be given.
+            let may_stand = |field: &Field| field.default == 0 || (field.min..=field.max).contains(&field.default);
+            assert!(row.fields.iter().all(may_stand), "{}", row.name);
+            assert_eq!(row.fields.iter().any(|field| field.live), row.renews, "{}", row.name);
+            assert_eq!(row.defaults().len(), row.width());
+            for place in 0..row.width() {
+                let (_, field, nth) = row.field_of(place).expect("each value has a field");
+                assert_eq!(row.find(field.name).map(|(_, first)| first + nth), Some(place));
+            }
+        }
+    }
+}

@@ -1,0 +1,566 @@
+//! A slot: the state machine around a function of any type.
+//!
+//! Law      RESET -START-> ACTIVE -RESET-> RESET; VALUE_NEW and READ_VALUE leave the state as it is. A set is taken as a whole or not
+//!          at all. The call in the cycle of START is the first one: the sink begins at what its object has, so nothing jumps
+//! Reads    its source, its inputs, its tables: this cycle's value of what stands before it, the last one's of what stands behind
+//! Writes   its sink and its outputs while it is active, and once more at RESET: a position is held, a speed becomes 0, outputs that
+//!          stand for rest become 1, all others 0. A function that was never started writes nothing
+//! Refuses  START while it is active, VALUE_NEW while it is not, a set that its type does not take, each with the field
+//! Source   AMK-CMD-01 to -14, AMK-BCOM-32 to -41, A-07 to -13
+
+use super::field::{Field, Words};
+use super::kind::{Description, Quantity};
+use super::program::{Drive, Fault, LINES, Outcome, Reading, Seen, Setting};
+use super::types::Any;
+use super::wires::{Bit, Mark, Room, Sink, Source, Wires, Word};
+use crate::code::Code;
+use crate::encoder::{COUNT, Lead};
+use crate::position::Position;
+use crate::signal::Board;
+use crate::sync::Leads;
+use crate::table::Table;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What is done with a function, numbered as in the source and in the interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Order {
+    /// Nothing but to keep values for the next START or VALUE_NEW.
+    Stage,
+    /// Back to rest.
+    Reset,
+    /// From rest.
+    Start,
+    /// Takes the live fields of the set while it runs.
+    ValueNew,
+    /// Nothing: the answer tells the set in force.
+    ReadValue,
+}
+
+impl Order {
+    /// Every order that has a name, with it and its number.
+    pub const ALL: [(Order, &'static str, u8); 5] = [
+        (Order::Stage, "stage", 255),
+        (Order::Reset, "reset", 0),
+        (Order::Start, "start", 1),
+        (Order::ValueNew, "value_new", 5),
+        (Order::ReadValue, "read_value", 6),
+    ];
+}
+
+/// States of a slot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    /// At rest.
+    #[default]
+    Reset,
+    /// RESET was given in this cycle to one that ran.
+    Leaving,
+    /// START was given in this cycle.
+    Starting,
+    /// It runs.
+    Active,
+}
+
+/// What the cycle of a slot is given.
+pub(crate) struct Cycle<'a> {
+    /// k
+    pub cycle: u64,
+    pub leads: &'a Leads,
+    pub tables: &'a [Arc<Table>],
+    /// Where the mark of this cycle was: so far before the source's present position; none without one.
+    pub mark: Option<Position>,
+    /// The first eight axes, for a function that watches them.
+    pub drives: [Drive; LINES],
+    pub cycle_s: f64,
+}
+
+/// What a slot has written in a cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Written {
+    /// Which of its outputs, A1 in bit 0.
+    pub outputs: u8,
+    pub sink: bool,
+}
+
+/// A slot.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Slot {
+    function: Any,
+    phase: Phase,
+    /// The cycle of START.
+    since: u64,
+    /// Values for the next START or VALUE_NEW.
+    staged: Box<[i64]>,
+    /// Values in force.
+    active: Box<[i64]>,
+    /// Way of the source since START, unwrapped.
+    travel: Position,
+    /// Its source as it was read last.
+    last: i64,
+    /// A mark that no call has seen yet, as `travel`.
+    mark: Option<i64>,
+    inputs: u8,
+    outputs: u8,
+    /// Which outputs it writes.
+    writes: u8,
+    sink: i64,
+    sak_share: i64,
+    error: Code,
+    lead: Lead,
+    /// By how much the sink was set anew in this cycle: that is no motion.
+    anew: Position,
+}
+
+impl Slot {
+    /// A function at rest, with these values.
+    pub(crate) fn new(wires: &Wires, values: &[i64], room: Room) -> Self {
+        Self {
+            function: Any::new(wires.kind, wires.word.is_some(), room),
+            phase: Phase::Reset,
+            since: 0,
+            staged: values.into(),
+            active: values.into(),
+            travel: Position::ZERO,
+            last: 0,
+            mark: None,
+            inputs: 0,
+            outputs: 0,
+            writes: 0,
+            sink: 0,
+            sak_share: 0,
+            error: Code::NONE,
+            lead: Lead { uneven: COUNT, valid: true, ..Lead::default() },
+            anew: Position::ZERO,
+        }
+    }
+
+    /// Is it started?
+    pub fn is_active(&self) -> bool {
+        matches!(self.phase, Phase::Starting | Phase::Active)
+    }
+
+    /// Values for the next START or VALUE_NEW.
+    pub fn staged(&self) -> &[i64] {
+        &self.staged
+    }
+
+    /// Values in force; of a function at rest those of its last START.
+    pub fn active(&self) -> &[i64] {
+        &self.active
+    }
+
+    /// Why its last command was refused; none where it was not.
+    pub fn error(&self) -> Code {
+        self.error
+    }
+
+    /// What its sink holds.
+    pub fn sink(&self) -> i64 {
+        self.sink
+    }
+
+    /// E1 in bit 0 to E8 in bit 7, after inversion.
+    pub fn inputs(&self) -> u8 {
+        self.inputs
+    }
+
+    /// A1 in bit 0 to A8 in bit 7, before inversion.
+    pub fn outputs(&self) -> u8 {
+        self.outputs
+    }
+
+    /// What compensation of the following error adds (inc).
+    pub(crate) fn sak_share(&self) -> i64 {
+        if self.is_active() { self.sak_share } else { 0 }
+    }
+
+    /// What it gives others to follow.
+    pub(crate) fn lead(&self) -> Lead {
+        self.lead
+    }
+
+    /// By how much its sink was set anew in this cycle.
+    pub(crate) fn anew(&self) -> Position {
+        self.anew
+    }
+
+    /// Takes a command: all of it, or nothing but the error that it shows. `room` holds two of the widest sets.
+    pub(crate) fn command(
+        &mut self,
+        wires: &Wires,
+        (order, values): (Order, &[(u16, i64)]),
+        tables: &[Arc<Table>],
+        room: &mut [i64],
+    ) -> Result<(), Fault> {
+        let result = self.try_command(wires, (order, values), tables, room);
+        self.error = result.err().map_or(Code::NONE, |fault| fault.code);
+        result
+    }
+
+    fn try_command(
+        &mut self,
+        wires: &Wires,
+        (order, values): (Order, &[(u16, i64)]),
+        tables: &[Arc<Table>],
+        room: &mut [i64],
+    ) -> Result<(), Fault> {
+        let row = wires.kind.description();
+        match order {
+            Order::Start if self.is_active() => return Err(Fault::new(Code::FUNCTION_ACTIVE)),
+            Order::ValueNew if !row.renews => return Err(Fault::new(Code::FUNCTION_NO_VALUE_NEW)),
+            Order::ValueNew if !self.is_active() => return Err(Fault::new(Code::FUNCTION_AT_REST)),
+            _ => {}
+        }
+        let width = self.staged.len();
+        // The machine makes it large enough; nothing is taken without it.
+        let Some((tried, mixed)) = room.get_mut(..2 * width).map(|room| room.split_at_mut(width)) else {
+            return Err(Fault::new(Code::BAD_REQUEST));
+        };
+        tried.copy_from_slice(&self.staged);
+        for &(place, value) in values {
+            check_range(row, place, value)?;
+            if let Some(word) = tried.get_mut(usize::from(place)) {
+                *word = value;
+            }
+        }
+        let setting = Setting { call_ns: wires.call_ns, tables: found(wires, tables) };
+        match order {
+            Order::Start => {
+                check_ranges(row, tried)?;
+                self.function.check(Words(tried), &setting)?;
+                self.active.copy_from_slice(tried);
+                self.phase = Phase::Starting;
+            }
+            Order::ValueNew => {
+                // Fields that are not live keep what they had at START.
+                mix(row, mixed, &self.active, tried);
+                self.function.check(Words(mixed), &setting)?;
+                self.active.copy_from_slice(mixed);
+                self.function.renew(Words(mixed));
+            }
+            Order::Reset => self.reset(),
+            Order::Stage | Order::ReadValue => {}
+        }
+        self.staged.copy_from_slice(tried);
+        Ok(())
+    }
+
+    /// RESET: what it writes at the end it writes in its place of this cycle.
+    pub(crate) fn reset(&mut self) {
+        self.phase = if self.phase == Phase::Active { Phase::Leaving } else { Phase::Reset };
+    }
+
+    /// Its part of a cycle.
+    pub(crate) fn step(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
+        let before = std::mem::replace(&mut self.inputs, read_inputs(wires, board));
+        (self.lead.change, self.lead.velocity, self.anew) = (Position::ZERO, 0.0, Position::ZERO);
+        let written = match self.phase {
+            Phase::Reset => Written::default(),
+            Phase::Leaving => self.leave(wires, board),
+            Phase::Starting => {
+                (self.phase, self.since) = (Phase::Active, cx.cycle);
+                (self.travel, self.mark) = (fraction(wires, cx.leads), None);
+                self.last = value(wires, board);
+                let base = self.base(wires, board);
+                let seen = self.seen(wires, cx, board, base);
+                let outcome = self.function.start(Words(&self.active), &seen);
+                self.take(wires, outcome, board, true)
+            }
+            Phase::Active => {
+                let edge = wires.mark == Mark::Edge && before & 1 == 0 && self.inputs & 1 == 1;
+                self.travel_on(wires, cx, board, edge);
+                if cx.cycle.wrapping_sub(self.since).checked_rem(wires.factor.into()) == Some(0) {
+                    let seen = self.seen(wires, cx, board, self.sink);
+                    self.mark = None;
+                    let outcome = self.function.step(&seen);
+                    let written = self.take(wires, outcome, board, false);
+                    self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
+                    written
+                } else {
+                    Written::default()
+                }
+            }
+        };
+        self.lead.valid = !self.is_active() || is_valid(wires, cx.leads);
+        self.publish(wires, board);
+        written
+    }
+
+    /// What the sink begins with: what its object has.
+    fn base(&self, wires: &Wires, board: &Board) -> i64 {
+        let value = match wires.sink {
+            Sink::None => self.sink,
+            Sink::Axis(_, command) | Sink::Memory(command, _) => board.int(command),
+            Sink::Real(signal) => board.real(signal) as i64,
+            Sink::Analog(_, signal) => millivolts(board.real(signal)),
+        };
+        wires.sink_width.cut(value)
+    }
+
+    /// The way of its source, and the marks on it.
+    fn travel_on(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &Board, edge: bool) {
+        let value = value(wires, board);
+        match wires.source {
+            Source::None => {}
+            Source::Lead(leader, _) => {
+                let change = cx.leads.get(leader).change;
+                let next = self.travel + change;
+                // Differences are those of whole increments; the fraction stays in the sum.
+                let step = next.floor().wrapping_sub(self.travel.floor());
+                self.travel = next + Position::whole(wires.source_width.cut(step).wrapping_sub(step));
+            }
+            Source::Signal(_) => {
+                self.travel += Position::whole(wires.source_width.cut(value.wrapping_sub(self.last)));
+            }
+        }
+        self.last = value;
+        if let Some(back) = cx.mark.or(edge.then_some(Position::ZERO)) {
+            self.mark = Some((self.travel - back).floor());
+        }
+    }
+
+    fn seen<'a>(&self, wires: &Wires, cx: &Cycle<'a>, board: &Board, sink: i64) -> Seen<'a> {
+        Seen {
+            call_ns: wires.call_ns,
+            source: Reading { value: self.last, travel: self.travel.floor(), mark: self.mark },
+            inputs: self.inputs,
+            sink,
+            word: wires.word.map_or(0, |word| word.read(board)),
+            tables: found(wires, cx.tables),
+            drives: cx.drives,
+        }
+    }
+
+    /// Takes what a call gave, and writes it.
+    fn take(&mut self, wires: &Wires, outcome: Outcome, board: &mut Board, is_first: bool) -> Written {
+        self.sak_share = outcome.sak_share;
+        self.writes = outcome.writes;
+        self.set_sink(wires, outcome.sink, board, is_first);
+        self.set_outputs(wires, outcome.outputs, outcome.writes, board);
+        Written { outputs: outcome.writes, sink: true }
+    }
+
+    fn set_sink(&mut self, wires: &Wires, value: i64, board: &mut Board, is_new: bool) {
+        let before = std::mem::replace(&mut self.sink, wires.sink_width.cut(value));
+        if is_new {
+            self.anew = Position::whole(self.sink) - self.lead.position;
+            self.lead.position = Position::whole(self.sink);
+        } else {
+            self.lead.change = Position::whole(wires.sink_width.cut(self.sink.wrapping_sub(before)));
+            self.lead.position += self.lead.change;
+        }
+        match wires.sink {
+            Sink::None | Sink::Axis(..) => {}
+            Sink::Memory(signal, width) => board.set_int(signal, width.cut(self.sink)),
+            Sink::Real(signal) => board.set_real(signal, self.sink as f64),
+            Sink::Analog(_, signal) => board.set_real(signal, self.volts()),
+        }
+    }
+
+    /// Would the function go on with a table that is edited?
+    pub(crate) fn check_edit(
+        &self,
+        wires: &Wires,
+        tables: &[Arc<Table>],
+        (index, table): (u16, &Table),
+    ) -> Result<(), Fault> {
+        let mut found = found(wires, tables);
+        for (place, read) in found.iter_mut().zip(wires.tables) {
+            if read == Some(index) {
+                *place = Some(table);
+            }
+        }
+        self.function.check(Words(&self.active), &Setting { call_ns: wires.call_ns, tables: found })
+    }
+
+    /// Its sink as an analog output has it (V).
+    pub(crate) fn volts(&self) -> f64 {
+        self.sink as f64 / 1000.0
+    }
+
+    fn set_outputs(&mut self, wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
+        self.outputs = self.outputs & !writes | outputs & writes;
+        for (place, output) in wires.outputs.iter().enumerate() {
+            if let Some(output) = output
+                && writes >> place & 1 == 1
+                && let Bit::Memory(signal) = output.to
+            {
+                board.set_int(signal, i64::from((outputs >> place & 1 == 1) != output.inverted));
+            }
+        }
+    }
+
+    /// The end of a function that ran.
+    fn leave(&mut self, wires: &Wires, board: &mut Board) -> Written {
+        let row = wires.kind.description();
+        self.phase = Phase::Reset;
+        let sink = row.quantity == Quantity::Speed;
+        if sink {
+            self.set_sink(wires, 0, board, false);
+        }
+        (self.sak_share, self.mark) = (0, None);
+        self.set_outputs(wires, row.rests, self.writes, board);
+        Written { outputs: self.writes, sink }
+    }
+
+    fn publish(&self, wires: &Wires, board: &mut Board) {
+        let block = board.block(wires.first, signals(wires.kind.description()));
+        let bits = (0..LINES).map(|bit| self.inputs >> bit & 1).chain((0..LINES).map(|bit| self.outputs >> bit & 1));
+        let head = [self.sink, i64::from(self.is_active()), i64::from(self.error.0)];
+        let words = head.into_iter().chain(bits.map(i64::from)).chain([self.sak_share]);
+        for (place, word) in block.iter_mut().zip(words) {
+            *place = word.cast_unsigned();
+        }
+    }
+
+    /// Is it the same function, wherever it stands?
+    pub(crate) fn is_set_up_as(&self, other: &Self) -> bool {
+        self.function.is_set_up_as(&other.function)
+    }
+
+    /// Could its state have come about?
+    pub(crate) fn is_sound(&self, wires: &Wires, tables: &[Arc<Table>]) -> bool {
+        let row = wires.kind.description();
+        let fits = |values: &[i64]| {
+            let in_range = |(place, value): (u16, &i64)| {
+                let (is_left_out, place_of) = (|field: &Field| *value == field.default, usize::from(place));
+                check_range(row, place, *value).is_ok()
+                    || row.field_of(place_of).is_some_and(|(_, field, _)| is_left_out(field))
+            };
+            values.len() == row.width() && (0_u16..).zip(values).all(in_range)
+        };
+        let setting = Setting { call_ns: wires.call_ns, tables: found(wires, tables) };
+        fits(&self.staged)
+            && fits(&self.active)
+            && (!self.is_active()
+                || check_ranges(row, &self.active).is_ok()
+                    && self.function.check(Words(&self.active), &setting).is_ok())
+            && self.lead.velocity.is_finite()
+            && self.function.is_sound()
+    }
+}
+
+impl Clone for Slot {
+    fn clone(&self) -> Self {
+        Self { function: self.function.clone(), staged: self.staged.clone(), active: self.active.clone(), ..*self }
+    }
+
+    /// Takes no memory where both are of one machine.
+    fn clone_from(&mut self, other: &Self) {
+        // Each part is named, so that none is forgotten.
+        let Self {
+            function,
+            phase,
+            since,
+            staged,
+            active,
+            travel,
+            last,
+            mark,
+            inputs,
+            outputs,
+            writes,
+            sink,
+            sak_share,
+            error,
+            lead,
+            anew,
+        } = other;
+        self.function.clone_from(function);
+        self.staged.clone_from(staged);
+        self.active.clone_from(active);
+        (self.phase, self.since, self.travel, self.last, self.mark) = (*phase, *since, *travel, *last, *mark);
+        (self.inputs, self.outputs, self.writes) = (*inputs, *outputs, *writes);
+        (self.sink, self.sak_share, self.error, self.lead, self.anew) = (*sink, *sak_share, *error, *lead, *anew);
+    }
+}
+
+/// How many signals a slot of that type has.
+fn signals(row: &Description) -> usize {
+    3 + 2 * LINES + usize::from(row.compensates)
+}
+
+/// Is a value of the set within the range of its field?
+fn check_range(row: &Description, place: u16, value: i64) -> Result<(), Fault> {
+    match row.field_of(place.into()) {
+        Some((_, field, _)) if (field.min..=field.max).contains(&value) => Ok(()),
+        Some((number, _, nth)) => Err(Fault::new(Code::FUNCTION_RANGE).of(number).with(value, nth as i64)),
+        None => Err(Fault::new(Code::BAD_REQUEST)),
+    }
+}
+
+/// Are all values within the ranges of their fields?
+fn check_ranges(row: &Description, values: &[i64]) -> Result<(), Fault> {
+    let mut values = values.iter();
+    for (number, field) in (0_u16..).zip(row.fields) {
+        for (nth, value) in (0..).zip(values.by_ref().take(field.count)) {
+            if !(field.min..=field.max).contains(value) {
+                return Err(Fault::new(Code::FUNCTION_RANGE).of(number).with(*value, nth));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The live fields of `new` in a set that runs with `active`.
+fn mix(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
+    let live = row.fields.iter().flat_map(|field| std::iter::repeat_n(field.live, field.count));
+    for (((place, live), active), new) in mixed.iter_mut().zip(live).zip(active).zip(new) {
+        *place = if live { *new } else { *active };
+    }
+}
+
+fn found<'a>(wires: &Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {
+    wires.tables.map(|place| tables.get(usize::from(place?)).map(|table| &**table))
+}
+
+fn read_inputs(wires: &Wires, board: &Board) -> u8 {
+    let mut bits = 0;
+    for (place, input) in wires.inputs.iter().enumerate() {
+        if let Some(input) = input {
+            bits |= u8::from(board.bit(input.signal) != input.inverted) << place;
+        }
+    }
+    bits
+}
+
+fn value(wires: &Wires, board: &Board) -> i64 {
+    let word = match wires.source {
+        Source::None => return 0,
+        Source::Lead(_, word) | Source::Signal(word) => word,
+    };
+    wires.source_width.cut(word.read(board))
+}
+
+fn is_valid(wires: &Wires, leads: &Leads) -> bool {
+    match wires.source {
+        Source::Lead(leader, _) => leads.get(leader).valid,
+        Source::None | Source::Signal(_) => true,
+    }
+}
+
+/// What the floor of its source leaves: the way is that of whole increments.
+fn fraction(wires: &Wires, leads: &Leads) -> Position {
+    let Source::Lead(leader, _) = wires.source else { return Position::ZERO };
+    let position = leads.get(leader).position;
+    position - Position::whole(position.floor())
+}
+
+fn millivolts(volts: f64) -> i64 {
+    // The cast saturates, and makes 0 of NaN.
+    (volts * 1000.0 + 0.5_f64.copysign(volts)) as i64
+}
+
+impl Word {
+    /// The signal now.
+    #[inline]
+    fn read(self, board: &Board) -> i64 {
+        match self {
+            Self::Int(signal) => board.int(signal),
+            // The cast saturates, and makes 0 of NaN.
+            Self::Real(signal) => board.real(signal) as i64,
+            Self::Volts(signal) => millivolts(board.real(signal)),
+        }
+    }
+}

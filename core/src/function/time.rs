@@ -1,0 +1,115 @@
+//! Times of the sources, in half milliseconds, counted in calls.
+//!
+//! Law      calls = ceil(time * 0.5 ms / call), lead = mean way per call * time * 0.5 ms / call, both exact
+//! Refuses  a cycle time that is not the one of the slot, a mean over more calls than there is room for
+//! Source   AMK-BINEA-29, AMK-BINEA-31, AMK-CAM-10, AMK-CTX-03, C8
+
+use super::program::{Fault, Setting};
+use super::window::Window;
+use crate::code::Code;
+use crate::event::Number;
+
+/// Unit of the sources' times (ns).
+pub(super) const HALF_MS: i64 = 500_000;
+
+/// Refuses a cycle time that is neither 0, the slot's own, nor the time between two calls.
+pub(super) fn check_cycle(half_ms: i64, field: u16, setting: &Setting<'_>) -> Result<(), Fault> {
+    // The range of the field is small: nothing saturates, and a call of 292 years matches no cycle time.
+    let (asked, call) = (half_ms.saturating_mul(HALF_MS), i64::try_from(setting.call_ns).unwrap_or(i64::MAX));
+    if half_ms == 0 || asked == call {
+        return Ok(());
+    }
+    let fault = Fault::new(Code::AMK_CYCLE_MISMATCH).of(field);
+    Err(Fault { asked: Number::Count(half_ms), limit: Number::Time(call), ..fault })
+}
+
+/// How many calls a time lasts.
+pub(super) fn calls(time: u16, call_ns: u64) -> u64 {
+    (u64::from(time) * HALF_MS.unsigned_abs()).div_ceil(call_ns.max(1))
+}
+
+/// How far a mean way per call leads in a dead time, rounded down.
+pub(super) fn lead(mean: (i128, i128), dead_time: i64, call_ns: u64) -> i64 {
+    let (sum, count) = mean;
+    // What saturates is no velocity of anything. A count is below 2^33: its product fits.
+    floor_ratio(sum.saturating_mul(i128::from(dead_time) * i128::from(HALF_MS)), count * i128::from(call_ns))
+}
+
+/// Calls of a mean where the set names none.
+const MEAN: i64 = 20;
+
+fn mean_calls(asked: i64) -> i64 {
+    if asked == 0 { MEAN } else { asked }
+}
+
+/// Refuses a mean over more calls than the window has room for; 0 asks for 20.
+pub(super) fn check_mean(window: &Window, asked: i64, field: u16) -> Result<(), Fault> {
+    // It holds fewer than 2^32 values.
+    let limit = window.capacity() as i64;
+    if mean_calls(asked) > limit {
+        return Err(Fault::new(Code::AMK_MEAN_LONG).of(field).with(mean_calls(asked), limit));
+    }
+    Ok(())
+}
+
+/// Begins a mean over so many calls; 0 asks for 20.
+pub(super) fn restart(window: &mut Window, asked: i64) {
+    window.restart(usize::try_from(mean_calls(asked)).unwrap_or(1));
+}
+
+/// A quotient, rounded down and saturated; the divisor is above 0.
+pub(super) fn floor_ratio(dividend: i128, divisor: i128) -> i64 {
+    match (i64::try_from(dividend), i64::try_from(divisor)) {
+        // A division of 64 bits takes a fraction of the time.
+        (Ok(dividend), Ok(divisor)) if divisor > 0 => dividend.div_euclid(divisor),
+        _ => {
+            let quotient = dividend.div_euclid(divisor.max(1));
+            i64::try_from(quotient).unwrap_or(if quotient < 0 { i64::MIN } else { i64::MAX })
+        }
+    }
+}
+
+/// A place within a turn; `turn` is above 0.
+#[inline]
+pub(super) fn wrapped(x: i64, turn: i64) -> i64 {
+    if (0..turn).contains(&x) { x } else { x.rem_euclid(turn.max(1)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::event::Number;
+
+    const NONE: Setting<'static> = Setting { call_ns: 750_000, tables: [None; 8] };
+
+    /// Proves: AMK-CTX-03
+    #[test]
+    fn a_cycle_time_is_the_one_of_the_slot_or_none() {
+        assert_eq!(check_cycle(0, 3, &NONE), Ok(()));
+        assert_eq!(check_cycle(3, 3, &Setting { call_ns: 1_500_000, ..NONE }), Ok(()));
+        let fault = check_cycle(2, 3, &NONE).unwrap_err();
+        assert_eq!((fault.code, fault.field), (Code::AMK_CYCLE_MISMATCH, Some(3)));
+        assert_eq!((fault.asked, fault.limit), (Number::Count(2), Number::Time(750_000)));
+    }
+
+    #[test]
+    fn a_time_lasts_the_calls_that_begin_in_it() {
+        // 0.75 ms per call: 1.5 ms are 2 calls, 2 ms are 3.
+        assert_eq!([0, 1, 3, 4].map(|time| calls(time, 750_000)), [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn a_lead_is_exact_and_rounded_down() {
+        // 100 inc per 0.75 ms over 2 ms: 266.67 inc; backwards 267 further down.
+        assert_eq!(lead((100, 1), 4, 750_000), 266);
+        assert_eq!(lead((-100, 1), 4, 750_000), -267);
+        assert_eq!(lead((-300, 4), 2, 500_000), -150);
+        assert_eq!(lead((i128::MAX, 1), 32_000, 1), i64::MAX);
+        assert_eq!(lead((i128::MIN, 1), 32_000, 1), i64::MIN);
+    }
+
+    #[test]
+    fn a_place_within_a_turn_is_never_negative() {
+        assert_eq!([-1, 0, 9, 10, 25, i64::MIN].map(|x| wrapped(x, 10)), [9, 0, 9, 0, 5, 2]);
+    }
+}

@@ -1,0 +1,173 @@
+//! Tracks of the cam controllers: what BINEA and CAM make of the bit that their table gives for a track.
+//!
+//! Law      t = bit, or a pulse from each 0 -> 1 of it on (retriggered by the next one); g = t, t AND e or t OR e;
+//!          A = g xor inversion; e is the input, inverted or not
+//! Refuses  both codes of logic at once; no table, a table of another form
+//! Source   AMK-BINEA-17 to -22, -29, AMK-CAM-13, -14, B3, B4, B10, A-54, A-60, A-61
+
+use super::program::{Fault, Seen, Setting};
+use super::time;
+use crate::code::Code;
+use crate::table::{Form, Table};
+use serde::{Deserialize, Serialize};
+
+/// Bits of the mode word.
+const OUTPUT_INVERTED: u8 = 1 << 0;
+const INPUT_INVERTED: u8 = 1 << 1;
+const AND: u8 = 1 << 2;
+const OR: u8 = 1 << 3;
+const PULSE: u8 = 1 << 4;
+const DISABLED: u8 = 1 << 5;
+
+/// One track.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Track {
+    mode: u8,
+    /// Bit of the table in the last call.
+    bit: bool,
+    /// Calls that its pulse lasts on.
+    left: u64,
+}
+
+impl Track {
+    /// A track of a mode word that was checked.
+    pub(super) fn new(mode: i64) -> Self {
+        Self { mode: mode as u8, ..Self::default() }
+    }
+
+    /// Does the function write its output?
+    pub(super) fn is_written(self) -> bool {
+        self.mode & DISABLED == 0
+    }
+
+    /// Has its bit a pulse?
+    pub(super) fn has_pulse(self) -> bool {
+        self.mode & PULSE != 0
+    }
+
+    /// The output in the first call: a bit that stands is no edge.
+    pub(super) fn start(&mut self, bit: bool, input: bool) -> bool {
+        (self.bit, self.left) = (bit, 0);
+        self.output(bit && !self.has_pulse(), input)
+    }
+
+    /// The output in each further call; a pulse that begins lasts `time` half milliseconds. An edge sets the timer whatever it holds:
+    /// a time of 0 ends a pulse.
+    pub(super) fn step(&mut self, bit: bool, time: u16, input: bool, call_ns: u64) -> bool {
+        let was = std::mem::replace(&mut self.bit, bit);
+        if !self.has_pulse() {
+            return self.output(bit, input);
+        }
+        if bit && !was {
+            self.left = time::calls(time, call_ns);
+        }
+        let is_on = self.left > 0;
+        self.left = self.left.saturating_sub(1);
+        self.output(is_on, input)
+    }
+
+    fn output(self, bit: bool, input: bool) -> bool {
+        let has = |mask: u8| self.mode & mask != 0;
+        let input = input != has(INPUT_INVERTED);
+        let joined = if has(AND) {
+            bit && input
+        } else if has(OR) {
+            bit || input
+        } else {
+            bit
+        };
+        joined != has(OUTPUT_INVERTED)
+    }
+}
+
+/// Refuses a mode word with the logic that is none.
+pub(super) fn check_mode(mode: i64, field: u16) -> Result<(), Fault> {
+    let both = i64::from(AND | OR);
+    if mode & both == both {
+        return Err(Fault::new(Code::AMK_TRACK_LOGIC).of(field).with(mode, both));
+    }
+    Ok(())
+}
+
+/// The data block in Tab0.
+pub(super) fn check_words<'a>(setting: &Setting<'a>) -> Result<&'a Table, Fault> {
+    let [table, ..] = setting.tables;
+    let table = table.ok_or(Fault::new(Code::AMK_TABLE_MISSING))?;
+    if table.form() == Form::Words { Ok(table) } else { Err(Fault::new(Code::AMK_TABLE_FORM)) }
+}
+
+/// Refuses a table without all words that are read of it.
+pub(super) fn check_length(table: &Table, needed: usize) -> Result<(), Fault> {
+    if table.len() < needed {
+        // A table has at most 65536 words: both fit.
+        return Err(Fault::new(Code::AMK_TABLE_SHORT).with(table.len() as i64, needed as i64));
+    }
+    Ok(())
+}
+
+/// The data block in Tab0 in a call; none where the slot has lost it.
+pub(super) fn words<'a>(seen: &Seen<'a>) -> Option<&'a Table> {
+    let [table, ..] = seen.tables;
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A track after its first call with 0, then the outputs for bits and inputs.
+    fn run(mode: i64, time: u16, calls: &[(bool, bool)]) -> Vec<bool> {
+        let mut track = Track::new(mode);
+        track.start(false, false);
+        calls.iter().map(|(bit, input)| track.step(*bit, time, *input, 1_000_000)).collect()
+    }
+
+    /// Proves: AMK-BINEA-17, AMK-BINEA-18, AMK-BINEA-19, AMK-BINEA-22, AMK-CAM-14
+    #[test]
+    fn logic_follows_the_mode_bit_by_bit() {
+        let all = [(false, false), (false, true), (true, false), (true, true)];
+        let table: [(i64, [u8; 4]); 8] = [
+            (0, [0, 0, 1, 1]),
+            (1, [1, 1, 0, 0]),
+            (2, [0, 0, 1, 1]),
+            (4, [0, 0, 0, 1]),
+            (4 + 2, [0, 0, 1, 0]),
+            (8, [0, 1, 1, 1]),
+            (8 + 2, [1, 0, 1, 1]),
+            (8 + 2 + 1, [0, 1, 0, 0]),
+        ];
+        for (mode, expected) in table {
+            assert_eq!(run(mode, 0, &all), expected.map(|bit| bit == 1), "mode {mode}");
+        }
+    }
+
+    /// Proves: AMK-BINEA-20, AMK-BINEA-29, AMK-CAM-13
+    #[test]
+    fn a_pulse_runs_its_time_and_begins_anew_with_each_edge() {
+        let bits = |row: &str| row.chars().map(|bit| (bit == '1', false)).collect::<Vec<_>>();
+        let shown = |outs: Vec<bool>| outs.into_iter().map(|out| if out { '1' } else { '0' }).collect::<String>();
+        // 1 ms per call, 5 half milliseconds: 3 calls; the bit may fall or stand, which changes nothing (B10, A-60).
+        assert_eq!(shown(run(16, 5, &bits("0100000"))), "0111000");
+        assert_eq!(shown(run(16, 5, &bits("0111110"))), "0111000");
+        // A second edge two calls later: five in a row (B4).
+        assert_eq!(shown(run(16, 5, &bits("01010000"))), "01111100");
+        assert_eq!(shown(run(16, 0, &bits("0101"))), "0000");
+        assert_eq!(shown(run(16 + 1, 2, &bits("0100"))), "1011");
+    }
+
+    #[test]
+    fn a_bit_that_stands_at_start_is_no_edge() {
+        let mut track = Track::new(16);
+        assert!(!track.start(true, false));
+        assert!(!track.step(true, 9, false, 1_000_000));
+        assert!(!track.step(false, 9, false, 1_000_000));
+        assert!(track.step(true, 9, false, 1_000_000));
+        assert!(Track::new(0).start(true, false), "without a pulse the bit itself counts");
+    }
+
+    #[test]
+    fn both_logics_at_once_are_none() {
+        assert_eq!(check_mode(12 + 16, 6), Err(Fault::new(Code::AMK_TRACK_LOGIC).of(6).with(28, 12)));
+        assert_eq!([0, 4, 8, 51].map(|mode| check_mode(mode, 6)), [Ok(()); 4]);
+    }
+}

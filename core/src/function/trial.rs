@@ -1,0 +1,30 @@
+//! What tests of a type need: a set by the names of its fields, and a call in which nothing happens.
+
+use super::field::Field;
+use super::program::{Drive, LINES, Reading, Seen};
+
+/// Time between two calls (ns).
+pub(super) const CALL_NS: u64 = 1_000_000;
+
+/// A set of these values; the others have their defaults.
+pub(super) fn set(fields: &[Field], values: &[(&str, i64)]) -> Vec<i64> {
+    for (name, _) in values {
+        assert!(fields.iter().any(|field| field.name == *name), "no field {name}");
+    }
+    let value =
+        |field: &Field| values.iter().find(|(name, _)| *name == field.name).map_or(field.default, |(_, it)| *it);
+    fields.iter().flat_map(|field| vec![value(field); field.count]).collect()
+}
+
+/// A call with source, inputs and sink at 0.
+pub(super) fn at_rest<'a>() -> Seen<'a> {
+    Seen {
+        call_ns: CALL_NS,
+        source: Reading::default(),
+        inputs: 0,
+        sink: 0,
+        word: 0,
+        tables: [None; LINES],
+        drives: [Drive::default(); LINES],
+    }
+}

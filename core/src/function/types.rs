@@ -1,0 +1,142 @@
+//! All types behind one: what a slot holds.
+
+use super::binea::{self, Binea};
+use super::cam::{self, Cam};
+use super::copy::{self, Dcopy, Ecopy};
+use super::digdreh::{self, Digdreh};
+use super::field::{Field, Words};
+use super::imes::{self, Imes};
+use super::kind::Kind;
+use super::program::{Fault, Outcome, Program, Seen, Setting};
+use super::sidiff::{self, Sidiff};
+use super::varsync::{self, Varsync};
+use super::wires::Room;
+use serde::{Deserialize, Serialize};
+
+pub(super) const DCOPY: &[Field] = copy::DCOPY_FIELDS;
+pub(super) const ECOPY: &[Field] = copy::ECOPY_FIELDS;
+pub(super) const SIDIFF: &[Field] = sidiff::FIELDS;
+pub(super) const VARSYNC: &[Field] = varsync::FIELDS;
+pub(super) const DIGDREH: &[Field] = digdreh::FIELDS;
+pub(super) const IMES: &[Field] = imes::FIELDS;
+pub(super) const BINEA: &[Field] = binea::FIELDS;
+pub(super) const CAM: &[Field] = cam::FIELDS;
+
+/// A function of any type.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) enum Any {
+    Dcopy(Dcopy),
+    Ecopy(Ecopy),
+    Sidiff(Sidiff),
+    Varsync(Varsync),
+    Digdreh(Digdreh),
+    Imes(Imes),
+    Binea(Binea),
+    Cam(Cam),
+}
+
+/// Does the same with a function of any type.
+macro_rules! each {
+    ($any:expr, $function:ident => $do:expr) => {
+        match $any {
+            Any::Dcopy($function) => $do,
+            Any::Ecopy($function) => $do,
+            Any::Sidiff($function) => $do,
+            Any::Varsync($function) => $do,
+            Any::Digdreh($function) => $do,
+            Any::Imes($function) => $do,
+            Any::Binea($function) => $do,
+            Any::Cam($function) => $do,
+        }
+    };
+}
+
+impl Any {
+    /// One at rest, with all memory that it will need.
+    pub(super) fn new(kind: Kind, has_word: bool, room: Room) -> Self {
+        match kind {
+            Kind::Dcopy => Self::Dcopy(Dcopy::new()),
+            Kind::Ecopy => Self::Ecopy(Ecopy::new()),
+            Kind::Sidiff => Self::Sidiff(Sidiff::new()),
+            Kind::Varsync => Self::Varsync(Varsync::new(has_word)),
+            Kind::Digdreh => Self::Digdreh(Digdreh::new()),
+            Kind::Imes => Self::Imes(Imes::new()),
+            Kind::Binea => Self::Binea(Binea::new(room.mean, has_word)),
+            Kind::Cam => Self::Cam(Cam::new(room.mean, room.cams)),
+        }
+    }
+
+    pub(super) fn kind(&self) -> Kind {
+        match self {
+            Self::Dcopy(_) => Kind::Dcopy,
+            Self::Ecopy(_) => Kind::Ecopy,
+            Self::Sidiff(_) => Kind::Sidiff,
+            Self::Varsync(_) => Kind::Varsync,
+            Self::Digdreh(_) => Kind::Digdreh,
+            Self::Imes(_) => Kind::Imes,
+            Self::Binea(_) => Kind::Binea,
+            Self::Cam(_) => Kind::Cam,
+        }
+    }
+
+    pub(super) fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+        each!(self, function => function.check(words, setting))
+    }
+
+    pub(super) fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+        each!(self, function => function.start(words, seen))
+    }
+
+    pub(super) fn renew(&mut self, words: Words<'_>) {
+        each!(self, function => function.renew(words));
+    }
+
+    #[inline]
+    pub(super) fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+        each!(self, function => function.step(seen))
+    }
+
+    /// Is it the same function, wherever it stands?
+    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Varsync(mine), Self::Varsync(other)) => mine.is_set_up_as(other),
+            (Self::Binea(mine), Self::Binea(other)) => mine.is_set_up_as(other),
+            (Self::Cam(mine), Self::Cam(other)) => mine.is_set_up_as(other),
+            _ => self.kind() == other.kind(),
+        }
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        each!(self, function => function.is_sound())
+    }
+}
+
+impl Clone for Any {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Dcopy(function) => Self::Dcopy(function.clone()),
+            Self::Ecopy(function) => Self::Ecopy(function.clone()),
+            Self::Sidiff(function) => Self::Sidiff(function.clone()),
+            Self::Varsync(function) => Self::Varsync(function.clone()),
+            Self::Digdreh(function) => Self::Digdreh(function.clone()),
+            Self::Imes(function) => Self::Imes(function.clone()),
+            Self::Binea(function) => Self::Binea(function.clone()),
+            Self::Cam(function) => Self::Cam(function.clone()),
+        }
+    }
+
+    /// Takes no memory where both are of one machine.
+    fn clone_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Dcopy(mine), Self::Dcopy(other)) => mine.clone_from(other),
+            (Self::Ecopy(mine), Self::Ecopy(other)) => mine.clone_from(other),
+            (Self::Sidiff(mine), Self::Sidiff(other)) => mine.clone_from(other),
+            (Self::Varsync(mine), Self::Varsync(other)) => mine.clone_from(other),
+            (Self::Digdreh(mine), Self::Digdreh(other)) => mine.clone_from(other),
+            (Self::Imes(mine), Self::Imes(other)) => mine.clone_from(other),
+            (Self::Binea(mine), Self::Binea(other)) => mine.clone_from(other),
+            (Self::Cam(mine), Self::Cam(other)) => mine.clone_from(other),
+            (mine, other) => *mine = other.clone(),
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! A synchronous ratio that bits or a word switch.
+//!
+//! Law      acc = acc + m * dXm; Xs = base + floor(acc / 10000), base = what the sink has at START; out = Xs + SAK.
+//!          The remainder passes on from ratio to ratio: a change of it alters the slope and loses nothing.
+//!          Mode 0: E1 chooses m1, m2. Mode 1: a rising E1 takes m(1 + E2 + 2*E3 + 4*E4). Mode 2: (E2,E1) = 00 m1, 01
+//!          m2, 10 m3, 11 keeps it. Mode 3: a word is the ratio, each call
+//! Reads    the master's way, E1 to E4, in mode 3 the word; inputs of a call count for its change already
+//! Writes   the sink, A1 (mode 0: E1; mode 1: a ratio was taken; else 0), the share of SAK
+//! Refuses  mode 3 without a word, or with another cycle than the slot's
+//! Source   AMK-VARSYNC-01 to -16 with A-38 to -40, AMK-SAK-05
+
+use super::field::{Field, Words, number, place};
+use super::program::{Fault, LINES, Outcome, Program, Seen, Setting};
+use super::sak::Sak;
+use super::time::check_cycle;
+use crate::code::Code;
+use serde::{Deserialize, Serialize};
+
+/// The set.
+pub(super) const FIELDS: &[Field] = &[
+    Field::new(
+        "mode",
+        0,
+        3,
+        "",
+        "chooses the ratio: 0 by E1, 1 by an edge of E1, 2 by E1 and E2, 3 by a word",
+        "AMK-VARSYNC-01",
+    ),
+    Field::new("sak", 0, 32_767, "1/128 calls", "compensation of the following error", "AMK-VARSYNC-02"),
+    Field::new("sf_cycle", 0, 32_767, "0.5 ms", "the slot's cycle, in mode 3; 0: not compared", "AMK-VARSYNC-03"),
+    ratio("m1", "ratio of modes 0 to 2", "AMK-VARSYNC-04"),
+    ratio("m2", "ratio of modes 0 to 2", "AMK-VARSYNC-04"),
+    ratio("m3", "ratio of modes 1 and 2", "AMK-VARSYNC-05"),
+    ratio("m4", "ratio of mode 1", "AMK-VARSYNC-06"),
+    ratio("m5", "ratio of mode 1", "AMK-VARSYNC-06"),
+    ratio("m6", "ratio of mode 1", "AMK-VARSYNC-06"),
+    ratio("m7", "ratio of mode 1", "AMK-VARSYNC-06"),
+    ratio("m8", "ratio of mode 1", "AMK-VARSYNC-06"),
+];
+
+const fn ratio(name: &'static str, help: &'static str, source: &'static str) -> Field {
+    Field::new(name, i16::MIN as i64, i16::MAX as i64, "0.0001", help, source)
+}
+
+const MODE: usize = place(FIELDS, "mode");
+const SAK: usize = place(FIELDS, "sak");
+const SF_CYCLE: usize = place(FIELDS, "sf_cycle");
+const M1: usize = place(FIELDS, "m1");
+
+/// Ratio 1.
+const ONE: i64 = 10_000;
+
+/// What chooses the ratio.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Mode {
+    Level,
+    Edge,
+    TwoLevels,
+    Word,
+}
+
+impl Mode {
+    fn of(number: i64) -> Self {
+        match number {
+            0 => Self::Level,
+            1 => Self::Edge,
+            2 => Self::TwoLevels,
+            _ => Self::Word,
+        }
+    }
+}
+
+/// The synchronous ratio.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Varsync {
+    /// The slot knows a word for mode 3.
+    has_word: bool,
+    mode: Mode,
+    ratios: [i16; LINES],
+    /// The ratio that counts.
+    ratio: i16,
+    /// Mode 1: a ratio was taken since E1 rose.
+    taken: bool,
+    /// Inputs of the last call.
+    before: u8,
+    /// The master's way at the last call.
+    master: i64,
+    /// Xs.
+    slave: i64,
+    /// What Xs is behind the exact way, in 0..ONE.
+    remainder: i64,
+    sak: Sak,
+}
+
+impl Varsync {
+    /// One that has a word for mode 3, or has none.
+    pub(super) fn new(has_word: bool) -> Self {
+        Self {
+            has_word,
+            mode: Mode::Level,
+            ratios: [0; LINES],
+            ratio: 0,
+            taken: false,
+            before: 0,
+            master: 0,
+            slave: 0,
+            remainder: 0,
+            sak: Sak::default(),
+        }
+    }
+
+    /// Has it been made the same?
+    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
+        self.has_word == other.has_word
+    }
+
+    /// The ratio of a selection, counted from 0; as it is where that is none of them.
+    #[inline]
+    fn take(&mut self, selection: u8) {
+        self.ratio = self.ratios.get(usize::from(selection)).copied().unwrap_or(self.ratio);
+    }
+
+    /// Chooses the ratio and returns A1.
+    #[inline]
+    fn select(&mut self, seen: &Seen<'_>) -> bool {
+        let e1 = seen.inputs & 1;
+        let is_edge = e1 & !std::mem::replace(&mut self.before, seen.inputs) != 0;
+        match self.mode {
+            Mode::Level => {
+                self.take(e1);
+                e1 != 0
+            }
+            Mode::Edge => {
+                if is_edge {
+                    self.take(seen.inputs >> 1 & 0b111);
+                }
+                self.taken = is_edge || (self.taken && e1 != 0);
+                self.taken
+            }
+            Mode::TwoLevels => {
+                let both = seen.inputs & 0b11;
+                if both != 0b11 {
+                    self.take(both);
+                }
+                false
+            }
+            Mode::Word => {
+                // A flag word has 16 bits.
+                self.ratio = seen.word as i16;
+                false
+            }
+        }
+    }
+
+    /// Advances Xs by the ratio times the master's change; the 2^64 positions of both wrap.
+    #[inline]
+    fn advance(&mut self, change: i64) {
+        let ratio = i64::from(self.ratio);
+        // m * change = m * (whole * 10000 + part): the whole parts need no division, the rest is below 2^15 * 10000 + 10000.
+        let (whole, part) = (change.div_euclid(ONE), change.rem_euclid(ONE));
+        let rest = ratio.wrapping_mul(part).wrapping_add(self.remainder);
+        self.remainder = rest.rem_euclid(ONE);
+        self.slave = self.slave.wrapping_add(ratio.wrapping_mul(whole)).wrapping_add(rest.div_euclid(ONE));
+    }
+}
+
+impl Program for Varsync {
+    fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+        if Mode::of(words.get(MODE)) != Mode::Word {
+            // What no mode but the third uses is not compared.
+            return Ok(());
+        }
+        if !self.has_word {
+            return Err(Fault::new(Code::AMK_NO_WORD).of(number(FIELDS, "mode")));
+        }
+        check_cycle(words.get(SF_CYCLE), number(FIELDS, "sf_cycle"), setting)
+    }
+
+    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+        let ratios = std::array::from_fn(|n| words.get(M1 + n) as i16);
+        *self = Self {
+            mode: Mode::of(words.get(MODE)),
+            ratios,
+            // Before the first selection.
+            ratio: ratios.first().copied().unwrap_or(0),
+            before: seen.inputs,
+            master: seen.source.travel,
+            slave: seen.sink,
+            sak: Sak::new(words.get(SAK), seen.sink),
+            ..Self::new(self.has_word)
+        };
+        self.step(seen)
+    }
+
+    #[inline]
+    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+        let a1 = self.select(seen);
+        let travel = seen.source.travel;
+        let change = travel.wrapping_sub(std::mem::replace(&mut self.master, travel));
+        self.advance(change);
+        let sak_share = self.sak.share(self.slave);
+        Outcome { sink: self.slave.wrapping_add(sak_share), outputs: a1.into(), writes: 1, sak_share }
+    }
+
+    fn is_sound(&self) -> bool {
+        (0..ONE).contains(&self.remainder)
+    }
+}
+
+#[cfg(test)]
+mod tests;

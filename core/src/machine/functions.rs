@@ -1,0 +1,194 @@
+//! The function slots of a machine: their commands, their part of a cycle, their tables.
+
+use super::signals::locate;
+use super::{Machine, State, Told};
+use crate::axis::MovedBy;
+use crate::code::Code;
+use crate::command::{Command, CommandFunction};
+use crate::drive::{Edge, Inputs};
+use crate::event::{Number, Refusal};
+use crate::function::{Bit, Cycle, Drive, Fault, Kind, LINES, Mark, OnAxisError, Order, Quantity, Sink, Slot, Source};
+use crate::object::{Leader, Object};
+use crate::position::Position;
+use crate::signal::axis::AxisSignal;
+use crate::table::Table;
+use std::sync::Arc;
+
+/// A fault of a function as the refusal of its command.
+fn refusal(fault: Fault, slot: u16) -> Refusal {
+    let refusal = Refusal::new(fault.code, Object::Function(slot)).with(fault.asked, fault.limit);
+    Refusal { parameter: fault.field, ..refusal }
+}
+
+impl Machine {
+    /// The function slots, by their numbers.
+    pub fn slots(&self) -> &[Slot] {
+        &self.state.slots
+    }
+
+    /// The tables, in file order.
+    pub fn tables(&self) -> &[Arc<Table>] {
+        &self.state.tables
+    }
+
+    /// An order to a function; true where the axis that it moves has to hear of it.
+    pub(super) fn command_function(&mut self, command: &Command, request: &CommandFunction) -> Result<bool, Refusal> {
+        let CommandFunction { slot, order, ref values } = *request;
+        let unknown = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
+        let wires = self.wires.get(usize::from(slot)).ok_or_else(unknown)?;
+        let moved = match wires.sink {
+            Sink::Axis(axis, _) => Some(axis),
+            _ => None,
+        };
+        if order == Order::Start
+            && let Some(axis) = moved
+        {
+            if let Some(axis) = self.state.axes.get(usize::from(axis)) {
+                axis.check_function()?;
+            }
+            if self.closes_loop(axis, Leader::Sink(slot)) {
+                return Err(Refusal::new(Code::LEADER_LOOP, Object::Axis(axis)));
+            }
+        }
+        let State { slots, tables, .. } = &mut self.state;
+        let taken = slots.get_mut(usize::from(slot)).ok_or_else(unknown)?;
+        taken.command(wires, (order, values), tables, &mut self.room).map_err(|fault| refusal(fault, slot))?;
+        if order != Order::ReadValue {
+            self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
+        }
+        self.accept(command, Object::Function(slot));
+        let tells = moved.is_some() && matches!(order, Order::Start | Order::Reset);
+        self.couples |= tells;
+        Ok(tells)
+    }
+
+    /// The axis of a function hears of its START or RESET.
+    pub(super) fn tell_moved(&mut self, told: Told<'_>, request: &CommandFunction) {
+        let Some(wires) = self.wires.get(usize::from(request.slot)) else { return };
+        let Sink::Axis(axis, _) = wires.sink else { return };
+        let (sink, speed) = (Leader::Sink(request.slot), wires.speed);
+        // A later command of this cycle may have ended it again.
+        let runs = self.state.slots.get(usize::from(request.slot)).is_some_and(Slot::is_active);
+        self.act_on(axis.into(), told, |axis, cx| match request.order {
+            Order::Start if runs => axis.take_function(cx, MovedBy { sink, speed }),
+            Order::Reset if !runs => axis.leave_function(cx, sink),
+            _ => {}
+        });
+    }
+
+    /// New numbers of a table.
+    pub(super) fn load_table(&mut self, command: &Command, index: u16, table: &Arc<Table>) -> Result<(), Refusal> {
+        let place = usize::from(index);
+        let refuse = |code| Refusal::new(code, Object::Table(index));
+        let Some(present) = self.state.tables.get(place) else {
+            return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
+        };
+        if present.form() != table.form() {
+            let number = |table: &Table| Number::Count(table.form() as i64);
+            return Err(refuse(Code::FUNCTION_TABLE_FORM).with(number(table), number(present)));
+        }
+        for (slot, (state, wires)) in self.state.slots.iter().zip(&self.wires).enumerate() {
+            let reads = wires.tables.contains(&Some(index));
+            if !reads || !state.is_active() {
+                continue;
+            }
+            if !wires.kind.description().edits_tables {
+                return Err(refuse(Code::FUNCTION_USES_TABLE).with(Number::Count(slot as i64), Number::None));
+            }
+            state.check_edit(wires, &self.state.tables, (index, table)).map_err(|fault| refusal(fault, slot as u16))?;
+        }
+        if let Some(place) = self.state.tables.get_mut(place) {
+            // Who gave the former one keeps a reference: none is freed here.
+            place.clone_from(table);
+        }
+        self.accept(command, Object::Table(index));
+        Ok(())
+    }
+
+    /// All slots in a cycle, ascending: behind the encoders, before the axes.
+    pub(super) fn step_slots(&mut self, inputs: &Inputs) {
+        let cycle_s = self.config.cycle_ns as f64 / 1e9;
+        for place in 0..self.wires.len() {
+            let Some(wires) = self.wires.get(place) else { continue };
+            let drives = if wires.kind == Kind::Sidiff { self.drives() } else { [Drive::default(); LINES] };
+            let mark = self.mark(wires.mark, wires.source, inputs);
+            let State { slots, board, leads, tables, panel, axes, cycle, .. } = &mut self.state;
+            let Some(slot) = slots.get_mut(place) else { continue };
+            if wires.on_axis_error == OnAxisError::Reset
+                && slot.is_active()
+                && let Sink::Axis(axis, _) = wires.sink
+                && axes.get(usize::from(axis)).is_some_and(|axis| !axis.error().is_none())
+            {
+                slot.reset();
+            }
+            let cycle = Cycle { cycle: *cycle, leads, tables, mark, drives, cycle_s };
+            let written = slot.step(wires, &cycle, board);
+            let (lead, anew) = (slot.lead(), slot.anew());
+            if let Some(of) = leads.sinks.get_mut(place) {
+                *of = lead;
+            }
+            if anew != Position::ZERO {
+                axes.iter_mut().for_each(|axis| axis.count_on_sink(place as u16, anew));
+            }
+            for (nth, output) in wires.outputs.iter().enumerate() {
+                if let Some(output) = output
+                    && written.outputs >> nth & 1 == 1
+                    && let Bit::Digital(terminal) = output.to
+                {
+                    panel.set_digital(terminal, (slot.outputs() >> nth & 1 == 1) != output.inverted);
+                }
+            }
+            match wires.sink {
+                Sink::Analog(terminal, _) if written.sink => panel.set_analog(terminal, slot.volts()),
+                // A speed is read behind the motion, which a calm axis leaves out.
+                Sink::Axis(axis, _)
+                    if lead.change != Position::ZERO && wires.kind.description().quantity == Quantity::Speed =>
+                {
+                    if let Some(axis) = axes.get_mut(usize::from(axis)) {
+                        axis.disturb();
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Where the mark of this cycle was, so far before the source's present position; of several the last one.
+    fn mark(&self, mark: Mark, source: Source, inputs: &Inputs) -> Option<Position> {
+        let Source::Lead(leader, _) = source else { return None };
+        let (object, index) = match mark {
+            Mark::None | Mark::Edge => return None,
+            Mark::Latch(entry) => (Object::Io(entry), None),
+            Mark::Encoder(place) => {
+                let index = inputs.encoder.get(usize::from(place)).and_then(|input| input.index);
+                (Object::Encoder(place), index)
+            }
+        };
+        let lead = self.state.leads.get(leader);
+        let raw = |count: i64| match object {
+            Object::Encoder(place) => self.state.encoders.get(usize::from(place)).map(|encoder| encoder.locate(count)),
+            _ => None,
+        };
+        let latch = inputs.latch.iter().rev().find(|latch| latch.object == object && latch.edge == Edge::Rising);
+        let latched =
+            latch.map(|latch| locate(latch.position.and_then(raw), latch.age_ns, Some(lead), self.config.cycle_ns).0);
+        let position = latched.or_else(|| index.and_then(raw).map(Position::whole))?;
+        Some(lead.position - position)
+    }
+
+    /// What functions that watch drives see of the first axes.
+    fn drives(&self) -> [Drive; LINES] {
+        let mut drives = [Drive::default(); LINES];
+        for (drive, first) in drives.iter_mut().zip(&self.signals.axes) {
+            drive.error = self.state.board.int(AxisSignal::RegulatorError.of(*first));
+        }
+        for (slot, wires) in self.state.slots.iter().zip(&self.wires) {
+            if let Sink::Axis(axis, _) = wires.sink
+                && let Some(drive) = drives.get_mut(usize::from(axis))
+            {
+                drive.sak_share = slot.sak_share();
+            }
+        }
+        drives
+    }
+}

@@ -1,0 +1,120 @@
+//! Requests to functions and tables: names to places.
+
+use super::{RequestError, list};
+use crate::command::{Action, CommandFunction};
+use crate::config::{MachineConfig, SlotConfig};
+use crate::function::Order;
+use crate::table::Table;
+use crate::unit::excerpt;
+use std::sync::Arc;
+
+/// Values of one field.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FieldValue {
+    /// The value of a field that has one; of a list its first.
+    One(i64),
+    /// The first values of a list.
+    List(Vec<i64>),
+}
+
+/// An order to a function, with values that it stages first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FunctionRequest {
+    /// Its name.
+    pub function: String,
+    /// What is done.
+    pub order: Order,
+    /// Values by the names of their fields; `cams[2]` is one of a list.
+    pub values: Vec<(String, FieldValue)>,
+}
+
+impl MachineConfig {
+    /// The function of that name, and its place among the slots.
+    ///
+    /// # Errors
+    /// None has it.
+    pub fn find_function(&self, name: &str) -> Result<(u16, &SlotConfig), RequestError> {
+        let found = (0..).zip(&self.slots).find(|(_, slot)| slot.name == name);
+        found.ok_or_else(|| RequestError::UnknownFunction {
+            name: excerpt(name),
+            known: list(self.slots.iter().map(|slot| slot.name.clone())),
+        })
+    }
+
+    /// The table of that name, by its place.
+    ///
+    /// # Errors
+    /// None has it.
+    pub fn find_table(&self, name: &str) -> Result<u16, RequestError> {
+        let found = (0..).zip(&self.tables).find(|(_, table)| table.name == name).map(|(place, _)| place);
+        found.ok_or_else(|| RequestError::UnknownTable {
+            name: excerpt(name),
+            known: list(self.tables.iter().map(|table| table.name.clone())),
+        })
+    }
+
+    /// An order to a function as a command.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself. Ranges are the machine's to judge: the error of the function shows what it refused.
+    pub fn resolve_function(&self, request: &FunctionRequest) -> Result<Action, RequestError> {
+        let (slot, config) = self.find_function(&request.function)?;
+        let mut values: Vec<(u16, i64)> = Vec::new();
+        for (name, value) in &request.values {
+            let (first, count) = place(config, name)?;
+            let given: &[i64] = match value {
+                FieldValue::One(value) => std::slice::from_ref(value),
+                FieldValue::List(values) => values,
+            };
+            if given.is_empty() || given.len() > count {
+                let (field, given) = (excerpt(name), given.len());
+                return Err(RequestError::FieldCount { function: config.name.clone(), field, given, most: count });
+            }
+            for (place, value) in (first..).zip(given) {
+                if values.iter().any(|(known, _)| *known == place) {
+                    return Err(RequestError::FieldTwice { function: config.name.clone(), field: excerpt(name) });
+                }
+                values.push((place, *value));
+            }
+        }
+        Ok(Action::CommandFunction(CommandFunction { slot, order: request.order, values: values.into() }))
+    }
+
+    /// New numbers of a table as a command; `x` is empty but of form xy.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_load_table(&self, name: &str, x: &[i64], y: &[i64]) -> Result<Action, RequestError> {
+        let index = self.find_table(name)?;
+        let present = self.tables.get(usize::from(index));
+        let form = present.map(|present| present.table.form()).unwrap_or(crate::table::Form::Y);
+        let table = Table::new(form, x, y)
+            .map_err(|error| RequestError::BadTable { name: excerpt(name), sentence: error.to_string() })?;
+        Ok(Action::LoadTable { index, table: Arc::new(table) })
+    }
+}
+
+/// Where the values of a field begin in the set, and how many there are from there on.
+fn place(config: &SlotConfig, name: &str) -> Result<(u16, usize), RequestError> {
+    let row = config.kind.description();
+    let (field, nth) = match name.strip_suffix(']').and_then(|name| name.split_once('[')) {
+        Some((field, nth)) => (field, nth.parse::<usize>().ok()),
+        None => (name, Some(0)),
+    };
+    let found = row.find(field).zip(nth).filter(|((field, _), nth)| *nth < field.count);
+    match found {
+        Some(((field, first), nth)) => {
+            let count = if name.ends_with(']') { 1 } else { field.count };
+            Ok((u16::try_from(first + nth).unwrap_or(u16::MAX), count))
+        }
+        None => Err(RequestError::UnknownField {
+            function: config.name.clone(),
+            kind: row.name,
+            field: excerpt(name),
+            known: list(row.fields.iter().map(|field| match field.count {
+                1 => field.name.to_owned(),
+                count => format!("{}[0..{}]", field.name, count - 1),
+            })),
+        }),
+    }
+}

@@ -1,0 +1,80 @@
+//! Sentences about functions and tables.
+
+use super::plain;
+use crate::code::Code;
+use crate::config::{MachineConfig, SlotConfig};
+use crate::event::{Event, Number};
+use crate::function::Field;
+use crate::object::Object;
+use crate::table::Form;
+
+/// The field that an event of a function is about.
+fn field(event: &Event, config: &MachineConfig) -> Option<&'static Field> {
+    let Object::Function(slot) = event.source else { return None };
+    let slot = config.slots.get(usize::from(slot))?;
+    slot.kind.description().fields.get(usize::from(event.parameter?))
+}
+
+/// What is said of a field: its name and what is wrong with it.
+pub(super) fn of_field(event: &Event, config: &MachineConfig, text: String) -> String {
+    match field(event, config) {
+        Some(field) => format!("{}: {text}", field.name),
+        None => text,
+    }
+}
+
+/// A value beyond the range of its field.
+fn out_of_range(event: &Event, config: &MachineConfig) -> String {
+    let Some(field) = field(event, config) else { return "a value lies beyond the range of its field".to_owned() };
+    let nth = match event.limit {
+        Number::Count(nth) if field.count > 1 => format!("[{nth}]"),
+        _ => String::new(),
+    };
+    let unit = if field.unit.is_empty() { String::new() } else { format!(" (unit: {})", field.unit) };
+    format!("{}{nth} is {}; {} to {} is allowed{unit}", field.name, plain(event.asked), field.min, field.max)
+}
+
+fn slot(number: Number, config: &MachineConfig) -> Option<&SlotConfig> {
+    let Number::Count(slot) = number else { return None };
+    config.slots.get(usize::try_from(slot).ok()?)
+}
+
+/// A table that a function reads.
+fn uses_table(event: &Event, config: &MachineConfig) -> String {
+    match slot(event.asked, config) {
+        Some(slot) => {
+            let (name, kind) = (&slot.name, slot.kind.name());
+            format!("function {name} is started and reads it; a {kind} takes no new numbers before its RESET")
+        }
+        None => "a started function reads it".to_owned(),
+    }
+}
+
+/// An output that a function writes.
+fn writes(event: &Event, config: &MachineConfig) -> String {
+    let owner = slot(event.limit, config).map_or("a function", |slot| &slot.name);
+    format!("{} may not be set, nor any value: function {owner} writes it", plain(event.asked))
+}
+
+/// A table of another form.
+fn other_form(event: &Event) -> String {
+    let name = |number| match number {
+        Number::Count(form) => usize::try_from(form).ok().and_then(|form| Form::ALL.get(form)).map(|(_, name)| *name),
+        _ => None,
+    };
+    match (name(event.asked), name(event.limit)) {
+        (Some(asked), Some(has)) => format!("the numbers are of form {asked}; the table has form {has}"),
+        _ => "the numbers are of another form than the table".to_owned(),
+    }
+}
+
+/// The sentence of a code that depends on the function or the table; none of another.
+pub(super) fn reason(event: &Event, config: &MachineConfig) -> Option<String> {
+    match event.code {
+        Code::FUNCTION_RANGE => Some(out_of_range(event, config)),
+        Code::FUNCTION_USES_TABLE => Some(uses_table(event, config)),
+        Code::FUNCTION_WRITES => Some(writes(event, config)),
+        Code::FUNCTION_TABLE_FORM => Some(other_form(event)),
+        _ => None,
+    }
+}
