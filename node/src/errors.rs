@@ -10,7 +10,7 @@ const INTRODUCTION: &str = "\
 This page is made of the tables that the program uses: `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib errors` writes it anew.
 
 A code stands in `x.error`, in `error_code` of ~/axis_states, in events, in the result of an action. 0 is none. Below 1000 they are the
-error numbers of MACS, from 1000 on alarms of the WF modules (1000 + number), from 2000 on those of the SAIA module, from 10000 on
+error numbers of MACS, from 1000 on alarms of the WF modules (1000 + number), from 2000 on those of the SAIA module, from 3000 on those of function slots, from 10000 on
 our own, from 65536 (10000h) on what a drive reports (10000h + its object 603Fh).
 
 ## What an error does
@@ -107,10 +107,11 @@ the reference selector of a virtual axis at rest, which has no error by it, is s
 ";
 
 /// The ranges with their headings.
-const PARTS: [(&str, u32, u32); 6] = [
+const PARTS: [(&str, u32, u32); 7] = [
     ("MACS", 1, 999),
     ("Siemens WF 725", 1000, 1999),
     ("SAIA PCD4.H3", 2000, 2999),
+    ("AMKASYN fast functions", 3000, 3999),
     ("Lineshaft: refused", 10_000, 10_100),
     ("Lineshaft: ended", 10_101, 10_199),
     ("Lineshaft: failed", 10_200, 65_535),

@@ -74,7 +74,7 @@ impl Axis {
         if self.function.take_if(|by| by.sink == sink).is_none() || self.reference != Reference::Function {
             return;
         }
-        if self.state == AxisState::Disabled {
+        if matches!(self.state, AxisState::Disabled | AxisState::Standstill) {
             self.reference = Reference::Stop;
         } else {
             self.brake_to_rest(cx, &self.parameters.usual_limits());
@@ -101,6 +101,11 @@ impl Axis {
     fn begin_function(&mut self, cx: &mut Context<'_>, by: MovedBy) {
         self.owner = Owner::Native;
         if let Some(speed) = by.speed {
+            if self.state == AxisState::Standstill && asked(cx, by.sink, speed) == 0.0 {
+                // It rests, as it is asked to, until the speed is another one.
+                self.reference = Reference::Function;
+                return;
+            }
             return self.run_at(cx, by.sink, speed);
         }
         let p = &self.parameters;

@@ -172,6 +172,9 @@ impl Axis {
         generator: Generator,
     ) {
         (self.reference, self.generator) = (reference, generator);
+        if reference != Reference::Function {
+            self.function = None;
+        }
         self.set_state(cx, state);
     }
 

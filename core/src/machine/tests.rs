@@ -10,6 +10,7 @@ mod direction;
 mod edges;
 mod faults;
 mod feedback;
+mod functions;
 mod homing;
 mod layers;
 mod limit_switches;

@@ -83,7 +83,7 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("{slot: 1, type: ecopy, sink: none, inputs: [^lamp]}", "`lamp` is no di and no memory cell of type bit"),
         ("{slot: 1, type: ecopy, sink: none, outputs: [^feed]}", "`feed` is no do and no memory cell of type bit"),
         ("{slot: 1, type: ecopy, sink: none, cycle_factor: ^0}", "cycle_factor is 0; 1..255 is allowed"),
-        ("{slot: 1, type: binea, tables: [^tt]}", "tables[0] is `tt`; no table has that name, did you mean `t`?"),
+        ("{slot: 1, type: binea, tables: [^tt]}", "tables[0] is `tt`; no table has that name, there is t"),
         ("{slot: 1, type: binea, tables: ^[t, t]}", "tables has 2 entries; at most 1 are possible"),
         ("{slot: 1, type: binea, mode: ^[0, 0, 0, 0, 0, 0, 0, 0, 0]}", "mode has 9 entries; at most 8 are possible"),
     ] {

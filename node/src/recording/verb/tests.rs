@@ -329,7 +329,7 @@ fn what_is_wrong_is_one_sentence() {
         (r#"{"home_axis":{"id":"17","axis":"x","method":128}}"#, "method is 128; -128..127 is allowed"),
         (r#"{"set_position":{"axis":"q"}}"#, "no axis is called `q`"),
         (r#"{"set_position":{"axis":"x","position":"1 s"}}"#, "position: `1 s` is a time"),
-        (r#"{"load_table":{}}"#, "verb load_table does not exist yet"),
+        (r#"{"load_table":{}}"#, "missing key `points` in load_table"),
         (r#"{"halt":{"axes":["?"]}}"#, "no axis is called `?`; there are x, turret, odd, fine, coarse"),
         (r#"{"halt":{"axes":[]},"enable":{}}"#, "the command has 2 verbs; one is expected"),
         (r#"{"move_axis":{"id":"17","axis":"q"}}"#, "no axis is called `q`"),

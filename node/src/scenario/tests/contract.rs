@@ -17,7 +17,7 @@ fn example_cell() -> Cell {
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("start.csv"), "cycle,start\n0,1\n1,0\n2,1\n").unwrap();
+    std::fs::write(folder.path().join("start.csv"), "cycle,start\n0,1\n1,0\n2,0\n").unwrap();
     folder
 }
 

@@ -25,7 +25,9 @@ expcet: []
 5:14: x.state cannot be driven; inputs, memory cells, ENCODER.count, and of axes with a drive AXIS.actual.count and its switches can
 7:33: no axis is called `z`; there are line, x, turret
 8:21: no signal is called `x.stat`, did you mean `x.state`?
-8:42: verb load_table does not exist yet
+8:54: missing key `points` in load_table
+8:54: missing key `table` in load_table
+8:55: unknown key `axis` in load_table, known are table, points
 9:13: unknown key `doo` in a step, did you mean `do`?
 11:38: at is 0.5; a whole number of cycles, or a time with its unit is allowed, write `0.5 s`
 11:47: x.command.position: `5 deg` is an angle; a length such as `5 m` is expected

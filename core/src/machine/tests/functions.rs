@@ -1,0 +1,467 @@
+//! Function slots in the cycle: their order, what axes make of them, commands, tables.
+
+use super::rig::{LINE, Rig, X, Y, at, config, couple, parameters, to};
+use crate::code::Code;
+use crate::command::{Action, CommandFunction};
+use crate::config::{
+    AxisConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig, MemoryKind, SinkConfig, SlotConfig, SourceConfig,
+    TableConfig,
+};
+use crate::drive::Capabilities;
+use crate::event::Kind;
+use crate::function::{Kind as Type, OnAxisError, Order, Width};
+use crate::object::{AxisSet, Leader, Object};
+use crate::parameter::{Change, Row, Value};
+use crate::position::Length;
+use crate::table::{Form, Table};
+use crate::unit::{Fraction, Quantity, Scale, Unit};
+use std::sync::Arc;
+
+mod links;
+mod random;
+
+/// A rotary axis: 36000 inc a turn, 90 rpm.
+const DISC: u16 = 3;
+
+/// line, x, y and a disc; in and lamp; words of 16, 32 and 64 bits, a real, a bit; a table.
+fn cell(slots: Vec<SlotConfig>) -> MachineConfig {
+    let io = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
+    let memory = |name: &str, kind| MemoryConfig { name: name.into(), kind, initial: 0.0 };
+    let mut config = config(0);
+    config.io = vec![
+        io("e1", IoKind::DigitalInput),
+        io("lamp", IoKind::DigitalOutput),
+        io("aa", IoKind::AnalogOutput),
+        io("e2", IoKind::DigitalInput),
+    ];
+    config.memory = vec![
+        memory("w", MemoryKind::I16),
+        memory("d", MemoryKind::I32),
+        memory("l", MemoryKind::I64),
+        memory("r", MemoryKind::F64),
+        memory("bit", MemoryKind::Bit),
+    ];
+    let per = Quantity::new(Fraction::from_integer(360), Unit::DEGREE);
+    let scale = Scale::new(Fraction::from_integer(36_000), per).expect("a legal scale");
+    let p = crate::parameter::AxisParameters { max_velocity: 54_000.0, ..parameters() };
+    config.axes.push(AxisConfig::new("disc".into(), scale, Some(Capabilities::all(0)), p));
+    let words = [3, 0, 0, 0, 100, 0, 1, 0, 200, 0, 0, 0];
+    let table = Table::new(Form::Words, &[], &words).expect("words");
+    config.tables = vec![TableConfig { name: "t".into(), table: Arc::new(table) }];
+    config.slots = slots;
+    config
+}
+
+fn slot(name: &str, number: u16, kind: Type) -> SlotConfig {
+    SlotConfig::new(name.into(), number, kind)
+}
+
+/// A gear from a leader to an axis, with ratio 1.
+fn gear(name: &str, number: u16, source: Leader, axis: u16) -> SlotConfig {
+    let mut slot = SlotConfig { source: SourceConfig::Lead(source), sink: SinkConfig::Axis(axis), ..slot(name, number, Type::Varsync) };
+    slot.values[3] = 10_000;
+    slot.inputs[0] = Some(Line { object: Object::Io(0), inverted: false });
+    slot
+}
+
+fn copy(name: &str, number: u16, source: SourceConfig, sink: SinkConfig) -> SlotConfig {
+    SlotConfig { source, sink, ..slot(name, number, Type::Dcopy) }
+}
+
+fn order(slot: u16, order: Order) -> Action {
+    with(slot, order, &[])
+}
+
+fn with(slot: u16, order: Order, values: &[(u16, i64)]) -> Action {
+    Action::CommandFunction(CommandFunction { slot, order, values: values.into() })
+}
+
+/// The place of a field in its set.
+fn field(kind: Type, name: &str) -> u16 {
+    kind.description().find(name).expect("a field").1 as u16
+}
+
+/// A machine with one gear from line to x, both on, line at 20 mm/s (20 inc a cycle).
+fn geared() -> Rig {
+    let mut rig = Rig::of(cell(vec![gear("g", 5, Leader::AxisCommand(LINE), X)]));
+    rig.enable();
+    rig.give(Action::Move(at(LINE, 20_000.0)));
+    rig.run_to("line.command.velocity", 20_000.0);
+    rig
+}
+
+/// Proves: AMK-VARSYNC-10, AMK-CMD-08
+#[test]
+fn an_axis_follows_from_the_cycle_behind_start_without_a_jump() {
+    let mut rig = geared();
+    let before = rig.int("x.command.position");
+    let started = rig.give(order(0, Order::Start));
+    assert!(rig.was_accepted(started));
+    assert_eq!((rig.int("x.command.position"), rig.state("x")), (before, "SYNCHRONIZED_MOTION"));
+    assert_eq!((rig.int("x.reference"), rig.int("g.active"), rig.int("g.sink")), (8, 1, before));
+    // The slot reads the last cycle's command of the line, which moves 20 inc a cycle.
+    rig.run(1);
+    assert_eq!((rig.int("x.command.position"), rig.real("x.command.velocity")), (before + 20, 20_000.0));
+    rig.run(99);
+    assert_eq!((rig.int("x.command.position"), rig.int("g.sink")), (before + 2000, before + 2000));
+    assert_eq!(rig.int("x.in_sync"), 1);
+}
+
+/// Proves: AMK-CMD-13
+#[test]
+fn reset_holds_what_the_sink_has_at_once_and_releases_the_axis() {
+    let mut rig = geared();
+    rig.give(order(0, Order::Start));
+    rig.run(50);
+    let held = rig.int("x.command.position");
+    rig.give(order(0, Order::Reset));
+    assert_eq!((rig.int("x.command.position"), rig.int("g.sink"), rig.int("g.active")), (held, held, 0));
+    rig.run(30);
+    assert_eq!((rig.int("x.command.position"), rig.state("x"), rig.int("x.reference")), (held, "STANDSTILL", 0));
+    // What was the sink's is free for others.
+    let moved = rig.give(Action::Move(to(X, held + 500)));
+    assert!(rig.was_accepted(moved));
+    rig.run(400);
+    let started = rig.give(order(0, Order::Start));
+    assert!(rig.was_accepted(started));
+    assert_eq!(rig.int("g.sink"), held + 500, "it begins where the axis is now");
+}
+
+/// Proves: AMK-GEN-11
+#[test]
+fn a_function_runs_on_without_its_axis_which_follows_again_once_it_is_on() {
+    let mut rig = Rig::of(cell(vec![gear("g", 0, Leader::AxisCommand(LINE), X)]));
+    rig.give(Action::Move(at(LINE, 20_000.0)));
+    let started = rig.give(order(0, Order::Start));
+    assert!(rig.was_accepted(started), "an axis that is off is waited for");
+    assert_eq!((rig.state("x"), rig.int("x.reference")), ("DISABLED", 8));
+    rig.run(100);
+    assert_eq!(rig.int("x.command.position"), 0);
+    let sink = rig.int("g.sink");
+    assert!(sink > 1000);
+    rig.enable();
+    assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+    let (there, sink) = (rig.int("x.command.position"), rig.int("g.sink"));
+    rig.run(10);
+    assert_eq!(rig.int("x.command.position") - there, rig.int("g.sink") - sink, "changes, not the value");
+    // Off and on again: the same.
+    rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(200);
+    assert_eq!((rig.state("x"), rig.int("x.reference"), rig.int("g.active")), ("DISABLED", 8, 1));
+    rig.enable();
+    assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+}
+
+#[test]
+fn what_else_moves_or_stops_the_axis_takes_it_until_the_next_start() {
+    for taking in [
+        Action::Move(to(X, 90_000)),
+        Action::Halt(AxisSet::one(X)),
+        Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 2)),
+    ] {
+        let mut rig = geared();
+        rig.give(order(0, Order::Start));
+        rig.run(20);
+        let velocity = rig.real("x.command.velocity");
+        let given = rig.give(taking.clone());
+        assert!(rig.was_accepted(given), "{taking:?}");
+        rig.run(1);
+        let after = rig.real("x.command.velocity");
+        assert!((after - velocity).abs() <= 1000.0 + 1e-6, "{taking:?}: from {velocity} to {after}");
+        assert_eq!(rig.int("g.active"), 1, "the function runs on");
+        rig.give(Action::Halt(AxisSet::one(X)));
+        rig.run(500);
+        assert_eq!(rig.state("x"), "STANDSTILL", "{taking:?}: nothing moves it again");
+        let refused = rig.give(order(0, Order::Start));
+        assert_eq!(rig.answer(refused).expect_err("it is active").code, Code::FUNCTION_ACTIVE);
+        rig.give_all(vec![order(0, Order::Reset), order(0, Order::Start)]);
+        assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+    }
+}
+
+#[test]
+fn a_moving_axis_comes_to_the_velocity_of_the_sink_within_its_limits() {
+    let mut rig = geared();
+    rig.give(Action::Move(at(X, 60_000.0)));
+    rig.run_to("x.command.velocity", 60_000.0);
+    rig.give(order(0, Order::Start));
+    let mut before = rig.real("x.command.velocity");
+    for _ in 0..200 {
+        rig.run(1);
+        let now = rig.real("x.command.velocity");
+        // Half of max_acceleration, and a count of a sink that is counted.
+        assert!((now - before).abs() <= 500.0 + 1000.0 + 1e-6, "{before} {now}");
+        before = now;
+    }
+    assert_eq!((before, rig.int("x.in_sync")), (20_000.0, 1));
+    let (there, sink) = (rig.int("x.command.position"), rig.int("g.sink"));
+    rig.run(100);
+    assert_eq!(rig.int("x.command.position") - there, rig.int("g.sink") - sink);
+}
+
+#[test]
+fn a_sink_that_is_too_fast_is_an_error_of_its_axis() {
+    let mut slot = gear("g", 0, Leader::AxisCommand(LINE), X);
+    slot.on_axis_error = OnAxisError::Reset;
+    slot.values[4] = 30_000;
+    let mut rig = Rig::of(cell(vec![slot]));
+    rig.enable();
+    rig.give(Action::Move(at(LINE, 50_000.0)));
+    rig.run_to("line.command.velocity", 50_000.0);
+    rig.give(order(0, Order::Start));
+    rig.run(10);
+    assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("SYNCHRONIZED_MOTION", 50_000.0));
+    // E1 takes ratio 3: 150 mm/s of 100.
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(1);
+    assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", Code::FUNCTION_TOO_FAST.0.into()));
+    let told = rig.events.iter().find(|event| event.kind == Kind::Error).expect("the error");
+    assert_eq!(
+        crate::text::sentence(told, rig.machine.config()),
+        "x: its function asks for 150 mm/s; max_velocity is 100 mm/s"
+    );
+    // The axis begins its cycle behind the slots: they see its error in the next one.
+    rig.run(1);
+    assert_eq!(rig.int("g.active"), 0);
+    rig.give(Action::ResetErrors(AxisSet::one(X)));
+    rig.run(300);
+    assert_eq!(rig.state("x"), "STANDSTILL");
+}
+
+#[test]
+fn an_error_takes_the_axis_and_a_function_that_is_to_run_runs_on() {
+    let mut rig = geared();
+    rig.give(order(0, Order::Start));
+    rig.run(20);
+    rig.plant.drive(0).expect("the drive of x").inject_fault(0x7500);
+    rig.run(5);
+    assert_eq!((rig.state("x"), rig.int("g.active")), ("ERROR_STOP", 1));
+    rig.run(400);
+    rig.give(Action::ResetErrors(AxisSet::one(X)));
+    rig.run(50);
+    rig.enable();
+    assert_eq!(rig.state("x"), "STANDSTILL", "only START gives it back");
+    let refused = rig.give_all(vec![order(0, Order::Reset), order(0, Order::Start)]);
+    assert!(rig.answer(refused).is_ok());
+}
+
+#[test]
+fn an_axis_that_cannot_move_refuses_start() {
+    let mut rig = geared();
+    rig.give(Action::QuickStop(AxisSet::one(X)));
+    let refused = rig.give(order(0, Order::Start));
+    assert_eq!(rig.answer(refused).expect_err("locked").code, Code::QUICK_STOPPED);
+    assert_eq!((rig.int("g.active"), rig.int("g.error")), (0, 0));
+    // A coupling that would close a loop: x follows what y makes of x.
+    let mut rig = Rig::of(cell(vec![gear("g", 0, Leader::AxisCommand(Y), X)]));
+    rig.enable();
+    let coupled = rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)));
+    assert_eq!(rig.answer(coupled).expect_err("x may follow y").code, Code::LEADER_LOOP);
+}
+
+/// Proves: AMK-DIGDREH-02, AMK-DIGDREH-04, AMK-DIGDREH-06, AMK-DIGDREH-07, AMK-DIGDREH-08, AMK-GEN-18
+#[test]
+fn a_speed_runs_a_rotary_axis_on_its_ramp() {
+    let mut slot = slot("turn", 0, Type::Digdreh);
+    slot.sink = SinkConfig::Axis(DISC);
+    let line = |place| Some(Line { object: Object::Io(place), inverted: false });
+    (slot.inputs[1], slot.inputs[0], slot.inputs[2]) = (line(0), Some(Line { object: Object::Io(3), inverted: true }), None);
+    slot.outputs[0] = line(1);
+    let mut rig = Rig::of(cell(vec![slot]));
+    rig.enable();
+    // 60 rpm: one turn of 36000 inc a second.
+    let started = rig.give(with(0, Order::Start, &[(field(Type::Digdreh, "speed"), 600_000)]));
+    assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
+    rig.run(1);
+    assert_eq!((rig.int("turn.sink"), rig.int("lamp"), rig.state("disc")), (0, 1, "STANDSTILL"));
+    assert_eq!(rig.int("disc.reference"), 8);
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(1);
+    assert_eq!((rig.int("turn.sink"), rig.int("lamp")), (600_000, 0));
+    rig.run(10);
+    // Half of max_acceleration, 1e6 inc/s^2, is 500 inc/s a cycle.
+    assert_eq!(rig.real("disc.command.velocity"), 5_000.0);
+    rig.run(80);
+    assert_eq!((rig.real("disc.command.velocity"), rig.int("disc.in_velocity")), (36_000.0, 1));
+    // Enable loss stops, on the ramp too.
+    rig.tamper = |inputs| inputs.digital[0] = 0b11;
+    rig.run(1);
+    assert_eq!((rig.int("turn.sink"), rig.int("lamp")), (0, 1));
+    rig.run(90);
+    assert_eq!(rig.real("disc.command.velocity"), 0.0);
+    rig.tamper = |inputs| inputs.digital[0] = 0;
+    rig.run(2);
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(90);
+    assert_eq!(rig.real("disc.command.velocity"), 36_000.0);
+    rig.give(order(0, Order::Reset));
+    assert_eq!((rig.int("turn.sink"), rig.int("lamp")), (0, 1), "a speed is 0 and A1 stands for rest");
+    rig.run(100);
+    assert_eq!(rig.state("disc"), "STANDSTILL");
+}
+
+#[test]
+fn a_follower_of_a_sink_follows_it_and_counts_on_where_it_begins_anew() {
+    let slots = vec![copy("c", 3, SourceConfig::Signal("l".into()), SinkConfig::None)];
+    let mut rig = Rig::of(cell(slots));
+    rig.enable();
+    let coupled = rig.give(Action::Synchronize(couple(X, Leader::Sink(0), 1, 1)));
+    assert!(rig.was_accepted(coupled));
+    rig.give(Action::SetMemory { index: 2, value: 5000.0 });
+    rig.run(20);
+    rig.give(order(0, Order::Start));
+    rig.run(5);
+    assert_eq!((rig.int("c.sink"), rig.int("x.command.position")), (5000, 0), "START is no motion");
+    for step in 1..=30 {
+        rig.give(Action::SetMemory { index: 2, value: 5000.0 + f64::from(step) });
+    }
+    rig.run(30);
+    assert_eq!((rig.int("x.command.position"), rig.int("x.sync.master")), (30, 5030));
+}
+
+/// Proves: AMK-GEN-06
+#[test]
+fn a_new_coordinate_of_the_source_is_no_way() {
+    let slots = vec![gear("g", 0, Leader::AxisActual(Y), X)];
+    let mut rig = Rig::of(cell(slots));
+    rig.enable();
+    rig.give(order(0, Order::Start));
+    let set = rig.give(Action::SetPosition(crate::command::SetPosition { axis: Y, position: Length::whole(7000) }));
+    assert!(rig.was_accepted(set));
+    rig.run(10);
+    assert_eq!((rig.int("y.command.position"), rig.int("x.command.position")), (7000, 0));
+    rig.give(Action::Move(to(Y, 7100)));
+    rig.run(400);
+    assert_eq!((rig.int("y.command.position"), rig.int("x.command.position")), (7100, 100));
+}
+
+/// Proves: AMK-CMD-09, AMK-CMD-10, AMK-CMD-11, AMK-CMD-12, AMK-CMD-14, AMK-ECOPY-05, AMK-BCOM-32, AMK-BCOM-33, AMK-BCOM-34, AMK-BCOM-35, AMK-BCOM-36, AMK-BCOM-37, AMK-BCOM-38, AMK-BCOM-39, AMK-BCOM-40
+#[test]
+fn orders_are_taken_by_the_states_and_a_set_is_taken_as_a_whole() {
+    let mut slot = slot("e", 0, Type::Ecopy);
+    slot.sink = SinkConfig::Memory(1);
+    let mut rig = Rig::of(cell(vec![slot]));
+    let (mode, value) = (0, 1);
+    let early = rig.give(with(0, Order::ValueNew, &[(value, 5)]));
+    assert_eq!(rig.refusal(early), "e: it is in RESET; VALUE_NEW needs a function that is started");
+    let fault = rig.give(with(0, Order::Start, &[(value, 5), (mode, 9)]));
+    assert_eq!(rig.refusal(fault), "e: mode is 9; 0 to 3 is allowed");
+    assert_eq!((rig.int("e.active"), rig.int("e.error")), (0, 3004));
+    assert_eq!(rig.machine.slots()[0].staged(), [0, 0, 0], "nothing of the set was taken");
+    let started = rig.give(with(0, Order::Start, &[(mode, 1), (value, 70_000)]));
+    assert!(rig.was_accepted(started));
+    assert_eq!((rig.int("d"), rig.int("e.active"), rig.int("e.error")), (70_000, 1, 0));
+    let again = rig.give(order(0, Order::Start));
+    assert_eq!(rig.answer(again).expect_err("active").code, Code::FUNCTION_ACTIVE);
+    // Staged values count once they are commanded.
+    rig.give(with(0, Order::Stage, &[(value, 3)]));
+    rig.run(3);
+    assert_eq!(rig.int("d"), 70_000);
+    let bad = rig.give(with(0, Order::ValueNew, &[(value, 4), (value + 1, 1 << 40)]));
+    assert_eq!(rig.answer(bad).expect_err("beyond i32").code, Code::FUNCTION_RANGE);
+    rig.run(1);
+    assert_eq!((rig.int("d"), rig.machine.slots()[0].staged()), (70_000, &[1, 3, 0][..]));
+    // The mode stays as it was started (A-12).
+    rig.give(with(0, Order::ValueNew, &[(mode, 0)]));
+    assert_eq!((rig.int("d"), rig.machine.slots()[0].active()), (3, &[1, 3, 0][..]));
+    let read = rig.give(order(0, Order::ReadValue));
+    assert!(rig.was_accepted(read));
+    rig.give(order(0, Order::Reset));
+    rig.give(Action::SetMemory { index: 1, value: 8.0 });
+    rig.run(2);
+    assert_eq!((rig.int("d"), rig.int("e.sink")), (8, 3), "released");
+    let unknown = rig.give(order(9, Order::Start));
+    assert_eq!(rig.answer(unknown).expect_err("no such slot").code, Code::BAD_REQUEST);
+}
+
+/// Proves: AMK-GEN-13
+#[test]
+fn a_table_in_use_stands_and_one_that_may_be_edited_counts_at_once() {
+    let mut binea = slot("b", 0, Type::Binea);
+    binea.tables[0] = Some(0);
+    let mut rig = Rig::of(cell(vec![binea]));
+    let table = |words: &[i64]| Arc::new(Table::new(Form::Words, &[], words).expect("words"));
+    let load = |table: &Arc<Table>| Action::LoadTable { index: 0, table: Arc::clone(table) };
+    let given = rig.give(with(0, Order::Start, &[(4, 2)]));
+    assert!(rig.was_accepted(given), "{}", rig.refusal(given));
+    let other = table(&[2, 0, 0, 0, 300, 0, 1, 0]);
+    let refused = rig.give(load(&other));
+    assert_eq!(rig.refusal(refused), "t: function b is started and reads it; a binea takes no new numbers before its RESET");
+    rig.give(order(0, Order::Reset));
+    let taken = rig.give(load(&other));
+    assert!(rig.was_accepted(taken));
+    assert_eq!(rig.machine.tables()[0], other);
+    let y = Arc::new(Table::new(Form::Y, &[], &[0, 1]).expect("points"));
+    let refused = rig.give(load(&y));
+    assert_eq!(rig.refusal(refused), "t: the numbers are of form y; the table has form words");
+    let unknown = rig.give(Action::LoadTable { index: 3, table: other });
+    assert_eq!(rig.answer(unknown).expect_err("no such table").code, Code::BAD_REQUEST);
+}
+
+/// Proves: AMK-BCOM-06, AMK-SNK-03, AMK-SNK-07, AMK-ECOPY-01, AMK-ECOPY-04, AMK-ECOPY-O1
+#[test]
+fn outputs_of_a_function_are_its_own_and_an_ao_takes_mv() {
+    let mut slot = slot("e", 0, Type::Ecopy);
+    slot.sink = SinkConfig::Output(2);
+    slot.inputs[0] = Some(Line { object: Object::Memory(4), inverted: false });
+    slot.outputs[0] = Some(Line { object: Object::Io(1), inverted: false });
+    let mut rig = Rig::of(cell(vec![slot]));
+    rig.give(with(0, Order::Start, &[(0, 3), (1, 10_000), (2, 5000)]));
+    assert_eq!((rig.outputs().analog[0], rig.outputs().digital(0)), (10.0, false));
+    rig.give(Action::SetMemory { index: 4, value: 1.0 });
+    assert_eq!((rig.outputs().analog[0], rig.outputs().digital(0), rig.real("aa"), rig.int("e.out1")), (5.0, true, 5.0, 1));
+    for (entry, sentence) in [(1, "lamp: 1 may not be set, nor any value: function e writes it"), (2, "aa: 1 may not be set, nor any value: function e writes it")] {
+        let refused = rig.give(Action::set_output(entry, 1.0));
+        assert_eq!(rig.refusal(refused), sentence);
+    }
+    rig.give(order(0, Order::Reset));
+    assert_eq!((rig.outputs().analog[0], rig.outputs().digital(0)), (5.0, false), "A1 is 0 after RESET, the value is held");
+}
+
+/// Proves: AMK-INIT-04, AMK-BCOM-11, AMK-CTX-11
+#[test]
+fn a_slot_is_called_in_each_nth_cycle_from_its_start_on() {
+    let mut slot = copy("c", 0, SourceConfig::Signal("l".into()), SinkConfig::Memory(1));
+    slot.factor = 3;
+    let mut rig = Rig::of(cell(vec![slot]));
+    rig.run(1);
+    let mut seen = Vec::new();
+    for cycle in 0..8 {
+        let mut actions = vec![Action::SetMemory { index: 2, value: f64::from(cycle + 1) }];
+        actions.extend((cycle == 0).then(|| order(0, Order::Start)));
+        rig.give_all(actions);
+        seen.push(rig.int("d"));
+    }
+    assert_eq!(seen, [1, 1, 1, 4, 4, 4, 7, 7]);
+}
+
+/// Proves: AMK-SNK-01, AMK-SNK-04, AMK-SNK-05
+#[test]
+fn widths_cut_and_extend() {
+    let word = |name: &str| SourceConfig::Signal(name.into());
+    let mut slots = vec![
+        copy("a", 0, word("l"), SinkConfig::Memory(0)),
+        copy("b", 1, word("w"), SinkConfig::Memory(1)),
+        copy("c", 2, word("l"), SinkConfig::Memory(3)),
+    ];
+    slots[2].sink_width = Width::W32;
+    let mut rig = Rig::of(cell(slots));
+    rig.give_all((0..3).map(|slot| order(slot, Order::Start)).collect());
+    rig.give(Action::SetMemory { index: 2, value: f64::from(0x1_8001_u32) });
+    // 32768 + 1 in 16 bits is negative, and stays so in 32.
+    assert_eq!((rig.int("w"), rig.int("d"), rig.real("r")), (-32_767, -32_767, 98_305.0));
+    rig.give(Action::SetMemory { index: 2, value: 3_000_000_000.0 });
+    assert_eq!((rig.int("w"), rig.real("r")), (24_064, -1_294_967_296.0));
+}
+
+#[test]
+fn parameters_of_axes_hold_as_they_were_while_a_function_leads() {
+    let mut rig = geared();
+    rig.give(order(0, Order::Start));
+    rig.run(10);
+    let (row, _) = Row::find("max_velocity").expect("a key of the catalogue");
+    let set = rig.give(Action::SetParameters([Change { axis: X, row, value: Value::Real(10_000.0) }].into()));
+    assert!(rig.answer(set).is_ok());
+    rig.run(5);
+    assert_eq!(rig.int("x.error"), Code::FUNCTION_TOO_FAST.0.into(), "a limit counts at once");
+}

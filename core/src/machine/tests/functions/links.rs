@@ -1,0 +1,48 @@
+//! Who sees whose value of which cycle.
+
+use super::{Order, SinkConfig, SourceConfig, cell, copy, order};
+use crate::command::Action;
+use crate::machine::tests::rig::Rig;
+use crate::object::Leader;
+
+fn word(name: &str) -> SourceConfig {
+    SourceConfig::Signal(name.into())
+}
+
+/// A step of the word `w`, and what reaches `d` in its cycle and in the next.
+fn step(slots: Vec<super::SlotConfig>) -> [i64; 2] {
+    let count = slots.len() as u16;
+    let mut rig = Rig::of(cell(slots));
+    rig.give_all((0..count).map(|slot| order(slot, Order::Start)).collect());
+    rig.run(3);
+    rig.give(Action::SetMemory { index: 0, value: 7.0 });
+    let first = rig.int("d");
+    rig.run(1);
+    [first, rig.int("d")]
+}
+
+/// Proves: AMK-GEN-05, AMK-GEN-10, AMK-GEN-O1, AMK-SRC-10, AMK-SNK-06, AMK-CTX-04, AMK-BCOM-08
+#[test]
+fn a_lower_slot_gives_this_cycles_value_and_a_higher_one_the_last() {
+    let first = || copy("a", 0, word("w"), SinkConfig::None);
+    let sink = |slot| SourceConfig::Lead(Leader::Sink(slot));
+    assert_eq!(step(vec![first(), copy("b", 1, sink(0), SinkConfig::Memory(1))]), [7, 7]);
+    // Swapped.
+    let last = copy("b", 9, word("w"), SinkConfig::None);
+    assert_eq!(step(vec![copy("a", 0, sink(1), SinkConfig::Memory(1)), last]), [0, 7]);
+}
+
+/// Proves: AMK-GEN-06, AMK-BCOM-03, AMK-CTX-01
+#[test]
+fn the_same_holds_through_memory() {
+    let write = |slot| copy("a", slot, word("w"), SinkConfig::Memory(2));
+    let read = |slot| copy("b", slot, word("l"), SinkConfig::Memory(1));
+    assert_eq!(step(vec![write(0), read(1)]), [7, 7]);
+    assert_eq!(step(vec![read(0), write(1)]), [0, 7]);
+}
+
+/// Proves: AMK-DCOPY-02, AMK-DCOPY-O3
+#[test]
+fn a_copy_is_of_this_cycle() {
+    assert_eq!(step(vec![copy("a", 3, word("w"), SinkConfig::Memory(1))]), [7, 7]);
+}
