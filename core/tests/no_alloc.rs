@@ -4,15 +4,17 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_core::axis::{BrakeConfig, Safety, Wired};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    Action, BufferMode, Command, Commands, HomeAxis, HomingMethod, MasterPosition, Move, MoveMode, Probe, ProbeEdge,
-    SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Setpoints, Source, Synchronize,
+    Action, BufferMode, Command, CommandFunction, Commands, HomeAxis, HomingMethod, MasterPosition, Move, MoveMode,
+    Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Setpoints, Source, Synchronize,
 };
 use lineshaft_core::config::{
-    AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, MachineConfig, MemoryConfig, MemoryKind,
+    AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig,
+    MemoryKind, SinkConfig, SlotConfig, SourceConfig, TableConfig,
 };
 use lineshaft_core::drive::{Backend, Capabilities, Edge, EncoderInput, Interface, Latch, SpeedOutputs};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
 use lineshaft_core::event::{Event, Kind};
+use lineshaft_core::function::{self, Order, Room, TYPES};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
@@ -22,6 +24,7 @@ use lineshaft_core::parameter::{
 use lineshaft_core::position::{Length, Position};
 use lineshaft_core::sim::{Fixtures, Index, Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::sync::{Disengage, SyncMode};
+use lineshaft_core::table::{Form as Numbering, Table};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
@@ -76,7 +79,7 @@ macro_rules! kinds {
 kinds! {
     Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, Trajectory, HomeAxis,
     SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Cancel, SetParameters, SaveParameters,
-    ResetParameters, DeleteParameters, PowerCycle, SetMemory, SetOutputs, Refuse, Note,
+    ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, LoadTable, SetOutputs, Refuse, Note,
 }
 
 /// How often each kind of action was given, and accepted.
@@ -163,7 +166,11 @@ fn config() -> MachineConfig {
             .chain((0..24).map(|n| io(&format!("q{n}"), IoKind::DigitalOutput)))
             .chain((0..8).map(|n| io(&format!("v{n}"), IoKind::AnalogOutput)))
             .collect(),
-        memory: vec![MemoryConfig { name: "m".into(), kind: MemoryKind::I16, initial: 0.0 }],
+        memory: [("m", MemoryKind::I16), ("bit", MemoryKind::Bit), ("d", MemoryKind::I32)]
+            .map(|(name, kind)| MemoryConfig { name: name.into(), kind, initial: 0.0 })
+            .into(),
+        tables: vec![TableConfig { name: "t".into(), table: table(3) }],
+        slots: slots(),
         encoders: vec![EncoderConfig {
             name: "belt".into(),
             form: lineshaft_core::encoder::Form::Incremental(16),
@@ -178,6 +185,58 @@ fn config() -> MachineConfig {
             ..GlobalConfig::default()
         },
     }
+}
+
+/// Two points or cams, the second one from `turn` * 100 on.
+fn table(turn: i64) -> Arc<Table> {
+    let words: Vec<i64> = (0..40_i64)
+        .map(|word| [3, 0, 0, 0, 100, 0, 1, 0, turn * 100].get(word as usize).copied().unwrap_or(0))
+        .collect();
+    Arc::new(Table::new(Numbering::Words, &[], &words).expect("words"))
+}
+
+/// One slot of each type, two of them with an axis, linked with each other.
+fn slots() -> Vec<SlotConfig> {
+    let slots = TYPES.iter().enumerate().map(|(place, row)| {
+        let mut slot = SlotConfig::new(format!("f{place}"), place as u16, row.kind);
+        slot.source = match row.kind {
+            function::Kind::Imes | function::Kind::Dcopy | function::Kind::Cam => {
+                SourceConfig::Lead(Leader::Encoder(0))
+            }
+            function::Kind::Varsync => SourceConfig::Lead(Leader::AxisCommand(0)),
+            function::Kind::Ecopy => SourceConfig::Lead(Leader::Sink(5)),
+            function::Kind::Binea => SourceConfig::Lead(Leader::Sink(0)),
+            _ => SourceConfig::None,
+        };
+        slot.sink = match row.kind {
+            function::Kind::Varsync => SinkConfig::Axis(5),
+            function::Kind::Ecopy => SinkConfig::Memory(2),
+            _ => SinkConfig::None,
+        };
+        slot.tables[0] = (row.tables > 0).then_some(0);
+        slot.room = Room { mean: 32, cams: 0 };
+        for line in slot.inputs.iter_mut().take(row.inputs) {
+            *line = Some(Line { object: Object::Memory(1), inverted: false });
+        }
+        slot
+    });
+    slots.collect()
+}
+
+/// An order to a function with a value that is often good.
+fn command(numbers: &mut Numbers) -> Action {
+    let slot = numbers.below(TYPES.len() as u64) as u16;
+    let orders = [Order::Start, Order::Start, Order::Start, Order::Reset, Order::ValueNew, Order::ReadValue];
+    let order = orders[numbers.below(6) as usize];
+    let (_, field, _) = TYPES[usize::from(slot)].field_of(0).expect("each type has a field");
+    let mut values = vec![(0, numbers.below(field.max.unsigned_abs().min(4) + 2) as i64)];
+    if let Some((_, tracks)) = TYPES[usize::from(slot)].find("tracks") {
+        values.push((tracks as u16, 2));
+    }
+    if let Some((_, cams)) = TYPES[usize::from(slot)].find("cams") {
+        values.push((cams as u16, 2));
+    }
+    Action::CommandFunction(CommandFunction { slot, order, values: values.into() })
 }
 
 /// A small generator of numbers that are the same in every run.
@@ -265,7 +324,7 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             velocity: 0.0,
             acceleration: 0.0,
         }),
-        12 if number % 2 == 0 => Action::SetMemory { index: 0, value: number as f64 },
+        12 if number % 2 == 0 => Action::SetMemory { index: number.unsigned_abs() as u16 % 3, value: number as f64 },
         12 => Action::set_output((number.unsigned_abs() % 36) as u16, (number % 3) as f64),
         13..=16 => select(axis, numbers),
         17 | 18 => Action::vocabulary(saia(axis, numbers)),
@@ -393,12 +452,14 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     let mut machine = Machine::new(config).expect("a legal machine");
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
-    let mut numbers = Numbers(7);
+    // Those of functions come beside the others, which stay as they were without them.
+    let (mut numbers, mut orders) = (Numbers(7), Numbers(11));
     let mut stream = Setpoints::none(usize::from(AXES));
     let (mut sequence, mut count, mut events, mut marks) = (0, 0_i64, 0, 0);
     // As whoever gives them does: kept for as long as the machine may have them.
-    let (mut trajectories, mut runs) = (Vec::new(), 0);
+    let (mut trajectories, mut tables, mut runs) = (Vec::new(), Vec::new(), 0);
     let mut tally = Tally::default();
+    let mut started = [0; TYPES.len()];
     let (mut positions, mut moved) = (actual_positions(&machine), [0; AXES as usize]);
     let mut substituted = 0;
     for cycle in 0..40_000_u64 {
@@ -423,6 +484,17 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
             trajectories.push(Arc::clone(&trajectory));
             sequence += 1;
             commands.push(Command { sequence, source: Source::Scenario, action: Action::Trajectory(trajectory) });
+        }
+        if pause.is_none() && orders.below(25) == 0 {
+            sequence += 1;
+            commands.push(Command { sequence, source: Source::Scenario, action: command(&mut orders) });
+        }
+        if pause.is_none() && orders.below(60) == 0 {
+            let table = table(2 + orders.below(5) as i64);
+            tables.push(Arc::clone(&table));
+            sequence += 1;
+            let action = Action::LoadTable { index: 0, table };
+            commands.push(Command { sequence, source: Source::Scenario, action });
         }
         if numbers.below(500) == 0
             && let Some(drive) = plant.drive(numbers.below(7) as usize)
@@ -468,6 +540,9 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
         });
         assert_eq!(violation_count(), 0, "in cycle {cycle}");
         tally.count(&commands, machine.events());
+        for (starts, slot) in started.iter_mut().zip(machine.slots()) {
+            *starts += usize::from(slot.is_active());
+        }
         let before = std::mem::replace(&mut positions, actual_positions(&machine));
         for (cycles, (was, is)) in moved.iter_mut().zip(before.iter().zip(&positions)) {
             *cycles += u32::from(was != is);
@@ -491,6 +566,8 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     drop(machine);
     drop(kept);
     assert!(trajectories.iter().all(|trajectory| Arc::strong_count(trajectory) == 1));
+    assert!(tables.iter().all(|table| Arc::strong_count(table) == 1));
+    assert!(started.iter().all(|starts| *starts > 0), "STARTs of each type: {started:?}");
     substituted
 }
 

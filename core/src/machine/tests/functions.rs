@@ -58,7 +58,11 @@ fn slot(name: &str, number: u16, kind: Type) -> SlotConfig {
 
 /// A gear from a leader to an axis, with ratio 1.
 fn gear(name: &str, number: u16, source: Leader, axis: u16) -> SlotConfig {
-    let mut slot = SlotConfig { source: SourceConfig::Lead(source), sink: SinkConfig::Axis(axis), ..slot(name, number, Type::Varsync) };
+    let mut slot = SlotConfig {
+        source: SourceConfig::Lead(source),
+        sink: SinkConfig::Axis(axis),
+        ..slot(name, number, Type::Varsync)
+    };
     slot.values[3] = 10_000;
     slot.inputs[0] = Some(Line { object: Object::Io(0), inverted: false });
     slot
@@ -265,7 +269,8 @@ fn a_speed_runs_a_rotary_axis_on_its_ramp() {
     let mut slot = slot("turn", 0, Type::Digdreh);
     slot.sink = SinkConfig::Axis(DISC);
     let line = |place| Some(Line { object: Object::Io(place), inverted: false });
-    (slot.inputs[1], slot.inputs[0], slot.inputs[2]) = (line(0), Some(Line { object: Object::Io(3), inverted: true }), None);
+    (slot.inputs[1], slot.inputs[0], slot.inputs[2]) =
+        (line(0), Some(Line { object: Object::Io(3), inverted: true }), None);
     slot.outputs[0] = line(1);
     let mut rig = Rig::of(cell(vec![slot]));
     rig.enable();
@@ -386,7 +391,10 @@ fn a_table_in_use_stands_and_one_that_may_be_edited_counts_at_once() {
     assert!(rig.was_accepted(given), "{}", rig.refusal(given));
     let other = table(&[2, 0, 0, 0, 300, 0, 1, 0]);
     let refused = rig.give(load(&other));
-    assert_eq!(rig.refusal(refused), "t: function b is started and reads it; a binea takes no new numbers before its RESET");
+    assert_eq!(
+        rig.refusal(refused),
+        "t: function b is started and reads it; a binea takes no new numbers before its RESET"
+    );
     rig.give(order(0, Order::Reset));
     let taken = rig.give(load(&other));
     assert!(rig.was_accepted(taken));
@@ -409,13 +417,23 @@ fn outputs_of_a_function_are_its_own_and_an_ao_takes_mv() {
     rig.give(with(0, Order::Start, &[(0, 3), (1, 10_000), (2, 5000)]));
     assert_eq!((rig.outputs().analog[0], rig.outputs().digital(0)), (10.0, false));
     rig.give(Action::SetMemory { index: 4, value: 1.0 });
-    assert_eq!((rig.outputs().analog[0], rig.outputs().digital(0), rig.real("aa"), rig.int("e.out1")), (5.0, true, 5.0, 1));
-    for (entry, sentence) in [(1, "lamp: 1 may not be set, nor any value: function e writes it"), (2, "aa: 1 may not be set, nor any value: function e writes it")] {
+    assert_eq!(
+        (rig.outputs().analog[0], rig.outputs().digital(0), rig.real("aa"), rig.int("e.out1")),
+        (5.0, true, 5.0, 1)
+    );
+    for (entry, sentence) in [
+        (1, "lamp: 1 may not be set, nor any value: function e writes it"),
+        (2, "aa: 1 may not be set, nor any value: function e writes it"),
+    ] {
         let refused = rig.give(Action::set_output(entry, 1.0));
         assert_eq!(rig.refusal(refused), sentence);
     }
     rig.give(order(0, Order::Reset));
-    assert_eq!((rig.outputs().analog[0], rig.outputs().digital(0)), (5.0, false), "A1 is 0 after RESET, the value is held");
+    assert_eq!(
+        (rig.outputs().analog[0], rig.outputs().digital(0)),
+        (5.0, false),
+        "A1 is 0 after RESET, the value is held"
+    );
 }
 
 /// Proves: AMK-INIT-04, AMK-BCOM-11, AMK-CTX-11

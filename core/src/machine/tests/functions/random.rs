@@ -1,1 +1,206 @@
+//! Cells of slots linked at random, and whatever happens to them.
 
+use super::{DISC, cell, with};
+use crate::command::Action;
+use crate::config::{Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
+use crate::function::{Kind, Need, OnAxisError, Order, TYPES, Width};
+use crate::machine::tests::rig::{LINE, Rig, X, Y, at, cases, couple};
+use crate::object::{AxisSet, Leader, Object};
+use crate::table::{Form, Table};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+/// Choices of one slot, as numbers that are taken by what there is.
+#[derive(Clone, Debug)]
+struct Choice {
+    kind: usize,
+    source: usize,
+    sink: usize,
+    lines: [usize; 4],
+    widths: [usize; 2],
+    factor: u32,
+    resets: bool,
+    window: usize,
+}
+
+fn choice() -> impl Strategy<Value = Choice> {
+    let n = || 0_usize..64;
+    let lines = (n(), n(), n(), n()).prop_map(|(a, b, c, d)| [a, b, c, d]);
+    let rest = (0_usize..3, 0_usize..3, 1_u32..4, any::<bool>(), 1_usize..40);
+    (0..TYPES.len(), n(), n(), lines, rest).prop_map(|(kind, source, sink, lines, (a, b, factor, resets, window))| {
+        Choice { kind, source, sink, lines, widths: [a, b], factor, resets, window }
+    })
+}
+
+/// A cell of these slots; what is taken already goes without.
+fn linked(choices: &[Choice]) -> MachineConfig {
+    let mut sinks = vec![SinkConfig::Axis(X), SinkConfig::Axis(DISC), SinkConfig::Output(2)];
+    sinks.extend((0..4).map(SinkConfig::Memory));
+    let mut outputs = vec![Object::Io(1), Object::Memory(4)];
+    let count = choices.len();
+    let slots = choices.iter().enumerate().map(|(place, choice)| {
+        let row = &TYPES[choice.kind];
+        let mut slot = SlotConfig::new(format!("f{place}"), place as u16 * 3, row.kind);
+        slot.source = match choice.source % 9 {
+            0 => SourceConfig::Lead(Leader::AxisCommand(LINE)),
+            1 => SourceConfig::Lead(Leader::AxisActual(Y)),
+            2 => SourceConfig::Lead(Leader::Encoder(0)),
+            3 => SourceConfig::Signal("w".into()),
+            4 => SourceConfig::Signal("d".into()),
+            5 => SourceConfig::Signal("r".into()),
+            6 => SourceConfig::Signal("y.following_error".into()),
+            _ => SourceConfig::Lead(Leader::Sink((choice.source % count) as u16)),
+        };
+        if row.kind == Kind::Imes {
+            slot.source = SourceConfig::Lead(Leader::Encoder(0));
+        }
+        if row.source == Need::Never {
+            slot.source = SourceConfig::None;
+        }
+        let at = choice.sink % sinks.len().max(1);
+        let fits = |sink: &SinkConfig| match sink {
+            SinkConfig::Axis(axis) => row.moves_axes && (row.kind != Kind::Digdreh || *axis == DISC),
+            _ => row.sink != Need::Never,
+        };
+        if sinks.get(at).is_some_and(fits) {
+            slot.sink = sinks.remove(at);
+        }
+        for (nth, line) in choice.lines.iter().enumerate() {
+            if nth < row.inputs {
+                let object = [Object::Io(0), Object::Io(3), Object::Memory(4)][line % 3];
+                slot.inputs[nth] = Some(Line { object, inverted: line % 2 == 0 });
+            }
+            if nth < row.outputs && line % 5 == 0 && !outputs.is_empty() {
+                slot.outputs[nth] = Some(Line { object: outputs.remove(0), inverted: line % 2 == 1 });
+            }
+        }
+        slot.tables[0] = (row.tables > 0 && choice.lines[0] % 4 != 0).then_some(0);
+        slot.word = row.word.filter(|_| choice.lines[1] % 2 == 0).map(|_| "w".into());
+        let width = |nth: usize| [Width::W16, Width::W32, Width::W64][choice.widths[nth]];
+        (slot.source_width, slot.sink_width) = (width(0), width(1));
+        slot.factor = choice.factor;
+        slot.on_axis_error = if choice.resets { OnAxisError::Reset } else { OnAxisError::Run };
+        slot.room.mean = choice.window;
+        slot
+    });
+    let mut config = cell(slots.collect());
+    // Long enough for the cams and points that the values below may count.
+    let words: Vec<i64> =
+        (0..96).map(|word| if word == 0 { 3 } else { i64::from(word % 7 == 4) * word * 10 }).collect();
+    config.tables[0].table = Arc::new(Table::new(Form::Words, &[], &words).expect("words"));
+    config
+}
+
+#[derive(Clone, Debug)]
+enum Happening {
+    Order(usize, Order, Vec<(usize, i64)>),
+    Memory(u16, i64),
+    Input(u8),
+    Line(i64),
+    Encoder(i64),
+    Table(Vec<i64>),
+    Axes(u8),
+    Mirror,
+    Cycles(u64),
+}
+
+fn happening() -> impl Strategy<Value = Happening> {
+    let orders =
+        [Order::Start, Order::Start, Order::Start, Order::Reset, Order::ValueNew, Order::ReadValue, Order::Stage];
+    let value = prop_oneof![5 => 0_i64..4, 3 => -20_000_i64..20_000, 1 => any::<i64>()];
+    let values = prop::collection::vec((0_usize..40, value), 0..4);
+    let word = prop_oneof![2 => 0_i64..300, 1 => -32_768_i64..65_536];
+    prop_oneof![
+        8 => (0_usize..16, prop::sample::select(orders.to_vec()), values).prop_map(|(slot, order, values)| Happening::Order(slot, order, values)),
+        3 => (0_u16..5, prop_oneof![-200_i64..200, any::<i64>()]).prop_map(|(cell, value)| Happening::Memory(cell, value)),
+        3 => any::<u8>().prop_map(Happening::Input),
+        2 => (-60_000_i64..60_000).prop_map(Happening::Line),
+        2 => (-40_000_i64..40_000).prop_map(Happening::Encoder),
+        1 => prop::collection::vec(word, 1..100).prop_map(Happening::Table),
+        1 => any::<u8>().prop_map(Happening::Axes),
+        1 => Just(Happening::Mirror),
+        6 => (1_u64..40).prop_map(Happening::Cycles),
+    ]
+}
+
+/// A function that is in RESET, or comes to it, holds its sink; but a speed is 0 then, and the power may have come back.
+fn run(rig: &mut Rig, cycles: u64) {
+    for _ in 0..cycles {
+        watched(rig, |rig| rig.run(1));
+    }
+}
+
+fn watched<T>(rig: &mut Rig, act: impl FnOnce(&mut Rig) -> T) -> T {
+    let before: Vec<_> = rig.machine.slots().iter().map(|slot| slot.sink()).collect();
+    let result = act(rig);
+    for ((before, slot), config) in before.into_iter().zip(rig.machine.slots()).zip(&rig.machine.config().slots) {
+        let is_speed = config.kind == Kind::Digdreh && slot.sink() == 0;
+        assert!(slot.is_active() || slot.sink() == before || is_speed, "{:?} moved its sink in RESET", config.kind);
+    }
+    result
+}
+
+fn make_happen(rig: &mut Rig, what: &Happening) {
+    let count = rig.machine.slots().len();
+    let axes = AxisSet::first(rig.machine.config().axes.len());
+    match what {
+        Happening::Order(slot, order, values) => {
+            let slot = slot % count;
+            let row = rig.machine.config().slots[slot].kind.description();
+            let values: Vec<_> = values.iter().map(|(place, value)| ((place % row.width()) as u16, *value)).collect();
+            let before = rig.machine.slots()[slot].staged().to_vec();
+            let given = watched(rig, |rig| rig.give(with(slot as u16, *order, &values)));
+            if rig.answer(given).is_err() {
+                assert_eq!(rig.machine.slots()[slot].staged(), before, "a refused set was taken");
+            }
+        }
+        Happening::Memory(index, value) => {
+            rig.give(Action::SetMemory { index: *index, value: *value as f64 });
+        }
+        Happening::Input(bits) => {
+            rig.plant.set_digital(0, bits & 1 == 1);
+            rig.plant.set_digital(1, bits & 2 == 2);
+        }
+        Happening::Line(velocity) => {
+            rig.give(Action::Move(at(LINE, *velocity as f64)));
+        }
+        Happening::Encoder(by) => rig.plant.slip_encoder(0, *by),
+        Happening::Table(words) => {
+            let table = Arc::new(Table::new(Form::Words, &[], words).expect("words"));
+            rig.give(Action::LoadTable { index: 0, table });
+        }
+        Happening::Axes(choice) => {
+            rig.give(match choice % 7 {
+                0 | 1 => Action::Enable(axes),
+                2 => Action::Disable(axes),
+                3 => Action::ResetErrors(axes),
+                4 => Action::Halt(axes),
+                5 => Action::Synchronize(couple(Y, Leader::Sink((usize::from(*choice) % count) as u16), 1, 3)),
+                _ => Action::Deactivate,
+            });
+        }
+        Happening::Mirror => rig.mirror(),
+        Happening::Cycles(cycles) => run(rig, *cycles),
+    }
+    run(rig, 1);
+}
+
+proptest! {
+    #![proptest_config(cases(64))]
+
+    /// Proves: AMK-GEN-04, AMK-BCOM-02
+    #[test]
+    fn whatever_happens_to_slots_that_are_linked_at_random_is_the_same_after_a_restore(
+        choices in prop::collection::vec(choice(), 1..12),
+        happenings in prop::collection::vec(happening(), 1..60),
+    ) {
+        let mut rig = Rig::of(linked(&choices));
+        happenings.iter().for_each(|what| make_happen(&mut rig, what));
+        run(&mut rig, 70);
+        // What a cycle copies is all of it.
+        let mut copy = crate::machine::Machine::new(linked(&choices)).expect("a machine").state().clone();
+        copy.clone_from(rig.machine.state());
+        let bytes = |state| postcard::to_allocvec(state).expect("a state has a form");
+        prop_assert!(bytes(&copy) == bytes(rig.machine.state()));
+    }
+}
