@@ -73,6 +73,11 @@ fn the_blocks_of_wf_play_their_scenarios() {
 }
 
 #[test]
+fn the_functions_of_amk_play_their_scenarios() {
+    assert!(plays("amk") >= 6);
+}
+
+#[test]
 fn the_commands_of_saia_play_their_scenarios() {
     assert!(plays("saia") >= 7);
 }

@@ -236,6 +236,16 @@ impl Kind {
 mod tests {
     use super::*;
 
+    /// Proves: AMK-IMES-03, AMK-IMES-04, AMK-IMES-05, AMK-IMES-07, AMK-BINEA-08, AMK-BINEA-13, AMK-CAM-29
+    #[test]
+    fn types_have_the_fields_and_orders_of_their_tables() {
+        let names = |kind: Kind| kind.description().fields.iter().map(|field| field.name).collect::<Vec<_>>();
+        assert_eq!(names(Kind::Imes), ["ba", "sf_cycle_time", "spacing", "window", "blocked"]);
+        let renews: Vec<_> = TYPES.iter().filter(|row| row.renews).map(|row| row.name).collect();
+        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea"]);
+        assert_eq!((Kind::Binea.description().word, Kind::Cam.description().word), (Some("mw_offset_addr"), None));
+    }
+
     #[test]
     fn types_stand_in_their_order_and_their_defaults_in_their_ranges() {
         for (place, row) in TYPES.iter().enumerate() {

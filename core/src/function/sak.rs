@@ -34,7 +34,7 @@ impl Sak {
 mod tests {
     use super::*;
 
-    /// Proves: AMK-SAK-O4
+    /// Proves: AMK-SAK-O4, AMK-BCOM-41
     #[test]
     fn a_share_is_the_cycles_of_the_factor_times_the_change() {
         let mut sak = Sak::new(4032, 0);

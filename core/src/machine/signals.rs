@@ -7,7 +7,7 @@ use crate::config::{IoKind, MachineConfig, MemoryKind, SlotConfig};
 use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs, SpeedOutputs, Switching};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
-use crate::function::LINES;
+use crate::function::{LINES, Quantity};
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
@@ -214,21 +214,25 @@ fn add_encoder(directory: &mut Directory, name: &str) -> Signal {
 /// The block of a slot, in the order in which it publishes.
 fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
     let row = slot.kind.description();
-    let mut add = |text: &str, kind, help| {
+    let mut add = |text: &str, kind, measure, help| {
         let name = format!("{}.{text}", slot.name);
-        directory.add(Entry { name, kind, measure: Measure::None, drivable: false, help })
+        directory.add(Entry { name, kind, measure, drivable: false, help })
     };
-    let first = add("sink", Type::Int, "what the function gives its sink");
-    add("active", Type::Bit, "the function is started");
-    add("error", Type::Int, "why its last command was refused, 0 for nothing");
+    let carried = if row.quantity == Quantity::Speed { Measure::None } else { Measure::Position };
+    let first = add("sink", Type::Int, carried, "what the function gives its sink");
+    add("active", Type::Bit, Measure::None, "the function is started");
+    add("error", Type::Int, Measure::None, "why its last command was refused, 0 for nothing");
     for line in 1..=LINES {
-        add(&format!("in{line}"), Type::Bit, "binary input of the function, after inversion");
+        let help = "binary input of the function, after inversion";
+        add(&format!("in{line}"), Type::Bit, Measure::None, help);
     }
     for line in 1..=LINES {
-        add(&format!("out{line}"), Type::Bit, "binary output of the function, before inversion");
+        let help = "binary output of the function, before inversion";
+        add(&format!("out{line}"), Type::Bit, Measure::None, help);
     }
     if row.compensates {
-        add("sak_share", Type::Int, "what compensation of the following error adds to its sink");
+        let help = "what compensation of the following error adds to its sink";
+        add("sak_share", Type::Int, Measure::Position, help);
     }
     first
 }

@@ -33,6 +33,7 @@ fn cell(slots: Vec<SlotConfig>) -> MachineConfig {
         io("lamp", IoKind::DigitalOutput),
         io("aa", IoKind::AnalogOutput),
         io("e2", IoKind::DigitalInput),
+        io("u", IoKind::AnalogInput),
     ];
     config.memory = vec![
         memory("w", MemoryKind::I16),
@@ -131,7 +132,7 @@ fn reset_holds_what_the_sink_has_at_once_and_releases_the_axis() {
     assert_eq!(rig.int("g.sink"), held + 500, "it begins where the axis is now");
 }
 
-/// Proves: AMK-GEN-11
+/// Proves: AMK-GEN-11, AMK-BCOM-07, AMK-CTX-05
 #[test]
 fn a_function_runs_on_without_its_axis_which_follows_again_once_it_is_on() {
     let mut rig = Rig::of(cell(vec![gear("g", 0, Leader::AxisCommand(LINE), X)]));
@@ -340,7 +341,7 @@ fn a_new_coordinate_of_the_source_is_no_way() {
     assert_eq!((rig.int("y.command.position"), rig.int("x.command.position")), (7100, 100));
 }
 
-/// Proves: AMK-CMD-09, AMK-CMD-10, AMK-CMD-11, AMK-CMD-12, AMK-CMD-14, AMK-ECOPY-05, AMK-BCOM-32, AMK-BCOM-33, AMK-BCOM-34, AMK-BCOM-35, AMK-BCOM-36, AMK-BCOM-37, AMK-BCOM-38, AMK-BCOM-39, AMK-BCOM-40
+/// Proves: AMK-CMD-01, AMK-CMD-02, AMK-CMD-03, AMK-CMD-04, AMK-CMD-05, AMK-CMD-06, AMK-CMD-07, AMK-CTX-07, AMK-CTX-08, AMK-CMD-09, AMK-CMD-10, AMK-CMD-11, AMK-CMD-12, AMK-CMD-14, AMK-ECOPY-05, AMK-BCOM-32, AMK-BCOM-33, AMK-BCOM-34, AMK-BCOM-35, AMK-BCOM-36, AMK-BCOM-37, AMK-BCOM-38, AMK-BCOM-39, AMK-BCOM-40
 #[test]
 fn orders_are_taken_by_the_states_and_a_set_is_taken_as_a_whole() {
     let mut slot = slot("e", 0, Type::Ecopy);
@@ -436,7 +437,7 @@ fn outputs_of_a_function_are_its_own_and_an_ao_takes_mv() {
     );
 }
 
-/// Proves: AMK-INIT-04, AMK-BCOM-11, AMK-CTX-11
+/// Proves: AMK-GEN-01, AMK-BCOM-01, AMK-INIT-04, AMK-BCOM-11, AMK-CTX-11
 #[test]
 fn a_slot_is_called_in_each_nth_cycle_from_its_start_on() {
     let mut slot = copy("c", 0, SourceConfig::Signal("l".into()), SinkConfig::Memory(1));
@@ -482,4 +483,50 @@ fn parameters_of_axes_hold_as_they_were_while_a_function_leads() {
     assert!(rig.answer(set).is_ok());
     rig.run(5);
     assert_eq!(rig.int("x.error"), Code::FUNCTION_TOO_FAST.0.into(), "a limit counts at once");
+}
+
+/// Each kind of data holder by its name: counters of 16 bits, commands and actual positions of axes in 16 and 32 bits, words, sinks.
+///
+/// Proves: AMK-SRC-01, AMK-SRC-03, AMK-SRC-04, AMK-SRC-07, AMK-BCOM-17, AMK-BCOM-19, AMK-BCOM-20, AMK-BCOM-21, AMK-BCOM-22, AMK-BCOM-23, AMK-BCOM-26, AMK-BCOM-27,
+/// AMK-BCOM-30, AMK-BCOM-31, AMK-CTX-12, AMK-CTX-13, AMK-CTX-14, AMK-CTX-16, AMK-CTX-17, AMK-CTX-19, AMK-CTX-22
+#[test]
+fn sources_are_signals_by_their_names() {
+    let lead = SourceConfig::Lead;
+    let word = |name: &str| SourceConfig::Signal(name.into());
+    let sources = [
+        (lead(Leader::Encoder(0)), Width::W16, -32_736),
+        (lead(Leader::AxisCommand(Y)), Width::W64, 70_000),
+        (lead(Leader::AxisActual(Y)), Width::W16, 4464),
+        (lead(Leader::AxisActual(Y)), Width::W32, 70_000),
+        (word("d"), Width::W64, -5),
+        (word("u"), Width::W64, -1235),
+        (word("y.command.velocity"), Width::W64, 0),
+        (word("e1"), Width::W64, 1),
+        (lead(Leader::Sink(4)), Width::W64, -5),
+        (SourceConfig::None, Width::W64, 0),
+    ];
+    let slots = sources.iter().enumerate().map(|(place, (source, width, _))| {
+        let copy = copy(&format!("f{place}"), place as u16, source.clone(), SinkConfig::None);
+        let slot = SlotConfig { source_width: *width, ..copy };
+        if *source == SourceConfig::None {
+            SlotConfig { kind: Type::Ecopy, values: [0; 3].into(), ..slot }
+        } else {
+            slot
+        }
+    });
+    let mut rig = Rig::of(cell(slots.collect()));
+    rig.enable();
+    rig.give(Action::Move(to(Y, 70_000)));
+    rig.run(2000);
+    rig.tamper = |inputs| {
+        // Half a mV away from zero.
+        (inputs.analog[0], inputs.digital[0]) = (-1.2345, 1);
+        inputs.encoder[0].count = 32_800;
+    };
+    rig.give(Action::SetMemory { index: 1, value: -5.0 });
+    rig.give_all((0..10).map(|slot| order(slot, Order::Start)).collect());
+    rig.run(2);
+    for (place, (source, _, expected)) in sources.iter().enumerate() {
+        assert_eq!(rig.int(&format!("f{place}.sink")), *expected, "{source:?}");
+    }
 }

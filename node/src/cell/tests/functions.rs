@@ -16,6 +16,8 @@ fn cell(functions: &str) -> String {
     three_axes(&format!("{OBJECTS}{functions}"))
 }
 
+/// Proves: AMK-GEN-07, AMK-GEN-08, AMK-INIT-01, AMK-INIT-02, AMK-INIT-05, AMK-INIT-06, AMK-INIT-07, AMK-INIT-08, AMK-BCOM-05, AMK-BCOM-09, AMK-BCOM-12, AMK-BCOM-13,
+/// AMK-BCOM-14, AMK-BCOM-15, AMK-CTX-06, AMK-VARSYNC-07, AMK-VARSYNC-08, AMK-BCOM-24, AMK-BCOM-25, AMK-CTX-20, AMK-CTX-21
 #[test]
 fn a_slot_knows_what_it_is_wired_to() {
     let cell = good(&cell(
@@ -36,6 +38,7 @@ fn a_slot_knows_what_it_is_wired_to() {
     assert_eq!(late.call_ns(cell.machine.cycle_ns), 4_000_000);
 }
 
+/// Proves: AMK-VARSYNC-09, AMK-BINEA-06, AMK-BINEA-09, AMK-CAM-28, AMK-CAM-30, AMK-CAM-47
 #[test]
 fn what_a_function_cannot_be_is_refused_where_it_stands() {
     for (text, sentence) in [
@@ -85,6 +88,9 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("{slot: 1, type: ecopy, sink: none, cycle_factor: ^0}", "cycle_factor is 0; 1..255 is allowed"),
         ("{slot: 1, type: binea, tables: [^tt]}", "tables[0] is `tt`; no table has that name, there is t"),
         ("{slot: 1, type: binea, tables: ^[t, t]}", "tables has 2 entries; at most 1 are possible"),
+        ("{slot: 1, type: binea, ba: ^3}", "ba is 3; 0..2 is allowed"),
+        ("{slot: 1, type: cam, ba: ^-1}", "ba is -1; 0..2 is allowed"),
+        ("{slot: 1, type: cam, ^fct: 0}", "unknown key `fct` in function `f`"),
         ("{slot: 1, type: binea, mode: ^[0, 0, 0, 0, 0, 0, 0, 0, 0]}", "mode has 9 entries; at most 8 are possible"),
     ] {
         assert_said(&cell(&format!("  f: {text}\n")), sentence);
@@ -115,6 +121,7 @@ fn what_two_would_write_is_refused_with_both_places() {
     );
 }
 
+/// Proves: AMK-INIT-09, AMK-BCOM-16
 #[test]
 fn tables_have_numbers_of_their_form() {
     let table = |text: &str| format!("{HEAD}tables: {{t: {text}}}\n");

@@ -1,9 +1,9 @@
 //! Who sees whose value of which cycle.
 
-use super::{Order, SinkConfig, SourceConfig, cell, copy, order};
+use super::{Line, Order, SinkConfig, SourceConfig, Type, cell, copy, order, slot};
 use crate::command::Action;
 use crate::machine::tests::rig::Rig;
-use crate::object::Leader;
+use crate::object::{Leader, Object};
 
 fn word(name: &str) -> SourceConfig {
     SourceConfig::Signal(name.into())
@@ -45,4 +45,26 @@ fn the_same_holds_through_memory() {
 #[test]
 fn a_copy_is_of_this_cycle() {
     assert_eq!(step(vec![copy("a", 3, word("w"), SinkConfig::Memory(1))]), [7, 7]);
+}
+
+/// Proves: AMK-IMES-21, AMK-INIT-03, AMK-BCOM-10
+#[test]
+fn a_bit_that_a_lower_slot_writes_is_an_input_of_a_higher_one_in_that_cycle() {
+    let bit = |object| Some(Line { object, inverted: false });
+    let chained = |first, second| {
+        let (mut from, mut to) = (slot("a", first, Type::Ecopy), slot("b", second, Type::Ecopy));
+        (from.inputs[0], from.outputs[0]) = (bit(Object::Io(0)), bit(Object::Memory(4)));
+        (to.inputs[0], to.sink) = (bit(Object::Memory(4)), SinkConfig::Memory(1));
+        to.values = [3, 100, 200].into();
+        let mut slots = vec![from, to];
+        slots.sort_by_key(|slot| slot.number);
+        let mut rig = Rig::of(cell(slots));
+        rig.give_all((0..2).map(|slot| order(slot, Order::Start)).collect());
+        rig.run(2);
+        assert_eq!(rig.int("d"), 100);
+        rig.tamper = |inputs| inputs.digital[0] = 1;
+        rig.run(1);
+        rig.int("d")
+    };
+    assert_eq!([chained(1, 2), chained(2, 1)], [200, 100]);
 }
