@@ -9,6 +9,7 @@ mod shop;
 use lineshaft_core::axis::{Axis, HOT_BYTES};
 use lineshaft_core::command::{Action, Commands, Move, MoveMode};
 use lineshaft_core::drive::DriveState;
+use lineshaft_core::function::TYPES;
 use shop::{Shop, couple, goal};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -37,6 +38,9 @@ const CASES: [(&str, Case); 5] = [
     ("geared", Case::Geared),
 ];
 const AXES: [u16; 3] = [1, 64, 512];
+/// Slots that were never started.
+const AT_REST: &str = "at_rest";
+const SLOTS: [u16; 2] = [1, 256];
 /// Cycles before those that are counted: what was begun has shown, and nothing settles any more.
 const SETTLING: usize = 10;
 /// Cycles that are counted.
@@ -101,6 +105,14 @@ fn run(case: Case, axes: u16, cycles: usize) {
     check(&shop, case);
 }
 
+/// The same of slots of a type, or of a type at rest.
+fn run_slots(name: &str, slots: u16, cycles: usize) {
+    let row = TYPES.iter().find(|row| row.name == name);
+    let mut shop = shop::slots::slots(row.unwrap_or(&TYPES[0]), slots, row.is_some());
+    (0..SETTLING + cycles).for_each(|_| shop.cycle(Commands::default()));
+    assert!(shop.machine.slots().iter().all(|slot| slot.is_active() == row.is_some()), "{name}");
+}
+
 /// Instructions of the cycles of a process that runs so many behind its set-up.
 fn count(name: &str, axes: u16, cycles: usize) -> Result<u64, Box<dyn Error>> {
     let output = process::Command::new("valgrind")
@@ -139,31 +151,37 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Ok(task) = std::env::var(COUNTED) {
         let words: Vec<_> = task.split_whitespace().collect();
         let [name, axes, cycles] = words[..] else { return Err("name, axes, cycles".into()) };
-        let case = CASES.iter().find(|(known, _)| *known == name).ok_or("no such case")?.1;
-        run(case, axes.parse()?, cycles.parse()?);
+        let (count, cycles) = (axes.parse()?, cycles.parse()?);
+        match CASES.iter().find(|(known, _)| *known == name) {
+            Some((_, case)) => run(*case, count, cycles),
+            None => run_slots(name, count, cycles),
+        }
         return Ok(());
     }
     let (hot, all) = (HOT_BYTES, size_of::<Axis>());
     println!("state of an axis: {hot} bytes that every cycle touches, {} more", all - hot);
     let before = std::fs::read_to_string(STORED).unwrap_or_default();
     let renews = std::env::var_os("LINESHAFT_RENEW").is_some();
-    let mut text =
-        String::from("# Instructions per axis and cycle: what the axes do, how many there are, callgrind's figure.\n");
+    let mut text = String::from(
+        "# Instructions per axis or slot and cycle: what the axes do or the type of the slots, how many there are, callgrind's figure.\n",
+    );
     let mut exceeded = 0;
-    for (name, _) in CASES {
-        for axes in AXES {
-            let figure = measure(name, axes)?;
-            writeln!(text, "{name:8} {axes:3} {figure:5}")?;
-            let limit = stored(&before, name, axes);
-            let is_too_much = limit.is_none_or(|limit| figure * 100 > limit * 105) && !renews;
-            exceeded += usize::from(is_too_much);
-            let note = match limit {
-                Some(limit) if is_too_much => format!("more than 5 % above the stored {limit}"),
-                Some(limit) => format!("stored {limit}"),
-                None => "not stored".into(),
-            };
-            println!("{name:8} {axes:3} axes: {figure:5} instructions per axis and cycle ({note})");
-        }
+    let of_axes = CASES.iter().flat_map(|(name, _)| AXES.map(|axes| (*name, axes)));
+    let of_slots = std::iter::once(AT_REST).chain(TYPES.iter().map(|row| row.name));
+    let of_slots = of_slots.flat_map(|name| SLOTS.map(|slots| (name, slots)));
+    for (name, axes) in of_axes.chain(of_slots) {
+        let figure = measure(name, axes)?;
+        writeln!(text, "{name:8} {axes:3} {figure:5}")?;
+        let limit = stored(&before, name, axes);
+        let is_too_much = limit.is_none_or(|limit| figure * 100 > limit * 105) && !renews;
+        exceeded += usize::from(is_too_much);
+        let note = match limit {
+            Some(limit) if is_too_much => format!("more than 5 % above the stored {limit}"),
+            Some(limit) => format!("stored {limit}"),
+            None => "not stored".into(),
+        };
+        let what = if CASES.iter().any(|(known, _)| *known == name) { "axis" } else { "slot" };
+        println!("{name:8} {axes:3}: {figure:5} instructions per {what} and cycle ({note})");
     }
     if renews {
         std::fs::write(STORED, text)?;

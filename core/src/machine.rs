@@ -25,7 +25,7 @@ use crate::config::{ConfigError, IoKind, MachineConfig, SlotConfig};
 use crate::drive::{DriveOutput, EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::{Encoder, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
-use crate::function::{Slot, Wires};
+use crate::function::{LINES, Slot, Wires};
 use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::profile::Motion;
@@ -74,6 +74,8 @@ pub struct Machine {
     wires: Vec<Wires>,
     /// Room for two sets of a function.
     room: Vec<i64>,
+    /// The slots that move the first axes.
+    movers: [Option<u16>; LINES],
     /// It passes over nothing: what others are compared with.
     #[cfg(test)]
     pub(crate) steps_all: bool,
@@ -138,6 +140,7 @@ impl Machine {
             couples: false,
             set_by,
             seen: Inputs::default(),
+            movers: std::array::from_fn(|axis| config.writer(Object::Axis(axis as u16))),
             wires,
             room: vec![0; 2 * widest.unwrap_or(0)],
             #[cfg(test)]

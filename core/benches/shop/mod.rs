@@ -1,5 +1,7 @@
 //! The machine of the benches, and the least that stands for its drives.
 
+pub(crate) mod slots;
+
 use lineshaft_core::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Source, Synchronize};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
@@ -28,7 +30,10 @@ impl Shop {
             AxisConfig::new(format!("a{index}"), scale, drive, AxisParameters::new(1e6, 1e7))
         };
         let axes = (0..axes).map(axis).collect();
-        let config = MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() };
+        Self::of(MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() })
+    }
+
+    pub(crate) fn of(config: MachineConfig) -> Self {
         let machine = Machine::new(config).expect("a legal machine");
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
         Self { machine, inputs, outputs }
@@ -58,6 +63,10 @@ impl Shop {
     }
 
     pub(crate) fn cycle(&mut self, commands: Commands<'_>) {
+        // A belt runs.
+        for encoder in &mut self.inputs.encoder {
+            (encoder.count, encoder.valid) = (encoder.count.wrapping_add(7) & 0xFFFF, true);
+        }
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
         for (input, output) in self.inputs.drive.iter_mut().zip(&self.outputs.drive) {
             (input.count, input.mode) = (output.position, output.mode.number());

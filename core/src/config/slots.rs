@@ -369,9 +369,12 @@ impl MachineConfig {
             sink,
             sink_width: slot.sink_width,
             speed,
+            lines: (wired(&inputs), wired(&outputs)),
             inputs,
             outputs,
             tables: slot.tables,
+            reads_tables: slot.tables.iter().any(Option::is_some),
+            compensates: slot.kind.description().compensates,
             word: match &slot.word {
                 Some(name) => Some(word(name).ok_or(SlotProblem::Place("word"))?),
                 None => None,
@@ -413,6 +416,11 @@ impl MachineConfig {
             Leader::Simulated(_) => None,
         }
     }
+}
+
+/// How many of these have to be looked at: up to the last one that is wired.
+fn wired<T>(lines: &[Option<T>]) -> usize {
+    lines.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
 }
 
 impl SlotConfig {

@@ -29,7 +29,7 @@ mod wires;
 
 pub use field::Field;
 pub use kind::{Description, Kind, Need, Quantity, TYPES};
-pub use program::{Drive, Fault, LINES};
+pub use program::{Drive, Fault, LINES, NO_DRIVES};
 pub(crate) use slot::Cycle;
 pub use slot::{Order, Slot};
 pub use wires::{Bit, Input, Mark, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word};

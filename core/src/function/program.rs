@@ -19,6 +19,9 @@ pub(super) struct Reading {
     pub mark: Option<i64>,
 }
 
+/// Where no drive is watched.
+pub const NO_DRIVES: &[Drive; LINES] = &[Drive { error: 0, sak_share: 0 }; LINES];
+
 /// What is told of a monitored drive.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Drive {
@@ -42,7 +45,7 @@ pub(super) struct Seen<'a> {
     pub word: i64,
     pub tables: [Option<&'a Table>; LINES],
     /// The first eight axes.
-    pub drives: [Drive; LINES],
+    pub drives: &'a [Drive; LINES],
 }
 
 /// What a function gives in one call.

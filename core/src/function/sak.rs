@@ -24,6 +24,10 @@ impl Sak {
         if self.factor == 0 {
             return 0;
         }
+        // A wide division takes ten times as long.
+        if let Some(product) = self.factor.checked_mul(change) {
+            return product / 128;
+        }
         // Both factors fit i64: their product fits i128. What leaves i64 is no position any more.
         let share = i128::from(self.factor) * i128::from(change) / 128;
         i64::try_from(share).unwrap_or(0)

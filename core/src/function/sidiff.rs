@@ -286,7 +286,7 @@ impl Program for Sidiff {
         let mut bit = 1_u8;
         for (watch, drive) in self.watches.iter_mut().zip(seen.drives) {
             if selected & bit != 0 {
-                let mean = watch.push(drive, self.is_short);
+                let mean = watch.push(*drive, self.is_short);
                 if displayed & bit != 0 {
                     outcome.sink = mean;
                 }

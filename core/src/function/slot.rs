@@ -71,7 +71,7 @@ pub(crate) struct Cycle<'a> {
     /// Where the mark of this cycle was: so far before the source's present position; none without one.
     pub mark: Option<Position>,
     /// The first eight axes, for a function that watches them.
-    pub drives: [Drive; LINES],
+    pub drives: &'a [Drive; LINES],
     pub cycle_s: f64,
 }
 
@@ -110,6 +110,8 @@ pub struct Slot {
     lead: Lead,
     /// By how much the sink was set anew in this cycle: that is no motion.
     anew: Position,
+    /// All of it is on the board, and its lead stands.
+    is_shown: bool,
 }
 
 impl Slot {
@@ -132,6 +134,7 @@ impl Slot {
             error: Code::NONE,
             lead: Lead { uneven: COUNT, valid: true, ..Lead::default() },
             anew: Position::ZERO,
+            is_shown: true,
         }
     }
 
@@ -195,6 +198,7 @@ impl Slot {
     ) -> Result<(), Fault> {
         let result = self.try_command(wires, (order, values), tables, room);
         self.error = result.err().map_or(Code::NONE, |fault| fault.code);
+        self.is_shown = false;
         result
     }
 
@@ -248,12 +252,21 @@ impl Slot {
 
     /// RESET: what it writes at the end it writes in its place of this cycle.
     pub(crate) fn reset(&mut self) {
+        self.is_shown = false;
         self.phase = if self.phase == Phase::Active { Phase::Leaving } else { Phase::Reset };
     }
 
     /// Its part of a cycle.
     pub(crate) fn step(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
-        let before = std::mem::replace(&mut self.inputs, read_inputs(wires, board));
+        let before = (self.inputs, self.outputs, self.phase);
+        self.inputs = read_inputs(wires, board);
+        if self.phase == Phase::Reset && self.is_shown {
+            // Most slots of most cells, most of the time.
+            if self.inputs != before.0 {
+                self.publish(wires, board);
+            }
+            return Written::default();
+        }
         (self.lead.change, self.lead.velocity, self.anew) = (Position::ZERO, 0.0, Position::ZERO);
         let written = match self.phase {
             Phase::Reset => Written::default(),
@@ -268,7 +281,7 @@ impl Slot {
                 self.take(wires, outcome, board, true)
             }
             Phase::Active => {
-                let edge = wires.mark == Mark::Edge && before & 1 == 0 && self.inputs & 1 == 1;
+                let edge = wires.mark == Mark::Edge && before.0 & 1 == 0 && self.inputs & 1 == 1;
                 self.travel_on(wires, cx, board, edge);
                 if cx.cycle.wrapping_sub(self.since).checked_rem(wires.factor.into()) == Some(0) {
                     let seen = self.seen(wires, cx, board, self.sink);
@@ -283,7 +296,13 @@ impl Slot {
             }
         };
         self.lead.valid = !self.is_active() || is_valid(wires, cx.leads);
-        self.publish(wires, board);
+        board.set_int(wires.first, self.sink);
+        let is_same = before == (self.inputs, self.outputs, self.phase) && self.is_shown;
+        if !is_same || wires.compensates {
+            self.publish(wires, board);
+        }
+        // What RESET leaves of its motion goes in the cycle behind it.
+        self.is_shown = self.phase != Phase::Reset || before.2 == Phase::Reset;
         written
     }
 
@@ -381,7 +400,7 @@ impl Slot {
 
     fn set_outputs(&mut self, wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
         self.outputs = self.outputs & !writes | outputs & writes;
-        for (place, output) in wires.outputs.iter().enumerate() {
+        for (place, output) in wires.outputs.iter().take(wires.lines.1).enumerate() {
             if let Some(output) = output
                 && writes >> place & 1 == 1
                 && let Bit::Memory(signal) = output.to
@@ -405,12 +424,19 @@ impl Slot {
     }
 
     fn publish(&self, wires: &Wires, board: &mut Board) {
-        let block = board.block(wires.first, signals(wires.kind.description()));
-        let bits = (0..LINES).map(|bit| self.inputs >> bit & 1).chain((0..LINES).map(|bit| self.outputs >> bit & 1));
-        let head = [self.sink, i64::from(self.is_active()), i64::from(self.error.0)];
-        let words = head.into_iter().chain(bits.map(i64::from)).chain([self.sak_share]);
-        for (place, word) in block.iter_mut().zip(words) {
-            *place = word.cast_unsigned();
+        let [sink, active, error, lines @ ..] = board.block(wires.first, signals(wires.compensates)) else { return };
+        let int = i64::cast_unsigned;
+        (*sink, *active, *error) = (int(self.sink), u64::from(self.is_active()), u64::from(self.error.0));
+        for (bit, word) in (0..LINES).zip(lines.iter_mut()) {
+            *word = u64::from(self.inputs >> bit & 1);
+        }
+        for (bit, word) in (0..LINES).zip(lines.iter_mut().skip(LINES)) {
+            *word = u64::from(self.outputs >> bit & 1);
+        }
+        if wires.compensates
+            && let Some(share) = lines.last_mut()
+        {
+            *share = int(self.sak_share);
         }
     }
 
@@ -466,6 +492,7 @@ impl Clone for Slot {
             error,
             lead,
             anew,
+            is_shown,
         } = other;
         self.function.clone_from(function);
         self.staged.clone_from(staged);
@@ -473,12 +500,13 @@ impl Clone for Slot {
         (self.phase, self.since, self.travel, self.last, self.mark) = (*phase, *since, *travel, *last, *mark);
         (self.inputs, self.outputs, self.writes) = (*inputs, *outputs, *writes);
         (self.sink, self.sak_share, self.error, self.lead, self.anew) = (*sink, *sak_share, *error, *lead, *anew);
+        self.is_shown = *is_shown;
     }
 }
 
-/// How many signals a slot of that type has.
-fn signals(row: &Description) -> usize {
-    3 + 2 * LINES + usize::from(row.compensates)
+/// How many signals a slot has.
+fn signals(compensates: bool) -> usize {
+    3 + 2 * LINES + usize::from(compensates)
 }
 
 /// Is a value of the set within the range of its field?
@@ -512,12 +540,15 @@ fn mix(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
 }
 
 fn found<'a>(wires: &Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {
+    if tables.is_empty() || !wires.reads_tables {
+        return [None; LINES];
+    }
     wires.tables.map(|place| tables.get(usize::from(place?)).map(|table| &**table))
 }
 
 fn read_inputs(wires: &Wires, board: &Board) -> u8 {
     let mut bits = 0;
-    for (place, input) in wires.inputs.iter().enumerate() {
+    for (place, input) in wires.inputs.iter().take(wires.lines.0).enumerate() {
         if let Some(input) = input {
             bits |= u8::from(board.bit(input.signal) != input.inverted) << place;
         }

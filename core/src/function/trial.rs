@@ -1,7 +1,7 @@
 //! What tests of a type need: a set by the names of its fields, and a call in which nothing happens.
 
 use super::field::Field;
-use super::program::{Drive, LINES, Reading, Seen};
+use super::program::{LINES, NO_DRIVES, Reading, Seen};
 
 /// Time between two calls (ns).
 pub(super) const CALL_NS: u64 = 1_000_000;
@@ -25,6 +25,6 @@ pub(super) fn at_rest<'a>() -> Seen<'a> {
         sink: 0,
         word: 0,
         tables: [None; LINES],
-        drives: [Drive::default(); LINES],
+        drives: NO_DRIVES,
     }
 }

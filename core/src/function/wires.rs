@@ -181,8 +181,14 @@ pub struct Wires {
     pub inputs: [Option<Input>; LINES],
     /// A1 to A8.
     pub outputs: [Option<Output>; LINES],
+    /// How many of both are looked at.
+    pub lines: (usize, usize),
     /// Places of its tables.
     pub tables: [Option<u16>; LINES],
+    /// There is one among them.
+    pub reads_tables: bool,
+    /// It publishes `sak_share`.
+    pub compensates: bool,
     /// The word that it reads beside its source.
     pub word: Option<Word>,
     /// What latches its marks.

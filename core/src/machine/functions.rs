@@ -7,7 +7,9 @@ use crate::code::Code;
 use crate::command::{Command, CommandFunction};
 use crate::drive::{Edge, Inputs};
 use crate::event::{Number, Refusal};
-use crate::function::{Bit, Cycle, Drive, Fault, Kind, LINES, Mark, OnAxisError, Order, Quantity, Sink, Slot, Source};
+use crate::function::{
+    Bit, Cycle, Drive, Fault, Kind, LINES, Mark, NO_DRIVES, OnAxisError, Order, Quantity, Sink, Slot, Source,
+};
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
@@ -110,7 +112,12 @@ impl Machine {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
         for place in 0..self.wires.len() {
             let Some(wires) = self.wires.get(place) else { continue };
-            let drives = if wires.kind == Kind::Sidiff { self.drives() } else { [Drive::default(); LINES] };
+            let watched;
+            let mut drives = NO_DRIVES;
+            if wires.kind == Kind::Sidiff {
+                watched = self.drives();
+                drives = &watched;
+            }
             let mark = self.mark(wires.mark, wires.source, inputs);
             let State { slots, board, leads, tables, panel, axes, cycle, .. } = &mut self.state;
             let Some(slot) = slots.get_mut(place) else { continue };
@@ -130,7 +137,8 @@ impl Machine {
             if anew != Position::ZERO {
                 axes.iter_mut().for_each(|axis| axis.count_on_sink(place as u16, anew));
             }
-            for (nth, output) in wires.outputs.iter().enumerate() {
+            let outputs = if written.outputs == 0 { 0 } else { wires.lines.1 };
+            for (nth, output) in wires.outputs.iter().take(outputs).enumerate() {
                 if let Some(output) = output
                     && written.outputs >> nth & 1 == 1
                     && let Bit::Digital(terminal) = output.to
@@ -182,12 +190,9 @@ impl Machine {
         for (drive, first) in drives.iter_mut().zip(&self.signals.axes) {
             drive.error = self.state.board.int(AxisSignal::RegulatorError.of(*first));
         }
-        for (slot, wires) in self.state.slots.iter().zip(&self.wires) {
-            if let Sink::Axis(axis, _) = wires.sink
-                && let Some(drive) = drives.get_mut(usize::from(axis))
-            {
-                drive.sak_share = slot.sak_share();
-            }
+        for (drive, mover) in drives.iter_mut().zip(&self.movers) {
+            let slot = mover.and_then(|slot| self.state.slots.get(usize::from(slot)));
+            drive.sak_share = slot.map_or(0, Slot::sak_share);
         }
         drives
     }

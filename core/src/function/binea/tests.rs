@@ -49,7 +49,7 @@ impl Bench {
         let mut tables = [None; LINES];
         tables[0] = Some(&self.table);
         let source = Reading { value, travel: value, mark: None };
-        let drives = Default::default();
+        let drives = crate::function::NO_DRIVES;
         let Self { call_ns, word, inputs, .. } = *self;
         let seen = Seen { call_ns, source, inputs, sink: 77, word, tables, drives };
         let Some(words) = words else { return self.binea.step(&seen) };

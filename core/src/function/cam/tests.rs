@@ -64,7 +64,7 @@ impl Bench {
         let mut tables = [None; LINES];
         tables[0] = Some(&self.table);
         let source = Reading { value, travel: value, mark: None };
-        let (call_ns, inputs, drives) = (self.call_ns, self.inputs, Default::default());
+        let (call_ns, inputs, drives) = (self.call_ns, self.inputs, crate::function::NO_DRIVES);
         let seen = Seen { call_ns, source, inputs, sink: 77, word: 0, tables, drives };
         match words {
             Some(words) => self.cam.start(Words(words), &seen),

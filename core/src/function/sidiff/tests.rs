@@ -1,5 +1,6 @@
 use super::super::trial::{CALL_NS, at_rest, set};
 use super::*;
+use crate::function::NO_DRIVES;
 use proptest::prelude::*;
 
 fn table(words: &[i64]) -> Table {
@@ -16,9 +17,12 @@ fn tables(table: &Table) -> [Option<&Table>; LINES] {
 fn call<'a>(drives: &[(i64, i64)], table: Option<&'a Table>) -> Seen<'a> {
     let mut seen = Seen { sink: 7, ..at_rest() };
     seen.tables[0] = table;
-    for (drive, (error, sak_share)) in seen.drives.iter_mut().zip(drives) {
+    let mut told = *NO_DRIVES;
+    for (drive, (error, sak_share)) in told.iter_mut().zip(drives) {
         *drive = Drive { error: *error, sak_share: *sak_share };
     }
+    // A test is over before it is missed.
+    seen.drives = Box::leak(Box::new(told));
     seen
 }
 

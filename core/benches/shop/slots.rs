@@ -1,0 +1,70 @@
+//! Slots of one type, as many as are asked for.
+
+use super::Shop;
+use lineshaft_core::command::{Action, CommandFunction};
+use lineshaft_core::config::{
+    EncoderConfig, IoConfig, IoKind, Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig, TableConfig,
+};
+use lineshaft_core::encoder::Form;
+use lineshaft_core::function::{Description, Kind, Need, Order, Room};
+use lineshaft_core::object::{Leader, Object};
+use lineshaft_core::table::{Form as Numbering, Table};
+use lineshaft_core::unit::Scale;
+use std::sync::Arc;
+
+/// Values that an ordinary set gives, by the names of their fields.
+const VALUES: [(&str, i64); 9] = [
+    ("m1", 12_345),
+    ("sak", 4032),
+    ("spacing", 10_000),
+    ("tracks", 4),
+    ("modulo", 20_000),
+    ("aw_mask", 3),
+    ("value_e1_0", 5),
+    ("mean_n", 10),
+    ("cams", 2),
+];
+
+/// A machine of such slots, each with one input and, where it has some, outputs at memory; started where that is asked for.
+pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
+    // Points of a binea, or cams: 2500 and 10000..11000.
+    let words: Vec<i64> =
+        (0..48).map(|word| [3, 0, 0, 0, 2500, 0, 1, 0, 20_000].get(word).copied().unwrap_or(0)).collect();
+    let table = Table::new(Numbering::Words, &[], &words).expect("words");
+    let slot = |number: u16| {
+        let mut slot = SlotConfig::new(format!("f{number}"), number, row.kind);
+        if row.source != Need::Never && row.kind != Kind::Sidiff {
+            slot.source = SourceConfig::Lead(Leader::Encoder(0));
+        }
+        slot.sink = SinkConfig::None;
+        slot.inputs[0] = (row.inputs > 0).then_some(Line { object: Object::Io(0), inverted: false });
+        slot.tables[0] = (row.tables > 0 && row.kind != Kind::Sidiff).then_some(0);
+        slot.room = Room { mean: 64, cams: 0 };
+        for (name, value) in VALUES {
+            if let Some((_, place)) = row.find(name) {
+                slot.values[place] = value;
+            }
+        }
+        if let (Kind::Binea | Kind::Cam, Some((_, ba))) = (row.kind, row.find("ba")) {
+            slot.values[ba] = 1;
+        }
+        slot
+    };
+    let belt =
+        EncoderConfig { name: "belt".into(), form: Form::Incremental(16), check: None, scale: Scale::increments() };
+    let config = MachineConfig {
+        cycle_ns: 1_000_000,
+        io: vec![IoConfig { name: "e1".into(), kind: IoKind::DigitalInput, latch: false }],
+        encoders: vec![belt],
+        tables: vec![TableConfig { name: "t".into(), table: Arc::new(table) }],
+        slots: (0..count).map(slot).collect(),
+        ..MachineConfig::default()
+    };
+    let mut shop = Shop::of(config);
+    if is_started {
+        let start = |slot| Action::CommandFunction(CommandFunction { slot, order: Order::Start, values: [].into() });
+        shop.give(&(0..count).map(start).collect::<Vec<_>>());
+        assert!(shop.machine.slots().iter().all(|slot| slot.is_active()), "{} refuses its START", row.name);
+    }
+    shop
+}
