@@ -7,6 +7,7 @@ mod shop;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lineshaft_core::command::{Action, Commands, MoveMode};
+use lineshaft_core::function::TYPES;
 use shop::{Shop, couple, goal};
 
 fn enabled(axes: u16) -> Shop {
@@ -49,5 +50,18 @@ fn key_cycles(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, cycles, key_cycles);
+/// Slots of each type: the figure per element is the time per slot and cycle.
+fn slots(c: &mut Criterion) {
+    let mut group = c.benchmark_group("slots");
+    for row in TYPES {
+        for count in [64_u16, 256] {
+            group.throughput(Throughput::Elements(count.into()));
+            let mut shop = shop::slots::slots(row, count, true);
+            group.bench_function(BenchmarkId::new(row.name, count), |b| b.iter(|| shop.cycle(Commands::default())));
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, cycles, key_cycles, slots);
 criterion_main!(benches);
