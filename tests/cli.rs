@@ -189,6 +189,83 @@ fn a_robot_description_is_checked_with_its_cell() {
 }
 
 #[test]
+fn types_of_functions_are_listed_and_explained() {
+    let here = root("");
+    let functions = |more: &[&str]| lineshaft(&here, &[&["functions"], more].concat());
+    let listed = functions(&[]);
+    assert_eq!(code(&listed), 0);
+    assert!(text(&listed.stdout).contains("cam      switches outputs by cams"), "{}", text(&listed.stdout));
+    let explained = functions(&["imes"]);
+    assert_eq!(code(&explained), 0);
+    assert!(text(&explained.stdout).contains("  window  0 to 1073741823 (inc), left out: 0, live\n"));
+    let page = std::fs::read_to_string(root("docs/functions.md")).unwrap();
+    let markdown = text(&functions(&["--markdown"]).stdout);
+    assert!(markdown.lines().count() > 60 && markdown.lines().all(|line| page.contains(line)), "{markdown}");
+    for (name, sentence) in [
+        ("imse", "error: no function type `imse`; did you mean `imes`? `lineshaft functions` lists all\n"),
+        ("fipw", "error: function type fipw does not exist yet; `lineshaft functions` lists those there are\n"),
+        ("sak", "error: sak needs --cycle and --gain\n"),
+    ] {
+        let unknown = functions(&[name]);
+        assert_eq!((code(&unknown), text(&unknown.stderr).as_str()), (2, sentence));
+    }
+}
+
+/// Proves: AMK-SAK-O1, AMK-SAK-O2, AMK-SAK-O3
+#[test]
+fn the_factor_of_a_compensation_is_told() {
+    let sak = |more: &[&str]| lineshaft(&root(""), &[&["functions", "sak"], more].concat());
+    let told = |more: &[&str]| text(&sak(more).stdout);
+    assert_eq!(told(&["--cycle", "2 ms", "--gain", "1000"]), "4032\n");
+    assert_eq!(told(&["--cycle", "1 ms", "--gain", "1000", "--external"]), "7936\n");
+    let refused = |more: &[&str], part: &str| {
+        let output = sak(more);
+        let problems = text(&output.stderr);
+        assert!(code(&output) == 2 && problems.contains(part), "{problems}");
+    };
+    refused(
+        &["--cycle", "0.5 ms", "--gain", "400", "--external"],
+        "with 400 rpm in a cycle of 0.5 ms the factor lies beyond 32767, which no function takes",
+    );
+    refused(&["--cycle", "2 ms"], "--gain <RPM>");
+    refused(&["--cycle", "1 us", "--gain", "1000"], "125 us to 5.1 s is allowed");
+    refused(&["--cycle", "1 ms", "--gain", "0"], "0 is not in 1..");
+    let other = lineshaft(&root(""), &["functions", "cam", "--cycle", "1 ms", "--gain", "5"]);
+    assert_eq!(text(&other.stderr), "error: --cycle and --gain belong to `lineshaft functions sak`\n");
+}
+
+#[test]
+fn check_counts_functions_warns_of_circles_and_draws_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let functions = "functions:\n  a: {slot: 0, type: dcopy, source: b.sink, sink: none}\n  b: {slot: 1, type: dcopy, source: a.sink, sink: feed}\n";
+    let head = "lineshaft: 1\ncycle: 1 ms\naxes: {}\n";
+    write("none.yaml", head);
+    write(
+        "cell.yaml",
+        &format!("{head}memory: {{feed: {{type: i32}}}}\ntables: {{t: {{form: y, points: [1]}}}}\n{functions}"),
+    );
+    let check = |more: &[&str]| lineshaft(folder.path(), &[&["check"], more].concat());
+    let output = check(&["cell.yaml", "--graph", "cell.svg"]);
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let expected = "cell.yaml: good: 1 memory cell, 2 functions, 1 table; cycle 1 ms\ncell.svg\n";
+    assert_eq!(text(&output.stdout), expected);
+    let warning = "warning: function a reads itself: a -> b -> a; a sees b as of the cycle before\n";
+    assert_eq!(text(&output.stderr), warning);
+    let figure = std::fs::read_to_string(folder.path().join("cell.svg")).unwrap();
+    assert!(figure.starts_with("<svg ") && figure.contains(">1 b: dcopy</text>"), "{figure}");
+    for (arguments, sentence) in [
+        (["cell.yaml", "--graph", "cell.png"], "error: the figure cell.png has to end with .svg\n"),
+        (["none.yaml", "--graph", "none.svg"], "error: the cell has no functions that could be drawn\n"),
+    ] {
+        let output = check(&arguments);
+        assert_eq!(code(&output), 2);
+        assert!(text(&output.stderr).ends_with(sentence), "{}", text(&output.stderr));
+    }
+    assert!(!folder.path().join("none.svg").exists() && !folder.path().join("cell.png").exists());
+}
+
+#[test]
 fn interfaces_are_listed_and_explained() {
     let here = root("");
     let listed = lineshaft(&here, &["interfaces"]);

@@ -15,17 +15,21 @@ fn named_cell(scenario: &str) -> Option<&str> {
 
 /// Plays every scenario of `scenarios/NAME`, on `NAME.yaml` or on the cell that its comment names; how many there are.
 fn plays(name: &str) -> usize {
-    let folder = root().join("launch-configs/scenarios").join(name);
+    plays_in(&format!("launch-configs/scenarios/{name}"), ".yaml", &format!("launch-configs/{name}.yaml"))
+}
+
+/// Plays every file of a folder whose name ends so; how many there are.
+fn plays_in(folder: &str, ending: &str, usual: &str) -> usize {
+    let folder = root().join(folder);
     let mut files: Vec<PathBuf> = std::fs::read_dir(&folder)
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
         .map(|entry| entry.expect("a folder that can be read").path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "yaml"))
+        .filter(|path| path.to_string_lossy().ends_with(ending))
         .collect();
     files.sort();
-    let usual = format!("launch-configs/{name}.yaml");
     let play = |file: &PathBuf| {
         let text = std::fs::read_to_string(file).expect("a scenario");
-        play(&root().join(named_cell(&text).unwrap_or(&usual)), file).err()
+        play(&root().join(named_cell(&text).unwrap_or(usual)), file).err()
     };
     let failed: Vec<String> = files.iter().filter_map(play).collect();
     assert!(failed.is_empty(), "{} of {} fail:\n{}", failed.len(), files.len(), failed.join("\n"));
@@ -95,6 +99,17 @@ fn encoders_of_every_kind_play_their_scenarios() {
 #[test]
 fn the_terminals_of_a_machine_play_their_scenarios() {
     assert!(plays("io") >= 6);
+}
+
+/// Each cell of the examples has a scenario beside it, whose comment names it.
+#[test]
+fn function_slots_play_their_examples() {
+    let folder = "launch-configs/functions";
+    let cells = std::fs::read_dir(root().join(folder)).expect("the folder of the examples");
+    let names = cells.map(|entry| entry.expect("a folder that can be read").file_name().to_string_lossy().into_owned());
+    let cells = names.filter(|name| !name.contains(".scenario.")).count();
+    assert_eq!(plays_in(folder, ".scenario.yaml", "a cell that no comment names"), cells);
+    assert!(cells >= 4);
 }
 
 /// A cell whose drives and terminals hang on a CAN bus that this machine has not: `run` says so and ends, `run --sim` rehearses it with its

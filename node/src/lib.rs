@@ -5,6 +5,8 @@ pub mod cell;
 pub mod cli;
 pub mod document;
 pub mod errors;
+pub mod functions;
+pub mod graph;
 pub mod interfaces;
 pub mod parameters;
 pub mod recording;

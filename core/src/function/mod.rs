@@ -30,6 +30,7 @@ mod wires;
 pub use field::Field;
 pub use kind::{Description, Kind, Need, Quantity, TYPES};
 pub use program::{Drive, Fault, LINES, NO_DRIVES};
+pub use sak::{Origin, factor as sak_factor};
 pub(crate) use slot::Cycle;
 pub use slot::{Order, Slot};
 pub use wires::{Bit, Input, Mark, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word};

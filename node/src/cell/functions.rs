@@ -18,7 +18,7 @@ use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::{ScaleKind, excerpt};
 
 /// Types of the contract that are not built.
-const LATER: [&str; 8] = ["fipw", "fipz", "dfkt", "fgen", "regl", "xfipw", "apsf", "epos"];
+pub(crate) const LATER: [&str; 8] = ["fipw", "fipz", "dfkt", "fgen", "regl", "xfipw", "apsf", "epos"];
 
 /// Readings of an axis that follow from its command.
 const OF_COMMAND: [&str; 5] = ["command", "target", "modulo", "turns", "output"];

@@ -47,6 +47,7 @@ pub use backends::{BackendKind, CellBackend, Hardware};
 pub(crate) use buses::{device_file, load_of};
 pub(crate) use can::owner;
 pub use can::{CellBus, CellDrive};
+pub(crate) use functions::LATER as FUNCTIONS_TO_COME;
 use lineshaft_can::NodeId;
 use lineshaft_can::config::BusConfig;
 use lineshaft_can::eds::Dictionary;

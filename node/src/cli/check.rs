@@ -2,10 +2,13 @@
 
 use super::{CheckArgs, Exit, say};
 use crate::cell::{Cell, load_of};
+use crate::graph;
+use crate::recording::plot::{Target, replace};
 use crate::scenario::Scenario;
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::machine::Machine;
+use std::path::Path;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
     let cell = match Cell::load(&args.cell) {
@@ -34,6 +37,12 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     for warning in warnings(&cell) {
         eprintln!("warning: {warning}");
     }
+    if let Some(path) = &args.graph
+        && let Err(sentence) = draw(&cell, &args.cell, path)
+    {
+        super::complain(&sentence);
+        return Exit::Usage;
+    }
     let Some(path) = &args.scenario else { return Exit::Good };
     match Scenario::load(path, &cell) {
         Ok(scenario) => {
@@ -45,6 +54,18 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
             Exit::Usage
         }
     }
+}
+
+/// Draws the functions of a cell.
+fn draw(cell: &Cell, name: &Path, path: &Path) -> Result<(), String> {
+    if Target::of(path).ok() != Some(Target::Svg) {
+        return Err(format!("the figure {} has to end with .svg", path.display()));
+    }
+    let title = name.file_name().unwrap_or(name.as_os_str()).to_string_lossy();
+    let figure = graph::draw(&cell.machine, &title).ok_or("the cell has no functions that could be drawn")?;
+    replace(path, figure.as_bytes()).map_err(|error| error.to_string())?;
+    say(&path.display());
+    Ok(())
 }
 
 /// What is no error and yet may not be what was meant.
@@ -71,6 +92,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
     warnings.extend(cell.machine.axes.iter().filter_map(idle_event));
     warnings.extend(unfiltered_master(cell));
+    warnings.extend(graph::circles(&cell.machine));
     warnings
 }
 
@@ -171,6 +193,8 @@ pub(super) fn summary(cell: &Cell) -> String {
         (machine.encoders.len(), "encoder", "encoders"),
         (machine.io.len(), "input or output", "inputs and outputs"),
         (machine.memory.len(), "memory cell", "memory cells"),
+        (machine.slots.len(), "function", "functions"),
+        (machine.tables.len(), "table", "tables"),
     ];
     let counts = counts.iter().filter(|(count, ..)| *count > 0);
     let counts: Vec<String> =

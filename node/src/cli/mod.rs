@@ -3,6 +3,7 @@
 mod bag;
 mod can;
 mod check;
+mod functions;
 mod interfaces;
 mod logging;
 mod params;
@@ -90,6 +91,9 @@ enum Command {
     /// List the parameters there are, or those of a cell
     #[command(after_help = PARAMS_HELP)]
     Params(ParamsArgs),
+    /// List the types of function slots, or all that is said of one
+    #[command(after_help = FUNCTIONS_HELP)]
+    Functions(FunctionsArgs),
     /// List the topics, services, actions and types that there are in ROS 2
     #[command(after_help = "Exit codes: 0 good, 2 bad usage, or nothing of that name.")]
     Interfaces(InterfacesArgs),
@@ -129,6 +133,17 @@ Examples:
   lineshaft params cell.yaml --import parameters.yaml
 
 Exit codes: 0 good, 2 bad usage, no such parameter, or a file with errors.";
+
+const FUNCTIONS_HELP: &str = "\
+docs/functions.md explains the types. `sak` is the factor of the field of that name, with which a function cancels the following error \
+of the axis that it moves: of the time between two calls, and of the gain of the position loop of that axis' drive.
+
+Examples:
+  lineshaft functions
+  lineshaft functions varsync
+  lineshaft functions sak --cycle '2 ms' --gain 1000
+
+Exit codes: 0 good, 2 bad usage, no such type, or a factor that no function takes.";
 
 const VALIDATE_HELP: &str = "\
 Both runs are bags of any recorder: an .mcap file, a folder, or a metadata.yaml. The trajectories of joint_states and \
@@ -328,6 +343,9 @@ struct CheckArgs {
     /// A scenario for it
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// Draw its function slots, and who reads what of whom: FILE.svg; one that exists is replaced
+    #[arg(long, value_name = "FILE")]
+    graph: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -366,6 +384,25 @@ struct InterfacesArgs {
     name: Option<String>,
     /// Print everything as Markdown, as it stands in docs/interfaces.md
     #[arg(long, conflicts_with = "name")]
+    markdown: bool,
+}
+
+#[derive(Debug, Args)]
+struct FunctionsArgs {
+    /// A type as `varsync`: what it reads and writes, and its fields; or `sak`; left out: the list
+    #[arg(value_name = "TYPE")]
+    name: Option<String>,
+    /// Of `sak`: time between two calls, as `2 ms`
+    #[arg(long, value_name = "TIME", requires = "gain", value_parser = functions::call)]
+    cycle: Option<u64>,
+    /// Of `sak`: gain of the position loop (rpm)
+    #[arg(long, value_name = "RPM", requires = "cycle", value_parser = value_parser!(u32).range(1..))]
+    gain: Option<u32>,
+    /// Of `sak`: the function reads a pulse input, not the position of another drive
+    #[arg(long, requires = "gain")]
+    external: bool,
+    /// Print the tables of docs/functions.md
+    #[arg(long, conflicts_with_all = ["name", "cycle", "gain", "external"])]
     markdown: bool,
 }
 
@@ -454,6 +491,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
         Some(Command::Params(args)) => params::params(&args),
+        Some(Command::Functions(args)) => functions::functions(&args),
         Some(Command::Interfaces(args)) => interfaces::interfaces(&args),
         Some(Command::Plot(args)) => plot::plot(&args),
         Some(Command::Replay(args)) => replay::run(&args),

@@ -23,16 +23,20 @@ pub fn markdown() -> String {
 /// # Errors
 /// The marks of a block are not there.
 pub fn renewed(page: &str) -> Result<String, String> {
-    let mut page = page.to_owned();
-    for (name, make) in BLOCKS {
-        let (begin, end) = (format!("<!-- begin {name}"), format!("<!-- end {name} -->"));
-        let missing = || format!("the page has no `{begin} .. -->` with `{end}` below it");
-        let (before, rest) = page.split_once(&begin).ok_or_else(missing)?;
-        let (mark, rest) = rest.split_once("-->\n").ok_or_else(missing)?;
-        let (_, after) = rest.split_once(&end).ok_or_else(missing)?;
-        page = format!("{before}{begin}{mark}-->\n\n{}\n{end}{after}", make());
-    }
-    Ok(page)
+    BLOCKS.into_iter().try_fold(page.to_owned(), |page, (name, make)| replaced(&page, name, &make()))
+}
+
+/// A page with one block made anew, between `<!-- begin NAME .. -->` and `<!-- end NAME -->`.
+///
+/// # Errors
+/// The marks of the block are not there.
+pub(crate) fn replaced(page: &str, name: &str, made: &str) -> Result<String, String> {
+    let (begin, end) = (format!("<!-- begin {name}"), format!("<!-- end {name} -->"));
+    let missing = || format!("the page has no `{begin} .. -->` with `{end}` below it");
+    let (before, rest) = page.split_once(&begin).ok_or_else(missing)?;
+    let (mark, rest) = rest.split_once("-->\n").ok_or_else(missing)?;
+    let (_, after) = rest.split_once(&end).ok_or_else(missing)?;
+    Ok(format!("{before}{begin}{mark}-->\n\n{made}\n{end}{after}"))
 }
 
 fn endpoints() -> String {

@@ -6,6 +6,7 @@
 mod markdown;
 mod terminal;
 
+pub(crate) use markdown::replaced;
 pub use markdown::{markdown, renewed};
 pub use terminal::{details, listing, meant};
 

@@ -34,10 +34,17 @@ impl Target {
 /// # Errors
 /// [`Problem`]
 pub fn write(figure: &Figure<'_>, path: &Path) -> Result<(), Problem> {
-    let bytes = draw(figure, Target::of(path)?)?;
+    replace(path, &draw(figure, Target::of(path)?)?)
+}
+
+/// Writes a figure; a file that exists is replaced. Where that fails, nothing is left and an old file stays.
+///
+/// # Errors
+/// [`Problem::File`]
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     let beside = beside(path);
     let written = fs::File::create(&beside)
-        .and_then(|mut file| file.write_all(&bytes).and_then(|()| file.sync_all()))
+        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
         .and_then(|()| fs::rename(&beside, path));
     written.map_err(|error| {
         // It may never have existed.

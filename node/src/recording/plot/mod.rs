@@ -26,7 +26,7 @@ mod sort;
 mod tests;
 mod text;
 
-pub use file::{Target, write};
+pub use file::{Target, replace, write};
 
 use super::series::{Mark, Series};
 

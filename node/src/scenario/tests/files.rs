@@ -7,14 +7,19 @@ fn passes_on_the_demo_cell(name: &str) {
 }
 
 fn passes_on(cell: &str, name: &str) {
+    assert!(passes(cell, &format!("scenarios/{name}")) > 5);
+}
+
+/// Plays a scenario, also as it was recorded; how many commands it has.
+fn passes(cell: &str, scenario: &str) -> usize {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs");
     let cell = Cell::load(&folder.join(cell)).unwrap_or_else(|problems| panic!("{problems}"));
-    let scenario = Scenario::load(&folder.join("scenarios").join(name), &cell);
+    let scenario = Scenario::load(&folder.join(scenario), &cell);
     let scenario = scenario.unwrap_or_else(|problems| panic!("{problems}"));
     let report = simulate(&cell, &scenario, &Options::default()).unwrap();
     assert!(report.passed(), "{report}");
     assert_eq!(report.steps_fired, report.steps, "{report}");
-    assert!(recorded::plays_the_same_as_json(&cell, &scenario) > 5);
+    recorded::plays_the_same_as_json(&cell, &scenario)
 }
 
 #[test]
@@ -50,6 +55,18 @@ fn wf_closed_loop_passes() {
 #[test]
 fn what_stops_axes_passes() {
     passes_on("safety.yaml", "safety/stops.yaml");
+}
+
+#[test]
+fn examples_of_function_slots_pass() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/functions");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let scenarios: Vec<_> = files.filter(|name| name.ends_with(".scenario.yaml")).collect();
+    assert!(scenarios.len() >= 4);
+    for name in scenarios {
+        let cell = name.replace(".scenario.yaml", ".yaml");
+        assert!(passes(&format!("functions/{cell}"), &format!("functions/{name}")) > 0, "{name}");
+    }
 }
 
 #[test]

@@ -1,0 +1,97 @@
+//! Types of function slots as people read them: in a terminal, and as docs/functions.md.
+//!
+//! All of it is made of the core's table of types and the fields of their sets.
+
+mod markdown;
+mod terminal;
+
+pub use markdown::{markdown, renewed};
+pub use terminal::{details, listing};
+
+use lineshaft_core::function::{Description, Field, Need, Quantity};
+
+/// What is to be said of a type beside its fields: a word, and the rest of the sentence.
+fn facts(row: &Description) -> Vec<(&'static str, String)> {
+    let source = match row.source {
+        Need::Must => "one",
+        Need::May => "one or none",
+        Need::Never => "none",
+    };
+    let mut facts = vec![
+        ("source", source.to_owned()),
+        ("sink", sink(row)),
+        ("inputs", lines('E', row.inputs)),
+        ("outputs", outputs(row)),
+        ("tables", tables(row)),
+    ];
+    if let Some(word) = row.word {
+        facts.push(("word", format!("`{word}` names the signal that is read in each call beside the source")));
+    }
+    let value_new = if row.renews { "takes the live fields" } else { "is refused" };
+    facts.push(("VALUE_NEW", value_new.to_owned()));
+    if row.compensates {
+        facts.push(("shows", "`sak_share`, what its compensation adds (inc)".to_owned()));
+    }
+    facts
+}
+
+fn sink(row: &Description) -> String {
+    let what = match row.quantity {
+        _ if row.sink == Need::Never => return "none".to_owned(),
+        Quantity::Position => "",
+        Quantity::Speed => "a speed (0.0001 rpm): ",
+    };
+    let axis = if row.moves_axes { "an axis, " } else { "" };
+    let end = if row.sink == Need::Must { "; it must be given" } else { "" };
+    format!("{what}{axis}a memory cell of numbers, an ao or none{end}")
+}
+
+fn outputs(row: &Description) -> String {
+    let rests: Vec<_> = (0..row.outputs).filter(|bit| row.rests >> bit & 1 == 1).collect();
+    let names: Vec<_> = rests.iter().map(|bit| format!("A{}", bit + 1)).collect();
+    let end = if rests.is_empty() { String::new() } else { format!("; RESET makes {} 1", names.join(", ")) };
+    lines('A', row.outputs) + &end
+}
+
+fn tables(row: &Description) -> String {
+    match (row.tables, row.edits_tables) {
+        (0, _) => "none".to_owned(),
+        (count, true) => format!("{count}, which may get new numbers while the function runs"),
+        (count, false) => format!("{count}, which keeps its numbers while the function runs"),
+    }
+}
+
+fn lines(letter: char, count: usize) -> String {
+    match count {
+        0 => "none".to_owned(),
+        1 => format!("{letter}1"),
+        2 => format!("{letter}1, {letter}2"),
+        last => format!("{letter}1 to {letter}{last}"),
+    }
+}
+
+/// The name of a field, with the places of a list.
+fn name(field: &Field) -> String {
+    if field.count == 1 { field.name.to_owned() } else { format!("{}[0..{}]", field.name, field.count - 1) }
+}
+
+fn range(field: &Field) -> String {
+    format!("{} to {}", field.min, field.max)
+}
+
+/// The value of a field that is left out.
+fn default(field: &Field) -> String {
+    if (field.min..=field.max).contains(&field.default) {
+        field.default.to_string()
+    } else {
+        "must be given".to_owned()
+    }
+}
+
+/// From when on a new value counts.
+fn when(field: &Field) -> &'static str {
+    if field.live { "live" } else { "from START on" }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,128 @@
+//! What function slots read and write.
+//!
+//! Law      a slot reads this cycle's value of inputs, outputs of lower slots, encoders and lower slots, of memory that a lower one or no
+//!          slot writes; the last cycle's of axes and the machine, of itself, of higher slots, and of all that these write
+//! Source   contract section 1 and 10
+
+use lineshaft_core::config::{IoKind, Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
+use lineshaft_core::function::Kind;
+use lineshaft_core::object::{Leader, Object};
+
+/// What a slot has at one end of a link: `source`, `E1`, `sink`, `A1`..
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Port {
+    /// What it is called.
+    pub label: String,
+    /// What is there, by its name in the cell.
+    pub name: String,
+    /// The object at the other end.
+    pub object: Object,
+    /// It is written.
+    pub is_output: bool,
+    /// What is read is the last cycle's.
+    pub is_late: bool,
+}
+
+/// All that a slot reads and writes, in the order of its keys; what it reads comes first.
+pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
+    let Some(config) = machine.slots.get(usize::from(slot)) else { return Vec::new() };
+    let mut ports = Vec::new();
+    let mut read = |label: String, name: &str, object| {
+        let is_late = is_late(machine, slot, object);
+        ports.push(Port { label, name: name.to_owned(), object, is_output: false, is_late });
+    };
+    if let Some((name, object)) = source(machine, config) {
+        read("source".to_owned(), &name, object);
+    }
+    if let Some(name) = &config.word {
+        read("word".to_owned(), name, find(machine, name));
+    }
+    for (label, line) in lines('E', &config.inputs) {
+        read(label, &line_name(machine, line), line.object);
+    }
+    for axis in watched(config).filter(|axis| usize::from(*axis) < machine.axes.len()) {
+        let object = Object::Axis(axis);
+        read(format!("AW{}", axis + 1), machine.name(object), object);
+    }
+    let sink = match config.sink {
+        SinkConfig::None => None,
+        SinkConfig::Axis(place) => Some(Object::Axis(place)),
+        SinkConfig::Memory(place) => Some(Object::Memory(place)),
+        SinkConfig::Output(place) => Some(Object::Io(place)),
+    };
+    let sink = sink.map(|object| ("sink".to_owned(), machine.name(object).to_owned(), object));
+    let outputs = lines('A', &config.outputs).map(|(label, line)| (label, line_name(machine, line), line.object));
+    let written = sink.into_iter().chain(outputs);
+    ports.extend(written.map(|(label, name, object)| Port { label, name, object, is_output: true, is_late: false }));
+    ports
+}
+
+/// The virtual inputs, each with the output that it reads: of the cycle before.
+pub(super) fn mirrors(machine: &MachineConfig) -> impl Iterator<Item = (Object, Object)> {
+    let inputs: Vec<u16> = machine.digital_inputs().collect();
+    let reads = machine.global.virtual_inputs.iter();
+    reads.filter_map(move |read| Some((Object::Io(read.output), Object::Io(*inputs.get(read.input)?))))
+}
+
+fn lines(letter: char, lines: &[Option<Line>]) -> impl Iterator<Item = (String, Line)> {
+    let lines = lines.iter().enumerate();
+    lines.filter_map(move |(place, line)| line.map(|line| (format!("{letter}{}", place + 1), line)))
+}
+
+fn line_name(machine: &MachineConfig, line: Line) -> String {
+    format!("{}{}", if line.inverted { "not " } else { "" }, machine.name(line.object))
+}
+
+fn source(machine: &MachineConfig, config: &SlotConfig) -> Option<(String, Object)> {
+    match &config.source {
+        SourceConfig::None => None,
+        SourceConfig::Signal(name) => Some((name.clone(), find(machine, name))),
+        SourceConfig::Lead(leader) => {
+            let object = match *leader {
+                Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => Object::Axis(axis),
+                Leader::Encoder(place) => Object::Encoder(place),
+                Leader::Sink(place) => Object::Function(place),
+            };
+            Some((machine.signal_of(*leader)?, object))
+        }
+    }
+}
+
+/// The object whose signal has that name.
+fn find(machine: &MachineConfig, name: &str) -> Object {
+    let name = name.split('.').next().unwrap_or_default();
+    let places = |count: usize, object: fn(u16) -> Object| (0..count).map(move |place| object(place as u16));
+    let mut all = places(machine.axes.len(), Object::Axis)
+        .chain(places(machine.encoders.len(), Object::Encoder))
+        .chain(places(machine.io.len(), Object::Io))
+        .chain(places(machine.memory.len(), Object::Memory))
+        .chain(places(machine.slots.len(), Object::Function));
+    // What no section has is the machine's.
+    all.find(|object| machine.name(*object) == name).unwrap_or(Object::Machine)
+}
+
+/// The axes that a slot watches without a source, by the set that the cell gives it.
+fn watched(config: &SlotConfig) -> impl Iterator<Item = u16> {
+    let value = |name| {
+        let (_, place) = config.kind.description().find(name)?;
+        config.values.get(place).copied()
+    };
+    let is_watched = config.kind == Kind::Sidiff;
+    let (mask, shown) = (value("aw_mask").unwrap_or(0), value("display_aw").unwrap_or(0));
+    (0..8).filter(move |axis| is_watched && (mask >> axis & 1 == 1 || shown == i64::from(axis + 1)))
+}
+
+/// Does a slot read the last cycle's value of an object?
+fn is_late(machine: &MachineConfig, slot: u16, object: Object) -> bool {
+    let writer = || machine.writer(object).is_some_and(|writer| writer >= slot);
+    match object {
+        Object::Axis(_) | Object::Machine => true,
+        Object::Function(other) => other >= slot,
+        Object::Io(place) => {
+            let is_output = |kind| matches!(kind, IoKind::DigitalOutput | IoKind::AnalogOutput);
+            machine.io.get(usize::from(place)).is_some_and(|io| is_output(io.kind)) && writer()
+        }
+        Object::Memory(_) => writer(),
+        Object::Encoder(_) | Object::Table(_) => false,
+    }
+}

@@ -1,0 +1,83 @@
+//! Slots that read themselves round a circle.
+
+use super::links::{Port, mirrors, ports};
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::object::Object;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A link from what is written to who reads it.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    from: Object,
+    to: Object,
+    is_late: bool,
+}
+
+/// All links, by what they begin at.
+type Links = BTreeMap<Object, Vec<Link>>;
+
+/// A sentence for each circle: the shortest one through each slot that is the lowest of one.
+pub fn circles(machine: &MachineConfig) -> Vec<String> {
+    let links = links(machine);
+    (0..machine.slots.len() as u16).filter_map(|slot| circle(machine, &links, slot)).collect()
+}
+
+fn links(machine: &MachineConfig) -> Links {
+    let mirrored = mirrors(machine).map(|(from, to)| Link { from, to, is_late: true });
+    let slots = (0..machine.slots.len() as u16).flat_map(|slot| {
+        let own = Object::Function(slot);
+        ports(machine, slot).into_iter().map(move |Port { object, is_output, is_late, .. }| {
+            let (from, to) = if is_output { (own, object) } else { (object, own) };
+            Link { from, to, is_late }
+        })
+    });
+    let mut links = Links::new();
+    mirrored.chain(slots).for_each(|link| links.entry(link.from).or_default().push(link));
+    links
+}
+
+/// The shortest way from a slot back to itself through higher ones alone.
+fn circle(machine: &MachineConfig, links: &Links, slot: u16) -> Option<String> {
+    let start = Object::Function(slot);
+    // Each link that leads on, and the place of the one before it.
+    let mut reached: Vec<(Link, Option<usize>)> = Vec::new();
+    let mut known = BTreeSet::new();
+    let mut next = 0;
+    let mut from = Some((start, None));
+    while let Some((object, before)) = from {
+        for link in links.get(&object).into_iter().flatten() {
+            if link.to == start {
+                return Some(sentence(machine, &way(&reached, *link, before)));
+            }
+            let is_lower = matches!(link.to, Object::Function(other) if other < slot);
+            if !is_lower && known.insert(link.to) {
+                reached.push((*link, before));
+            }
+        }
+        from = reached.get(next).map(|(link, _)| (link.to, Some(next)));
+        next += 1;
+    }
+    None
+}
+
+fn way(reached: &[(Link, Option<usize>)], last: Link, mut before: Option<usize>) -> Vec<Link> {
+    let mut way = vec![last];
+    while let Some((link, earlier)) = before.and_then(|place| reached.get(place)) {
+        way.push(*link);
+        before = *earlier;
+    }
+    way.reverse();
+    way
+}
+
+fn sentence(machine: &MachineConfig, way: &[Link]) -> String {
+    let name = |object| machine.name(object);
+    let first = way.first().map_or("", |link| name(link.from));
+    let names: Vec<&str> = std::iter::once(first).chain(way.iter().map(|link| name(link.to))).collect();
+    let late: Vec<String> = way
+        .iter()
+        .filter(|link| link.is_late)
+        .map(|link| format!("{} sees {} as of the cycle before", name(link.to), name(link.from)))
+        .collect();
+    format!("function {first} reads itself: {}; {}", names.join(" -> "), late.join(", "))
+}

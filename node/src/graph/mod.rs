@@ -1,0 +1,12 @@
+//! Who reads what of whom: the function slots of a cell, as links, as circles, as a figure.
+
+mod figure;
+mod links;
+mod loops;
+mod svg;
+
+pub use figure::draw;
+pub use loops::circles;
+
+#[cfg(test)]
+mod tests;
