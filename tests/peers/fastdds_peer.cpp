@@ -17,6 +17,7 @@ const char* const USAGE =
     "  vocabulary NODE AXIS VERB [ARGUMENTS..]\n"
     "  params NODE get|describe NAME..\n"
     "  params NODE set NAME=NUMBER\n"
+    "  function NODE NAME COMMAND [FIELD=NUMBER..]\n"
     "  result NODE move_axis GOAL [--expect SUCCEEDED]\n"
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
@@ -183,6 +184,32 @@ class Peer {
     for (; count > 0; count--) gets ? show_value(r) : show_descriptor(r);
   }
 
+  // Values are sent as doubles, which a function takes where they are whole.
+  void function(const Arguments& a) {
+    Writer w;
+    w.text(a[2]).put<uint8_t>(std::stoi(a[3]));
+    auto values = a.from(4);
+    w.put<uint32_t>(values.size());
+    for (auto& word : values) {
+      auto equals = word.find('=');
+      if (equals == std::string::npos) throw Failure("FIELD=NUMBER is needed, not " + word);
+      put_double(w.text(word.substr(0, equals)), std::stod(word.substr(equals + 1)));
+    }
+    auto& service = once(services_, a[1] + "/command_function", [&] {
+      return new Service(dds_, a[1] + "/command_function", "lineshaft_msgs::srv::dds_::CommandFunction");
+    });
+    Bytes reply = service.call(w.bytes());
+    Reader r(reply);
+    bool success = r.get<uint8_t>() != 0;
+    auto message = r.text();
+    Object().add("success", success).add("message", message).show();
+    for (auto n = r.get<uint32_t>(); n > 0; n--) {
+      Object().add("name", r.text()).show();
+      show_value(r);
+    }
+    if (!success) throw Failure(message);
+  }
+
   static void put_double(Writer& w, double value) {
     w.put<uint8_t>(3).put<uint8_t>(0).put<int64_t>(0).put<double>(value).text("");
     for (int arrays = 0; arrays < 5; arrays++) w.put<uint32_t>(0);
@@ -338,7 +365,7 @@ class Peer {
 const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"joint-states", &Peer::joint_states}, {"axes", &Peer::axes},     {"move", &Peer::move},
     {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
-    {"vocabulary", &Peer::vocabulary}, {"params", &Peer::params},
+    {"vocabulary", &Peer::vocabulary}, {"params", &Peer::params}, {"function", &Peer::function},
     {"action-conformance", &Peer::action_conformance}, {"hammer", &Peer::hammer},
     {"newcomer", &Peer::newcomer},
     {"readers", &Peer::readers}, {"samples", &Peer::samples},

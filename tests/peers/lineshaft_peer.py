@@ -14,6 +14,7 @@ import time
 
 import checks
 import conformance
+import functions
 import goals
 import hammer
 import homing
@@ -332,6 +333,7 @@ def parser():
     homing.add_commands(command)
     objects.add_commands(command)
     outputs.add_commands(command)
+    functions.add_commands(command)
     streams.add_commands(command)
     trajectories.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)

@@ -10,7 +10,7 @@ from lineshaft_msgs import (EXPORTS, LAYERS, AxesRequest, AxesResponse, ExportRe
                             ImportResponse, ResetRequest, ResetResponse)
 from report import Checklist, Failure, show
 
-BOOL, INTEGER, DOUBLE, STRING = 1, 2, 3, 4
+BOOL, INTEGER, DOUBLE, STRING, INTEGERS = 1, 2, 3, 4, 7
 LOWEST, HIGHEST = -2 ** 63, 2 ** 63 - 1
 
 # Values that agree with the rest of an axis of the demo, where one from the range alone may not.
@@ -156,7 +156,7 @@ def described(peer, a):
 def is_sound(name, d, value, kind):
     if "Source: " not in d.description:  # of the node itself, without a row of the catalogue
         return d.name == name and d.description and value.type == kind == d.type
-    ranges = {BOOL: (0, 0), INTEGER: (1, 0), DOUBLE: (0, 1), STRING: (0, 0)}
+    ranges = {BOOL: (0, 0), INTEGER: (1, 0), DOUBLE: (0, 1), STRING: (0, 0), INTEGERS: (1, 0)}
     return (d.name == name and d.type in ranges and len(d.description) > 10
             and (len(d.integer_range), len(d.floating_point_range)) == ranges[d.type]
             and all(r.from_value <= r.to_value for r in [*d.integer_range, *d.floating_point_range])

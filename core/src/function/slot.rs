@@ -15,6 +15,7 @@ use super::types::Any;
 use super::wires::{Bit, Mark, Room, Sink, Source, Wires, Word};
 use crate::code::Code;
 use crate::encoder::{COUNT, Lead};
+use crate::parameter::Sets;
 use crate::position::Position;
 use crate::signal::Board;
 use crate::sync::Leads;
@@ -151,6 +152,20 @@ impl Slot {
     /// Values in force; of a function at rest those of its last START.
     pub fn active(&self) -> &[i64] {
         &self.active
+    }
+
+    /// Both, for who shows them.
+    pub(crate) fn sets(&self) -> Sets {
+        Sets { staged: self.staged.clone(), active: self.active.clone() }
+    }
+
+    /// Brings sets of this function up to date; takes no memory.
+    pub(crate) fn copy_sets(&self, sets: &mut Sets) {
+        for (copy, values) in [(&mut sets.staged, &self.staged), (&mut sets.active, &self.active)] {
+            if copy.len() == values.len() {
+                copy.copy_from_slice(values);
+            }
+        }
     }
 
     /// Why its last command was refused; none where it was not.

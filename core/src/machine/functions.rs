@@ -55,8 +55,8 @@ impl Machine {
         let State { slots, tables, .. } = &mut self.state;
         let taken = slots.get_mut(usize::from(slot)).ok_or_else(unknown)?;
         taken.command(wires, (order, values), tables, &mut self.room).map_err(|fault| refusal(fault, slot))?;
-        if order != Order::ReadValue {
-            self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
+        if order != Order::ReadValue || !values.is_empty() {
+            self.count_change();
         }
         self.accept(command, Object::Function(slot));
         let tells = moved.is_some() && matches!(order, Order::Start | Order::Reset);
@@ -103,6 +103,7 @@ impl Machine {
             // Who gave the former one keeps a reference: none is freed here.
             place.clone_from(table);
         }
+        self.count_change();
         self.accept(command, Object::Table(index));
         Ok(())
     }

@@ -11,6 +11,7 @@ use crate::code::Code;
 use crate::command::Command;
 use crate::config::{IoCounts, NoSuchIo, OutputShared, highest_velocity};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::function::Slot;
 use crate::object::{AxisSet, Object};
 use crate::parameter::{
     AxisParameters, Change, Contradiction, Effect, Layer, MACHINE, MachineParameters, ParameterImage, ROWS, Refused,
@@ -135,6 +136,8 @@ impl Machine {
             version: self.state.parameter_version,
             effective: self.candidates.clone(),
             user: self.state.user.clone(),
+            functions: self.state.slots.iter().map(Slot::sets).collect(),
+            tables: self.state.tables.clone(),
             ..ParameterImage::default()
         };
         self.copy_parameters(&mut image);
@@ -150,6 +153,13 @@ impl Machine {
         }
         for (copy, user) in image.user.iter_mut().zip(&self.state.user) {
             *copy = *user;
+        }
+        for (copy, slot) in image.functions.iter_mut().zip(&self.state.slots) {
+            slot.copy_sets(copy);
+        }
+        // Whoever gave a table keeps a reference until nobody else has one, images too: none is freed here.
+        for (copy, table) in image.tables.iter_mut().zip(&self.state.tables) {
+            copy.clone_from(table);
         }
     }
 
@@ -237,7 +247,7 @@ impl Machine {
         self.config.check_functions(machine.o_error, of, is_new).map_err(shared_output)
     }
 
-    fn count_change(&mut self) {
+    pub(super) fn count_change(&mut self) {
         self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
     }
 

@@ -27,6 +27,7 @@ mod parameters;
 mod probe;
 mod reactions;
 mod resets;
+mod sets;
 mod state;
 mod stops;
 mod stream;

@@ -6,6 +6,8 @@
 //! force from the start. Program is what was set since the start, and is lost with the power.
 
 use super::{AxisParameters, MachineParameters, ROWS, Storage};
+use crate::table::Table;
+use std::sync::Arc;
 
 /// A layer that can be brought back into force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +34,19 @@ pub struct ParameterImage {
     pub user: Vec<AxisParameters>,
     /// Of the machine: in force, and layer User.
     pub machine: [MachineParameters; 2],
+    /// By function, in the order of the slots.
+    pub functions: Vec<Sets>,
+    /// In file order.
+    pub tables: Vec<Arc<Table>>,
+}
+
+/// The sets of a function.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sets {
+    /// For the next START or VALUE_NEW.
+    pub staged: Box<[i64]>,
+    /// In force; of a function at rest those of its last START.
+    pub active: Box<[i64]>,
 }
 
 impl AxisParameters {

@@ -29,7 +29,7 @@ pub use convert::{ConvertError, ParameterInput, convert};
 pub use direction::{Polarity, Reversing, Rule, Sense};
 pub use encoder::Encoders;
 pub use homing::{Assigned, AssignedOutputs, Homing, HomingParts};
-pub use layers::{Layer, ParameterImage};
+pub use layers::{Layer, ParameterImage, Sets};
 pub use machine::MachineParameters;
 pub use macs::Macs;
 pub use position_loop::PositionLoop;

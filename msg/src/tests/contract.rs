@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 23] = [
+const OWN_INTERFACES: [(&str, &str); 27] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -287,6 +287,38 @@ const OWN_INTERFACES: [(&str, &str); 23] = [
         bool success
         string message
         rcl_interfaces/Parameter[] active",
+    ),
+    (
+        "srv/LoadTable",
+        "string table
+        int64[] x y
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/GetTable",
+        "string table
+        ---
+        bool success
+        string message form
+        int64[] x y",
+    ),
+    (
+        "msg/FunctionState",
+        "string name type
+        uint16 slot
+        bool active
+        uint32 error_code
+        int64 sink
+        uint8 inputs outputs
+        int64 sak_share",
+    ),
+    (
+        "msg/FunctionStates",
+        "std_msgs/Header header
+        uint64 cycle
+        lineshaft_msgs/FunctionState[] functions",
     ),
 ];
 

@@ -18,7 +18,7 @@ use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::drive::Service;
 use lineshaft_core::event::Kind;
-use lineshaft_core::machine::Machine;
+use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::text;
 use lineshaft_ros::layer::{
@@ -26,7 +26,7 @@ use lineshaft_ros::layer::{
 };
 use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{GateState, Host};
-use lineshaft_ros::surface::{Surface, check_names, start_command};
+use lineshaft_ros::surface::{Surface, check_names, start_commands};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -106,8 +106,8 @@ fn start(
         services.push(Box::new(service));
     }
     cell.machine.check_backends(&backends.all()).map_err(|error| error.to_string())?;
-    let first = start_command(&cell.machine, &mut options.overrides)?;
-    first.as_ref().map_or(Ok(()), |action| try_first(&cell.machine, action))?;
+    let first = start_commands(&cell.machine, &mut options.overrides)?;
+    try_first(&cell.machine, &first)?;
     tracing::info!(
         "lineshaft {}: {title}: {}{}",
         env!("CARGO_PKG_VERSION"),
@@ -223,16 +223,22 @@ fn watch(surface: &Surface, handle: Arc<Handle>, on_loss: OnLoss) -> std::io::Re
     })
 }
 
-/// Would the machine take this as its first command? A cycle of another one that is the same tells.
-fn try_first(config: &MachineConfig, action: &Action) -> Result<(), String> {
+/// Would the machine take these as its first commands? A cycle of another one that is the same tells.
+fn try_first(config: &MachineConfig, actions: &[Action]) -> Result<(), String> {
     let mut machine = Machine::new(config.clone()).map_err(|error| error.to_string())?;
-    let (inputs, mut outputs) = (machine.inputs(), machine.outputs());
-    let command = Command { sequence: 1, source: Source::Cli, action: action.clone() };
-    machine.cycle(&inputs, Commands::queue(&[command]), &mut outputs);
-    match machine.events().iter().find(|event| event.kind == Kind::Refused) {
-        Some(refused) => Err(format!("parameters that were given to the node: {}", text::sentence(refused, config))),
-        None => Ok(()),
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let command =
+        |(action, sequence): (&Action, u64)| Command { sequence, source: Source::Cli, action: action.clone() };
+    let commands: Vec<_> = actions.iter().zip(1..).map(command).collect();
+    // As many as a cycle takes.
+    for commands in commands.chunks(MAX_COMMANDS) {
+        inputs.begin(machine.next_cycle(), 0);
+        machine.cycle(&inputs, Commands::queue(commands), &mut outputs);
+        if let Some(refused) = machine.events().iter().find(|event| event.kind == Kind::Refused) {
+            return Err(format!("parameters that were given to the node: {}", text::sentence(refused, config)));
+        }
     }
+    Ok(())
 }
 
 fn environment(cell: &Cell) -> Result<Environment, String> {

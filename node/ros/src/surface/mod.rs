@@ -8,6 +8,7 @@ mod abort;
 mod axes;
 mod cycle_statistics;
 mod diagnostics;
+mod functions;
 mod goal;
 mod history;
 mod home;
@@ -42,7 +43,7 @@ pub use hub::is_told;
 #[cfg(any(test, feature = "fuzz"))]
 pub use laws::any_goal;
 pub use names::check_names;
-pub use parameters::start_command;
+pub use parameters::start_commands;
 pub use states::{StateReceiver, StateSender, states};
 
 use crate::layer::{CreateError, Node};
@@ -93,6 +94,7 @@ impl Surface {
         set_position::start(&node, &hub, &mut tasks)?;
         sdo::start(&node, &hub, &mut tasks)?;
         set_output::start(&node, &hub, &mut tasks)?;
+        functions::start(&node, &hub, &mut tasks)?;
         record::start(&node, &hub, &mut tasks)?;
         robot_description::start(&node, &hub, &mut tasks)?;
         streams::start(&node, &hub, &mut tasks)?;

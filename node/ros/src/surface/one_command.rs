@@ -10,27 +10,40 @@ use tokio::task::JoinSet;
 
 /// Serves until the node is gone. `resolve` reads a request or tells what is wrong with it.
 pub(super) async fn serve<S: Service>(
-    mut server: ServiceServer<S>,
+    server: ServiceServer<S>,
     hub: Arc<Hub>,
     resolve: fn(&MachineConfig, S::Request) -> Result<Action, String>,
     response: fn(Result<(), String>) -> S::Response,
+) {
+    let resolve = move |config: &MachineConfig, request| ((), resolve(config, request));
+    serve_with(server, hub, resolve, move |_: &Hub, (), outcome| response(outcome)).await;
+}
+
+/// The same where the response needs something of its request beside the outcome.
+pub(super) async fn serve_with<S: Service, K: Send + 'static>(
+    mut server: ServiceServer<S>,
+    hub: Arc<Hub>,
+    resolve: impl Fn(&MachineConfig, S::Request) -> (K, Result<Action, String>),
+    response: impl Fn(&Hub, K, Result<(), String>) -> S::Response + Copy + Send + 'static,
 ) {
     // Waiting requests end with the service.
     let mut open = JoinSet::new();
     let service = server.name().to_string();
     while let Some(Request { message, reply }) = server.next().await {
         while open.try_join_next().is_some() {}
-        let given =
-            resolve(hub.host.config(), message).inspect_err(|sentence| hub.refuse(format!("{service}: {sentence}")));
+        let (kept, given) = resolve(hub.host.config(), message);
+        let given = given.inspect_err(|sentence| hub.refuse(format!("{service}: {sentence}")));
         // Handed over here, one after the other: commands keep the order of their requests.
         match given.and_then(|command| hub.submit(command).map_err(|busy| busy.to_string())) {
             Ok(answers) => {
+                let hub = Arc::clone(&hub);
                 open.spawn(async move {
+                    let outcome = answers.accepted().await;
                     // A client that has gone is no fault of the machine; the layer logs it.
-                    let _ = reply.send(response(answers.accepted().await)).await;
+                    let _ = reply.send(response(&hub, kept, outcome)).await;
                 });
             }
-            Err(sentence) => reply.send_soon(response(Err(sentence))),
+            Err(sentence) => reply.send_soon(response(&hub, kept, Err(sentence))),
         }
     }
 }

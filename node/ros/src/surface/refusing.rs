@@ -7,8 +7,9 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{
 };
 use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
 use lineshaft_msgs::srv::{
-    AxesCommandRequest, AxesCommandResponse, ImportParametersRequest, ImportParametersResponse, RecordRequest,
-    RecordResponse, ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest,
+    AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest, CommandFunctionResponse, ImportParametersRequest,
+    ImportParametersResponse, LoadTableRequest, LoadTableResponse, RecordRequest, RecordResponse,
+    ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest,
     SdoWriteResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest, SetPositionResponse, VocabularyRequest,
     VocabularyResponse,
 };
@@ -32,6 +33,7 @@ macro_rules! with_a_message {
 with_a_message! {
     AxesCommandRequest, AxesCommandResponse;
     ImportParametersRequest, ImportParametersResponse;
+    LoadTableRequest, LoadTableResponse;
     ResetParametersRequest, ResetParametersResponse;
     SdoWriteRequest, SdoWriteResponse;
     SetOutputRequest, SetOutputResponse;
@@ -42,6 +44,12 @@ with_a_message! {
 
 impl Refusing<RecordRequest> for RecordResponse {
     fn refusing(_: &RecordRequest, message: String) -> Self {
+        Self { success: false, message, ..Self::default() }
+    }
+}
+
+impl Refusing<CommandFunctionRequest> for CommandFunctionResponse {
+    fn refusing(_: &CommandFunctionRequest, message: String) -> Self {
         Self { success: false, message, ..Self::default() }
     }
 }

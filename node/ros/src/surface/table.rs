@@ -23,10 +23,10 @@ use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::foreign::std_msgs::msg::String as Text;
 use lineshaft_msgs::foreign::std_srvs::srv::Trigger;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
-use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, Setpoints};
+use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, FunctionStates, Setpoints};
 use lineshaft_msgs::srv::{
-    AxesCommand, ExportParameters, ImportParameters, Record, ResetParameters, SdoRead, SdoWrite, SetOutput,
-    SetPosition, Vocabulary,
+    AxesCommand, CommandFunction, ExportParameters, GetTable, ImportParameters, LoadTable, Record, ResetParameters,
+    SdoRead, SdoWrite, SetOutput, SetPosition, Vocabulary,
 };
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
@@ -164,6 +164,11 @@ pub(super) const JOINT_STATES: Topic<JointState> = Topic::published(
 );
 pub(super) const AXIS_STATES: Topic<AxisStates> =
     Topic::published("~/axis_states", Qos::STREAM, "all axes in file order; each cycle of `axis_states_rate`");
+pub(super) const FUNCTIONS: Topic<FunctionStates> = Topic::published(
+    "~/functions",
+    Qos::STREAM,
+    "all function slots: ten times a second, and when one starts, ends, is refused or has another input or output, at most 50 times a second; only where the cell has functions",
+);
 pub(super) const EVENTS: Topic<Event> =
     Topic::published("~/events", Qos::EVENTS, "every event, with a sequence number without gaps");
 pub(super) const ERRORS: Topic<Event> = Topic::published(
@@ -229,6 +234,20 @@ pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
     Qos::SERVICE,
     "sets digital outputs (0, 1) and analog ones (V) for good, all of a request in one cycle, or none; see [io.md](io.md)",
 ).in_time();
+pub(super) const COMMAND_FUNCTION: Served<CommandFunction> = Served::new(
+    "~/command_function",
+    Qos::SERVICE,
+    "stages values of a function's fields and commands it in the same cycle (RESET, START, VALUE_NEW, READ_VALUE), or changes nothing; answers with the set in force; see below",
+)
+.in_time();
+pub(super) const LOAD_TABLE: Served<LoadTable> = Served::new(
+    "~/load_table",
+    Qos::SERVICE,
+    "new numbers for a table, of the form that it has; refused while a started function reads it, but by types that take them while they run",
+)
+.in_time();
+pub(super) const GET_TABLE: Served<GetTable> =
+    Served::new("~/get_table", Qos::SERVICE, "the numbers of a table in force");
 pub(super) const SDO_READ: Served<SdoRead> = Served::new(
     "~/sdo_read",
     Qos::SERVICE,
@@ -380,6 +399,7 @@ const fn parameters<S: Service>(name: &'static str, text: &'static str) -> Serve
 pub const ROWS: &[Row] = &[
     JOINT_STATES.0,
     AXIS_STATES.0,
+    FUNCTIONS.0,
     EVENTS.0,
     ERRORS.0,
     PARAMETER_EVENTS.0,
@@ -405,6 +425,9 @@ pub const ROWS: &[Row] = &[
     HOME.0,
     SET_POSITION.0,
     SET_OUTPUT.0,
+    COMMAND_FUNCTION.0,
+    LOAD_TABLE.0,
+    GET_TABLE.0,
     SDO_READ.0,
     SDO_WRITE.0,
     RECORD.0,

@@ -6,7 +6,8 @@ use super::table::{Kind, PARAMETERS, ROWS, Row};
 use super::{Surface, states};
 use crate::layer::{Environment, Networks, Node, NodeName, NodeOptions, Qos, RosArguments};
 use lineshaft_core::command::{Action, Setpoints};
-use lineshaft_core::config::MachineConfig;
+use lineshaft_core::config::{MachineConfig, SlotConfig};
+use lineshaft_core::function::Kind as FunctionKind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::ParameterImage;
@@ -27,7 +28,9 @@ struct Still {
 
 impl Still {
     fn new() -> Self {
-        let config = fake::config();
+        // One that needs neither a source nor a sink.
+        let slots = vec![SlotConfig::new("cams".to_owned(), 0, FunctionKind::Cam)];
+        let config = MachineConfig { slots, ..fake::config() };
         let directory = Machine::new(config.clone()).expect("a sound machine").directory().clone();
         Self { config, directory }
     }

@@ -91,8 +91,8 @@ fn flight_folder(name: &NodeName) -> Result<PathBuf, String> {
 /// What a machine begins with beside its cell.
 pub(super) struct Given {
     pub store: Option<Store>,
-    /// Its first command.
-    pub first: Option<Action>,
+    /// Its first commands.
+    pub first: Vec<Action>,
     /// Where objects of its devices are asked for.
     pub objects: ObjectDesk,
     /// What goes over its buses on CAN.
@@ -174,9 +174,11 @@ impl Prepared {
             .with_objects(given.objects)
             .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
         // Before the first cycle, and so before anything else that is asked.
-        if let Some(Err(busy)) = given.first.map(|action| handle.submit_as(Source::Cli, action)) {
+        let mut first = given.first.into_iter().map(|action| handle.submit_as(Source::Cli, action));
+        if let Some(busy) = first.find_map(Result::err) {
             tracing::error!("parameters that were given to the node are not set: {busy}");
         }
+        drop(first);
         let handle = if cell.ros.autostart { handle } else { handle.unconfigured() };
         let (handle, keeper) = match given.store {
             None => (handle, None),

@@ -1,5 +1,6 @@
 //! Which parameters the node declares, and what each is worth.
 
+use super::functions::{self, OfFunction};
 use super::own::type_name;
 use lineshaft_core::config::{MachineConfig, highest_velocity};
 use lineshaft_core::parameter::{
@@ -21,9 +22,15 @@ pub(super) struct Declared {
     pub highest_velocity: f64,
 }
 
+/// Why what the cell says cannot be set.
+pub(super) const PART_OF_CELL: &str = "part of the cell: changes with the file and a new start";
+
 /// All of them, by name.
 #[derive(Clone, Debug)]
-pub(super) struct Catalogue(Vec<Declared>);
+pub(super) struct Catalogue {
+    of_machine: Vec<Declared>,
+    of_functions: Vec<OfFunction>,
+}
 
 impl Catalogue {
     pub(super) fn new(config: &MachineConfig) -> Self {
@@ -48,18 +55,36 @@ impl Catalogue {
         });
         let mut all: Vec<Declared> = of_machine.chain(of_axes).collect();
         all.sort_by(|a, b| a.name.cmp(&b.name));
-        Self(all)
+        let mut of_functions = functions::all(config);
+        of_functions.sort_by(|a, b| a.name.cmp(&b.name));
+        Self { of_machine: all, of_functions }
     }
 
-    /// All, ascending by name.
+    /// All of axes and of the machine, ascending by name.
     pub(super) fn all(&self) -> &[Declared] {
-        &self.0
+        &self.of_machine
     }
 
-    /// The parameter of that name.
+    /// All of functions, ascending by name.
+    pub(super) fn functions(&self) -> &[OfFunction] {
+        &self.of_functions
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.of_machine.len() + self.of_functions.len()
+    }
+
+    /// The parameter of that name of an axis or the machine.
     pub(super) fn find(&self, name: &str) -> Option<&Declared> {
-        let place = self.0.binary_search_by(|declared| declared.name.as_str().cmp(name)).ok()?;
-        self.0.get(place)
+        let place = self.of_machine.binary_search_by(|declared| declared.name.as_str().cmp(name)).ok()?;
+        self.of_machine.get(place)
+    }
+
+    /// The parameter of that name of a function.
+    pub(super) fn function(&self, name: &str) -> Option<&OfFunction> {
+        let place = self.of_functions.binary_search_by(|known| known.name.as_str().cmp(name)).ok()?;
+        self.of_functions.get(place)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Descriptors: what a parameter is for and which values it takes.
 
-use super::catalogue::Declared;
+use super::catalogue::{Declared, PART_OF_CELL};
 use lineshaft_core::parameter::{BorderRange, BorderValue, Measure, Range, Row, Storage, System, Value};
 use lineshaft_core::unit::Scale;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{FloatingPointRange, IntegerRange, ParameterDescriptor};
@@ -93,7 +93,7 @@ fn constraints(row: &Row, scale: &Scale) -> String {
         parts.push(format!("left out: {}", row.default_text));
     }
     match row.storage {
-        Storage::Cell => parts.push("part of the cell: changes with the file and a new start".to_owned()),
+        Storage::Cell => parts.push(PART_OF_CELL.to_owned()),
         Storage::Derived => parts.push("computed from other parameters".to_owned()),
         _ if !row.missing.is_empty() => {
             parts.push(format!("only {}: {}", text(row.default), row.missing_text()));

@@ -1,6 +1,7 @@
 //! /parameter_events: the difference of successive images, whoever made it, and what changes of the node's own parameters.
 
 use super::catalogue::{Catalogue, Declared};
+use super::functions::OfFunction;
 use super::own::Own;
 use crate::layer::{NodeHandle, Publisher};
 use crate::surface::hub::Hub;
@@ -80,19 +81,27 @@ fn own_difference(last: &BTreeMap<String, Own>, newest: &BTreeMap<String, Own>) 
 
 /// The parameters that have a value at the start, one event for each object.
 fn declarations(catalogue: &Catalogue, image: &ParameterImage) -> Vec<ParameterEvent> {
-    let object = |declared: &Declared| declared.name.split('.').next().unwrap_or_default().to_owned();
+    let object = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
     let of_object = |declared: &[Declared]| {
         let parameters = declared.iter().map(|declared| declared.parameter(image));
         let with_value = |parameter: &Parameter| parameter.value.r#type != ParameterType::PARAMETER_NOT_SET;
         ParameterEvent { new_parameters: parameters.filter(with_value).collect(), ..ParameterEvent::default() }
     };
-    catalogue.all().chunk_by(|a, b| object(a) == object(b)).map(of_object).collect()
+    let of_axes = catalogue.all().chunk_by(|a, b| object(&a.name) == object(&b.name)).map(of_object);
+    let of_function = |known: &[OfFunction]| {
+        let new_parameters = known.iter().map(|known| known.parameter(image)).collect();
+        ParameterEvent { new_parameters, ..ParameterEvent::default() }
+    };
+    let functions = catalogue.functions().chunk_by(|a, b| object(&a.name) == object(&b.name));
+    of_axes.chain(functions.map(of_function)).collect()
 }
 
 /// What differs; what is left out now has no value.
 fn changes(catalogue: &Catalogue, last: &ParameterImage, newest: &ParameterImage) -> Vec<Parameter> {
     let differs = |declared: &&Declared| declared.value(last) != declared.value(newest);
-    catalogue.all().iter().filter(differs).map(|declared| declared.parameter(newest)).collect()
+    let of_axes = catalogue.all().iter().filter(differs).map(|declared| declared.parameter(newest));
+    let of_functions = catalogue.functions().iter().filter(|known| !known.is_same(last, newest));
+    of_axes.chain(of_functions.map(|known| known.parameter(newest))).collect()
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
 //! Parameters as ROS 2 sees them: `x.<key>` for each row of the catalogue that applies to axis x, `machine.<key>` for the
-//! machine, and without an object those of the node itself.
+//! machine, `<function>.<field>` for a function, and without an object those of the node itself.
 //!
 //! The machine owns them: what is asked for becomes a command, what is shown comes from the newest image. A number is in
 //! the unit of the row's bare numbers (contract section 2).
@@ -7,6 +7,7 @@
 mod catalogue;
 mod describe;
 mod events;
+mod functions;
 mod layers;
 mod list;
 pub(super) mod own;
@@ -19,7 +20,8 @@ mod view;
 #[cfg(test)]
 pub(super) mod fake;
 
-pub use self::start::start_command;
+pub(super) use self::own::type_name;
+pub use self::start::start_commands;
 
 use self::catalogue::Catalogue;
 use super::hub::{Answers, Hub};

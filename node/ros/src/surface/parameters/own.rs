@@ -239,7 +239,7 @@ fn is_whole_step(number: i64, from: i64, to: i64, step: u64) -> bool {
 }
 
 /// What a type is called.
-pub(super) fn type_name(number: u8) -> &'static str {
+pub(in crate::surface) fn type_name(number: u8) -> &'static str {
     match number {
         ParameterType::PARAMETER_NOT_SET => "without a value",
         ParameterType::PARAMETER_BOOL => "a bool",

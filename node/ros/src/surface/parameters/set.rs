@@ -1,6 +1,7 @@
 //! set_parameters and set_parameters_atomically: each set is one command to the machine, whose answer is the result.
 
 use super::catalogue::Catalogue;
+use super::functions::{self, Staged};
 use super::give;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use crate::surface::hub::{Answers, Hub};
@@ -69,6 +70,10 @@ async fn set_each(
     let mut results = vec![SetParametersResult::default(); parameters.len()];
     let mut under_way = VecDeque::new();
     let mut wrong = Wrong::default();
+    let mut refused = |sentence: String| {
+        wrong.note(&sentence);
+        Given::Waits(Err(sentence))
+    };
     for place in first.into_iter().chain(later) {
         let parameter = &parameters[place];
         let known = catalogue.find(&parameter.name);
@@ -90,10 +95,11 @@ async fn set_each(
                 Given::Done
             }
             Ok(Asked::Machine(change)) => Given::Waits(give(hub, Action::SetParameters([change].into()))),
-            Err(sentence) => {
-                wrong.note(&sentence);
-                Given::Waits(Err(sentence))
-            }
+            Ok(Asked::Function(staged)) => match functions::command(hub.host.config(), staged.place, vec![staged]) {
+                Ok(command) => Given::Waits(give(hub, command)),
+                Err(sentence) => refused(sentence),
+            },
+            Err(sentence) => refused(sentence),
         };
         under_way.push_back((place, given));
         if under_way.len() >= UNDER_WAY
@@ -124,28 +130,66 @@ async fn set_together(
         hub.refuse(format!("{service}: {sentence}"));
         return refused(&sentence);
     }
-    let (mut changes, mut own) = (Vec::new(), Vec::new());
-    for parameter in parameters {
-        match asked(hub, catalogue, parameter) {
-            Ok(Asked::Nothing) => {}
-            Ok(Asked::Machine(change)) => changes.push(change),
-            Ok(Asked::Own(value)) => own.push((parameter.name.clone(), value)),
-            Err(sentence) => {
-                hub.refuse(format!("{service}: {sentence}"));
-                return refused(&sentence);
-            }
+    let mut own = Vec::new();
+    let command = match together(hub, catalogue, parameters, &mut own) {
+        Ok(command) => command,
+        Err(sentence) => {
+            hub.refuse(format!("{service}: {sentence}"));
+            return refused(&sentence);
         }
-    }
+    };
     // The machine may refuse its own; those of the node were found fitting, and are set once it has not.
-    let given = match changes.is_empty() {
-        true => Given::Done,
-        false => Given::Waits(give(hub, Action::SetParameters(changes.into()))),
+    let given = match command {
+        None => Given::Done,
+        Some(command) => Given::Waits(give(hub, command)),
     };
     let result = result(given).await;
     if result.successful && !own.is_empty() {
         hub.own.set(own);
     }
     result
+}
+
+/// The command of a set that applies as a whole, and beside it the node's own parameters; none where the machine need not do anything.
+fn together(
+    hub: &Hub,
+    catalogue: &Catalogue,
+    parameters: &[Parameter],
+    own: &mut Vec<(String, ParameterValue)>,
+) -> Result<Option<Action>, String> {
+    let (mut changes, mut staged) = (Vec::new(), Vec::<Staged>::new());
+    // The first one that becomes a command, and the function that it is for.
+    let mut first: Option<(&str, Option<u16>)> = None;
+    for parameter in parameters {
+        let of = match asked(hub, catalogue, parameter)? {
+            Asked::Nothing => continue,
+            Asked::Own(value) => {
+                own.push((parameter.name.clone(), value));
+                continue;
+            }
+            Asked::Machine(change) => {
+                changes.push(change);
+                None
+            }
+            Asked::Function(one) => {
+                let place = one.place;
+                staged.push(one);
+                Some(place)
+            }
+        };
+        let (name, known) = *first.get_or_insert((&parameter.name, of));
+        if known != of {
+            return Err(format!(
+                "{name} and {} cannot be set together; a function's values are a set of their own",
+                parameter.name
+            ));
+        }
+    }
+    match first {
+        None => Ok(None),
+        Some((_, None)) => Ok(Some(Action::SetParameters(changes.into()))),
+        Some((_, Some(place))) => functions::command(hub.host.config(), place, staged).map(Some),
+    }
 }
 
 /// Where a set stands.
@@ -160,6 +204,7 @@ enum Asked {
     /// It cannot be set to that, and has that value.
     Nothing,
     Machine(Change),
+    Function(Staged),
     /// A value that the node's own parameter takes.
     Own(ParameterValue),
 }
@@ -167,6 +212,10 @@ enum Asked {
 fn asked(hub: &Hub, catalogue: &Catalogue, parameter: &Parameter) -> Result<Asked, String> {
     match hub.own.fitting(&parameter.name, &parameter.value) {
         Some(fitting) => fitting.map(Asked::Own),
+        None if let Some(known) = catalogue.function(&parameter.name) => {
+            let staged = known.staged(&parameter.value, &hub.host.parameters())?;
+            Ok(staged.map_or(Asked::Nothing, Asked::Function))
+        }
         None => match change(catalogue, hub.host.config(), parameter, &hub.host.parameters()) {
             Ok(change) => Ok(change.map_or(Asked::Nothing, Asked::Machine)),
             Err(sentence) => Err(sentence),
@@ -176,7 +225,7 @@ fn asked(hub: &Hub, catalogue: &Catalogue, parameter: &Parameter) -> Result<Aske
 
 /// A request may name each parameter once: a million sets of one would keep all other clients waiting.
 fn few_enough(hub: &Hub, catalogue: &Catalogue, parameters: &[Parameter]) -> Result<(), String> {
-    let (given, most) = (parameters.len(), catalogue.all().len() + hub.own.all().len());
+    let (given, most) = (parameters.len(), catalogue.len() + hub.own.all().len());
     if given > most {
         return Err(format!("{given} parameters in one request; there are {most}, each of which may be named once"));
     }

@@ -1,6 +1,7 @@
 //! Values of the machine's parameters that are given to the node at its start.
 
 use super::catalogue::{Catalogue, Declared};
+use super::functions::{self, Staged};
 use super::set::change;
 use crate::layer::{Given, Overrides};
 use lineshaft_core::command::{Action, Command, Commands, Source};
@@ -10,20 +11,31 @@ use lineshaft_core::parameter::{Change, ParameterImage, Storage};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::Parameter;
 use std::collections::{BTreeMap, HashSet};
 
-/// Takes what is for the machine from the parameters that were given to a node, as one command that sets them all, by the rules of
-/// `~/set_parameters`; nothing where none is. Names begin with an axis or `machine`. What is computed from others is left out, with a
-/// warning where it will be another value.
+/// Takes what is for the machine from the parameters that were given to a node, by the rules of `~/set_parameters`: a command that
+/// sets all of axes and machine, and one for each function. Names begin with an axis, a function or `machine`. What is computed from
+/// others is left out, with a warning where it will be another value.
 ///
 /// # Errors
 /// All that is wrong, in one sentence. An unknown name that was given to many nodes is only warned of.
-pub fn start_command(config: &MachineConfig, given: &mut Overrides) -> Result<Option<Action>, String> {
-    let is_object = |word: &str| word == "machine" || config.axes.iter().any(|axis| axis.name == word);
+pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<Vec<Action>, String> {
+    let of_functions = |word: &str| config.slots.iter().any(|slot| slot.name == word);
+    let is_object =
+        |word: &str| word == "machine" || config.axes.iter().any(|axis| axis.name == word) || of_functions(word);
     let given = given.take_where(|name| name.split_once('.').is_some_and(|(object, _)| is_object(object)));
     let catalogue = Catalogue::new(config);
     let (mut changes, mut wrong, mut shown) = (Vec::new(), BTreeMap::new(), Vec::new());
+    let (mut staged, cell) = (BTreeMap::<u16, Vec<Staged>>::new(), functions::of_cell(config));
     let names: HashSet<&str> = given.iter().map(|(name, _)| name.as_str()).collect();
     for (name, given) in given.iter() {
         let parameter = Parameter { name: name.clone(), value: given.value.clone() };
+        if let Some(known) = catalogue.function(name) {
+            match known.staged(&parameter.value, &cell) {
+                Ok(Some(one)) => staged.entry(one.place).or_default().push(one),
+                Ok(None) => {}
+                Err(sentence) => drop(wrong.insert(name, format!("{}: {sentence}", given.place))),
+            }
+            continue;
+        }
         let declared = catalogue.find(name);
         let is_shown = |known: &&Declared| known.repeats(&names) || known.is_only_shown(config, &parameter.value);
         if let Some(declared) = declared.filter(is_shown) {
@@ -59,7 +71,9 @@ pub fn start_command(config: &MachineConfig, given: &mut Overrides) -> Result<Op
         let wrong: Vec<_> = wrong.into_values().collect();
         return Err(format!("{}; `lineshaft params CELL` names the parameters of a cell", wrong.join("; ")));
     }
-    Ok(if changes.is_empty() { None } else { Some(Action::SetParameters(changes.into())) })
+    let of_axes = (!changes.is_empty()).then(|| Ok(Action::SetParameters(changes.into())));
+    let stage = staged.into_iter().map(|(place, staged)| functions::command(config, place, staged));
+    of_axes.into_iter().chain(stage).collect()
 }
 
 /// The parameters of a machine that begins with these changes; of the cell, where it refuses them.
@@ -79,6 +93,9 @@ mod tests {
     use super::super::fake;
     use super::*;
     use crate::layer::{NodeName, RosArguments};
+    use lineshaft_core::command::CommandFunction;
+    use lineshaft_core::config::SlotConfig;
+    use lineshaft_core::function::{Kind, Order};
     use lineshaft_core::parameter::Value;
 
     fn given(line: &str) -> Overrides {
@@ -91,26 +108,45 @@ mod tests {
     fn what_is_for_the_machine_becomes_one_command() {
         let config = fake::config();
         let mut all = given("x.max_velocity:=1 x.min_position:=-0.05 x.profile:=jerk use_sim_time:=true arm.goal:=1");
-        let Ok(Some(Action::SetParameters(changes))) = start_command(&config, &mut all) else { panic!("a command") };
+        let commands = start_commands(&config, &mut all).unwrap();
+        let [Action::SetParameters(changes)] = commands.as_slice() else { panic!("a command") };
         let mut values: Vec<Value> = changes.iter().map(|change| change.value).collect();
         values.sort_by_key(|value| format!("{value:?}"));
         assert_eq!(values, [Value::Int(-50_000), Value::Int(2), Value::Real(1_000_000.0)]);
         let left: Vec<&String> = all.iter().map(|(name, _)| name).collect();
         assert_eq!(left, ["arm.goal", "use_sim_time"]);
-        assert_eq!(start_command(&config, &mut all), Ok(None));
+        assert_eq!(start_commands(&config, &mut all), Ok(vec![]));
     }
 
     #[test]
     fn all_that_is_wrong_is_told_at_once() {
         let config = fake::config();
-        let error =
-            start_command(&config, &mut given("x.max_speed:=1 x.profile:=1 x.posfact_z:=2 x.rampmin:=20")).unwrap_err();
+        let error = start_commands(&config, &mut given("x.max_speed:=1 x.profile:=1 x.posfact_z:=2 x.rampmin:=20"))
+            .unwrap_err();
         let expected = "-p x.max_speed: parameter `x.max_speed` has not been declared; \
                         -p x.posfact_z: x.posfact_z is read-only: part of the cell: changes with the file and a new start; \
                         -p x.profile: x.profile cannot be an integer; a string is needed; `lineshaft params CELL` names";
         assert!(error.starts_with(expected), "{error}");
-        let empty = start_command(&config, &mut given("x.min_position:=[]")).unwrap_err();
+        let empty = start_commands(&config, &mut given("x.min_position:=[]")).unwrap_err();
         assert!(empty.starts_with("-p x.min_position: x.min_position cannot be a list;"), "{empty}");
+    }
+
+    #[test]
+    fn what_is_for_functions_is_staged_by_a_command_for_each() {
+        let mut config = fake::config();
+        config.slots =
+            vec![SlotConfig::new("cams".to_owned(), 0, Kind::Cam), SlotConfig::new("more".to_owned(), 1, Kind::Cam)];
+        let mut all = given("more.ba:=1 x.max_velocity:=1.0 cams.cams:=[1,2] cams.modulo:=5 cams.type:=cam");
+        let commands = start_commands(&config, &mut all).unwrap();
+        let stage = |slot, values: &[(u16, i64)]| {
+            Action::CommandFunction(CommandFunction { slot, order: Order::Stage, values: values.into() })
+        };
+        assert!(matches!(commands[0], Action::SetParameters(_)));
+        assert_eq!(commands[1..], [stage(0, &[(3, 1), (4, 2), (19, 5)]), stage(1, &[(0, 1)])]);
+        let error = start_commands(&config, &mut given("cams.type:=ecopy cams.speed:=1")).unwrap_err();
+        let expected = "-p cams.speed: parameter `cams.speed` has not been declared; \
+                        -p cams.type: cams.type is read-only: part of the cell";
+        assert!(error.starts_with(expected), "{error}");
     }
 
     /// As a dump has them: a part of the cell that is what the cell says, and values that follow from others.
@@ -120,10 +156,10 @@ mod tests {
         let image = in_force(&config, Vec::new()).unwrap();
         let catalogue = Catalogue::new(&config);
         let computed = catalogue.find("x.velmaxqc").expect("declared").message(&image).integer_value;
-        let command = |line: String| start_command(&config, &mut given(&line));
+        let command = |line: String| start_commands(&config, &mut given(&line));
         assert_eq!(
-            command(format!("x.posfact_z:=null x.velmaxqc:={computed} x.max_jerk:=null")).map(|command| {
-                let Some(Action::SetParameters(changes)) = command else { panic!("a command") };
+            command(format!("x.posfact_z:=null x.velmaxqc:={computed} x.max_jerk:=null")).map(|commands| {
+                let [Action::SetParameters(changes)] = commands.as_slice() else { panic!("a command") };
                 changes.iter().map(|change| change.value).collect::<Vec<_>>()
             }),
             Ok(vec![Value::Unset])

@@ -1,6 +1,7 @@
 //! All parameters at one moment: those of the machine, and those of the node itself.
 
 use super::catalogue::{Catalogue, Declared};
+use super::functions::OfFunction;
 use super::own::Own;
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterValue};
@@ -16,6 +17,7 @@ pub(super) struct View<'a> {
 /// One parameter.
 pub(super) enum Known<'a> {
     Machine(&'a Declared),
+    Function(&'a OfFunction),
     Own(&'a Own),
 }
 
@@ -23,6 +25,7 @@ impl Known<'_> {
     pub(super) fn value(&self, image: &ParameterImage) -> ParameterValue {
         match self {
             Self::Machine(declared) => declared.message(image),
+            Self::Function(known) => known.message(image),
             Self::Own(own) => own.value.clone(),
         }
     }
@@ -30,6 +33,7 @@ impl Known<'_> {
     pub(super) fn descriptor(&self) -> ParameterDescriptor {
         match self {
             Self::Machine(declared) => declared.descriptor(),
+            Self::Function(known) => known.descriptor(),
             Self::Own(own) => own.descriptor.clone(),
         }
     }
@@ -39,7 +43,8 @@ impl<'a> View<'a> {
     /// All names, ascending.
     pub(super) fn names(&self) -> Vec<&'a str> {
         let of_machine = self.catalogue.all().iter().map(|declared| declared.name.as_str());
-        let mut names: Vec<&str> = of_machine.chain(self.own.keys().map(String::as_str)).collect();
+        let of_functions = self.catalogue.functions().iter().map(|known| known.name.as_str());
+        let mut names: Vec<&str> = of_machine.chain(of_functions).chain(self.own.keys().map(String::as_str)).collect();
         names.sort_unstable();
         names
     }
@@ -47,12 +52,15 @@ impl<'a> View<'a> {
     /// The parameters of these names; none when one of them is not declared, as rclcpp answers, and none for more names
     /// than there are: an answer to a name that stands there a million times would be far longer than the request.
     pub(super) fn find_all(&self, names: &[String]) -> Option<Vec<Known<'a>>> {
-        if names.len() > self.catalogue.all().len() + self.own.len() {
+        if names.len() > self.catalogue.len() + self.own.len() {
             return None;
         }
         let find = |name: &String| match self.own.get(name) {
             Some(own) => Some(Known::Own(own)),
-            None => self.catalogue.find(name).map(Known::Machine),
+            None => match self.catalogue.function(name) {
+                Some(known) => Some(Known::Function(known)),
+                None => self.catalogue.find(name).map(Known::Machine),
+            },
         };
         names.iter().map(find).collect()
     }

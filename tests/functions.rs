@@ -1,0 +1,208 @@
+//! Function slots and tables as clients on Cyclone DDS and Fast DDS see them, with launch-configs/functions.yaml.
+
+mod support;
+
+use std::path::Path;
+use std::thread;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use support::{domain::Domain, peer::Peer, program::Program};
+
+const OUT_OF_RANGE: u32 = 3004;
+
+struct Bench {
+    cyclone: Peer,
+    _program: Program,
+    domain: Domain,
+}
+
+impl Bench {
+    fn start(more: &[&str]) -> Self {
+        let cell = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/functions.yaml");
+        let cell = cell.to_str().expect("a path of text");
+        let domain = Domain::take();
+        let mut cyclone = Peer::cyclone(&domain);
+        let args = ["run", cell, "--store", "none", "--flight-recorder", "0"];
+        let program = Program::start(&[&args[..], more].concat(), &domain);
+        cyclone.run("axis-states /lineshaft");
+        Self { cyclone, _program: program, domain }
+    }
+
+    /// The set in force behind a command.
+    #[track_caller]
+    fn function(&mut self, command: &str) -> Value {
+        self.cyclone.run(&format!("function /lineshaft {command}"))["active"].clone()
+    }
+
+    #[track_caller]
+    fn refused(&mut self, command: &str) -> String {
+        self.cyclone.fails(command)
+    }
+
+    /// The state of a function in the next message.
+    fn state(&mut self, function: &str) -> Value {
+        self.cyclone.run("functions /lineshaft")["functions"][function].clone()
+    }
+
+    fn axis(&mut self, field: &str) -> Value {
+        self.cyclone.run("axis-states /lineshaft")["axes"]["table"][field].clone()
+    }
+
+    fn get(&mut self, name: &str) -> Value {
+        self.cyclone.run(&format!("params /lineshaft get {name}"))["get"][0].clone()
+    }
+
+    fn set(&mut self, how: &str, values: &str) -> Value {
+        self.cyclone.run(&format!("params /lineshaft {how} {values}"))[how].clone()
+    }
+}
+
+/// Proves: AMK-CMD-03, AMK-CMD-06
+#[test]
+fn a_function_is_started_renewed_read_and_ended() {
+    let mut bench = Bench::start(&[]);
+    let seen = bench.cyclone.run("functions /lineshaft --count 15");
+    assert_eq!(seen["order"], json!(["ratio", "choose", "cams", "watch"]));
+    let steps: Vec<f64> = seen["steps"].as_array().expect("steps").iter().filter_map(Value::as_f64).collect();
+    // The stamps are those of cycles, of which a message may come a look later.
+    let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+    assert!((0.09..0.13).contains(&mean), "ten times a second: {steps:?}");
+    let at_rest = json!({"name": "ratio", "type": "varsync", "slot": 0, "active": false, "error_code": 0, "sink": 0,
+                         "inputs": 0, "outputs": 0, "sak_share": 0});
+    assert_eq!(seen["functions"]["ratio"], at_rest);
+
+    bench.cyclone.run("axes /lineshaft enable table");
+    let bad = "function /lineshaft ratio start m1=5000 m2=40000";
+    let range = "ratio: m2 is 40000; -32768 to 32767 is allowed (unit: 0.0001)";
+    assert_eq!(bench.refused(bad), range);
+    let state = bench.state("ratio");
+    assert_eq!((&state["active"], &state["error_code"]), (&json!(false), &json!(OUT_OF_RANGE)));
+    for (command, sentence) in [
+        ("ratio start m1=0.5", "ratio: m1 is 0.5; a whole number of 64 bits is needed"),
+        ("ratio start m1=fast", "ratio: m1 cannot be a string; an integer or a list of integers is needed"),
+        ("ratio 255", "command is 255; 0 (RESET), 1 (START), 5 (VALUE_NEW) or 6 (READ_VALUE) is expected"),
+        ("gear start", "no function is called `gear`; ratio, choose, cams, watch are known"),
+        ("choose value_new value_e1_0=1", "choose: it is in RESET; VALUE_NEW needs a function that is started"),
+    ] {
+        assert_eq!(bench.refused(&format!("function /lineshaft {command}")), sentence, "{command}");
+    }
+    let unchanged = bench.function("ratio read_value");
+    assert_eq!((&unchanged["m1"], &unchanged["m2"]), (&json!(10_000), &json!(5_000)), "nothing was taken");
+
+    // Half a turn for each metre: the values and the START are one command.
+    let active = bench.function("ratio start m1=5000");
+    assert_eq!((&active["m1"], &active["m2"], &active["mode"]), (&json!(5_000), &json!(5_000), &json!(0)));
+    assert_eq!(bench.axis("reference"), 8);
+    bench.cyclone.run("move /lineshaft --axis line --position 1 --velocity 1 --wait");
+    thread::sleep(Duration::from_millis(50));
+    assert_eq!(bench.axis("command_increments"), 18_000);
+    let state = bench.state("ratio");
+    assert_eq!((&state["active"], &state["sink"], &state["error_code"]), (&json!(true), &json!(18_000), &json!(0)));
+
+    // In VALUE_NEW live fields count, others from the next START on.
+    bench.function("choose start");
+    assert_eq!(bench.state("choose")["sink"], 100);
+    let active = bench.function("choose value_new value_e1_0=-7 mode=0");
+    assert_eq!((&active["value_e1_0"], &active["mode"]), (&json!(-7), &json!(3)));
+    assert_eq!(bench.state("choose")["sink"], -7);
+    assert_eq!(bench.function("choose read_value"), active);
+    for function in ["ratio", "choose"] {
+        bench.function(&format!("{function} reset"));
+        assert_eq!(bench.state(function)["active"], false, "{function}");
+    }
+
+    // Another RMW, whose whole doubles are taken.
+    let mut fastdds = Peer::fastdds(&bench.domain);
+    let seen = fastdds.run("function /lineshaft ratio 1 m1=20000");
+    let value = |name: &str| {
+        let place = seen.all().iter().position(|one| one.get("name").is_some_and(|known| known == name));
+        seen.all()[place.expect("a field") + 1]["value"].clone()
+    };
+    assert_eq!((value("m1"), value("m2")), (json!(20_000), json!(5_000)));
+    assert_eq!(
+        fastdds.fails("function /lineshaft ratio 1 m2=40000"),
+        "ratio: it is started already; RESET comes before another START"
+    );
+}
+
+#[test]
+fn tables_are_loaded_and_read() {
+    let mut bench = Bench::start(&[]);
+    let table = |bench: &mut Bench, name: &str| {
+        let seen = bench.cyclone.run(&format!("get-table /lineshaft {name}"));
+        (seen["form"].clone(), seen["x"].clone(), seen["y"].clone())
+    };
+    let limits = json!([100, 0, 0, 1, 0, 1, 500, 0, 0, 1, 0, 1]);
+    assert_eq!(table(&mut bench, "limits"), (json!("words"), json!([]), limits.clone()));
+    bench.function("watch start");
+    let load = "load-table /lineshaft limits --y 100,0,0,1,0,1,600,0,0,1,0,1";
+    let sentence = "limits: function watch is started and reads it; a sidiff takes no new numbers before its RESET";
+    assert_eq!(bench.refused(load), sentence);
+    assert_eq!(table(&mut bench, "limits").2, limits, "refused changes nothing");
+    bench.function("watch reset");
+    bench.cyclone.run(load);
+    assert_eq!(table(&mut bench, "limits").2[6], 600);
+    for (request, sentence) in [
+        ("limit --y 1", "no table is called `limit`; nose, limits are known"),
+        ("limits", "limits: a table has 0 numbers; 1 to 65536 are possible"),
+        ("limits --y 70000", "limits: word 0 is 70000; -32768 to 65535 is possible"),
+        ("limits --x 1 --y 1", "limits: a table of form words has 1 places in x; it takes none"),
+    ] {
+        assert_eq!(bench.refused(&format!("load-table /lineshaft {request}")), sentence, "{request}");
+    }
+    assert_eq!(bench.refused("get-table /lineshaft limit"), "no table is called `limit`; nose, limits are known");
+    // As long as a table may be, there and back.
+    assert_eq!(bench.cyclone.run("load-long-table /lineshaft limits")["count"], 65_536);
+}
+
+#[test]
+fn fields_are_parameters_that_stage() {
+    let mut bench = Bench::start(&["--ros-args", "-p", "ratio.m8:=8", "-p", "cams.cams:=[1, 0]"]);
+    assert_eq!((bench.get("ratio.m8"), bench.get("cams.cams")), (json!(8), json!([1, 0, 0, 0, 0, 0, 0, 0])));
+    let structure = ["slot", "type", "source", "sink", "cycle_factor"].map(|key| bench.get(&format!("cams.{key}")));
+    assert_eq!(structure, [json!(2), json!("cam"), json!("table.actual.position"), json!("none"), json!(1)]);
+    bench.cyclone.run("parameter-events /lineshaft");
+    let result = |seen: Value| (seen["result"]["successful"].clone(), seen["result"]["reason"].clone());
+    let together = |bench: &mut Bench, values: &str| result(bench.set("set_atomically", values));
+    assert_eq!(together(&mut bench, "ratio.m1=1 ratio.m2=2").0, true);
+    let seen = bench.cyclone.run("parameter-events /lineshaft --until ratio.m2");
+    assert_eq!(seen["events"][0]["changed"], json!({"ratio.m1": 1, "ratio.m2": 2}), "{seen:?}");
+    assert_eq!(bench.function("ratio read_value")["m1"], 10_000, "staged alone");
+    for (values, sentence) in [
+        (
+            "ratio.m1=3 table.max_velocity=1.0",
+            "ratio.m1 and table.max_velocity cannot be set together; a function's values are a set of their own",
+        ),
+        (
+            "ratio.m1=3 choose.mode=1",
+            "ratio.m1 and choose.mode cannot be set together; a function's values are a set of their own",
+        ),
+        ("ratio.m1=3 ratio.m2=32768", "ratio: m2 is 32768; -32768 to 32767 is allowed (unit: 0.0001)"),
+        ("ratio.m1=3 ratio.m9=3", "parameter `ratio.m9` has not been declared"),
+        ("ratio.slot=3", "ratio.slot is read-only: part of the cell: changes with the file and a new start"),
+    ] {
+        assert_eq!(together(&mut bench, values), (json!(false), json!(sentence)), "{values}");
+    }
+    assert_eq!((bench.get("ratio.m1"), bench.get("ratio.m2")), (json!(1), json!(2)));
+    let each = bench.set("set", "ratio.m1=4 ratio.m2=70000 table.max_velocity=1.0 choose.mode=1");
+    let done: Vec<_> =
+        each["results"].as_array().expect("results").iter().map(|one| one["successful"].clone()).collect();
+    assert_eq!(done, [true, false, true, true].map(Value::from));
+    assert_eq!(bench.function("ratio start")["m1"], 4);
+    bench.cyclone.run("described-parameters /lineshaft");
+    // What a dump says again of the structure is no error.
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("dump.yaml");
+    let file = file.to_str().expect("a path of text");
+    bench.cyclone.run(&format!("param-dump /lineshaft {file}"));
+    bench.set("set", "ratio.m8=-9");
+    assert_eq!(bench.cyclone.run(&format!("param-load /lineshaft {file}"))["failed"], json!({}));
+    assert_eq!(bench.get("ratio.m8"), 8);
+    drop(bench);
+    let mut bench = Bench::start(&["--ros-args", "--params-file", file]);
+    assert_eq!(
+        (bench.get("ratio.m1"), bench.get("ratio.m8"), bench.get("choose.mode")),
+        (json!(4), json!(8), json!(1))
+    );
+}
