@@ -589,6 +589,7 @@ fn no_change_of_a_layer_takes_or_gives_back_memory() {
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut image = machine.parameter_image();
     let axes = AxisSet::first(usize::from(AXES));
+    let loaded = table(5);
     let actions = [
         Action::SetParameters(Box::new([Change {
             axis: 3,
@@ -596,6 +597,8 @@ fn no_change_of_a_layer_takes_or_gives_back_memory() {
             value: Value::Real(5e4),
         }])),
         Action::SaveParameters(axes),
+        Action::CommandFunction(CommandFunction { slot: 0, order: Order::Stage, values: Box::new([(0, 1)]) }),
+        Action::LoadTable { index: 0, table: Arc::clone(&loaded) },
         Action::ResetParameters { axes, layer: Layer::Init },
         Action::ResetParameters { axes, layer: Layer::User },
         Action::PowerCycle,

@@ -313,8 +313,10 @@ impl Slot {
         self.lead.valid = !self.is_active() || is_valid(wires, cx.leads);
         board.set_int(wires.first, self.sink);
         let is_same = before == (self.inputs, self.outputs, self.phase) && self.is_shown;
-        if !is_same || wires.compensates {
+        if !is_same {
             self.publish(wires, board);
+        } else if wires.compensates {
+            board.set_int(wires.first.plus(signals(false)), self.sak_share);
         }
         // What RESET leaves of its motion goes in the cycle behind it.
         self.is_shown = self.phase != Phase::Reset || before.2 == Phase::Reset;

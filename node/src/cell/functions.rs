@@ -4,7 +4,7 @@
 //!          (with both places), values beyond their fields, axes that follow each other's commands in a loop
 
 use super::backends::Context;
-use super::names::{Entry, Once, Section, quote};
+use super::names::{Entry, Once, Section, hint, quote};
 use super::wiring::Taken;
 use crate::document::{Map, Value};
 use lineshaft_core::config::{
@@ -126,9 +126,8 @@ fn sort(slots: &mut Vec<Option<SlotConfig>>, numbers: &[u16]) {
 pub(super) fn check_signals(open: &[Open<'_>], directory: &Directory) {
     for Open { value, name } in open {
         if directory.find(name).is_none() {
-            let known = directory.iter().map(|(_, entry)| entry.name.as_str());
-            let hint = crate::scenario::nearest(name, known).map(crate::scenario::did_you_mean);
-            let hint = hint.unwrap_or_else(|| "`lineshaft signals CELL` lists them".to_owned());
+            let known = directory.iter().map(|(_, entry)| entry.name.as_str()).collect();
+            let hint = hint(name, known).unwrap_or_else(|| "`lineshaft signals CELL` lists them".to_owned());
             value.refuse(format!("{} is {}; no signal has that name", value.label(), quote(name)), Some(hint));
         }
     }

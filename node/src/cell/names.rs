@@ -150,7 +150,7 @@ impl<'d> Names<'d> {
 }
 
 /// What was probably meant, or what there is.
-fn hint(name: &str, known: Vec<&str>) -> Option<String> {
+pub(super) fn hint(name: &str, known: Vec<&str>) -> Option<String> {
     const MOST_LISTED: usize = 8;
     const MOST_COMPARED: usize = 1000;
     const LONGEST: usize = 64;
