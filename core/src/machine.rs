@@ -205,6 +205,7 @@ impl Machine {
         // Where no axis has a full cycle, none has anything for others, and outputs follow what they followed before.
         if !is_calm {
             self.stop_others(told);
+            self.reset_failed(told);
             self.share_shifts();
             self.judge_trajectories(told);
             self.state.panel.follow(&self.state.axes);

@@ -146,22 +146,11 @@ fn line(row: &Row) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     /// docs/errors.md is what the program makes.
     #[test]
     fn the_page_in_docs_is_the_one_that_the_program_makes() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/errors.md");
-        let made = markdown();
-        if std::env::var_os("LINESHAFT_RENEW").is_some() {
-            std::fs::write(&path, &made).unwrap();
-            return;
-        }
-        let page = std::fs::read_to_string(&path).unwrap();
-        let different = page.lines().zip(made.lines()).find(|(there, made)| there != made);
-        let hint = "write it anew: LINESHAFT_RENEW=1 cargo test -p lineshaft --lib errors";
-        assert_eq!(different, None, "{hint}");
-        assert!(page == made, "{hint}");
+        crate::page::check("errors.md", "errors", |_| markdown());
     }
 
     #[test]

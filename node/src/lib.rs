@@ -8,6 +8,8 @@ pub mod errors;
 pub mod functions;
 pub mod graph;
 pub mod interfaces;
+#[cfg(test)]
+mod page;
 pub mod parameters;
 pub mod recording;
 pub mod run;

@@ -54,9 +54,9 @@ impl Axis {
 
     /// A function that has started moves it from now on.
     pub fn take_function(&mut self, cx: &mut Context<'_>, by: MovedBy) {
-        // An error of this cycle wins.
-        if self.check_function().is_err() {
-            return;
+        // What came in this cycle wins, and the function runs without its axis.
+        if let Err(refusal) = self.check_function() {
+            return self.warn_of(cx, refusal);
         }
         if self.state == AxisState::Disabled {
             (self.function, self.reference) = (Some(by), Reference::Function);

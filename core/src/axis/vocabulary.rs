@@ -207,7 +207,7 @@ impl Axis {
         Some(refusal)
     }
 
-    fn warn_of(&self, cx: &mut Context<'_>, refusal: Refusal) {
+    pub(super) fn warn_of(&self, cx: &mut Context<'_>, refusal: Refusal) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
         cx.events.push(Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) });
     }

@@ -15,6 +15,7 @@ mod field;
 mod imes;
 mod kind;
 mod program;
+mod reading;
 mod sak;
 mod sidiff;
 mod slot;

@@ -97,7 +97,7 @@ mod tests {
         );
     }
 
-    /// Proves: AMK-SAK-O4, AMK-BCOM-41
+    /// Proves: AMK-SAK-O4
     #[test]
     fn a_share_is_the_cycles_of_the_factor_times_the_change() {
         let mut sak = Sak::new(4032, 0);

@@ -11,8 +11,9 @@
 use super::field::{Field, Words};
 use super::kind::{Description, Quantity};
 use super::program::{Drive, Fault, LINES, Outcome, Reading, Seen, Setting};
+use super::reading::{fraction, is_valid, millivolts, read_inputs, value};
 use super::types::Any;
-use super::wires::{Bit, Mark, Room, Sink, Source, Wires, Word};
+use super::wires::{Bit, Mark, Room, Sink, Source, Wires};
 use crate::code::Code;
 use crate::encoder::{COUNT, Lead};
 use crate::parameter::Sets;
@@ -561,54 +562,4 @@ fn found<'a>(wires: &Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LIN
         return [None; LINES];
     }
     wires.tables.map(|place| tables.get(usize::from(place?)).map(|table| &**table))
-}
-
-fn read_inputs(wires: &Wires, board: &Board) -> u8 {
-    let mut bits = 0;
-    for (place, input) in wires.inputs.iter().take(wires.lines.0).enumerate() {
-        if let Some(input) = input {
-            bits |= u8::from(board.bit(input.signal) != input.inverted) << place;
-        }
-    }
-    bits
-}
-
-fn value(wires: &Wires, board: &Board) -> i64 {
-    let word = match wires.source {
-        Source::None => return 0,
-        Source::Lead(_, word) | Source::Signal(word) => word,
-    };
-    wires.source_width.cut(word.read(board))
-}
-
-fn is_valid(wires: &Wires, leads: &Leads) -> bool {
-    match wires.source {
-        Source::Lead(leader, _) => leads.get(leader).valid,
-        Source::None | Source::Signal(_) => true,
-    }
-}
-
-/// What the floor of its source leaves: the way is that of whole increments.
-fn fraction(wires: &Wires, leads: &Leads) -> Position {
-    let Source::Lead(leader, _) = wires.source else { return Position::ZERO };
-    let position = leads.get(leader).position;
-    position - Position::whole(position.floor())
-}
-
-fn millivolts(volts: f64) -> i64 {
-    // The cast saturates, and makes 0 of NaN.
-    (volts * 1000.0 + 0.5_f64.copysign(volts)) as i64
-}
-
-impl Word {
-    /// The signal now.
-    #[inline]
-    fn read(self, board: &Board) -> i64 {
-        match self {
-            Self::Int(signal) => board.int(signal),
-            // The cast saturates, and makes 0 of NaN.
-            Self::Real(signal) => board.real(signal) as i64,
-            Self::Volts(signal) => millivolts(board.real(signal)),
-        }
-    }
 }

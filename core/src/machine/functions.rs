@@ -7,9 +7,7 @@ use crate::code::Code;
 use crate::command::{Command, CommandFunction};
 use crate::drive::{Edge, Inputs};
 use crate::event::{Number, Refusal};
-use crate::function::{
-    Bit, Cycle, Drive, Fault, Kind, LINES, Mark, NO_DRIVES, OnAxisError, Order, Quantity, Sink, Slot, Source,
-};
+use crate::function::{Bit, Cycle, Drive, Fault, Kind, LINES, Mark, NO_DRIVES, OnAxisError, Order, Sink, Slot, Source};
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
@@ -122,13 +120,6 @@ impl Machine {
             let mark = self.mark(wires.mark, wires.source, inputs);
             let State { slots, board, leads, tables, panel, axes, cycle, .. } = &mut self.state;
             let Some(slot) = slots.get_mut(place) else { continue };
-            if wires.on_axis_error == OnAxisError::Reset
-                && slot.is_active()
-                && let Sink::Axis(axis, _) = wires.sink
-                && axes.get(usize::from(axis)).is_some_and(|axis| !axis.error().is_none())
-            {
-                slot.reset();
-            }
             let cycle = Cycle { cycle: *cycle, leads, tables, mark, drives, cycle_s };
             let written = slot.step(wires, &cycle, board);
             let (lead, anew) = (slot.lead(), slot.anew());
@@ -150,14 +141,29 @@ impl Machine {
             match wires.sink {
                 Sink::Analog(terminal, _) if written.sink => panel.set_analog(terminal, slot.volts()),
                 // A speed is read behind the motion, which a calm axis leaves out.
-                Sink::Axis(axis, _)
-                    if lead.change != Position::ZERO && wires.kind.description().quantity == Quantity::Speed =>
-                {
+                Sink::Axis(axis, _) if lead.change != Position::ZERO && wires.speed.is_some() => {
                     if let Some(axis) = axes.get_mut(usize::from(axis)) {
                         axis.disturb();
                     }
                 }
                 _ => {}
+            }
+        }
+    }
+
+    /// RESET of the functions that an error of their axis ends, behind everything that may be one; what they write at the end they write in
+    /// the next cycle.
+    pub(super) fn reset_failed(&mut self, told: Told<'_>) {
+        for place in 0..self.wires.len() {
+            let Some(wires) = self.wires.get(place).filter(|wires| wires.on_axis_error == OnAxisError::Reset) else {
+                continue;
+            };
+            let (Sink::Axis(axis, _), Some(slot)) = (wires.sink, self.state.slots.get_mut(place)) else { continue };
+            let fails = self.state.axes.get(usize::from(axis)).is_some_and(|axis| !axis.error().is_none());
+            if fails && slot.is_active() {
+                slot.reset();
+                // With error_reaction 5 it would go on with what stands now.
+                self.act_on(axis.into(), told, |axis, cx| axis.leave_function(cx, Leader::Sink(place as u16)));
             }
         }
     }

@@ -4,6 +4,7 @@
 //!          (with both places), values beyond their fields, axes that follow each other's commands in a loop
 
 use super::backends::Context;
+use super::loops::{Link, Reads, refuse_loops};
 use super::names::{Entry, Once, Section, hint, quote};
 use super::wiring::Taken;
 use crate::document::{Map, Value};
@@ -22,25 +23,6 @@ pub(crate) const LATER: [&str; 8] = ["fipw", "fipz", "dfkt", "fgen", "regl", "xf
 
 /// Readings of an axis that follow from its command.
 const OF_COMMAND: [&str; 5] = ["command", "target", "modulo", "turns", "output"];
-
-/// What a function reads, as far as loops are concerned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reads {
-    /// The command of an axis.
-    Command(usize),
-    /// Another function, by its place in the file.
-    Function(usize),
-}
-
-/// A function between its source and its sink.
-#[derive(Clone, Copy, Debug)]
-struct Link {
-    /// Place in the section.
-    function: usize,
-    source: Option<Reads>,
-    /// The axis that it moves.
-    sink: Option<usize>,
-}
 
 /// A source that is any signal: whether there is one shows once the signals are known.
 pub(super) struct Open<'d> {
@@ -133,8 +115,8 @@ pub(super) fn check_signals(open: &[Open<'_>], directory: &Directory) {
     }
 }
 
-/// Refuses speeds in rpm for axes that have no revolution, and open-loop axes.
-pub(super) fn check_speeds(cx: &Context<'_>, machine: &MachineConfig) {
+/// Refuses axes that no function can move: in open loop, or without a revolution for a speed in rpm.
+pub(super) fn check_axes(cx: &Context<'_>, machine: &MachineConfig) {
     for slot in &machine.slots {
         let SinkConfig::Axis(place) = slot.sink else { continue };
         let Some(axis) = machine.axes.get(usize::from(place)) else { continue };
@@ -542,64 +524,4 @@ impl<'d> Reader<'_, 'd> {
         }
         is_good
     }
-}
-
-/// Refuses every function that closes a loop of axes that follow each other's commands.
-fn refuse_loops(links: &[Link], cx: &Context<'_>) {
-    let axes = cx.names.section(Section::Axes);
-    let name = |axis: usize| excerpt(axes.get(axis).map_or("", Entry::name));
-    // Leader and follower, of the functions so far that close no loop.
-    let mut follows: Vec<(usize, usize)> = Vec::new();
-    for link in links {
-        let (Some(leader), Some(follower)) = (leader(link, links), link.sink) else { continue };
-        let Some(path) = path(&follows, follower, leader) else {
-            follows.push((leader, follower));
-            continue;
-        };
-        let names: Vec<_> = path.into_iter().chain([follower]).map(name).collect();
-        let sentence = format!("axes follow each other's commands in a loop: {}", names.join(" -> "));
-        let hint = format!("follow `{}.actual`", name(leader));
-        if let Some(entry) = cx.names.section(Section::Functions).get(link.function) {
-            entry.key.refuse(sentence, Some(hint));
-        }
-    }
-}
-
-/// The axis whose command reaches a function, itself or through other functions.
-fn leader(link: &Link, links: &[Link]) -> Option<usize> {
-    let mut source = link.source?;
-    // Functions that read each other in a circle lead to no axis.
-    for _ in 0..=links.len() {
-        match source {
-            Reads::Command(axis) => return Some(axis),
-            Reads::Function(function) => source = links.iter().find(|link| link.function == function)?.source?,
-        }
-    }
-    None
-}
-
-/// A way from one axis to another along the followers, both included.
-fn path(follows: &[(usize, usize)], from: usize, to: usize) -> Option<Vec<usize>> {
-    let mut reached = vec![(from, None)];
-    let mut next = 0;
-    while let Some(&(axis, _)) = reached.get(next) {
-        if axis == to {
-            let mut path = vec![axis];
-            let mut before = reached[next].1;
-            while let Some(place) = before {
-                let (axis, earlier): (usize, Option<usize>) = reached[place];
-                path.push(axis);
-                before = earlier;
-            }
-            path.reverse();
-            return Some(path);
-        }
-        for &(_, follower) in follows.iter().filter(|(leader, _)| *leader == axis) {
-            if reached.iter().all(|(axis, _)| *axis != follower) {
-                reached.push((follower, Some(next)));
-            }
-        }
-        next += 1;
-    }
-    None
 }

@@ -27,6 +27,7 @@ mod encoders;
 mod fixtures;
 mod functions;
 mod groups;
+mod loops;
 mod machine;
 mod models;
 mod names;
@@ -256,7 +257,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files) -> Option<Cell> {
         global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },
     };
     functions::check_signals(&slots.open, &machine.directory());
-    functions::check_speeds(&cx, &machine);
+    functions::check_axes(&cx, &machine);
     let drives: Vec<_> = hardware.iter().flatten().copied().collect();
     let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &drives);
     let kinds: Vec<_> = cx.backends.iter().map(|backend| backend.map(Backend::kind)).collect::<Option<_>>()?;

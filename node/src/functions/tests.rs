@@ -8,17 +8,7 @@ use std::path::Path;
 /// writes them anew.
 #[test]
 fn the_page_in_docs_holds_what_the_program_makes() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/functions.md");
-    let page = std::fs::read_to_string(&path).unwrap();
-    let made = renewed(&page).unwrap();
-    if std::env::var_os("LINESHAFT_RENEW").is_some() {
-        std::fs::write(&path, &made).unwrap();
-        return;
-    }
-    let different = page.lines().zip(made.lines()).find(|(there, made)| there != made);
-    let hint = "write it anew: LINESHAFT_RENEW=1 cargo test -p lineshaft --lib functions";
-    assert_eq!(different, None, "{hint}");
-    assert!(page == made, "{hint}");
+    crate::page::check("functions.md", "functions", |page| renewed(page).unwrap());
 }
 
 #[test]

@@ -4,23 +4,12 @@ use super::{details, listing, markdown, meant, qos_text, renewed};
 use lineshaft_msgs::INTERFACES;
 use lineshaft_ros::layer::Qos;
 use lineshaft_ros::surface::table::{PARAMETERS, ROWS};
-use std::path::Path;
 
 /// The blocks of docs/interfaces.md are what the program makes. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib interfaces`
 /// writes them anew.
 #[test]
 fn the_page_in_docs_holds_what_the_program_makes() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/interfaces.md");
-    let page = std::fs::read_to_string(&path).unwrap();
-    let made = renewed(&page).unwrap();
-    if std::env::var_os("LINESHAFT_RENEW").is_some() {
-        std::fs::write(&path, &made).unwrap();
-        return;
-    }
-    let different = page.lines().zip(made.lines()).find(|(there, made)| there != made);
-    let hint = "write it anew: LINESHAFT_RENEW=1 cargo test -p lineshaft --lib interfaces";
-    assert_eq!(different, None, "{hint}");
-    assert!(page == made, "{hint}");
+    crate::page::check("interfaces.md", "interfaces", |page| renewed(page).unwrap());
 }
 
 #[test]

@@ -251,6 +251,35 @@ fn an_error_takes_the_axis_and_a_function_that_is_to_run_runs_on() {
 }
 
 #[test]
+fn an_error_that_lets_the_axis_go_on_ends_a_function_all_the_same_where_it_is_to() {
+    let mut slot = gear("g", 0, Leader::AxisCommand(LINE), X);
+    slot.on_axis_error = OnAxisError::Reset;
+    let mut config = cell(vec![slot]);
+    config.axes[1].parameters.error_reaction = 5;
+    config.axes[1].parameters.max_following_error = 100;
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig.give(Action::Move(at(LINE, 20_000.0)));
+    rig.give(order(0, Order::Start));
+    rig.run(50);
+    assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+    // The drive stays where it is: a following error, which is told and goes on.
+    rig.tamper = |inputs| inputs.drive[0].count = 0;
+    rig.run(60);
+    assert!(rig.events.iter().any(|event| event.code == Code::FOLLOWING_ERROR));
+    assert_eq!((rig.int("g.active"), rig.state("x"), rig.real("x.command.velocity")), (0, "STANDSTILL", 0.0));
+}
+
+#[test]
+fn a_start_that_a_stop_of_its_cycle_overtakes_is_told() {
+    let mut rig = geared();
+    rig.give_all(vec![Action::QuickStop(AxisSet::one(X)), order(0, Order::Start)]);
+    assert_eq!((rig.int("g.active"), rig.state("x")), (1, "STOPPING"));
+    let told = rig.events.iter().any(|event| event.kind == Kind::Warning && event.code == Code::QUICK_STOPPED);
+    assert!(told, "the axis does not follow, and says why");
+}
+
+#[test]
 fn an_axis_that_cannot_move_refuses_start() {
     let mut rig = geared();
     rig.give(Action::QuickStop(AxisSet::one(X)));
@@ -325,7 +354,6 @@ fn a_follower_of_a_sink_follows_it_and_counts_on_where_it_begins_anew() {
     assert_eq!((rig.int("x.command.position"), rig.int("x.sync.master")), (30, 5030));
 }
 
-/// Proves: AMK-GEN-06
 #[test]
 fn a_new_coordinate_of_the_source_is_no_way() {
     let slots = vec![gear("g", 0, Leader::AxisActual(Y), X)];

@@ -17,7 +17,7 @@ fn cell(functions: &str) -> String {
 }
 
 /// Proves: AMK-GEN-07, AMK-GEN-08, AMK-INIT-01, AMK-INIT-02, AMK-INIT-05, AMK-INIT-06, AMK-INIT-07, AMK-INIT-08, AMK-BCOM-05, AMK-BCOM-09, AMK-BCOM-12, AMK-BCOM-13,
-/// AMK-BCOM-14, AMK-BCOM-15, AMK-CTX-06, AMK-VARSYNC-07, AMK-VARSYNC-08, AMK-BCOM-24, AMK-BCOM-25, AMK-CTX-20, AMK-CTX-21
+/// AMK-BCOM-14, AMK-BCOM-15, AMK-CTX-06, AMK-VARSYNC-07, AMK-VARSYNC-08
 #[test]
 fn a_slot_knows_what_it_is_wired_to() {
     let cell = good(&cell(
