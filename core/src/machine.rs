@@ -74,6 +74,8 @@ pub struct Machine {
     wires: Vec<Wires>,
     /// Room for two sets of a function.
     room: Vec<i64>,
+    /// Slots that an error of the axis ends which they move, and that axis.
+    ended_by_errors: Vec<(u16, u16)>,
     /// The slots that move the first axes.
     movers: [Option<u16>; LINES],
     /// It passes over nothing: what others are compared with.
@@ -140,6 +142,7 @@ impl Machine {
             couples: false,
             set_by,
             seen: Inputs::default(),
+            ended_by_errors: functions::ended_by_errors(&wires),
             movers: std::array::from_fn(|axis| config.writer(Object::Axis(axis as u16))),
             wires,
             room: vec![0; 2 * widest.unwrap_or(0)],

@@ -7,7 +7,9 @@ use crate::code::Code;
 use crate::command::{Command, CommandFunction};
 use crate::drive::{Edge, Inputs};
 use crate::event::{Number, Refusal};
-use crate::function::{Bit, Cycle, Drive, Fault, Kind, LINES, Mark, NO_DRIVES, OnAxisError, Order, Sink, Slot, Source};
+use crate::function::{
+    Bit, Cycle, Drive, Fault, Kind, LINES, Mark, NO_DRIVES, OnAxisError, Order, Sink, Slot, Source, Wires,
+};
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
@@ -18,6 +20,15 @@ use std::sync::Arc;
 fn refusal(fault: Fault, slot: u16) -> Refusal {
     let refusal = Refusal::new(fault.code, Object::Function(slot)).with(fault.asked, fault.limit);
     Refusal { parameter: fault.field, ..refusal }
+}
+
+/// The slots that an error of the axis ends which they move, and that axis.
+pub(super) fn ended_by_errors(wires: &[Wires]) -> Vec<(u16, u16)> {
+    let ended = |(place, wires): (u16, &Wires)| match wires.sink {
+        Sink::Axis(axis, _) if wires.on_axis_error == OnAxisError::Reset => Some((place, axis)),
+        _ => None,
+    };
+    (0..).zip(wires).filter_map(ended).collect()
 }
 
 impl Machine {
@@ -154,16 +165,14 @@ impl Machine {
     /// RESET of the functions that an error of their axis ends, behind everything that may be one; what they write at the end they write in
     /// the next cycle.
     pub(super) fn reset_failed(&mut self, told: Told<'_>) {
-        for place in 0..self.wires.len() {
-            let Some(wires) = self.wires.get(place).filter(|wires| wires.on_axis_error == OnAxisError::Reset) else {
-                continue;
-            };
-            let (Sink::Axis(axis, _), Some(slot)) = (wires.sink, self.state.slots.get_mut(place)) else { continue };
+        for at in 0..self.ended_by_errors.len() {
+            let Some(&(place, axis)) = self.ended_by_errors.get(at) else { continue };
+            let Some(slot) = self.state.slots.get_mut(usize::from(place)) else { continue };
             let fails = self.state.axes.get(usize::from(axis)).is_some_and(|axis| !axis.error().is_none());
             if fails && slot.is_active() {
                 slot.reset();
                 // With error_reaction 5 it would go on with what stands now.
-                self.act_on(axis.into(), told, |axis, cx| axis.leave_function(cx, Leader::Sink(place as u16)));
+                self.act_on(axis.into(), told, |axis, cx| axis.leave_function(cx, Leader::Sink(place)));
             }
         }
     }
