@@ -286,7 +286,6 @@ impl Machine {
                 self.events.push(encoders::event(told, index as u16, errors));
             }
         }
-        self.step_slots(inputs);
         let State { axes, leads, encoders, .. } = &mut self.state;
         for (axis, of) in axes.iter_mut().zip(&mut leads.of_axes) {
             let drive = axis.drive().and_then(|drive| inputs.drive.get(drive));
@@ -301,6 +300,7 @@ impl Machine {
             of.actual = axis.actual();
             axis.simulate_master(&mut of.simulated);
         }
+        self.step_slots(inputs);
         let edges = self.state.panel.edges(inputs);
         if edges != Edges::default() {
             self.state.axes.iter_mut().for_each(|axis| axis.take_edges(edges));

@@ -3,6 +3,7 @@
 //! Law      a voltage is read in mV, to the nearest; any other real is cut towards zero; 16 and 32 bits are the low ones, sign-extended
 
 use super::wires::{Source, Wires, Word};
+use crate::object::Leader;
 use crate::position::Position;
 use crate::signal::Board;
 use crate::sync::Leads;
@@ -19,12 +20,16 @@ pub(super) fn read_inputs(wires: &Wires, board: &Board) -> u8 {
 }
 
 /// Its source, as wide as that is; 0 without one.
-pub(super) fn value(wires: &Wires, board: &Board) -> i64 {
-    let word = match wires.source {
+pub(super) fn value(wires: &Wires, board: &Board, leads: &Leads) -> i64 {
+    let value = match wires.source {
         Source::None => return 0,
-        Source::Lead(_, word) | Source::Signal(word) => word,
+        // The board shows it behind the axes.
+        Source::Lead(leader @ Leader::AxisActual(_), _) => {
+            leads.find(leader).map_or(0, |lead| lead.position.floor())
+        }
+        Source::Lead(_, word) | Source::Signal(word) => word.read(board),
     };
-    wires.source_width.cut(word.read(board))
+    wires.source_width.cut(value)
 }
 
 /// Is its source there?

@@ -290,7 +290,7 @@ impl Slot {
             Phase::Starting => {
                 (self.phase, self.since) = (Phase::Active, cx.cycle);
                 (self.travel, self.mark) = (fraction(wires, cx.leads), None);
-                self.last = value(wires, board);
+                self.last = value(wires, board, cx.leads);
                 let base = self.base(wires, board);
                 let seen = self.seen(wires, cx, board, base);
                 let outcome = self.function.start(Words(&self.active), &seen);
@@ -337,7 +337,7 @@ impl Slot {
 
     /// The way of its source, and the marks on it.
     fn travel_on(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &Board, edge: bool) {
-        let value = value(wires, board);
+        let value = value(wires, board, cx.leads);
         match wires.source {
             Source::None => {}
             Source::Lead(leader, _) => {

@@ -117,7 +117,7 @@ impl Machine {
         Ok(())
     }
 
-    /// All slots in a cycle, ascending: behind the encoders, before the axes.
+    /// All slots in a cycle, ascending: behind the encoders and what drives tell, before the axes move.
     pub(super) fn step_slots(&mut self, inputs: &Inputs) {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
         for place in 0..self.wires.len() {

@@ -1,6 +1,6 @@
 //! Everything that can lead, in one store.
 //!
-//! Law      a lead is what its source was at t_k, as far as the cycle has come: encoders, then sinks, then actual positions and simulated masters,
+//! Law      a lead is what its source was at t_k, as far as the cycle has come: encoders, then actual positions and simulated masters, then sinks,
 //!          then each axis' command once it has moved. A follower reads its lead behind that, as leaders come first
 //! Reads    places by [`Leader`]; a new kind of lead is a case of that, and a list here
 //! Refuses  nothing: what does not exist is a lead that is lost

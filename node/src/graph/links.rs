@@ -1,12 +1,15 @@
 //! What function slots read and write.
 //!
-//! Law      a slot reads this cycle's value of inputs, outputs of lower slots, encoders and lower slots, of memory that a lower one or no
-//!          slot writes; the last cycle's of axes and the machine, of itself, of higher slots, and of all that these write
+//! Law      a slot reads this cycle's value of inputs, outputs of lower slots, encoders, the actual position of a drive (as source) and lower slots, of
+//!          memory that a lower one or no slot writes; the last cycle's of axes else and the machine, of itself, of higher slots, and of
+//!          all that these write
 //! Source   contract section 1 and 10
 
 use lineshaft_core::config::{IoKind, Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
 use lineshaft_core::function::Kind;
 use lineshaft_core::object::{Leader, Object};
+
+const SOURCE: &str = "source";
 
 /// What a slot has at one end of a link: `source`, `E1`, `sink`, `A1`..
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,11 +31,11 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     let Some(config) = machine.slots.get(usize::from(slot)) else { return Vec::new() };
     let mut ports = Vec::new();
     let mut read = |label: String, name: &str, object| {
-        let is_late = is_late(machine, slot, object);
+        let is_late = !(label == SOURCE && is_told(machine, config)) && is_late(machine, slot, object);
         ports.push(Port { label, name: name.to_owned(), object, is_output: false, is_late });
     };
     if let Some((name, object)) = source(machine, config) {
-        read("source".to_owned(), &name, object);
+        read(SOURCE.to_owned(), &name, object);
     }
     if let Some(name) = &config.word {
         read("word".to_owned(), name, find(machine, name));
@@ -110,6 +113,12 @@ fn watched(config: &SlotConfig) -> impl Iterator<Item = u16> {
     let is_watched = config.kind == Kind::Sidiff;
     let (mask, shown) = (value("aw_mask").unwrap_or(0), value("display_aw").unwrap_or(0));
     (0..8).filter(move |axis| is_watched && (mask >> axis & 1 == 1 || shown == i64::from(axis + 1)))
+}
+
+/// Is its source where an axis is, as a drive tells it before the slots begin?
+fn is_told(machine: &MachineConfig, config: &SlotConfig) -> bool {
+    let SourceConfig::Lead(Leader::AxisActual(axis)) = config.source else { return false };
+    machine.axes.get(usize::from(axis)).is_some_and(|axis| axis.drive.is_some())
 }
 
 /// Does a slot read the last cycle's value of an object?

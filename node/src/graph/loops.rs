@@ -74,10 +74,14 @@ fn sentence(machine: &MachineConfig, way: &[Link]) -> String {
     let name = |object| machine.name(object);
     let first = way.first().map_or("", |link| name(link.from));
     let names: Vec<&str> = std::iter::once(first).chain(way.iter().map(|link| name(link.to))).collect();
-    let late: Vec<String> = way
-        .iter()
-        .filter(|link| link.is_late)
-        .map(|link| format!("{} sees {} as of the cycle before", name(link.to), name(link.from)))
-        .collect();
+    let seen = |link: &Link| {
+        let what = match link.from {
+            _ if link.is_late => "as of the cycle before",
+            Object::Axis(_) => "as its drive tells it",
+            _ => return None,
+        };
+        Some(format!("{} sees {} {what}", name(link.to), name(link.from)))
+    };
+    let late: Vec<String> = way.iter().filter_map(seen).collect();
     format!("function {first} reads itself: {}; {}", names.join(" -> "), late.join(", "))
 }

@@ -52,7 +52,7 @@ fn a_slot_reads_this_cycle_what_stands_before_it() {
         ["source <- belt.position", "E1 <- go", "E2 <- not flag (late)", "sink -> feed", "A1 -> lamp"]
     );
     assert_eq!(said(&machine, 1), ["source <- a.sink", "word <- feed", "sink -> x"]);
-    assert_eq!(said(&machine, 2), ["source <- x.actual.position (late)", "sink -> volts"]);
+    assert_eq!(said(&machine, 2), ["source <- x.actual.position", "sink -> volts"]);
     assert_eq!(said(&machine, 3), ["source <- d.sink (late)", "E1 <- flag (late)", "A1 -> flag"]);
     assert_eq!(said(&machine, 4), ["source <- machine.overruns (late)"]);
 }
@@ -91,6 +91,10 @@ fn a_slot_that_reads_itself_is_told_with_its_way() {
     );
     assert_eq!(
         told("  a: {slot: 0, type: varsync, source: x.actual, sink: x, mode: 0}\n"),
+        ["function a reads itself: a -> x -> a; a sees x as its drive tells it"]
+    );
+    assert_eq!(
+        told("  a: {slot: 0, type: dcopy, source: x.following_error, sink: x}\n"),
         ["function a reads itself: a -> x -> a; a sees x as of the cycle before"]
     );
     // Through the level of an output, which an input shows a cycle later.
@@ -208,8 +212,8 @@ fn links_meet_boxes_and_are_dashed_where_they_are_late() {
         let numbers = numbers_of(line);
         assert!(at_edge(numbers[0], numbers[1]) && at_edge(numbers[6], numbers[7]), "{line}");
     }
-    // `flag` of a higher slot, x.actual, the output behind `back`, and the line of the legend.
-    assert_eq!(links.iter().filter(|line| line.contains("stroke-dasharray")).count(), 3 + 1);
+    // `flag` of a higher slot, the output behind `back`, and the line of the legend.
+    assert_eq!(links.iter().filter(|line| line.contains("stroke-dasharray")).count(), 2 + 1);
 }
 
 /// The numbers of a path.

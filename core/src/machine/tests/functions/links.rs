@@ -2,7 +2,7 @@
 
 use super::{Line, Order, SinkConfig, SourceConfig, Type, cell, copy, order, slot};
 use crate::command::Action;
-use crate::machine::tests::rig::Rig;
+use crate::machine::tests::rig::{LINE, Rig, X, Y, at};
 use crate::object::{Leader, Object};
 
 fn word(name: &str) -> SourceConfig {
@@ -67,4 +67,43 @@ fn a_bit_that_a_lower_slot_writes_is_an_input_of_a_higher_one_in_that_cycle() {
         rig.int("d")
     };
     assert_eq!([chained(1, 2), chained(2, 1)], [200, 100]);
+}
+
+/// Proves: AMK-SRC-05
+#[test]
+fn an_actual_position_is_this_cycles_and_a_command_the_last_cycles() {
+    let watch = |name, slot, leader, sink| copy(name, slot, SourceConfig::Lead(leader), SinkConfig::Memory(sink));
+    let actual = watch("a", 0, Leader::AxisActual(X), 1);
+    let command = watch("c", 1, Leader::AxisCommand(X), 2);
+    let mut rig = Rig::of(cell(vec![actual, command, super::gear("g", 2, Leader::AxisActual(X), Y)]));
+    rig.enable();
+    rig.give(Action::Move(at(X, 20_000.0)));
+    rig.run_to("x.command.velocity", 20_000.0);
+    rig.run(3);
+    rig.give_all((0..3).map(|slot| order(slot, Order::Start)).collect());
+    for _ in 0..3 {
+        let before = ["x.actual.position", "x.command.position", "y.command.position"].map(|name| rig.int(name));
+        rig.run(1);
+        let way = rig.int("x.actual.position") - before[0];
+        assert_eq!((way, rig.int("d"), rig.int("l")), (20, before[0] + way, before[1]));
+        assert_eq!(rig.int("y.command.position"), before[2] + way);
+    }
+    // What disturbs the drive is seen in that cycle.
+    rig.tamper = |inputs| inputs.drive[0].count += 7;
+    let before = rig.int("d");
+    rig.run(1);
+    assert_eq!((rig.int("d"), rig.int("d") - before), (rig.int("x.actual.position"), 27));
+}
+
+/// An axis without a drive is where its command is, and that comes behind the slots.
+#[test]
+fn the_actual_position_of_a_virtual_axis_is_the_last_cycles() {
+    let watch = copy("a", 0, SourceConfig::Lead(Leader::AxisActual(LINE)), SinkConfig::Memory(1));
+    let mut rig = Rig::of(cell(vec![watch]));
+    rig.give(Action::Move(at(LINE, 20_000.0)));
+    rig.run_to("line.command.velocity", 20_000.0);
+    rig.give(order(0, Order::Start));
+    let before = rig.int("line.actual.position");
+    rig.run(1);
+    assert_eq!((rig.int("d"), rig.int("line.actual.position")), (before, before + 20));
 }
