@@ -24,6 +24,7 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
     let name = config.name(event.source);
     let text = match event.kind {
         Kind::Accepted => "accepted".to_owned(),
+        Kind::State if matches!(event.source, Object::Function(_)) => function::state(event, config),
         Kind::State => format!("now {}", state_name(event.asked)),
         Kind::Parameter => changed(event, config),
         Kind::Latch => latched(event, config),

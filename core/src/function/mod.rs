@@ -14,6 +14,7 @@ mod digdreh;
 mod field;
 mod imes;
 mod kind;
+mod notice;
 mod program;
 mod reading;
 mod sak;

@@ -10,6 +10,7 @@
 
 use super::field::{Field, Words};
 use super::kind::{Description, Quantity};
+use super::notice::Notice;
 use super::program::{Drive, Fault, LINES, Outcome, Reading, Seen, Setting};
 use super::reading::{fraction, is_valid, millivolts, read_inputs, value};
 use super::types::Any;
@@ -114,6 +115,7 @@ pub struct Slot {
     anew: Position,
     /// All of it is on the board, and its lead stands.
     is_shown: bool,
+    notice: Notice,
 }
 
 impl Slot {
@@ -137,6 +139,7 @@ impl Slot {
             lead: Lead { uneven: COUNT, valid: true, ..Lead::default() },
             anew: Position::ZERO,
             is_shown: true,
+            notice: Notice::default(),
         }
     }
 
@@ -202,6 +205,13 @@ impl Slot {
     /// By how much its sink was set anew in this cycle.
     pub(crate) fn anew(&self) -> Position {
         self.anew
+    }
+
+    /// Whether it runs (256) and its outputs, A1 in bit 0, where that is to be told in this cycle, and how many changes before were not.
+    #[inline]
+    pub(crate) fn tell(&mut self, cycle: u64, cycle_ns: u64) -> Option<(u16, u32)> {
+        let state = u16::from(self.is_active()) << LINES | u16::from(self.outputs);
+        Some((state, self.notice.take(state, cycle, cycle_ns)?))
     }
 
     /// Takes a command: all of it, or nothing but the error that it shows. `room` holds two of the widest sets.
@@ -511,6 +521,7 @@ impl Clone for Slot {
             lead,
             anew,
             is_shown,
+            notice,
         } = other;
         self.function.clone_from(function);
         self.staged.clone_from(staged);
@@ -518,7 +529,7 @@ impl Clone for Slot {
         (self.phase, self.since, self.travel, self.last, self.mark) = (*phase, *since, *travel, *last, *mark);
         (self.inputs, self.outputs, self.writes) = (*inputs, *outputs, *writes);
         (self.sink, self.sak_share, self.error, self.lead, self.anew) = (*sink, *sak_share, *error, *lead, *anew);
-        self.is_shown = *is_shown;
+        (self.is_shown, self.notice) = (*is_shown, *notice);
     }
 }
 

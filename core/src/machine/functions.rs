@@ -6,7 +6,7 @@ use crate::axis::MovedBy;
 use crate::code::Code;
 use crate::command::{Command, CommandFunction};
 use crate::drive::{Edge, Inputs};
-use crate::event::{Number, Refusal};
+use crate::event::{Event, Kind as EventKind, Number, Refusal, Severity};
 use crate::function::{
     Bit, Cycle, Drive, Fault, Kind, LINES, Mark, NO_DRIVES, OnAxisError, Order, Sink, Slot, Source, Wires,
 };
@@ -129,13 +129,17 @@ impl Machine {
                 drives = &watched;
             }
             let mark = self.mark(wires.mark, wires.source, inputs);
-            let State { slots, board, leads, tables, panel, axes, cycle, .. } = &mut self.state;
+            let State { slots, board, leads, tables, panel, axes, cycle: now, .. } = &mut self.state;
             let Some(slot) = slots.get_mut(place) else { continue };
-            let cycle = Cycle { cycle: *cycle, leads, tables, mark, drives, cycle_s };
+            let cycle = Cycle { cycle: *now, leads, tables, mark, drives, cycle_s };
             let written = slot.step(wires, &cycle, board);
             let (lead, anew) = (slot.lead(), slot.anew());
             if let Some(of) = leads.sinks.get_mut(place) {
                 *of = lead;
+            }
+            if let Some((state, left_out)) = slot.tell(*now, self.config.cycle_ns) {
+                let event = Event::new(Severity::Info, EventKind::State, Object::Function(place as u16), Code::NONE);
+                self.events.push(event.with(Number::Count(state.into()), Number::Count(left_out.into())));
             }
             if anew != Position::ZERO {
                 axes.iter_mut().for_each(|axis| axis.count_on_sink(place as u16, anew));

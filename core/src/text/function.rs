@@ -2,9 +2,9 @@
 
 use super::plain;
 use crate::code::Code;
-use crate::config::{MachineConfig, SlotConfig};
+use crate::config::{Line, MachineConfig, SlotConfig};
 use crate::event::{Event, Number};
-use crate::function::Field;
+use crate::function::{Field, LINES};
 use crate::object::Object;
 use crate::table::Form;
 
@@ -37,6 +37,25 @@ fn out_of_range(event: &Event, config: &MachineConfig) -> String {
 fn slot(number: Number, config: &MachineConfig) -> Option<&SlotConfig> {
     let Number::Count(slot) = number else { return None };
     config.slots.get(usize::try_from(slot).ok()?)
+}
+
+/// How it stands: does it run, which of its outputs are set?
+pub(super) fn state(event: &Event, config: &MachineConfig) -> String {
+    let (Number::Count(state), Object::Function(slot)) = (event.asked, event.source) else { return "?".to_owned() };
+    let outputs = config.slots.get(usize::from(slot)).map_or(&[][..], |slot| &slot.outputs);
+    let output = |place: usize| {
+        let line = outputs.get(place).copied().flatten();
+        let not = |line: Line| if line.inverted { "not " } else { "" };
+        let name = line.map_or(String::new(), |line| format!(" ({}{})", not(line), config.name(line.object)));
+        format!("A{}{name}", place + 1)
+    };
+    let set: Vec<String> = (0..LINES).filter(|place| state >> place & 1 == 1).map(output).collect();
+    let set = if set.is_empty() { "no output set".to_owned() } else { format!("set: {}", set.join(", ")) };
+    let runs = if state >> LINES & 1 == 1 { "active" } else { "at rest" };
+    match event.limit {
+        Number::Count(0) | Number::None => format!("{runs}, {set}"),
+        left_out => format!("{runs}, {set}; changes before that were not told: {}", plain(left_out)),
+    }
 }
 
 /// A table that a function reads.

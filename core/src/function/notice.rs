@@ -1,0 +1,98 @@
+//! When a slot tells that it was started or ended, or that an output has changed.
+//!
+//! Law      each such change is told in its cycle while they are few: [`BURST`] at once, one a second on average. What comes in between is
+//!          counted, and told with the next one, so the last event of a slot that has calmed down is how it stands
+//! Source   contract section 2 (events of outputs); a cam switch may change its outputs in every cycle
+
+use serde::{Deserialize, Serialize};
+
+/// How many changes in a row are told at once.
+const BURST: u64 = 8;
+
+/// What a slot has told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Notice {
+    /// How it stood in the cycle before.
+    seen: u16,
+    /// Changes that nobody was told of yet.
+    untold: u32,
+    /// The cycle in which an average of one a second is kept again.
+    even: u64,
+}
+
+impl Notice {
+    /// Takes how the slot stands; where that is to be told now, how many changes before it were not.
+    #[inline]
+    pub(super) fn take(&mut self, state: u16, cycle: u64, cycle_ns: u64) -> Option<u32> {
+        if state != self.seen {
+            self.seen = state;
+            self.untold = self.untold.saturating_add(1);
+        }
+        if self.untold == 0 { None } else { self.tell(cycle, cycle_ns) }
+    }
+
+    fn tell(&mut self, cycle: u64, cycle_ns: u64) -> Option<u32> {
+        // A cycle lasts a second at most.
+        let second = 1_000_000_000_u64.checked_div(cycle_ns).unwrap_or(1).max(1);
+        if self.even > cycle.saturating_add(second.saturating_mul(BURST - 1)) {
+            return None;
+        }
+        self.even = self.even.max(cycle).saturating_add(second);
+        Some(std::mem::take(&mut self.untold) - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const MS: u64 = 1_000_000;
+
+    /// The cycles of these states in which something is told, and what was left out before.
+    fn told(states: impl IntoIterator<Item = u16>) -> Vec<(usize, u32)> {
+        let mut notice = Notice::default();
+        let tell = |(cycle, state)| Some((cycle, notice.take(state, cycle as u64, MS)?));
+        states.into_iter().enumerate().filter_map(tell).collect()
+    }
+
+    #[test]
+    fn a_change_is_told_in_its_cycle_and_a_state_that_lasts_is_not() {
+        assert_eq!(told([0, 0, 0]), []);
+        assert_eq!(told([0, 0, 1, 1, 1, 0, 256]), [(2, 0), (5, 0), (6, 0)]);
+    }
+
+    #[test]
+    fn what_changes_in_every_cycle_is_told_once_a_second_with_a_count() {
+        // 1, 0, 1, 0 .. for 3 s, then 1 for 6 s.
+        let states = (0..3000).map(|cycle| (cycle + 1) % 2).chain(std::iter::repeat_n(1, 6000));
+        let mut wanted: Vec<_> = (0..8).map(|cycle| (cycle, 0)).collect();
+        // The average of one a second is kept again from cycle 8000 on, less the burst of 7 s: 1000, 2000, 3000.
+        wanted.extend([(1000, 992), (2000, 999), (3000, 999)]);
+        assert_eq!(told(states), wanted);
+    }
+
+    #[test]
+    fn a_calm_while_gives_the_burst_back() {
+        let again = std::iter::repeat_n(0, 10_000).chain((0..9).map(|cycle| (cycle + 1) % 2));
+        let states = (0..9).map(|cycle| (cycle + 1) % 2).chain(again);
+        let cycles: Vec<usize> = told(states).into_iter().map(|(cycle, _)| cycle).collect();
+        // The ninth state, 1, waited for its second; it has become 0 at once.
+        assert_eq!(cycles[..8], [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!((cycles[8], cycles.len()), (1000, 9 + 8));
+    }
+
+    proptest! {
+        /// Nothing is lost but in the count, and no ten seconds tell more than 8 + 10 changes.
+        #[test]
+        fn told_and_left_out_are_all_changes(states in proptest::collection::vec(0_u16..4, 1..4000)) {
+            let calm = std::iter::repeat_n(*states.last().expect("one"), 20_000);
+            let changes = std::iter::once(0).chain(states.iter().copied()).zip(&states).filter(|(a, b)| a != *b).count();
+            let told = told(states.iter().copied().chain(calm));
+            prop_assert_eq!(told.iter().map(|(_, left_out)| 1 + *left_out as usize).sum::<usize>(), changes);
+            for window in told.windows(19) {
+                prop_assert!(window[18].0 - window[0].0 >= 10_000);
+            }
+        }
+    }
+}
