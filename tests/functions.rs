@@ -19,7 +19,11 @@ struct Bench {
 
 impl Bench {
     fn start(more: &[&str]) -> Self {
-        let cell = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/functions.yaml");
+        Self::of("functions.yaml", more)
+    }
+
+    fn of(cell: &str, more: &[&str]) -> Self {
+        let cell = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs").join(cell);
         let cell = cell.to_str().expect("a path of text");
         let domain = Domain::take();
         let mut cyclone = Peer::cyclone(&domain);
@@ -205,4 +209,33 @@ fn fields_are_parameters_that_stage() {
         (bench.get("ratio.m1"), bench.get("ratio.m8"), bench.get("choose.mode")),
         (json!(4), json!(8), json!(1))
     );
+}
+
+#[test]
+fn memory_cells_are_set_from_outside_and_outputs_of_functions_are_events() {
+    let mut bench = Bench::of("functions/04_feed.yaml", &[]);
+    for (request, sentence) in [
+        ("", "no memory cell is named; one or more, each with a value, are expected"),
+        ("fed=1", "no memory cell is called `fed`; there are feed"),
+        ("feed=32768", "feed is `32768`; a whole number from -32768 to 32767 is expected"),
+        ("feed=1.5", "feed is `1.5`; a whole number from -32768 to 32767 is expected"),
+        ("feed=nan", "feed is `NaN`; a whole number from -32768 to 32767 is expected"),
+        ("feed=1 feed=2", "memory cell `feed` stands twice; once is allowed"),
+        ("feed", "cells holds 1, values 0; as many of both are needed"),
+    ] {
+        assert_eq!(bench.refused(&format!("set-memory /lineshaft {request}")), sentence, "{request}");
+    }
+    bench.cyclone.run("axes /lineshaft enable");
+    bench.cyclone.run("events /lineshaft --seconds 0.3");
+    bench.function("copy start");
+    let told = bench.cyclone.run("events /lineshaft --seconds 0.3");
+    let is_started = |seen: &Value| seen["message"]["text"] == "copy: active, no output set";
+    assert!(told.all().iter().any(is_started), "{told:?}");
+    // 32700 is where the cell begins: 67 inc on, 68 more across the wrap.
+    for (feed, position) in [(32_767, 67), (-32_701, 135)] {
+        bench.cyclone.run(&format!("set-memory /lineshaft feed={feed}"));
+        let seen = || bench.cyclone.run("axis-states /lineshaft")["axes"]["x"]["command_increments"].clone();
+        let positions: Vec<_> = std::iter::repeat_with(seen).take(3).collect();
+        assert_eq!(positions.last(), Some(&json!(position)), "{positions:?}");
+    }
 }

@@ -114,13 +114,8 @@ pub enum Action {
     DeleteParameters(AxisSet),
     /// The power went and came back, in simulation; all axes must be disabled.
     PowerCycle,
-    /// Sets a memory cell; integers saturate at the cell's type.
-    SetMemory {
-        /// Place in section `memory`.
-        index: u16,
-        /// New value; a whole number for integer cells.
-        value: f64,
-    },
+    /// Sets memory cells, all of them or none; integers saturate at the cell's type.
+    SetMemory(Box<[MemoryValue]>),
     /// Stages values of a function and gives it an order, or changes nothing.
     CommandFunction(CommandFunction),
     /// Gives a table new numbers. Who gives it keeps a reference for as long as the machine may have one, so that none is freed in a
@@ -158,6 +153,15 @@ pub struct CommandFunction {
     pub values: Box<[(u16, i64)]>,
 }
 
+/// What a memory cell is to have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MemoryValue {
+    /// Place in section `memory`.
+    pub index: u16,
+    /// A whole number for integer cells; 0 or not 0 for a bit.
+    pub value: f64,
+}
+
 /// What an output is to have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputValue {
@@ -171,6 +175,11 @@ impl Action {
     /// A verb of a vocabulary.
     pub fn vocabulary(request: impl Into<Request>) -> Self {
         Self::Vocabulary(request.into())
+    }
+
+    /// Sets one memory cell.
+    pub fn set_memory(index: u16, value: f64) -> Self {
+        Self::SetMemory([MemoryValue { index, value }].into())
     }
 
     /// Sets one output.

@@ -136,7 +136,9 @@ impl Machine {
         let mut machine = Self {
             // Each command may be answered, and ended by each axis; each axis may end all that wait for it, and tell of more;
             // each slot may tell how it stands.
-            events: EventQueue::new(MAX_COMMANDS * (4 + axes.len()) + (MAX_WAITING + 16) * axes.len() + state.slots.len()),
+            events: EventQueue::new(
+                MAX_COMMANDS * (4 + axes.len()) + (MAX_WAITING + 16) * axes.len() + state.slots.len(),
+            ),
             candidates: axes.iter().map(|axis| *axis.parameters).collect(),
             latched: Vec::with_capacity(MAX_LATCHES),
             digital_inputs: config.digital_inputs().collect(),

@@ -7,6 +7,7 @@ mod error;
 mod function;
 mod homing;
 mod meaning;
+mod memory;
 mod outputs;
 mod rates;
 mod saia;

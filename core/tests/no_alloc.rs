@@ -324,7 +324,7 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             velocity: 0.0,
             acceleration: 0.0,
         }),
-        12 if number % 2 == 0 => Action::SetMemory { index: number.unsigned_abs() as u16 % 3, value: number as f64 },
+        12 if number % 2 == 0 => Action::set_memory(number.unsigned_abs() as u16 % 3, number as f64),
         12 => Action::set_output((number.unsigned_abs() % 36) as u16, (number % 3) as f64),
         13..=16 => select(axis, numbers),
         17 | 18 => Action::vocabulary(saia(axis, numbers)),

@@ -1,4 +1,4 @@
-"""~/set_output and ~/abort, from docs/contract.md, section 7."""
+"""~/set_output, ~/set_memory and ~/abort, from docs/contract.md, section 7."""
 from dataclasses import dataclass, field
 
 from cyclonedds.idl import IdlStruct, types as t
@@ -20,6 +20,18 @@ class SetOutputResponse(IdlStruct, typename="SetOutputResponse"):
 
 
 @dataclass
+class SetMemoryRequest(IdlStruct, typename="SetMemoryRequest"):
+    cells: t.sequence[str] = field(default_factory=list)
+    values: t.sequence[t.float64] = field(default_factory=list)
+
+
+@dataclass
+class SetMemoryResponse(IdlStruct, typename="SetMemoryResponse"):
+    success: bool = False
+    message: str = ""
+
+
+@dataclass
 class TriggerRequest(IdlStruct, typename="TriggerRequest"):
     structure_needs_at_least_one_member: t.uint8 = 0
 
@@ -36,10 +48,13 @@ def answered(r):
         raise Failure(r.message)
 
 
-def set_output(peer, a):
-    client = peer.service(a.node, "set_output", "SetOutput", SetOutputRequest, SetOutputResponse)
-    pairs = [given.split("=") for given in a.given]
-    answered(client.call(SetOutputRequest([name for name, *_ in pairs], [float(v) for _, *vs in pairs for v in vs])))
+def set_values(name, kind, request, response):
+    def run(peer, a):
+        client = peer.service(a.node, name, kind, request, response)
+        pairs = [given.split("=") for given in a.given]
+        answered(client.call(request([name for name, *_ in pairs], [float(v) for _, *vs in pairs for v in vs])))
+
+    return run
 
 
 def abort(peer, a):
@@ -49,6 +64,9 @@ def abort(peer, a):
 
 
 def add_commands(command):
-    p = command("set-output", set_output)
-    p.add_argument("given", nargs="*", metavar="NAME=VALUE")
+    for name, run in [
+        ("set-output", set_values("set_output", "SetOutput", SetOutputRequest, SetOutputResponse)),
+        ("set-memory", set_values("set_memory", "SetMemory", SetMemoryRequest, SetMemoryResponse)),
+    ]:
+        command(name, run).add_argument("given", nargs="*", metavar="NAME=VALUE")
     command("abort", abort)

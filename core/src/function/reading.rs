@@ -24,9 +24,7 @@ pub(super) fn value(wires: &Wires, board: &Board, leads: &Leads) -> i64 {
     let value = match wires.source {
         Source::None => return 0,
         // The board shows it behind the axes.
-        Source::Lead(leader @ Leader::AxisActual(_), _) => {
-            leads.find(leader).map_or(0, |lead| lead.position.floor())
-        }
+        Source::Lead(leader @ Leader::AxisActual(_), _) => leads.find(leader).map_or(0, |lead| lead.position.floor()),
         Source::Lead(_, word) | Source::Signal(word) => word.read(board),
     };
     wires.source_width.cut(value)

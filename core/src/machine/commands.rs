@@ -2,7 +2,7 @@
 
 use super::{MAX_COMMANDS, Machine, Told};
 use crate::code::Code;
-use crate::command::{Action, Command, Commands, Probe, ProbeEdge, Synchronize};
+use crate::command::{Action, Command, Commands, MemoryValue, Probe, ProbeEdge, Synchronize};
 use crate::config::IoKind;
 use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -99,12 +99,17 @@ impl Machine {
                 self.power_cycle(command)?;
                 Ok(false)
             }
-            Action::SetMemory { index, value } => {
-                let object = Object::Memory(*index);
-                if !value.is_finite() || !self.signals.set_memory(&mut self.state.board, *index, *value) {
-                    return Err(Refusal::new(Code::BAD_NUMBER, object).with(Number::Real(*value), Number::None));
+            Action::SetMemory(values) => {
+                let is_there = |index: u16| usize::from(index) < self.config.memory.len();
+                let is_bad = |one: &&MemoryValue| !one.value.is_finite() || !is_there(one.index);
+                if let Some(MemoryValue { index, value }) = values.iter().find(is_bad) {
+                    let refusal = Refusal::new(Code::BAD_NUMBER, Object::Memory(*index));
+                    return Err(refusal.with(Number::Real(*value), Number::None));
                 }
-                self.accept(command, object);
+                for MemoryValue { index, value } in values {
+                    self.signals.set_memory(&mut self.state.board, *index, *value);
+                }
+                self.accept(command, if let [one] = **values { Object::Memory(one.index) } else { Object::Machine });
                 Ok(false)
             }
             Action::CommandFunction(request) => self.command_function(command, request),

@@ -85,9 +85,9 @@ impl Signals {
         }
     }
 
-    /// Sets a memory cell, saturating at its type; false when there is none.
-    pub(super) fn set_memory(&self, board: &mut Board, index: u16, value: f64) -> bool {
-        let Some(&(signal, kind)) = self.memory.get(usize::from(index)) else { return false };
+    /// Sets a memory cell, saturating at its type.
+    pub(super) fn set_memory(&self, board: &mut Board, index: u16, value: f64) {
+        let Some(&(signal, kind)) = self.memory.get(usize::from(index)) else { return };
         match kind {
             MemoryKind::F64 => board.set_real(signal, value),
             MemoryKind::Bit => board.set_int(signal, i64::from(value != 0.0)),
@@ -96,7 +96,6 @@ impl Signals {
             MemoryKind::I32 => board.set_int(signal, i64::from(value as i32)),
             MemoryKind::I64 => board.set_int(signal, value as i64),
         }
-        true
     }
 
     pub(super) fn publish_io(&self, board: &mut Board, inputs: &Inputs) {

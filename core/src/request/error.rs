@@ -168,12 +168,14 @@ pub enum RequestError {
         /// The name.
         name: String,
     },
-    /// A set of outputs without one.
-    #[error("no output is named; one or more, each with a value, are expected")]
-    NoOutput,
-    /// An output that stands twice in one request.
-    #[error("output `{name}` stands twice; once is allowed")]
-    OutputTwice {
+    /// A request that sets outputs or memory cells, without one.
+    #[error("no {0} is named; one or more, each with a value, are expected")]
+    SetsNothing(&'static str),
+    /// A name that stands twice in such a request.
+    #[error("{what} `{name}` stands twice; once is allowed")]
+    SetTwice {
+        /// What is set.
+        what: &'static str,
         /// The name.
         name: String,
     },

@@ -12,14 +12,14 @@ impl MachineConfig {
     /// No name, a name that no output has or that stands twice, a value that the output cannot have.
     pub fn resolve_set_output<S: AsRef<str>>(&self, given: &[(S, f64)]) -> Result<Action, RequestError> {
         if given.is_empty() {
-            return Err(RequestError::NoOutput);
+            return Err(RequestError::SetsNothing("output"));
         }
         let mut values: Vec<OutputValue> = Vec::new();
         for (name, value) in given {
             let name = name.as_ref();
             let (index, kind) = self.find_output(name)?;
             if values.iter().any(|known| known.index == index) {
-                return Err(RequestError::OutputTwice { name: name.to_owned() });
+                return Err(RequestError::SetTwice { what: "output", name: name.to_owned() });
             }
             let (fits, allowed) = match kind {
                 IoKind::AnalogOutput => (value.is_finite(), "a finite number of V"),

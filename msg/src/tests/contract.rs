@@ -254,6 +254,14 @@ const OWN_INTERFACES: [(&str, &str); 27] = [
         string message",
     ),
     (
+        "srv/SetMemory",
+        "string[] cells
+        float64[] values
+        ---
+        bool success
+        string message",
+    ),
+    (
         "srv/SetOutput",
         "string[] outputs
         float64[] values

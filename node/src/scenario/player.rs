@@ -201,11 +201,12 @@ impl Player {
         for (place, drive) in plan.drives.iter().enumerate() {
             let Target::Memory(index) = drive.target else { continue };
             let wanted = drive.value(self.cycle);
-            let is_written = self.held[1]
-                .iter()
-                .any(|(command, _)| matches!(command.action, Action::SetMemory { index: i, .. } if i == index));
+            let is_written = self.held[1].iter().any(|(command, _)| match &command.action {
+                Action::SetMemory(values) => values.iter().any(|value| value.index == index),
+                _ => false,
+            });
             if let Some(value) = wanted.filter(|value| is_written || self.memory[place] != Some(*value)) {
-                let action = Action::SetMemory { index, value: value.to_f64() };
+                let action = Action::set_memory(index, value.to_f64());
                 self.give(action, sequence, plan.acts.len() + place, None);
             }
         }

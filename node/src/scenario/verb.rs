@@ -6,7 +6,7 @@ use super::refusal::Refusal;
 use super::verb::amount::amount;
 use crate::document::{Map, Place, Value};
 use lineshaft_core::code::Code;
-use lineshaft_core::command::{Action, Setpoints, Source};
+use lineshaft_core::command::{Action, MemoryValue, Setpoints, Source};
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{Change, Layer, Row};
@@ -223,7 +223,7 @@ impl Reader<'_> {
             "delete_parameters" => add(self.axes(arguments, Action::DeleteParameters), None),
             "command_function" => add(self.command_function(arguments), None),
             "load_table" => add(self.load_table(arguments), None),
-            "set_memory" => self.set_memory(arguments).into_iter().for_each(|deed| add(Some(deed), None)),
+            "set_memory" => add(self.set_memory(arguments), None),
             "set_output" => add(self.set_output(arguments), None),
             "setpoints" => add(self.setpoints(arguments, Source::Scenario), None),
             "saia" => add(self.saia(arguments), None),
@@ -440,15 +440,22 @@ impl Reader<'_> {
         Some(self.names.config.resolve_parameter(name, &input))
     }
 
-    fn set_memory(&self, value: &Value<'_>) -> Vec<Deed> {
-        let entries = value.entries().unwrap_or_default();
-        if entries.is_empty() && value.is_map() {
-            value.refuse("set_memory is empty; `cell: value` is expected", None);
+    fn set_memory(&self, value: &Value<'_>) -> Option<Deed> {
+        let entries = value.entries()?;
+        if entries.is_empty() {
+            // Of what is no mapping that is told already.
+            if value.is_map() {
+                value.refuse("set_memory is empty; `cell: value` is expected", None);
+            }
+            return None;
         }
-        entries.iter().filter_map(|(key, value)| self.set_cell(key, value)).collect()
+        // All of them, so that every problem is noted.
+        let values: Vec<_> = entries.iter().map(|(key, value)| self.set_cell(key, value)).collect();
+        let values: Vec<_> = values.into_iter().collect::<Option<_>>()?;
+        Some(Deed::Command(Action::SetMemory(values.into())))
     }
 
-    fn set_cell(&self, key: &Value<'_>, value: &Value<'_>) -> Option<Deed> {
+    fn set_cell(&self, key: &Value<'_>, value: &Value<'_>) -> Option<MemoryValue> {
         let name = key.text()?;
         let memory = &self.names.config.memory;
         let Some(index) = memory.iter().position(|entry| entry.name == name) else {
@@ -461,7 +468,7 @@ impl Reader<'_> {
             MemoryKind::Bit => f64::from(value.integer(0..=1_u8)?),
             MemoryKind::I16 | MemoryKind::I32 | MemoryKind::I64 => whole_f64(value)?,
         };
-        Some(Deed::Command(Action::SetMemory { index: index as u16, value: number }))
+        Some(MemoryValue { index: index as u16, value: number })
     }
 
     fn inject(&self, value: &Value<'_>) -> Option<Deed> {

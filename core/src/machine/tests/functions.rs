@@ -343,13 +343,13 @@ fn a_follower_of_a_sink_follows_it_and_counts_on_where_it_begins_anew() {
     rig.enable();
     let coupled = rig.give(Action::Synchronize(couple(X, Leader::Sink(0), 1, 1)));
     assert!(rig.was_accepted(coupled));
-    rig.give(Action::SetMemory { index: 2, value: 5000.0 });
+    rig.give(Action::set_memory(2, 5000.0));
     rig.run(20);
     rig.give(order(0, Order::Start));
     rig.run(5);
     assert_eq!((rig.int("c.sink"), rig.int("x.command.position")), (5000, 0), "START is no motion");
     for step in 1..=30 {
-        rig.give(Action::SetMemory { index: 2, value: 5000.0 + f64::from(step) });
+        rig.give(Action::set_memory(2, 5000.0 + f64::from(step)));
     }
     rig.run(30);
     assert_eq!((rig.int("x.command.position"), rig.int("x.sync.master")), (30, 5030));
@@ -402,7 +402,7 @@ fn orders_are_taken_by_the_states_and_a_set_is_taken_as_a_whole() {
     let read = rig.give(order(0, Order::ReadValue));
     assert!(rig.was_accepted(read));
     rig.give(order(0, Order::Reset));
-    rig.give(Action::SetMemory { index: 1, value: 8.0 });
+    rig.give(Action::set_memory(1, 8.0));
     rig.run(2);
     assert_eq!((rig.int("d"), rig.int("e.sink")), (8, 3), "released");
     let unknown = rig.give(order(9, Order::Start));
@@ -446,7 +446,7 @@ fn outputs_of_a_function_are_its_own_and_an_ao_takes_mv() {
     let mut rig = Rig::of(cell(vec![slot]));
     rig.give(with(0, Order::Start, &[(0, 3), (1, 10_000), (2, 5000)]));
     assert_eq!((rig.outputs().analog[0], rig.outputs().digital(0)), (10.0, false));
-    rig.give(Action::SetMemory { index: 4, value: 1.0 });
+    rig.give(Action::set_memory(4, 1.0));
     assert_eq!(
         (rig.outputs().analog[0], rig.outputs().digital(0), rig.real("aa"), rig.int("e.out1")),
         (5.0, true, 5.0, 1)
@@ -475,7 +475,7 @@ fn a_slot_is_called_in_each_nth_cycle_from_its_start_on() {
     rig.run(1);
     let mut seen = Vec::new();
     for cycle in 0..8 {
-        let mut actions = vec![Action::SetMemory { index: 2, value: f64::from(cycle + 1) }];
+        let mut actions = vec![Action::set_memory(2, f64::from(cycle + 1))];
         actions.extend((cycle == 0).then(|| order(0, Order::Start)));
         rig.give_all(actions);
         seen.push(rig.int("d"));
@@ -495,10 +495,10 @@ fn widths_cut_and_extend() {
     slots[2].sink_width = Width::W32;
     let mut rig = Rig::of(cell(slots));
     rig.give_all((0..3).map(|slot| order(slot, Order::Start)).collect());
-    rig.give(Action::SetMemory { index: 2, value: f64::from(0x1_8001_u32) });
+    rig.give(Action::set_memory(2, f64::from(0x1_8001_u32)));
     // 32768 + 1 in 16 bits is negative, and stays so in 32.
     assert_eq!((rig.int("w"), rig.int("d"), rig.real("r")), (-32_767, -32_767, 98_305.0));
-    rig.give(Action::SetMemory { index: 2, value: 3_000_000_000.0 });
+    rig.give(Action::set_memory(2, 3_000_000_000.0));
     assert_eq!((rig.int("w"), rig.real("r")), (24_064, -1_294_967_296.0));
 }
 
@@ -552,7 +552,7 @@ fn sources_are_signals_by_their_names() {
         (inputs.analog[0], inputs.digital[0]) = (-1.2345, 1);
         inputs.encoder[0].count = 32_800;
     };
-    rig.give(Action::SetMemory { index: 1, value: -5.0 });
+    rig.give(Action::set_memory(1, -5.0));
     rig.give_all((0..10).map(|slot| order(slot, Order::Start)).collect());
     rig.run(2);
     for (place, (source, _, expected)) in sources.iter().enumerate() {

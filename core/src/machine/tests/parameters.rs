@@ -66,13 +66,9 @@ fn memory_saturates_at_its_type() {
         vec![cell("a", MemoryKind::I16, 500.0), cell("b", MemoryKind::Bit, 0.0), cell("c", MemoryKind::F64, 0.5)];
     let mut rig = Rig::of(config);
     assert_eq!((rig.int("a"), rig.real("c")), (500, 0.5));
-    rig.give_all(vec![
-        Action::SetMemory { index: 0, value: -1e9 },
-        Action::SetMemory { index: 1, value: 7.0 },
-        Action::SetMemory { index: 2, value: -2.25 },
-    ]);
+    rig.give_all(vec![Action::set_memory(0, -1e9), Action::set_memory(1, 7.0), Action::set_memory(2, -2.25)]);
     assert_eq!((rig.int("a"), rig.int("b"), rig.real("c")), (-32_768, 1, -2.25));
-    let bad = rig.give(Action::SetMemory { index: 2, value: f64::NAN });
+    let bad = rig.give(Action::set_memory(2, f64::NAN));
     assert!(rig.refusal(bad).contains("NaN"));
 }
 

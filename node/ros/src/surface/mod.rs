@@ -28,8 +28,8 @@ mod record;
 mod refusing;
 mod robot_description;
 mod sdo;
-mod set_output;
 mod set_position;
+mod set_values;
 mod signals;
 mod states;
 mod streams;
@@ -93,7 +93,7 @@ impl Surface {
         home::start(&node, &hub, &mut tasks)?;
         set_position::start(&node, &hub, &mut tasks)?;
         sdo::start(&node, &hub, &mut tasks)?;
-        set_output::start(&node, &hub, &mut tasks)?;
+        set_values::start(&node, &hub, &mut tasks)?;
         functions::start(&node, &hub, &mut tasks)?;
         record::start(&node, &hub, &mut tasks)?;
         robot_description::start(&node, &hub, &mut tasks)?;

@@ -10,8 +10,8 @@ use lineshaft_msgs::srv::{
     AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest, CommandFunctionResponse, ImportParametersRequest,
     ImportParametersResponse, LoadTableRequest, LoadTableResponse, RecordRequest, RecordResponse,
     ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest,
-    SdoWriteResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest, SetPositionResponse, VocabularyRequest,
-    VocabularyResponse,
+    SdoWriteResponse, SetMemoryRequest, SetMemoryResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest,
+    SetPositionResponse, VocabularyRequest, VocabularyResponse,
 };
 
 /// An answer to requests of type `Q`.
@@ -36,6 +36,7 @@ with_a_message! {
     LoadTableRequest, LoadTableResponse;
     ResetParametersRequest, ResetParametersResponse;
     SdoWriteRequest, SdoWriteResponse;
+    SetMemoryRequest, SetMemoryResponse;
     SetOutputRequest, SetOutputResponse;
     SetPositionRequest, SetPositionResponse;
     TriggerRequest, TriggerResponse;

@@ -26,7 +26,7 @@ use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, FunctionStates, Setpoints};
 use lineshaft_msgs::srv::{
     AxesCommand, CommandFunction, ExportParameters, GetTable, ImportParameters, LoadTable, Record, ResetParameters,
-    SdoRead, SdoWrite, SetOutput, SetPosition, Vocabulary,
+    SdoRead, SdoWrite, SetMemory, SetOutput, SetPosition, Vocabulary,
 };
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
@@ -234,6 +234,12 @@ pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
     Qos::SERVICE,
     "sets digital outputs (0, 1) and analog ones (V) for good, all of a request in one cycle, or none; see [io.md](io.md)",
 ).in_time();
+pub(super) const SET_MEMORY: Served<SetMemory> = Served::new(
+    "~/set_memory",
+    Qos::SERVICE,
+    "sets memory cells, which functions read, all of a request in one cycle, or none; see [functions.md](functions.md)",
+)
+.in_time();
 pub(super) const COMMAND_FUNCTION: Served<CommandFunction> = Served::new(
     "~/command_function",
     Qos::SERVICE,
@@ -425,6 +431,7 @@ pub const ROWS: &[Row] = &[
     HOME.0,
     SET_POSITION.0,
     SET_OUTPUT.0,
+    SET_MEMORY.0,
     COMMAND_FUNCTION.0,
     LOAD_TABLE.0,
     GET_TABLE.0,

@@ -6,7 +6,7 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, HomeAxis, HomingMethod, MasterPosition, Move, MoveMode, OutputValue, Probe, ProbeEdge,
+    BufferMode, HomeAxis, HomingMethod, MasterPosition, MemoryValue, Move, MoveMode, OutputValue, Probe, ProbeEdge,
     SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
@@ -277,8 +277,10 @@ fn the_other_verbs_word_for_word() {
         (2, 5e-324, r#""gain":5e-324"#),
         (3, 1.0, r#""flag":1"#),
     ] {
-        desk.is(&Action::SetMemory { index, value }, &format!(r#"{{"set_memory":{{{text}}}}}"#));
+        desk.is(&Action::set_memory(index, value), &format!(r#"{{"set_memory":{{{text}}}}}"#));
     }
+    let both = [(2, -0.5), (0, 7.0)].map(|(index, value)| MemoryValue { index, value });
+    desk.is(&Action::SetMemory(both.into()), r#"{"set_memory":{"gain":-0.5,"feed":7}}"#);
     for (index, value, text) in
         [(2, 1.0, r#""lamp":1"#), (2, 0.0, r#""lamp":0"#), (3, -2.5, r#""speed":-2.5"#), (3, -0.0, r#""speed":-0.0"#)]
     {
@@ -342,7 +344,7 @@ fn what_is_wrong_is_one_sentence() {
         (r#"{"cancel":{"id":"-1"}}"#, "id is `-1`; the sequence number of a command is expected"),
         (r#"{"cancel":{"id":"18446744073709551616"}}"#, "id is `18446744073709551616`; the sequence number"),
         (r#"{"cancel":{}}"#, "missing key `id` in cancel"),
-        (r#"{"set_memory":{"feed":1,"gain":2}}"#, "set_memory stands for 2 commands; one is expected"),
+        (r#"{"set_memory":{}}"#, "set_memory is empty; `cell: value` is expected"),
         (r#"{"set_memory":{"gain":null}}"#, "gain has no value; a number is expected"),
         (r#"{"set_memory":{"big":9007199254740993}}"#, "big is 9007199254740993; beyond +-2^53 only what an f64 holds"),
         (
@@ -393,10 +395,12 @@ fn what_no_door_makes_is_written_so_that_it_does_not_read_back() {
         Action::Probe(search(Object::Io(1))),
         Action::Probe(search(Object::Io(99))),
         Action::Probe(search(Object::Axis(0))),
-        Action::SetMemory { index: 99, value: 1.0 },
-        Action::SetMemory { index: 2, value: f64::NAN },
-        Action::SetMemory { index: 2, value: f64::INFINITY },
-        Action::SetMemory { index: 0, value: 0.5 },
+        Action::set_memory(99, 1.0),
+        Action::set_memory(2, f64::NAN),
+        Action::set_memory(2, f64::INFINITY),
+        Action::set_memory(0, 0.5),
+        Action::SetMemory([].into()),
+        Action::SetMemory([MemoryValue { index: 2, value: 1.0 }; 2].into()),
         Action::SetOutputs([].into()),
         Action::SetOutputs([OutputValue { index: 2, value: 1.0 }; 2].into()),
         Action::set_output(99, 1.0),

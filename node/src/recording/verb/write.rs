@@ -267,7 +267,9 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         }
         Action::DeleteParameters(set) => Verb::DeleteParameters(axes(set)),
         Action::PowerCycle => Verb::Inject { power_cycle: Nothing {} },
-        Action::SetMemory { index, value } => Verb::SetMemory(Entries(vec![cell(*index, *value, config)])),
+        Action::SetMemory(values) => {
+            Verb::SetMemory(Entries(values.iter().map(|value| cell(value.index, value.value, config)).collect()))
+        }
         Action::SetOutputs(values) => {
             Verb::SetOutput(Entries(values.iter().map(|value| output(value.index, value.value, config)).collect()))
         }

@@ -35,12 +35,7 @@ pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, direct
     let (mut ids, mut acts) = (Ids::default(), Vec::new());
     Reader { names: &Names { config, backends: &[], directory }, ids: &mut ids, refused: None, recorded: true }
         .read_one(value, &mut acts);
-    let count = acts.len();
-    let Act { verb, deed, id, .. } = acts.pop()?;
-    if count > 1 {
-        value.refuse(format!("{verb} stands for {count} commands; one is expected"), None);
-        return None;
-    }
+    let Act { deed, id, .. } = acts.pop()?;
     let number = |id: usize| {
         let text = ids.names.get(id)?;
         let number = text.parse::<u64>().ok();

@@ -15,7 +15,7 @@ fn step(slots: Vec<super::SlotConfig>) -> [i64; 2] {
     let mut rig = Rig::of(cell(slots));
     rig.give_all((0..count).map(|slot| order(slot, Order::Start)).collect());
     rig.run(3);
-    rig.give(Action::SetMemory { index: 0, value: 7.0 });
+    rig.give(Action::set_memory(0, 7.0));
     let first = rig.int("d");
     rig.run(1);
     [first, rig.int("d")]

@@ -155,7 +155,7 @@ fn make_happen(rig: &mut Rig, what: &Happening) {
             }
         }
         Happening::Memory(index, value) => {
-            rig.give(Action::SetMemory { index: *index, value: *value as f64 });
+            rig.give(Action::set_memory(*index, *value as f64));
         }
         Happening::Input(bits) => {
             rig.plant.set_digital(0, bits & 1 == 1);

@@ -230,9 +230,9 @@ fn plain() -> impl Strategy<Value = Action> {
                 [vec![lamp], vec![speed], vec![speed, lamp]].into_iter().nth(which).unwrap_or_default().into(),
             )
         }),
-        finite.prop_map(|value| Action::SetMemory { index: 2, value }),
-        (0..2_u16, whole).prop_map(|(index, value)| Action::SetMemory { index, value: value as f64 }),
-        any::<bool>().prop_map(|bit| Action::SetMemory { index: 3, value: f64::from(u8::from(bit)) }),
+        finite.prop_map(|value| Action::set_memory(2, value)),
+        (0..2_u16, whole).prop_map(|(index, value)| Action::set_memory(index, value as f64)),
+        any::<bool>().prop_map(|bit| Action::set_memory(3, f64::from(u8::from(bit)))),
     ];
     let text = prop_oneof![
         "\\PC{0,80}",
