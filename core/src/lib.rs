@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod axis;
+pub mod cam;
 pub mod code;
 pub mod command;
 pub mod config;

@@ -4,6 +4,10 @@
 //! Refuses  lists of different lengths, words beyond 16 bits, more numbers than [`MOST`]
 //! Source   contract section 10, AMK-INIT-09
 
+mod shape;
+
+pub use shape::{CurveError, Shape};
+
 use serde::{Deserialize, Serialize};
 
 /// Most points or words of one table.
@@ -68,6 +72,7 @@ pub struct Table {
     form: Form,
     x: Box<[i64]>,
     y: Box<[i64]>,
+    shape: Result<Shape, CurveError>,
 }
 
 impl Table {
@@ -90,7 +95,7 @@ impl Table {
         {
             return Err(TableError::Word { place, value: y.get(place).copied().unwrap_or_default() });
         }
-        Ok(Self { form, x: x.into(), y: y.into() })
+        Ok(Self { form, x: x.into(), y: y.into(), shape: Shape::of(form, x, y) })
     }
 
     /// What its numbers are.
@@ -132,9 +137,17 @@ impl Table {
         (low | high << 16).cast_signed()
     }
 
+    /// Its points as a curve.
+    ///
+    /// # Errors
+    /// What keeps it from being one.
+    pub fn shape(&self) -> Result<Shape, CurveError> {
+        self.shape
+    }
+
     /// Could it have come about?
     pub fn is_sound(&self) -> bool {
-        Self::new(self.form, &self.x, &self.y).is_ok()
+        Self::new(self.form, &self.x, &self.y).as_ref() == Ok(self)
     }
 }
 

@@ -448,4 +448,102 @@ codes! {
         cause: "Bits 2 and 3 of `ba` are both 1.",
         remedy: "Set one of them, or none.",
     }
+
+    /// A mode that a type has not.
+    AMK_NO_MODE = 3046, NoError {
+        says: "no mode has number {asked}",
+        cause: "A set of a function names a mode that its type does not have.",
+        remedy: "fipw: 2, 26, 82 or 98 by way, 4, 132, 84 or 100 by time; xfipw: the same, or one more with sets of tables.",
+    }
+
+    /// A value that a mode has no use for.
+    AMK_MODE_FIELD = 3047, NoError {
+        says: "{asked} has no meaning in mode {limit}",
+        cause: "A field of a function has a value that its mode does not use, or a function bit that this version or this mode has not.",
+        remedy: "Set the field to 0, table_count and tables_total to 1, or choose the mode that uses it.",
+    }
+
+    /// A value that the other fields leave no room for.
+    AMK_BEYOND = 3048, NoError {
+        says: "{asked} lies beyond {limit}, which is the bound here",
+        cause: "A field lies beyond the bound that the mode or the other fields of its set leave.",
+        remedy: "Tables last 50 to 32767 inc, or 1 to 32767 calls; offsets and windows end before the table does, start_tables below table_count.",
+    }
+
+    /// Fewer tables than a set counts.
+    AMK_TABLES_FEW = 3049, NoError {
+        says: "{asked} tables are counted; the function has {limit}",
+        cause: "A set of a function counts more tables than the cell gives the function.",
+        remedy: "Name more in `tables`, or count fewer.",
+    }
+
+    /// Tables that make no whole sets.
+    AMK_TABLE_SETS = 3050, NoError {
+        says: "{asked} tables are no whole sets of {limit}",
+        cause: "Inputs were to select sets of tables, and the tables of the function are no multiple of tables_total.",
+        remedy: "Name as many tables as the sets need together.",
+    }
+
+    /// A table without the points of a curve.
+    AMK_CURVE_FORM = 3051, NoError {
+        says: "Tab{asked} is of a form that the type does not read",
+        cause: "An interpolator was given a table of form words, or one with places of its own where it takes none.",
+        remedy: "fipw and fipz read form y, xfipw reads y and xy.",
+    }
+
+    /// Too many points, or too few.
+    AMK_CURVE_POINTS = 3052, NoError {
+        says: "Tab{asked} has {limit} points, more or fewer than the type takes",
+        cause: "A table of an interpolator has fewer than two points, or too many.",
+        remedy: "fipw and fipz take 2 to 127, xfipw 2 to 2000, of form xy 2 to 1000.",
+    }
+
+    /// A curve that does not begin at 0.
+    AMK_CURVE_FIRST = 3053, NoError {
+        says: "Tab{asked} begins at {limit} instead of 0",
+        cause: "The first value of a table, or its first place, is not 0.",
+        remedy: "Take the first value off all of them: the sink goes on from where it is.",
+    }
+
+    /// Places that do not rise.
+    AMK_CURVE_ORDER = 3054, NoError {
+        says: "point {limit} of Tab{asked} does not lie behind the one before it",
+        cause: "The places of a table of form xy do not rise.",
+        remedy: "Sort them; no two are equal.",
+    }
+
+    /// A step that is too large.
+    AMK_CURVE_STEP = 3055, NoError {
+        says: "point {limit} of Tab{asked} lies 32768 or more from the one before it",
+        cause: "Two neighbouring values of a table differ by 32768 or more.",
+        remedy: "Use more points, or a smaller table with `mult`.",
+    }
+
+    /// A table that is too long or too short.
+    AMK_CURVE_LENGTH = 3056, NoError {
+        says: "Tab{asked} ends at place {limit}; 50 to 32767 inc are possible, by time 1 to 32767",
+        cause: "The last place of a table of form xy lies beyond its range.",
+        remedy: "Give one within it.",
+    }
+
+    /// A scaled value without a place in 32 bits.
+    AMK_CURVE_SCALED = 3057, NoError {
+        says: "Tab{asked} reaches {limit} behind mult and div_exp; less than 2147483647 is possible",
+        cause: "The largest value of a table, times mult and divided by 2 to the power of div_exp, has no place in 32 bits.",
+        remedy: "Choose a smaller mult or a larger div_exp.",
+    }
+
+    /// A zero pulse of a source that has none.
+    AMK_NO_ZERO_PULSE = 3058, NoError {
+        says: "function {asked} waits for a zero pulse; the source is no encoder",
+        cause: "Bit 2 of `function` is set, and the source of the function is no encoder, which alone has pulses.",
+        remedy: "Choose an encoder as source, or leave bit 2 out.",
+    }
+
+    /// A mode by way without a source.
+    AMK_NO_SOURCE = 3059, NoError {
+        says: "mode {asked} runs by the way of a source; the function has none",
+        cause: "A mode by way was chosen for a function whose source is none.",
+        remedy: "Name a source, or choose a mode by time.",
+    }
 }

@@ -388,8 +388,16 @@ impl MachineConfig {
 
     /// What latches the marks that a slot measures: E1, or else its encoder itself.
     fn mark(&self, slot: &SlotConfig) -> Mark {
-        if slot.kind != Kind::Imes {
-            return Mark::None;
+        match slot.kind {
+            Kind::Imes => {}
+            // E1 is another's; the pulses of a source are its own.
+            Kind::Fipw | Kind::Xfipw => {
+                return match slot.source {
+                    SourceConfig::Lead(Leader::Encoder(place)) => Mark::Encoder(place),
+                    _ => Mark::None,
+                };
+            }
+            _ => return Mark::None,
         }
         match (slot.inputs[0], &slot.source) {
             (Some(Line { object: Object::Io(place), .. }), _)

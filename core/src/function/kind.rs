@@ -23,6 +23,12 @@ pub enum Kind {
     Binea,
     /// Switches outputs by cams.
     Cam,
+    /// Runs through tables by the way of its source, or by time.
+    Fipw,
+    /// Runs through one of several tables by time.
+    Fipz,
+    /// Runs through tables and sets of them.
+    Xfipw,
 }
 
 /// May a type have a source or a sink?
@@ -80,6 +86,8 @@ pub struct Description {
     pub compensates: bool,
     /// It takes VALUE_NEW.
     pub renews: bool,
+    /// READ_VALUE finds a value, at rest alone.
+    pub reads_at_rest: bool,
 }
 
 /// All types.
@@ -156,6 +164,43 @@ pub const TYPES: &[Description] = &[
         edits_tables: true,
         ..Description::of(Kind::Cam, "cam", "switches outputs by cams, ahead of time where they are slow", types::CAM)
     },
+    Description {
+        moves_axes: true,
+        inputs: 1,
+        outputs: 1,
+        tables: 8,
+        compensates: true,
+        ..Description::of(Kind::Fipw, "fipw", "runs through tables by the way of its source, or by time", types::FIPW)
+    },
+    Description {
+        source: Need::Never,
+        moves_axes: true,
+        inputs: 8,
+        outputs: 1,
+        rests: 1,
+        tables: 8,
+        compensates: true,
+        ..Description::of(
+            Kind::Fipz,
+            "fipz",
+            "runs through one of several tables by time, as inputs choose",
+            types::FIPZ,
+        )
+    },
+    Description {
+        moves_axes: true,
+        inputs: 5,
+        outputs: 2,
+        tables: 8,
+        compensates: true,
+        reads_at_rest: true,
+        ..Description::of(
+            Kind::Xfipw,
+            "xfipw",
+            "runs through large tables and sets of them by the way of its source, or by time",
+            types::XFIPW,
+        )
+    },
 ];
 
 impl Description {
@@ -177,6 +222,7 @@ impl Description {
             word: None,
             compensates: false,
             renews: false,
+            reads_at_rest: false,
         }
     }
 

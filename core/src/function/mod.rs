@@ -13,6 +13,7 @@ mod copy;
 mod digdreh;
 mod field;
 mod imes;
+mod interpolator;
 mod kind;
 mod notice;
 mod program;

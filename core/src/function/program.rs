@@ -94,6 +94,10 @@ pub(super) struct Setting<'a> {
     /// Time between two calls (ns), above 0.
     pub call_ns: u64,
     pub tables: [Option<&'a Table>; LINES],
+    /// The slot has a source.
+    pub has_source: bool,
+    /// Its source has marks.
+    pub has_mark: bool,
 }
 
 /// A type of function. Nothing in it takes memory after it was made.
@@ -109,6 +113,16 @@ pub(super) trait Program {
 
     /// Each further call.
     fn step(&mut self, seen: &Seen<'_>) -> Outcome;
+
+    /// A value that READ_VALUE finds for a set while the function rests, and its place in the set.
+    fn read(&self, _words: Words<'_>, _setting: &Setting<'_>) -> Result<Option<(u16, i64)>, Fault> {
+        Ok(None)
+    }
+
+    /// Its outputs after RESET; `rests` are those of its type.
+    fn rests(&self, rests: u8) -> u8 {
+        rests
+    }
 
     /// Could its state have come about? One that was read from outside may hold anything.
     fn is_sound(&self) -> bool {

@@ -238,6 +238,7 @@ impl Slot {
         let row = wires.kind.description();
         match order {
             Order::Start if self.is_active() => return Err(Fault::new(Code::FUNCTION_ACTIVE)),
+            Order::ReadValue if row.reads_at_rest && self.is_active() => return Err(Fault::new(Code::FUNCTION_ACTIVE)),
             Order::ValueNew if !row.renews => return Err(Fault::new(Code::FUNCTION_NO_VALUE_NEW)),
             Order::ValueNew if !self.is_active() => return Err(Fault::new(Code::FUNCTION_AT_REST)),
             _ => {}
@@ -254,7 +255,7 @@ impl Slot {
                 *word = value;
             }
         }
-        let setting = Setting { call_ns: wires.call_ns, tables: found(wires, tables) };
+        let setting = setting(wires, found(wires, tables));
         match order {
             Order::Start => {
                 check_ranges(row, tried)?;
@@ -270,6 +271,15 @@ impl Slot {
                 self.function.renew(Words(mixed));
             }
             Order::Reset => self.reset(),
+            Order::ReadValue if row.reads_at_rest => {
+                check_ranges(row, tried)?;
+                if let Some((place, value)) = self.function.read(Words(tried), &setting)? {
+                    self.active.copy_from_slice(tried);
+                    if let Some(word) = self.active.get_mut(usize::from(place)) {
+                        *word = value;
+                    }
+                }
+            }
             Order::Stage | Order::ReadValue => {}
         }
         self.staged.copy_from_slice(tried);
@@ -418,7 +428,7 @@ impl Slot {
                 *place = Some(table);
             }
         }
-        self.function.check(Words(&self.active), &Setting { call_ns: wires.call_ns, tables: found })
+        self.function.check(Words(&self.active), &setting(wires, found))
     }
 
     /// Its sink as an analog output has it (V).
@@ -447,7 +457,7 @@ impl Slot {
             self.set_sink(wires, 0, board, false);
         }
         (self.sak_share, self.mark) = (0, None);
-        self.set_outputs(wires, row.rests, self.writes, board);
+        self.set_outputs(wires, self.function.rests(row.rests), self.writes, board);
         Written { outputs: self.writes, sink }
     }
 
@@ -484,7 +494,7 @@ impl Slot {
             };
             values.len() == row.width() && (0_u16..).zip(values).all(in_range)
         };
-        let setting = Setting { call_ns: wires.call_ns, tables: found(wires, tables) };
+        let setting = setting(wires, found(wires, tables));
         fits(&self.staged)
             && fits(&self.active)
             && (!self.is_active()
@@ -566,6 +576,12 @@ fn mix(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
     for (((place, live), active), new) in mixed.iter_mut().zip(live).zip(active).zip(new) {
         *place = if live { *new } else { *active };
     }
+}
+
+/// What a set is checked against.
+fn setting<'a>(wires: &Wires, tables: [Option<&'a Table>; LINES]) -> Setting<'a> {
+    let has_source = wires.source != Source::None;
+    Setting { call_ns: wires.call_ns, tables, has_source, has_mark: wires.mark != Mark::None }
 }
 
 fn found<'a>(wires: &Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {

@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use crate::event::Number;
 
-    const NONE: Setting<'static> = Setting { call_ns: 750_000, tables: [None; 8] };
+    const NONE: Setting<'static> = Setting { call_ns: 750_000, tables: [None; 8], has_source: false, has_mark: false };
 
     /// Proves: AMK-CTX-03
     #[test]

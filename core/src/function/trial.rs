@@ -1,7 +1,8 @@
 //! What tests of a type need: a set by the names of its fields, and a call in which nothing happens.
 
 use super::field::Field;
-use super::program::{LINES, NO_DRIVES, Reading, Seen};
+use super::program::{LINES, NO_DRIVES, Reading, Seen, Setting};
+use crate::table::Table;
 
 /// Time between two calls (ns).
 pub(super) const CALL_NS: u64 = 1_000_000;
@@ -14,6 +15,11 @@ pub(super) fn set(fields: &[Field], values: &[(&str, i64)]) -> Vec<i64> {
     let value =
         |field: &Field| values.iter().find(|(name, _)| *name == field.name).map_or(field.default, |(_, it)| *it);
     fields.iter().flat_map(|field| vec![value(field); field.count]).collect()
+}
+
+/// What a set is checked against, with a source that has marks.
+pub(super) fn setting(call_ns: u64, tables: [Option<&Table>; LINES]) -> Setting<'_> {
+    Setting { call_ns, tables, has_source: true, has_mark: true }
 }
 
 /// A call with source, inputs and sink at 0.

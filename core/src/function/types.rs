@@ -6,6 +6,9 @@ use super::copy::{self, Dcopy, Ecopy};
 use super::digdreh::{self, Digdreh};
 use super::field::{Field, Words};
 use super::imes::{self, Imes};
+use super::interpolator::fipw::{self, Fipw};
+use super::interpolator::fipz::{self, Fipz};
+use super::interpolator::xfipw::{self, Xfipw};
 use super::kind::Kind;
 use super::program::{Fault, Outcome, Program, Seen, Setting};
 use super::sidiff::{self, Sidiff};
@@ -21,6 +24,9 @@ pub(super) const DIGDREH: &[Field] = digdreh::FIELDS;
 pub(super) const IMES: &[Field] = imes::FIELDS;
 pub(super) const BINEA: &[Field] = binea::FIELDS;
 pub(super) const CAM: &[Field] = cam::FIELDS;
+pub(super) const FIPW: &[Field] = fipw::FIELDS;
+pub(super) const FIPZ: &[Field] = fipz::FIELDS;
+pub(super) const XFIPW: &[Field] = xfipw::FIELDS;
 
 /// A function of any type.
 #[derive(Debug, Serialize, Deserialize)]
@@ -33,6 +39,9 @@ pub(super) enum Any {
     Imes(Imes),
     Binea(Binea),
     Cam(Cam),
+    Fipw(Fipw),
+    Fipz(Fipz),
+    Xfipw(Xfipw),
 }
 
 /// Does the same with a function of any type.
@@ -47,6 +56,9 @@ macro_rules! each {
             Any::Imes($function) => $do,
             Any::Binea($function) => $do,
             Any::Cam($function) => $do,
+            Any::Fipw($function) => $do,
+            Any::Fipz($function) => $do,
+            Any::Xfipw($function) => $do,
         }
     };
 }
@@ -63,6 +75,9 @@ impl Any {
             Kind::Imes => Self::Imes(Imes::new()),
             Kind::Binea => Self::Binea(Binea::new(room.mean, has_word)),
             Kind::Cam => Self::Cam(Cam::new(room.mean, room.cams)),
+            Kind::Fipw => Self::Fipw(Fipw::new()),
+            Kind::Fipz => Self::Fipz(Fipz::new()),
+            Kind::Xfipw => Self::Xfipw(Xfipw::new()),
         }
     }
 
@@ -76,6 +91,9 @@ impl Any {
             Self::Imes(_) => Kind::Imes,
             Self::Binea(_) => Kind::Binea,
             Self::Cam(_) => Kind::Cam,
+            Self::Fipw(_) => Kind::Fipw,
+            Self::Fipz(_) => Kind::Fipz,
+            Self::Xfipw(_) => Kind::Xfipw,
         }
     }
 
@@ -94,6 +112,14 @@ impl Any {
     #[inline]
     pub(super) fn step(&mut self, seen: &Seen<'_>) -> Outcome {
         each!(self, function => function.step(seen))
+    }
+
+    pub(super) fn read(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<Option<(u16, i64)>, Fault> {
+        each!(self, function => function.read(words, setting))
+    }
+
+    pub(super) fn rests(&self, rests: u8) -> u8 {
+        each!(self, function => function.rests(rests))
     }
 
     /// Is it the same function, wherever it stands?
@@ -122,6 +148,9 @@ impl Clone for Any {
             Self::Imes(function) => Self::Imes(function.clone()),
             Self::Binea(function) => Self::Binea(function.clone()),
             Self::Cam(function) => Self::Cam(function.clone()),
+            Self::Fipw(function) => Self::Fipw(function.clone()),
+            Self::Fipz(function) => Self::Fipz(function.clone()),
+            Self::Xfipw(function) => Self::Xfipw(function.clone()),
         }
     }
 

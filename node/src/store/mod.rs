@@ -265,6 +265,16 @@ fn gives(text: &str, config: &MachineConfig, user: &[AxisParameters], machine: &
     std::iter::zip(&config.axes, stored.sets).map(|(axis, set)| set.unwrap_or(axis.parameters)).eq(user.iter().copied())
 }
 
+/// A process that is being started holds a copy of the lock for a moment, so that to close it would not be enough.
+impl Drop for Store {
+    fn drop(&mut self) {
+        if let Ok(lock) = &self.lock {
+            // Closing it releases it, too, as soon as no copy is left.
+            let _ = lock.unlock();
+        }
+    }
+}
+
 fn lock(path: &Path) -> Result<File, TryLockError> {
     // Whoever opens a pipe waits for its other end.
     if path.exists() && !path.is_file() {

@@ -1,3 +1,4 @@
+use super::super::trial::setting;
 use super::*;
 use crate::event::Number;
 use crate::function::program::Reading;
@@ -53,7 +54,7 @@ impl Bench {
         let Self { call_ns, word, inputs, .. } = *self;
         let seen = Seen { call_ns, source, inputs, sink: 77, word, tables, drives };
         let Some(words) = words else { return self.binea.step(&seen) };
-        let setting = Setting { call_ns, tables };
+        let setting = setting(call_ns, tables);
         assert_eq!(self.binea.check(Words(words), &setting), Ok(()));
         self.binea.start(Words(words), &seen)
     }
@@ -69,7 +70,7 @@ impl Bench {
     fn refused(&self, words: &[i64]) -> Option<Fault> {
         let mut tables = [None; LINES];
         tables[0] = Some(&self.table);
-        self.binea.check(Words(words), &Setting { call_ns: self.call_ns, tables }).err()
+        self.binea.check(Words(words), &setting(self.call_ns, tables)).err()
     }
 }
 
@@ -234,7 +235,7 @@ fn what_is_no_set_is_refused_with_its_field_or_word() {
     assert_eq!(refused(long(), &[(MODE + 2, 16)]), None, "only a track in use has pulses");
     let most = (0..63).map(|number| (number * 7, 1, 0)).collect::<Vec<_>>();
     assert_eq!(refused(table(&most), &[(BA, 1)]), None);
-    let none = Setting { call_ns: 1, tables: [None; LINES] };
+    let none = setting(1, [None; LINES]);
     assert_eq!(Binea::new(64, false).check(Words(&set(&[])), &none).unwrap_err().code, Code::AMK_TABLE_MISSING);
     let y = Table::new(Form::Y, &[], &[2, 0, 0, 0, 9, 0, 0, 0]).unwrap();
     assert_eq!(refused(y, &[]).unwrap().code, Code::AMK_TABLE_FORM);

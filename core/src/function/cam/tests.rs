@@ -1,3 +1,4 @@
+use super::super::trial::setting;
 use super::*;
 use crate::event::Number;
 use crate::function::program::Reading;
@@ -54,7 +55,7 @@ impl Bench {
     fn check(&self, words: &[i64]) -> Result<(), Fault> {
         let mut tables = [None; LINES];
         tables[0] = Some(&self.table);
-        self.cam.check(Words(words), &Setting { call_ns: self.call_ns, tables })
+        self.cam.check(Words(words), &setting(self.call_ns, tables))
     }
 
     fn call(&mut self, words: Option<&[i64]>, value: i64) -> Outcome {
@@ -318,7 +319,7 @@ fn what_is_no_set_is_refused_with_its_field_or_word() {
     let absolute = |on, off| refused(table(&[], &[(on, off)]), &[(CAMS, 1), (HYSTERESIS, 65_535)]);
     assert_eq!((absolute(0, 10), absolute(6_553_500, 0)), (None, word(Code::AMK_HYSTERESIS, 6_553_500, 6_553_500)));
 
-    let none = Setting { call_ns: 1, tables: [None; LINES] };
+    let none = setting(1, [None; LINES]);
     assert_eq!(check_table(Words(&set(&ONE)), &none).unwrap_err().code, Code::AMK_TABLE_MISSING);
     let xy = Table::new(Form::Xy, &[0], &[0]).unwrap();
     assert_eq!(refused(xy, &ONE).unwrap().code, Code::AMK_TABLE_FORM);

@@ -1,5 +1,5 @@
 use super::super::program::{LINES, Reading};
-use super::super::trial::{CALL_NS, at_rest, set};
+use super::super::trial::{CALL_NS, at_rest, set, setting};
 use super::*;
 use proptest::prelude::*;
 
@@ -157,7 +157,7 @@ fn a_start_forgets_what_was_and_its_own_call_may_have_the_first_pulse() {
 /// Proves: AMK-IMES-06
 #[test]
 fn both_limitations_at_once_are_refused() {
-    let setting = Setting { call_ns: CALL_NS, tables: [None; LINES] };
+    let setting = setting(CALL_NS, [None; LINES]);
     let check = |ba| Imes::new().check(Words(&set(FIELDS, &[("ba", ba)])), &setting);
     for ba in 0..12 {
         assert_eq!(check(ba), Ok(()));

@@ -1,4 +1,4 @@
-use super::super::trial::{CALL_NS, at_rest, set};
+use super::super::trial::{CALL_NS, at_rest, set, setting};
 use super::*;
 use crate::function::NO_DRIVES;
 use proptest::prelude::*;
@@ -49,7 +49,7 @@ fn two_drives_as_the_manual_sets_them_up() {
     assert_eq!((table.double(2), table.double(4)), (655_360, 1_310_720));
     let values = [("mode", 3), ("aw_mask", 3), ("display_aw", 1), ("mean_n", 100), ("agreements", 10)];
     let words = set(FIELDS, &values);
-    let setting = Setting { call_ns: CALL_NS, tables: tables(&table) };
+    let setting = setting(CALL_NS, tables(&table));
     assert_eq!(Sidiff::new().check(Words(&words), &setting), Ok(()));
     let mut sidiff = Sidiff::new();
     // Drive 1: 151 - 2 * 50 = 51, above; drive 2: 100 - 50 = 50, not above. Drive 3 is not looked at.
@@ -180,7 +180,7 @@ fn a_start_begins_anew() {
 fn a_table_that_does_not_fit_the_drives_is_refused_with_its_number() {
     let check = |aw_mask, display_aw, table: &Table| {
         let words = set(FIELDS, &[("aw_mask", aw_mask), ("display_aw", display_aw)]);
-        Sidiff::new().check(Words(&words), &Setting { call_ns: CALL_NS, tables: tables(table) })
+        Sidiff::new().check(Words(&words), &setting(CALL_NS, tables(table)))
     };
     let refused = |code: Code, asked, limit| Err(Fault::new(code).with(asked, limit));
     let of = |threshold: [i64; 2], divider: [i64; 2]| table(&[threshold, divider, [0, 0]].concat());

@@ -1,5 +1,5 @@
 use super::super::program::Reading;
-use super::super::trial::{CALL_NS, at_rest, set};
+use super::super::trial::{CALL_NS, at_rest, set, setting};
 use super::*;
 use crate::event::Number;
 use proptest::prelude::*;
@@ -135,7 +135,7 @@ fn the_largest_ways_wrap_instead_of_overflowing() {
 /// Proves: AMK-VARSYNC-01, AMK-VARSYNC-03
 #[test]
 fn a_word_and_the_cycle_of_the_slot_are_needed_in_mode_3_only() {
-    let setting = Setting { call_ns: CALL_NS, tables: [None; LINES] };
+    let setting = setting(CALL_NS, [None; LINES]);
     let check = |mode, sf_cycle| Varsync::new(true).check(Words(&words(mode, &[("sf_cycle", sf_cycle)])), &setting);
     let mismatch = |asked| {
         let fault = Fault::new(Code::AMK_CYCLE_MISMATCH).of(number(FIELDS, "sf_cycle"));

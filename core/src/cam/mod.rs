@@ -1,0 +1,12 @@
+//! Cams: what a table makes of the place of its master.
+//!
+//! Law      exact: a value between two points is a ratio of whole numbers, and is rounded once, where it is written
+//! Reads    tables of form y and xy
+//! Refuses  nothing in a cycle: who starts a cam has checked its table
+//! Source   AMK-FIPW-01 to -06, AMK-XFIPW-10 to -15, A-04, A-21, contract section 10
+
+mod curve;
+mod total;
+
+pub use curve::{Curve, Point};
+pub use total::{Scale, Total};

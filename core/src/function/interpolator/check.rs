@@ -1,0 +1,110 @@
+//! What is wrong with a set of an interpolator, or with its tables.
+
+use super::super::program::{Fault, LINES, Setting};
+use super::super::time::HALF_MS;
+use super::setup::Setup;
+use crate::code::Code;
+use crate::table::{CurveError, Form, Table};
+
+/// Longest time that a table may last (in parts of its unit): values of 2^30 times 2^31 keep their place.
+const LONGEST: i64 = 1 << 32;
+/// Values stay below this, scaled (AMK-FIPW-04).
+const LARGEST: i128 = (1 << 31) - 1;
+
+/// A value that the other fields do not leave room for.
+pub(super) fn beyond(field: u16, asked: i64, limit: i64) -> Fault {
+    Fault::new(Code::AMK_BEYOND).of(field).with(asked, limit)
+}
+
+/// Refuses a value that a mode has no use for.
+pub(super) fn needs(field: u16, asked: i64, value: i64, mode: i64) -> Result<(), Fault> {
+    if asked == value { Ok(()) } else { Err(Fault::new(Code::AMK_MODE_FIELD).of(field).with(asked, mode)) }
+}
+
+/// Refuses one that is not from `least` to `most`.
+pub(super) fn within(field: u16, asked: i64, (least, most): (i64, i64)) -> Result<(), Fault> {
+    match asked {
+        _ if asked < least => Err(beyond(field, asked, least)),
+        _ if asked > most => Err(beyond(field, asked, most)),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a mode by way without a source.
+pub(super) fn check_source(setting: &Setting<'_>, mode: i64, field: u16) -> Result<(), Fault> {
+    if setting.has_source { Ok(()) } else { Err(Fault::new(Code::AMK_NO_SOURCE).of(field).with(mode, 0)) }
+}
+
+/// Refuses to wait for the zero pulse of a source that has none.
+pub(super) fn check_zero_pulse(setting: &Setting<'_>, function: i64, field: u16) -> Result<(), Fault> {
+    if setting.has_mark { Ok(()) } else { Err(Fault::new(Code::AMK_NO_ZERO_PULSE).of(field).with(function, 0)) }
+}
+
+/// How x runs in time: parts of half a millisecond, and parts of a call.
+pub(super) fn time(call_ns: u64) -> (i64, i64) {
+    let call = i64::try_from(call_ns).unwrap_or(i64::MAX).max(1);
+    let (mut a, mut b) = (call, HALF_MS);
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    (HALF_MS / a, call / a)
+}
+
+/// Refuses a time of half milliseconds that is too long for calls that are none of whole ones.
+pub(super) fn check_time(field: u16, half_ms: i64, call_ns: u64) -> Result<(), Fault> {
+    let most = LONGEST / time(call_ns).0;
+    if half_ms <= most { Ok(()) } else { Err(beyond(field, half_ms, most)) }
+}
+
+/// What tables a type takes.
+pub(super) struct Takes {
+    /// Most points of one at equal distances.
+    pub y: usize,
+    /// Most points of one with places of its own; 0 where there is none.
+    pub xy: usize,
+    /// Least and largest last place.
+    pub length: (i64, i64),
+}
+
+/// Refuses tables that are missing or are no curves of a type.
+pub(super) fn check_tables(setting: &Setting<'_>, count: usize, takes: &Takes, setup: &Setup) -> Result<(), Fault> {
+    let there = present(setting);
+    if there < count {
+        return Err(Fault::new(Code::AMK_TABLES_FEW).with(count as i64, there as i64));
+    }
+    let mut tables = setting.tables.iter().take(count).flatten().enumerate();
+    tables.try_for_each(|(place, table)| {
+        check_table(table, takes, setup).map_err(|(code, limit)| Fault::new(code).with(place as i64, limit))
+    })
+}
+
+/// How many tables the slot has before the first that it has not.
+pub(super) fn present(setting: &Setting<'_>) -> usize {
+    setting.tables.iter().take(LINES).take_while(|table| table.is_some()).count()
+}
+
+fn check_table(table: &Table, takes: &Takes, setup: &Setup) -> Result<(), (Code, i64)> {
+    let most = if table.form() == Form::Xy { takes.xy } else { takes.y };
+    if table.form() == Form::Words || most == 0 {
+        return Err((Code::AMK_CURVE_FORM, takes.xy as i64));
+    }
+    // Lists are shorter than 2^17.
+    let shape = table.shape().map_err(|error| match error {
+        CurveError::Words => (Code::AMK_CURVE_FORM, takes.xy as i64),
+        CurveError::Few(count) => (Code::AMK_CURVE_POINTS, count as i64),
+        CurveError::First(value) => (Code::AMK_CURVE_FIRST, value),
+        CurveError::Order(place) => (Code::AMK_CURVE_ORDER, place as i64),
+        CurveError::Step(place) => (Code::AMK_CURVE_STEP, place as i64),
+    })?;
+    if table.len() > most {
+        return Err((Code::AMK_CURVE_POINTS, table.len() as i64));
+    }
+    if let Some(last) = table.x().last().filter(|last| !(takes.length.0..=takes.length.1).contains(last)) {
+        return Err((Code::AMK_CURVE_LENGTH, *last));
+    }
+    let scaled = i128::from(shape.extreme) * i128::from(setup.scale.mult.unsigned_abs()) >> setup.scale.div_exp;
+    if scaled >= LARGEST {
+        return Err((Code::AMK_CURVE_SCALED, i64::try_from(scaled).unwrap_or(i64::MAX)));
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! One of several tables over time, as inputs choose.
+//!
+//! Law      a rising E(j+1), or E1 with the number j at E2 to E4, starts table j at once, at t = 0; it lasts cycle_time[j], and ends with its
+//!          last value, the time beyond it dropped. Edges while it runs are lost; of several the lowest counts
+//! Reads    E1 to E8, the time of the calls, up to eight tables
+//! Writes   the sink, A1 = 1 at rest
+//! Source   AMK-FIPZ-01 to -20, A-36, A-37
+
+use super::super::field::{Field, Words, number, place};
+use super::super::program::{Fault, LINES, Outcome, Program, Seen, Setting};
+use super::super::sak::Sak;
+use super::super::time::check_cycle;
+use super::check::{self, Takes, check_tables};
+use super::setup::Setup;
+use crate::cam::{Curve, Scale, Total};
+use serde::{Deserialize, Serialize};
+
+/// The set.
+pub(in super::super) const FIELDS: &[Field] = &[
+    Field::new(
+        "mode",
+        16,
+        17,
+        "",
+        "16: E1 to E8 start tables 0 to 7; 17: E1 starts the table of E2 to E4",
+        "AMK-FIPZ-08",
+    ),
+    Field::new("sak", 0, 32_767, "1/128 calls", "compensation of the following error", "AMK-FIPZ-09"),
+    Field::new("sf_cycle", 0, 32_767, "0.5 ms", "the slot's cycle; 0: not compared", "AMK-FIPZ-10"),
+    Field::new("table_count", 1, 8, "", "tables that inputs start", "AMK-FIPZ-11"),
+    Field::new("div_exp", 0, 15, "", "the output is divided by 2 to the power of it", "AMK-FIPZ-12"),
+    Field::new("mult", 1, 32_767, "", "the output is multiplied by it", "AMK-FIPZ-13"),
+    Field::new("cycle_time", 0, 32_767, "0.5 ms", "how long each table lasts; one of 0 is not started", "AMK-FIPZ-14")
+        .list(LINES),
+];
+
+const TAKES: Takes = Takes { y: 127, xy: 0, length: (0, 0) };
+
+const fn at(name: &'static str) -> usize {
+    place(FIELDS, name)
+}
+
+/// Inputs that choose the table one by one.
+const EACH: i64 = 16;
+
+/// The selector.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(in super::super) struct Fipz {
+    is_coded: bool,
+    tables: u8,
+    /// In the parts of a call.
+    times: [i64; LINES],
+    scale: Scale,
+    step: i64,
+    /// The table that runs, and its time.
+    run: Option<(u8, i64)>,
+    near: u32,
+    total: Total,
+    origin: i64,
+    before: u8,
+    sak: Sak,
+}
+
+impl Fipz {
+    pub(in super::super) fn new() -> Self {
+        Self::default()
+    }
+
+    /// The table that an edge starts.
+    fn chosen(&self, rising: u8, inputs: u8) -> Option<u8> {
+        let table = match (self.is_coded, rising) {
+            (_, 0) => return None,
+            (false, _) => rising.trailing_zeros() as u8,
+            (true, _) if rising & 1 == 1 => inputs >> 1 & 0b111,
+            (true, _) => return None,
+        };
+        let time = self.times.get(usize::from(table)).copied().unwrap_or(0);
+        (table < self.tables && time > 0).then_some(table)
+    }
+
+    fn told(&self, sink: i64, sak_share: i64) -> Outcome {
+        Outcome { sink, outputs: self.run.is_none().into(), writes: 1, sak_share }
+    }
+}
+
+impl Program for Fipz {
+    fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+        check_cycle(words.get(at("sf_cycle")), number(FIELDS, "sf_cycle"), setting)?;
+        for place in 0..LINES {
+            check::check_time(number(FIELDS, "cycle_time"), words.get(at("cycle_time") + place), setting.call_ns)?;
+        }
+        let scale = Scale { mult: words.get(at("mult")), div_exp: words.get(at("div_exp")) as u32 };
+        let count = words.get(at("table_count")) as usize;
+        check_tables(setting, count, &TAKES, &Setup { scale, ..Setup::default() })
+    }
+
+    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+        let (parts, step) = check::time(seen.call_ns);
+        *self = Self {
+            is_coded: words.get(at("mode")) != EACH,
+            tables: words.get(at("table_count")) as u8,
+            times: std::array::from_fn(|place| words.get(at("cycle_time") + place).saturating_mul(parts)),
+            scale: Scale { mult: words.get(at("mult")), div_exp: words.get(at("div_exp")) as u32 },
+            step,
+            origin: seen.sink,
+            before: seen.inputs,
+            sak: Sak::new(words.get(at("sak")), seen.sink),
+            ..Self::default()
+        };
+        self.told(seen.sink, 0)
+    }
+
+    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+        let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
+        let mut total = self.total.at_end();
+        match self.run {
+            None => self.run = self.chosen(rising, seen.inputs).map(|table| (table, 0)),
+            Some((table, time)) => {
+                let place = usize::from(table);
+                let length = self.times.get(place).copied().unwrap_or(0);
+                let curve = Curve::new(seen.tables.get(place).copied().flatten(), length, 1);
+                let time = time.saturating_add(self.step);
+                self.run = Some((table, time)).filter(|_| time < length);
+                if self.run.is_some() {
+                    total = self.total.at(curve.at(time, &mut self.near), self.scale);
+                } else {
+                    self.total.pass(curve.end(), 1, self.scale);
+                    (total, self.near) = (self.total.at_end(), 0);
+                }
+            }
+        }
+        let y = self.origin.wrapping_add(total);
+        let share = self.sak.share(y);
+        self.told(y.wrapping_add(share), share)
+    }
+
+    fn is_sound(&self) -> bool {
+        self.total.is_sound() && self.scale.div_exp < 16
+    }
+}

@@ -1,0 +1,198 @@
+//! Function interpolators: tables that are run through by the way of a master, or by time.
+//!
+//! Law      x runs through a table, y(x) is added to what the tables before gave, scaled by K / 2^n and rounded once: a master that goes back
+//!          retraces exactly. Where a table ends the next one of the movement begins, with what x is beyond the end
+//! Reads    the way of the source, or the time of the calls; E1 starts and stops; up to eight tables
+//! Writes   the sink; A1 = 1 at rest, in modes that E1 starts
+//! Source   AMK-FIPW, AMK-SYNC, AMK-FIPZ, AMK-XFIPW; A-21 to -31 of part A, A-04 to -23 of part C
+
+mod check;
+pub(super) mod fipw;
+pub(super) mod fipz;
+mod movement;
+mod setup;
+pub(super) mod xfipw;
+
+use super::program::{LINES, Outcome, Seen};
+use super::sak::Sak;
+use crate::cam::{Curve, Total};
+use movement::Sets;
+use serde::{Deserialize, Serialize};
+use setup::{Movement, Setup};
+
+/// Where an interpolator is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Stage {
+    /// It waits for the zero pulse of its master.
+    Sync,
+    /// Clocked out: x runs on, the sink stands.
+    #[default]
+    Out,
+    /// A movement runs.
+    Run,
+}
+
+/// The movement of an interpolator.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Interpolator {
+    setup: Setup,
+    stage: Stage,
+    /// In the present table; below 0 before the first one of a movement.
+    x: i64,
+    /// The master's way at the last call.
+    travel: i64,
+    total: Total,
+    /// What the sink has where the total is 0.
+    origin: i64,
+    /// In its set.
+    table: u8,
+    /// Passes of the working table in this movement.
+    passes: i64,
+    /// Where the last point was found.
+    near: u32,
+    /// Inputs of the last call.
+    before: u8,
+    /// E1 rose since START.
+    knows_edge: bool,
+    /// A start waits for its place.
+    is_armed: bool,
+    /// E1 rose in a movement, and counts at its end.
+    is_stored: bool,
+    sets: Sets,
+    sak: Sak,
+}
+
+impl Interpolator {
+    /// The first call: the sink stands where it is.
+    fn start(&mut self, setup: Setup, seen: &Seen<'_>) -> Outcome {
+        *self = Self { setup, travel: seen.source.travel, origin: seen.sink, before: seen.inputs, ..Self::default() };
+        self.sets.look(&self.setup, seen);
+        if setup.movement == Movement::Cyclic {
+            // At START a set counts that is selected there.
+            self.sets.switch();
+        }
+        if setup.waits_for_zero {
+            self.stage = Stage::Sync;
+        } else {
+            self.set_on(seen);
+        }
+        let sink = seen.sink;
+        self.sak = Sak::new(setup.sak, sink);
+        Outcome { sink, ..self.told() }
+    }
+
+    /// x becomes what the set says. A cycle that begins here does so without a step.
+    fn set_on(&mut self, seen: &Seen<'_>) {
+        let (stands, length) = (self.position(seen), self.curve(seen).length());
+        self.x = self.setup.offset.rem_euclid(length);
+        self.stage = Stage::Out;
+        let starts = self.setup.movement == Movement::Cyclic;
+        if starts && (self.setup.sets_on || self.x <= self.setup.start_angle) {
+            self.begin();
+        }
+        if starts && self.setup.sets_on {
+            self.origin = self.origin.wrapping_add(stands.wrapping_sub(self.position(seen)));
+        }
+    }
+
+    /// Each further call.
+    #[inline]
+    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+        let way = match self.setup.step {
+            Some(step) => step,
+            None => seen.source.travel.wrapping_sub(self.travel),
+        };
+        self.travel = seen.source.travel;
+        self.sets.look(&self.setup, seen);
+        let e1 = self.setup.is_started_by_e1() && seen.inputs & 1 == 1;
+        let rises = e1 && self.before & 1 == 0;
+        self.before = seen.inputs;
+        self.knows_edge |= rises;
+        match self.stage {
+            Stage::Sync => self.look_for_zero(seen),
+            Stage::Out => self.run_out(way, (e1, rises), seen),
+            Stage::Run => {
+                self.is_stored |= rises && self.setup.retriggers;
+                self.x = self.x.saturating_add(way);
+                self.pass_ends(e1, seen);
+                self.pass_back(seen);
+                self.clock_out(way, e1);
+            }
+        }
+        let y = self.position(seen);
+        let share = self.sak.share(y);
+        Outcome { sink: y.wrapping_add(share), sak_share: share, ..self.told() }
+    }
+
+    /// The zero pulse of the master makes x what the set says, at the place of the pulse.
+    fn look_for_zero(&mut self, seen: &Seen<'_>) {
+        let Some(mark) = seen.source.mark else { return };
+        self.set_on(seen);
+        let since = self.travel.wrapping_sub(mark);
+        if self.stage == Stage::Run {
+            self.x = self.x.saturating_add(since);
+            self.pass_ends(false, seen);
+            self.pass_back(seen);
+        } else {
+            self.run_out(since, (false, false), seen);
+        }
+    }
+
+    /// Is x behind its zero by `angle` at most, the master not on its way back?
+    fn is_in(&self, way: i64, angle: i64) -> bool {
+        way >= 0 && (0..=angle).contains(&self.x)
+    }
+
+    /// The table that runs, or that comes next.
+    #[inline]
+    fn curve<'a>(&self, seen: &Seen<'a>) -> Curve<'a> {
+        let place = self.sets.first(&self.setup) + usize::from(self.table);
+        let table = seen.tables.get(place).copied().flatten();
+        Curve::new(table, self.setup.length, self.setup.parts)
+    }
+
+    /// Where its sink belongs, without compensation.
+    #[inline]
+    fn position(&mut self, seen: &Seen<'_>) -> i64 {
+        let total = if self.stage == Stage::Run && self.x >= 0 {
+            let curve = self.curve(seen);
+            self.total.at(curve.at(self.x, &mut self.near), self.setup.scale)
+        } else {
+            self.total.at_end()
+        };
+        self.origin.wrapping_add(total)
+    }
+
+    /// Its outputs.
+    fn told(&self) -> Outcome {
+        let rests = self.setup.is_started_by_e1();
+        let (at_rest, selected) = (u8::from(self.stage != Stage::Run), u8::from(self.sets.is_taken()));
+        let (outputs, writes) = match (rests, self.setup.switches_sets) {
+            (true, false) => (at_rest, 0b01),
+            (true, true) => (at_rest | selected << 1, 0b11),
+            (false, true) => (selected, 0b01),
+            (false, false) => (0, 0),
+        };
+        Outcome { outputs, writes, ..Outcome::default() }
+    }
+
+    /// What its outputs are after RESET.
+    pub(super) fn rests(&self) -> u8 {
+        u8::from(self.setup.is_started_by_e1())
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        self.total.is_sound() && usize::from(self.table) < LINES && self.setup.is_sound() && self.sets.is_sound()
+    }
+}
+
+/// The scaled value of one table at `x`, its rounds counted.
+fn value_at(curve: &Curve<'_>, x: i64, setup: &Setup) -> i64 {
+    let (rounds, rest) = (x.div_euclid(curve.length()), x.rem_euclid(curve.length()));
+    let mut total = Total::default();
+    total.pass(curve.end(), rounds, setup.scale);
+    total.at(curve.at(rest, &mut 0), setup.scale)
+}
+
+#[cfg(test)]
+mod tests;

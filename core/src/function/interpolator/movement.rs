@@ -1,0 +1,236 @@
+//! The passages of a movement: from table to table, forward and back, in and out.
+//!
+//! Law      starts, stops and sets are decided going forward alone; going back re-enters the table that x came from, and before the first one
+//!          the sink stands until x is back. A step of the master may pass any number of tables
+//! Source   AMK-FIPW-42 to -55 with A-23 to -29, AMK-XFIPW-40 to -60 with to -22
+
+use super::super::program::{LINES, Seen};
+use super::setup::{Movement, Setup};
+use super::{Interpolator, Stage};
+use serde::{Deserialize, Serialize};
+
+impl Interpolator {
+    /// A movement begins with its first table, where x is.
+    pub(super) fn begin(&mut self) {
+        (self.stage, self.table, self.passes, self.near) = (Stage::Run, 0, 0, 0);
+        (self.is_armed, self.is_stored) = (false, false);
+        if self.setup.movement != Movement::Cyclic {
+            self.sets.switch();
+        }
+    }
+
+    /// x while the sink stands, and the begin of a movement where E1 and its place say so: at the first zero of this call, or in the window.
+    pub(super) fn run_out(&mut self, way: i64, (e1, rises): (bool, bool), seen: &Seen<'_>) {
+        let length = self.curve(seen).length();
+        let next = self.x.saturating_add(way);
+        self.x = next.rem_euclid(length);
+        let passed = next >= length;
+        self.clock_in((e1, rises), passed || self.is_in(way, self.setup.start_angle));
+        if passed && self.stage == Stage::Run && self.setup.movement != Movement::Immediate {
+            self.x = next - length;
+            self.pass_ends(e1, seen);
+        }
+    }
+
+    /// Begins a movement where E1 and the place of x say so.
+    fn clock_in(&mut self, (e1, rises): (bool, bool), is_there: bool) {
+        match self.setup.movement {
+            Movement::Immediate if rises => {
+                self.x = 0;
+                self.begin();
+                return;
+            }
+            Movement::Immediate => return,
+            Movement::Cyclic => self.is_armed = true,
+            Movement::Sequence => self.is_armed |= rises,
+            Movement::Coupled if self.setup.by_level => self.is_armed = e1 && self.knows_edge,
+            Movement::Coupled => self.is_armed = e1 && (self.is_armed || rises),
+        }
+        if self.is_armed && is_there {
+            self.begin();
+        }
+    }
+
+    /// Leaves the working table for the stop tables within its window; without one of them its pass is ended.
+    pub(super) fn clock_out(&mut self, way: i64, e1: bool) {
+        let Setup { movement, tables, working, stop_angle, .. } = self.setup;
+        let may = self.stage == Stage::Run && movement == Movement::Coupled && !e1;
+        if may && self.table == working && working.saturating_add(1) < tables && self.is_in(way, stop_angle) {
+            (self.table, self.near) = (working.saturating_add(1), 0);
+        }
+    }
+
+    /// Ends of tables that x has passed: each table once, the working table any number of times.
+    pub(super) fn pass_ends(&mut self, e1: bool, seen: &Seen<'_>) {
+        while self.stage == Stage::Run {
+            let curve = self.curve(seen);
+            let length = curve.length();
+            if self.x < length {
+                return;
+            }
+            let times = self.repeats(self.x / length, e1);
+            self.total.pass(curve.end(), times, self.setup.scale);
+            self.x -= length.saturating_mul(times);
+            self.near = 0;
+            if self.table == self.setup.working {
+                self.passes = self.passes.saturating_add(times);
+            }
+            self.go_on(e1, seen);
+        }
+    }
+
+    /// How many of so many passes of the present table are one after the other.
+    fn repeats(&self, passes: i64, e1: bool) -> i64 {
+        if self.table != self.setup.working || self.sets.is_due() {
+            return 1;
+        }
+        match self.setup.movement {
+            Movement::Cyclic => passes,
+            Movement::Coupled => {
+                if e1 {
+                    passes
+                } else {
+                    1
+                }
+            }
+            Movement::Immediate | Movement::Sequence => {
+                passes.min(self.setup.passes.saturating_sub(self.passes)).max(1)
+            }
+        }
+    }
+
+    /// What follows the end of a table.
+    fn go_on(&mut self, e1: bool, seen: &Seen<'_>) {
+        let Setup { movement, tables, working, passes, .. } = self.setup;
+        let repeats = self.table == working
+            && match movement {
+                Movement::Cyclic => true,
+                Movement::Coupled => e1,
+                Movement::Immediate | Movement::Sequence => self.passes < passes,
+            };
+        if !repeats {
+            let mut next = self.table.saturating_add(1);
+            if next == working {
+                self.passes = 0;
+                if movement == Movement::Coupled && !e1 {
+                    next = working.saturating_add(1);
+                }
+            }
+            if next >= tables {
+                self.end(e1, seen);
+                return;
+            }
+            self.table = next;
+        }
+        if repeats || self.setup.switches_everywhere {
+            self.sets.switch();
+        }
+    }
+
+    /// The end of a movement, or the begin of the next one in its place.
+    fn end(&mut self, e1: bool, seen: &Seen<'_>) {
+        let again = e1 && (self.is_stored || self.setup.by_level && self.setup.movement == Movement::Coupled);
+        if again {
+            self.begin();
+            return;
+        }
+        (self.stage, self.table, self.is_armed, self.is_stored) = (Stage::Out, 0, false, false);
+        self.x = match self.setup.movement {
+            Movement::Immediate => 0,
+            _ => self.x.rem_euclid(self.curve(seen).length()),
+        };
+    }
+
+    /// The tables that x has come from, where the master goes back.
+    pub(super) fn pass_back(&mut self, seen: &Seen<'_>) {
+        while self.stage == Stage::Run && self.x < 0 {
+            let is_cyclic = self.setup.movement == Movement::Cyclic;
+            let working = self.setup.working;
+            let before = match self.table {
+                _ if is_cyclic => 0,
+                table if table > working.saturating_add(1) => table - 1,
+                table if table >= working && self.passes > 0 => working,
+                table if table >= working && working > 0 => working - 1,
+                table if table < working && table > 0 => table - 1,
+                _ => return,
+            };
+            (self.table, self.near) = (before, 0);
+            let curve = self.curve(seen);
+            let all = self.x.saturating_neg().saturating_add(curve.length() - 1) / curve.length();
+            let times = match before {
+                _ if is_cyclic => all,
+                table if table == working => all.min(self.passes),
+                _ => 1,
+            };
+            if before == working && !is_cyclic {
+                self.passes -= times;
+            }
+            self.total.pass(curve.end(), times.saturating_neg(), self.setup.scale);
+            self.x = self.x.saturating_add(curve.length().saturating_mul(times));
+        }
+    }
+}
+
+/// The sets of tables, and which of them the inputs select.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Sets {
+    /// How many there are; 0 where none is selected.
+    count: u8,
+    active: u8,
+    /// Selected now.
+    wanted: Option<u8>,
+    /// The selection that was carried out.
+    taken: Option<u8>,
+}
+
+impl Sets {
+    /// Place of the first table of the set in force.
+    #[inline]
+    pub(super) fn first(&self, setup: &Setup) -> usize {
+        usize::from(self.active) * usize::from(setup.tables)
+    }
+
+    /// Reads the inputs.
+    #[inline]
+    pub(super) fn look(&mut self, setup: &Setup, seen: &Seen<'_>) {
+        if !setup.switches_sets {
+            return;
+        }
+        let tables = seen.tables.iter().take_while(|table| table.is_some()).count();
+        self.count = tables.checked_div(usize::from(setup.tables)).unwrap_or(0).min(LINES) as u8;
+        let inputs = seen.inputs >> u8::from(setup.is_started_by_e1());
+        // As many inputs as there are sets to tell apart.
+        let mask = match self.count {
+            0 | 1 => 0,
+            2 => 0b001,
+            3 | 4 => 0b011,
+            _ => 0b111,
+        };
+        self.wanted = (inputs & 1 == 1).then_some(inputs >> 1 & mask);
+        if self.taken != self.wanted {
+            self.taken = None;
+        }
+    }
+
+    /// Does the next place for it change the set?
+    #[inline]
+    pub(super) fn is_due(&self) -> bool {
+        self.wanted.is_some_and(|set| set < self.count && set != self.active)
+    }
+
+    /// A place where the selected set comes into force.
+    pub(super) fn switch(&mut self) {
+        if let Some(set) = self.wanted.filter(|set| *set < self.count) {
+            (self.active, self.taken) = (set, Some(set));
+        }
+    }
+
+    /// Is the selected set in force?
+    pub(super) fn is_taken(&self) -> bool {
+        self.taken.is_some()
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        usize::from(self.active) < LINES
+    }
+}

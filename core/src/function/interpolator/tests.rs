@@ -1,0 +1,606 @@
+//! Interpolators by their oracles, and against walks of single increments.
+
+use super::super::program::{LINES, Outcome, Program, Seen};
+use super::super::trial::{at_rest, set, setting};
+use super::fipw::{self, Fipw};
+use super::fipz::{self, Fipz};
+use super::xfipw::{self, Xfipw};
+use crate::code::Code;
+use crate::function::field::{Field, Words};
+use crate::function::program::{Fault, Reading};
+use crate::table::{Form, Table};
+use proptest::prelude::*;
+
+/// The table of section 3.10.2.
+const T: [i64; 9] = [0, 1000, 1500, 2000, 4000, 8000, 12_000, 15_000, 20_000];
+/// Half a millisecond (ns).
+const HALF: u64 = 500_000;
+
+fn y(points: &[i64]) -> Table {
+    Table::new(Form::Y, &[], points).expect("points")
+}
+
+fn xy(points: &[(i64, i64)]) -> Table {
+    let (x, y): (Vec<_>, Vec<_>) = points.iter().copied().unzip();
+    Table::new(Form::Xy, &x, &y).expect("points")
+}
+
+/// A function with its tables, at some place of its master.
+struct Bench<'a, P> {
+    function: P,
+    fields: &'static [Field],
+    tables: [Option<&'a Table>; LINES],
+    call_ns: u64,
+    travel: i64,
+    sink: i64,
+}
+
+impl<'a, P: Program> Bench<'a, P> {
+    fn of(function: P, fields: &'static [Field], tables: &'a [Table]) -> Self {
+        let tables = std::array::from_fn(|place| tables.get(place));
+        Self { function, fields, tables, call_ns: 2 * HALF, travel: 0, sink: 0 }
+    }
+
+    fn refused(&self, values: &[(&str, i64)]) -> Option<Fault> {
+        let words = set(self.fields, values);
+        self.function.check(Words(&words), &setting(self.call_ns, self.tables)).err()
+    }
+
+    fn seen(&self, inputs: u8, mark: Option<i64>) -> Seen<'a> {
+        let source = Reading { value: self.travel, travel: self.travel, mark };
+        Seen { call_ns: self.call_ns, source, inputs, sink: self.sink, tables: self.tables, ..at_rest() }
+    }
+
+    fn start(&mut self, values: &[(&str, i64)], inputs: u8) -> Outcome {
+        assert_eq!(self.refused(values), None);
+        let words = set(self.fields, values);
+        let outcome = self.function.start(Words(&words), &self.seen(inputs, None));
+        self.sink = outcome.sink;
+        outcome
+    }
+
+    /// A call behind so much way.
+    fn step(&mut self, way: i64, inputs: u8) -> Outcome {
+        self.travel += way;
+        let outcome = self.function.step(&self.seen(inputs, None));
+        self.sink = outcome.sink;
+        outcome
+    }
+
+    /// Sink and A1 of calls, each behind some way and with these inputs.
+    fn run(&mut self, calls: &[(i64, u8)]) -> Vec<(i64, u8)> {
+        calls.iter().map(|(way, inputs)| self.step(*way, *inputs)).map(|out| (out.sink, out.outputs)).collect()
+    }
+}
+
+fn fipw(tables: &[Table]) -> Bench<'_, Fipw> {
+    Bench::of(Fipw::new(), fipw::FIELDS, tables)
+}
+
+fn fipz(tables: &[Table]) -> Bench<'_, Fipz> {
+    Bench::of(Fipz::new(), fipz::FIELDS, tables)
+}
+
+fn xfipw(tables: &[Table]) -> Bench<'_, Xfipw> {
+    Bench::of(Xfipw::new(), xfipw::FIELDS, tables)
+}
+
+/// A set of fipw by way, of one table but for what is given.
+fn by_way<'a>(mode: i64, more: &[(&'a str, i64)]) -> Vec<(&'a str, i64)> {
+    let mut values = vec![("mode", mode), ("mult", 1), ("table_count", 1), ("increments_per_rev", 100)];
+    for (name, value) in more {
+        values.retain(|(known, _)| known != name);
+        values.push((name, *value));
+    }
+    values
+}
+
+/// Proves: AMK-FIPW-05, AMK-FIPW-06, AMK-FIPW-36, AMK-FIPW-42, AMK-FIPW-55, AMK-FIPW-O1
+#[test]
+fn a_cycle_follows_its_table_over_every_passage_and_back() {
+    let tables = [y(&T)];
+    let mut bench = fipw(&tables);
+    bench.start(&by_way(2, &[("increments_per_rev", 20_000)]), 0);
+    for (x, sink) in [
+        (1250, 500),
+        (2500, 1000),
+        (10_000, 4000),
+        (11_000, 5600),
+        (19_999, 19_998),
+        (20_000, 20_000),
+        (21_250, 20_500),
+        (-1, -2),
+        (-20_000, -20_000),
+        (60_000 + 1250, 60_500),
+        (0, 0),
+    ] {
+        let out = bench.step(x - bench.travel, 0);
+        assert_eq!((out.sink, out.outputs, out.writes), (sink, 0, 0), "{x}");
+    }
+}
+
+/// Proves: AMK-FIPW-41, AMK-FIPW-44, AMK-FIPW-45, AMK-FIPW-54, AMK-FIPW-O5
+#[test]
+fn a_movement_by_time_ends_with_its_last_value() {
+    let tables = [y(&[0, 1000, 4000])];
+    let timed = |time| [("mode", 132), ("mult", 1), ("table_count", 1), ("sf_cycle", 2), ("cycle_time", time)];
+    let mut bench = fipw(&tables);
+    assert_eq!(bench.start(&timed(10), 0).outputs, 1);
+    // The call of the edge gives t = 0.
+    let calls: Vec<_> = (0..8).map(|_| (0, 1)).collect();
+    let wanted = [(0, 0), (400, 0), (800, 0), (1600, 0), (2800, 0), (4000, 1), (4000, 1), (4000, 1)];
+    assert_eq!(bench.run(&calls), wanted);
+    // Another edge goes on from there.
+    assert_eq!(bench.run(&[(0, 0), (0, 1), (0, 1)]), [(4000, 1), (4000, 0), (4400, 0)]);
+    let mut bench = fipw(&tables);
+    bench.start(&timed(5), 0);
+    assert_eq!(bench.run(&[(0, 1); 5]), [(0, 0), (800, 0), (2800, 0), (4000, 1), (4000, 1)]);
+}
+
+/// Proves: AMK-FIPW-08, AMK-FIPW-09
+#[test]
+fn time_runs_in_parts_of_a_call_where_that_is_no_half_millisecond() {
+    let tables = [y(&[0, 1000, 4000])];
+    let mut bench = fipw(&tables);
+    bench.call_ns = 125_000;
+    bench.start(&[("mode", 4), ("mult", 1), ("table_count", 1), ("cycle_time", 1)], 0);
+    // 0.5 ms are four calls: 500, 1000, 2500, 4000, and round again.
+    assert_eq!(bench.run(&[(0, 0); 5]).iter().map(|call| call.0).collect::<Vec<_>>(), [500, 1000, 2500, 4000, 4500]);
+}
+
+/// Proves: AMK-FIPW-37, AMK-FIPW-47, AMK-SYNC-01, AMK-SYNC-02, AMK-SYNC-O2
+#[test]
+fn a_zero_pulse_begins_a_cycle_where_it_was() {
+    let tables = [y(&[0, 1000])];
+    let mut bench = fipw(&tables);
+    bench.sink = 70;
+    bench.start(&by_way(2, &[("function", 4)]), 0);
+    assert_eq!(bench.run(&[(250, 0), (250, 0)]), [(70, 0), (70, 0)]);
+    bench.travel += 30;
+    // 10 inc ago: x = 10.
+    let out = bench.function.step(&bench.seen(0, Some(520)));
+    assert_eq!(out.sink, 70 + 100);
+    assert_eq!(bench.run(&[(10, 0), (80, 0)]), [(270, 0), (1070, 0)]);
+    let mut bench = fipw(&tables);
+    // With an offset beyond the window the table begins at its next zero: 40 inc behind the pulse.
+    bench.start(&by_way(2, &[("function", 4), ("master_offset", 60)]), 0);
+    bench.travel += 30;
+    assert_eq!(bench.function.step(&bench.seen(0, Some(20))).sink, 0);
+    assert_eq!(bench.run(&[(29, 0), (2, 0)]), [(0, 0), (10, 0)]);
+}
+
+/// Proves: AMK-FIPW-22, AMK-FIPW-23
+#[test]
+fn a_cycle_waits_for_its_window_and_is_locked_to_the_master() {
+    let tables = [y(&[0, 1000])];
+    let mut bench = fipw(&tables);
+    // x = 40 lies within 0..50: it begins at once, and is caught up in the next call.
+    assert_eq!(bench.start(&by_way(2, &[("master_offset", 40), ("start_angle", 50)]), 0).sink, 0);
+    assert_eq!(bench.run(&[(0, 0), (1, 0)]), [(400, 0), (410, 0)]);
+    let mut bench = fipw(&tables);
+    bench.start(&by_way(2, &[("master_offset", 60), ("start_angle", 50)]), 0);
+    assert_eq!(bench.run(&[(39, 0), (3, 0), (-10, 0)]), [(0, 0), (20, 0), (-80, 0)]);
+}
+
+/// Proves: AMK-FIPW-46, AMK-FIPW-40
+#[test]
+fn tables_run_one_after_the_other_once_e1_has_risen() {
+    let tables = [y(&[0, 100]), y(&[0, 1000]), y(&[0, -50])];
+    let mut bench = fipw(&tables);
+    // E1 = 1 at START is no edge.
+    assert_eq!(bench.start(&by_way(82, &[("table_count", 3)]), 1).outputs, 1);
+    assert_eq!(bench.run(&[(150, 1), (0, 0)]), [(0, 1), (0, 1)]);
+    // The edge waits for the zero; there x is 10 already.
+    // x is 50. The edge comes with E1 at 0 between; it waits for the zero, where x is 10 already.
+    let calls = [(0, 0), (10, 1), (50, 0), (90, 1), (100, 0), (90, 0), (20, 1), (100, 1), (0, 0), (0, 1), (90, 1)];
+    let wanted = [
+        (0, 1),
+        (0, 1),
+        (10, 0),
+        (100, 0),
+        (1100, 0),
+        (1055, 0),
+        (1050, 1),
+        (1050, 1),
+        (1050, 1),
+        (1050, 1),
+        (1050, 0),
+    ];
+    assert_eq!(bench.run(&calls), wanted);
+}
+
+/// Proves: AMK-FIPW-48, AMK-FIPW-49, AMK-FIPW-50, AMK-FIPW-51, AMK-FIPW-52, AMK-FIPW-38, AMK-FIPW-39
+#[test]
+fn a_master_is_coupled_in_and_out_by_tables() {
+    let tables = [y(&[0, 50]), y(&[0, 100]), y(&[0, 40])];
+    let mut bench = fipw(&tables);
+    bench.start(&by_way(98, &[("table_count", 3), ("start_tables", 1)]), 0);
+    // In at the zero: start table, working table twice, out; then clocked out.
+    let calls = [(50, 1), (50, 1), (100, 1), (100, 1), (50, 1), (50, 0), (50, 0), (50, 0), (100, 0)];
+    let wanted = [(0, 1), (0, 0), (50, 0), (150, 0), (200, 0), (250, 0), (270, 0), (290, 1), (290, 1)];
+    assert_eq!(bench.run(&calls), wanted);
+    // A level is enough now; it goes while the start table runs: no working table.
+    let calls = [(100, 1), (50, 0), (50, 0), (50, 0), (50, 0), (50, 0)];
+    let wanted = [(290, 0), (315, 0), (340, 0), (360, 0), (380, 1), (380, 1)];
+    assert_eq!(bench.run(&calls), wanted);
+    // 1 again while it clocks out: in again at the same zero, A1 stays 0.
+    let calls = [(50, 1), (100, 0), (50, 1), (50, 1)];
+    assert_eq!(bench.run(&calls), [(380, 0), (430, 0), (450, 0), (470, 0)]);
+    assert_eq!(bench.run(&[(50, 1)]), [(495, 0)]);
+}
+
+#[test]
+fn a_stop_window_replaces_the_rest_of_a_pass() {
+    let tables = [y(&[0, 100]), y(&[0, 40])];
+    let values = by_way(98, &[("table_count", 2), ("stop_angle", 30)]);
+    let mut bench = fipw(&tables);
+    bench.start(&values, 0);
+    // q = 0: the working table at once, at x = 0.
+    assert_eq!(bench.run(&[(0, 1), (120, 1), (5, 0), (5, 0)]), [(0, 0), (120, 0), (110, 0), (112, 0)]);
+    // Back before the zero: the working table again.
+    assert_eq!(bench.run(&[(-40, 0), (20, 0), (110, 0)]), [(90, 0), (104, 0), (140, 1)]);
+    // Without a stop table a window stops nothing.
+    let mut bench = fipw(&tables);
+    bench.start(&by_way(98, &[("table_count", 1), ("stop_angle", 30)]), 0);
+    assert_eq!(bench.run(&[(0, 1), (20, 0), (79, 0), (1, 0), (5, 0)]), [(0, 0), (20, 0), (99, 0), (100, 1), (100, 1)]);
+}
+
+#[test]
+fn behind_its_first_table_a_movement_waits_for_the_master() {
+    let tables = [y(&[0, 100])];
+    let mut bench = fipw(&tables);
+    bench.start(&by_way(26, &[]), 0);
+    // Wherever the master is, x = 0 at the edge.
+    let calls = [(77, 1), (10, 1), (-30, 1), (10, 1), (15, 0), (-400, 0), (395, 1), (200, 1), (10, 1)];
+    let wanted = [(0, 0), (10, 0), (0, 0), (0, 0), (5, 0), (0, 0), (0, 0), (100, 1), (100, 1)];
+    assert_eq!(bench.run(&calls), wanted);
+}
+
+/// Proves: AMK-FIPW-01, AMK-FIPW-15, AMK-FIPW-16, AMK-FIPW-18, AMK-FIPW-20, AMK-FIPW-21, AMK-FIPW-24, AMK-FIPW-28, AMK-FIPW-29, AMK-FIPW-30,
+/// AMK-FIPW-31, AMK-FIPW-32, AMK-FIPW-33, AMK-FIPW-34
+#[test]
+fn what_a_mode_does_not_use_is_refused() {
+    let many: Vec<i64> = (0..128).collect();
+    let tables = [y(&[0, 100]), y(&many), xy(&[(0, 0), (100, 5)]), y(&[1, 2])];
+    let bench = fipw(&tables);
+    let of = |mode, more: &[(&str, i64)]| bench.refused(&by_way(mode, more)).map(|fault| (fault.code, fault.field));
+    let field = |name: &str| fipw::FIELDS.iter().position(|field| field.name == name).map(|place| place as u16);
+    assert_eq!(of(3, &[]), Some((Code::AMK_NO_MODE, field("mode"))));
+    let unused = |mode, name: &'static str, value| (of(mode, &[(name, value)]), field(name));
+    for (mode, name, value) in [
+        (2, "table_count", 2),
+        (26, "table_count", 2),
+        (82, "start_tables", 1),
+        (26, "master_offset", 1),
+        (26, "start_angle", 1),
+        (2, "stop_angle", 1),
+        (82, "stop_angle", 1),
+        (2, "cycle_time", 1),
+        (2, "function", 1),
+        (26, "function", 4),
+    ] {
+        let (refused, field) = unused(mode, name, value);
+        assert_eq!(refused, Some((Code::AMK_MODE_FIELD, field)), "{mode} {name}");
+    }
+    for (mode, name, value) in [
+        (98, "start_tables", 1),
+        (2, "increments_per_rev", 49),
+        (2, "master_offset", 100),
+        (82, "start_angle", 100),
+        (98, "stop_angle", 100),
+    ] {
+        let (refused, field) = unused(mode, name, value);
+        assert_eq!(refused, Some((Code::AMK_BEYOND, field)), "{mode} {name}");
+    }
+    assert_eq!(of(98, &[("master_offset", 99), ("start_angle", 99), ("stop_angle", 99)]), None);
+    assert_eq!(of(82, &[("table_count", 2)]), Some((Code::AMK_CURVE_POINTS, None)));
+    assert_eq!(of(82, &[("table_count", 5)]), Some((Code::AMK_TABLES_FEW, None)));
+    let time = |more: &[(&str, i64)]| {
+        let values = [&[("mode", 100), ("mult", 1), ("table_count", 1)], more].concat();
+        bench.refused(&values).map(|fault| (fault.code, fault.field))
+    };
+    assert_eq!(time(&[]), Some((Code::AMK_BEYOND, field("cycle_time"))));
+    assert_eq!(time(&[("cycle_time", 65_534), ("master_offset", 65_533), ("stop_angle", 65_533)]), None);
+    assert_eq!(time(&[("cycle_time", 65_535)]), Some((Code::AMK_BEYOND, field("cycle_time"))));
+    assert_eq!(time(&[("cycle_time", 9), ("function", 4)]), Some((Code::AMK_MODE_FIELD, field("function"))));
+    assert_eq!(time(&[("cycle_time", 9), ("sf_cycle", 3)]), Some((Code::AMK_CYCLE_MISMATCH, field("sf_cycle"))));
+    let only = |table: usize| fipw(&tables[table..]).refused(&by_way(2, &[])).map(|fault| fault.code);
+    assert_eq!(
+        [only(1), only(2), only(3)],
+        [Some(Code::AMK_CURVE_POINTS), Some(Code::AMK_CURVE_FORM), Some(Code::AMK_CURVE_FIRST)]
+    );
+}
+
+/// Proves: AMK-FIPW-19, AMK-FIPW-17, AMK-FIPW-27
+#[test]
+fn a_scaled_value_keeps_32_bits() {
+    let high: Vec<i64> = (0..127).map(|i| i * 32_767).collect();
+    let tables = [y(&high)];
+    let of = |mult, div_exp| {
+        fipw(&tables).refused(&by_way(2, &[("mult", mult), ("div_exp", div_exp)])).map(|fault| fault.code)
+    };
+    // 126 * 32767 = 4128642; times 520 it is 2146893840, times 521 2151022482.
+    assert_eq!(
+        (of(520, 0), of(521, 0), of(521, 1), of(-521, 0)),
+        (None, Some(Code::AMK_CURVE_SCALED), None, Some(Code::AMK_CURVE_SCALED))
+    );
+}
+
+/// Proves: AMK-FIPZ-02, AMK-FIPZ-04, AMK-FIPZ-16, AMK-FIPZ-17, AMK-FIPZ-18, AMK-FIPZ-19, AMK-FIPZ-O2
+#[test]
+fn each_input_starts_its_table() {
+    let tables: Vec<Table> = (1..6).map(|n| y(&[0, 1000 * n])).collect();
+    let mut bench = fipz(&tables);
+    bench.call_ns = 4 * HALF;
+    let mut values = set(fipz::FIELDS, &[("mode", 16), ("sf_cycle", 4), ("table_count", 5), ("mult", 1)]);
+    let place = values.len() - LINES;
+    values[place..place + 5].copy_from_slice(&[2000, 4000, 6000, 8000, 10_000]);
+    assert!(bench.function.check(Words(&values), &setting(bench.call_ns, bench.tables)).is_ok());
+    assert_eq!(bench.function.start(Words(&values), &bench.seen(1, None)).outputs, 1);
+    // E1 stands: no edge. Then E3 and E2 at once: the lower one. 4000 half milliseconds are 1000 calls.
+    assert_eq!(bench.run(&[(0, 1), (0, 0b111)]), [(0, 1), (0, 0)]);
+    let calls: Vec<_> = bench.run(&[(0, 0b1001); 1000]);
+    assert_eq!((calls[0], calls[499], calls[998], calls[999]), ((2, 0), (1000, 0), (1998, 0), (2000, 1)));
+    // The edge of E4 while it ran is lost; Table 0 takes 500 calls.
+    assert_eq!(bench.run(&[(0, 0b1001), (0, 0), (0, 1)]), [(2000, 1), (2000, 1), (2000, 0)]);
+    let calls: Vec<_> = bench.run(&[(0, 0); 500]);
+    assert_eq!((calls[498].1, calls[499]), (0, (3000, 1)));
+    // A table beyond the count, or without a time.
+    assert_eq!(bench.run(&[(0, 0b10_0000)]), [(3000, 1)]);
+}
+
+/// Proves: AMK-FIPZ-03, AMK-FIPZ-O1
+#[test]
+fn one_input_starts_the_table_that_the_others_name() {
+    let tables: Vec<Table> = (0..8).map(|n| y(&[0, 100 + n])).collect();
+    // Bits from E1 on, and the table.
+    for (inputs, table) in [(0b1011, 5), (0b1101, 6), (0b0001, 0), (0b1111, 7)] {
+        let mut bench = fipz(&tables);
+        let mut values = set(fipz::FIELDS, &[("mode", 17), ("table_count", 8), ("mult", 1)]);
+        let place = values.len() - LINES;
+        values[place..].copy_from_slice(&[2; LINES]);
+        bench.function.start(Words(&values), &bench.seen(inputs & !1, None));
+        assert_eq!(bench.run(&[(0, inputs), (0, 0)]), [(0, 0), (100 + table, 1)], "{inputs:b}");
+    }
+}
+
+fn extended<'a>(ba: i64, more: &[(&'a str, i64)]) -> Vec<(&'a str, i64)> {
+    let mut values = vec![("ba", ba), ("mult", 1), ("tables_total", 1), ("incr_per_rev", 100)];
+    for (name, value) in more {
+        values.retain(|(known, _)| known != name);
+        values.push((name, *value));
+    }
+    values
+}
+
+/// Proves: AMK-XFIPW-13, AMK-XFIPW-26, AMK-XFIPW-40, AMK-XFIPW-O1
+#[test]
+fn both_forms_run_through_the_same_curve() {
+    let places: Vec<_> = T.iter().enumerate().map(|(i, y)| (2500 * i as i64, *y)).collect();
+    let (even, uneven) = ([y(&T)], [xy(&places)]);
+    let (mut a, mut b) = (xfipw(&even), xfipw(&uneven));
+    a.start(&extended(2, &[("incr_per_rev", 20_000)]), 0);
+    b.start(&extended(2, &[("incr_per_rev", 0)]), 0);
+    for (x, sink) in
+        [(3750, 1250), (10_000, 4000), (11_250, 6000), (20_000, 20_000), (22_500, 21_000), (45_000, 41_500)]
+    {
+        let way = x - a.travel;
+        assert_eq!((a.step(way, 0).sink, b.step(way, 0).sink), (sink, sink), "{x}");
+    }
+    let mut scaled = xfipw(&even);
+    scaled.start(&extended(2, &[("incr_per_rev", 20_000), ("mult", 3), ("div_exp", 1)]), 0);
+    assert_eq!((scaled.step(3750, 0).sink, scaled.step(6250, 0).sink), (1875, 6000));
+}
+
+/// Proves: AMK-XFIPW-44, AMK-XFIPW-64, AMK-XFIPW-65, AMK-XFIPW-66, AMK-XFIPW-88, AMK-XFIPW-O3
+#[test]
+fn a_slave_is_set_on_where_its_master_is() {
+    let tables = [y(&T)];
+    let mut bench = xfipw(&tables);
+    bench.call_ns = 4 * HALF;
+    let values =
+        |offset| extended(2, &[("function", 8), ("sf_cycle", 4), ("incr_per_rev", 20_000), ("master_offset", offset)]);
+    let read = |bench: &Bench<'_, Xfipw>, offset| {
+        let words = set(xfipw::FIELDS, &values(offset));
+        bench
+            .function
+            .read(Words(&words), &setting(bench.call_ns, bench.tables))
+            .map(|found| found.map(|(_, value)| value))
+    };
+    assert_eq!(read(&bench, 10_000), Ok(Some(4000)));
+    // Y(-x) = Y(Xme - x) - Ye.
+    assert_eq!(read(&bench, -10_000), Ok(Some(4000 - 20_000)));
+    assert_eq!(bench.start(&values(10_000), 0).sink, 0);
+    assert_eq!(bench.step(1250, 0).sink, 2000);
+    // Behind the master by 1250.
+    let mut bench = xfipw(&tables);
+    bench.sink = 7;
+    bench.start(&extended(2, &[("function", 8), ("incr_per_rev", 20_000), ("master_offset", -1250)]), 0);
+    assert_eq!((bench.step(1250, 0).sink, bench.step(1250, 0).sink), (7 + 2500, 7 + 3000));
+}
+
+/// Proves: AMK-XFIPW-37, AMK-XFIPW-45, AMK-XFIPW-48, AMK-XFIPW-49, AMK-XFIPW-67, AMK-XFIPW-68, AMK-XFIPW-27, AMK-XFIPW-39
+#[test]
+fn a_movement_takes_its_passes_and_a_stored_edge_the_next_one() {
+    let tables = [y(&[0, 100])];
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(26, &[("work_cycles", 2)]), 0);
+    // An edge while it runs is lost.
+    let calls = [(9, 1), (150, 0), (40, 1), (20, 1), (20, 1), (0, 0), (0, 1), (5, 1)];
+    let wanted = [(0, 0), (150, 0), (190, 0), (200, 1), (200, 1), (200, 1), (200, 0), (205, 0)];
+    assert_eq!(bench.run(&calls), wanted);
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(26, &[("function", 16)]), 0);
+    // Stored, and E1 = 1 at the end: on without a rest, with what x is beyond.
+    let calls = [(0, 1), (50, 0), (30, 1), (30, 1), (50, 0), (20, 1), (10, 0), (20, 0)];
+    let wanted = [(0, 0), (50, 0), (80, 0), (110, 0), (160, 0), (180, 0), (190, 0), (200, 1)];
+    assert_eq!(bench.run(&calls), wanted);
+}
+
+/// Proves: AMK-XFIPW-29, AMK-XFIPW-46, AMK-XFIPW-47, AMK-XFIPW-50, AMK-XFIPW-51, AMK-XFIPW-52, AMK-XFIPW-53
+#[test]
+fn a_level_alone_clocks_nothing_in_again() {
+    let tables = [y(&[0, 50]), y(&[0, 100]), y(&[0, 40])];
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(98, &[("tables_total", 3), ("tables_start", 1)]), 0);
+    // Taken back before the zero: disarmed.
+    assert_eq!(bench.run(&[(50, 1), (20, 0), (40, 0), (90, 1)]), [(0, 1), (0, 1), (0, 1), (0, 0)]);
+    assert_eq!(
+        bench.run(&[(100, 1), (100, 0), (50, 1), (50, 1), (100, 1)]),
+        [(50, 0), (150, 0), (170, 0), (190, 1), (190, 1)]
+    );
+    assert_eq!(bench.run(&[(0, 0), (0, 1), (100, 1)]), [(190, 1), (190, 0), (240, 0)]);
+}
+
+/// Proves: AMK-XFIPW-56, AMK-XFIPW-57, AMK-XFIPW-58, AMK-XFIPW-59, AMK-XFIPW-60
+#[test]
+fn inputs_switch_the_set_where_the_table_is_repeated() {
+    let tables = [y(&[0, 100]), y(&[0, 200]), y(&[0, 300])];
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(3, &[]), 0);
+    // E1 enables, E2 and E3 select: set 1 from the next zero on.
+    assert_eq!(bench.run(&[(50, 0), (10, 0b011), (40, 0b011), (50, 0b011)]), [(50, 0), (60, 0), (100, 1), (200, 1)]);
+    // Set 2, in one step over two zeros; set 3 is none.
+    assert_eq!(bench.run(&[(200, 0b101), (50, 0b111), (50, 0b111)]), [(750, 1), (900, 0), (1050, 0)]);
+    // Without enable it stays.
+    assert_eq!(bench.run(&[(100, 0)]), [(1350, 0)]);
+}
+
+/// Proves: AMK-XFIPW-O7
+#[test]
+fn sets_are_whole() {
+    let tables: Vec<Table> = (0..8).map(|n| y(&[0, n])).collect();
+    let refused = |count: usize, ba, more: &[(&str, i64)]| {
+        xfipw(&tables[..count]).refused(&extended(ba, more)).map(|fault| fault.code)
+    };
+    let three = [("tables_total", 3), ("tables_start", 1)];
+    assert_eq!(refused(6, 99, &three), None);
+    assert_eq!(refused(7, 99, &three), Some(Code::AMK_TABLE_SETS));
+    assert_eq!(refused(7, 98, &three), None);
+    assert_eq!(refused(2, 99, &three), Some(Code::AMK_TABLES_FEW));
+    assert_eq!(refused(8, 3, &[]), None);
+}
+
+/// Proves: AMK-XFIPW-92, AMK-XFIPW-97, AMK-XFIPW-103, AMK-XFIPW-122, AMK-XFIPW-123, AMK-XFIPW-16, AMK-XFIPW-24
+#[test]
+fn what_an_extended_mode_does_not_use_is_refused() {
+    let (many, more): (Vec<i64>, Vec<i64>) = ((0..2000).collect(), (0..2001).collect());
+    let places: Vec<(i64, i64)> = (0..1001).map(|i| (i, i)).collect();
+    let one = |table: Table, values: &[(&str, i64)]| xfipw(&[table]).refused(values).map(|fault| fault.code);
+    assert_eq!(one(y(&many), &extended(2, &[])), None);
+    assert_eq!(one(y(&more), &extended(2, &[])), Some(Code::AMK_CURVE_POINTS));
+    assert_eq!(one(xy(&places[..1000]), &extended(2, &[("incr_per_rev", 0)])), None);
+    assert_eq!(one(xy(&places), &extended(2, &[("incr_per_rev", 0)])), Some(Code::AMK_CURVE_POINTS));
+    assert_eq!(one(xy(&[(0, 0), (49, 5)]), &extended(2, &[])), Some(Code::AMK_CURVE_LENGTH));
+    assert_eq!(one(xy(&[(0, 0), (32_768, 5)]), &extended(2, &[])), Some(Code::AMK_CURVE_LENGTH));
+    for (ba, name, value, code) in [
+        (24, "mult", 1, Code::AMK_NO_MODE),
+        (2, "function", 16, Code::AMK_MODE_FIELD),
+        (26, "function", 8, Code::AMK_MODE_FIELD),
+        (82, "function", 32, Code::AMK_MODE_FIELD),
+        (2, "work_cycles", 2, Code::AMK_MODE_FIELD),
+        (26, "tables_start", 1, Code::AMK_MODE_FIELD),
+        (26, "master_offset", -1, Code::AMK_MODE_FIELD),
+        (82, "stop_angle", 1, Code::AMK_MODE_FIELD),
+        (2, "master_offset", 100, Code::AMK_BEYOND),
+        (2, "master_offset", -100, Code::AMK_BEYOND),
+        (98, "stop_angle", 100, Code::AMK_BEYOND),
+    ] {
+        assert_eq!(one(y(&[0, 1]), &extended(ba, &[(name, value)])), Some(code), "{ba} {name}");
+    }
+}
+
+/// Values of a set of movement that any master may run.
+fn sets() -> impl Strategy<Value = (Vec<Table>, Vec<(&'static str, i64)>)> {
+    let steps = || proptest::collection::vec(-900_i64..900, 1..6);
+    let table = steps().prop_map(|steps| {
+        let mut points = vec![0];
+        steps.iter().for_each(|step| points.push(points[points.len() - 1] + step));
+        y(&points)
+    });
+    (
+        proptest::collection::vec(table, 3),
+        prop::sample::select(vec![2_i64, 26, 82, 98]),
+        (50_i64..90, 0_i64..3, -5_i64..6, 0_i64..4),
+        (0_i64..50, 0_i64..50),
+    )
+        .prop_map(|(tables, mode, (length, starts, mult, div_exp), (start, stop))| {
+            let mut values = vec![("mode", mode), ("mult", mult), ("div_exp", div_exp), ("increments_per_rev", length)];
+            let several = mode == 82 || mode == 98;
+            values.push(("table_count", if several { 3 } else { 1 }));
+            if mode == 98 {
+                values.extend([("start_tables", starts), ("stop_angle", stop)]);
+            }
+            if mode != 26 {
+                values.push(("start_angle", start));
+            }
+            (tables, values)
+        })
+}
+
+proptest! {
+    /// A step of the master gives what its single increments give, as long as E1 is as it was, windows of more than their zero apart.
+    #[test]
+    fn steps_of_any_size_end_at_the_same_place(
+        (tables, mut values) in sets(),
+        calls in proptest::collection::vec((-400_i64..400, any::<bool>()), 1..30),
+    ) {
+        for (name, value) in &mut values {
+            if name.ends_with("_angle") {
+                *value = 0;
+            }
+        }
+        let (mut far, mut near) = (fipw(&tables), fipw(&tables));
+        far.start(&values, 0);
+        near.start(&values, 0);
+        for (way, e1) in calls {
+            let e1 = u8::from(e1);
+            // Inputs change while the master stands.
+            prop_assert_eq!(far.step(0, e1), near.step(0, e1));
+            // A movement that ends and waits for a start stands at another place in the middle of a step: it is compared going forward.
+            let way = way.abs();
+            let out = far.step(way, e1);
+            let mut last = near.step(0, e1);
+            for _ in 0..way {
+                last = near.step(1, e1);
+            }
+            prop_assert_eq!((out.sink, out.outputs), (last.sink, last.outputs), "{:?} {:?}", far.function, near.function);
+        }
+    }
+
+    /// Whatever a master does inside a movement, going back the same way ends at the same place.
+    #[test]
+    fn a_master_that_goes_back_retraces(
+        (tables, values) in sets(),
+        ways in proptest::collection::vec(-300_i64..300, 1..20),
+    ) {
+        let mut bench = fipw(&tables);
+        bench.start(&values, 0);
+        bench.step(0, 1);
+        for way in ways {
+            let before = (bench.sink, bench.step(0, 1).outputs);
+            if bench.step(way, 1).outputs == before.1 && before.1 == 0 {
+                let there = bench.sink;
+                bench.step(-way, 1);
+                prop_assert_eq!(bench.sink, before.0);
+                bench.step(way, 1);
+                prop_assert_eq!(bench.sink, there);
+            }
+        }
+    }
+
+    /// Nothing that may come panics, and the state is one that could have come about.
+    #[test]
+    fn no_master_and_no_input_is_too_much(
+        (tables, values) in sets(),
+        calls in proptest::collection::vec((any::<i64>(), any::<u8>(), proptest::option::of(any::<i64>())), 1..40),
+    ) {
+        let mut bench = fipw(&tables);
+        bench.start(&values, 0);
+        for (travel, inputs, mark) in calls {
+            bench.travel = travel;
+            bench.function.step(&bench.seen(inputs, mark));
+            prop_assert!(bench.function.is_sound());
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The extended interpolator: larger tables, places of their own, sets of tables that inputs switch, several passes, a begin where the slave stands.
+//!
+//! Law      as the interpolator's; a movement needs a rising E1 always, or one that was stored while the last one ran
+//! Reads    in odd modes E_SUEn and E_SU0 to 2 behind E1, which select one of the sets
+//! Writes   in odd modes A_SUK: the selected set is in force
+//! Refuses  modes that are not listed, fields that a mode does not use, tables of more than 2000 points, or 1000 with places
+//! Source   AMK-XFIPW-01 to -68, -86 to -126; A-04 to -22, A-29, A-31
+
+use super::super::field::{Field, Words, number, place};
+use super::super::program::{Fault, Outcome, Program, Seen, Setting};
+use super::super::time::check_cycle;
+use super::check::{self, Takes, check_tables, needs, present, within};
+use super::setup::{Movement, Setup};
+use super::{Interpolator, fipw, value_at};
+use crate::cam::{Curve, Scale};
+use crate::code::Code;
+use crate::table::Form;
+use serde::{Deserialize, Serialize};
+
+/// The set.
+pub(in super::super) const FIELDS: &[Field] = &[
+    Field::new(
+        "function",
+        0,
+        60,
+        "bits",
+        "bit 2: x begins at the zero pulse of the master; 3: the slave is where x is at START; 4: an edge of E1 in a movement counts at its \
+         end; 5: sets are switched at each end of a table",
+        "AMK-XFIPW-92",
+    ),
+    Field::new(
+        "ba",
+        0,
+        133,
+        "",
+        "the modes of fipw; one more each: with sets of tables that inputs select",
+        "AMK-XFIPW-97",
+    ),
+    Field::new("sak_factor", 0, 32_767, "1/128 calls", "compensation of the following error", "AMK-XFIPW-98"),
+    Field::new("sf_cycle", 0, 32_767, "0.5 ms", "the slot's cycle; 0: not compared", "AMK-XFIPW-99"),
+    Field::new("tables_total", 1, 8, "", "tables of a movement, of each set", "AMK-XFIPW-100"),
+    Field::new(
+        "tables_start",
+        0,
+        7,
+        "",
+        "how many of them clock in; the next one is the working table",
+        "AMK-XFIPW-101",
+    ),
+    Field::new("div_exp", 0, 15, "", "the output is divided by 2 to the power of it", "AMK-XFIPW-102"),
+    Field::new("ext_sync_md", 0, 0, "", "not used: the source has its zero pulse", "AMK-XFIPW-103"),
+    Field::new(
+        "work_cycles",
+        0,
+        255,
+        "",
+        "passes of the working table, where a movement ends by itself; 0 is 1",
+        "AMK-XFIPW-104",
+    ),
+    Field::new("mult", -32_768, 32_767, "", "the output is multiplied by it", "AMK-XFIPW-105"),
+    Field::new("incr_per_rev", 0, 32_767, "inc", "length of tables of form y by way, 50 at least", "AMK-XFIPW-106"),
+    Field::new("cycle_time", 0, 32_767, "0.5 ms", "length of tables of form y by time", "AMK-XFIPW-106"),
+    Field::new(
+        "master_offset",
+        -32_767,
+        32_767,
+        "inc, 0.5 ms",
+        "x at START, or at the zero pulse; READ_VALUE: where",
+        "AMK-XFIPW-107",
+    ),
+    Field::new("start_angle", 0, 32_767, "inc, 0.5 ms", "so far behind its zero x may clock in", "AMK-XFIPW-108"),
+    Field::new("stop_angle", 0, 32_767, "inc, 0.5 ms", "so far behind its zero x may clock out", "AMK-XFIPW-109"),
+    Field::new(
+        "output_value",
+        i32::MIN as i64,
+        i32::MAX as i64,
+        "inc",
+        "what READ_VALUE at rest finds at master_offset",
+        "AMK-XFIPW-119",
+    ),
+];
+
+const TAKES: Takes = Takes { y: 2000, xy: 1000, length: (50, 32_767) };
+const TAKES_TIME: Takes = Takes { length: (1, 32_767), ..TAKES };
+
+const ZERO_PULSE: i64 = 1 << 2;
+const SET_ON: i64 = 1 << 3;
+const RETRIGGER: i64 = 1 << 4;
+const EVERYWHERE: i64 = 1 << 5;
+/// Of bits that this version has.
+const BITS: i64 = ZERO_PULSE | SET_ON | RETRIGGER | EVERYWHERE;
+
+const fn at(name: &'static str) -> usize {
+    place(FIELDS, name)
+}
+
+/// The interpolator.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(in super::super) struct Xfipw(Interpolator);
+
+impl Xfipw {
+    pub(in super::super) fn new() -> Self {
+        Self::default()
+    }
+}
+
+/// What a mode is, whether it runs by time, and whether it selects sets.
+fn mode_of(ba: i64) -> Option<(Movement, bool, bool)> {
+    let row = fipw::MODES.into_iter().find(|row| row.0 == ba & !1)?;
+    Some((row.1, row.2, ba & 1 == 1))
+}
+
+/// A set as it is meant. Its mode has to be one.
+fn setup(words: Words<'_>, call_ns: u64) -> Setup {
+    let get = |name: usize| words.get(name);
+    let (movement, by_time, switches_sets) = mode_of(get(at("ba"))).unwrap_or_default();
+    let (parts, call) = if by_time { check::time(call_ns) } else { (1, 0) };
+    let length = if by_time { get(at("cycle_time")) } else { get(at("incr_per_rev")) };
+    let has = |bit: i64| get(at("function")) & bit != 0;
+    Setup {
+        movement,
+        step: by_time.then_some(call),
+        length: length.saturating_mul(parts),
+        parts,
+        scale: Scale { mult: get(at("mult")), div_exp: get(at("div_exp")) as u32 },
+        tables: get(at("tables_total")) as u8,
+        working: get(at("tables_start")) as u8,
+        passes: get(at("work_cycles")).max(1),
+        offset: get(at("master_offset")).saturating_mul(parts),
+        start_angle: get(at("start_angle")).saturating_mul(parts),
+        stop_angle: get(at("stop_angle")).saturating_mul(parts),
+        sak: get(at("sak_factor")),
+        waits_for_zero: has(ZERO_PULSE),
+        sets_on: has(SET_ON),
+        by_level: false,
+        retriggers: has(RETRIGGER),
+        switches_sets,
+        switches_everywhere: has(EVERYWHERE),
+    }
+}
+
+/// How many tables a set needs: those of one movement, or all that there are.
+fn tables_of(setting: &Setting<'_>, total: i64, switches_sets: bool) -> Result<usize, Fault> {
+    let (there, total) = (present(setting), total as usize);
+    if !switches_sets || there < total {
+        return Ok(total);
+    }
+    if there.checked_rem(total) == Some(0) {
+        return Ok(there);
+    }
+    let field = number(FIELDS, "tables_total");
+    Err(Fault::new(Code::AMK_TABLE_SETS).of(field).with(there as i64, total as i64))
+}
+
+impl Xfipw {
+    /// What the ranges of the fields do not say, but for the offset, which READ_VALUE takes in all modes.
+    fn check_set(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+        let field = |name| number(FIELDS, name);
+        let get = |name: usize| words.get(name);
+        let (ba, function) = (get(at("ba")), get(at("function")));
+        let Some((movement, by_time, switches_sets)) = mode_of(ba) else {
+            return Err(Fault::new(Code::AMK_NO_MODE).of(field("ba")).with(ba, 0));
+        };
+        let cycles = movement == Movement::Cyclic;
+        // Each bit has its modes: it is not taken where nothing comes of it.
+        let unused = [(SET_ON, !cycles), (RETRIGGER, cycles), (EVERYWHERE, !switches_sets), (ZERO_PULSE, by_time)];
+        let is_unused = |(bit, is_unused): (i64, bool)| is_unused && function & bit != 0;
+        if function & !BITS != 0 || unused.into_iter().any(is_unused) {
+            return Err(Fault::new(Code::AMK_MODE_FIELD).of(field("function")).with(function, ba));
+        }
+        check_cycle(get(at("sf_cycle")), field("sf_cycle"), setting)?;
+        let (total, starts) = (get(at("tables_total")), get(at("tables_start")));
+        if matches!(movement, Movement::Cyclic | Movement::Immediate) {
+            needs(field("tables_total"), total, 1, ba)?;
+        }
+        if matches!(movement, Movement::Coupled | Movement::Sequence) {
+            within(field("tables_start"), starts, (0, total - 1))?;
+        } else {
+            needs(field("tables_start"), starts, 0, ba)?;
+        }
+        if matches!(movement, Movement::Coupled | Movement::Cyclic) {
+            needs(field("work_cycles"), get(at("work_cycles")), 0, ba)?;
+        }
+        let count = tables_of(setting, total, switches_sets)?;
+        let has_y = setting.tables.iter().take(count).flatten().any(|table| table.form() == Form::Y);
+        let (way, time) = (get(at("incr_per_rev")), get(at("cycle_time")));
+        if by_time {
+            needs(field("incr_per_rev"), way, 0, ba)?;
+            if has_y {
+                within(field("cycle_time"), time, (1, 32_767))?;
+            }
+            check::check_time(field("cycle_time"), 32_767, setting.call_ns)?;
+        } else {
+            check::check_source(setting, ba, field("ba"))?;
+            needs(field("cycle_time"), time, 0, ba)?;
+            if has_y {
+                within(field("incr_per_rev"), way, (50, 32_767))?;
+            }
+        }
+        if function & ZERO_PULSE != 0 {
+            check::check_zero_pulse(setting, function, field("function"))?;
+        }
+        let takes = if by_time { &TAKES_TIME } else { &TAKES };
+        check_tables(setting, count, takes, &setup(words, setting.call_ns))
+    }
+
+    /// The offset and the windows, of which each mode has its own.
+    fn check_places(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+        let get = |name: usize| words.get(name);
+        let ba = get(at("ba"));
+        let (movement, by_time, _) = mode_of(ba).unwrap_or_default();
+        let setup = setup(words, setting.call_ns);
+        let last = |place: usize| {
+            let table = setting.tables.get(place).copied().flatten();
+            Curve::new(table, setup.length, setup.parts).length() / setup.parts.max(1) - 1
+        };
+        let at_once = movement == Movement::Immediate || by_time && movement == Movement::Cyclic;
+        let least = if by_time { 0 } else { -last(0) };
+        let rows = [
+            ("master_offset", !at_once, (least, last(0))),
+            ("start_angle", !at_once, (0, last(0))),
+            ("stop_angle", movement == Movement::Coupled, (0, last(usize::from(setup.working)))),
+        ];
+        rows.into_iter().try_for_each(|(name, is_used, range)| {
+            let (field, asked) = (number(FIELDS, name), get(place(FIELDS, name)));
+            if is_used { within(field, asked, range) } else { needs(field, asked, 0, ba) }
+        })
+    }
+}
+
+impl Program for Xfipw {
+    fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+        Self::check_set(words, setting)?;
+        Self::check_places(words, setting)
+    }
+
+    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+        self.0.start(setup(words, seen.call_ns), seen)
+    }
+
+    #[inline]
+    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+        self.0.step(seen)
+    }
+
+    /// The slave's place at `master_offset`, counted from the zero of the first table.
+    fn read(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<Option<(u16, i64)>, Fault> {
+        Self::check_set(words, setting)?;
+        let setup = setup(words, setting.call_ns);
+        let [table, ..] = setting.tables;
+        let value = value_at(&Curve::new(table, setup.length, setup.parts), setup.offset, &setup);
+        Ok(Some((at("output_value") as u16, value)))
+    }
+
+    fn rests(&self, _: u8) -> u8 {
+        self.0.rests()
+    }
+
+    fn is_sound(&self) -> bool {
+        self.0.is_sound()
+    }
+}

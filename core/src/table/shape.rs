@@ -1,0 +1,95 @@
+//! What is to be known of the points of a table before a cam runs along them. It is found when the table is made: a START in a cycle does not
+//! look at each point.
+//!
+//! Refuses  a form that has no points, fewer than two, a first one that is not 0, places that do not rise, steps of 2^15 and more
+//! Source   AMK-FIPW-02, AMK-XFIPW-05, -18, -20, A-08
+
+use super::Form;
+use serde::{Deserialize, Serialize};
+
+/// Steps between two points stay below this (inc).
+const STEP: u64 = 1 << 15;
+
+/// Why a table is no curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CurveError {
+    /// Words of a data block have no points.
+    Words,
+    /// So many points; 2 are needed.
+    Few(usize),
+    /// The value of the first point, or its place, is not 0.
+    First(i64),
+    /// This point does not lie behind the one before it.
+    Order(usize),
+    /// From the point before to this one it is 2^15 or more.
+    Step(usize),
+}
+
+/// The points of a table that is a curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Its largest value, without the sign.
+    pub extreme: u64,
+}
+
+impl Shape {
+    /// The shape of points.
+    pub(super) fn of(form: Form, x: &[i64], y: &[i64]) -> Result<Self, CurveError> {
+        if form == Form::Words {
+            return Err(CurveError::Words);
+        }
+        if y.len() < 2 {
+            return Err(CurveError::Few(y.len()));
+        }
+        for list in [x, y] {
+            if let Some(first) = list.first().filter(|first| **first != 0) {
+                return Err(CurveError::First(*first));
+            }
+        }
+        let rises = |pair: &[i64]| matches!(pair, [before, after] if before < after);
+        if let Some(place) = x.windows(2).position(|pair| !rises(pair)) {
+            return Err(CurveError::Order(place + 1));
+        }
+        let is_step = |pair: &[i64]| match *pair {
+            [before, after] => after.saturating_sub(before).unsigned_abs() < STEP,
+            _ => false,
+        };
+        if let Some(place) = y.windows(2).position(|pair| !is_step(pair)) {
+            return Err(CurveError::Step(place + 1));
+        }
+        Ok(Self { extreme: y.iter().map(|value| value.unsigned_abs()).max().unwrap_or(0) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Table;
+    use super::*;
+
+    fn even(y: &[i64]) -> Table {
+        Table::new(Form::Y, &[], y).expect("points")
+    }
+
+    fn uneven(points: &[(i64, i64)]) -> Table {
+        let (x, y): (Vec<_>, Vec<_>) = points.iter().copied().unzip();
+        Table::new(Form::Xy, &x, &y).expect("points")
+    }
+
+    /// Proves: AMK-FIPW-02, AMK-XFIPW-05, AMK-XFIPW-18, AMK-XFIPW-20
+    #[test]
+    fn what_is_no_curve_is_told_with_its_point() {
+        let of = |table: Table| table.shape().map(|shape| shape.extreme);
+        assert_eq!(of(Table::new(Form::Words, &[], &[0, 1]).expect("words")), Err(CurveError::Words));
+        assert_eq!(of(even(&[0])), Err(CurveError::Few(1)));
+        assert_eq!(of(even(&[3, 4])), Err(CurveError::First(3)));
+        assert_eq!(of(uneven(&[(1, 0), (2, 4)])), Err(CurveError::First(1)));
+        assert_eq!(of(uneven(&[(0, -1), (2, 4)])), Err(CurveError::First(-1)));
+        assert_eq!(of(uneven(&[(0, 0), (5, 4), (5, 8)])), Err(CurveError::Order(2)));
+        assert_eq!(of(uneven(&[(0, 0), (5, 4), (9, 8), (7, 9)])), Err(CurveError::Order(3)));
+        assert_eq!(of(even(&[0, 32_767, 0])), Ok(32_767));
+        assert_eq!(of(even(&[0, 32_767, 65_535])), Err(CurveError::Step(2)));
+        assert_eq!(of(even(&[0, -32_768])), Err(CurveError::Step(1)));
+        assert_eq!(of(even(&[0, i64::MIN])), Err(CurveError::Step(1)));
+        assert_eq!(of(uneven(&[(0, 0), (1, -32_767), (32_767, 0)])), Ok(32_767));
+    }
+}
