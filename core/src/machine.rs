@@ -25,7 +25,7 @@ use crate::config::{ConfigError, IoKind, MachineConfig, SlotConfig};
 use crate::drive::{DriveOutput, EncoderInput, Inputs, MAX_LATCHES, Outputs};
 use crate::encoder::{Encoder, Lead};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
-use crate::function::{LINES, Slot, Wires};
+use crate::function::{Slot, Wires};
 use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::profile::Motion;
@@ -76,8 +76,8 @@ pub struct Machine {
     room: Vec<i64>,
     /// Slots that an error of the axis ends which they move, and that axis.
     ended_by_errors: Vec<(u16, u16)>,
-    /// The slots that move the first axes.
-    movers: [Option<u16>; LINES],
+    /// The first axes that slots move, and those slots.
+    movers: Vec<(usize, u16)>,
     /// It passes over nothing: what others are compared with.
     #[cfg(test)]
     pub(crate) steps_all: bool,
@@ -110,7 +110,7 @@ impl Machine {
         let leads = Leads {
             of_axes: axes.iter().map(of_axis).collect(),
             encoders: encoders.iter().map(Encoder::lead).collect(),
-            sinks: slots.iter().map(Slot::lead).collect(),
+            sinks: slots.iter().map(|slot| *slot.lead()).collect(),
         };
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
@@ -146,7 +146,7 @@ impl Machine {
             set_by,
             seen: Inputs::default(),
             ended_by_errors: functions::ended_by_errors(&wires),
-            movers: std::array::from_fn(|axis| config.writer(Object::Axis(axis as u16))),
+            movers: functions::movers(&wires),
             wires,
             room: vec![0; 2 * widest.unwrap_or(0)],
             #[cfg(test)]

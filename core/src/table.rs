@@ -133,8 +133,7 @@ impl Table {
     /// DD of a data block, low word first; 0 behind its end.
     #[inline]
     pub fn double(&self, place: usize) -> i32 {
-        let (low, high) = (u32::from(self.word(place)), u32::from(self.word(place.saturating_add(1))));
-        (low | high << 16).cast_signed()
+        double(self.word(place).into(), self.word(place.saturating_add(1)).into())
     }
 
     /// Its points as a curve.
@@ -149,6 +148,13 @@ impl Table {
     pub fn is_sound(&self) -> bool {
         Self::new(self.form, &self.x, &self.y).as_ref() == Ok(self)
     }
+}
+
+/// DD of two words, low word first.
+#[inline]
+pub(crate) fn double(low: i64, high: i64) -> i32 {
+    // Words are within 16 bits: the casts keep their bits.
+    (u32::from(low as u16) | u32::from(high as u16) << 16).cast_signed()
 }
 
 /// Tables that are shared, as serde has them.

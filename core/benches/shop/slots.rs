@@ -25,7 +25,7 @@ const VALUES: [(&str, i64); 9] = [
     ("cams", 2),
 ];
 
-/// A machine of such slots, each with one input and, where it has some, outputs at memory; started where that is asked for.
+/// A machine of such slots, each with one input where it has some, and without outputs; started where that is asked for.
 pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
     // Points of a binea, or cams: 2500 and 10000..11000.
     let words: Vec<i64> =

@@ -373,7 +373,6 @@ impl MachineConfig {
             inputs,
             outputs,
             tables: slot.tables,
-            reads_tables: slot.tables.iter().any(Option::is_some),
             compensates: slot.kind.description().compensates,
             word: match &slot.word {
                 Some(name) => Some(word(name).ok_or(SlotProblem::Place("word"))?),

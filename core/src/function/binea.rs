@@ -14,7 +14,7 @@ use super::time::{self, HALF_MS, wrapped};
 use super::track::{self, Track};
 use super::window::Window;
 use crate::code::Code;
-use crate::table::Table;
+use crate::table::{Table, double};
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -202,7 +202,7 @@ impl Program for Binea {
         (self.course.x, self.course.travel) = (0, seen.source.travel);
         self.renew(words);
         let Some(points) = Points::seen(seen) else { return Outcome { sink: seen.sink, ..Outcome::default() } };
-        let bits = points.bits(points.find(self.place(points, seen)));
+        let (_, bits, _) = points.get(points.find(self.place(points, seen)));
         self.write(seen, |track, mask, input| track.start(bits & mask != 0, input))
     }
 
@@ -213,8 +213,7 @@ impl Program for Binea {
     fn step(&mut self, seen: &Seen<'_>) -> Outcome {
         let Some(points) = Points::seen(seen) else { return Outcome { sink: seen.sink, ..Outcome::default() } };
         self.advance(points, seen);
-        let segment = points.find(self.place(points, seen));
-        let (bits, time) = (points.bits(segment), points.time(segment));
+        let (_, bits, time) = points.get(points.find(self.place(points, seen)));
         self.write(seen, |track, mask, input| track.step(bits & mask != 0, time, input, seen.call_ns))
     }
 
@@ -237,54 +236,44 @@ impl Clone for Binea {
 
 /// The points of a table.
 #[derive(Clone, Copy)]
-struct Points<'a> {
-    table: &'a Table,
-    count: usize,
-}
+struct Points<'a>(&'a [[i64; STRIDE]]);
 
 /// Words before the first point, and of each.
 const HEAD: usize = 4;
 const STRIDE: usize = 4;
 
 impl<'a> Points<'a> {
+    /// Those that a table has, at most as many as it says.
     fn new(table: &'a Table) -> Self {
-        Self { table, count: usize::from(table.word(0)).saturating_sub(1).min(MOST_POINTS) }
+        let count = usize::from(table.word(0)).saturating_sub(1).min(MOST_POINTS);
+        let points = table.y().get(HEAD..).unwrap_or_default().as_chunks().0;
+        Self(points.get(..count).unwrap_or(points))
     }
 
     fn seen(seen: &Seen<'a>) -> Option<Self> {
         track::words(seen).map(Self::new)
     }
 
+    /// Place, bits and time of a segment; beyond the last one all 0.
+    fn get(self, number: usize) -> (i64, u8, u16) {
+        let [low, high, bits, time] = self.0.get(number).copied().unwrap_or_default();
+        // Words are within 16 bits: the casts keep the bits that count.
+        (double(low, high).into(), bits as u8, time as u16)
+    }
+
     fn point(self, number: usize) -> i64 {
-        self.table.double(HEAD + STRIDE * number).into()
-    }
-
-    fn bits(self, number: usize) -> u8 {
-        let [low, _] = self.table.word(HEAD + STRIDE * number + 2).to_le_bytes();
-        low
-    }
-
-    fn time(self, number: usize) -> u16 {
-        self.table.word(HEAD + STRIDE * number + 3)
+        self.get(number).0
     }
 
     /// The last point, where x begins anew; a table that was checked has no lower one than 1.
     fn modulo(self) -> i64 {
-        self.point(self.count.saturating_sub(1)).max(1)
+        self.point(self.0.len().saturating_sub(1)).max(1)
     }
 
     /// The segment in which x lies: beyond the last point the last one (B5).
     fn find(self, x: i64) -> usize {
-        let (mut low, mut high) = (0, self.count);
-        while low < high {
-            let middle = (low + high) / 2;
-            if self.point(middle) <= x {
-                low = middle + 1;
-            } else {
-                high = middle;
-            }
-        }
-        low.min(self.count.saturating_sub(1))
+        let below = self.0.partition_point(|[low, high, ..]| i64::from(double(*low, *high)) <= x);
+        below.min(self.0.len().saturating_sub(1))
     }
 }
 
@@ -293,24 +282,24 @@ fn check_table(table: &Table, base: Base, has_pulses: bool) -> Result<(), Fault>
     if !(2..=MOST_POINTS + 1).contains(&count) {
         return Err(Fault::new(Code::AMK_POINTS).with(count as i64, MOST_POINTS as i64 + 1));
     }
+    track::check_length(table, HEAD + STRIDE * (count - 1))?;
     let points = Points::new(table);
-    track::check_length(table, HEAD + STRIDE * points.count)?;
     // Places of words are below 2^16.
     let word = |number: usize, part: usize| (HEAD + STRIDE * number + part) as i64;
     if base != Base::Absolute && points.point(0) < 0 {
         return Err(Fault::new(Code::AMK_POINT_NEGATIVE).with(points.point(0), 0));
     }
-    for number in 1..points.count {
+    for number in 1..points.0.len() {
         let (before, point) = (points.point(number - 1), points.point(number));
         if point <= before {
             return Err(Fault::new(Code::AMK_POINT_ORDER).with(word(number, 0), before));
         }
     }
-    let last = points.point(points.count - 1);
+    let last = points.point(count - 2);
     if base != Base::Absolute && last < 1 {
         return Err(Fault::new(Code::AMK_NO_MODULO).with(last, 1));
     }
-    match (0..points.count).find(|number| has_pulses && points.time(*number) > LONGEST) {
+    match (0..points.0.len()).find(|number| has_pulses && points.get(*number).2 > LONGEST) {
         Some(number) => Err(Fault::new(Code::AMK_TIME_LONG).with(word(number, 3), LONGEST.into())),
         None => Ok(()),
     }

@@ -17,7 +17,7 @@ use super::time;
 use super::track::{self, Track};
 use super::window::Window;
 use crate::code::Code;
-use hysteresis::{At, Overrun, is_inside};
+use hysteresis::{At, Overrun, Ring, is_inside};
 use master::Master;
 use serde::{Deserialize, Serialize};
 use table::CamTable;
@@ -56,8 +56,7 @@ struct Lane {
     count: u16,
     /// In increments; 0: none.
     hysteresis: i64,
-    /// Word of the offset in the last call, and the sum of its changes.
-    word: i16,
+    /// Sum of the changes of its word.
     offset: i64,
     /// Where it was in the last call.
     x: i64,
@@ -69,13 +68,14 @@ impl Lane {
         &mut self,
         cams: impl Iterator<Item = (i32, i32)>,
         overruns: &mut [Overrun],
-        at: At,
+        (ring, x): (Ring, i64),
         is_first: bool,
     ) -> bool {
-        self.x = at.x;
+        let before = std::mem::replace(&mut self.x, x);
         if self.hysteresis == 0 {
-            return cams.fold(false, |is_on, (on, off)| is_on | is_inside(on, off, at.x));
+            return cams.fold(false, |is_on, (on, off)| is_on | is_inside(on, off, x));
         }
+        let at = At { ring, x, way: ring.way(before, x), hysteresis: self.hysteresis };
         // Each one takes the step.
         cams.zip(overruns).fold(false, |is_on, (cam, overrun)| is_on | overrun.step(cam, at, is_first))
     }
@@ -85,6 +85,8 @@ impl Lane {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Course {
     master: Master,
+    /// Words of the offsets in the last call.
+    words: [i16; LINES],
     lanes: [Lane; LINES],
 }
 
@@ -118,30 +120,32 @@ impl Cam {
     /// All tracks at the place of this call.
     fn evaluate(&mut self, seen: &Seen<'_>, is_first: bool) -> Outcome {
         let mut outcome = Outcome { sink: seen.sink, ..Outcome::default() };
-        let (Some(course), Some(table)) = (&mut self.course, track::words(seen).map(CamTable)) else { return outcome };
-        let Course { master, lanes } = course;
+        let (Some(course), Some(table)) = (&mut self.course, track::words(seen).map(CamTable::new)) else {
+            return outcome;
+        };
+        let Course { master, words, lanes } = course;
         let ring = master.ring();
         if !is_first {
             master.advance(table.cycle_time(), &mut self.window, seen);
         }
+        let before = std::mem::replace(words, table.offsets());
+        if before != *words {
+            for ((lane, word), before) in lanes.iter_mut().zip(words).zip(before) {
+                lane.offset = master.shifted(lane.offset, word.wrapping_sub(before));
+            }
+        }
+        if let Some(lane) = lanes.get(usize::from(table.track_select())) {
+            outcome.sink = lane.offset;
+        }
         let mut first = 0;
         for (number, lane) in lanes.iter_mut().enumerate() {
-            let word = table.offset(number);
-            let change = word.wrapping_sub(std::mem::replace(&mut lane.word, word));
-            if change != 0 {
-                lane.offset = master.shifted(lane.offset, change);
-            }
-            if number == usize::from(table.track_select()) {
-                outcome.sink = lane.offset;
-            }
             let count = usize::from(lane.count);
             if count == 0 {
                 continue;
             }
             let x = master.place(lane.offset, table.dead_time(number), &self.window, seen.call_ns);
-            let at = At { ring, x, way: ring.way(lane.x, x), hysteresis: lane.hysteresis };
             let overruns = self.overruns.get_mut(first..).unwrap_or_default();
-            let bit = lane.bit(table.cams(first, count), overruns, at, is_first);
+            let bit = lane.bit(table.cams(first, count), overruns, (ring, x), is_first);
             first += count;
             let mask = 1 << number;
             let input = seen.inputs & mask != 0;
@@ -185,7 +189,7 @@ impl Program for Cam {
     }
 
     fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
-        let cycle_time = track::words(seen).map_or(0, |table| CamTable(table).cycle_time());
+        let cycle_time = track::words(seen).map_or(0, |table| CamTable::new(table).cycle_time());
         let mut lanes = [Lane::default(); LINES];
         for (number, lane) in lanes.iter_mut().enumerate() {
             lane.track = Track::new(words.get(MODE + number));
@@ -193,7 +197,7 @@ impl Program for Cam {
             lane.hysteresis = hysteresis_inc(words.get(HYSTERESIS + number));
         }
         let master = Master::new(words.get(BA), words.get(MODULO), cycle_time, seen);
-        self.course = Some(Course { master, lanes });
+        self.course = Some(Course { master, words: [0; LINES], lanes });
         time::restart(&mut self.window, words.get(DEAD_TIME_MEAN));
         self.evaluate(seen, true)
     }
@@ -204,7 +208,7 @@ impl Program for Cam {
 
     fn is_sound(&self) -> bool {
         let is_sound = |course: &Course| {
-            let Course { master, lanes } = course;
+            let Course { master, lanes, .. } = course;
             let cams = lanes.iter().map(|lane| usize::from(lane.count)).sum::<usize>();
             let fits = |lane: &Lane| {
                 (0..=6_553_500).contains(&lane.hysteresis) && master.has(lane.offset) && master.has(lane.x)

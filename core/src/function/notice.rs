@@ -28,7 +28,13 @@ impl Notice {
             self.seen = state;
             self.untold = self.untold.saturating_add(1);
         }
-        if self.untold == 0 { None } else { self.tell(cycle, cycle_ns) }
+        if self.is_pending() { self.tell(cycle, cycle_ns) } else { None }
+    }
+
+    /// Is there a change that nobody was told of yet?
+    #[inline]
+    pub(super) fn is_pending(&self) -> bool {
+        self.untold > 0
     }
 
     fn tell(&mut self, cycle: u64, cycle_ns: u64) -> Option<u32> {

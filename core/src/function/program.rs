@@ -4,6 +4,7 @@ use super::field::Words;
 use crate::code::Code;
 use crate::event::Number;
 use crate::table::Table;
+use std::sync::Arc;
 
 /// Inputs, outputs, tables and monitored drives of one function.
 pub const LINES: usize = 8;
@@ -31,6 +32,24 @@ pub struct Drive {
     pub sak_share: i64,
 }
 
+/// The tables that a function reads; those that it does not read are not looked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tables<'a> {
+    /// All of the machine.
+    pub all: &'a [Arc<Table>],
+    /// Which of them are Tab0 to Tab7.
+    pub places: &'a [Option<u16>; LINES],
+}
+
+impl<'a> Tables<'a> {
+    /// Tab0 to Tab7 by its number; none where the slot has none there.
+    #[inline]
+    pub(super) fn get(self, number: usize) -> Option<&'a Table> {
+        let place = self.places.get(number).copied().flatten()?;
+        self.all.get(usize::from(place)).map(|table| &**table)
+    }
+}
+
 /// What a function sees in one call.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen<'a> {
@@ -43,7 +62,7 @@ pub(super) struct Seen<'a> {
     pub sink: i64,
     /// What the word that the set names holds (`word_addr`, `mw_offset_addr`); 0 without one.
     pub word: i64,
-    pub tables: [Option<&'a Table>; LINES],
+    pub tables: Tables<'a>,
     /// The first eight axes.
     pub drives: &'a [Drive; LINES],
 }

@@ -3,10 +3,15 @@
 //! Law      a voltage is read in mV, to the nearest; any other real is cut towards zero; 16 and 32 bits are the low ones, sign-extended
 
 use super::wires::{Source, Wires, Word};
+use crate::encoder::Lead;
 use crate::object::Leader;
 use crate::position::Position;
 use crate::signal::Board;
 use crate::sync::Leads;
+
+/// What there is to follow where there is nothing.
+const LOST: &Lead =
+    &Lead { position: Position::ZERO, change: Position::ZERO, velocity: 0.0, uneven: 0.0, valid: false };
 
 /// E1 in bit 0 to E8 in bit 7, after inversion.
 pub(super) fn read_inputs(wires: &Wires, board: &Board) -> u8 {
@@ -19,30 +24,42 @@ pub(super) fn read_inputs(wires: &Wires, board: &Board) -> u8 {
     bits
 }
 
-/// Its source, as wide as that is; 0 without one.
-pub(super) fn value(wires: &Wires, board: &Board, leads: &Leads) -> i64 {
-    let value = match wires.source {
-        Source::None => return 0,
-        // The board shows it behind the axes.
-        Source::Lead(leader @ Leader::AxisActual(_), _) => leads.find(leader).map_or(0, |lead| lead.position.floor()),
-        Source::Lead(_, word) | Source::Signal(word) => word.read(board),
-    };
-    wires.source_width.cut(value)
+/// What a slot reads of its source.
+#[derive(Clone, Copy)]
+pub(super) struct Read<'a> {
+    /// As wide as the source; 0 without one.
+    pub value: i64,
+    /// None where it is no position of anything; lost where there is no such thing.
+    pub lead: Option<&'a Lead>,
 }
 
-/// Is its source there?
-pub(super) fn is_valid(wires: &Wires, leads: &Leads) -> bool {
-    match wires.source {
-        Source::Lead(leader, _) => leads.get(leader).valid,
-        Source::None | Source::Signal(_) => true,
+impl<'a> Read<'a> {
+    #[inline]
+    pub(super) fn new(wires: &Wires, board: &Board, leads: &'a Leads) -> Self {
+        let (value, lead) = match wires.source {
+            Source::None => return Self { value: 0, lead: None },
+            Source::Signal(word) => (word.read(board), None),
+            Source::Lead(leader, word) => {
+                let lead = leads.find(leader).unwrap_or(LOST);
+                // The board shows it behind the axes.
+                let is_actual = matches!(leader, Leader::AxisActual(_));
+                (if is_actual { lead.position.floor() } else { word.read(board) }, Some(lead))
+            }
+        };
+        Self { value: wires.source_width.cut(value), lead }
     }
-}
 
-/// What the floor of its source leaves: the way is that of whole increments.
-pub(super) fn fraction(wires: &Wires, leads: &Leads) -> Position {
-    let Source::Lead(leader, _) = wires.source else { return Position::ZERO };
-    let position = leads.get(leader).position;
-    position - Position::whole(position.floor())
+    /// Is it there?
+    #[inline]
+    pub(super) fn is_valid(self) -> bool {
+        self.lead.is_none_or(|lead| lead.valid)
+    }
+
+    /// What the floor of it leaves: the way is that of whole increments.
+    pub(super) fn fraction(self) -> Position {
+        let position = self.lead.map_or(Position::ZERO, |lead| lead.position);
+        position - Position::whole(position.floor())
+    }
 }
 
 /// A voltage as a whole number.

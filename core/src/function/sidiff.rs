@@ -277,24 +277,24 @@ impl Program for Sidiff {
     #[inline]
     fn step(&mut self, seen: &Seen<'_>) -> Outcome {
         if std::mem::take(&mut self.is_new) {
-            self.read_limits(seen.tables.first().copied().flatten());
+            self.read_limits(seen.tables.get(0));
         }
         let Live { aw_mask, agreements, .. } = self.live;
         let (selected, displayed) = (self.live.selected(), self.live.displayed());
         let writes = aw_mask | std::mem::take(&mut self.left);
         let mut outcome = Outcome { sink: seen.sink, writes, ..Outcome::default() };
-        let mut bit = 1_u8;
-        for (watch, drive) in self.watches.iter_mut().zip(seen.drives) {
-            if selected & bit != 0 {
-                let mean = watch.push(*drive, self.is_short);
-                if displayed & bit != 0 {
-                    outcome.sink = mean;
-                }
-                if aw_mask & bit != 0 && watch.judge(mean, agreements) {
-                    outcome.outputs |= bit;
-                }
+        let mut rest = selected;
+        while rest != 0 {
+            let (place, bit) = (rest.trailing_zeros() as usize, rest & rest.wrapping_neg());
+            rest ^= bit;
+            let (Some(watch), Some(drive)) = (self.watches.get_mut(place), seen.drives.get(place)) else { break };
+            let mean = watch.push(*drive, self.is_short);
+            if displayed & bit != 0 {
+                outcome.sink = mean;
             }
-            bit = bit.wrapping_shl(1);
+            if aw_mask & bit != 0 && watch.judge(mean, agreements) {
+                outcome.outputs |= bit;
+            }
         }
         outcome
     }

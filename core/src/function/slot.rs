@@ -11,10 +11,10 @@
 use super::field::{Field, Words};
 use super::kind::{Description, Quantity};
 use super::notice::Notice;
-use super::program::{Drive, Fault, LINES, Outcome, Reading, Seen, Setting};
-use super::reading::{fraction, is_valid, millivolts, read_inputs, value};
+use super::program::{Drive, Fault, LINES, Outcome, Reading, Seen, Setting, Tables};
+use super::reading::{Read, millivolts, read_inputs};
 use super::types::Any;
-use super::wires::{Bit, Mark, Room, Sink, Source, Wires};
+use super::wires::{Bit, Mark, Room, Sink, Source, Width, Wires};
 use crate::code::Code;
 use crate::encoder::{COUNT, Lead};
 use crate::parameter::Sets;
@@ -198,8 +198,8 @@ impl Slot {
     }
 
     /// What it gives others to follow.
-    pub(crate) fn lead(&self) -> Lead {
-        self.lead
+    pub(crate) fn lead(&self) -> &Lead {
+        &self.lead
     }
 
     /// By how much its sink was set anew in this cycle.
@@ -292,56 +292,84 @@ impl Slot {
         self.phase = if self.phase == Phase::Active { Phase::Leaving } else { Phase::Reset };
     }
 
-    /// Its part of a cycle.
-    pub(crate) fn step(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
-        let before = (self.inputs, self.outputs, self.phase);
-        self.inputs = read_inputs(wires, board);
-        if self.phase == Phase::Reset && self.is_shown {
-            // Most slots of most cells, most of the time.
-            if self.inputs != before.0 {
+    /// Its part of a cycle where it is at rest, which most slots of most cells are most of the time; true where that was all.
+    pub(crate) fn rest(&mut self, wires: &Wires, board: &mut Board) -> bool {
+        let rests = self.phase == Phase::Reset && self.is_shown && !self.notice.is_pending();
+        if rests {
+            let before = std::mem::replace(&mut self.inputs, read_inputs(wires, board));
+            if self.inputs != before {
                 self.publish(wires, board);
             }
-            return Written::default();
         }
+        rests
+    }
+
+    /// Its part of any other cycle.
+    pub(crate) fn step(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
+        let before = (self.inputs, self.outputs);
+        self.inputs = read_inputs(wires, board);
         (self.lead.change, self.lead.velocity, self.anew) = (Position::ZERO, 0.0, Position::ZERO);
-        let written = match self.phase {
-            Phase::Reset => Written::default(),
-            Phase::Leaving => self.leave(wires, board),
-            Phase::Starting => {
-                (self.phase, self.since) = (Phase::Active, cx.cycle);
-                (self.travel, self.mark) = (fraction(wires, cx.leads), None);
-                self.last = value(wires, board, cx.leads);
-                let base = self.base(wires, board);
-                let seen = self.seen(wires, cx, board, base);
-                let outcome = self.function.start(Words(&self.active), &seen);
-                self.take(wires, outcome, board, true)
-            }
-            Phase::Active => {
-                let edge = wires.mark == Mark::Edge && before.0 & 1 == 0 && self.inputs & 1 == 1;
-                self.travel_on(wires, cx, board, edge);
-                if cx.cycle.wrapping_sub(self.since).checked_rem(wires.factor.into()) == Some(0) {
-                    let seen = self.seen(wires, cx, board, self.sink);
-                    self.mark = None;
-                    let outcome = self.function.step(&seen);
-                    let written = self.take(wires, outcome, board, false);
-                    self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
-                    written
-                } else {
-                    Written::default()
-                }
-            }
+        let source = Read::new(wires, board, cx.leads);
+        if self.phase != Phase::Active {
+            return self.turn(wires, cx, source, board);
+        }
+        self.travel_on(wires, source);
+        let back = match wires.mark {
+            Mark::None => None,
+            Mark::Edge => (before.0 & 1 == 0 && self.inputs & 1 == 1).then_some(Position::ZERO),
+            Mark::Latch(_) | Mark::Encoder(_) => cx.mark,
         };
-        self.lead.valid = !self.is_active() || is_valid(wires, cx.leads);
-        board.set_int(wires.first, self.sink);
-        let is_same = before == (self.inputs, self.outputs, self.phase) && self.is_shown;
-        if !is_same {
+        if let Some(back) = back {
+            self.mark = Some((self.travel - back).floor());
+        }
+        let mut written = Written::default();
+        if wires.factor == 1 || cx.cycle.wrapping_sub(self.since).checked_rem(wires.factor.into()) == Some(0) {
+            let seen = self.seen(wires, cx, board, self.sink);
+            self.mark = None;
+            let outcome = self.function.step(&seen);
+            self.move_sink(wires, outcome.sink);
+            self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
+            written = self.write(wires, outcome, board);
+        }
+        self.lead.valid = source.is_valid();
+        if before != (self.inputs, self.outputs) || !self.is_shown {
             self.publish(wires, board);
-        } else if wires.compensates {
+            self.is_shown = true;
+            return written;
+        }
+        board.set_int(wires.first, self.sink);
+        if wires.compensates {
             board.set_int(wires.first.plus(signals(false)), self.sak_share);
         }
-        // What RESET leaves of its motion goes in the cycle behind it.
-        self.is_shown = self.phase != Phase::Reset || before.2 == Phase::Reset;
         written
+    }
+
+    /// A cycle in which it is started or ended, and the one behind that end: what RESET leaves of its motion goes in it.
+    #[cold]
+    fn turn(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
+        let rests = self.phase == Phase::Reset;
+        let written = match self.phase {
+            Phase::Starting => self.begin(wires, cx, source, board),
+            Phase::Leaving => self.leave(wires, board),
+            Phase::Reset | Phase::Active => Written::default(),
+        };
+        self.lead.valid = !self.is_active() || source.is_valid();
+        self.publish(wires, board);
+        self.is_shown = self.is_active() || rests;
+        written
+    }
+
+    /// Its first call.
+    fn begin(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
+        (self.phase, self.since) = (Phase::Active, cx.cycle);
+        (self.travel, self.mark, self.last) = (source.fraction(), None, source.value);
+        let base = self.base(wires, board);
+        let seen = self.seen(wires, cx, board, base);
+        let outcome = self.function.start(Words(&self.active), &seen);
+        self.sink = wires.sink_width.cut(outcome.sink);
+        self.anew = Position::whole(self.sink) - self.lead.position;
+        self.lead.position = Position::whole(self.sink);
+        self.write(wires, outcome, board)
     }
 
     /// What the sink begins with: what its object has.
@@ -355,58 +383,56 @@ impl Slot {
         wires.sink_width.cut(value)
     }
 
-    /// The way of its source, and the marks on it.
-    fn travel_on(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &Board, edge: bool) {
-        let value = value(wires, board, cx.leads);
-        match wires.source {
-            Source::None => {}
-            Source::Lead(leader, _) => {
-                let change = cx.leads.get(leader).change;
-                let next = self.travel + change;
+    /// The way of its source.
+    #[inline]
+    fn travel_on(&mut self, wires: &Wires, source: Read<'_>) {
+        if let Some(lead) = source.lead {
+            let before = self.travel;
+            self.travel += lead.change;
+            if wires.source_width != Width::W64 {
                 // Differences are those of whole increments; the fraction stays in the sum.
-                let step = next.floor().wrapping_sub(self.travel.floor());
-                self.travel = next + Position::whole(wires.source_width.cut(step).wrapping_sub(step));
+                let step = self.travel.floor().wrapping_sub(before.floor());
+                self.travel += Position::whole(wires.source_width.cut(step).wrapping_sub(step));
             }
-            Source::Signal(_) => {
-                self.travel += Position::whole(wires.source_width.cut(value.wrapping_sub(self.last)));
-            }
+        } else {
+            self.travel += Position::whole(wires.source_width.cut(source.value.wrapping_sub(self.last)));
         }
-        self.last = value;
-        if let Some(back) = cx.mark.or(edge.then_some(Position::ZERO)) {
-            self.mark = Some((self.travel - back).floor());
-        }
+        self.last = source.value;
     }
 
-    fn seen<'a>(&self, wires: &Wires, cx: &Cycle<'a>, board: &Board, sink: i64) -> Seen<'a> {
+    #[inline]
+    fn seen<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &Board, sink: i64) -> Seen<'a> {
         Seen {
             call_ns: wires.call_ns,
             source: Reading { value: self.last, travel: self.travel.floor(), mark: self.mark },
             inputs: self.inputs,
             sink,
             word: wires.word.map_or(0, |word| word.read(board)),
-            tables: found(wires, cx.tables),
+            tables: Tables { all: cx.tables, places: &wires.tables },
             drives: cx.drives,
         }
     }
 
-    /// Takes what a call gave, and writes it.
-    fn take(&mut self, wires: &Wires, outcome: Outcome, board: &mut Board, is_first: bool) -> Written {
+    /// Writes what a call gave.
+    #[inline]
+    fn write(&mut self, wires: &Wires, outcome: Outcome, board: &mut Board) -> Written {
         self.sak_share = outcome.sak_share;
         self.writes = outcome.writes;
-        self.set_sink(wires, outcome.sink, board, is_first);
+        self.write_sink(wires, board);
         self.set_outputs(wires, outcome.outputs, outcome.writes, board);
         Written { outputs: outcome.writes, sink: true }
     }
 
-    fn set_sink(&mut self, wires: &Wires, value: i64, board: &mut Board, is_new: bool) {
+    /// The sink goes to a value, and its lead by the way to it.
+    #[inline]
+    fn move_sink(&mut self, wires: &Wires, value: i64) {
         let before = std::mem::replace(&mut self.sink, wires.sink_width.cut(value));
-        if is_new {
-            self.anew = Position::whole(self.sink) - self.lead.position;
-            self.lead.position = Position::whole(self.sink);
-        } else {
-            self.lead.change = Position::whole(wires.sink_width.cut(self.sink.wrapping_sub(before)));
-            self.lead.position += self.lead.change;
-        }
+        self.lead.change = Position::whole(wires.sink_width.cut(self.sink.wrapping_sub(before)));
+        self.lead.position += self.lead.change;
+    }
+
+    #[inline]
+    fn write_sink(&self, wires: &Wires, board: &mut Board) {
         match wires.sink {
             Sink::None | Sink::Axis(..) => {}
             Sink::Memory(signal, width) => board.set_int(signal, width.cut(self.sink)),
@@ -436,15 +462,11 @@ impl Slot {
         self.sink as f64 / 1000.0
     }
 
+    #[inline]
     fn set_outputs(&mut self, wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
         self.outputs = self.outputs & !writes | outputs & writes;
-        for (place, output) in wires.outputs.iter().take(wires.lines.1).enumerate() {
-            if let Some(output) = output
-                && writes >> place & 1 == 1
-                && let Bit::Memory(signal) = output.to
-            {
-                board.set_int(signal, i64::from((outputs >> place & 1 == 1) != output.inverted));
-            }
+        if wires.lines.1 > 0 {
+            write_memory(wires, outputs, writes, board);
         }
     }
 
@@ -454,7 +476,8 @@ impl Slot {
         self.phase = Phase::Reset;
         let sink = row.quantity == Quantity::Speed;
         if sink {
-            self.set_sink(wires, 0, board, false);
+            self.move_sink(wires, 0);
+            self.write_sink(wires, board);
         }
         (self.sak_share, self.mark) = (0, None);
         self.set_outputs(wires, self.function.rests(row.rests), self.writes, board);
@@ -543,6 +566,18 @@ impl Clone for Slot {
     }
 }
 
+/// Outputs that are memory cells.
+fn write_memory(wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
+    for (place, output) in wires.outputs.iter().take(wires.lines.1).enumerate() {
+        if let Some(output) = output
+            && writes >> place & 1 == 1
+            && let Bit::Memory(signal) = output.to
+        {
+            board.set_int(signal, i64::from((outputs >> place & 1 == 1) != output.inverted));
+        }
+    }
+}
+
 /// How many signals a slot has.
 fn signals(compensates: bool) -> usize {
     3 + 2 * LINES + usize::from(compensates)
@@ -584,9 +619,7 @@ fn setting<'a>(wires: &Wires, tables: [Option<&'a Table>; LINES]) -> Setting<'a>
     Setting { call_ns: wires.call_ns, tables, has_source, has_mark: wires.mark != Mark::None }
 }
 
-fn found<'a>(wires: &Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {
-    if tables.is_empty() || !wires.reads_tables {
-        return [None; LINES];
-    }
-    wires.tables.map(|place| tables.get(usize::from(place?)).map(|table| &**table))
+fn found<'a>(wires: &'a Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {
+    let tables = Tables { all: tables, places: &wires.tables };
+    std::array::from_fn(|number| tables.get(number))
 }

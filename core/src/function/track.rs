@@ -107,8 +107,7 @@ pub(super) fn check_length(table: &Table, needed: usize) -> Result<(), Fault> {
 
 /// The data block in Tab0 in a call; none where the slot has lost it.
 pub(super) fn words<'a>(seen: &Seen<'a>) -> Option<&'a Table> {
-    let [table, ..] = seen.tables;
-    table
+    seen.tables.get(0)
 }
 
 #[cfg(test)]

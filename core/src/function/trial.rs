@@ -1,8 +1,9 @@
 //! What tests of a type need: a set by the names of its fields, and a call in which nothing happens.
 
 use super::field::Field;
-use super::program::{LINES, NO_DRIVES, Reading, Seen, Setting};
+use super::program::{LINES, NO_DRIVES, Reading, Seen, Setting, Tables};
 use crate::table::Table;
+use std::sync::Arc;
 
 /// Time between two calls (ns).
 pub(super) const CALL_NS: u64 = 1_000_000;
@@ -22,6 +23,20 @@ pub(super) fn setting(call_ns: u64, tables: [Option<&Table>; LINES]) -> Setting<
     Setting { call_ns, tables, has_source: true, has_mark: true }
 }
 
+/// No tables.
+pub(super) const NO_TABLES: Tables<'static> = Tables { all: &[], places: &[None; LINES] };
+
+/// Tables as Tab0 and up.
+pub(super) fn tabs(tables: &[Arc<Table>]) -> Tables<'_> {
+    const ALL: &[Option<u16>; LINES] = &[Some(0), Some(1), Some(2), Some(3), Some(4), Some(5), Some(6), Some(7)];
+    Tables { all: tables, places: ALL }
+}
+
+/// A table as Tab0.
+pub(super) fn tab0(table: &Arc<Table>) -> Tables<'_> {
+    tabs(std::slice::from_ref(table))
+}
+
 /// A call with source, inputs and sink at 0.
 pub(super) fn at_rest<'a>() -> Seen<'a> {
     Seen {
@@ -30,7 +45,7 @@ pub(super) fn at_rest<'a>() -> Seen<'a> {
         inputs: 0,
         sink: 0,
         word: 0,
-        tables: [None; LINES],
+        tables: NO_TABLES,
         drives: NO_DRIVES,
     }
 }

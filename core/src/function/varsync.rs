@@ -157,10 +157,11 @@ impl Varsync {
     fn advance(&mut self, change: i64) {
         let ratio = i64::from(self.ratio);
         // m * change = m * (whole * 10000 + part): the whole parts need no division, the rest is below 2^15 * 10000 + 10000.
-        let (whole, part) = (change.div_euclid(ONE), change.rem_euclid(ONE));
+        let (whole, part) = (change / ONE, change % ONE);
         let rest = ratio.wrapping_mul(part).wrapping_add(self.remainder);
-        self.remainder = rest.rem_euclid(ONE);
-        self.slave = self.slave.wrapping_add(ratio.wrapping_mul(whole)).wrapping_add(rest.div_euclid(ONE));
+        let way = rest.div_euclid(ONE);
+        self.remainder = rest.wrapping_sub(way.wrapping_mul(ONE));
+        self.slave = self.slave.wrapping_add(ratio.wrapping_mul(whole)).wrapping_add(way);
     }
 }
 

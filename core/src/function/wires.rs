@@ -185,8 +185,6 @@ pub struct Wires {
     pub lines: (usize, usize),
     /// Places of its tables.
     pub tables: [Option<u16>; LINES],
-    /// There is one among them.
-    pub reads_tables: bool,
     /// It publishes `sak_share`.
     pub compensates: bool,
     /// The word that it reads beside its source.

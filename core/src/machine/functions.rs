@@ -31,6 +31,15 @@ pub(super) fn ended_by_errors(wires: &[Wires]) -> Vec<(u16, u16)> {
     (0..).zip(wires).filter_map(ended).collect()
 }
 
+/// The axes that a function can watch and that a slot moves, and that slot.
+pub(super) fn movers(wires: &[Wires]) -> Vec<(usize, u16)> {
+    let moved = |(place, wires): (u16, &Wires)| match wires.sink {
+        Sink::Axis(axis, _) if usize::from(axis) < LINES => Some((axis.into(), place)),
+        _ => None,
+    };
+    (0..).zip(wires).filter_map(moved).collect()
+}
+
 impl Machine {
     /// The function slots, by their numbers.
     pub fn slots(&self) -> &[Slot] {
@@ -120,8 +129,10 @@ impl Machine {
     /// All slots in a cycle, ascending: behind the encoders and what drives tell, before the axes move.
     pub(super) fn step_slots(&mut self, inputs: &Inputs) {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
-        for place in 0..self.wires.len() {
-            let Some(wires) = self.wires.get(place) else { continue };
+        for (place, wires) in self.wires.iter().enumerate() {
+            if self.state.slots.get_mut(place).is_none_or(|slot| slot.rest(wires, &mut self.state.board)) {
+                continue;
+            }
             let watched;
             let mut drives = NO_DRIVES;
             if wires.kind == Kind::Sidiff {
@@ -133,14 +144,14 @@ impl Machine {
             let Some(slot) = slots.get_mut(place) else { continue };
             let cycle = Cycle { cycle: *now, leads, tables, mark, drives, cycle_s };
             let written = slot.step(wires, &cycle, board);
-            let (lead, anew) = (slot.lead(), slot.anew());
             if let Some(of) = leads.sinks.get_mut(place) {
-                *of = lead;
+                *of = *slot.lead();
             }
             if let Some((state, left_out)) = slot.tell(*now, self.config.cycle_ns) {
                 let event = Event::new(Severity::Info, EventKind::State, Object::Function(place as u16), Code::NONE);
                 self.events.push(event.with(Number::Count(state.into()), Number::Count(left_out.into())));
             }
+            let anew = slot.anew();
             if anew != Position::ZERO {
                 axes.iter_mut().for_each(|axis| axis.count_on_sink(place as u16, anew));
             }
@@ -156,7 +167,7 @@ impl Machine {
             match wires.sink {
                 Sink::Analog(terminal, _) if written.sink => panel.set_analog(terminal, slot.volts()),
                 // A speed is read behind the motion, which a calm axis leaves out.
-                Sink::Axis(axis, _) if lead.change != Position::ZERO && wires.speed.is_some() => {
+                Sink::Axis(axis, _) if wires.speed.is_some() && slot.lead().change != Position::ZERO => {
                     if let Some(axis) = axes.get_mut(usize::from(axis)) {
                         axis.disturb();
                     }
@@ -210,9 +221,10 @@ impl Machine {
         for (drive, first) in drives.iter_mut().zip(&self.signals.axes) {
             drive.error = self.state.board.int(AxisSignal::RegulatorError.of(*first));
         }
-        for (drive, mover) in drives.iter_mut().zip(&self.movers) {
-            let slot = mover.and_then(|slot| self.state.slots.get(usize::from(slot)));
-            drive.sak_share = slot.map_or(0, Slot::sak_share);
+        for &(axis, slot) in &self.movers {
+            if let (Some(drive), Some(slot)) = (drives.get_mut(axis), self.state.slots.get(usize::from(slot))) {
+                drive.sak_share = slot.sak_share();
+            }
         }
         drives
     }

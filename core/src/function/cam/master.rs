@@ -48,6 +48,7 @@ impl Master {
     }
 
     /// Takes the way or the time since the last call.
+    #[inline]
     pub(super) fn advance(&mut self, cycle_time: u16, window: &mut Window, seen: &Seen<'_>) {
         let travel = seen.source.travel;
         let change = travel.wrapping_sub(std::mem::replace(&mut self.travel, travel));
@@ -82,6 +83,7 @@ impl Master {
     }
 
     /// Where a track of an offset and a dead time is.
+    #[inline]
     pub(super) fn place(&self, offset: i64, dead_time: u16, window: &Window, call_ns: u64) -> i64 {
         let lead = match dead_time {
             0 => 0,

@@ -13,7 +13,7 @@ use crate::function::field::Words;
 use crate::function::program::{Fault, LINES, Setting};
 use crate::function::time::HALF_MS;
 use crate::function::track::{self, Track};
-use crate::table::Table;
+use crate::table::{Table, double};
 
 const TRACK_SELECT: usize = 1;
 const OFFSET: usize = 8;
@@ -27,48 +27,66 @@ const LONGEST: u16 = 32_767;
 
 /// A data block as a cam table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CamTable<'a>(pub &'a Table);
+pub(super) struct CamTable<'a> {
+    head: &'a [i64; FIRST_CAM],
+    cams: &'a [[i64; CAM]],
+}
 
 impl<'a> CamTable<'a> {
+    /// One that was checked; the head of a shorter one is 0.
+    #[inline]
+    pub(super) fn new(table: &'a Table) -> Self {
+        let (head, cams) = table.y().split_first_chunk().unwrap_or((&[0; FIRST_CAM], &[]));
+        Self { head, cams: cams.as_chunks().0 }
+    }
+
+    /// A word, unsigned.
+    #[inline]
+    fn word(self, place: usize) -> u16 {
+        // Words are within 16 bits: the cast keeps their bits.
+        self.head.get(place).map_or(0, |word| *word as u16)
+    }
+
     /// Half milliseconds for a turn of the time mode.
     pub(super) fn cycle_time(self) -> u16 {
-        self.0.word(0)
+        self.word(0)
     }
 
     /// The track whose offset is shown.
     pub(super) fn track_select(self) -> u8 {
-        let [low, _] = self.0.word(TRACK_SELECT).to_le_bytes();
+        let [low, _] = self.word(TRACK_SELECT).to_le_bytes();
         low
     }
 
-    pub(super) fn offset(self, track: usize) -> i16 {
-        self.0.word(OFFSET + track).cast_signed()
+    /// Of all tracks.
+    #[inline]
+    pub(super) fn offsets(self) -> [i16; LINES] {
+        std::array::from_fn(|track| self.word(OFFSET + track).cast_signed())
     }
 
     pub(super) fn dead_time(self, track: usize) -> u16 {
-        self.0.word(DEAD_TIME + track)
+        self.word(DEAD_TIME + track)
     }
 
     pub(super) fn monoflop(self, track: usize) -> u16 {
-        self.0.word(MONOFLOP + track)
+        self.word(MONOFLOP + track)
     }
 
     /// On and off of `count` cams from `first` on; none where the table ends before.
     #[inline]
     pub(super) fn cams(self, first: usize, count: usize) -> impl Iterator<Item = (i32, i32)> + use<'a> {
-        let from = FIRST_CAM + CAM * first;
         // One look at the length for all of them: word by word it would be four per cam.
-        let words = self.0.y().get(from..from + CAM * count).unwrap_or_default();
-        let double = |low: i64, high: i64| (u32::from(low as u16) | u32::from(high as u16) << 16).cast_signed();
-        words.as_chunks::<CAM>().0.iter().map(move |[a, b, c, d]| (double(*a, *b), double(*c, *d)))
+        let cams = self.cams.get(first..first + count).unwrap_or_default();
+        cams.iter().map(|[a, b, c, d]| (double(*a, *b), double(*c, *d)))
     }
 }
 
 /// What is asked of the tracks that a table belongs to.
 pub(in crate::function) fn check_table(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
     let counts = || (0..LINES).map(|track| words.get(CAMS + track) as usize);
-    let table = CamTable(track::check_words(setting)?);
-    track::check_length(table.0, FIRST_CAM + CAM * counts().sum::<usize>())?;
+    let block = track::check_words(setting)?;
+    track::check_length(block, FIRST_CAM + CAM * counts().sum::<usize>())?;
+    let table = CamTable::new(block);
     if usize::from(table.track_select()) >= LINES {
         return Err(Fault::new(Code::AMK_TRACK_SELECT).with(table.track_select().into(), LINES as i64 - 1));
     }

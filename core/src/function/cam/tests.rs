@@ -2,10 +2,12 @@ use super::super::trial::setting;
 use super::*;
 use crate::event::Number;
 use crate::function::program::Reading;
+use crate::function::trial::tab0;
 use crate::table::{Form, Table};
 use proptest::prelude::*;
+use std::sync::Arc;
 
-fn table(head: &[(usize, i64)], cams: &[(i32, i32)]) -> Table {
+fn table(head: &[(usize, i64)], cams: &[(i32, i32)]) -> Arc<Table> {
     let mut words = vec![0; 32];
     for (place, value) in head {
         words[*place] = *value;
@@ -13,11 +15,11 @@ fn table(head: &[(usize, i64)], cams: &[(i32, i32)]) -> Table {
     for x in cams.iter().flat_map(|(on, off)| [*on, *off]) {
         words.extend([x as u16, (x >> 16) as u16].map(i64::from));
     }
-    Table::new(Form::Words, &[], &words).expect("words")
+    Arc::new(Table::new(Form::Words, &[], &words).expect("words"))
 }
 
 /// The example of the manual: four tracks of two cams, the second one of each parked.
-fn example(head: &[(usize, i64)]) -> Table {
+fn example(head: &[(usize, i64)]) -> Arc<Table> {
     table(head, &[10_000, 11_000, 12_000, 13_000].map(|on| [(on, on + 1000), (0, 0)]).concat())
 }
 
@@ -41,20 +43,20 @@ fn with(fields: &[(usize, i64)], more: &[(usize, i64)]) -> Vec<i64> {
 
 /// A function with its table, 1 ms per call.
 struct Bench {
-    table: Table,
+    table: Arc<Table>,
     cam: Cam,
     call_ns: u64,
     inputs: u8,
 }
 
 impl Bench {
-    fn new(table: Table) -> Self {
+    fn new(table: Arc<Table>) -> Self {
         Self { table, cam: Cam::new(100, MOST_CAMS), call_ns: 1_000_000, inputs: 0 }
     }
 
     fn check(&self, words: &[i64]) -> Result<(), Fault> {
         let mut tables = [None; LINES];
-        tables[0] = Some(&self.table);
+        tables[0] = Some(&*self.table);
         self.cam.check(Words(words), &setting(self.call_ns, tables))
     }
 
@@ -62,8 +64,7 @@ impl Bench {
         if let Some(words) = words {
             assert_eq!(self.check(words), Ok(()));
         }
-        let mut tables = [None; LINES];
-        tables[0] = Some(&self.table);
+        let tables = tab0(&self.table);
         let source = Reading { value, travel: value, mark: None };
         let (call_ns, inputs, drives) = (self.call_ns, self.inputs, crate::function::NO_DRIVES);
         let seen = Seen { call_ns, source, inputs, sink: 77, word: 0, tables, drives };
@@ -247,6 +248,43 @@ fn pulses_logic_and_disabled_tracks_are_as_their_mode_says() {
     assert_eq!([105, 120, 120, 120].map(|x| bench.step(x)), [0b11, 0b11, 0b11, 0b10]);
 }
 
+/// Each stage takes what the one before it gives: in any other order another call would differ.
+/// Proves: AMK-CAM-02
+#[test]
+fn a_track_goes_from_the_place_to_the_output_in_the_order_of_its_stages() {
+    // Offset 500 and 10 ms ahead, 1000 inc at 100 inc per ms; 3 calls of pulse; the second track has the place alone.
+    let mut bench = Bench::new(table(&[(8, 500), (16, 20), (24, 5)], &[(1_800, 2_800), (300, 400)]));
+    let logic = 16 + 4 + 2 + 1;
+    let sets = [(DEAD_TIME_MEAN, 1), (CAMS + 1, 1), (HYSTERESIS, 15), (MODE, logic)];
+    assert_eq!(bench.start(&with(&ONE, &sets), 0), 0b01);
+    let calls = [
+        (100, 0, 0b01),
+        (200, 0, 0b01),
+        // 300 + 500 + 1000: the cam begins, and its pulse; the input, inverted, holds it back in this call only.
+        (300, 1, 0b11),
+        (400, 0, 0b00),
+        (500, 0, 0b00),
+        (600, 0, 0b01),
+        // It stands: 1100 is within the hysteresis, so that 2200 is no new edge.
+        (600, 0, 0b01),
+        (700, 0, 0b01),
+        // It turns: 600 + 500 - 1000 is below 300, and the way up begins a pulse again.
+        (600, 0, 0b01),
+        (700, 0, 0b00),
+        (800, 0, 0b00),
+        (900, 0, 0b00),
+        (1_000, 0, 0b01),
+    ];
+    for (x, input, outputs) in calls {
+        bench.inputs = input;
+        assert_eq!(bench.step(x), outputs, "{x}");
+    }
+    // Disabled, it is not written, whatever comes before.
+    bench.start(&with(&[ONE[0], ONE[1], (CAMS + 1, 1)], &[(MODE, 32 + logic)]), 0);
+    let outcome = bench.call(None, 100);
+    assert_eq!((outcome.writes, outcome.outputs), (0b10, 0));
+}
+
 /// The crossings of the machine in increments of the table, through the function.
 /// Proves: AMK-CAM-15, AMK-CAM-36
 #[test]
@@ -281,7 +319,7 @@ fn an_edited_cam_begins_anew_and_the_others_go_on() {
 /// Proves: AMK-CAM-16, AMK-CAM-31, AMK-CAM-33, AMK-CAM-35, AMK-CAM-38, AMK-CAM-39, AMK-CAM-41, AMK-CAM-42
 #[test]
 fn what_is_no_set_is_refused_with_its_field_or_word() {
-    let refused = |table: Table, fields: &[(usize, i64)]| Bench::new(table).check(&set(fields)).err();
+    let refused = |table: Arc<Table>, fields: &[(usize, i64)]| Bench::new(table).check(&set(fields)).err();
     let of = |code, name, asked, limit| Some(Fault::new(code).of(number(FIELDS, name)).with(asked, limit));
     let word = |code, asked, limit| Some(Fault::new(code).with(asked, limit));
     let one = |head: &[(usize, i64)]| table(head, &[(10_000, 11_000)]);
@@ -321,7 +359,7 @@ fn what_is_no_set_is_refused_with_its_field_or_word() {
 
     let none = setting(1, [None; LINES]);
     assert_eq!(check_table(Words(&set(&ONE)), &none).unwrap_err().code, Code::AMK_TABLE_MISSING);
-    let xy = Table::new(Form::Xy, &[0], &[0]).unwrap();
+    let xy = Arc::new(Table::new(Form::Xy, &[0], &[0]).unwrap());
     assert_eq!(refused(xy, &ONE).unwrap().code, Code::AMK_TABLE_FORM);
 }
 

@@ -118,7 +118,7 @@ impl Program for Fipz {
             Some((table, time)) => {
                 let place = usize::from(table);
                 let length = self.times.get(place).copied().unwrap_or(0);
-                let curve = Curve::new(seen.tables.get(place).copied().flatten(), length, 1);
+                let curve = Curve::new(seen.tables.get(place), length, 1);
                 let time = time.saturating_add(self.step);
                 self.run = Some((table, time)).filter(|_| time < length);
                 if self.run.is_some() {

@@ -147,8 +147,7 @@ impl Interpolator {
     #[inline]
     fn curve<'a>(&self, seen: &Seen<'a>) -> Curve<'a> {
         let place = self.sets.first(&self.setup) + usize::from(self.table);
-        let table = seen.tables.get(place).copied().flatten();
-        Curve::new(table, self.setup.length, self.setup.parts)
+        Curve::new(seen.tables.get(place), self.setup.length, self.setup.parts)
     }
 
     /// Where its sink belongs, without compensation.

@@ -196,7 +196,7 @@ impl Sets {
         if !setup.switches_sets {
             return;
         }
-        let tables = seen.tables.iter().take_while(|table| table.is_some()).count();
+        let tables = (0..LINES).take_while(|number| seen.tables.get(*number).is_some()).count();
         self.count = tables.checked_div(usize::from(setup.tables)).unwrap_or(0).min(LINES) as u8;
         let inputs = seen.inputs >> u8::from(setup.is_started_by_e1());
         // As many inputs as there are sets to tell apart.

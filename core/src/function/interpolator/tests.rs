@@ -1,7 +1,7 @@
 //! Interpolators by their oracles, and against walks of single increments.
 
 use super::super::program::{LINES, Outcome, Program, Seen};
-use super::super::trial::{at_rest, set, setting};
+use super::super::trial::{at_rest, set, setting, tabs};
 use super::fipw::{self, Fipw};
 use super::fipz::{self, Fipz};
 use super::xfipw::{self, Xfipw};
@@ -10,45 +10,50 @@ use crate::function::field::{Field, Words};
 use crate::function::program::{Fault, Reading};
 use crate::table::{Form, Table};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// The table of section 3.10.2.
 const T: [i64; 9] = [0, 1000, 1500, 2000, 4000, 8000, 12_000, 15_000, 20_000];
 /// Half a millisecond (ns).
 const HALF: u64 = 500_000;
 
-fn y(points: &[i64]) -> Table {
-    Table::new(Form::Y, &[], points).expect("points")
+fn y(points: &[i64]) -> Arc<Table> {
+    Arc::new(Table::new(Form::Y, &[], points).expect("points"))
 }
 
-fn xy(points: &[(i64, i64)]) -> Table {
+fn xy(points: &[(i64, i64)]) -> Arc<Table> {
     let (x, y): (Vec<_>, Vec<_>) = points.iter().copied().unzip();
-    Table::new(Form::Xy, &x, &y).expect("points")
+    Arc::new(Table::new(Form::Xy, &x, &y).expect("points"))
 }
 
 /// A function with its tables, at some place of its master.
 struct Bench<'a, P> {
     function: P,
     fields: &'static [Field],
-    tables: [Option<&'a Table>; LINES],
+    tables: &'a [Arc<Table>],
     call_ns: u64,
     travel: i64,
     sink: i64,
 }
 
 impl<'a, P: Program> Bench<'a, P> {
-    fn of(function: P, fields: &'static [Field], tables: &'a [Table]) -> Self {
-        let tables = std::array::from_fn(|place| tables.get(place));
+    fn of(function: P, fields: &'static [Field], tables: &'a [Arc<Table>]) -> Self {
         Self { function, fields, tables, call_ns: 2 * HALF, travel: 0, sink: 0 }
+    }
+
+    /// Tab0 to Tab7.
+    fn found(&self) -> [Option<&Table>; LINES] {
+        std::array::from_fn(|place| self.tables.get(place).map(|table| &**table))
     }
 
     fn refused(&self, values: &[(&str, i64)]) -> Option<Fault> {
         let words = set(self.fields, values);
-        self.function.check(Words(&words), &setting(self.call_ns, self.tables)).err()
+        self.function.check(Words(&words), &setting(self.call_ns, self.found())).err()
     }
 
     fn seen(&self, inputs: u8, mark: Option<i64>) -> Seen<'a> {
         let source = Reading { value: self.travel, travel: self.travel, mark };
-        Seen { call_ns: self.call_ns, source, inputs, sink: self.sink, tables: self.tables, ..at_rest() }
+        Seen { call_ns: self.call_ns, source, inputs, sink: self.sink, tables: tabs(self.tables), ..at_rest() }
     }
 
     fn start(&mut self, values: &[(&str, i64)], inputs: u8) -> Outcome {
@@ -73,15 +78,15 @@ impl<'a, P: Program> Bench<'a, P> {
     }
 }
 
-fn fipw(tables: &[Table]) -> Bench<'_, Fipw> {
+fn fipw(tables: &[Arc<Table>]) -> Bench<'_, Fipw> {
     Bench::of(Fipw::new(), fipw::FIELDS, tables)
 }
 
-fn fipz(tables: &[Table]) -> Bench<'_, Fipz> {
+fn fipz(tables: &[Arc<Table>]) -> Bench<'_, Fipz> {
     Bench::of(Fipz::new(), fipz::FIELDS, tables)
 }
 
-fn xfipw(tables: &[Table]) -> Bench<'_, Xfipw> {
+fn xfipw(tables: &[Arc<Table>]) -> Bench<'_, Xfipw> {
     Bench::of(Xfipw::new(), xfipw::FIELDS, tables)
 }
 
@@ -329,13 +334,13 @@ fn a_scaled_value_keeps_32_bits() {
 /// Proves: AMK-FIPZ-02, AMK-FIPZ-04, AMK-FIPZ-16, AMK-FIPZ-17, AMK-FIPZ-18, AMK-FIPZ-19, AMK-FIPZ-O2
 #[test]
 fn each_input_starts_its_table() {
-    let tables: Vec<Table> = (1..6).map(|n| y(&[0, 1000 * n])).collect();
+    let tables: Vec<Arc<Table>> = (1..6).map(|n| y(&[0, 1000 * n])).collect();
     let mut bench = fipz(&tables);
     bench.call_ns = 4 * HALF;
     let mut values = set(fipz::FIELDS, &[("mode", 16), ("sf_cycle", 4), ("table_count", 5), ("mult", 1)]);
     let place = values.len() - LINES;
     values[place..place + 5].copy_from_slice(&[2000, 4000, 6000, 8000, 10_000]);
-    assert!(bench.function.check(Words(&values), &setting(bench.call_ns, bench.tables)).is_ok());
+    assert!(bench.function.check(Words(&values), &setting(bench.call_ns, bench.found())).is_ok());
     assert_eq!(bench.function.start(Words(&values), &bench.seen(1, None)).outputs, 1);
     // E1 stands: no edge. Then E3 and E2 at once: the lower one. 4000 half milliseconds are 1000 calls.
     assert_eq!(bench.run(&[(0, 1), (0, 0b111)]), [(0, 1), (0, 0)]);
@@ -352,7 +357,7 @@ fn each_input_starts_its_table() {
 /// Proves: AMK-FIPZ-03, AMK-FIPZ-O1
 #[test]
 fn one_input_starts_the_table_that_the_others_name() {
-    let tables: Vec<Table> = (0..8).map(|n| y(&[0, 100 + n])).collect();
+    let tables: Vec<Arc<Table>> = (0..8).map(|n| y(&[0, 100 + n])).collect();
     // Bits from E1 on, and the table.
     for (inputs, table) in [(0b1011, 5), (0b1101, 6), (0b0001, 0), (0b1111, 7)] {
         let mut bench = fipz(&tables);
@@ -404,7 +409,7 @@ fn a_slave_is_set_on_where_its_master_is() {
         let words = set(xfipw::FIELDS, &values(offset));
         bench
             .function
-            .read(Words(&words), &setting(bench.call_ns, bench.tables))
+            .read(Words(&words), &setting(bench.call_ns, bench.found()))
             .map(|found| found.map(|(_, value)| value))
     };
     assert_eq!(read(&bench, 10_000), Ok(Some(4000)));
@@ -469,7 +474,7 @@ fn inputs_switch_the_set_where_the_table_is_repeated() {
 /// Proves: AMK-XFIPW-O7
 #[test]
 fn sets_are_whole() {
-    let tables: Vec<Table> = (0..8).map(|n| y(&[0, n])).collect();
+    let tables: Vec<Arc<Table>> = (0..8).map(|n| y(&[0, n])).collect();
     let refused = |count: usize, ba, more: &[(&str, i64)]| {
         xfipw(&tables[..count]).refused(&extended(ba, more)).map(|fault| fault.code)
     };
@@ -486,7 +491,7 @@ fn sets_are_whole() {
 fn what_an_extended_mode_does_not_use_is_refused() {
     let (many, more): (Vec<i64>, Vec<i64>) = ((0..2000).collect(), (0..2001).collect());
     let places: Vec<(i64, i64)> = (0..1001).map(|i| (i, i)).collect();
-    let one = |table: Table, values: &[(&str, i64)]| xfipw(&[table]).refused(values).map(|fault| fault.code);
+    let one = |table: Arc<Table>, values: &[(&str, i64)]| xfipw(&[table]).refused(values).map(|fault| fault.code);
     assert_eq!(one(y(&many), &extended(2, &[])), None);
     assert_eq!(one(y(&more), &extended(2, &[])), Some(Code::AMK_CURVE_POINTS));
     assert_eq!(one(xy(&places[..1000]), &extended(2, &[("incr_per_rev", 0)])), None);
@@ -511,7 +516,7 @@ fn what_an_extended_mode_does_not_use_is_refused() {
 }
 
 /// Values of a set of movement that any master may run.
-fn sets() -> impl Strategy<Value = (Vec<Table>, Vec<(&'static str, i64)>)> {
+fn sets() -> impl Strategy<Value = (Vec<Arc<Table>>, Vec<(&'static str, i64)>)> {
     let steps = || proptest::collection::vec(-900_i64..900, 1..6);
     let table = steps().prop_map(|steps| {
         let mut points = vec![0];

@@ -1,10 +1,11 @@
-use super::super::trial::{CALL_NS, at_rest, set, setting};
+use super::super::trial::{CALL_NS, NO_TABLES, at_rest, set, setting, tab0};
 use super::*;
 use crate::function::NO_DRIVES;
 use proptest::prelude::*;
+use std::sync::Arc;
 
-fn table(words: &[i64]) -> Table {
-    Table::new(Form::Words, &[], words).expect("words")
+fn table(words: &[i64]) -> Arc<Table> {
+    Arc::new(Table::new(Form::Words, &[], words).expect("words"))
 }
 
 fn tables(table: &Table) -> [Option<&Table>; LINES] {
@@ -14,9 +15,8 @@ fn tables(table: &Table) -> [Option<&Table>; LINES] {
 }
 
 /// A call in which the first drives have these errors and shares.
-fn call<'a>(drives: &[(i64, i64)], table: Option<&'a Table>) -> Seen<'a> {
-    let mut seen = Seen { sink: 7, ..at_rest() };
-    seen.tables[0] = table;
+fn call<'a>(drives: &[(i64, i64)], table: Option<&'a Arc<Table>>) -> Seen<'a> {
+    let mut seen = Seen { sink: 7, tables: table.map_or(NO_TABLES, tab0), ..at_rest() };
     let mut told = *NO_DRIVES;
     for (drive, (error, sak_share)) in told.iter_mut().zip(drives) {
         *drive = Drive { error: *error, sak_share: *sak_share };
@@ -31,7 +31,7 @@ fn outcome(sink: i64, outputs: u8, writes: u8) -> Outcome {
 }
 
 /// Starts one with drive 1 monitored and displayed, and returns what its first call gives.
-fn first(others: &[(&str, i64)], drive: (i64, i64), table: Option<&Table>) -> (Sidiff, Outcome) {
+fn first(others: &[(&str, i64)], drive: (i64, i64), table: Option<&Arc<Table>>) -> (Sidiff, Outcome) {
     let one = [("aw_mask", 1), ("display_aw", 1), ("mean_n", 1), ("agreements", 1)];
     let words = set(FIELDS, &[others, &one].concat());
     let mut sidiff = Sidiff::new();
@@ -82,7 +82,7 @@ fn a_ratio_rounds_towards_zero_and_does_not_overflow() {
         let words = [word(divider, false), word(divider, true), word(multiplier, false), word(multiplier, true)];
         table(&[&[0, 0], &words[..]].concat())
     };
-    let corrected = |table: &Table, share| first(&[], (0, share), Some(table)).1.sink;
+    let corrected = |table: &Arc<Table>, share| first(&[], (0, share), Some(table)).1.sink;
     // 65535 / 65536 of an increment is none, whichever way.
     let little = ratio(65_536, 65_535);
     assert_eq!([1, -1, 2, -2].map(|share| corrected(&little, share)), [0, 0, -1, 1]);

@@ -18,6 +18,7 @@ use crate::unit::{Fraction, Quantity, Scale, Unit};
 use std::sync::Arc;
 
 mod events;
+mod integers;
 mod links;
 mod random;
 

@@ -1,6 +1,6 @@
 //! Who sees whose value of which cycle.
 
-use super::{Line, Order, SinkConfig, SourceConfig, Type, cell, copy, order, slot};
+use super::{Line, Order, SinkConfig, SourceConfig, Type, cell, copy, field, gear, order, slot, with};
 use crate::command::Action;
 use crate::machine::tests::rig::{LINE, Rig, X, Y, at};
 use crate::object::{Leader, Object};
@@ -75,7 +75,7 @@ fn an_actual_position_is_this_cycles_and_a_command_the_last_cycles() {
     let watch = |name, slot, leader, sink| copy(name, slot, SourceConfig::Lead(leader), SinkConfig::Memory(sink));
     let actual = watch("a", 0, Leader::AxisActual(X), 1);
     let command = watch("c", 1, Leader::AxisCommand(X), 2);
-    let mut rig = Rig::of(cell(vec![actual, command, super::gear("g", 2, Leader::AxisActual(X), Y)]));
+    let mut rig = Rig::of(cell(vec![actual, command, gear("g", 2, Leader::AxisActual(X), Y)]));
     rig.enable();
     rig.give(Action::Move(at(X, 20_000.0)));
     rig.run_to("x.command.velocity", 20_000.0);
@@ -106,4 +106,85 @@ fn the_actual_position_of_a_virtual_axis_is_the_last_cycles() {
     let before = rig.int("line.actual.position");
     rig.run(1);
     assert_eq!((rig.int("d"), rig.int("line.actual.position")), (before, before + 20));
+}
+
+/// The drive of x lags by the way of a cycle; compensation makes the command lead by as much, or by more.
+///
+/// Proves: AMK-SIDIFF-12
+#[test]
+fn what_compensation_adds_is_no_difference_of_a_drive() {
+    let shown = |sak: i64, [moves, watches]: [u16; 2]| {
+        let mut gear = gear("g", moves, Leader::AxisCommand(LINE), X);
+        gear.values[usize::from(field(Type::Varsync, "sak"))] = sak;
+        let mut watch = slot("s", watches, Type::Sidiff);
+        watch.sink = SinkConfig::Memory(1);
+        let mut slots = vec![gear, watch];
+        slots.sort_by_key(|slot| slot.number);
+        let mut rig = Rig::of(cell(slots));
+        rig.enable();
+        // The second axis of the cell, each value as it is.
+        let values =
+            [("aw_mask", 2), ("display_aw", 2), ("mean_n", 1)].map(|(name, value)| (field(Type::Sidiff, name), value));
+        let (gear, watch) = if moves < watches { (0, 1) } else { (1, 0) };
+        rig.give_all(vec![order(gear, Order::Start), with(watch, Order::Start, &values)]);
+        rig.give(Action::Move(at(LINE, 20_000.0)));
+        rig.run_to("line.command.velocity", 20_000.0);
+        rig.run(50);
+        let offset = rig.int("g.sink") - rig.int("g.sak_share") - rig.int("x.actual.position");
+        assert_eq!((rig.int("x.regulator.error"), rig.int("d")), (20, offset), "sak {sak}");
+        // The drive is pushed ahead of all that.
+        rig.tamper = |inputs| inputs.drive[0].count += 7;
+        rig.run(2);
+        assert_eq!(rig.int("d"), offset - 7);
+        offset
+    };
+    for numbers in [[0, 1], [1, 0]] {
+        assert_eq!([0, 128, 256].map(|sak| shown(sak, numbers)), [20, 0, -20]);
+    }
+}
+
+/// What RESET takes from a speed is one change of its sink, and none in the cycles behind it.
+#[test]
+fn who_follows_a_sink_that_rests_stands() {
+    let mut turn = slot("t", 0, Type::Digdreh);
+    turn.inputs[0] = Some(Line { object: Object::Io(0), inverted: true });
+    turn.inputs[1] = Some(Line { object: Object::Io(3), inverted: false });
+    let mut follow = slot("f", 1, Type::Varsync);
+    (follow.source, follow.sink) = (SourceConfig::Lead(Leader::Sink(0)), SinkConfig::Memory(2));
+    follow.values[usize::from(field(Type::Varsync, "m1"))] = 10_000;
+    let mut rig = Rig::of(cell(vec![turn, follow]));
+    rig.give_all(vec![with(0, Order::Start, &[(field(Type::Digdreh, "speed"), 700)]), order(1, Order::Start)]);
+    rig.run(1);
+    rig.tamper = |inputs| inputs.digital[0] = 1 << 1;
+    rig.run(3);
+    assert_eq!((rig.int("t.sink"), rig.int("l")), (700, 700));
+    rig.give(order(0, Order::Reset));
+    assert_eq!((rig.int("t.sink"), rig.int("l")), (0, 0));
+    rig.run(3);
+    assert_eq!(rig.int("l"), 0);
+}
+
+#[test]
+fn a_slot_at_rest_shows_its_inputs() {
+    let mut idle = slot("e", 0, Type::Ecopy);
+    idle.inputs[0] = Some(Line { object: Object::Io(0), inverted: false });
+    let mut rig = Rig::of(cell(vec![idle]));
+    let mut shown = |bit| {
+        rig.plant.set_digital(0, bit);
+        rig.run(2);
+        rig.int("e.in1")
+    };
+    assert_eq!([false, true, true, false].map(&mut shown), [0, 1, 1, 0]);
+}
+
+#[test]
+fn a_function_whose_source_is_lost_is_lost_to_the_axis_that_it_moves() {
+    let mut rig = Rig::of(cell(vec![gear("g", 0, Leader::Encoder(0), X)]));
+    rig.enable();
+    rig.give(order(0, Order::Start));
+    rig.run(3);
+    assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+    rig.tamper = |inputs| inputs.encoder[0].valid = false;
+    rig.run(20);
+    assert_eq!((rig.state("x"), rig.int("g.active")), ("ERROR_STOP", 1));
 }
