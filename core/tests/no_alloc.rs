@@ -169,7 +169,9 @@ fn config() -> MachineConfig {
         memory: [("m", MemoryKind::I16), ("bit", MemoryKind::Bit), ("d", MemoryKind::I32)]
             .map(|(name, kind)| MemoryConfig { name: name.into(), kind, initial: 0.0 })
             .into(),
-        tables: vec![TableConfig { name: "t".into(), table: table(3) }],
+        tables: [("t", table(3)), ("c", Arc::new(Table::new(Numbering::Y, &[], &[0, 90, 20]).expect("points")))]
+            .map(|(name, table)| TableConfig { name: name.into(), table })
+            .into(),
         slots: slots(),
         encoders: vec![EncoderConfig {
             name: "belt".into(),
@@ -214,6 +216,16 @@ fn slots() -> Vec<SlotConfig> {
             _ => SinkConfig::None,
         };
         slot.tables[0] = (row.tables > 0).then_some(0);
+        let values: &[(&str, i64)] = match row.kind {
+            function::Kind::Fipw => &[("mode", 4), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
+            function::Kind::Xfipw => &[("ba", 4), ("mult", 1), ("tables_total", 1), ("cycle_time", 9)],
+            function::Kind::Fipz => &[("mode", 16), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
+            _ => &[],
+        };
+        for (name, value) in values {
+            slot.tables[0] = Some(1);
+            slot.values[row.find(name).expect("a field").1] = *value;
+        }
         slot.room = Room { mean: 32, cams: 0 };
         for line in slot.inputs.iter_mut().take(row.inputs) {
             *line = Some(Line { object: Object::Memory(1), inverted: false });

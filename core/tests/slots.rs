@@ -32,6 +32,36 @@ impl Numbers {
     }
 }
 
+/// A set of an interpolator, one of its movements: round for ever, at once, in and out, by time.
+fn interpolate(slot: &mut SlotConfig, movement: usize) {
+    let several = i64::from(movement == 2) + 1;
+    let (way, time) = if movement == 3 { (0, 70) } else { (900, 0) };
+    let mode = [2, 26, 98, 132][movement];
+    let values: &[(&str, i64)] = match slot.kind {
+        Kind::Fipw => &[
+            ("mode", mode),
+            ("table_count", several),
+            ("start_tables", several - 1),
+            ("increments_per_rev", way),
+            ("cycle_time", time),
+        ],
+        Kind::Xfipw => &[
+            ("ba", mode + several % 2),
+            ("tables_total", several),
+            ("tables_start", several - 1),
+            ("incr_per_rev", way),
+            ("cycle_time", time),
+        ],
+        Kind::Fipz => &[("mode", 16), ("table_count", 1), ("cycle_time", 80)],
+        _ => return,
+    };
+    slot.tables[..2].fill(Some(1));
+    for (name, value) in values.iter().chain(&[("mult", 3), ("div_exp", 2)]) {
+        let (_, place) = slot.kind.description().find(name).expect("a field");
+        slot.values[place] = *value;
+    }
+}
+
 /// The cell of a seed: each type eight times, sources and sinks by chance.
 fn cell(numbers: &mut Numbers) -> MachineConfig {
     let memory = |name: String, kind| MemoryConfig { name, kind, initial: 0.0 };
@@ -42,6 +72,7 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
     let table: Vec<i64> =
         (0..64).map(|word| [3, 0, 0, 0, 2500, 0, 1, 0, 20_000, 0, 2].get(word).copied().unwrap_or(0)).collect();
     let table = Table::new(Numbering::Words, &[], &table).expect("words");
+    let curve = Table::new(Numbering::Y, &[], &[0, 300, -200, 1700]).expect("points");
     let (mut free_words, mut free_bits) = ((0..WORDS).collect::<Vec<_>>(), (0..BITS).collect::<Vec<_>>());
     let slots = (0..SLOTS).map(|number| {
         let row = &TYPES[usize::from(number) % TYPES.len()];
@@ -88,6 +119,7 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
         if let Some((_, ba)) = row.find("ba").filter(|_| row.kind != Kind::Imes) {
             slot.values[ba] = 1;
         }
+        interpolate(&mut slot, numbers.below(4) as usize);
         slot
     });
     MachineConfig {
@@ -101,7 +133,9 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
             check: None,
             scale: Scale::increments(),
         }],
-        tables: vec![TableConfig { name: "t".into(), table: Arc::new(table) }],
+        tables: [("t", table), ("c", curve)]
+            .map(|(name, table)| TableConfig { name: name.into(), table: Arc::new(table) })
+            .into(),
         ..MachineConfig::default()
     }
 }

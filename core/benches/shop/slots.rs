@@ -25,12 +25,21 @@ const VALUES: [(&str, i64); 9] = [
     ("cams", 2),
 ];
 
+/// Sets of interpolators, which read a curve.
+const CURVES: [(Kind, [(&str, i64); 4]); 3] = [
+    (Kind::Fipw, [("mode", 2), ("mult", 1), ("table_count", 1), ("increments_per_rev", 20_000)]),
+    (Kind::Fipz, [("mode", 16), ("mult", 1), ("table_count", 1), ("cycle_time", 10_000)]),
+    (Kind::Xfipw, [("ba", 2), ("mult", 1), ("tables_total", 1), ("incr_per_rev", 20_000)]),
+];
+
 /// A machine of such slots, each with one input where it has some, and without outputs; started where that is asked for.
 pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
     // Points of a binea, or cams: 2500 and 10000..11000.
     let words: Vec<i64> =
         (0..48).map(|word| [3, 0, 0, 0, 2500, 0, 1, 0, 20_000].get(word).copied().unwrap_or(0)).collect();
     let table = Table::new(Numbering::Words, &[], &words).expect("words");
+    let points: Vec<i64> = (0..100).map(|point| point * 200).collect();
+    let curve = Table::new(Numbering::Y, &[], &points).expect("points");
     let slot = |number: u16| {
         let mut slot = SlotConfig::new(format!("f{number}"), number, row.kind);
         if row.source != Need::Never && row.kind != Kind::Sidiff {
@@ -45,6 +54,12 @@ pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
                 slot.values[place] = value;
             }
         }
+        for (name, value) in CURVES.iter().filter(|(kind, _)| *kind == row.kind).flat_map(|(_, values)| values) {
+            slot.tables[0] = Some(1);
+            if let Some((_, place)) = row.find(name) {
+                slot.values[place] = *value;
+            }
+        }
         if let (Kind::Binea | Kind::Cam, Some((_, ba))) = (row.kind, row.find("ba")) {
             slot.values[ba] = 1;
         }
@@ -56,7 +71,9 @@ pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
         cycle_ns: 1_000_000,
         io: vec![IoConfig { name: "e1".into(), kind: IoKind::DigitalInput, latch: false }],
         encoders: vec![belt],
-        tables: vec![TableConfig { name: "t".into(), table: Arc::new(table) }],
+        tables: [("t", table), ("c", curve)]
+            .map(|(name, table)| TableConfig { name: name.into(), table: Arc::new(table) })
+            .into(),
         slots: (0..count).map(slot).collect(),
         ..MachineConfig::default()
     };

@@ -373,7 +373,7 @@ impl MachineConfig {
             inputs,
             outputs,
             tables: slot.tables,
-            compensates: slot.kind.description().compensates,
+            shows: slot.kind.description().shows,
             word: match &slot.word {
                 Some(name) => Some(word(name).ok_or(SlotProblem::Place("word"))?),
                 None => None,

@@ -116,7 +116,7 @@ impl Program for Ecopy {
         let e1 = seen.inputs & 1;
         let [while_0, while_1] = self.chosen;
         let chosen = if e1 == 0 { while_0 } else { while_1 };
-        Outcome { sink: chosen.unwrap_or(seen.source.value), outputs: e1, writes: 1, sak_share: 0 }
+        Outcome { sink: chosen.unwrap_or(seen.source.value), outputs: e1, writes: 1, ..Outcome::default() }
     }
 }
 
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(ecopy.start(Words(&words), &source(77)), Outcome { sink: 10_000, writes: 1, ..Outcome::default() });
         // E2 to E8 do not count.
         let high = ecopy.step(&Seen { inputs: 0xFF, ..source(77) });
-        assert_eq!(high, Outcome { sink: 5_000, outputs: 1, writes: 1, sak_share: 0 });
+        assert_eq!(high, Outcome { sink: 5_000, outputs: 1, writes: 1, ..Outcome::default() });
         assert_eq!(ecopy.step(&Seen { inputs: 0xFE, ..source(77) }).sink, 10_000);
     }
 

@@ -53,7 +53,7 @@ impl Program for Digdreh {
         self.runs = may_run && (self.runs || rising & BEGIN != 0);
         let sink = if self.runs { self.speed } else { 0 };
         // n_e may be 0: then the speed is 0 and A1 says so (AMK-DIGDREH-02).
-        Outcome { sink, outputs: (sink == 0).into(), writes: 1, sak_share: 0 }
+        Outcome { sink, outputs: (sink == 0).into(), writes: 1, ..Outcome::default() }
     }
 }
 

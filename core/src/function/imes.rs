@@ -168,7 +168,7 @@ impl Program for Imes {
         let measured = seen.source.mark.and_then(|pulse| self.pulse(pulse));
         let a1 = if measured.is_some() { A1 } else { 0 };
         let a2 = if self.was_valid { A2 } else { 0 };
-        Outcome { sink: measured.unwrap_or(seen.sink), outputs: a1 | a2, writes: A1 | A2, sak_share: 0 }
+        Outcome { sink: measured.unwrap_or(seen.sink), outputs: a1 | a2, writes: A1 | A2, ..Outcome::default() }
     }
 
     fn is_sound(&self) -> bool {

@@ -82,13 +82,20 @@ pub struct Description {
     pub edits_tables: bool,
     /// Key of the word that it reads beside its source; none without one.
     pub word: Option<&'static str>,
-    /// It publishes `sak_share`.
-    pub compensates: bool,
+    /// So many of [`SHOWS`] it publishes, the first ones.
+    pub shows: usize,
     /// It takes VALUE_NEW.
     pub renews: bool,
     /// READ_VALUE finds a value, at rest alone.
     pub reads_at_rest: bool,
 }
+
+/// Names of values that slots publish beside their lines, with what they are (inc).
+pub const SHOWS: [(&str, &str); 3] = [
+    ("sak_share", "what compensation of the following error adds to its sink"),
+    ("correction", "what printing mark control has added to its sink so far"),
+    ("deviation", "how far the last mark was from its place on the slave, 0 where there was none"),
+];
 
 /// All types.
 pub const TYPES: &[Description] = &[
@@ -124,7 +131,7 @@ pub const TYPES: &[Description] = &[
         inputs: 4,
         outputs: 1,
         word: Some("word_addr"),
-        compensates: true,
+        shows: 1,
         ..Description::of(
             Kind::Varsync,
             "varsync",
@@ -169,7 +176,7 @@ pub const TYPES: &[Description] = &[
         inputs: 1,
         outputs: 1,
         tables: 8,
-        compensates: true,
+        shows: SHOWS.len(),
         ..Description::of(Kind::Fipw, "fipw", "runs through tables by the way of its source, or by time", types::FIPW)
     },
     Description {
@@ -179,7 +186,7 @@ pub const TYPES: &[Description] = &[
         outputs: 1,
         rests: 1,
         tables: 8,
-        compensates: true,
+        shows: 1,
         ..Description::of(
             Kind::Fipz,
             "fipz",
@@ -192,7 +199,8 @@ pub const TYPES: &[Description] = &[
         inputs: 5,
         outputs: 2,
         tables: 8,
-        compensates: true,
+        shows: SHOWS.len(),
+        renews: true,
         reads_at_rest: true,
         ..Description::of(
             Kind::Xfipw,
@@ -220,7 +228,7 @@ impl Description {
             tables: 0,
             edits_tables: false,
             word: None,
-            compensates: false,
+            shows: 0,
             renews: false,
             reads_at_rest: false,
         }
@@ -288,7 +296,7 @@ mod tests {
         let names = |kind: Kind| kind.description().fields.iter().map(|field| field.name).collect::<Vec<_>>();
         assert_eq!(names(Kind::Imes), ["ba", "sf_cycle_time", "spacing", "window", "blocked"]);
         let renews: Vec<_> = TYPES.iter().filter(|row| row.renews).map(|row| row.name).collect();
-        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea"]);
+        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea", "xfipw"]);
         assert_eq!((Kind::Binea.description().word, Kind::Cam.description().word), (Some("mw_offset_addr"), None));
     }
 

@@ -31,7 +31,7 @@ mod window;
 mod wires;
 
 pub use field::Field;
-pub use kind::{Description, Kind, Need, Quantity, TYPES};
+pub use kind::{Description, Kind, Need, Quantity, SHOWS, TYPES};
 pub use program::{Drive, Fault, LINES, NO_DRIVES};
 pub use sak::{Origin, factor as sak_factor};
 pub(crate) use slot::Cycle;

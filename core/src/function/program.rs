@@ -78,6 +78,9 @@ pub(super) struct Outcome {
     pub writes: u8,
     /// What compensation of the following error adds (inc).
     pub sak_share: i64,
+    /// What printing mark control adds (inc), and how far the last mark was off.
+    pub correction: i64,
+    pub deviation: i64,
 }
 
 /// Why a set does not make a function.

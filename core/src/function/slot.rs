@@ -108,7 +108,8 @@ pub struct Slot {
     /// Which outputs it writes.
     writes: u8,
     sink: i64,
-    sak_share: i64,
+    /// What it shows, in the order of [`SHOWS`](super::kind::SHOWS).
+    shown: [i64; 3],
     error: Code,
     lead: Lead,
     /// By how much the sink was set anew in this cycle: that is no motion.
@@ -134,7 +135,7 @@ impl Slot {
             outputs: 0,
             writes: 0,
             sink: 0,
-            sak_share: 0,
+            shown: [0; 3],
             error: Code::NONE,
             lead: Lead { uneven: COUNT, valid: true, ..Lead::default() },
             anew: Position::ZERO,
@@ -194,7 +195,7 @@ impl Slot {
 
     /// What compensation of the following error adds (inc).
     pub(crate) fn sak_share(&self) -> i64 {
-        if self.is_active() { self.sak_share } else { 0 }
+        if self.is_active() { self.shown[0] } else { 0 }
     }
 
     /// What it gives others to follow.
@@ -338,8 +339,8 @@ impl Slot {
             return written;
         }
         board.set_int(wires.first, self.sink);
-        if wires.compensates {
-            board.set_int(wires.first.plus(signals(false)), self.sak_share);
+        for (value, nth) in self.shown.iter().zip(0..wires.shows) {
+            board.set_int(wires.first.plus(signals(nth)), *value);
         }
         written
     }
@@ -416,7 +417,7 @@ impl Slot {
     /// Writes what a call gave.
     #[inline]
     fn write(&mut self, wires: &Wires, outcome: Outcome, board: &mut Board) -> Written {
-        self.sak_share = outcome.sak_share;
+        self.shown = [outcome.sak_share, outcome.correction, outcome.deviation];
         self.writes = outcome.writes;
         self.write_sink(wires, board);
         self.set_outputs(wires, outcome.outputs, outcome.writes, board);
@@ -479,13 +480,13 @@ impl Slot {
             self.move_sink(wires, 0);
             self.write_sink(wires, board);
         }
-        (self.sak_share, self.mark) = (0, None);
+        (self.shown, self.mark) = ([0; 3], None);
         self.set_outputs(wires, self.function.rests(row.rests), self.writes, board);
         Written { outputs: self.writes, sink }
     }
 
     fn publish(&self, wires: &Wires, board: &mut Board) {
-        let [sink, active, error, lines @ ..] = board.block(wires.first, signals(wires.compensates)) else { return };
+        let [sink, active, error, lines @ ..] = board.block(wires.first, signals(wires.shows)) else { return };
         let int = i64::cast_unsigned;
         (*sink, *active, *error) = (int(self.sink), u64::from(self.is_active()), u64::from(self.error.0));
         for (bit, word) in (0..LINES).zip(lines.iter_mut()) {
@@ -494,10 +495,8 @@ impl Slot {
         for (bit, word) in (0..LINES).zip(lines.iter_mut().skip(LINES)) {
             *word = u64::from(self.outputs >> bit & 1);
         }
-        if wires.compensates
-            && let Some(share) = lines.last_mut()
-        {
-            *share = int(self.sak_share);
+        for (value, word) in self.shown.iter().zip(lines.iter_mut().skip(2 * LINES)) {
+            *word = int(*value);
         }
     }
 
@@ -549,7 +548,7 @@ impl Clone for Slot {
             outputs,
             writes,
             sink,
-            sak_share,
+            shown,
             error,
             lead,
             anew,
@@ -561,7 +560,7 @@ impl Clone for Slot {
         self.active.clone_from(active);
         (self.phase, self.since, self.travel, self.last, self.mark) = (*phase, *since, *travel, *last, *mark);
         (self.inputs, self.outputs, self.writes) = (*inputs, *outputs, *writes);
-        (self.sink, self.sak_share, self.error, self.lead, self.anew) = (*sink, *sak_share, *error, *lead, *anew);
+        (self.sink, self.shown, self.error, self.lead, self.anew) = (*sink, *shown, *error, *lead, *anew);
         (self.is_shown, self.notice) = (*is_shown, *notice);
     }
 }
@@ -578,9 +577,9 @@ fn write_memory(wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
     }
 }
 
-/// How many signals a slot has.
-fn signals(compensates: bool) -> usize {
-    3 + 2 * LINES + usize::from(compensates)
+/// How many signals a slot has that shows so many values.
+fn signals(shows: usize) -> usize {
+    3 + 2 * LINES + shows
 }
 
 /// Is a value of the set within the range of its field?

@@ -200,7 +200,13 @@ impl Program for Varsync {
         let change = travel.wrapping_sub(std::mem::replace(&mut self.master, travel));
         self.advance(change);
         let sak_share = self.sak.share(self.slave);
-        Outcome { sink: self.slave.wrapping_add(sak_share), outputs: a1.into(), writes: 1, sak_share }
+        Outcome {
+            sink: self.slave.wrapping_add(sak_share),
+            outputs: a1.into(),
+            writes: 1,
+            sak_share,
+            ..Outcome::default()
+        }
     }
 
     fn is_sound(&self) -> bool {

@@ -185,8 +185,8 @@ pub struct Wires {
     pub lines: (usize, usize),
     /// Places of its tables.
     pub tables: [Option<u16>; LINES],
-    /// It publishes `sak_share`.
-    pub compensates: bool,
+    /// So many values it publishes beside its lines.
+    pub shows: usize,
     /// The word that it reads beside its source.
     pub word: Option<Word>,
     /// What latches its marks.

@@ -7,7 +7,7 @@ use crate::config::{IoKind, MachineConfig, MemoryKind, SlotConfig};
 use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs, SpeedOutputs, Switching};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
-use crate::function::{LINES, Quantity};
+use crate::function::{LINES, Quantity, SHOWS};
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
@@ -229,9 +229,8 @@ fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
         let help = "binary output of the function, before inversion";
         add(&format!("out{line}"), Type::Bit, Measure::None, help);
     }
-    if row.compensates {
-        let help = "what compensation of the following error adds to its sink";
-        add("sak_share", Type::Int, Measure::Position, help);
+    for (name, help) in SHOWS.iter().take(row.shows) {
+        add(name, Type::Int, Measure::Position, help);
     }
     first
 }

@@ -8,7 +8,7 @@ mod terminal;
 pub use markdown::{markdown, renewed};
 pub use terminal::{details, listing};
 
-use lineshaft_core::function::{Description, Field, Need, Quantity};
+use lineshaft_core::function::{Description, Field, Need, Quantity, SHOWS};
 
 /// What is to be said of a type beside its fields: a word, and the rest of the sentence.
 fn facts(row: &Description) -> Vec<(&'static str, String)> {
@@ -29,8 +29,10 @@ fn facts(row: &Description) -> Vec<(&'static str, String)> {
     }
     let value_new = if row.renews { "takes the live fields" } else { "is refused" };
     facts.push(("VALUE_NEW", value_new.to_owned()));
-    if row.compensates {
-        facts.push(("shows", "`sak_share`, what its compensation adds (inc)".to_owned()));
+    if row.shows > 0 {
+        let shown: Vec<_> =
+            SHOWS.iter().take(row.shows).map(|(name, help)| format!("`{name}`, {help} (inc)")).collect();
+        facts.push(("shows", shown.join("; ")));
     }
     facts
 }

@@ -2,6 +2,7 @@
 
 use super::super::program::{Fault, LINES, Setting};
 use super::super::time::HALF_MS;
+use super::register::Marks;
 use super::setup::Setup;
 use crate::code::Code;
 use crate::table::{CurveError, Form, Table};
@@ -38,6 +39,21 @@ pub(super) fn check_source(setting: &Setting<'_>, mode: i64, field: u16) -> Resu
 /// Refuses to wait for the zero pulse of a source that has none.
 pub(super) fn check_zero_pulse(setting: &Setting<'_>, function: i64, field: u16) -> Result<(), Fault> {
     if setting.has_mark { Ok(()) } else { Err(Fault::new(Code::AMK_NO_ZERO_PULSE).of(field).with(function, 0)) }
+}
+
+/// What of printing mark control the ranges of the fields do not say: `fields` are its own, FL, V, W, SK, LK and k.
+pub(super) fn check_marks(marks: &Marks, fields: [u16; 6], length: i64) -> Result<(), Fault> {
+    let [format, shift, range, start, wide, weight] = fields;
+    within(format, marks.format, (1, 32_767))?;
+    within(shift, marks.shift, (0, marks.format - 1))?;
+    within(range, marks.range, (0, marks.format / 2))?;
+    within(start, marks.window.0, (0, length))?;
+    within(wide, marks.window.1, (0, length - marks.window.0))?;
+    match marks.weight {
+        33..=127 => Err(beyond(weight, marks.weight, 32)),
+        160.. => Err(beyond(weight, marks.weight, 159)),
+        _ => Ok(()),
+    }
 }
 
 /// How x runs in time: parts of half a millisecond, and parts of a call.

@@ -9,6 +9,7 @@ use super::super::program::{Fault, Outcome, Program, Seen, Setting};
 use super::super::time::{HALF_MS, check_cycle};
 use super::Interpolator;
 use super::check::{self, Takes, check_tables, needs, within};
+use super::register::Marks;
 use super::setup::{Movement, Setup};
 use crate::cam::Scale;
 use crate::code::Code;
@@ -16,7 +17,15 @@ use serde::{Deserialize, Serialize};
 
 /// The set.
 pub(in super::super) const FIELDS: &[Field] = &[
-    Field::new("function", 0, 4, "bits", "bit 2: x begins at the zero pulse of the master behind START", "AMK-FIPW-10"),
+    Field::new(
+        "function",
+        0,
+        7,
+        "bits",
+        "bit 0: printing mark control, modes 2 and 98; 1: its correction stands before the compensation; 2: x begins at the zero pulse of the \
+         master behind START",
+        "AMK-FIPW-10",
+    ),
     Field::new(
         "mode",
         0,
@@ -38,6 +47,29 @@ pub(in super::super) const FIELDS: &[Field] = &[
     Field::new("master_offset", 0, MOST, "inc, 0.5 ms", "x at START, or at the zero pulse", "AMK-FIPW-22"),
     Field::new("start_angle", 0, MOST, "inc, 0.5 ms", "so far behind its zero x may clock in", "AMK-FIPW-23"),
     Field::new("stop_angle", 0, MOST, "inc, 0.5 ms", "so far behind its zero x may clock out", "AMK-FIPW-24"),
+    Field::new(
+        "format_length",
+        0,
+        32_767,
+        "user",
+        "FL: the user's units in the way of the working table",
+        "AMK-PMC-10",
+    ),
+    Field::new(
+        "sensor_distance",
+        0,
+        i32::MAX as i64,
+        "user",
+        "D: from the sensor to the zero of the working table",
+        "AMK-PMC-11",
+    ),
+    Field::new("sync_shift", 0, 32_766, "user", "V: moves that zero towards the sensor", "AMK-PMC-12"),
+    Field::new("valid_range", 0, 16_383, "user", "W: a mark counts so far from its place; 0: everywhere", "AMK-PMC-13"),
+    Field::new("corr_start", 0, 32_767, "inc", "SK: x from which a correction is put out", "AMK-PMC-14"),
+    Field::new("corr_length", 0, 32_767, "inc", "LK: over so much of x; both 0: from 3/4 on over 1/8", "AMK-PMC-15"),
+    Field::new("corr_md_addr", 0, 0, "", "not used: copy the signal `deviation`", "AMK-PMC-17"),
+    Field::new("weight", 0, 255, "", "k: 1/2^k of it is corrected; 32 nothing; 128 more the other way", "AMK-PMC-19"),
+    Field::new("count_n", 0, 255, "", "every so many valid marks one is corrected", "AMK-PMC-20"),
 ];
 
 const MOST: i64 = 32_767 * 32_767 - 1;
@@ -56,6 +88,8 @@ pub(super) const MODES: [(i64, Movement, bool); 8] = [
 
 const TAKES: Takes = Takes { y: 127, xy: 0, length: (0, 0) };
 
+const MARKS: i64 = 1 << 0;
+const BEFORE_SAK: i64 = 1 << 1;
 const ZERO_PULSE: i64 = 1 << 2;
 
 const fn at(name: &'static str) -> usize {
@@ -94,7 +128,27 @@ fn setup(words: Words<'_>, call_ns: u64) -> Setup {
         sak: get(at("sak")),
         waits_for_zero: get(at("function")) & ZERO_PULSE != 0,
         by_level: true,
+        marks: marks(words),
         ..Setup::default()
+    }
+}
+
+/// Its printing mark control; none where that is off.
+fn marks(words: Words<'_>) -> Marks {
+    let get = |name: usize| words.get(name);
+    let function = get(at("function"));
+    if function & MARKS == 0 {
+        return Marks::default();
+    }
+    Marks {
+        format: get(at("format_length")),
+        distance: get(at("sensor_distance")),
+        shift: get(at("sync_shift")),
+        range: get(at("valid_range")),
+        window: (get(at("corr_start")), get(at("corr_length"))),
+        weight: get(at("weight")),
+        every: get(at("count_n")),
+        before_sak: function & BEFORE_SAK != 0,
     }
 }
 
@@ -106,7 +160,11 @@ impl Program for Fipw {
         let Some((_, movement, by_time)) = MODES.into_iter().find(|row| row.0 == mode) else {
             return Err(Fault::new(Code::AMK_NO_MODE).of(field("mode")).with(mode, 0));
         };
-        if function & !ZERO_PULSE != 0 {
+        // A source has one kind of pulse, and the side of a correction needs a correction.
+        let controls = function & MARKS != 0;
+        let may_control = matches!(movement, Movement::Cyclic | Movement::Coupled) && !by_time;
+        let is_alone = function & ZERO_PULSE == 0 && may_control;
+        if controls && !is_alone || !controls && function & BEFORE_SAK != 0 {
             return Err(Fault::new(Code::AMK_MODE_FIELD).of(field("function")).with(function, mode));
         }
         check_cycle(get(at("sf_cycle")), field("sf_cycle"), setting)?;
@@ -144,7 +202,13 @@ impl Program for Fipw {
             if by_time || movement == Movement::Immediate {
                 return Err(Fault::new(Code::AMK_MODE_FIELD).of(field("function")).with(function, mode));
             }
+        }
+        if function & (ZERO_PULSE | MARKS) != 0 {
             check::check_zero_pulse(setting, function, field("function"))?;
+        }
+        if controls {
+            let names = ["format_length", "sync_shift", "valid_range", "corr_start", "corr_length", "weight"];
+            check::check_marks(&marks(words), names.map(field), way)?;
         }
         check_tables(setting, tables as usize, &TAKES, &setup(words, setting.call_ns))
     }

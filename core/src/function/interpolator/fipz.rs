@@ -79,7 +79,7 @@ impl Fipz {
     }
 
     fn told(&self, sink: i64, sak_share: i64) -> Outcome {
-        Outcome { sink, outputs: self.run.is_none().into(), writes: 1, sak_share }
+        Outcome { sink, outputs: self.run.is_none().into(), writes: 1, sak_share, ..Outcome::default() }
     }
 }
 

@@ -10,6 +10,7 @@ mod check;
 pub(super) mod fipw;
 pub(super) mod fipz;
 mod movement;
+mod register;
 mod setup;
 pub(super) mod xfipw;
 
@@ -17,6 +18,7 @@ use super::program::{LINES, Outcome, Seen};
 use super::sak::Sak;
 use crate::cam::{Curve, Total};
 use movement::Sets;
+use register::{Marks, Register};
 use serde::{Deserialize, Serialize};
 use setup::{Movement, Setup};
 
@@ -59,6 +61,7 @@ pub(super) struct Interpolator {
     /// E1 rose in a movement, and counts at its end.
     is_stored: bool,
     sets: Sets,
+    register: Register,
     sak: Sak,
 }
 
@@ -116,12 +119,50 @@ impl Interpolator {
                 self.x = self.x.saturating_add(way);
                 self.pass_ends(e1, seen);
                 self.pass_back(seen);
-                self.clock_out(way, e1);
+                self.find_mark(seen);
+                self.clock_out(way, e1, seen);
             }
         }
-        let y = self.position(seen);
-        let share = self.sak.share(y);
-        Outcome { sink: y.wrapping_add(share), sak_share: share, ..self.told() }
+        let (y, correction) = (self.position(seen), self.correction(seen));
+        let before = if self.setup.marks.before_sak { correction } else { 0 };
+        let share = self.sak.share(y.wrapping_add(before));
+        let sink = y.wrapping_add(share).wrapping_add(correction);
+        Outcome { sink, sak_share: share, correction, deviation: self.register.deviation(), ..self.told() }
+    }
+
+    /// A mark counts in the working table alone.
+    #[inline]
+    fn find_mark(&mut self, seen: &Seen<'_>) {
+        if self.setup.marks.is_on()
+            && let Some(mark) = seen.source.mark
+            && self.works()
+        {
+            let x = self.x.saturating_sub(self.travel.wrapping_sub(mark));
+            if x >= 0 || self.passes > 0 || self.setup.movement == Movement::Cyclic {
+                self.register.mark(&self.setup.marks, &self.curve(seen), x, self.setup.scale);
+            }
+        }
+    }
+
+    /// What printing mark control adds.
+    #[inline]
+    fn correction(&mut self, seen: &Seen<'_>) -> i64 {
+        if !self.setup.marks.is_on() || !self.works() {
+            return self.register.done();
+        }
+        let length = self.curve(seen).length();
+        self.register.at(&self.setup.marks, self.x, length)
+    }
+
+    /// Does the working table run?
+    #[inline]
+    fn works(&self) -> bool {
+        self.stage == Stage::Run && self.table == self.setup.working && self.x >= 0
+    }
+
+    /// Other marks, taken while it runs.
+    fn renew(&mut self, marks: Marks) {
+        self.setup.marks = marks;
     }
 
     /// The zero pulse of the master makes x what the set says, at the place of the pulse.
@@ -166,11 +207,17 @@ impl Interpolator {
     fn told(&self) -> Outcome {
         let rests = self.setup.is_started_by_e1();
         let (at_rest, selected) = (u8::from(self.stage != Stage::Run), u8::from(self.sets.is_taken()));
-        let (outputs, writes) = match (rests, self.setup.switches_sets) {
-            (true, false) => (at_rest, 0b01),
-            (true, true) => (at_rest | selected << 1, 0b11),
-            (false, true) => (selected, 0b01),
-            (false, false) => (0, 0),
+        let marked = u8::from(self.register.was_marked());
+        let second = match self.setup {
+            Setup { switches_sets: true, .. } => Some(selected),
+            Setup { tells_marks: true, .. } => Some(marked),
+            _ => None,
+        };
+        let (outputs, writes) = match (rests, second) {
+            (true, None) => (at_rest, 0b01),
+            (true, Some(second)) => (at_rest | second << 1, 0b11),
+            (false, Some(second)) => (second, 0b01),
+            (false, None) => (0, 0),
         };
         Outcome { outputs, writes, ..Outcome::default() }
     }

@@ -52,10 +52,12 @@ impl Interpolator {
     }
 
     /// Leaves the working table for the stop tables within its window; without one of them its pass is ended.
-    pub(super) fn clock_out(&mut self, way: i64, e1: bool) {
+    pub(super) fn clock_out(&mut self, way: i64, e1: bool, seen: &Seen<'_>) {
         let Setup { movement, tables, working, stop_angle, .. } = self.setup;
         let may = self.stage == Stage::Run && movement == Movement::Coupled && !e1;
         if may && self.table == working && working.saturating_add(1) < tables && self.is_in(way, stop_angle) {
+            let length = self.curve(seen).length();
+            self.register.leave(&self.setup.marks, self.x, length);
             (self.table, self.near) = (working.saturating_add(1), 0);
         }
     }
@@ -74,6 +76,8 @@ impl Interpolator {
             self.near = 0;
             if self.table == self.setup.working {
                 self.passes = self.passes.saturating_add(times);
+                // What the first of several passes leaves is told by the second one.
+                (0..times.min(2)).for_each(|_| self.register.pass());
             }
             self.go_on(e1, seen);
         }
@@ -116,6 +120,7 @@ impl Interpolator {
                     next = working.saturating_add(1);
                 }
             }
+            self.register.leave(&self.setup.marks, 0, 1);
             if next >= tables {
                 self.end(e1, seen);
                 return;
@@ -155,6 +160,7 @@ impl Interpolator {
                 _ => return,
             };
             (self.table, self.near) = (before, 0);
+            self.register.go_back();
             let curve = self.curve(seen);
             let all = self.x.saturating_neg().saturating_add(curve.length() - 1) / curve.length();
             let times = match before {

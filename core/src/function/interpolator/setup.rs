@@ -1,5 +1,6 @@
 //! What a set makes of an interpolator.
 
+use super::register::Marks;
 use crate::cam::Scale;
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +51,9 @@ pub(super) struct Setup {
     pub switches_sets: bool,
     /// At each end of a table, not only where the working table is repeated.
     pub switches_everywhere: bool,
+    /// An output tells that the last pass had a mark.
+    pub tells_marks: bool,
+    pub marks: Marks,
 }
 
 impl Setup {
@@ -60,6 +64,6 @@ impl Setup {
 
     /// Could it have come about?
     pub(super) fn is_sound(&self) -> bool {
-        self.passes >= 0 && self.parts >= 0 && self.scale.div_exp < 16
+        self.passes >= 0 && self.parts >= 0 && self.scale.div_exp < 16 && self.marks.is_sound()
     }
 }

@@ -10,6 +10,7 @@ use super::super::field::{Field, Words, number, place};
 use super::super::program::{Fault, Outcome, Program, Seen, Setting};
 use super::super::time::check_cycle;
 use super::check::{self, Takes, check_tables, needs, present, within};
+use super::register::Marks;
 use super::setup::{Movement, Setup};
 use super::{Interpolator, fipw, value_at};
 use crate::cam::{Curve, Scale};
@@ -22,9 +23,9 @@ pub(in super::super) const FIELDS: &[Field] = &[
     Field::new(
         "function",
         0,
-        60,
+        63,
         "bits",
-        "bit 2: x begins at the zero pulse of the master; 3: the slave is where x is at START; 4: an edge of E1 in a movement counts at its \
+        "bit 0: printing mark control, ba 2, 26, 82 and 98; 1: its correction stands before the compensation; 2: x begins at the zero pulse of the master; 3: the slave is where x is at START; 4: an edge of E1 in a movement counts at its \
          end; 5: sets are switched at each end of a table",
         "AMK-XFIPW-92",
     ),
@@ -70,6 +71,21 @@ pub(in super::super) const FIELDS: &[Field] = &[
     ),
     Field::new("start_angle", 0, 32_767, "inc, 0.5 ms", "so far behind its zero x may clock in", "AMK-XFIPW-108"),
     Field::new("stop_angle", 0, 32_767, "inc, 0.5 ms", "so far behind its zero x may clock out", "AMK-XFIPW-109"),
+    live("format_length", 32_767, "user", "FL: the user's units in the way of the working table", "AMK-XFIPW-110"),
+    live(
+        "sensor_distance",
+        i32::MAX as i64,
+        "user",
+        "D: from the sensor to the zero of the working table",
+        "AMK-XFIPW-111",
+    ),
+    live("sync_shift", 32_766, "user", "V: moves that zero towards the sensor", "AMK-XFIPW-112"),
+    live("valid_range", 16_383, "user", "W: a mark counts so far from its place; 0: everywhere", "AMK-XFIPW-113"),
+    live("corr_start", 32_767, "inc", "SK: x from which a correction is put out", "AMK-XFIPW-114"),
+    live("corr_len", 32_767, "inc", "LK: over so much of x; both 0: from 3/4 on over 1/8", "AMK-XFIPW-115"),
+    live("corr_md", 0, "", "not used: copy the signal `deviation`", "AMK-XFIPW-116"),
+    live("corr_weight", 255, "", "k: 1/2^k of it is corrected; 32 nothing; 128 more the other way", "AMK-XFIPW-117"),
+    live("corr_every", 255, "", "every so many valid marks one is corrected", "AMK-XFIPW-118"),
     Field::new(
         "output_value",
         i32::MIN as i64,
@@ -80,15 +96,20 @@ pub(in super::super) const FIELDS: &[Field] = &[
     ),
 ];
 
+/// A field of printing mark control, which VALUE_NEW changes.
+const fn live(name: &'static str, max: i64, unit: &'static str, help: &'static str, source: &'static str) -> Field {
+    Field::new(name, 0, max, unit, help, source).live()
+}
+
 const TAKES: Takes = Takes { y: 2000, xy: 1000, length: (50, 32_767) };
 const TAKES_TIME: Takes = Takes { length: (1, 32_767), ..TAKES };
 
+const MARKS: i64 = 1 << 0;
+const BEFORE_SAK: i64 = 1 << 1;
 const ZERO_PULSE: i64 = 1 << 2;
 const SET_ON: i64 = 1 << 3;
 const RETRIGGER: i64 = 1 << 4;
 const EVERYWHERE: i64 = 1 << 5;
-/// Of bits that this version has.
-const BITS: i64 = ZERO_PULSE | SET_ON | RETRIGGER | EVERYWHERE;
 
 const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
@@ -136,6 +157,27 @@ fn setup(words: Words<'_>, call_ns: u64) -> Setup {
         retriggers: has(RETRIGGER),
         switches_sets,
         switches_everywhere: has(EVERYWHERE),
+        tells_marks: has(MARKS),
+        marks: marks(words),
+    }
+}
+
+/// Its printing mark control; none where that is off.
+fn marks(words: Words<'_>) -> Marks {
+    let get = |name: usize| words.get(name);
+    let function = get(at("function"));
+    if function & MARKS == 0 {
+        return Marks::default();
+    }
+    Marks {
+        format: get(at("format_length")),
+        distance: get(at("sensor_distance")),
+        shift: get(at("sync_shift")),
+        range: get(at("valid_range")),
+        window: (get(at("corr_start")), get(at("corr_len"))),
+        weight: get(at("corr_weight")),
+        every: get(at("corr_every")),
+        before_sak: function & BEFORE_SAK != 0,
     }
 }
 
@@ -163,9 +205,18 @@ impl Xfipw {
         };
         let cycles = movement == Movement::Cyclic;
         // Each bit has its modes: it is not taken where nothing comes of it.
-        let unused = [(SET_ON, !cycles), (RETRIGGER, cycles), (EVERYWHERE, !switches_sets), (ZERO_PULSE, by_time)];
+        let controls = function & MARKS != 0;
+        let unused = [
+            (MARKS, by_time || switches_sets),
+            (BEFORE_SAK, !controls),
+            // A source has one kind of pulse.
+            (ZERO_PULSE, by_time || controls),
+            (SET_ON, !cycles),
+            (RETRIGGER, cycles),
+            (EVERYWHERE, !switches_sets),
+        ];
         let is_unused = |(bit, is_unused): (i64, bool)| is_unused && function & bit != 0;
-        if function & !BITS != 0 || unused.into_iter().any(is_unused) {
+        if unused.into_iter().any(is_unused) {
             return Err(Fault::new(Code::AMK_MODE_FIELD).of(field("function")).with(function, ba));
         }
         check_cycle(get(at("sf_cycle")), field("sf_cycle"), setting)?;
@@ -197,7 +248,7 @@ impl Xfipw {
                 within(field("incr_per_rev"), way, (50, 32_767))?;
             }
         }
-        if function & ZERO_PULSE != 0 {
+        if function & (ZERO_PULSE | MARKS) != 0 {
             check::check_zero_pulse(setting, function, field("function"))?;
         }
         let takes = if by_time { &TAKES_TIME } else { &TAKES };
@@ -216,6 +267,12 @@ impl Xfipw {
         };
         let at_once = movement == Movement::Immediate || by_time && movement == Movement::Cyclic;
         let least = if by_time { 0 } else { -last(0) };
+        let marks = setup.marks;
+        if setup.tells_marks {
+            let names = ["format_length", "sync_shift", "valid_range", "corr_start", "corr_len", "corr_weight"];
+            let fields = names.map(|name| number(FIELDS, name));
+            check::check_marks(&marks, fields, last(usize::from(setup.working)) + 1)?;
+        }
         let rows = [
             ("master_offset", !at_once, (least, last(0))),
             ("start_angle", !at_once, (0, last(0))),
@@ -236,6 +293,10 @@ impl Program for Xfipw {
 
     fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
         self.0.start(setup(words, seen.call_ns), seen)
+    }
+
+    fn renew(&mut self, words: Words<'_>) {
+        self.0.renew(marks(words));
     }
 
     #[inline]

@@ -27,7 +27,7 @@ fn call<'a>(drives: &[(i64, i64)], table: Option<&'a Arc<Table>>) -> Seen<'a> {
 }
 
 fn outcome(sink: i64, outputs: u8, writes: u8) -> Outcome {
-    Outcome { sink, outputs, writes, sak_share: 0 }
+    Outcome { sink, outputs, writes, ..Outcome::default() }
 }
 
 /// Starts one with drive 1 monitored and displayed, and returns what its first call gives.

@@ -46,8 +46,8 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("^{type: dcopy, source: x, sink: none}", "missing key `slot` in function `f`"),
         ("^{slot: 1}", "missing key `type` in function `f`"),
         (
-            "{slot: 1, type: ^fipw}",
-            "function type fipw does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam",
+            "{slot: 1, type: ^regl}",
+            "function type regl does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw",
         ),
         (
             "{slot: 1, type: ^camm}",

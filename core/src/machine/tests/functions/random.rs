@@ -1,8 +1,8 @@
 //! Cells of slots linked at random, and whatever happens to them.
 
-use super::{DISC, cell, with};
+use super::{DISC, cell, field, with};
 use crate::command::Action;
-use crate::config::{Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
+use crate::config::{Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig, TableConfig};
 use crate::function::{Kind, Need, OnAxisError, Order, TYPES, Width};
 use crate::machine::tests::rig::{LINE, Rig, X, Y, at, cases, couple};
 use crate::object::{AxisSet, Leader, Object};
@@ -81,14 +81,34 @@ fn linked(choices: &[Choice]) -> MachineConfig {
         slot.factor = choice.factor;
         slot.on_axis_error = if choice.resets { OnAxisError::Reset } else { OnAxisError::Run };
         slot.room.mean = choice.window;
+        interpolate(&mut slot, choice.window);
         slot
     });
     let mut config = cell(slots.collect());
+    let curve = Table::new(Form::Y, &[], &[0, 40, -25, 90]).expect("points");
+    config.tables.push(TableConfig { name: "c".into(), table: Arc::new(curve) });
     // Long enough for the cams and points that the values below may count.
     let words: Vec<i64> =
         (0..96).map(|word| if word == 0 { 3 } else { i64::from(word % 7 == 4) * word * 10 }).collect();
     config.tables[0].table = Arc::new(Table::new(Form::Words, &[], &words).expect("words"));
     config
+}
+
+/// A set with which an interpolator starts.
+fn interpolate(slot: &mut SlotConfig, choice: usize) {
+    let modes = [2, 26, 4, 132];
+    let mode = modes[choice % 4];
+    let (way, time) = if choice % 4 < 2 { (150, 0) } else { (0, 30) };
+    let values: &[(&str, i64)] = match slot.kind {
+        Kind::Fipw => &[("mode", mode), ("table_count", 1), ("increments_per_rev", way), ("cycle_time", time)],
+        Kind::Xfipw => &[("ba", mode), ("tables_total", 1), ("incr_per_rev", way), ("cycle_time", time)],
+        Kind::Fipz => &[("mode", 16), ("table_count", 1), ("cycle_time", 30)],
+        _ => return,
+    };
+    slot.tables[..3].fill(Some(1));
+    for (name, value) in values.iter().chain(&[("mult", 1)]) {
+        slot.values[usize::from(field(slot.kind, name))] = *value;
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -1,0 +1,192 @@
+//! Printing mark control: a correction of the slave's way, so that a mark comes where it belongs.
+//!
+//! Law      c = ((V - D) mod FL) * Ye / FL; dXM = Y(x_mark) - c, wrapped into (-Ye / 2, Ye / 2], valid within W * Ye / FL, then cut to whole
+//!          increments; C = trunc(dXM * F); corr(x) = trunc(C * clamp((x - SK) / LK, 0, 1)), then C for good
+//! Reads    the mark of a call, in passes of the working table alone; of several in a pass the first valid one
+//! Writes   what is added to the sink; whether the last pass had a valid mark
+//! Source   AMK-PMC-01 to -26, AMK-XFIPW-69 to -85; A-32 to -35, A-23 to -28
+
+use crate::cam::{Curve, Scale};
+use serde::{Deserialize, Serialize};
+
+/// Bit of the weight that turns the sense.
+const INVERTED: i64 = 1 << 7;
+/// The weight that corrects nothing.
+const SUPPRESSED: i64 = 1 << 5;
+
+/// Its part of a set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Marks {
+    /// FL; 0 where there is no control.
+    pub format: i64,
+    /// D
+    pub distance: i64,
+    /// V
+    pub shift: i64,
+    /// W
+    pub range: i64,
+    /// SK, LK
+    pub window: (i64, i64),
+    /// k
+    pub weight: i64,
+    /// Every n-th valid mark is corrected.
+    pub every: i64,
+    /// Compensation sees the correction, too.
+    pub before_sak: bool,
+}
+
+impl Marks {
+    #[inline]
+    pub(super) fn is_on(&self) -> bool {
+        self.format > 0
+    }
+
+    /// Could it have come about?
+    pub(super) fn is_sound(&self) -> bool {
+        let is_short = |value: i64| (0..1 << 15).contains(&value);
+        let all = [self.format, self.shift, self.range, self.window.0, self.window.1, self.every];
+        all.into_iter().all(is_short) && (0..1 << 31).contains(&self.distance)
+    }
+
+    /// SK and LK, as far as they are given (AMK-PMC-16).
+    fn window(&self, length: i64) -> (i64, i64) {
+        if self.window == (0, 0) { (length * 3 / 4, length / 8) } else { self.window }
+    }
+
+    /// dXM at a place of the working table, in whole increments; none where it is not valid.
+    fn deviation(&self, curve: &Curve<'_>, x: i64, scale: Scale) -> Option<i64> {
+        let point = curve.at(x, &mut 0);
+        let wide = i128::from;
+        let (mult, format) = (wide(scale.mult), wide(self.format));
+        // All in parts of whole * FL * 2^n: factors of 31, 31, 16 and 15 bits.
+        let unit = wide(point.whole) * format << scale.div_exp;
+        let position = (wide(point.y) * wide(point.whole) + wide(point.rise) * wide(point.part)) * mult * format;
+        let step = wide(curve.end()) * mult * wide(point.whole);
+        let command = wide(self.shift - self.distance).rem_euclid(format) * step;
+        let turn = (step * format).abs();
+        let mut off = (position - command).checked_rem_euclid(turn)?;
+        if 2 * off > turn {
+            off -= turn;
+        }
+        let is_valid = self.range == 0 || off.abs() <= wide(self.range) * step.abs();
+        is_valid.then(|| (off / unit) as i64)
+    }
+
+    /// C of a deviation: a share of it, or its opposite.
+    fn correction(&self, deviation: i64) -> i64 {
+        let share = match self.weight & !INVERTED {
+            SUPPRESSED => 0,
+            k => deviation / (1_i64 << k.clamp(0, 31)),
+        };
+        if self.weight & INVERTED == 0 { share } else { -share }
+    }
+}
+
+/// The control of a working table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Register {
+    /// dXM of the last mark; 0 where the last pass had none.
+    deviation: i64,
+    /// A valid mark came in this pass.
+    is_marked: bool,
+    /// One came in the last pass.
+    was_marked: bool,
+    /// Valid marks so far.
+    count: i64,
+    /// C that waits for SK.
+    waiting: Option<i64>,
+    /// C that is put out in this pass.
+    runs: Option<i64>,
+    /// SK was passed in this pass.
+    is_open: bool,
+    /// Of C so much was put out, before this pass.
+    done: i64,
+}
+
+impl Register {
+    /// A mark at x of the pass that runs, or of the one before it, which had that length.
+    pub(super) fn mark(&mut self, marks: &Marks, curve: &Curve<'_>, x: i64, scale: Scale) {
+        if x >= 0 {
+            // What was there before it goes first.
+            self.open(marks, x, curve.length());
+        }
+        let place = if x < 0 { x.saturating_add(curve.length()) } else { x };
+        let is_of_last = x < 0;
+        if !(0..curve.length()).contains(&place) || self.is_marked && !is_of_last || self.was_marked && is_of_last {
+            return;
+        }
+        let Some(deviation) = marks.deviation(curve, place, scale) else { return };
+        self.deviation = deviation;
+        if is_of_last {
+            self.was_marked = true;
+        } else {
+            self.is_marked = true;
+        }
+        self.count = self.count.wrapping_add(1);
+        if marks.every < 2 || self.count.checked_rem(marks.every) == Some(0) {
+            self.waiting = Some(marks.correction(deviation));
+        }
+    }
+
+    /// What is added at x.
+    pub(super) fn at(&mut self, marks: &Marks, x: i64, length: i64) -> i64 {
+        self.open(marks, x, length);
+        let (start, wide) = marks.window(length);
+        let Some(all) = self.runs else { return self.done };
+        // C has 32 bits, places have 15.
+        let part = if x >= start.saturating_add(wide) {
+            all
+        } else {
+            all.saturating_mul((x - start).max(0)).checked_div(wide).unwrap_or(all)
+        };
+        self.done.wrapping_add(part)
+    }
+
+    /// At SK the pass takes what waits.
+    fn open(&mut self, marks: &Marks, x: i64, length: i64) {
+        if !self.is_open && x >= marks.window(length).0 {
+            (self.is_open, self.runs) = (true, self.waiting.take());
+        }
+    }
+
+    /// The end of a pass: what was to be put out in it is out.
+    pub(super) fn pass(&mut self) {
+        if !self.is_open {
+            self.runs = self.waiting.take();
+        }
+        self.done = self.done.wrapping_add(self.runs.take().unwrap_or(0));
+        self.was_marked = std::mem::take(&mut self.is_marked);
+        if !self.was_marked {
+            self.deviation = 0;
+        }
+        self.is_open = false;
+    }
+
+    /// The working table is left at x: what was put out stays, and what waits is dropped.
+    pub(super) fn leave(&mut self, marks: &Marks, x: i64, length: i64) {
+        if self.runs.is_some() {
+            self.done = self.at(marks, x, length);
+        }
+        (self.runs, self.waiting, self.is_open, self.is_marked) = (None, None, false, false);
+    }
+
+    /// The master goes back into a pass whose correction is out.
+    pub(super) fn go_back(&mut self) {
+        (self.runs, self.waiting, self.is_open, self.is_marked) = (None, None, true, false);
+    }
+
+    /// All that was put out so far, where no pass of the working table runs.
+    pub(super) fn done(&self) -> i64 {
+        self.done
+    }
+
+    /// dXM (inc).
+    pub(super) fn deviation(&self) -> i64 {
+        self.deviation
+    }
+
+    /// Had the last pass a valid mark?
+    pub(super) fn was_marked(&self) -> bool {
+        self.was_marked
+    }
+}
