@@ -265,6 +265,34 @@ fn check_counts_functions_warns_of_circles_and_draws_them() {
     assert!(!folder.path().join("none.svg").exists() && !folder.path().join("cell.png").exists());
 }
 
+/// Proves: AMK-GEN-04, AMK-SNK-02, AMK-CAM-33
+#[test]
+fn check_holds_a_cell_to_a_preset_and_names_those_there_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let axes: String = (1..=9)
+        .map(|n| format!("  x{n}: {{type: linear, drive: virtual, scale: {{increments: 1, per: 1 mm}}, max_velocity: 1, max_acceleration: 1}}\n"))
+        .collect();
+    let functions =
+        "  a: {slot: 16, type: dcopy, source: x1, sink: x9}\n  b: {slot: 1, type: cam, source: x1, cams: [57]}\n";
+    let cell = format!("lineshaft: 1\ncycle: 1 ms\naxes:\n{axes}functions:\n{functions}");
+    std::fs::write(folder.path().join("wide.yaml"), &cell).unwrap();
+    let narrow = cell.replace("16", "15").replace("sink: x9", "sink: x8").replace("57", "56");
+    std::fs::write(folder.path().join("narrow.yaml"), narrow).unwrap();
+    let check = |arguments: &[&str]| {
+        let output = lineshaft(folder.path(), &[&["check"], arguments].concat());
+        (code(&output), text(&output.stdout), text(&output.stderr))
+    };
+    assert_eq!(check(&["wide.yaml"]).0, 0);
+    let told = "wide.yaml:14:13: slot is 16; preset amkasyn allows 0..15\n\
+                wide.yaml:14:48: sink is `x9`, axis 9 of the cell; preset amkasyn allows axes 1..8\n\
+                wide.yaml:15:46: cams[0] is 57; preset amkasyn allows 0..56\n";
+    assert_eq!(check(&["wide.yaml", "--preset", "amkasyn"]), (2, String::new(), told.to_owned()));
+    assert_eq!(check(&["--preset", "amkasyn", "narrow.yaml"]).0, 0);
+    let (exit, _, said) = check(&["narrow.yaml", "--preset", "amkasin"]);
+    assert_eq!(exit, 2);
+    assert!(said.contains("'amkasin' for '--preset") && said.contains("[possible values: amkasyn]"), "{said}");
+}
+
 #[test]
 fn interfaces_are_listed_and_explained() {
     let here = root("");
@@ -293,6 +321,7 @@ fn help_and_version_are_no_errors() {
         (&["sim", "--help"], "--csv"),
         (&["sim", "--help"], "--store <FILE|none>"),
         (&["check", "--help"], "--scenario"),
+        (&["check", "--help"], "--preset"),
     ] {
         let output = lineshaft(&here, arguments);
         assert_eq!(code(&output), 0, "{arguments:?}");

@@ -310,13 +310,13 @@ fn a_client_on_rmw_fastrtps_gets_sets_and_describes() {
     let mut fastdds = Peer::fastdds(&bench.domain);
     let seen =
         fastdds.run("params /lineshaft get x.max_velocity x.max_jerk x.profile x.error_reaction x.saia.clamp_sum");
-    let values: Vec<Value> = seen.all()[1..].iter().map(|value| value["value"].clone()).collect();
-    assert_eq!(values, [json!(1.2), Value::Null, json!("trapezoid"), json!(2), json!(false)]);
-    let seen = fastdds.run("params /lineshaft set x.max_velocity=0.4 x.max_velocity=-1 x.no_such_key=1");
-    let done: Vec<&Value> = seen.all().iter().map(|result| &result["successful"]).collect();
+    assert_eq!(seen["get"], json!([1.2, null, "trapezoid", 2, false]));
+    let seen = fastdds.run("params /lineshaft set x.max_velocity=0.4 x.max_velocity=-1.0 x.no_such_key=1.0");
+    let results = seen["set"]["results"].as_array().expect("results");
+    let done: Vec<&Value> = results.iter().map(|result| &result["successful"]).collect();
     assert_eq!(done, [true, false, false]);
-    assert_eq!(fastdds.run("params /lineshaft get x.max_velocity")["value"], 0.4);
-    assert_eq!(fastdds.run("params /lineshaft get x.max_velocity x.no_such_key")["count"], 0);
+    assert_eq!(fastdds.run("params /lineshaft get x.max_velocity")["get"], json!([0.4]));
+    assert_eq!(fastdds.run("params /lineshaft get x.max_velocity x.no_such_key")["get"], json!([]));
     let seen = fastdds.run("params /lineshaft describe x.min_position x.error_reaction");
     let [count, low, reaction] = seen.all() else { panic!("{seen:?}") };
     assert_eq!((&count["count"], &low["type"], &low["dynamic_typing"]), (&json!(2), &json!(3), &json!(true)));
@@ -334,7 +334,7 @@ fn long_replies_reach_clients_of_rmw_fastrtps() {
         for _ in 0..3 {
             fastdds.run(&format!("params /lineshaft describe{names}"));
         }
-        assert_eq!(fastdds.run("params /lineshaft get x.max_velocity")["value"], 1.2);
+        assert_eq!(fastdds.run("params /lineshaft get x.max_velocity")["get"][0], 1.2);
     }
 }
 

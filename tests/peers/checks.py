@@ -11,7 +11,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 import ros2wire as rw
-from lineshaft_msgs import AxesRequest, AxesResponse, MoveGoal
+from lineshaft_msgs import Answer, AxesRequest, MoveGoal
 from report import Failure, show
 
 RELATIVE, SI = 1, 0
@@ -164,7 +164,7 @@ def first_replies(peer, a):
     lost, slowest = 0, 0.0
     for _ in range(a.clients):
         c = rw.ServiceClient(rw.participant(), f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest,
-                             AxesResponse).wait()
+                             Answer).wait()
         start = time.monotonic()
         try:
             c.call(AxesRequest([a.axis]), 3.0)
@@ -179,7 +179,7 @@ def first_replies(peer, a):
 def twins(peer, a):
     """Two clients of one service on one participant: no answer comes twice. (Cyclone DDS shows each of them what is for the
     other, too.)"""
-    both = [rw.ServiceClient(peer.dp, f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest, AxesResponse,
+    both = [rw.ServiceClient(peer.dp, f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest, Answer,
                              own=rw.qos(depth=100)).wait() for _ in range(2)]
     asked = {(c.client, c.send(AxesRequest([a.axis]))) for _ in range(10) for c in both}
     seen = [[], []]
@@ -202,7 +202,7 @@ def newcomer(peer, a):
     """How long a new participant needs until a node that it has never heard of has answered it."""
     start = time.monotonic()
     c = rw.ServiceClient(rw.participant(), f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest,
-                         AxesResponse).wait(a.seconds)
+                         Answer).wait(a.seconds)
     found = time.monotonic() - start
     c.call(AxesRequest([a.axis]), a.seconds)
     show(found_s=found, answered_s=time.monotonic() - start)

@@ -3,8 +3,10 @@
 // The messages are written and read here byte by byte, from docs/contract.md, section 7.
 #include "fastdds_load.hpp"
 #include "fastdds_move.hpp"
+#include "fastdds_values.hpp"
 
 using namespace motion;
+using namespace values;
 
 namespace {
 
@@ -16,8 +18,12 @@ const char* const USAGE =
     "       [--cancel-after S] [--wait]\n"
     "  vocabulary NODE AXIS VERB [ARGUMENTS..]\n"
     "  params NODE get|describe NAME..\n"
-    "  params NODE set NAME=NUMBER\n"
-    "  function NODE NAME COMMAND [FIELD=NUMBER..]\n"
+    "  params NODE set|set_atomically NAME=VALUE..\n"
+    "  function NODE NAME reset|start|value_new|read_value|NUMBER [FIELD=VALUE..]\n"
+    "  functions NODE    the next message of ~/functions\n"
+    "  load-table NODE TABLE [--x N,N..] [--y N,N..]\n"
+    "  load-long-table NODE TABLE [--count 65536]    and reads it back\n"
+    "  get-table NODE TABLE\n"
     "  result NODE move_axis GOAL [--expect SUCCEEDED]\n"
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
@@ -115,12 +121,7 @@ class Peer {
     auto names = a.from(3);
     w.put<uint32_t>(names.size());
     for (auto& name : names) w.text(name);
-    Bytes reply = axes_service(a[1] + "/" + a[2]).call(w.bytes());
-    Reader r(reply);
-    bool success = r.get<uint8_t>() != 0;
-    auto message = r.text();
-    Object().add("verb", a[2]).add("success", success).add("message", message).show();
-    if (!success) throw Failure(message);
+    answered(axes_service(a[1] + "/" + a[2]), w, [&](Reader&, Object& seen) { seen.add("verb", a[2]); });
   }
 
   void move(const Arguments& a) {
@@ -142,94 +143,130 @@ class Peer {
   }
 
   void vocabulary(const Arguments& a) {
-    auto& service = once(services_, a[1] + "/vocabulary", [&] {
-      return new Service(dds_, a[1] + "/vocabulary", "lineshaft_msgs::srv::dds_::Vocabulary");
-    });
     std::string arguments;
     for (auto& word : a.from(4)) arguments += (arguments.empty() ? "" : " ") + word;
-    Bytes reply = service.call(Writer().text(a[2]).text(a[3]).text(arguments).bytes());
-    Reader r(reply);
-    bool success = r.get<uint8_t>() != 0;
-    auto message = r.text();
-    Object().add("success", success).add("message", message).show();
-    if (!success) throw Failure(message);
+    Writer w;
+    w.text(a[2]).text(a[3]).text(arguments);
+    answered(lineshaft_service(a[1], "vocabulary", "Vocabulary"), w, [](Reader&, Object&) {});
   }
 
   void params(const Arguments& a) {
     Writer w;
-    auto names = a.from(3);
-    w.put<uint32_t>(names.size());
-    if (a[2] == "set") {
-      for (auto& word : names) {
-        auto equals = word.find('=');
-        if (equals == std::string::npos) throw Failure("NAME=NUMBER is needed, not " + word);
-        put_double(w.text(word.substr(0, equals)), std::stod(word.substr(equals + 1)));
-      }
-      Bytes reply = parameter_service(a[1] + "/set_parameters", "SetParameters").call(w.bytes());
+    auto words = a.from(3);
+    auto call = [&](const std::string& name, const std::string& type) {
+      return parameter_service(a[1] + "/" + name, type).call(w.bytes());
+    };
+    auto result = [](Reader& r) {
+      bool successful = r.get<uint8_t>() != 0;
+      return Object().add("successful", successful).add("reason", r.text()).done();
+    };
+    if (a[2] == "set" || a[2] == "set_atomically") {
+      put_parameters(w, words);
+      bool each = a[2] == "set";
+      Bytes reply = each ? call("set_parameters", "SetParameters")
+                         : call("set_parameters_atomically", "SetParametersAtomically");
       Reader r(reply);
-      for (auto n = r.get<uint32_t>(); n > 0; n--) {
-        bool successful = r.get<uint8_t>() != 0;
-        Object().add("successful", successful).add("reason", r.text()).show();
-      }
+      Object response;
+      if (each) response.add("results", r.sequence<Json>(result));
+      else response.add("result", result(r));
+      Object().add(a[2], response.done()).show();
       return;
     }
-    for (auto& name : names) w.text(name);
-    bool gets = a[2] == "get";
-    auto& service = gets ? parameter_service(a[1] + "/get_parameters", "GetParameters")
-                         : parameter_service(a[1] + "/describe_parameters", "DescribeParameters");
-    Bytes reply = service.call(w.bytes());
+    w.put<uint32_t>(words.size());
+    for (auto& name : words) w.text(name);
+    if (a[2] == "get") {
+      Bytes reply = call("get_parameters", "GetParameters");
+      Reader r(reply);
+      Object().add("get", r.sequence<Json>(value)).show();
+      return;
+    }
+    Bytes reply = call("describe_parameters", "DescribeParameters");
     Reader r(reply);
     auto count = r.get<uint32_t>();
     Object().add("count", count).show();
-    for (; count > 0; count--) gets ? show_value(r) : show_descriptor(r);
+    for (; count > 0; count--) show_descriptor(r);
   }
 
-  // Values are sent as doubles, which a function takes where they are whole.
   void function(const Arguments& a) {
     Writer w;
-    w.text(a[2]).put<uint8_t>(std::stoi(a[3]));
-    auto values = a.from(4);
-    w.put<uint32_t>(values.size());
-    for (auto& word : values) {
-      auto equals = word.find('=');
-      if (equals == std::string::npos) throw Failure("FIELD=NUMBER is needed, not " + word);
-      put_double(w.text(word.substr(0, equals)), std::stod(word.substr(equals + 1)));
-    }
-    auto& service = once(services_, a[1] + "/command_function", [&] {
-      return new Service(dds_, a[1] + "/command_function", "lineshaft_msgs::srv::dds_::CommandFunction");
+    w.text(a[2]).put<uint8_t>(order(a[3]));
+    put_parameters(w, a.from(4));
+    answered(lineshaft_service(a[1], "command_function", "CommandFunction"), w, [](Reader& r, Object& seen) {
+      seen.add("active", parameters(r));
     });
-    Bytes reply = service.call(w.bytes());
+  }
+
+  static uint8_t order(const std::string& word) {
+    const std::map<std::string, uint8_t> orders{{"reset", 0}, {"start", 1}, {"value_new", 5}, {"read_value", 6}};
+    auto found = orders.find(word);
+    return found == orders.end() ? std::stoi(word) : found->second;
+  }
+
+  void load_table(const Arguments& a) { load(a, integers(a.text("--x", "")), integers(a.text("--y", ""))); }
+
+  void load(const Arguments& a, const std::vector<int64_t>& x, const std::vector<int64_t>& y) {
+    Writer w;
+    put_integers(put_integers(w.text(a[2]), x), y);
+    answered(lineshaft_service(a[1], "load_table", "LoadTable"), w, [](Reader&, Object&) {});
+  }
+
+  // So many values that neither request nor answer fits a few datagrams.
+  void load_long_table(const Arguments& a) {
+    std::vector<int64_t> all;
+    for (int k = 0; k < a.number("--count", 65536); k++) all.push_back(k % 65536);
+    load(a, {}, all);
+    Bytes reply = lineshaft_service(a[1], "get_table", "GetTable").call(Writer().text(a[2]).bytes());
+    Reader r(reply);
+    if (r.get<uint8_t>() == 0) throw Failure(r.text());
+    r.text();
+    r.text();
+    auto integer = [](Reader& r) { return r.get<int64_t>(); };
+    r.sequence<int64_t>(integer);
+    if (r.sequence<int64_t>(integer) != all) throw Failure("other values came back");
+    Object().add("count", all.size()).show();
+  }
+
+  void get_table(const Arguments& a) {
+    Writer w;
+    answered(lineshaft_service(a[1], "get_table", "GetTable"), w.text(a[2]), [](Reader& r, Object& seen) {
+      auto integer = [](Reader& r) { return r.get<int64_t>(); };
+      seen.add("form", r.text());
+      seen.add("x", r.sequence<int64_t>(integer));
+      seen.add("y", r.sequence<int64_t>(integer));
+    });
+  }
+
+  // The next message from now on.
+  void functions(const Arguments& a) {
+    auto& s = once(any_, a[1] + "/functions", [&] {
+      return new Subscription(dds_, a[1] + "/functions", "lineshaft_msgs::msg::dds_::FunctionStates_");
+    });
+    s.drain([](Reader&) {});
+    Object seen;
+    bool is_there = false;
+    wait_until([&] {
+      s.drain([&](Reader& r) { seen = function_states(r), is_there = true; });
+      return is_there;
+    }, REPLY_S, "~/functions stopped");
+    seen.show();
+  }
+
+  // Calls what answers with success and message, then with what `more` adds.
+  template <class More>
+  static void answered(Service& service, const Writer& request, More more) {
+    Bytes reply = service.call(request.bytes());
     Reader r(reply);
     bool success = r.get<uint8_t>() != 0;
     auto message = r.text();
-    Object().add("success", success).add("message", message).show();
-    for (auto n = r.get<uint32_t>(); n > 0; n--) {
-      Object().add("name", r.text()).show();
-      show_value(r);
-    }
+    Object seen;
+    more(r, seen.add("success", success).add("message", message));
+    seen.show();
     if (!success) throw Failure(message);
   }
 
-  static void put_double(Writer& w, double value) {
-    w.put<uint8_t>(3).put<uint8_t>(0).put<int64_t>(0).put<double>(value).text("");
-    for (int arrays = 0; arrays < 5; arrays++) w.put<uint32_t>(0);
-  }
-
-  static void show_value(Reader& r) {
-    int type = r.get<uint8_t>();
-    bool truth = r.get<uint8_t>() != 0;
-    auto integer = r.get<int64_t>();
-    auto number = r.get<double>();
-    auto text = r.text();
-    for (int arrays = 0; arrays < 5; arrays++)
-      if (r.get<uint32_t>() > 0) throw Failure("a value with an array in it");
-    Object o;
-    o.add("type", type);
-    if (type == 1) o.add("value", truth);
-    if (type == 2) o.add("value", integer);
-    if (type == 3) o.add("value", number);
-    if (type == 4) o.add("value", text);
-    o.show();
+  Service& lineshaft_service(const std::string& node, const std::string& name, const std::string& type) {
+    auto full = node + "/" + name;
+    return once(services_, full, [&] { return new Service(dds_, full, "lineshaft_msgs::srv::dds_::" + type); });
   }
 
   static void show_descriptor(Reader& r) {
@@ -366,6 +403,8 @@ const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"joint-states", &Peer::joint_states}, {"axes", &Peer::axes},     {"move", &Peer::move},
     {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
     {"vocabulary", &Peer::vocabulary}, {"params", &Peer::params}, {"function", &Peer::function},
+    {"functions", &Peer::functions}, {"load-table", &Peer::load_table},
+    {"load-long-table", &Peer::load_long_table}, {"get-table", &Peer::get_table},
     {"action-conformance", &Peer::action_conformance}, {"hammer", &Peer::hammer},
     {"newcomer", &Peer::newcomer},
     {"readers", &Peer::readers}, {"samples", &Peer::samples},

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 from cyclonedds.idl import IdlStruct, types as t
 
 import ros2wire as rw
-from report import Failure, show
+from lineshaft_msgs import Answer
+from report import Failure, show, told
 
 COMMANDS = {"reset": 0, "start": 1, "value_new": 5, "read_value": 6}
 
@@ -51,12 +52,6 @@ class LoadRequest(IdlStruct, typename="LoadTableRequest"):
 
 
 @dataclass
-class LoadResponse(IdlStruct, typename="LoadTableResponse"):
-    success: bool = False
-    message: str = ""
-
-
-@dataclass
 class GetRequest(IdlStruct, typename="GetTableRequest"):
     table: str = ""
 
@@ -68,12 +63,6 @@ class GetResponse(IdlStruct, typename="GetTableResponse"):
     form: str = ""
     x: t.sequence[t.int64] = field(default_factory=list)
     y: t.sequence[t.int64] = field(default_factory=list)
-
-
-def told(r, **more):
-    show(success=r.success, message=r.message, **more)
-    if not r.success:
-        raise Failure(r.message)
 
 
 def function(peer, a):
@@ -88,13 +77,13 @@ def function(peer, a):
 
 def load(peer, a):
     numbers = lambda text: [int(number) for number in text.split(",") if number]
-    client = peer.service(a.node, "load_table", "LoadTable", LoadRequest, LoadResponse)
+    client = peer.service(a.node, "load_table", "LoadTable", LoadRequest, Answer)
     told(client.call(LoadRequest(a.table, numbers(a.x), numbers(a.y))))
 
 
 def load_long(peer, a):
     """So many values that neither request nor answer fits a few datagrams."""
-    client = peer.service(a.node, "load_table", "LoadTable", LoadRequest, LoadResponse)
+    client = peer.service(a.node, "load_table", "LoadTable", LoadRequest, Answer)
     told(client.call(LoadRequest(a.table, [], [k % 65536 for k in range(a.count)])))
     r = got(peer, a)
     if list(r.y) != [k % 65536 for k in range(a.count)]:

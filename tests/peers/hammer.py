@@ -3,7 +3,7 @@ import random
 import time
 
 import ros2wire as rw
-from lineshaft_msgs import MOVE_MODES, AxesRequest, AxesResponse, MoveGoal
+from lineshaft_msgs import MOVE_MODES, Answer, AxesRequest, MoveGoal
 from report import Failure, show
 
 RELATIVE, VELOCITY = MOVE_MODES.index("relative"), MOVE_MODES.index("velocity")
@@ -165,7 +165,7 @@ class Burst:
 
     def __init__(self, peer, a, verb):
         self.client = rw.ServiceClient(peer.dp, f"{a.node}/{verb}", "lineshaft_msgs/AxesCommand", AxesRequest,
-                                       AxesResponse, own=rw.qos(depth=a.count)).wait()
+                                       Answer, own=rw.qos(depth=a.count)).wait()
         self.client.call(AxesRequest(a.axis))
 
     def ask(self, requests):

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from cyclonedds.idl import IdlStruct, types as t
 
 import ros2wire as rw
-from lineshaft_msgs import UNITS, AxesRequest
-from report import Failure, show
+from lineshaft_msgs import UNITS, Answer, AxesRequest
+from report import Failure, show, told
 
 SCHEMES = ("configured", "cia402", "macs")
 
@@ -38,12 +38,6 @@ class SetPositionRequest(IdlStruct, typename="SetPositionRequest"):
     units: t.uint8 = 0
 
 
-@dataclass
-class SetPositionResponse(IdlStruct, typename="SetPositionResponse"):
-    success: bool = False
-    message: str = ""
-
-
 def client_of(peer, a):
     name = f"{a.node}/home_axis"
     parts = ("lineshaft_msgs/HomeAxis", HomeGoal, HomeResult, HomeFeedback)
@@ -53,9 +47,7 @@ def client_of(peer, a):
 def home(peer, a):
     start = time.monotonic()
     r = peer.axes(a.node, "home").call(AxesRequest(a.axes))
-    show(success=r.success, message=r.message, seconds=time.monotonic() - start)
-    if not r.success:
-        raise Failure(r.message)
+    told(r, seconds=time.monotonic() - start)
 
 
 def home_axis(peer, a):
@@ -84,12 +76,9 @@ def home_axis(peer, a):
 
 
 def set_position(peer, a):
-    client = peer.service(a.node, "set_position", "SetPosition", SetPositionRequest, SetPositionResponse)
+    client = peer.service(a.node, "set_position", "SetPosition", SetPositionRequest, Answer)
     units = int(a.units) if a.units.isdigit() else UNITS.index(a.units)
-    r = client.call(SetPositionRequest(a.axis, a.position, units))
-    show(success=r.success, message=r.message)
-    if not r.success:
-        raise Failure(r.message)
+    told(client.call(SetPositionRequest(a.axis, a.position, units)))
 
 
 def add_commands(command):

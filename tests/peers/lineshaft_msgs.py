@@ -70,26 +70,21 @@ class Event(IdlStruct, typename="lineshaft_msgs::msg::dds_::Event_"):
 
 
 @dataclass
-class AxesRequest(IdlStruct, typename="AxesRequest"):
-    axes: t.sequence[str] = field(default_factory=list)
+class Answer(IdlStruct, typename="Answer"):
+    """The response of every service that answers with no more than that."""
+    success: bool = False
+    message: str = ""
 
 
 @dataclass
-class AxesResponse(IdlStruct, typename="AxesResponse"):
-    success: bool = False
-    message: str = ""
+class AxesRequest(IdlStruct, typename="AxesRequest"):
+    axes: t.sequence[str] = field(default_factory=list)
 
 
 @dataclass
 class ResetRequest(IdlStruct, typename="ResetRequest"):
     axes: t.sequence[str] = field(default_factory=list)
     layer: t.uint8 = 0
-
-
-@dataclass
-class ResetResponse(IdlStruct, typename="ResetResponse"):
-    success: bool = False
-    message: str = ""
 
 
 @dataclass
@@ -108,12 +103,6 @@ class ExportResponse(IdlStruct, typename="ExportResponse"):
 @dataclass
 class ImportRequest(IdlStruct, typename="ImportRequest"):
     text: str = ""
-
-
-@dataclass
-class ImportResponse(IdlStruct, typename="ImportResponse"):
-    success: bool = False
-    message: str = ""
 
 
 @dataclass
@@ -219,12 +208,6 @@ class VocabularyRequest(IdlStruct, typename="VocabularyRequest"):
     axis: str = ""
     verb: str = ""
     arguments: str = ""
-
-
-@dataclass
-class VocabularyResponse(IdlStruct, typename="VocabularyResponse"):
-    success: bool = False
-    message: str = ""
 
 
 @dataclass

@@ -28,11 +28,10 @@ import ros2wire as rw
 import streams
 import trajectories
 import watch
-from lineshaft_msgs import (ACTIONS, AXIS_STATES, EDGES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, AxesRequest,
-                            AxesResponse, AxisStates, Event, ImportRequest, ImportResponse, MoveGoal, ProbeGoal,
-                            RecordRequest, RecordResponse, ResetRequest, ResetResponse, SyncGoal, VocabularyRequest,
-                            VocabularyResponse)
-from report import Failure, plain, show
+from lineshaft_msgs import (ACTIONS, AXIS_STATES, EDGES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, Answer,
+                            AxesRequest, AxisStates, Event, ImportRequest, MoveGoal, ProbeGoal, RecordRequest,
+                            RecordResponse, ResetRequest, SyncGoal, VocabularyRequest)
+from report import Failure, plain, show, told
 
 STREAM = rw.qos(depth=10_000)  # nothing is lost while a command waits for something else
 AXES_VERBS = ("enable", "disable", "halt", "quick_stop", "reset_errors")
@@ -64,7 +63,7 @@ class Peer:
 
     @staticmethod
     def axes_on(dp, node, verb):
-        return rw.ServiceClient(dp, f"{node}/{verb}", "lineshaft_msgs/AxesCommand", AxesRequest, AxesResponse)
+        return rw.ServiceClient(dp, f"{node}/{verb}", "lineshaft_msgs/AxesCommand", AxesRequest, Answer)
 
     def service(self, node, name, srv, request, response):
         full = f"{node}/{name}"
@@ -74,13 +73,13 @@ class Peer:
         return self.service(node, "record", "Record", RecordRequest, RecordResponse)
 
     def vocabulary(self, node):
-        return self.service(node, "vocabulary", "Vocabulary", VocabularyRequest, VocabularyResponse)
+        return self.service(node, "vocabulary", "Vocabulary", VocabularyRequest, Answer)
 
     def import_parameters(self, node):
-        return self.service(node, "import_parameters", "ImportParameters", ImportRequest, ImportResponse)
+        return self.service(node, "import_parameters", "ImportParameters", ImportRequest, Answer)
 
     def reset_parameters(self, node):
-        return self.service(node, "reset_parameters", "ResetParameters", ResetRequest, ResetResponse)
+        return self.service(node, "reset_parameters", "ResetParameters", ResetRequest, Answer)
 
     def action(self, node, action):
         return self.once(f"{node}/{action}", lambda: rw.ActionClient(self.dp, f"{node}/{action}", *ACTIONS[action]))
@@ -164,10 +163,7 @@ def latched_text(peer, a):
 
 
 def axes(peer, a):
-    r = peer.axes(a.node, a.verb).call(AxesRequest(a.axes), a.timeout)
-    show(verb=a.verb, success=r.success, message=r.message)
-    if not r.success:
-        raise Failure(r.message)
+    told(peer.axes(a.node, a.verb).call(AxesRequest(a.axes), a.timeout), verb=a.verb)
 
 
 def record(peer, a):
@@ -179,10 +175,7 @@ def record(peer, a):
 
 def vocabulary(peer, a):
     arguments = " ".join(a.arguments).replace("\\n", "\n") + "#" * a.pad
-    r = peer.vocabulary(a.node).call(VocabularyRequest(a.axis, a.verb, arguments))
-    show(success=r.success, message=r.message)
-    if not r.success:
-        raise Failure(r.message)
+    told(peer.vocabulary(a.node).call(VocabularyRequest(a.axis, a.verb, arguments)))
 
 
 def send(client, goal):

@@ -3,7 +3,8 @@ from dataclasses import dataclass, field
 
 from cyclonedds.idl import IdlStruct, types as t
 
-from report import Failure, show
+from lineshaft_msgs import Answer
+from report import told
 
 
 @dataclass
@@ -34,26 +35,15 @@ class SdoWriteRequest(IdlStruct, typename="SdoWriteRequest"):
     value: str = ""
 
 
-@dataclass
-class SdoWriteResponse(IdlStruct, typename="SdoWriteResponse"):
-    success: bool = False
-    message: str = ""
-
-
 def sdo_read(peer, a):
     client = peer.service(a.node, "sdo_read", "SdoRead", SdoReadRequest, SdoReadResponse)
     r = client.call(SdoReadRequest(a.axis, a.backend, a.device, " ".join(a.object), a.type))
-    show(success=r.success, message=r.message, data=bytes(r.data).hex(), value=r.value, type=r.type)
-    if not r.success:
-        raise Failure(r.message)
+    told(r, data=bytes(r.data).hex(), value=r.value, type=r.type)
 
 
 def sdo_write(peer, a):
-    client = peer.service(a.node, "sdo_write", "SdoWrite", SdoWriteRequest, SdoWriteResponse)
-    r = client.call(SdoWriteRequest(a.axis, a.backend, a.device, " ".join(a.object), a.type, " ".join(a.value)))
-    show(success=r.success, message=r.message)
-    if not r.success:
-        raise Failure(r.message)
+    client = peer.service(a.node, "sdo_write", "SdoWrite", SdoWriteRequest, Answer)
+    told(client.call(SdoWriteRequest(a.axis, a.backend, a.device, " ".join(a.object), a.type, " ".join(a.value))))
 
 
 def add_commands(command):

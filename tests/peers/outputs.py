@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 from cyclonedds.idl import IdlStruct, types as t
 
 import ros2wire as rw
-from report import Failure, show
+from lineshaft_msgs import Answer
+from report import told
 
 
 @dataclass
@@ -14,21 +15,9 @@ class SetOutputRequest(IdlStruct, typename="SetOutputRequest"):
 
 
 @dataclass
-class SetOutputResponse(IdlStruct, typename="SetOutputResponse"):
-    success: bool = False
-    message: str = ""
-
-
-@dataclass
 class SetMemoryRequest(IdlStruct, typename="SetMemoryRequest"):
     cells: t.sequence[str] = field(default_factory=list)
     values: t.sequence[t.float64] = field(default_factory=list)
-
-
-@dataclass
-class SetMemoryResponse(IdlStruct, typename="SetMemoryResponse"):
-    success: bool = False
-    message: str = ""
 
 
 @dataclass
@@ -36,37 +25,25 @@ class TriggerRequest(IdlStruct, typename="TriggerRequest"):
     structure_needs_at_least_one_member: t.uint8 = 0
 
 
-@dataclass
-class TriggerResponse(IdlStruct, typename="TriggerResponse"):
-    success: bool = False
-    message: str = ""
-
-
-def answered(r):
-    show(success=r.success, message=r.message)
-    if not r.success:
-        raise Failure(r.message)
-
-
-def set_values(name, kind, request, response):
+def set_values(name, kind, request):
     def run(peer, a):
-        client = peer.service(a.node, name, kind, request, response)
+        client = peer.service(a.node, name, kind, request, Answer)
         pairs = [given.split("=") for given in a.given]
-        answered(client.call(request([name for name, *_ in pairs], [float(v) for _, *vs in pairs for v in vs])))
+        told(client.call(request([name for name, *_ in pairs], [float(v) for _, *vs in pairs for v in vs])))
 
     return run
 
 
 def abort(peer, a):
     name = f"{a.node}/abort"
-    make = lambda: rw.ServiceClient(peer.dp, name, "std_srvs/Trigger", TriggerRequest, TriggerResponse)
-    answered(peer.once(name, make).call(TriggerRequest()))
+    make = lambda: rw.ServiceClient(peer.dp, name, "std_srvs/Trigger", TriggerRequest, Answer)
+    told(peer.once(name, make).call(TriggerRequest()))
 
 
 def add_commands(command):
     for name, run in [
-        ("set-output", set_values("set_output", "SetOutput", SetOutputRequest, SetOutputResponse)),
-        ("set-memory", set_values("set_memory", "SetMemory", SetMemoryRequest, SetMemoryResponse)),
+        ("set-output", set_values("set_output", "SetOutput", SetOutputRequest)),
+        ("set-memory", set_values("set_memory", "SetMemory", SetMemoryRequest)),
     ]:
         command(name, run).add_argument("given", nargs="*", metavar="NAME=VALUE")
     command("abort", abort)

@@ -6,9 +6,8 @@ import yaml
 
 import ros2wire as rw
 from checks import RawClient, malformed
-from lineshaft_msgs import (EXPORTS, LAYERS, AxesRequest, AxesResponse, ExportRequest, ExportResponse, ImportRequest,
-                            ImportResponse, ResetRequest, ResetResponse)
-from report import Checklist, Failure, show
+from lineshaft_msgs import EXPORTS, LAYERS, Answer, AxesRequest, ExportRequest, ExportResponse, ImportRequest, ResetRequest
+from report import Checklist, Failure, show, told
 
 BOOL, INTEGER, DOUBLE, STRING, INTEGERS = 1, 2, 3, 4, 7
 LOWEST, HIGHEST = -2 ** 63, 2 ** 63 - 1
@@ -62,33 +61,22 @@ def events(peer, a):
                   "changed": {p.name: p.value.get() for p in m.changed_parameters}} for m in seen])
 
 
-def service(peer, node, name, srv, request, response):
-    full = f"{node}/{name}"
-    return peer.once(full, lambda: rw.ServiceClient(peer.dp, full, f"lineshaft_msgs/{srv}", request, response))
-
-
-def told(r, **more):
-    show(success=r.success, message=r.message, **more)
-    if not r.success:
-        raise Failure(r.message)
-
-
 def layers(peer, a):
     if a.what == "reset":
-        client = service(peer, a.node, "reset_parameters", "ResetParameters", ResetRequest, ResetResponse)
+        client = peer.service(a.node, "reset_parameters", "ResetParameters", ResetRequest, Answer)
         layer = LAYERS.index(a.layer) if a.layer in LAYERS else int(a.layer)
         return told(client.call(ResetRequest(a.axes, layer)))
-    client = service(peer, a.node, f"{a.what}_parameters", "AxesCommand", AxesRequest, AxesResponse)
+    client = peer.service(a.node, f"{a.what}_parameters", "AxesCommand", AxesRequest, Answer)
     told(client.call(AxesRequest(a.axes)))
 
 
 def exported(peer, node, axes=(), which=0):
-    client = service(peer, node, "export_parameters", "ExportParameters", ExportRequest, ExportResponse)
+    client = peer.service(node, "export_parameters", "ExportParameters", ExportRequest, ExportResponse)
     return client.call(ExportRequest(list(axes), which))
 
 
 def imported(peer, node, text):
-    client = service(peer, node, "import_parameters", "ImportParameters", ImportRequest, ImportResponse)
+    client = peer.service(node, "import_parameters", "ImportParameters", ImportRequest, Answer)
     return client.call(ImportRequest(text))
 
 
@@ -212,7 +200,7 @@ def takes_its_own(checks, client, d, now):
 
 
 def reset(peer, a):
-    client = service(peer, a.node, "reset_parameters", "ResetParameters", ResetRequest, ResetResponse)
+    client = peer.service(a.node, "reset_parameters", "ResetParameters", ResetRequest, Answer)
     # The machine goes with all axes.
     axes = [] if a.object == "machine" else [a.object]
     r = client.call(ResetRequest(axes, LAYERS.index("init")))

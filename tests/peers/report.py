@@ -25,6 +25,13 @@ def show(**observation):
     print(json.dumps(plain(observation), default=str, allow_nan=False), flush=True)
 
 
+def told(r, **more):
+    """Shows the answer of a service; one without success is a failure."""
+    show(success=r.success, message=r.message, **more)
+    if not r.success:
+        raise Failure(r.message)
+
+
 class Checklist:
     """Runs named checks, shows each, and fails with the names of those that did not hold."""
 

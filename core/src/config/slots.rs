@@ -135,10 +135,10 @@ pub enum SlotProblem {
     #[error("slot {0} stands behind a slot of the same or a higher number, or is above 255")]
     Number(u16),
     /// A source that is missing or too much.
-    #[error("a {0} has {source} source", source = if *.1 { "a" } else { "no" })]
+    #[error("type {0} has {source} source", source = if *.1 { "a" } else { "no" })]
     Source(&'static str, bool),
     /// A sink that is missing or too much.
-    #[error("a {0} has {sink} sink", sink = if *.1 { "a" } else { "no" })]
+    #[error("type {0} has {sink} sink", sink = if *.1 { "a" } else { "no" })]
     Sink(&'static str, bool),
     /// Something that does not exist, or that it cannot use.
     #[error("{0} is nothing that it can use")]

@@ -38,7 +38,7 @@ pub enum RequestError {
         known: String,
     },
     /// A name that no field of a function has.
-    #[error("{function}: a {kind} has no field `{field}`; it has {known}")]
+    #[error("{function}: type {kind} has no field `{field}`; it has {known}")]
     UnknownField {
         /// The function.
         function: String,

@@ -63,7 +63,7 @@ fn uses_table(event: &Event, config: &MachineConfig) -> String {
     match slot(event.asked, config) {
         Some(slot) => {
             let (name, kind) = (&slot.name, slot.kind.name());
-            format!("function {name} is started and reads it; a {kind} takes no new numbers before its RESET")
+            format!("function {name} is started and reads it; type {kind} takes no new numbers before RESET")
         }
         None => "a started function reads it".to_owned(),
     }

@@ -33,6 +33,11 @@ const MEMORY_KINDS: [(&str, MemoryKind); 5] = [
     ("bit", MemoryKind::Bit),
 ];
 
+/// What a kind of memory is called.
+pub(super) fn memory_name(kind: MemoryKind) -> &'static str {
+    MEMORY_KINDS.iter().find(|(_, known)| *known == kind).map_or("", |(name, _)| name)
+}
+
 /// Section `io`.
 pub(super) struct Io {
     /// None where one has problems.

@@ -125,7 +125,7 @@ pub(super) fn check_axes(cx: &Context<'_>, machine: &MachineConfig) {
         let is_speed = slot.kind.description().quantity == Quantity::Speed;
         if is_speed && axis.scale.kind() != ScaleKind::Rotary {
             let (kind, axis) = (slot.kind.name(), quote(&axis.name));
-            entry.key.refuse(format!("a {kind} gives a speed in rpm; its sink {axis} is no rotary axis"), None);
+            entry.key.refuse(format!("type {kind} gives a speed in rpm; its sink {axis} is no rotary axis"), None);
         }
         if axis.interface == Interface::OpenLoop {
             let sentence = format!("its sink {} is an axis in open loop, which no function moves", quote(&axis.name));
@@ -209,7 +209,7 @@ fn slot<'d>(
             slot.source = read.unwrap_or_default();
         }
         None if row.source == Need::Must => {
-            map.refuse(format!("function {} has no source; a {} reads one", entry.quoted(), row.name), None);
+            map.refuse(format!("function {} has no source; type {} reads one", entry.quoted(), row.name), None);
             note(false);
         }
         None => {}
@@ -222,7 +222,7 @@ fn slot<'d>(
         }
         None if row.sink == Need::Must => {
             let hint = Some("`sink: none` keeps the value for other functions".to_owned());
-            map.refuse(format!("function {} has no sink; a {} writes one", entry.quoted(), row.name), hint);
+            map.refuse(format!("function {} has no sink; type {} writes one", entry.quoted(), row.name), hint);
             note(false);
         }
         None => {}
@@ -305,10 +305,10 @@ fn list<'d>(value: &Value<'d>, most: usize, key: &str) -> Option<Vec<Value<'d>>>
 fn fits_source(value: &Value<'_>, source: &SourceConfig, row: &Description) -> bool {
     let has = *source != SourceConfig::None;
     let problem = match row.source {
-        Need::Never if has => format!("a {} reads no source", row.name),
-        Need::Must if !has => format!("source is none; a {} reads one", row.name),
+        Need::Never if has => format!("type {} reads no source", row.name),
+        Need::Must if !has => format!("source is none; type {} reads one", row.name),
         _ if row.kind == Kind::Imes && !matches!(source, SourceConfig::Lead(Leader::Encoder(_))) => {
-            "an imes measures on an encoder; source is something else".to_owned()
+            "type imes measures on an encoder; source is something else".to_owned()
         }
         _ => return true,
     };
@@ -410,8 +410,8 @@ impl<'d> Reader<'_, 'd> {
     fn fits_sink(&self, value: &Value<'d>, sink: SinkConfig, row: &Description) -> bool {
         let is_axis = matches!(sink, SinkConfig::Axis(_));
         let problem = match row.sink {
-            Need::Never if sink != SinkConfig::None => format!("a {} writes no sink", row.name),
-            _ if is_axis && !row.moves_axes => format!("a {} moves no axis", row.name),
+            Need::Never if sink != SinkConfig::None => format!("type {} writes no sink", row.name),
+            _ if is_axis && !row.moves_axes => format!("type {} moves no axis", row.name),
             _ => return true,
         };
         value.refuse(problem, None);
@@ -440,8 +440,12 @@ impl<'d> Reader<'_, 'd> {
         let Some(value) = value else { return (lines, true) };
         let Some(items) = value.list() else { return (lines, false) };
         if items.len() > most {
-            let last = if most == 0 { "none".to_owned() } else { format!("{letter}1 to {letter}{most}") };
-            value.refuse(format!("{} has {} entries; a {} has {last}", value.label(), items.len(), row.name), None);
+            let known = match most {
+                0 => "none".to_owned(),
+                1 => format!("{letter}1"),
+                _ => format!("{letter}1 to {letter}{most}"),
+            };
+            value.refuse(format!("{} has {} entries; type {} has {known}", value.label(), items.len(), row.name), None);
             return (lines, false);
         }
         let mut is_good = true;

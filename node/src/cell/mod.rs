@@ -32,6 +32,7 @@ mod machine;
 mod models;
 mod names;
 mod parameters;
+mod preset;
 mod robot;
 mod ros;
 mod row;
@@ -60,6 +61,7 @@ use lineshaft_core::unit::Dimension;
 pub(crate) use machine::refuse_missing;
 use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
+pub use preset::Preset;
 pub use robot::Robot;
 pub use ros::{OnLoss, RosOptions};
 use std::collections::BTreeMap;
@@ -110,8 +112,16 @@ impl Cell {
     /// # Errors
     /// Everything that is wrong with it, at least one problem.
     pub fn load(path: &Path) -> Result<Self, Problems> {
+        Self::load_within(path, None)
+    }
+
+    /// As [`Cell::load`], within the bounds of a preset where one is given.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, at least one problem; what lies beyond the preset once nothing else is.
+    pub fn load_within(path: &Path, preset: Option<Preset>) -> Result<Self, Problems> {
         let files = Files::beside(path);
-        let mut cell = Self::of(Document::read(path), &files)?;
+        let mut cell = Self::of(Document::read(path), &files, preset)?;
         cell.files = files.into_read();
         let folder = path.parent().unwrap_or(Path::new(""));
         let robot = cell.ros.robot_description.as_ref().map(|file| Robot::load(&folder.join(file)));
@@ -124,7 +134,7 @@ impl Cell {
     /// # Errors
     /// Everything that is wrong with it, at least one problem.
     pub fn parse(name: &str, text: impl Into<String>) -> Result<Self, Problems> {
-        Self::of(Document::parse(name, text), &Files::None)
+        Self::of(Document::parse(name, text), &Files::None, None)
     }
 
     /// Reads the text of a recording, with the files of its tables as they were attached.
@@ -133,7 +143,7 @@ impl Cell {
     /// Everything that is wrong with it, at least one problem.
     pub fn parse_recorded(name: &str, text: impl Into<String>, files: Option<&str>) -> Result<Self, Problems> {
         let files = files.map_or(Ok(Files::None), tables::files_of)?;
-        let mut cell = Self::of(Document::parse(name, text), &files)?;
+        let mut cell = Self::of(Document::parse(name, text), &files, None)?;
         cell.files = files.into_read();
         Ok(cell)
     }
@@ -201,8 +211,8 @@ impl Cell {
         buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
     }
 
-    fn of(document: Document, files: &Files) -> Result<Self, Problems> {
-        let cell = document.root("the cell").and_then(|root| read(&root, document.text(), files));
+    fn of(document: Document, files: &Files, preset: Option<Preset>) -> Result<Self, Problems> {
+        let cell = document.root("the cell").and_then(|root| read(&root, document.text(), files, preset));
         match cell {
             Some(cell) if document.problems().is_empty() => Ok(cell),
             _ => Err(document.into_problems()),
@@ -211,10 +221,11 @@ impl Cell {
 }
 
 /// The cell as far as it could be read; good only when no problem was noted.
-fn read(root: &Value<'_>, text: &str, files: &Files) -> Option<Cell> {
+fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> Option<Cell> {
     let mut map = root.map("the cell")?;
     map.required("lineshaft").iter().for_each(check_format);
-    let cycle_ns = map.required("cycle").and_then(|value| cycle(&value));
+    let cycle_at = map.required("cycle");
+    let cycle_ns = cycle_at.as_ref().and_then(cycle);
     let ros = map.optional("ros").map_or(Some(RosOptions::default()), |value| ros::read(&value));
     let contacts = map.optional("safety");
     let names = Names::read(&mut map);
@@ -258,6 +269,9 @@ fn read(root: &Value<'_>, text: &str, files: &Files) -> Option<Cell> {
     };
     functions::check_signals(&slots.open, &machine.directory());
     functions::check_axes(&cx, &machine);
+    if let Some((preset, cycle)) = preset.zip(cycle_at) {
+        preset::hold(preset, &cx, &machine, &terminals, &cycle);
+    }
     let drives: Vec<_> = hardware.iter().flatten().copied().collect();
     let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &drives);
     let kinds: Vec<_> = cx.backends.iter().map(|backend| backend.map(Backend::kind)).collect::<Option<_>>()?;

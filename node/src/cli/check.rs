@@ -11,7 +11,7 @@ use lineshaft_core::machine::Machine;
 use std::path::Path;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
-    let cell = match Cell::load(&args.cell) {
+    let cell = match Cell::load_within(&args.cell, args.preset.map(Into::into)) {
         Ok(cell) => cell,
         Err(problems) => {
             eprint!("{problems}");

@@ -16,6 +16,7 @@ mod store;
 mod validate;
 
 use self::logging::Logging;
+use crate::cell::Preset;
 use crate::recording::bag::BagOptions;
 use crate::recording::clean::clean_lines;
 use crate::recording::plot::{HEIGHTS, WIDTHS};
@@ -346,6 +347,24 @@ struct CheckArgs {
     /// Draw its function slots, and who reads what of whom: FILE.svg; one that exists is replaced
     #[arg(long, value_name = "FILE")]
     graph: Option<PathBuf>,
+    /// Hold it to the bounds of a source that are narrower
+    #[arg(long, value_enum)]
+    preset: Option<PresetArg>,
+}
+
+/// A source to whose bounds a cell is held.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PresetArg {
+    /// Fast functions of AMKASYN: 16 slots, 8 axes; docs/functions.md has all
+    Amkasyn,
+}
+
+impl From<PresetArg> for Preset {
+    fn from(preset: PresetArg) -> Self {
+        match preset {
+            PresetArg::Amkasyn => Self::Amkasyn,
+        }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -424,7 +424,7 @@ fn a_table_in_use_stands_and_one_that_may_be_edited_counts_at_once() {
     let refused = rig.give(load(&other));
     assert_eq!(
         rig.refusal(refused),
-        "t: function b is started and reads it; a binea takes no new numbers before its RESET"
+        "t: function b is started and reads it; type binea takes no new numbers before RESET"
     );
     rig.give(order(0, Order::Reset));
     let taken = rig.give(load(&other));

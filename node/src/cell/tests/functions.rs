@@ -53,15 +53,15 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
             "{slot: 1, type: ^camm}",
             "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam is allowed",
         ),
-        ("^{slot: 1, type: dcopy, sink: none}", "function `f` has no source; a dcopy reads one"),
+        ("^{slot: 1, type: dcopy, sink: none}", "function `f` has no source; type dcopy reads one"),
         (
             "^{slot: 1, type: dcopy, source: x}",
-            "function `f` has no sink; a dcopy writes one, `sink: none` keeps the value for other functions",
+            "function `f` has no sink; type dcopy writes one, `sink: none` keeps the value for other functions",
         ),
-        ("{slot: 1, type: digdreh, source: ^x}", "a digdreh reads no source"),
-        ("{slot: 1, type: binea, sink: ^feed}", "a binea writes no sink"),
-        ("{slot: 1, type: imes, source: ^x}", "an imes measures on an encoder; source is something else"),
-        ("{slot: 1, type: cam, sink: ^x}", "a cam moves no axis"),
+        ("{slot: 1, type: digdreh, source: ^x}", "type digdreh reads no source"),
+        ("{slot: 1, type: binea, sink: ^feed}", "type binea writes no sink"),
+        ("{slot: 1, type: imes, source: ^x}", "type imes measures on an encoder; source is something else"),
+        ("{slot: 1, type: cam, sink: ^x}", "type cam moves no axis"),
         (
             "{slot: 1, type: dcopy, source: ^feeed, sink: none}",
             "source is `feeed`; no axis, encoder, input or output, memory cell, function has that name, did you mean `feed`?",
@@ -82,7 +82,7 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("{slot: 1, type: dcopy, source: x, sink: none, source_bits: ^24}", "source_bits is 24; 16, 32, 64 is allowed"),
         ("{slot: 1, type: dcopy, source: x, sink: none, ^mult: 3}", "unknown key `mult` in function `f`"),
         ("{slot: 1, type: dcopy, source: x, sink: none, mode: ^2}", "mode is 2; 0..1 is allowed"),
-        ("{slot: 1, type: ecopy, sink: none, inputs: ^[go, flag]}", "inputs has 2 entries; a ecopy has E1 to E1"),
+        ("{slot: 1, type: ecopy, sink: none, inputs: ^[go, flag]}", "inputs has 2 entries; type ecopy has E1"),
         ("{slot: 1, type: ecopy, sink: none, inputs: [^lamp]}", "`lamp` is no di and no memory cell of type bit"),
         ("{slot: 1, type: ecopy, sink: none, outputs: [^feed]}", "`feed` is no do and no memory cell of type bit"),
         ("{slot: 1, type: ecopy, sink: none, cycle_factor: ^0}", "cycle_factor is 0; 1..255 is allowed"),
@@ -97,7 +97,7 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
     }
     assert_said(
         &cell("  ^f: {slot: 1, type: digdreh, sink: x}\n"),
-        "a digdreh gives a speed in rpm; its sink `x` is no rotary axis",
+        "type digdreh gives a speed in rpm; its sink `x` is no rotary axis",
     );
 }
 

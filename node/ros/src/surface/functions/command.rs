@@ -105,7 +105,9 @@ mod tests {
         let (place, error) = ask("gear", 1, &[("m1", 1)]);
         assert_eq!((place, error), (None, Err("no function is called `gear`; other, ratio are known".to_owned())));
         let (_, error) = ask("ratio", 1, &[("m9", 1)]);
-        assert!(error.is_err_and(|error| error.starts_with("ratio: a varsync has no field `m9`; it has mode, sak,")));
+        assert!(
+            error.is_err_and(|error| error.starts_with("ratio: type varsync has no field `m9`; it has mode, sak,"))
+        );
         let text = ParameterValue { r#type: ParameterType::PARAMETER_STRING, ..ParameterValue::default() };
         let asked = Asked {
             function: "ratio".to_owned(),

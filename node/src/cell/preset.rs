@@ -1,0 +1,309 @@
+//! Presets: bounds of a source that are narrower than those of a cell, for whoever brings functions from there or takes them there.
+//!
+//! Refuses  in preset amkasyn: a cycle off its grid, calls too far apart, slots above 15, axes behind the eighth, more encoders, analog
+//!          outputs and words than it addresses, sinks and lines that its types do not have, tables longer than a data block, more cams
+//! Source   AMK-GEN-01, -04, -08, -11; AMK-SRC-02 to -07; AMK-SNK-01 to -05; AMK-INIT-03, -07 to -09; AMK-BCOM-17 to -27; AMK-CTX-12 to -21;
+//!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07
+
+use super::backends::{Backend, Context, Hardware, node_and_channel};
+use super::devices::memory_name;
+use super::names::{Entry, Section, quote};
+use crate::document::Value;
+use lineshaft_core::config::{Line, MachineConfig, MemoryKind, SinkConfig, SlotConfig, SourceConfig};
+use lineshaft_core::function::{Kind, OnAxisError};
+use lineshaft_core::object::{Leader, Object};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Grid of cycles, and unit of the cycle in a parameter set (ns).
+const GRID_NS: u64 = 500_000;
+/// The longest cycle that a parameter set tells.
+const LONGEST_NS: u64 = 131 * GRID_NS;
+const LAST_SLOT: u16 = 15;
+/// AW1 to AW8.
+const AXES: u16 = 8;
+/// AZ messages, which carry pulse inputs.
+const ENCODERS: usize = 4;
+/// AA1 to AA4.
+const ANALOG_OUTPUTS: usize = 4;
+/// Of flags, as words and double words.
+const BYTES: usize = 128;
+/// Of a data block.
+const WORDS: usize = 256;
+/// Of the data block of a sidiff.
+const THRESHOLD_WORDS: usize = 48;
+/// Of all tracks.
+const CAMS: i64 = 56;
+/// Lines of a byte.
+const BITS: u16 = 8;
+
+/// A source to whose bounds a cell can be held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Fast functions of AMKASYN.
+    Amkasyn,
+}
+
+/// What is beyond the preset, where it stands.
+fn refuse(value: &Value<'_>, is: &str, allowed: &str) {
+    value.refuse(format!("{is}; preset amkasyn allows {allowed}"), None);
+}
+
+/// The value of a key that stands in an entry.
+fn at<'d>(entry: &Entry<'d>, key: &str) -> Option<Value<'d>> {
+    let mut entries = entry.value.entries()?.into_iter();
+    entries.find(|(known, _)| known.peek() == Some(key)).map(|(_, value)| value)
+}
+
+/// The values of a list that stands in an entry.
+fn items<'d>(entry: &Entry<'d>, key: &str) -> Vec<Value<'d>> {
+    at(entry, key).and_then(|value| value.list()).unwrap_or_default()
+}
+
+/// What a value is called and what stands there.
+fn named(value: &Value<'_>) -> String {
+    format!("{} is {}", value.label(), quote(value.peek().unwrap_or_default()))
+}
+
+/// Refuses what a cell without other problems has beyond its preset. `terminals` are those of section `io`.
+pub(super) fn hold(
+    preset: Preset,
+    cx: &Context<'_>,
+    machine: &MachineConfig,
+    terminals: &[Option<Hardware>],
+    cycle: &Value<'_>,
+) {
+    let Preset::Amkasyn = preset;
+    if !machine.cycle_ns.is_multiple_of(GRID_NS) {
+        refuse(cycle, &named(cycle), "multiples of 0.5 ms");
+    }
+    let mut holder = Holder { cx, machine, terminals, used: Used::default() };
+    for entry in cx.names.section(Section::Functions) {
+        if let Some(slot) = machine.slots.iter().find(|slot| slot.name == entry.name()) {
+            holder.function(entry, slot);
+        }
+    }
+}
+
+/// What functions have used so far, by places in the sections.
+#[derive(Default)]
+struct Used {
+    encoders: BTreeSet<usize>,
+    outputs: BTreeSet<usize>,
+    /// With the bytes of each.
+    memory: BTreeMap<usize, usize>,
+}
+
+/// One more of what there are few of.
+fn count(value: &Value<'_>, used: &mut BTreeSet<usize>, place: usize, most: usize, what: &str) {
+    if used.insert(place) && used.len() > most {
+        refuse(
+            value,
+            &format!("{}, {what} {} of those that functions use", named(value), used.len()),
+            &most.to_string(),
+        );
+    }
+}
+
+struct Holder<'a, 'd> {
+    cx: &'a Context<'d>,
+    machine: &'a MachineConfig,
+    terminals: &'a [Option<Hardware>],
+    used: Used,
+}
+
+impl Holder<'_, '_> {
+    fn function(&mut self, entry: &Entry<'_>, slot: &SlotConfig) {
+        if let Some(value) = at(entry, "slot").filter(|_| slot.number > LAST_SLOT) {
+            refuse(&value, &format!("slot is {}", slot.number), &format!("0..{LAST_SLOT}"));
+        }
+        self.calls(entry, slot);
+        if let Some(value) = at(entry, "source") {
+            self.source(&value, &slot.source);
+        }
+        if let Some(value) = at(entry, "sink") {
+            self.sink(&value, slot);
+        }
+        if let Some((key, name)) = slot.kind.description().word.zip(slot.word.as_ref())
+            && let Some(value) = at(entry, key)
+        {
+            match self.machine.memory.iter().position(|memory| memory.name == *name) {
+                Some(place) => self.memory(&value, place, &[MemoryKind::I16]),
+                None => refuse(&value, &named(&value), "a memory cell of type i16"),
+            }
+        }
+        if let Some(value) = at(entry, "inputs").filter(|_| slot.kind == Kind::Imes && slot.inputs[0].is_some()) {
+            refuse(&value, "inputs has an entry", "none for type imes");
+        }
+        self.lines(&items(entry, "inputs"), &slot.inputs, "di");
+        self.lines(&items(entry, "outputs"), &slot.outputs, "do");
+        self.tables(entry, slot);
+        if slot.kind == Kind::Cam {
+            cams(entry, slot);
+        }
+        if let Some(value) = at(entry, "on_axis_error").filter(|_| slot.on_axis_error == OnAxisError::Reset) {
+            refuse(&value, &named(&value), "run");
+        }
+    }
+
+    /// The time between two calls, of the types whose set tells at most 131 units of it.
+    fn calls(&self, entry: &Entry<'_>, slot: &SlotConfig) {
+        let tells = matches!(slot.kind, Kind::Imes | Kind::Binea | Kind::Cam);
+        let cycle_ns = self.machine.cycle_ns;
+        if let Some(value) = at(entry, "cycle_factor")
+            && tells
+            && slot.call_ns(cycle_ns) > LONGEST_NS
+        {
+            let allowed = format!("1..{} for type {}", LONGEST_NS / cycle_ns.max(1), slot.kind.name());
+            refuse(&value, &format!("cycle_factor is {}", slot.factor), &allowed);
+        }
+    }
+
+    fn axis(value: &Value<'_>, place: usize) {
+        if place >= usize::from(AXES) {
+            refuse(value, &format!("{}, axis {} of the cell", named(value), place + 1), &format!("axes 1..{AXES}"));
+        }
+    }
+
+    fn encoder(&mut self, value: &Value<'_>, place: usize) {
+        count(value, &mut self.used.encoders, place, ENCODERS, "encoder");
+    }
+
+    fn source(&mut self, value: &Value<'_>, source: &SourceConfig) {
+        match source {
+            SourceConfig::Lead(Leader::AxisCommand(place) | Leader::AxisActual(place)) => {
+                Self::axis(value, usize::from(*place));
+            }
+            SourceConfig::Lead(Leader::Encoder(place)) => self.encoder(value, usize::from(*place)),
+            SourceConfig::Signal(name) => {
+                let object = name.split_once('.').map_or(name.as_str(), |(object, _)| object);
+                if let Some(place) = self.machine.axes.iter().position(|axis| axis.name == object) {
+                    Self::axis(value, place);
+                } else if let Some(place) = self.machine.encoders.iter().position(|encoder| encoder.name == object) {
+                    self.encoder(value, place);
+                } else if let Some(place) = self.machine.memory.iter().position(|memory| memory.name == object) {
+                    self.memory(value, place, &[MemoryKind::I16, MemoryKind::I32]);
+                }
+            }
+            SourceConfig::None | SourceConfig::Lead(Leader::Sink(_) | Leader::Simulated(_)) => {}
+        }
+    }
+
+    fn sink(&mut self, value: &Value<'_>, slot: &SlotConfig) {
+        match slot.sink {
+            SinkConfig::None => {}
+            SinkConfig::Axis(place) => Self::axis(value, usize::from(place)),
+            SinkConfig::Memory(place) => {
+                let kinds: &[MemoryKind] = match slot.kind {
+                    Kind::Digdreh | Kind::Cam => &[MemoryKind::I32],
+                    Kind::Imes => &[MemoryKind::I16],
+                    _ => &[MemoryKind::I16, MemoryKind::I32],
+                };
+                self.memory(value, usize::from(place), kinds);
+            }
+            SinkConfig::Output(place) if matches!(slot.kind, Kind::Dcopy | Kind::Ecopy) => {
+                count(value, &mut self.used.outputs, usize::from(place), ANALOG_OUTPUTS, "ao");
+            }
+            SinkConfig::Output(_) => {
+                let is = format!("{}, an ao, for type {}", named(value), slot.kind.name());
+                refuse(value, &is, "it for types dcopy and ecopy");
+            }
+        }
+    }
+
+    /// A flag word or double word.
+    fn memory(&mut self, value: &Value<'_>, place: usize, kinds: &[MemoryKind]) {
+        let Some(kind) = self.machine.memory.get(place).map(|memory| memory.kind) else { return };
+        if !kinds.contains(&kind) {
+            let allowed: Vec<_> = kinds.iter().copied().map(memory_name).collect();
+            refuse(value, &format!("{}, of type {}", named(value), memory_name(kind)), &allowed.join(", "));
+            return;
+        }
+        let is_new = self.used.memory.insert(place, if kind == MemoryKind::I16 { 2 } else { 4 }).is_none();
+        let bytes = self.used.memory.values().sum::<usize>();
+        if is_new && bytes > BYTES {
+            let is = format!("{}, with which functions use {bytes} bytes of memory", named(value));
+            refuse(value, &is, &BYTES.to_string());
+        }
+    }
+
+    /// E1.. or A1..: bits side by side in one byte, the first one at any of them.
+    fn lines(&self, items: &[Value<'_>], lines: &[Option<Line>], what: &str) {
+        let mut first: Option<(&Value<'_>, Object, u16)> = None;
+        for ((item, line), n) in items.iter().zip(lines).zip(0_u16..) {
+            let Some(Line { object, inverted }) = *line else { continue };
+            if inverted {
+                refuse(item, &format!("{}.inverted is true", item.label()), "false");
+            }
+            let label = item.label();
+            let Some((first, of_first, from)) = first else {
+                if let Some(at) = self.terminal(object).filter(|at| at.number % BITS < n) {
+                    let is =
+                        format!("{label} stands at address {}, bit {} of its byte", self.address(at), at.number % BITS);
+                    refuse(item, &is, &format!("bits {n}..{}", BITS - 1));
+                }
+                first = Some((item, object, n));
+                continue;
+            };
+            let first = first.label();
+            if matches!(object, Object::Io(_)) != matches!(of_first, Object::Io(_)) {
+                let (is, other) =
+                    if matches!(object, Object::Io(_)) { (what, "memory cell") } else { ("memory cell", what) };
+                refuse(item, &format!("{label} is a {is}"), &format!("a {other}, as {first} is one"));
+                continue;
+            }
+            let Some((at, of_first)) = self.terminal(object).zip(self.terminal(of_first)) else { continue };
+            let expected = Hardware { number: of_first.number.saturating_add(n - from), ..of_first };
+            let is = format!("{label} stands at address {}", self.address(at));
+            if expected.number / BITS != of_first.number / BITS {
+                refuse(item, &is, &format!("none: the byte of {first} ends before it"));
+            } else if at != expected {
+                let allowed = format!("address {} beside {first}", self.address(expected));
+                refuse(item, &is, &allowed);
+            }
+        }
+    }
+
+    /// Where a line is; none in memory and where an input reads an output.
+    fn terminal(&self, object: Object) -> Option<Hardware> {
+        let Object::Io(place) = object else { return None };
+        self.terminals.get(usize::from(place)).copied().flatten()
+    }
+
+    /// An address as the cell has it, with its backend.
+    fn address(&self, at: Hardware) -> String {
+        let name = self.cx.names.section(Section::Backends).get(at.backend).map_or("", Entry::name);
+        match self.cx.backends.get(at.backend).copied().flatten() {
+            Some(Backend::Can) => {
+                let (node, channel) = node_and_channel(at.number);
+                format!("{channel} of node {node} of `{name}`")
+            }
+            _ => format!("{} of `{name}`", at.number),
+        }
+    }
+
+    fn tables(&self, entry: &Entry<'_>, slot: &SlotConfig) {
+        for (item, place) in items(entry, "tables").iter().zip(slot.tables) {
+            let Some(place) = place.map(usize::from) else { continue };
+            let most = if slot.kind == Kind::Sidiff { THRESHOLD_WORDS } else { WORDS };
+            let words = self.machine.tables.get(place).map_or(0, |table| table.table.len());
+            if words > most {
+                refuse(item, &format!("{}, which has {words} words", named(item)), &format!("1..{most}"));
+            }
+        }
+    }
+}
+
+/// Cams of each track, and of all of them.
+fn cams(entry: &Entry<'_>, slot: &SlotConfig) {
+    let Some((field, place)) = slot.kind.description().find("cams") else { return };
+    let tracks = slot.values.get(place..place + field.count).unwrap_or_default();
+    let mut is_good = true;
+    for (item, cams) in items(entry, "cams").iter().zip(tracks).filter(|(_, cams)| **cams > CAMS) {
+        refuse(item, &format!("{} is {cams}", item.label()), &format!("0..{CAMS}"));
+        is_good = false;
+    }
+    let all = tracks.iter().sum::<i64>();
+    if let Some(value) = at(entry, "cams").filter(|_| is_good && all > CAMS) {
+        refuse(&value, &format!("cams has {all} in all tracks"), &CAMS.to_string());
+    }
+}
