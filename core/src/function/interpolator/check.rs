@@ -118,7 +118,7 @@ fn check_table(table: &Table, takes: &Takes, setup: &Setup) -> Result<(), (Code,
     if let Some(last) = table.x().last().filter(|last| !(takes.length.0..=takes.length.1).contains(last)) {
         return Err((Code::AMK_CURVE_LENGTH, *last));
     }
-    let scaled = i128::from(shape.extreme) * i128::from(setup.scale.mult.unsigned_abs()) >> setup.scale.div_exp;
+    let scaled = (i128::from(shape.extreme) * i128::from(setup.scale.mult.unsigned_abs())) >> setup.scale.div_exp;
     if scaled >= LARGEST {
         return Err((Code::AMK_CURVE_SCALED, i64::try_from(scaled).unwrap_or(i64::MAX)));
     }

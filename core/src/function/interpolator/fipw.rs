@@ -198,10 +198,8 @@ impl Program for Fipw {
         {
             if is_used { within(field, asked, (0, last))? } else { needs(field, asked, 0, mode)? }
         }
-        if function & ZERO_PULSE != 0 {
-            if by_time || movement == Movement::Immediate {
-                return Err(Fault::new(Code::AMK_MODE_FIELD).of(field("function")).with(function, mode));
-            }
+        if function & ZERO_PULSE != 0 && (by_time || movement == Movement::Immediate) {
+            return Err(Fault::new(Code::AMK_MODE_FIELD).of(field("function")).with(function, mode));
         }
         if function & (ZERO_PULSE | MARKS) != 0 {
             check::check_zero_pulse(setting, function, field("function"))?;

@@ -59,7 +59,7 @@ impl Marks {
         let wide = i128::from;
         let (mult, format) = (wide(scale.mult), wide(self.format));
         // All in parts of whole * FL * 2^n: factors of 31, 31, 16 and 15 bits.
-        let unit = wide(point.whole) * format << scale.div_exp;
+        let unit = (wide(point.whole) * format) << scale.div_exp;
         let position = (wide(point.y) * wide(point.whole) + wide(point.rise) * wide(point.part)) * mult * format;
         let step = wide(curve.end()) * mult * wide(point.whole);
         let command = wide(self.shift - self.distance).rem_euclid(format) * step;
