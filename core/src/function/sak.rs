@@ -69,7 +69,7 @@ impl Sak {
 mod tests {
     use super::*;
 
-    /// Proves: AMK-SAK-02, AMK-SAK-03, AMK-SAK-04, AMK-SAK-O1, AMK-SAK-O2, AMK-SAK-O3
+    /// Proves: AMK-SAK-02, AMK-SAK-03, AMK-SAK-04, AMK-SAK-O1, AMK-SAK-O2, AMK-SAK-O3, AMK-XFIPW-121, AMK-XFIPW-O4
     #[test]
     fn a_factor_is_the_lag_of_the_loop_and_the_dead_time_of_its_input() {
         let of = |half_ms: u64, gain, origin| factor(half_ms * 500_000, gain, origin);

@@ -58,8 +58,10 @@ fn outputs(row: &Description) -> String {
 fn tables(row: &Description) -> String {
     match (row.tables, row.edits_tables) {
         (0, _) => "none".to_owned(),
-        (count, true) => format!("{count}, which may get new numbers while the function runs"),
-        (count, false) => format!("{count}, which keeps its numbers while the function runs"),
+        (1, true) => "1, which may get new numbers while the function runs".to_owned(),
+        (1, false) => "1, which keeps its numbers while the function runs".to_owned(),
+        (most, true) => format!("up to {most}, which may get new numbers while the function runs"),
+        (most, false) => format!("up to {most}, which keep their numbers while the function runs"),
     }
 }
 

@@ -31,7 +31,7 @@ fn each_type_has_its_line_and_its_section_in_the_page() {
 #[test]
 fn every_field_is_shown_with_all_that_is_said_of_it() {
     for row in TYPES {
-        let (text, page) = (details(row, 200), markdown());
+        let (text, page) = (details(row, 400), markdown());
         for field in row.fields {
             let shown = format!("{} to {}", field.min, field.max);
             let is_shown =
@@ -70,8 +70,12 @@ fn a_type_tells_what_it_reads_and_writes() {
     ] {
         assert!(binea.lines().any(|there| there == line), "{line}\n{binea}");
     }
-    assert!(text(Kind::Varsync).contains("  shows     sak_share, what its compensation adds (inc)\n"));
+    assert!(
+        text(Kind::Varsync)
+            .contains("  shows     sak_share, what compensation of the following error adds to its sink (inc)\n")
+    );
     assert!(text(Kind::Dcopy).contains("an axis, a memory cell of numbers, an ao or none; it must be given\n"));
+    assert!(text(Kind::Fipw).contains("  tables    up to 8, which keep their numbers while the function runs\n"));
     assert!(text(Kind::Cam).contains("  tables    1, which may get new numbers while the function runs\n"));
 }
 

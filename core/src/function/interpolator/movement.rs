@@ -59,6 +59,8 @@ impl Interpolator {
             let length = self.curve(seen).length();
             self.register.leave(&self.setup.marks, self.x, length);
             (self.table, self.near) = (working.saturating_add(1), 0);
+            // Tables of the set may have lengths of their own.
+            self.x = self.x.rem_euclid(self.curve(seen).length());
         }
     }
 

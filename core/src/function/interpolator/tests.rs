@@ -153,7 +153,7 @@ fn time_runs_in_parts_of_a_call_where_that_is_no_half_millisecond() {
     assert_eq!(bench.run(&[(0, 0); 5]).iter().map(|call| call.0).collect::<Vec<_>>(), [500, 1000, 2500, 4000, 4500]);
 }
 
-/// Proves: AMK-FIPW-37, AMK-FIPW-47, AMK-SYNC-01, AMK-SYNC-02, AMK-SYNC-O2
+/// Proves: AMK-FIPW-43, AMK-SYNC-01, AMK-SYNC-02, AMK-SYNC-O2
 #[test]
 fn a_zero_pulse_begins_a_cycle_where_it_was() {
     let tables = [y(&[0, 1000])];
@@ -187,7 +187,7 @@ fn a_cycle_waits_for_its_window_and_is_locked_to_the_master() {
     assert_eq!(bench.run(&[(39, 0), (3, 0), (-10, 0)]), [(0, 0), (20, 0), (-80, 0)]);
 }
 
-/// Proves: AMK-FIPW-46, AMK-FIPW-40
+/// Proves: AMK-FIPW-38, AMK-FIPW-40, AMK-FIPW-46, AMK-FIPW-47
 #[test]
 fn tables_run_one_after_the_other_once_e1_has_risen() {
     let tables = [y(&[0, 100]), y(&[0, 1000]), y(&[0, -50])];
@@ -214,7 +214,7 @@ fn tables_run_one_after_the_other_once_e1_has_risen() {
     assert_eq!(bench.run(&calls), wanted);
 }
 
-/// Proves: AMK-FIPW-48, AMK-FIPW-49, AMK-FIPW-50, AMK-FIPW-51, AMK-FIPW-52, AMK-FIPW-38, AMK-FIPW-39
+/// Proves: AMK-FIPW-48, AMK-FIPW-49, AMK-FIPW-50, AMK-FIPW-51, AMK-FIPW-52, AMK-FIPW-39
 #[test]
 fn a_master_is_coupled_in_and_out_by_tables() {
     let tables = [y(&[0, 50]), y(&[0, 100]), y(&[0, 40])];
@@ -250,6 +250,7 @@ fn a_stop_window_replaces_the_rest_of_a_pass() {
     assert_eq!(bench.run(&[(0, 1), (20, 0), (79, 0), (1, 0), (5, 0)]), [(0, 0), (20, 0), (99, 0), (100, 1), (100, 1)]);
 }
 
+/// Proves: AMK-FIPW-37
 #[test]
 fn behind_its_first_table_a_movement_waits_for_the_master() {
     let tables = [y(&[0, 100])];
@@ -487,7 +488,7 @@ fn sets_are_whole() {
     assert_eq!(refused(8, 3, &[]), None);
 }
 
-/// Proves: AMK-XFIPW-92, AMK-XFIPW-97, AMK-XFIPW-103, AMK-XFIPW-122, AMK-XFIPW-123, AMK-XFIPW-16, AMK-XFIPW-24
+/// Proves: AMK-XFIPW-92, AMK-XFIPW-97, AMK-XFIPW-122, AMK-XFIPW-123, AMK-XFIPW-16, AMK-XFIPW-24
 #[test]
 fn what_an_extended_mode_does_not_use_is_refused() {
     let (many, more): (Vec<i64>, Vec<i64>) = ((0..2000).collect(), (0..2001).collect());
@@ -784,4 +785,259 @@ fn marks_that_drift_are_held_in_register() {
     }
     // Half of the deviation is corrected in each pass, 60 inc come anew: twice of them stay.
     assert!((100..=140).contains(&worst), "{worst}");
+}
+
+/// Proves: AMK-FIPW-13, AMK-FIPW-14, AMK-FIPW-25, AMK-FIPZ-06, AMK-FIPZ-07, AMK-FIPZ-08, AMK-FIPZ-09, AMK-FIPZ-10, AMK-FIPZ-11, AMK-FIPZ-12,
+/// AMK-FIPZ-13, AMK-FIPZ-15, AMK-XFIPW-89, AMK-XFIPW-90, AMK-XFIPW-91, AMK-XFIPW-93, AMK-XFIPW-94, AMK-XFIPW-95, AMK-XFIPW-96, AMK-XFIPW-98,
+/// AMK-XFIPW-99, AMK-XFIPW-100, AMK-XFIPW-101, AMK-XFIPW-102, AMK-XFIPW-104, AMK-XFIPW-105, AMK-XFIPW-107, AMK-XFIPW-108, AMK-XFIPW-109,
+/// AMK-XFIPW-110, AMK-XFIPW-111, AMK-XFIPW-112, AMK-XFIPW-113, AMK-XFIPW-114, AMK-XFIPW-115, AMK-XFIPW-117, AMK-XFIPW-118,
+/// AMK-XFIPW-119, AMK-XFIPW-120
+#[test]
+fn sets_have_the_fields_of_the_source() {
+    let of = |fields: &[Field]| {
+        let row = |field: &Field| format!("{} {} {} {}", field.name, field.min, field.max, field.count);
+        fields.iter().map(row).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        of(fipw::FIELDS)[..14],
+        [
+            "function 0 7 1",
+            "mode 0 132 1",
+            "sak 0 32767 1",
+            "sf_cycle 0 32767 1",
+            "table_count 1 8 1",
+            "start_tables 0 7 1",
+            "div_exp 0 15 1",
+            "sync_md_addr 0 0 1",
+            "mult -32768 32767 1",
+            "increments_per_rev 0 32767 1",
+            "cycle_time 0 1073676289 1",
+            "master_offset 0 1073676288 1",
+            "start_angle 0 1073676288 1",
+            "stop_angle 0 1073676288 1",
+        ]
+    );
+    assert_eq!(
+        of(fipz::FIELDS),
+        [
+            "mode 16 17 1",
+            "sak 0 32767 1",
+            "sf_cycle 0 32767 1",
+            "table_count 1 8 1",
+            "div_exp 0 15 1",
+            "mult 1 32767 1",
+            "cycle_time 0 32767 8",
+        ]
+    );
+    assert_eq!(
+        of(xfipw::FIELDS),
+        [
+            "function 0 63 1",
+            "ba 0 133 1",
+            "sak_factor 0 32767 1",
+            "sf_cycle 0 32767 1",
+            "tables_total 1 8 1",
+            "tables_start 0 7 1",
+            "div_exp 0 15 1",
+            "ext_sync_md 0 0 1",
+            "work_cycles 0 255 1",
+            "mult -32768 32767 1",
+            "incr_per_rev 0 32767 1",
+            "cycle_time 0 32767 1",
+            "master_offset -32767 32767 1",
+            "start_angle 0 32767 1",
+            "stop_angle 0 32767 1",
+            "format_length 0 32767 1",
+            "sensor_distance 0 2147483647 1",
+            "sync_shift 0 32766 1",
+            "valid_range 0 16383 1",
+            "corr_start 0 32767 1",
+            "corr_len 0 32767 1",
+            "corr_md 0 0 1",
+            "corr_weight 0 255 1",
+            "corr_every 0 255 1",
+            "output_value -2147483648 2147483647 1",
+        ]
+    );
+}
+
+/// Proves: AMK-XFIPW-28, AMK-XFIPW-38, AMK-XFIPW-34, AMK-XFIPW-43
+#[test]
+fn a_sequence_repeats_its_working_table_and_a_last_one_ends_with_its_pass() {
+    let tables = [y(&[0, 10]), y(&[0, 100]), y(&[0, 30])];
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(82, &[("tables_total", 3), ("tables_start", 1), ("work_cycles", 2)]), 0);
+    // The edge is kept while E1 falls again; a table, the working one twice, the last one.
+    let calls = [(40, 1), (30, 0), (30, 0), (100, 0), (100, 0), (100, 0), (50, 0), (50, 0), (100, 0)];
+    let wanted = [(0, 1), (0, 1), (0, 0), (10, 0), (110, 0), (210, 0), (225, 0), (240, 1), (240, 1)];
+    assert_eq!(bench.run(&calls), wanted);
+    // Without stop tables a window ends nothing: the pass is run to its end.
+    let mut bench = xfipw(&tables[..2]);
+    bench.start(&extended(98, &[("tables_total", 2), ("tables_start", 1), ("stop_angle", 60)]), 0);
+    assert_eq!(
+        bench.run(&[(0, 1), (100, 1), (50, 0), (49, 0), (1, 0)]),
+        [(0, 0), (10, 0), (60, 0), (109, 0), (110, 1)]
+    );
+}
+
+/// Proves: AMK-XFIPW-30, AMK-XFIPW-31, AMK-XFIPW-32, AMK-XFIPW-33, AMK-XFIPW-106
+#[test]
+fn modes_by_time_are_those_by_way_with_the_calls_as_master() {
+    let tables = [y(&[0, 10]), y(&[0, 100]), y(&[0, 30])];
+    let several = [("tables_total", 3), ("tables_start", 1)];
+    for (way, time, more) in
+        [(2, 4, &[][..]), (26, 132, &[("work_cycles", 3)]), (82, 84, &several), (98, 100, &several)]
+    {
+        let values = |ba, length: (&'static str, i64)| {
+            let mut values = extended(ba, more);
+            values.retain(|(name, _)| *name != "incr_per_rev");
+            values.push(length);
+            values
+        };
+        // 25 half milliseconds in calls of 2; the same as 50 inc in steps of 4.
+        let (mut by_way, mut by_time) = (xfipw(&tables), xfipw(&tables));
+        by_way.start(&values(way, ("incr_per_rev", 50)), 0);
+        by_time.start(&values(time, ("cycle_time", 25)), 0);
+        for call in 0..200_i64 {
+            let e1 = u8::from(call % 70 > 8 && call % 70 < 40);
+            let (a, b) = (by_way.step(4, e1), by_time.step(0, e1));
+            assert_eq!((a.sink, a.outputs), (b.sink, b.outputs), "{time}: call {call}");
+        }
+        assert_ne!(by_time.sink, 0, "{time}");
+    }
+}
+
+/// Proves: AMK-XFIPW-35, AMK-XFIPW-36
+#[test]
+fn windows_are_those_of_the_tables_that_they_belong_to() {
+    // A turn of 100 clocks in, one of 200 works, one of 60 clocks out.
+    let tables = [xy(&[(0, 0), (100, 50)]), xy(&[(0, 0), (200, 200)]), xy(&[(0, 0), (60, 30)])];
+    let values =
+        [("tables_total", 3), ("tables_start", 1), ("incr_per_rev", 0), ("start_angle", 20), ("stop_angle", 150)];
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(98, &values), 0);
+    // x = 20 lies in the window; 10 of 50 are caught up.
+    assert_eq!(bench.run(&[(20, 0), (0, 1), (80, 1)]), [(0, 1), (10, 0), (50, 0)]);
+    // x = 150 of the working table, then E1 = 0: that is 30 of the stop table.
+    assert_eq!(bench.run(&[(150, 1), (0, 0), (30, 0)]), [(200, 0), (65, 0), (80, 1)]);
+    assert_eq!(
+        xfipw(&tables).refused(&extended(98, &[&values[..4], &[("stop_angle", 200)]].concat())).map(|fault| fault.code),
+        Some(Code::AMK_BEYOND)
+    );
+}
+
+/// Proves: AMK-XFIPW-41, AMK-XFIPW-42, AMK-XFIPW-61
+#[test]
+fn an_extended_movement_waits_for_the_zero_of_its_master() {
+    let tables = [y(&[0, 1000])];
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(26, &[("function", 4)]), 0);
+    // No movement before the pulse, and the edge has to come behind it.
+    assert_eq!(bench.run(&[(30, 1), (30, 0)]), [(0, 1), (0, 1)]);
+    marked(&mut bench, 10, 5);
+    assert_eq!(bench.run(&[(0, 1), (10, 1)]), [(0, 0), (100, 0)]);
+    // Set on at the pulse: only what the master goes behind it moves the slave.
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(2, &[("function", 12), ("master_offset", 40)]), 0);
+    assert_eq!((bench.step(30, 0).sink, marked(&mut bench, 10, 4).sink, bench.step(6, 0).sink), (0, 40, 100));
+}
+
+/// Proves: AMK-XFIPW-75, AMK-XFIPW-79
+#[test]
+fn the_extended_control_counts_marks_and_has_both_places() {
+    let tables = [y(&[0, 20_000, 40_000, 60_000])];
+    let set = |more: &[(&'static str, i64)]| {
+        let set = [
+            ("function", 1),
+            ("incr_per_rev", 20_000),
+            ("format_length", 3000),
+            ("sensor_distance", 2500),
+            ("corr_start", 4000),
+        ];
+        extended(2, &[&set[..], more].concat())
+    };
+    let mut bench = xfipw(&tables);
+    bench.start(&set(&[("corr_every", 3)]), 0);
+    let passes: Vec<_> = (0..4).map(|_| (marked(&mut bench, 3400, 0), bench.step(16_600, 0).correction).1).collect();
+    assert_eq!(passes, [0, 0, 200, 200]);
+    let shares = [1, 3].map(|function| {
+        let mut bench = xfipw(&tables);
+        bench.start(&set(&[("function", function), ("sak_factor", 256)]), 0);
+        marked(&mut bench, 3400, 0);
+        bench.step(600, 0).sak_share
+    });
+    assert_eq!(shares, [3600, 4000]);
+}
+
+/// Proves: AMK-FIPW-O6, AMK-PMC-04, AMK-SYNC-03, AMK-XFIPW-70, AMK-XFIPW-125
+#[test]
+fn the_set_of_the_manual_is_one_on_a_source_with_marks() {
+    let tables = [y(&[0, 300]), y(&[0, 3000]), y(&[0, 300])];
+    let set_of_it = [
+        ("function", 1),
+        ("mode", 98),
+        ("sf_cycle", 4),
+        ("table_count", 3),
+        ("start_tables", 1),
+        ("mult", 1),
+        ("increments_per_rev", 20_000),
+        ("format_length", 3000),
+        ("sensor_distance", 1000),
+        ("valid_range", 200),
+        ("corr_start", 5000),
+        ("corr_length", 10_000),
+    ];
+    let mut bench = fipw(&tables);
+    bench.call_ns = 2_000_000;
+    assert_eq!(bench.refused(&set_of_it), None);
+    let words = set(fipw::FIELDS, &set_of_it);
+    let without = |has_source, has_mark| {
+        let setting = Setting { has_source, has_mark, ..setting(bench.call_ns, bench.found()) };
+        bench.function.check(Words(&words), &setting).map_err(|fault| fault.code)
+    };
+    assert_eq!(without(true, false), Err(Code::AMK_NO_ZERO_PULSE));
+    assert_eq!(without(false, false), Err(Code::AMK_NO_SOURCE));
+}
+
+/// Proves: AMK-XFIPW-02, AMK-XFIPW-03, AMK-XFIPW-04, AMK-XFIPW-23, AMK-TAB-04
+#[test]
+fn eight_tables_of_both_forms_run_one_after_the_other() {
+    let tables: Vec<Arc<Table>> = (1..=8)
+        .map(|n| if n % 2 == 0 { y(&[0, 5 * n, 10 * n]) } else { xy(&[(0, 0), (30, 5 * n), (50 * n, 10 * n)]) })
+        .collect();
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(82, &[("tables_total", 8), ("tables_start", 7), ("incr_per_rev", 60)]), 0);
+    bench.step(0, 1);
+    let mut ends = Vec::new();
+    for n in 1..=8 {
+        ends.push(bench.step(if n % 2 == 0 { 60 } else { 50 * n }, 0).sink);
+    }
+    assert_eq!(ends, [10, 30, 60, 100, 150, 210, 280, 360]);
+    assert_eq!(bench.step(0, 0).outputs, 1);
+}
+
+/// Proves: AMK-XFIPW-17, AMK-XFIPW-19, AMK-XFIPW-21, AMK-XFIPW-22, AMK-XFIPW-71, AMK-XFIPW-82, AMK-XFIPW-85, AMK-XFIPW-124, AMK-XFIPW-126
+#[test]
+fn tables_and_marks_of_the_extended_type_have_their_ranges() {
+    // The largest table: 2000 points of 32767 inc each.
+    let high: Vec<i64> = (0..2000).map(|i| i * 32_767).collect();
+    let one = |table: Arc<Table>, values: &[(&str, i64)]| xfipw(&[table]).refused(values).map(|fault| fault.code);
+    assert_eq!(one(y(&high), &extended(2, &[])), None);
+    assert_eq!(one(xy(&[(0, 0), (32_767, -32_767)]), &extended(2, &[("incr_per_rev", 0)])), None);
+    assert_eq!(
+        one(Arc::new(Table::new(Form::Words, &[], &[3, 0]).expect("words")), &extended(2, &[])),
+        Some(Code::AMK_CURVE_FORM)
+    );
+    // By time a last place of 1 is long enough.
+    let time = [("ba", 4), ("mult", 1), ("tables_total", 1)];
+    assert_eq!(one(xy(&[(0, 0), (1, 5)]), &time), None);
+    // Format and sensor alone are enough for marks; sak may be 0. Not by time, not with sets.
+    let marks = [("function", 1), ("format_length", 3000), ("sensor_distance", 1000)];
+    for (ba, code) in [(2, None), (26, None), (82, None), (98, None), (3, Some(Code::AMK_MODE_FIELD))] {
+        assert_eq!(one(y(&[0, 1000]), &extended(ba, &marks)), code, "{ba}");
+    }
+    assert_eq!(
+        one(y(&[0, 1000]), &[&time[..], &marks[..1], &[("cycle_time", 9)]].concat()),
+        Some(Code::AMK_MODE_FIELD)
+    );
 }

@@ -19,6 +19,7 @@ use std::sync::Arc;
 
 mod events;
 mod integers;
+mod interpolators;
 mod links;
 mod random;
 

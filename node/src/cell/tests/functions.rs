@@ -51,7 +51,7 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ),
         (
             "{slot: 1, type: ^camm}",
-            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam is allowed",
+            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw is allowed",
         ),
         ("^{slot: 1, type: dcopy, sink: none}", "function `f` has no source; type dcopy reads one"),
         (
