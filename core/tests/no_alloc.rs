@@ -241,7 +241,8 @@ fn command(numbers: &mut Numbers) -> Action {
     let orders = [Order::Start, Order::Start, Order::Start, Order::Reset, Order::ValueNew, Order::ReadValue];
     let order = orders[numbers.below(6) as usize];
     let (_, field, _) = TYPES[usize::from(slot)].field_of(0).expect("each type has a field");
-    let mut values = vec![(0, numbers.below(field.max.unsigned_abs().min(4) + 2) as i64)];
+    let least = field.min.max(0);
+    let mut values = vec![(0, least + numbers.below(field.max.abs_diff(least).min(4) + 2) as i64)];
     if let Some((_, tracks)) = TYPES[usize::from(slot)].find("tracks") {
         values.push((tracks as u16, 2));
     }
