@@ -7,7 +7,7 @@ use support::{domain::Domain, peer::Peer, program::Program};
 use tempfile::TempDir;
 
 const OUT_OF_RANGE: u32 = 3004;
-const STARTED: &str = "it is started already; RESET comes before another START";
+const STARTED: &str = "it is started already; RESET comes first";
 const NO_VALUE_NEW: &str = "its type has no VALUE_NEW; values count from START on";
 const AT_REST: &str = "it is in RESET; VALUE_NEW needs a function that is started";
 
@@ -25,6 +25,7 @@ encoders:
 tables:
   limits: {form: words, words: [100, 0, 0, 1, 0, 1]}
   segments: {form: words, words: [3, 0, 0, 0, 500, 0, 5, 0, 1000, 0, 2, 0]} # bits 101 up to 500, 010 up to 1000
+  rise: {form: y, points: [0, 500, 1000]}
   nose: # on from 0 to 9000 and from 500 to 1000
     form: words
     words: [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
@@ -42,6 +43,12 @@ functions:
   gaps: {slot: 5, type: imes, source: belt, sink: measured}
   switch: {slot: 6, type: binea, source: belt, ba: 1, tracks: 1, tables: [segments]}
   cams: {slot: 7, type: cam, source: belt, ba: 1, tables: [nose]}
+  cut: {slot: 8, type: fipw, source: belt, inputs: [go], tables: [rise], mode: 26, table_count: 1, mult: 1, increments_per_rev: 1000}
+  index: {slot: 9, type: fipz, inputs: [go], tables: [rise], mode: 16, table_count: 1, mult: 1}
+  track: {slot: 10, type: xfipw, source: belt, tables: [rise], ba: 2, tables_total: 1, mult: 1, incr_per_rev: 1000}
+  follow:
+    {slot: 11, type: dfkt, source: given, mult: 1, div: 1, in_final: 2000, out_max: 4000, out_min: -4000, ratio_max: 9, ratio_min: -9,
+     ratio_div: 1}
 ";
 
 /// A type in its orders.
@@ -60,7 +67,7 @@ struct Case {
     rest: u8,
 }
 
-fn cases() -> [Case; 8] {
+fn cases() -> [Case; 11] {
     [
         Case {
             function: "copy",
@@ -133,6 +140,34 @@ fn cases() -> [Case; 8] {
             bad: ("cams=[0,1001]", "cams[1] is 1001; 0 to 1000 is allowed"),
             shows: (0, 0b01),
             renew: None,
+            rest: 0,
+        },
+        Case {
+            function: "cut",
+            kind: "fipw",
+            start: ("sak=5", json!({"mode": 26, "sak": 5, "increments_per_rev": 1000})),
+            bad: ("div_exp=16", "div_exp is 16; 0 to 15 is allowed"),
+            shows: (0, 1),
+            renew: None,
+            rest: 1,
+        },
+        Case {
+            function: "index",
+            kind: "fipz",
+            start: ("cycle_time=[200]", json!({"mode": 16, "cycle_time": [200, 0, 0, 0, 0, 0, 0, 0]})),
+            bad: ("mult=0", "mult is 0; 1 to 32767 is allowed"),
+            shows: (0, 1),
+            renew: None,
+            rest: 1,
+        },
+        Case {
+            function: "follow",
+            kind: "dfkt",
+            start: ("mult=3", json!({"ba": 0, "mult": 3, "div": 1})),
+            bad: ("cont_high=2", "cont_high is 2; 0 to 1 is allowed"),
+            shows: (21, 0),
+            // RESET makes a speed 0, as this does.
+            renew: Some(("mult=0 ba=2", json!({"ba": 0, "mult": 0}), (0, 0))),
             rest: 0,
         },
     ]
@@ -253,6 +288,32 @@ fn every_type_is_commanded(peer: fn(&Domain) -> Peer) {
     }
 }
 
+/// READ_VALUE of this type finds a value, and only at rest.
+fn a_place_is_read(peer: fn(&Domain) -> Peer) {
+    let mut bench = Bench::start(peer);
+    assert_eq!(bench.order("track", "read_value master_offset=250")["output_value"], 250);
+    bench.refused("track", "read_value master_offset=-50 corr_weight=256", "corr_weight is 256; 0 to 255 is allowed");
+    bench.refused("track", "start stop_angle=1", "stop_angle: 1 has no meaning in mode 2");
+    assert_eq!(bench.order("track", "read_value")["master_offset"], 250, "what is refused is not staged");
+    let in_force = bench.order("track", "start master_offset=0");
+    assert_eq!((&in_force["master_offset"], &in_force["ba"]), (&json!(0), &json!(2)));
+    bench.refused("track", "read_value", STARTED);
+    bench.refused("track", "start", STARTED);
+    assert_eq!(bench.order("track", "value_new corr_every=3 ba=26")["corr_every"], 3);
+    bench.order("track", "reset");
+    bench.shows("track", &json!({"type": "xfipw", "active": false, "error_code": 0}));
+}
+
+#[test]
+fn a_place_is_read_from_cyclone_dds() {
+    a_place_is_read(Peer::cyclone);
+}
+
+#[test]
+fn a_place_is_read_from_fast_dds() {
+    a_place_is_read(Peer::fastdds);
+}
+
 /// Proves: AMK-CMD-03, AMK-CMD-08, AMK-CMD-09, AMK-CMD-10, AMK-CMD-11, AMK-CMD-12, AMK-CMD-13
 #[test]
 fn every_type_is_commanded_from_cyclone_dds() {
@@ -279,7 +340,7 @@ fn tables_are_loaded_and_read_from_fast_dds() {
     let sentence = "segments: function switch is started and reads it; type binea takes no new numbers before RESET";
     assert_eq!(bench.peer.fails(load), sentence);
     for (request, sentence) in [
-        ("segment --y 1", "no table is called `segment`; limits, segments, nose are known"),
+        ("segment --y 1", "no table is called `segment`; limits, segments, rise, nose are known"),
         ("segments", "segments: a table has 0 numbers; 1 to 65536 are possible"),
         ("segments --y 0,65536", "segments: word 1 is 65536; -32768 to 65535 is possible"),
         ("segments --x 1 --y 1", "segments: a table of form words has 1 places in x; it takes none"),

@@ -118,7 +118,7 @@ fn a_function_is_started_renewed_read_and_ended() {
     // Doubles are taken where they are whole.
     let active = bench.function("ratio start m1=20000.0");
     assert_eq!((&active["m1"], &active["m2"]), (&json!(20_000), &json!(5_000)));
-    let sentence = "ratio: it is started already; RESET comes before another START";
+    let sentence = "ratio: it is started already; RESET comes first";
     assert_eq!(bench.refused("function /lineshaft ratio start m2=40000"), sentence);
 }
 

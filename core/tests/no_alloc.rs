@@ -202,7 +202,7 @@ fn slots() -> Vec<SlotConfig> {
     let slots = TYPES.iter().enumerate().map(|(place, row)| {
         let mut slot = SlotConfig::new(format!("f{place}"), place as u16, row.kind);
         slot.source = match row.kind {
-            function::Kind::Imes | function::Kind::Dcopy | function::Kind::Cam => {
+            function::Kind::Imes | function::Kind::Dcopy | function::Kind::Cam | function::Kind::Dfkt => {
                 SourceConfig::Lead(Leader::Encoder(0))
             }
             function::Kind::Varsync => SourceConfig::Lead(Leader::AxisCommand(0)),
@@ -227,6 +227,13 @@ fn slots() -> Vec<SlotConfig> {
             slot.values[row.find(name).expect("a field").1] = *value;
         }
         slot.room = Room { mean: 32, cams: 0 };
+        if row.kind == function::Kind::Dfkt {
+            let values =
+                ["table_count", "active_table", "div", "mult", "in_resolution", "in_final", "ratio_max", "ratio_div"];
+            for (_, place) in values.iter().filter_map(|name| row.find(name)) {
+                slot.values[place] = 1;
+            }
+        }
         for line in slot.inputs.iter_mut().take(row.inputs) {
             *line = Some(Line { object: Object::Memory(1), inverted: false });
         }

@@ -111,13 +111,25 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
             ("tracks", 2),
             ("modulo", 20_000),
             ("speed", 5),
+            ("table_count", 1),
+            ("active_table", 1),
+            ("div", 2),
+            ("mult", 3),
+            ("in_resolution", 5000),
+            ("in_final", 900),
+            ("out_max", 3000),
+            ("out_min", -3000),
+            ("ratio_max", 5),
+            ("ratio_min", -5),
+            ("ratio_div", 1),
         ] {
             if let Some((_, place)) = row.find(name) {
                 slot.values[place] = value;
             }
         }
         if let Some((_, ba)) = row.find("ba").filter(|_| row.kind != Kind::Imes) {
-            slot.values[ba] = 1;
+            // A dfkt by way, and by its inputs.
+            slot.values[ba] = if row.kind == Kind::Dfkt { 3 } else { 1 };
         }
         interpolate(&mut slot, numbers.below(4) as usize);
         slot

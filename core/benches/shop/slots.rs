@@ -13,7 +13,7 @@ use lineshaft_core::unit::Scale;
 use std::sync::Arc;
 
 /// Values that an ordinary set gives, by the names of their fields.
-const VALUES: [(&str, i64); 9] = [
+const VALUES: [(&str, i64); 20] = [
     ("m1", 12_345),
     ("sak", 4032),
     ("spacing", 10_000),
@@ -23,6 +23,17 @@ const VALUES: [(&str, i64); 9] = [
     ("value_e1_0", 5),
     ("mean_n", 10),
     ("cams", 2),
+    ("table_count", 1),
+    ("active_table", 1),
+    ("div", 1000),
+    ("mult", 700),
+    ("in_resolution", 20_000),
+    ("in_final", 2000),
+    ("out_max", 4000),
+    ("out_min", -4000),
+    ("ratio_max", 2),
+    ("ratio_min", -2),
+    ("ratio_div", 1),
 ];
 
 /// Sets of interpolators, which read a curve.
@@ -60,7 +71,7 @@ pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
                 slot.values[place] = *value;
             }
         }
-        if let (Kind::Binea | Kind::Cam, Some((_, ba))) = (row.kind, row.find("ba")) {
+        if let (Kind::Binea | Kind::Cam | Kind::Dfkt, Some((_, ba))) = (row.kind, row.find("ba")) {
             slot.values[ba] = 1;
         }
         slot

@@ -248,7 +248,7 @@ codes! {
 
     /// START of a function that runs.
     FUNCTION_ACTIVE = 3001, NoError {
-        says: "it is started already; RESET comes before another START",
+        says: "it is started already; RESET comes first",
         cause: "START was given to a function that is started (AMK-CMD-10).",
         remedy: "Give RESET first, or VALUE_NEW where its type takes that.",
     }
@@ -467,7 +467,8 @@ codes! {
     AMK_BEYOND = 3048, NoError {
         says: "{asked} lies beyond {limit}, which is the bound here",
         cause: "A field lies beyond the bound that the mode or the other fields of its set leave.",
-        remedy: "Tables last 50 to 32767 inc, or 1 to 32767 calls; offsets and windows end before the table does, start_tables below table_count.",
+        remedy: "Tables last 50 to 32767 inc, or 1 to 32767 calls; offsets and windows end before the table does, start_tables below table_count. \
+            dfkt: active_table within table_count, with bit 2 of `ba` mult times last point / in_final within 32767.",
     }
 
     /// Fewer tables than a set counts.
@@ -487,15 +488,15 @@ codes! {
     /// A table without the points of a curve.
     AMK_CURVE_FORM = 3051, NoError {
         says: "Tab{asked} is of a form that the type does not read",
-        cause: "An interpolator was given a table of form words, or one with places of its own where it takes none.",
-        remedy: "fipw and fipz read form y, xfipw reads y and xy.",
+        cause: "An interpolator was given a table of form words, or a type one with places of its own where it takes none.",
+        remedy: "fipw and fipz read form y, xfipw reads y and xy, dfkt y and words.",
     }
 
     /// Too many points, or too few.
     AMK_CURVE_POINTS = 3052, NoError {
         says: "Tab{asked} has {limit} points, more or fewer than the type takes",
-        cause: "A table of an interpolator has fewer than two points, or too many.",
-        remedy: "fipw and fipz take 2 to 127, xfipw 2 to 2000, of form xy 2 to 1000.",
+        cause: "A table of an interpolator or of speeds has fewer than two points, or too many.",
+        remedy: "fipw, fipz and dfkt take 2 to 127, xfipw 2 to 2000, of form xy 2 to 1000.",
     }
 
     /// A curve that does not begin at 0.
@@ -545,5 +546,74 @@ codes! {
         says: "mode {asked} runs by the way of a source; the function has none",
         cause: "A mode by way was chosen for a function whose source is none.",
         remedy: "Name a source, or choose a mode by time.",
+    }
+    /// Limits of a ratio that leave nothing between them.
+    AMK_RATIO_LIMITS = 3060, NoError {
+        says: "{asked} does not lie below ratio_max, {limit}",
+        cause: "The least ratio of a dfkt is not below its largest one.",
+        remedy: "Set ratio_min below ratio_max; -32767 and 32767 with ratio_div 1 limit hardly anything.",
+    }
+
+    /// A table that cannot go on below 0 so.
+    AMK_CONTINUATION = 3061, NoError {
+        says: "{asked} is no way to go on below 0; 0 holds the first point, 2 mirrors the table",
+        cause: "cont_low of a dfkt is 1.",
+        remedy: "Set it to 0 or 2.",
+    }
+
+    /// A last point that no ratio can be related to.
+    AMK_LAST_POINT = 3062, NoError {
+        says: "Tab{asked} ends at 0 rpm, and no ratio can be related to that",
+        cause: "Bit 2 of `ba` relates the ratio of a dfkt to the last point of its table, which is 0.",
+        remedy: "Leave bit 2 out, or end the table at another speed.",
+    }
+
+    /// A table in the place of one that the function would write.
+    AMK_OUTPUT_TABLE = 3063, NoError {
+        says: "Tab7 would be a table that the function writes, which does not exist here; Tab0 to Tab6 are read",
+        cause: "A dfkt has an eighth table.",
+        remedy: "Name seven at most; the signals of the function tell what it does.",
+    }
+
+    /// A speed in a table beyond its range.
+    AMK_SPEED_POINT = 3064, NoError {
+        says: "point {limit} of Tab{asked} is not within -32767 to 32767 rpm",
+        cause: "A point of a table of speeds lies beyond its range.",
+        remedy: "Points are whole rpm; reach higher speeds by mult and div.",
+    }
+
+    /// New numbers for the table that runs.
+    AMK_TABLE_IN_USE = 3065, NoError {
+        says: "Tab{asked} is the one that runs, which gets no new numbers",
+        cause: "The table that a started dfkt follows was to be loaded (AMK-DFKT-25).",
+        remedy: "Load one that is not active and select that; or RESET, load, START.",
+    }
+
+    /// DW0 of a table of speeds counts too few points, or too many.
+    AMK_SPEED_POINTS = 3066, NoError {
+        says: "DW0 of Tab{asked} is {limit}; points + 1, so 3 to 128, is possible",
+        cause: "DW0 of a table of speeds counts fewer than 2 points, or more than 127.",
+        remedy: "Give the number of points + 1.",
+    }
+
+    /// A table of speeds that ends before its last point.
+    AMK_SPEED_WORDS = 3067, NoError {
+        says: "Tab{asked} has {limit} words, too few for the points that its DW0 counts",
+        cause: "A table of speeds ends before its last point: point i stands in DW 2 i.",
+        remedy: "Add the missing words, or count fewer.",
+    }
+
+    /// Increments without the turn that they are of.
+    AMK_NO_RESOLUTION = 3068, NoError {
+        says: "{asked} increments make no turn; 1 to {limit} is possible where the input is a way",
+        cause: "Bit 0 of `ba` makes a speed of the way of the source, and in_resolution is 0.",
+        remedy: "Set in_resolution to the increments of one turn of the master.",
+    }
+
+    /// An active table that the cell does not have.
+    AMK_TABLE_NONE = 3069, NoError {
+        says: "{asked} selects Tab{limit}, which the function does not have",
+        cause: "active_table names a place of `tables` that is `none` or behind their end.",
+        remedy: "Name a table there, or select another one.",
     }
 }

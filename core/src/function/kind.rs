@@ -29,6 +29,8 @@ pub enum Kind {
     Fipz,
     /// Runs through tables and sets of them.
     Xfipw,
+    /// Follows a speed through a table.
+    Dfkt,
 }
 
 /// May a type have a source or a sink?
@@ -209,6 +211,18 @@ pub const TYPES: &[Description] = &[
             types::XFIPW,
         )
     },
+    Description {
+        source: Need::Must,
+        quantity: Quantity::Speed,
+        moves_axes: true,
+        inputs: 5,
+        outputs: 2,
+        rests: 1,
+        tables: 8,
+        edits_tables: true,
+        renews: true,
+        ..Description::of(Kind::Dfkt, "dfkt", "follows a speed through a table, within limits", types::DFKT)
+    },
 ];
 
 impl Description {
@@ -296,7 +310,7 @@ mod tests {
         let names = |kind: Kind| kind.description().fields.iter().map(|field| field.name).collect::<Vec<_>>();
         assert_eq!(names(Kind::Imes), ["ba", "sf_cycle_time", "spacing", "window", "blocked"]);
         let renews: Vec<_> = TYPES.iter().filter(|row| row.renews).map(|row| row.name).collect();
-        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea", "xfipw"]);
+        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea", "xfipw", "dfkt"]);
         assert_eq!((Kind::Binea.description().word, Kind::Cam.description().word), (Some("mw_offset_addr"), None));
     }
 

@@ -10,6 +10,7 @@
 mod binea;
 mod cam;
 mod copy;
+mod dfkt;
 mod digdreh;
 mod field;
 mod imes;

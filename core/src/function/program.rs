@@ -120,6 +120,20 @@ pub(super) struct Setting<'a> {
     pub has_source: bool,
     /// Its source has marks.
     pub has_mark: bool,
+    pub occasion: Occasion,
+    /// The function runs: what it has chosen since START counts, where that is its own to choose.
+    pub runs: bool,
+}
+
+/// Why a set is checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Occasion {
+    /// An order brings it.
+    Order,
+    /// Tables are about to get other numbers: Tab0 in bit 0 to Tab7 in bit 7.
+    Edit(u8),
+    /// It is in force, with a state that was read from outside.
+    Kept,
 }
 
 /// A type of function. Nothing in it takes memory after it was made.

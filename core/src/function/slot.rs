@@ -11,7 +11,7 @@
 use super::field::{Field, Words};
 use super::kind::{Description, Quantity};
 use super::notice::Notice;
-use super::program::{Drive, Fault, LINES, Outcome, Reading, Seen, Setting, Tables};
+use super::program::{Drive, Fault, LINES, Occasion, Outcome, Reading, Seen, Setting, Tables};
 use super::reading::{Read, millivolts, read_inputs};
 use super::types::Any;
 use super::wires::{Bit, Mark, Room, Sink, Source, Width, Wires};
@@ -256,7 +256,7 @@ impl Slot {
                 *word = value;
             }
         }
-        let setting = setting(wires, found(wires, tables));
+        let setting = self.setting(wires, found(wires, tables), Occasion::Order);
         match order {
             Order::Start => {
                 check_ranges(row, tried)?;
@@ -449,13 +449,22 @@ impl Slot {
         tables: &[Arc<Table>],
         (index, table): (u16, &Table),
     ) -> Result<(), Fault> {
-        let mut found = found(wires, tables);
-        for (place, read) in found.iter_mut().zip(wires.tables) {
+        let (mut found, mut edited) = (found(wires, tables), 0);
+        for (number, (place, read)) in found.iter_mut().zip(wires.tables).enumerate() {
             if read == Some(index) {
                 *place = Some(table);
+                edited |= 1 << number;
             }
         }
-        self.function.check(Words(&self.active), &setting(wires, found))
+        self.function.check(Words(&self.active), &self.setting(wires, found, Occasion::Edit(edited)))
+    }
+
+    /// What a set is checked against.
+    fn setting<'a>(&self, wires: &Wires, tables: [Option<&'a Table>; LINES], occasion: Occasion) -> Setting<'a> {
+        let (has_source, has_mark) = (wires.source != Source::None, wires.mark != Mark::None);
+        // In the cycle of START its set has not become its state yet.
+        let runs = self.phase == Phase::Active;
+        Setting { call_ns: wires.call_ns, tables, has_source, has_mark, occasion, runs }
     }
 
     /// Its sink as an analog output has it (V).
@@ -516,7 +525,7 @@ impl Slot {
             };
             values.len() == row.width() && (0_u16..).zip(values).all(in_range)
         };
-        let setting = setting(wires, found(wires, tables));
+        let setting = self.setting(wires, found(wires, tables), Occasion::Kept);
         fits(&self.staged)
             && fits(&self.active)
             && (!self.is_active()
@@ -610,12 +619,6 @@ fn mix(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
     for (((place, live), active), new) in mixed.iter_mut().zip(live).zip(active).zip(new) {
         *place = if live { *new } else { *active };
     }
-}
-
-/// What a set is checked against.
-fn setting<'a>(wires: &Wires, tables: [Option<&'a Table>; LINES]) -> Setting<'a> {
-    let has_source = wires.source != Source::None;
-    Setting { call_ns: wires.call_ns, tables, has_source, has_mark: wires.mark != Mark::None }
 }
 
 fn found<'a>(wires: &'a Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {

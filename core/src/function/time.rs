@@ -77,17 +77,17 @@ pub(super) fn wrapped(x: i64, turn: i64) -> i64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::trial::setting;
     use super::*;
     use crate::event::Number;
-
-    const NONE: Setting<'static> = Setting { call_ns: 750_000, tables: [None; 8], has_source: false, has_mark: false };
 
     /// Proves: AMK-CTX-03
     #[test]
     fn a_cycle_time_is_the_one_of_the_slot_or_none() {
-        assert_eq!(check_cycle(0, 3, &NONE), Ok(()));
-        assert_eq!(check_cycle(3, 3, &Setting { call_ns: 1_500_000, ..NONE }), Ok(()));
-        let fault = check_cycle(2, 3, &NONE).unwrap_err();
+        let of_call = |call_ns| setting(call_ns, [None; 8]);
+        assert_eq!(check_cycle(0, 3, &of_call(750_000)), Ok(()));
+        assert_eq!(check_cycle(3, 3, &of_call(1_500_000)), Ok(()));
+        let fault = check_cycle(2, 3, &of_call(750_000)).unwrap_err();
         assert_eq!((fault.code, fault.field), (Code::AMK_CYCLE_MISMATCH, Some(3)));
         assert_eq!((fault.asked, fault.limit), (Number::Count(2), Number::Time(750_000)));
     }

@@ -1,7 +1,7 @@
 //! What tests of a type need: a set by the names of its fields, and a call in which nothing happens.
 
 use super::field::Field;
-use super::program::{LINES, NO_DRIVES, Reading, Seen, Setting, Tables};
+use super::program::{LINES, NO_DRIVES, Occasion, Reading, Seen, Setting, Tables};
 use crate::table::Table;
 use std::sync::Arc;
 
@@ -18,9 +18,9 @@ pub(super) fn set(fields: &[Field], values: &[(&str, i64)]) -> Vec<i64> {
     fields.iter().flat_map(|field| vec![value(field); field.count]).collect()
 }
 
-/// What a set is checked against, with a source that has marks.
+/// What a set of START is checked against, with a source that has marks.
 pub(super) fn setting(call_ns: u64, tables: [Option<&Table>; LINES]) -> Setting<'_> {
-    Setting { call_ns, tables, has_source: true, has_mark: true }
+    Setting { call_ns, tables, has_source: true, has_mark: true, occasion: Occasion::Order, runs: false }
 }
 
 /// No tables.

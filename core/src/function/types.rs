@@ -3,6 +3,7 @@
 use super::binea::{self, Binea};
 use super::cam::{self, Cam};
 use super::copy::{self, Dcopy, Ecopy};
+use super::dfkt::{self, Dfkt};
 use super::digdreh::{self, Digdreh};
 use super::field::{Field, Words};
 use super::imes::{self, Imes};
@@ -27,6 +28,7 @@ pub(super) const CAM: &[Field] = cam::FIELDS;
 pub(super) const FIPW: &[Field] = fipw::FIELDS;
 pub(super) const FIPZ: &[Field] = fipz::FIELDS;
 pub(super) const XFIPW: &[Field] = xfipw::FIELDS;
+pub(super) const DFKT: &[Field] = dfkt::FIELDS;
 
 /// A function of any type.
 #[derive(Debug, Serialize, Deserialize)]
@@ -42,6 +44,7 @@ pub(super) enum Any {
     Fipw(Fipw),
     Fipz(Fipz),
     Xfipw(Xfipw),
+    Dfkt(Dfkt),
 }
 
 /// Does the same with a function of any type.
@@ -59,6 +62,7 @@ macro_rules! each {
             Any::Fipw($function) => $do,
             Any::Fipz($function) => $do,
             Any::Xfipw($function) => $do,
+            Any::Dfkt($function) => $do,
         }
     };
 }
@@ -78,6 +82,7 @@ impl Any {
             Kind::Fipw => Self::Fipw(Fipw::new()),
             Kind::Fipz => Self::Fipz(Fipz::new()),
             Kind::Xfipw => Self::Xfipw(Xfipw::new()),
+            Kind::Dfkt => Self::Dfkt(Dfkt::new()),
         }
     }
 
@@ -94,6 +99,7 @@ impl Any {
             Self::Fipw(_) => Kind::Fipw,
             Self::Fipz(_) => Kind::Fipz,
             Self::Xfipw(_) => Kind::Xfipw,
+            Self::Dfkt(_) => Kind::Dfkt,
         }
     }
 
@@ -151,6 +157,7 @@ impl Clone for Any {
             Self::Fipw(function) => Self::Fipw(function.clone()),
             Self::Fipz(function) => Self::Fipz(function.clone()),
             Self::Xfipw(function) => Self::Xfipw(function.clone()),
+            Self::Dfkt(function) => Self::Dfkt(function.clone()),
         }
     }
 

@@ -73,7 +73,7 @@ impl Machine {
         let State { slots, tables, .. } = &mut self.state;
         let taken = slots.get_mut(usize::from(slot)).ok_or_else(unknown)?;
         taken.command(wires, (order, values), tables, &mut self.room).map_err(|fault| refusal(fault, slot))?;
-        if order != Order::ReadValue || !values.is_empty() {
+        if order != Order::ReadValue || !values.is_empty() || wires.kind.description().reads_at_rest {
             self.count_change();
         }
         self.accept(command, Object::Function(slot));

@@ -19,7 +19,7 @@ use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::{ScaleKind, excerpt};
 
 /// Types of the contract that are not built.
-pub(crate) const LATER: [&str; 5] = ["dfkt", "fgen", "regl", "apsf", "epos"];
+pub(crate) const LATER: [&str; 4] = ["fgen", "regl", "apsf", "epos"];
 
 /// Readings of an axis that follow from its command.
 const OF_COMMAND: [&str; 5] = ["command", "target", "modulo", "turns", "output"];

@@ -1041,3 +1041,37 @@ fn tables_and_marks_of_the_extended_type_have_their_ranges() {
         Some(Code::AMK_MODE_FIELD)
     );
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    /// Over a million periods, in steps that fit none, with sets that inputs change, the slave has made what the ends of the tables come to.
+    #[test]
+    fn a_million_periods_lose_nothing(
+        ends in proptest::collection::vec(-32_767_i64..=32_767, 3),
+        (mult, div_exp) in (-32_768_i64..=32_767, 0_i64..16),
+        (length, step) in (50_i64..32_768, 1_i64..300),
+    ) {
+        let tables: Vec<Arc<Table>> = ends.iter().map(|end| y(&[0, end / 2, *end])).collect();
+        let mut bench = xfipw(&tables);
+        let fits = ends.iter().all(|end| end.abs() * mult.abs() >> div_exp < (1 << 31) - 1);
+        prop_assume!(fits);
+        bench.start(&extended(3, &[("incr_per_rev", length), ("mult", mult), ("div_exp", div_exp)]), 0);
+        let (mut sum, mut set, mut periods) = (0_i128, 0_usize, 0_i64);
+        while periods < 1_000_000 {
+            let wanted = (periods / 7 % 4) as usize;
+            let inputs = if wanted < 3 { 1 | (wanted as u8) << 1 } else { 0 };
+            // To a zero, by so many periods; the set changes at the first of them.
+            bench.step(step * length, inputs);
+            let first = set;
+            set = if wanted < 3 { wanted } else { set };
+            sum += i128::from(ends[first]) + i128::from(ends[set]) * i128::from(step - 1);
+            periods += step;
+            let exact = (sum * i128::from(mult)).div_euclid(1 << div_exp);
+            prop_assert_eq!(i128::from(bench.sink), exact, "after {} periods", periods);
+        }
+        // All the way back with the last set.
+        bench.step(-step * length, 0);
+        let exact = ((sum - i128::from(ends[set]) * i128::from(step)) * i128::from(mult)).div_euclid(1 << div_exp);
+        prop_assert_eq!(i128::from(bench.sink), exact);
+    }
+}

@@ -22,6 +22,7 @@ mod integers;
 mod interpolators;
 mod links;
 mod random;
+mod speeds;
 
 /// A rotary axis: 36000 inc a turn, 90 rpm.
 const DISC: u16 = 3;

@@ -47,11 +47,11 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("^{slot: 1}", "missing key `type` in function `f`"),
         (
             "{slot: 1, type: ^regl}",
-            "function type regl does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw",
+            "function type regl does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt",
         ),
         (
             "{slot: 1, type: ^camm}",
-            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw is allowed",
+            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt is allowed",
         ),
         ("^{slot: 1, type: dcopy, sink: none}", "function `f` has no source; type dcopy reads one"),
         (

@@ -3,7 +3,7 @@
 use super::{DISC, cell, field, with};
 use crate::command::Action;
 use crate::config::{Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig, TableConfig};
-use crate::function::{Kind, Need, OnAxisError, Order, TYPES, Width};
+use crate::function::{Kind, Need, OnAxisError, Order, Quantity, TYPES, Width};
 use crate::machine::tests::rig::{LINE, Rig, X, Y, at, cases, couple};
 use crate::object::{AxisSet, Leader, Object};
 use crate::table::{Form, Table};
@@ -59,7 +59,7 @@ fn linked(choices: &[Choice]) -> MachineConfig {
         }
         let at = choice.sink % sinks.len().max(1);
         let fits = |sink: &SinkConfig| match sink {
-            SinkConfig::Axis(axis) => row.moves_axes && (row.kind != Kind::Digdreh || *axis == DISC),
+            SinkConfig::Axis(axis) => row.moves_axes && (row.quantity != Quantity::Speed || *axis == DISC),
             _ => row.sink != Need::Never,
         };
         if sinks.get(at).is_some_and(fits) {
@@ -82,6 +82,13 @@ fn linked(choices: &[Choice]) -> MachineConfig {
         slot.on_axis_error = if choice.resets { OnAxisError::Reset } else { OnAxisError::Run };
         slot.room.mean = choice.window;
         interpolate(&mut slot, choice.window);
+        if row.kind == Kind::Dfkt {
+            for name in ["table_count", "div", "mult", "in_resolution", "in_final", "out_max", "ratio_max", "ratio_div"]
+            {
+                let (_, place) = row.find(name).expect("a field");
+                slot.values[place] = 7;
+            }
+        }
         slot
     });
     let mut config = cell(slots.collect());
@@ -155,7 +162,7 @@ fn watched<T>(rig: &mut Rig, act: impl FnOnce(&mut Rig) -> T) -> T {
     let result = act(rig);
     for (((before, ran), slot), config) in before.into_iter().zip(rig.machine.slots()).zip(&rig.machine.config().slots)
     {
-        let is_speed = config.kind == Kind::Digdreh && slot.sink() == 0;
+        let is_speed = config.kind.description().quantity == Quantity::Speed && slot.sink() == 0;
         // An error of its axis ends it behind its call of that cycle.
         let may_have_moved = is_speed || ran && config.on_axis_error == OnAxisError::Reset;
         assert!(

@@ -1,0 +1,93 @@
+//! Tables of speeds: points in rpm at equal distances.
+//!
+//! Law      form y: each number is a point; form words: DW0 = points + 1, point i from 1 on is the low word of DD 2i, whose high word
+//!          is not read
+//! Refuses  form xy, fewer than 2 points or more than 127, points beyond -32767 to 32767, words that end before the last point
+//! Source   AMK-DFKT-23, AMK-DFKT-24, D9
+
+use super::super::program::{Fault, Setting};
+use super::WORD;
+use crate::code::Code;
+use crate::table::{Form, Table};
+
+/// Fewest and most points.
+const COUNT: std::ops::RangeInclusive<usize> = 2..=127;
+
+/// The points of a table that was checked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Points<'a> {
+    numbers: &'a [i64],
+    /// Where the first one stands, and how far the next one.
+    stride: (usize, usize),
+    count: usize,
+}
+
+impl<'a> Points<'a> {
+    /// None of a table of places, or with too few points.
+    #[inline]
+    pub(super) fn of(table: &'a Table) -> Option<Self> {
+        let (stride, count) = match table.form() {
+            Form::Y => ((0, 1), table.len()),
+            Form::Words => ((2, 2), usize::from(table.word(0)).saturating_sub(1)),
+            Form::Xy => return None,
+        };
+        COUNT.contains(&count).then_some(Self { numbers: table.y(), stride, count })
+    }
+
+    /// A point (rpm), from 0 on; 0 behind the end.
+    #[inline]
+    pub(super) fn get(self, i: usize) -> i64 {
+        // Points and words are within 16 bits: the cast keeps their bits.
+        self.numbers.get(self.stride.0 + i * self.stride.1).map_or(0, |number| i64::from(*number as i16))
+    }
+
+    #[inline]
+    pub(super) fn first(self) -> i64 {
+        self.get(0)
+    }
+
+    #[inline]
+    pub(super) fn last(self) -> i64 {
+        self.get(self.count - 1)
+    }
+
+    /// One at least.
+    #[inline]
+    pub(super) fn intervals(self) -> usize {
+        self.count - 1
+    }
+}
+
+/// Refuses tables that are none of speeds, and one that would be written. One that is left out is missed when it is to be active.
+pub(super) fn check_tables(setting: &Setting<'_>, count: usize) -> Result<(), Fault> {
+    if setting.tables.last().is_some_and(Option::is_some) {
+        return Err(Fault::new(Code::AMK_OUTPUT_TABLE));
+    }
+    let tables = setting.tables.iter().take(count).enumerate();
+    for (place, table) in tables.filter_map(|(place, table)| Some((place, (*table)?))) {
+        check_table(table).map_err(|(code, limit)| Fault::new(code).with(place as i64, limit))?;
+    }
+    Ok(())
+}
+
+fn check_table(table: &Table) -> Result<(), (Code, i64)> {
+    // Lists are shorter than 2^17.
+    let length = table.len() as i64;
+    let Some(points) = Points::of(table) else {
+        return Err(match table.form() {
+            Form::Y => (Code::AMK_CURVE_POINTS, length),
+            Form::Words => (Code::AMK_SPEED_POINTS, table.word(0).into()),
+            Form::Xy => (Code::AMK_CURVE_FORM, 0),
+        });
+    };
+    if table.form() == Form::Words && table.len() <= 2 * points.count {
+        return Err((Code::AMK_SPEED_WORDS, length));
+    }
+    let is_beyond = |i: &usize| match table.form() {
+        // Words that are given unsigned are signed all the same.
+        Form::Words => points.get(*i) < -WORD,
+        _ => table.y().get(*i).is_none_or(|point| !(-WORD..=WORD).contains(point)),
+    };
+    // As the source counts them.
+    (0..points.count).find(is_beyond).map_or(Ok(()), |i| Err((Code::AMK_SPEED_POINT, i as i64 + 1)))
+}

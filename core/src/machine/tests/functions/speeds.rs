@@ -1,0 +1,131 @@
+//! A rotary axis that runs at a speed by a table.
+
+use super::*;
+
+/// Follows cell `l` (0.0001 rpm) by table t, 0 to 100 to 0 rpm at 0, 50 and 100 rpm, without inputs.
+fn follows() -> Rig {
+    let mut slot = slot("wind", 0, Type::Dfkt);
+    (slot.source, slot.sink) = (SourceConfig::Signal("l".into()), SinkConfig::Axis(DISC));
+    slot.outputs[0] = Some(Line { object: Object::Io(1), inverted: false });
+    (slot.tables[0], slot.tables[1]) = (Some(0), Some(1));
+    for (name, value) in [
+        ("table_count", 2),
+        ("active_table", 1),
+        ("div", 1),
+        ("mult", 1),
+        ("in_final", 100),
+        ("out_max", 80),
+        ("out_min", -80),
+        ("ratio_max", 10),
+        ("ratio_min", -10),
+        ("ratio_div", 1),
+    ] {
+        slot.values[usize::from(field(Type::Dfkt, name))] = value;
+    }
+    let mut config = cell(vec![slot]);
+    let y = |points: &[i64]| Arc::new(Table::new(Form::Y, &[], points).expect("points"));
+    config.tables = vec![
+        TableConfig { name: "t".into(), table: y(&[0, 100, 0]) },
+        TableConfig { name: "flat".into(), table: y(&[30, 30]) },
+    ];
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig
+}
+
+/// Proves: AMK-DFKT-02, AMK-DFKT-03, AMK-DFKT-35, AMK-DFKT-42, AMK-BCOM-27, AMK-BCOM-37
+#[test]
+fn a_rotary_axis_runs_a_speed_by_a_table_and_reset_ends_it() {
+    let mut rig = follows();
+    let started = rig.give(order(0, Order::Start));
+    assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
+    assert_eq!((rig.int("wind.sink"), rig.state("disc"), rig.int("disc.reference")), (0, "STANDSTILL", 8));
+    // 15 rpm: 30 rpm of 600 inc/s each, 500 inc/s faster in a cycle.
+    rig.give(Action::set_memory(2, 150_000.0));
+    rig.run(10);
+    assert_eq!(rig.int("wind.sink"), 300_000);
+    assert!(rig.real("disc.command.velocity") <= 5_500.0, "on its ramp");
+    rig.run(60);
+    assert_eq!((rig.real("disc.command.velocity"), rig.int("disc.in_velocity")), (18_000.0, 1));
+    // 50 rpm would be 100, of which 80 are let through; beyond the top it is slower.
+    rig.give(Action::set_memory(2, 500_000.0));
+    rig.run(200);
+    assert_eq!((rig.int("wind.sink"), rig.real("disc.command.velocity")), (800_000, 48_000.0));
+    rig.give(Action::set_memory(2, 900_000.0));
+    rig.run(200);
+    assert_eq!((rig.int("wind.sink"), rig.real("disc.command.velocity")), (200_000, 12_000.0));
+    assert_eq!((rig.int("wind.out1"), rig.int("lamp")), (0, 0), "without inputs there are no outputs");
+    rig.give(order(0, Order::Reset));
+    assert_eq!((rig.int("wind.sink"), rig.int("wind.active"), rig.int("lamp")), (0, 0, 0));
+    rig.run(100);
+    assert_eq!((rig.real("disc.command.velocity"), rig.state("disc")), (0.0, "STANDSTILL"));
+}
+
+/// Proves: AMK-DFKT-35, AMK-DFKT-36, AMK-DFKT-40, AMK-DFKT-46, AMK-DFKT-47
+#[test]
+fn an_input_runs_and_stops_it_and_a1_stands_for_rest() {
+    let mut rig = follows();
+    rig.give(Action::set_memory(2, 150_000.0));
+    // No input is wired: it never runs.
+    rig.give(with(0, Order::Start, &[(field(Type::Dfkt, "ba"), 2)]));
+    rig.run(5);
+    assert_eq!((rig.int("wind.sink"), rig.int("lamp"), rig.int("wind.out1")), (0, 1, 1));
+    let mut config = rig.machine.config().clone();
+    config.slots[0].inputs[0] = Some(Line { object: Object::Io(0), inverted: false });
+    config.slots[0].values[0] = 2;
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig.give(Action::set_memory(2, 150_000.0));
+    rig.give(order(0, Order::Start));
+    assert_eq!((rig.int("wind.sink"), rig.int("lamp")), (0, 1));
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(60);
+    assert_eq!((rig.int("wind.sink"), rig.int("lamp"), rig.real("disc.command.velocity")), (300_000, 0, 18_000.0));
+    rig.tamper = |inputs| inputs.digital[0] = 0;
+    rig.run(1);
+    assert_eq!((rig.int("wind.sink"), rig.int("lamp")), (0, 1), "the ramp is that of the axis");
+    rig.run(60);
+    assert_eq!(rig.real("disc.command.velocity"), 0.0);
+    rig.give(order(0, Order::Reset));
+    assert_eq!((rig.int("lamp"), rig.int("wind.out1")), (1, 1));
+}
+
+/// Proves: AMK-DFKT-01, AMK-DFKT-25
+#[test]
+fn tables_that_do_not_run_get_new_numbers() {
+    let mut rig = follows();
+    rig.give(Action::set_memory(2, 150_000.0));
+    let load = |index, points: &[i64]| {
+        let table = Arc::new(Table::new(Form::Y, &[], points).expect("points"));
+        Action::LoadTable { index, table }
+    };
+    // In the cycle of START, too.
+    let last = rig.give_all(vec![order(0, Order::Start), load(0, &[0, 10]), load(1, &[20, 20])]);
+    assert_eq!(rig.answer(last - 1).expect_err("it runs from now on").code, Code::AMK_TABLE_IN_USE);
+    assert!(rig.was_accepted(last - 2) && rig.was_accepted(last));
+    rig.run(1);
+    assert_eq!(rig.int("wind.sink"), 300_000);
+    let refused = rig.give(load(0, &[0, 10]));
+    assert!(rig.refusal(refused).ends_with("Tab0 is the one that runs, which gets no new numbers"));
+    let refused = rig.give(load(1, &[0, 40_000]));
+    assert_eq!(rig.answer(refused).expect_err("no speed").code, Code::AMK_SPEED_POINT);
+    rig.give(with(0, Order::ValueNew, &[(field(Type::Dfkt, "active_table"), 2)]));
+    assert_eq!(rig.int("wind.sink"), 200_000);
+    let taken = rig.give(load(0, &[0, 10]));
+    assert!(rig.was_accepted(taken), "{:?}", rig.answer(taken));
+    // What a mirror of the machine is restored from has the same tables.
+    rig.mirror();
+    rig.run(60);
+    assert_eq!((rig.int("wind.sink"), rig.real("disc.command.velocity")), (200_000, 12_000.0));
+}
+
+/// Proves: AMK-DFKT-01
+#[test]
+fn an_eighth_table_is_refused_at_start() {
+    let mut config = follows().machine.config().clone();
+    config.slots[0].tables[7] = Some(1);
+    let mut rig = Rig::of(config);
+    let refused = rig.give(order(0, Order::Start));
+    assert_eq!(rig.answer(refused).expect_err("nothing writes tables").code, Code::AMK_OUTPUT_TABLE);
+    assert!(rig.refusal(refused).contains("Tab7 would be a table that the function writes"));
+}
