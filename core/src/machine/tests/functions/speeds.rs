@@ -119,6 +119,28 @@ fn tables_that_do_not_run_get_new_numbers() {
     assert_eq!((rig.int("wind.sink"), rig.real("disc.command.velocity")), (200_000, 12_000.0));
 }
 
+/// Proves: AMK-DFKT-11, AMK-DFKT-25
+#[test]
+fn the_table_of_a_start_counts_in_its_cycle_also_where_inputs_choose() {
+    let mut rig = follows();
+    let start = with(0, Order::Start, &[(field(Type::Dfkt, "ba"), 2)]);
+    let load = |index| {
+        let table = Arc::new(Table::new(Form::Y, &[], &[0, 10]).expect("points"));
+        Action::LoadTable { index, table }
+    };
+    let last = rig.give_all(vec![start, load(0), load(1)]);
+    assert_eq!(rig.answer(last - 1).expect_err("it is active").code, Code::AMK_TABLE_IN_USE);
+    assert!(rig.was_accepted(last));
+    // VALUE_NEW in that cycle belongs to START.
+    rig.give(order(0, Order::Reset));
+    let [start, active] = [field(Type::Dfkt, "ba"), field(Type::Dfkt, "active_table")];
+    let beyond = with(0, Order::ValueNew, &[(active, 3)]);
+    let last = rig.give_all(vec![with(0, Order::Start, &[(start, 2)]), beyond.clone()]);
+    assert_eq!(rig.answer(last).expect_err("two tables count").code, Code::AMK_BEYOND);
+    let taken = rig.give(beyond);
+    assert!(rig.was_accepted(taken), "active_table is not evaluated from then on");
+}
+
 /// Proves: AMK-DFKT-01
 #[test]
 fn an_eighth_table_is_refused_at_start() {
