@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 27] = [
+const OWN_INTERFACES: [(&str, &str); 28] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4

@@ -41,9 +41,9 @@ pub(super) fn check_zero_pulse(setting: &Setting<'_>, function: i64, field: u16)
     if setting.has_mark { Ok(()) } else { Err(Fault::new(Code::AMK_NO_ZERO_PULSE).of(field).with(function, 0)) }
 }
 
-/// What of printing mark control the ranges of the fields do not say: `fields` are its own, FL, V, W, SK, LK and k.
-pub(super) fn check_marks(marks: &Marks, fields: [u16; 6], length: i64) -> Result<(), Fault> {
-    let [format, shift, range, start, wide, weight] = fields;
+/// What of printing mark control the ranges of the fields do not say: `fields` are its own, in their order.
+pub(super) fn check_marks(marks: &Marks, fields: [u16; 8], length: i64) -> Result<(), Fault> {
+    let [format, _, shift, range, start, wide, weight, _] = fields;
     within(format, marks.format, (1, 32_767))?;
     within(shift, marks.shift, (0, marks.format - 1))?;
     within(range, marks.range, (0, marks.format / 2))?;

@@ -9,7 +9,7 @@ use super::super::program::{Fault, Outcome, Program, Seen, Setting};
 use super::super::time::{HALF_MS, check_cycle};
 use super::Interpolator;
 use super::check::{self, Takes, check_tables, needs, within};
-use super::register::Marks;
+use super::register::{BEFORE_SAK, MARKS, Marks};
 use super::setup::{Movement, Setup};
 use crate::cam::Scale;
 use crate::code::Code;
@@ -88,8 +88,10 @@ pub(super) const MODES: [(i64, Movement, bool); 8] = [
 
 const TAKES: Takes = Takes { y: 127, xy: 0, length: (0, 0) };
 
-const MARKS: i64 = 1 << 0;
-const BEFORE_SAK: i64 = 1 << 1;
+/// Fields of printing mark control: FL, D, V, W, SK, LK, k and n.
+const REGISTER: [&str; 8] =
+    ["format_length", "sensor_distance", "sync_shift", "valid_range", "corr_start", "corr_length", "weight", "count_n"];
+
 const ZERO_PULSE: i64 = 1 << 2;
 
 const fn at(name: &'static str) -> usize {
@@ -135,21 +137,8 @@ fn setup(words: Words<'_>, call_ns: u64) -> Setup {
 
 /// Its printing mark control; none where that is off.
 fn marks(words: Words<'_>) -> Marks {
-    let get = |name: usize| words.get(name);
-    let function = get(at("function"));
-    if function & MARKS == 0 {
-        return Marks::default();
-    }
-    Marks {
-        format: get(at("format_length")),
-        distance: get(at("sensor_distance")),
-        shift: get(at("sync_shift")),
-        range: get(at("valid_range")),
-        window: (get(at("corr_start")), get(at("corr_length"))),
-        weight: get(at("weight")),
-        every: get(at("count_n")),
-        before_sak: function & BEFORE_SAK != 0,
-    }
+    let get = |name| words.get(place(FIELDS, name));
+    Marks::of(get("function"), REGISTER.map(get))
 }
 
 impl Program for Fipw {
@@ -205,8 +194,7 @@ impl Program for Fipw {
             check::check_zero_pulse(setting, function, field("function"))?;
         }
         if controls {
-            let names = ["format_length", "sync_shift", "valid_range", "corr_start", "corr_length", "weight"];
-            check::check_marks(&marks(words), names.map(field), way)?;
+            check::check_marks(&marks(words), REGISTER.map(field), way)?;
         }
         check_tables(setting, tables as usize, &TAKES, &setup(words, setting.call_ns))
     }

@@ -9,6 +9,10 @@
 use crate::cam::{Curve, Scale};
 use serde::{Deserialize, Serialize};
 
+/// Bit of `function` that turns it on.
+pub(super) const MARKS: i64 = 1 << 0;
+/// Bit of `function`: compensation sees the correction, too.
+pub(super) const BEFORE_SAK: i64 = 1 << 1;
 /// Bit of the weight that turns the sense.
 const INVERTED: i64 = 1 << 7;
 /// The weight that corrects nothing.
@@ -36,6 +40,16 @@ pub(super) struct Marks {
 }
 
 impl Marks {
+    /// Of the word `function` and the fields FL, D, V, W, SK, LK, k and n; none where that bit is off.
+    pub(super) fn of(function: i64, values: [i64; 8]) -> Self {
+        if function & MARKS == 0 {
+            return Self::default();
+        }
+        let [format, distance, shift, range, start, wide, weight, every] = values;
+        let before_sak = function & BEFORE_SAK != 0;
+        Self { format, distance, shift, range, window: (start, wide), weight, every, before_sak }
+    }
+
     #[inline]
     pub(super) fn is_on(&self) -> bool {
         self.format > 0

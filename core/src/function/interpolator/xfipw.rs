@@ -10,7 +10,7 @@ use super::super::field::{Field, Words, number, place};
 use super::super::program::{Fault, Outcome, Program, Seen, Setting};
 use super::super::time::check_cycle;
 use super::check::{self, Takes, check_tables, needs, present, within};
-use super::register::Marks;
+use super::register::{BEFORE_SAK, MARKS, Marks};
 use super::setup::{Movement, Setup};
 use super::{Interpolator, fipw, value_at};
 use crate::cam::{Curve, Scale};
@@ -104,8 +104,18 @@ const fn live(name: &'static str, max: i64, unit: &'static str, help: &'static s
 const TAKES: Takes = Takes { y: 2000, xy: 1000, length: (50, 32_767) };
 const TAKES_TIME: Takes = Takes { length: (1, 32_767), ..TAKES };
 
-const MARKS: i64 = 1 << 0;
-const BEFORE_SAK: i64 = 1 << 1;
+/// Fields of printing mark control: FL, D, V, W, SK, LK, k and n.
+const REGISTER: [&str; 8] = [
+    "format_length",
+    "sensor_distance",
+    "sync_shift",
+    "valid_range",
+    "corr_start",
+    "corr_len",
+    "corr_weight",
+    "corr_every",
+];
+
 const ZERO_PULSE: i64 = 1 << 2;
 const SET_ON: i64 = 1 << 3;
 const RETRIGGER: i64 = 1 << 4;
@@ -164,21 +174,8 @@ fn setup(words: Words<'_>, call_ns: u64) -> Setup {
 
 /// Its printing mark control; none where that is off.
 fn marks(words: Words<'_>) -> Marks {
-    let get = |name: usize| words.get(name);
-    let function = get(at("function"));
-    if function & MARKS == 0 {
-        return Marks::default();
-    }
-    Marks {
-        format: get(at("format_length")),
-        distance: get(at("sensor_distance")),
-        shift: get(at("sync_shift")),
-        range: get(at("valid_range")),
-        window: (get(at("corr_start")), get(at("corr_len"))),
-        weight: get(at("corr_weight")),
-        every: get(at("corr_every")),
-        before_sak: function & BEFORE_SAK != 0,
-    }
+    let get = |name| words.get(place(FIELDS, name));
+    Marks::of(get("function"), REGISTER.map(get))
 }
 
 /// How many tables a set needs: those of one movement, or all that there are.
@@ -269,8 +266,7 @@ impl Xfipw {
         let least = if by_time { 0 } else { -last(0) };
         let marks = setup.marks;
         if setup.tells_marks {
-            let names = ["format_length", "sync_shift", "valid_range", "corr_start", "corr_len", "corr_weight"];
-            let fields = names.map(|name| number(FIELDS, name));
+            let fields = REGISTER.map(|name| number(FIELDS, name));
             check::check_marks(&marks, fields, last(usize::from(setup.working)) + 1)?;
         }
         let rows = [
