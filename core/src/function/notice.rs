@@ -40,6 +40,8 @@ impl Notice {
     fn tell(&mut self, cycle: u64, cycle_ns: u64) -> Option<u32> {
         // A cycle lasts a second at most.
         let second = 1_000_000_000_u64.checked_div(cycle_ns).unwrap_or(1).max(1);
+        // A state from outside may hold anything.
+        self.even = self.even.min(cycle.saturating_add(second.saturating_mul(BURST)));
         if self.even > cycle.saturating_add(second.saturating_mul(BURST - 1)) {
             return None;
         }

@@ -160,6 +160,11 @@ pub(super) trait Program {
         rests
     }
 
+    /// Does it run by that set? Asked of one that is started.
+    fn is_set(&self, _words: Words<'_>, _call_ns: u64) -> bool {
+        true
+    }
+
     /// Could its state have come about? One that was read from outside may hold anything.
     fn is_sound(&self) -> bool {
         true

@@ -531,6 +531,7 @@ impl Slot {
             && (!self.is_active()
                 || check_ranges(row, &self.active).is_ok()
                     && self.function.check(Words(&self.active), &setting).is_ok())
+            && (self.phase != Phase::Active || self.function.is_set(Words(&self.active), wires.call_ns))
             && self.lead.velocity.is_finite()
             && self.function.is_sound()
     }

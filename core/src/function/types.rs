@@ -138,6 +138,10 @@ impl Any {
         }
     }
 
+    pub(super) fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+        each!(self, function => function.is_set(words, call_ns))
+    }
+
     pub(super) fn is_sound(&self) -> bool {
         each!(self, function => function.is_sound())
     }

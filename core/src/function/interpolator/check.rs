@@ -66,9 +66,14 @@ pub(super) fn time(call_ns: u64) -> (i64, i64) {
     (HALF_MS / a, call / a)
 }
 
+/// The longest time of a table, in half milliseconds.
+pub(super) fn longest(call_ns: u64) -> i64 {
+    LONGEST / time(call_ns).0
+}
+
 /// Refuses a time of half milliseconds that is too long for calls that are none of whole ones.
 pub(super) fn check_time(field: u16, half_ms: i64, call_ns: u64) -> Result<(), Fault> {
-    let most = LONGEST / time(call_ns).0;
+    let most = longest(call_ns);
     if half_ms <= most { Ok(()) } else { Err(beyond(field, half_ms, most)) }
 }
 

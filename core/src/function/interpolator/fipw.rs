@@ -212,6 +212,10 @@ impl Program for Fipw {
         self.0.rests()
     }
 
+    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+        self.0.is_set(&setup(words, call_ns))
+    }
+
     fn is_sound(&self) -> bool {
         self.0.is_sound()
     }

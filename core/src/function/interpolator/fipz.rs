@@ -66,16 +66,27 @@ impl Fipz {
         Self::default()
     }
 
-    /// The table that an edge starts.
+    /// One of that set, before its first call.
+    fn of(words: Words<'_>, call_ns: u64) -> Self {
+        let (parts, step) = check::time(call_ns);
+        Self {
+            is_coded: words.get(at("mode")) != EACH,
+            tables: words.get(at("table_count")) as u8,
+            times: std::array::from_fn(|place| words.get(at("cycle_time") + place).saturating_mul(parts)),
+            scale: Scale { mult: words.get(at("mult")), div_exp: words.get(at("div_exp")) as u32 },
+            step,
+            ..Self::default()
+        }
+    }
+
+    /// The table that an edge starts; an edge of one that is not there is none.
     fn chosen(&self, rising: u8, inputs: u8) -> Option<u8> {
-        let table = match (self.is_coded, rising) {
-            (_, 0) => return None,
-            (false, _) => rising.trailing_zeros() as u8,
-            (true, _) if rising & 1 == 1 => inputs >> 1 & 0b111,
-            (true, _) => return None,
-        };
-        let time = self.times.get(usize::from(table)).copied().unwrap_or(0);
-        (table < self.tables && time > 0).then_some(table)
+        let is_there =
+            |table: &u8| *table < self.tables && self.times.get(usize::from(*table)).is_some_and(|time| *time > 0);
+        if self.is_coded {
+            return (rising & 1 == 1).then_some(inputs >> 1 & 0b111).filter(is_there);
+        }
+        (0..LINES as u8).filter(|table| rising >> table & 1 == 1).find(is_there)
     }
 
     fn told(&self, sink: i64, sak_share: i64) -> Outcome {
@@ -95,17 +106,11 @@ impl Program for Fipz {
     }
 
     fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
-        let (parts, step) = check::time(seen.call_ns);
         *self = Self {
-            is_coded: words.get(at("mode")) != EACH,
-            tables: words.get(at("table_count")) as u8,
-            times: std::array::from_fn(|place| words.get(at("cycle_time") + place).saturating_mul(parts)),
-            scale: Scale { mult: words.get(at("mult")), div_exp: words.get(at("div_exp")) as u32 },
-            step,
             origin: seen.sink,
             before: seen.inputs,
             sak: Sak::new(words.get(at("sak")), seen.sink),
-            ..Self::default()
+            ..Self::of(words, seen.call_ns)
         };
         self.told(seen.sink, 0)
     }
@@ -132,6 +137,11 @@ impl Program for Fipz {
         let y = self.origin.wrapping_add(total);
         let share = self.sak.share(y);
         self.told(y.wrapping_add(share), share)
+    }
+
+    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+        let set = |one: &Self| (one.is_coded, one.tables, one.times, one.scale, one.step);
+        set(self) == set(&Self::of(words, call_ns))
     }
 
     fn is_sound(&self) -> bool {

@@ -112,14 +112,20 @@ impl Interpolator {
         self.before = seen.inputs;
         self.knows_edge |= rises;
         match self.stage {
-            Stage::Sync => self.look_for_zero(seen),
-            Stage::Out => self.run_out(way, (e1, rises), seen),
+            Stage::Sync => self.look_for_zero((e1, rises), seen),
+            Stage::Out => {
+                self.run_out(way, (e1, rises), seen);
+                self.find_mark_behind(seen);
+            }
             Stage::Run => {
                 self.is_stored |= rises && self.setup.retriggers;
                 self.x = self.x.saturating_add(way);
+                let is_done = self.find_mark(seen);
                 self.pass_ends(e1, seen);
                 self.pass_back(seen);
-                self.find_mark(seen);
+                if !is_done {
+                    self.find_mark_behind(seen);
+                }
                 self.clock_out(way, e1, seen);
             }
         }
@@ -130,15 +136,29 @@ impl Interpolator {
         Outcome { sink, sak_share: share, correction, deviation: self.register.deviation(), ..self.told() }
     }
 
-    /// A mark counts in the working table alone.
+    /// A mark in the pass of the working table that ran up to this call, or in the one before; true where it needs no further look.
     #[inline]
-    fn find_mark(&mut self, seen: &Seen<'_>) {
+    fn find_mark(&mut self, seen: &Seen<'_>) -> bool {
+        let (true, Some(mark)) = (self.setup.marks.is_on(), seen.source.mark) else { return true };
+        if self.table != self.setup.working {
+            return false;
+        }
+        let (x, curve) = (self.x.saturating_sub(self.travel.wrapping_sub(mark)), self.curve(seen));
+        if x >= 0 || self.passes > 0 || self.setup.movement == Movement::Cyclic {
+            self.register.mark(&self.setup.marks, &curve, x, self.setup.scale);
+        }
+        x < curve.length()
+    }
+
+    /// A mark in the pass that began in this call.
+    #[inline]
+    fn find_mark_behind(&mut self, seen: &Seen<'_>) {
         if self.setup.marks.is_on()
             && let Some(mark) = seen.source.mark
             && self.works()
         {
             let x = self.x.saturating_sub(self.travel.wrapping_sub(mark));
-            if x >= 0 || self.passes > 0 || self.setup.movement == Movement::Cyclic {
+            if x >= 0 {
                 self.register.mark(&self.setup.marks, &self.curve(seen), x, self.setup.scale);
             }
         }
@@ -165,17 +185,20 @@ impl Interpolator {
         self.setup.marks = marks;
     }
 
-    /// The zero pulse of the master makes x what the set says, at the place of the pulse.
-    fn look_for_zero(&mut self, seen: &Seen<'_>) {
+    /// The zero pulse of the master makes x what the set says, at the place of the pulse: what may begin there does so there.
+    fn look_for_zero(&mut self, (e1, rises): (bool, bool), seen: &Seen<'_>) {
         let Some(mark) = seen.source.mark else { return };
         self.set_on(seen);
         let since = self.travel.wrapping_sub(mark);
+        if matches!(self.setup.movement, Movement::Sequence | Movement::Coupled) {
+            self.clock_in((e1, rises), self.x <= self.setup.start_angle);
+        }
         if self.stage == Stage::Run {
             self.x = self.x.saturating_add(since);
-            self.pass_ends(false, seen);
+            self.pass_ends(e1, seen);
             self.pass_back(seen);
         } else {
-            self.run_out(since, (false, false), seen);
+            self.run_out(since, (e1, rises), seen);
         }
     }
 
@@ -225,6 +248,11 @@ impl Interpolator {
     /// What its outputs are after RESET.
     pub(super) fn rests(&self) -> u8 {
         u8::from(self.setup.is_started_by_e1())
+    }
+
+    /// Does it run by that set?
+    fn is_set(&self, setup: &Setup) -> bool {
+        self.setup == *setup
     }
 
     pub(super) fn is_sound(&self) -> bool {

@@ -26,14 +26,17 @@ impl Interpolator {
         self.x = next.rem_euclid(length);
         let passed = next >= length;
         self.clock_in((e1, rises), passed || self.is_in(way, self.setup.start_angle));
-        if passed && self.stage == Stage::Run && self.setup.movement != Movement::Immediate {
-            self.x = next - length;
+        if self.stage == Stage::Run && self.setup.movement != Movement::Immediate {
+            if passed {
+                self.x = next - length;
+            }
+            // Its set may have a table that ends before the window does.
             self.pass_ends(e1, seen);
         }
     }
 
     /// Begins a movement where E1 and the place of x say so.
-    fn clock_in(&mut self, (e1, rises): (bool, bool), is_there: bool) {
+    pub(super) fn clock_in(&mut self, (e1, rises): (bool, bool), is_there: bool) {
         match self.setup.movement {
             Movement::Immediate if rises => {
                 self.x = 0;
@@ -161,8 +164,10 @@ impl Interpolator {
                 table if table < working && table > 0 => table - 1,
                 _ => return,
             };
+            if before == working || self.table == working {
+                self.register.go_back();
+            }
             (self.table, self.near) = (before, 0);
-            self.register.go_back();
             let curve = self.curve(seen);
             let all = self.x.saturating_neg().saturating_add(curve.length() - 1) / curve.length();
             let times = match before {

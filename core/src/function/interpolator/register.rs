@@ -109,8 +109,8 @@ pub(super) struct Register {
     count: i64,
     /// C that waits for SK.
     waiting: Option<i64>,
-    /// C that is put out in this pass.
-    runs: Option<i64>,
+    /// C that is put out in this pass, and over which window.
+    runs: Option<(i64, (i64, i64))>,
     /// SK was passed in this pass.
     is_open: bool,
     /// Of C so much was put out, before this pass.
@@ -145,8 +145,7 @@ impl Register {
     /// What is added at x.
     pub(super) fn at(&mut self, marks: &Marks, x: i64, length: i64) -> i64 {
         self.open(marks, x, length);
-        let (start, wide) = marks.window(length);
-        let Some(all) = self.runs else { return self.done };
+        let Some((all, (start, wide))) = self.runs else { return self.done };
         // C has 32 bits, places have 15.
         let part = if x >= start.saturating_add(wide) {
             all
@@ -159,16 +158,15 @@ impl Register {
     /// At SK the pass takes what waits.
     fn open(&mut self, marks: &Marks, x: i64, length: i64) {
         if !self.is_open && x >= marks.window(length).0 {
-            (self.is_open, self.runs) = (true, self.waiting.take());
+            self.is_open = true;
+            self.runs = self.waiting.take().map(|all| (all, marks.window(length)));
         }
     }
 
     /// The end of a pass: what was to be put out in it is out.
     pub(super) fn pass(&mut self) {
-        if !self.is_open {
-            self.runs = self.waiting.take();
-        }
-        self.done = self.done.wrapping_add(self.runs.take().unwrap_or(0));
+        let all = if self.is_open { self.runs.take().map(|(all, _)| all) } else { self.waiting.take() };
+        self.done = self.done.wrapping_add(all.unwrap_or(0));
         self.was_marked = std::mem::take(&mut self.is_marked);
         if !self.was_marked {
             self.deviation = 0;
@@ -184,9 +182,11 @@ impl Register {
         (self.runs, self.waiting, self.is_open, self.is_marked) = (None, None, false, false);
     }
 
-    /// The master goes back into a pass whose correction is out.
+    /// The master goes back into the pass before: what this one was to put out waits for the next one, and the mark was of that one.
     pub(super) fn go_back(&mut self) {
-        (self.runs, self.waiting, self.is_open, self.is_marked) = (None, None, true, false);
+        let taken = self.runs.take().map(|(all, _)| all);
+        self.waiting = self.waiting.or(taken);
+        (self.is_open, self.is_marked) = (true, self.was_marked);
     }
 
     /// All that was put out so far, where no pass of the working table runs.

@@ -102,7 +102,6 @@ const fn live(name: &'static str, max: i64, unit: &'static str, help: &'static s
 }
 
 const TAKES: Takes = Takes { y: 2000, xy: 1000, length: (50, 32_767) };
-const TAKES_TIME: Takes = Takes { length: (1, 32_767), ..TAKES };
 
 /// Fields of printing mark control: FL, D, V, W, SK, LK, k and n.
 const REGISTER: [&str; 8] = [
@@ -227,7 +226,8 @@ impl Xfipw {
             needs(field("tables_start"), starts, 0, ba)?;
         }
         if matches!(movement, Movement::Coupled | Movement::Cyclic) {
-            needs(field("work_cycles"), get(at("work_cycles")), 0, ba)?;
+            // 1 is 0 (AMK-XFIPW-37).
+            needs(field("work_cycles"), get(at("work_cycles")).max(1), 1, ba)?;
         }
         let count = tables_of(setting, total, switches_sets)?;
         let has_y = setting.tables.iter().take(count).flatten().any(|table| table.form() == Form::Y);
@@ -236,8 +236,8 @@ impl Xfipw {
             needs(field("incr_per_rev"), way, 0, ba)?;
             if has_y {
                 within(field("cycle_time"), time, (1, 32_767))?;
+                check::check_time(field("cycle_time"), time, setting.call_ns)?;
             }
-            check::check_time(field("cycle_time"), 32_767, setting.call_ns)?;
         } else {
             check::check_source(setting, ba, field("ba"))?;
             needs(field("cycle_time"), time, 0, ba)?;
@@ -248,8 +248,8 @@ impl Xfipw {
         if function & (ZERO_PULSE | MARKS) != 0 {
             check::check_zero_pulse(setting, function, field("function"))?;
         }
-        let takes = if by_time { &TAKES_TIME } else { &TAKES };
-        check_tables(setting, count, takes, &setup(words, setting.call_ns))
+        let length = if by_time { (1, check::longest(setting.call_ns).min(32_767)) } else { TAKES.length };
+        check_tables(setting, count, &Takes { length, ..TAKES }, &setup(words, setting.call_ns))
     }
 
     /// The offset and the windows, of which each mode has its own.
@@ -306,11 +306,18 @@ impl Program for Xfipw {
         let setup = setup(words, setting.call_ns);
         let [table, ..] = setting.tables;
         let value = value_at(&Curve::new(table, setup.length, setup.parts), setup.offset, &setup);
+        if i32::try_from(value).is_err() {
+            return Err(check::beyond(number(FIELDS, "output_value"), value, i32::MAX.into()));
+        }
         Ok(Some((at("output_value") as u16, value)))
     }
 
     fn rests(&self, _: u8) -> u8 {
         self.0.rests()
+    }
+
+    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+        self.0.is_set(&setup(words, call_ns))
     }
 
     fn is_sound(&self) -> bool {

@@ -308,3 +308,18 @@ fn sets_have_the_fields_of_the_source() {
         ]
     );
 }
+
+#[test]
+fn a_master_that_goes_back_into_a_window_starts_nothing() {
+    let tables = [y(&[0, 1000]), y(&[0, 100])];
+    let mut bench = fipw(&tables);
+    bench.start(&by_way(82, &[("start_angle", 30)]), 0);
+    assert_eq!(bench.run(&[(40, 0), (0, 1), (-20, 1), (1, 1)]), [(0, 1), (0, 1), (0, 1), (210, 0)]);
+    // Nor does it stop anything.
+    let mut bench = fipw(&tables);
+    bench.start(&by_way(98, &[("table_count", 2), ("stop_angle", 30)]), 0);
+    assert_eq!(
+        bench.run(&[(0, 1), (40, 1), (0, 0), (-20, 0), (1, 0)]),
+        [(0, 0), (400, 0), (400, 0), (200, 0), (21, 0)]
+    );
+}

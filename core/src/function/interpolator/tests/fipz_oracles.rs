@@ -39,3 +39,15 @@ fn one_input_starts_the_table_that_the_others_name() {
         assert_eq!(bench.run(&[(0, inputs), (0, 0)]), [(0, 0), (100 + table, 1)], "{inputs:b}");
     }
 }
+
+#[test]
+fn an_edge_of_a_table_without_a_time_hides_no_other() {
+    let tables = [y(&[0, 100]), y(&[0, 200])];
+    let mut bench = fipz(&tables);
+    let mut values = set(fipz::FIELDS, &[("mode", 16), ("table_count", 2), ("mult", 1)]);
+    let place = values.len() - LINES;
+    values[place + 1] = 2;
+    bench.function.start(Words(&values), &bench.seen(0, None));
+    assert_eq!(bench.run(&[(0, 0b11), (0, 0)]), [(0, 0), (200, 1)]);
+    assert_eq!(bench.run(&[(0, 0b101)]), [(200, 1)]);
+}

@@ -117,7 +117,7 @@ fn the_extended_control_tells_valid_marks_and_takes_other_values_while_it_runs()
         assert_eq!([1400, 2500, 2499].map(|way| bench.step(way, 0).correction), [0, total, total]);
         let out = bench.step(1, 0);
         assert_eq!((out.outputs, out.writes, out.deviation), (1, 1, 400));
-        // 17998.5 lies outside 18000 to 22000.
+        // 17998.5 lies outside 18000 to 22000, the ends within.
         marked(&mut bench, 11_999, 0);
         let out = bench.step(8001, 0);
         assert_eq!((out.outputs, out.deviation, out.correction), (0, 0, total));
@@ -212,4 +212,79 @@ fn the_set_of_the_manual_is_one_on_a_source_with_marks() {
     };
     assert_eq!(without(true, false), Err(Code::AMK_NO_ZERO_PULSE));
     assert_eq!(without(false, false), Err(Code::AMK_NO_SOURCE));
+}
+
+#[test]
+fn the_ends_of_the_valid_range_belong_to_it() {
+    let tables = [xy(&[(0, 0), (19_000, 28_500), (20_000, 30_000)])];
+    let set = [
+        ("function", 1),
+        ("incr_per_rev", 0),
+        ("format_length", 3000),
+        ("sensor_distance", 1000),
+        ("valid_range", 200),
+    ];
+    for (x, deviation) in [(11_999, 0), (12_000, -2000), (14_666, 1999), (14_667, 0)] {
+        let mut bench = xfipw(&tables);
+        bench.start(&extended(2, &set), 0);
+        assert_eq!(marked(&mut bench, x, 0).deviation, deviation, "{x}");
+    }
+}
+
+#[test]
+fn a_correction_keeps_the_window_that_it_began_with() {
+    let tables = [xy(&[(0, 0), (19_000, 28_500), (20_000, 30_000)])];
+    let set_of = |window: [(&'static str, i64); 2]| {
+        let set = [("function", 1), ("incr_per_rev", 0), ("format_length", 3000), ("sensor_distance", 1000)];
+        extended(2, &[&set[..], &window].concat())
+    };
+    for (x, there) in [(16_250, 200), (17_600, 400)] {
+        let mut bench = xfipw(&tables);
+        bench.start(&set_of([("corr_start", 15_000), ("corr_len", 2500)]), 0);
+        marked(&mut bench, 13_600, 0);
+        assert_eq!(bench.step(x - 13_600, 0).correction, there);
+        let words = set(xfipw::FIELDS, &set_of([("corr_start", 19_000), ("corr_len", 1000)]));
+        bench.function.renew(Words(&words));
+        assert_eq!(bench.step(0, 0).correction, there);
+        // The end of its own window; the next one has the new one.
+        assert_eq!([17_600 - x, 2399, 1].map(|way| bench.step(way, 0).correction), [400; 3]);
+        marked(&mut bench, 13_600, 0);
+        assert_eq!([5400, 500, 500].map(|way| bench.step(way, 0).correction), [400, 600, 800]);
+    }
+}
+
+#[test]
+fn a_master_that_trembles_at_its_zero_loses_no_mark() {
+    let tables = [y(&[0, 20_000, 40_000, 60_000])];
+    let mut bench = fipw(&tables);
+    bench.start(&registered(&[("corr_start", 1000), ("corr_length", 0)]), 0);
+    marked(&mut bench, 3400, 0);
+    let seen = [16_603, -5, 5, 996, 1].map(|way| bench.step(way, 0)).map(|out| (out.deviation, out.correction));
+    assert_eq!(seen, [(200, 0), (200, 0), (200, 0), (200, 0), (200, 200)]);
+    // A correction that is taken back below its window is given again in it.
+    let mut bench = fipw(&tables);
+    bench.start(&registered(&[]), 0);
+    marked(&mut bench, 3400, 0);
+    let seen = [14_200, -17_610, 17_610, 2400, 17_600].map(|way| bench.step(way, 0).correction);
+    assert_eq!(seen, [200, 0, 200, 200, 200]);
+}
+
+#[test]
+fn a_mark_counts_in_the_call_in_which_its_pass_begins_or_ends() {
+    let tables = [y(&[0, 20_000, 40_000, 60_000])];
+    let set = [("function", 1), ("incr_per_rev", 20_000), ("format_length", 3000), ("sensor_distance", 2500)];
+    // The end: 10 inc before it; 59970 on the slave, which belongs at 10000, is 10030 behind the one of the next turn.
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(26, &set), 0);
+    bench.step(0, 1);
+    bench.step(19_950, 1);
+    let out = marked(&mut bench, 100, 60);
+    assert_eq!((out.outputs, out.deviation, out.sink), (0b11, -10_030, 60_000));
+    // The begin: 20 inc behind it.
+    let mut bench = fipw(&tables);
+    bench.start(&registered(&[("mode", 98), ("valid_range", 0)]), 0);
+    bench.step(19_950, 0);
+    bench.travel += 100;
+    let out = bench.function.step(&bench.seen(1, Some(bench.travel - 30)));
+    assert_eq!((out.sink, out.deviation), (150, 60 - 10_000));
 }

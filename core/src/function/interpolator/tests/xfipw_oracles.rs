@@ -262,3 +262,55 @@ fn tables_and_marks_of_the_extended_type_have_their_ranges() {
         Some(Code::AMK_MODE_FIELD)
     );
 }
+
+#[test]
+fn a_set_whose_first_table_ends_before_the_window_ends_with_it() {
+    let tables = [xy(&[(0, 0), (1000, 1000)]), xy(&[(0, 0), (100, 50)])];
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(83, &[("incr_per_rev", 0), ("start_angle", 900)]), 0);
+    // E1 starts, E2 enables, E3 selects set 1.
+    let out = (bench.step(500, 0b110), bench.step(0, 0b111)).1;
+    assert_eq!((out.sink, out.outputs & 1), (50, 1));
+}
+
+#[test]
+fn an_edge_in_the_call_of_the_zero_pulse_counts() {
+    let tables = [y(&[0, 1000])];
+    // Way of 20, the pulse 5 ago: at once in 26, where x was 0 in 98 of fipw, and kept in 82.
+    let pulse = |bench: &mut Bench<'_, Xfipw>| {
+        bench.travel += 20;
+        bench.function.step(&bench.seen(1, Some(bench.travel - 5))).outputs
+    };
+    for (ba, first, later) in [(26, 0, 100), (82, 0, 150), (98, 0, 150)] {
+        let mut bench = xfipw(&tables);
+        bench.start(&extended(ba, &[("function", 4)]), 0);
+        assert_eq!(pulse(&mut bench), first, "{ba}");
+        assert_eq!(bench.step(10, 1).sink, later, "{ba}");
+    }
+}
+
+#[test]
+fn a_place_without_32_bits_is_not_read() {
+    let points: Vec<i64> = (0..2000).map(|i| i * 32_767).collect();
+    let tables = [y(&points)];
+    let read = |offset| {
+        let values = extended(2, &[("incr_per_rev", 50), ("mult", 32), ("master_offset", offset)]);
+        let words = set(xfipw::FIELDS, &values);
+        let bench = xfipw(&tables);
+        bench.function.read(Words(&words), &setting(bench.call_ns, bench.found())).map_err(|fault| fault.code)
+    };
+    assert!(matches!(read(49), Ok(Some((_, 1..)))));
+    assert_eq!(read(32_767), Err(Code::AMK_BEYOND));
+}
+
+#[test]
+fn calls_of_any_length_run_a_set_by_time() {
+    let tables = [y(&[0, 1000])];
+    let mut bench = xfipw(&tables);
+    bench.call_ns = 333_333;
+    let time = [("ba", 4), ("mult", 1), ("tables_total", 1), ("cycle_time", 100), ("work_cycles", 1)];
+    bench.start(&time, 0);
+    // 100 times 0.5 ms are 50 ms: 150 calls are 49.99995 ms.
+    let sinks: Vec<i64> = (0..151).map(|_| bench.step(0, 0).sink).collect();
+    assert_eq!((sinks[0], sinks[149], sinks[150]), (6, 999, 1006));
+}
