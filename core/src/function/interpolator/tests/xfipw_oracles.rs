@@ -314,3 +314,14 @@ fn calls_of_any_length_run_a_set_by_time() {
     let sinks: Vec<i64> = (0..151).map(|_| bench.step(0, 0).sink).collect();
     assert_eq!((sinks[0], sinks[149], sinks[150]), (6, 999, 1006));
 }
+
+#[test]
+fn a_stored_edge_counts_once() {
+    let tables = [y(&[0, 100])];
+    let mut bench = xfipw(&tables);
+    bench.start(&extended(26, &[("function", 16)]), 0);
+    // Two edges in the first movement make one more; E1 stays.
+    let calls = [(0, 1), (20, 0), (20, 1), (20, 0), (20, 1), (20, 1), (99, 1), (1, 1), (10, 1)];
+    let wanted = [(0, 0), (20, 0), (40, 0), (60, 0), (80, 0), (100, 0), (199, 0), (200, 1), (200, 1)];
+    assert_eq!(bench.run(&calls), wanted);
+}
