@@ -81,6 +81,10 @@ impl Fipz {
 
     /// The table that an edge starts; an edge of one that is not there is none.
     fn chosen(&self, rising: u8, inputs: u8) -> Option<u8> {
+        // Most calls have none.
+        if rising == 0 {
+            return None;
+        }
         let is_there =
             |table: &u8| *table < self.tables && self.times.get(usize::from(*table)).is_some_and(|time| *time > 0);
         if self.is_coded {
