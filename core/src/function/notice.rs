@@ -2,7 +2,7 @@
 //!
 //! Law      each such change is told in its cycle while they are few: [`BURST`] at once, one a second on average. What comes in between is
 //!          counted, and told with the next one, so the last event of a slot that has calmed down is how it stands
-//! Source   contract section 2 (events of outputs); a cam switch may change its outputs in every cycle
+//! Source   Lineshaft's own: a cam switch may change its outputs in every cycle, and a log is no place for that
 
 use serde::{Deserialize, Serialize};
 

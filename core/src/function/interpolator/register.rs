@@ -55,13 +55,6 @@ impl Marks {
         self.format > 0
     }
 
-    /// Could it have come about?
-    pub(super) fn is_sound(&self) -> bool {
-        let is_short = |value: i64| (0..1 << 15).contains(&value);
-        let all = [self.format, self.shift, self.range, self.window.0, self.window.1, self.every];
-        all.into_iter().all(is_short) && (0..1 << 31).contains(&self.distance)
-    }
-
     /// SK and LK, as far as they are given (AMK-PMC-16).
     fn window(&self, length: i64) -> (i64, i64) {
         if self.window == (0, 0) { (length * 3 / 4, length / 8) } else { self.window }

@@ -61,12 +61,4 @@ impl Setup {
     pub(super) fn is_started_by_e1(&self) -> bool {
         self.movement != Movement::Cyclic
     }
-
-    /// Could it have come about?
-    pub(super) fn is_sound(&self) -> bool {
-        let is_started = self.working < self.tables && self.tables <= 8 && (0..=1 << 32).contains(&self.length);
-        let is_scaled = self.scale.mult.unsigned_abs() <= 1 << 15 && self.scale.div_exp < 16;
-        let is_long = (0..256).contains(&self.passes) && (1..=500_000).contains(&self.parts);
-        *self == Self::default() || is_started && is_scaled && is_long && self.marks.is_sound()
-    }
 }

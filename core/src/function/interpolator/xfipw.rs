@@ -25,8 +25,9 @@ pub(in super::super) const FIELDS: &[Field] = &[
         0,
         63,
         "bits",
-        "bit 0: printing mark control, ba 2, 26, 82 and 98; 1: its correction stands before the compensation; 2: x begins at the zero pulse of the master; 3: the slave is where x is at START; 4: an edge of E1 in a movement counts at its \
-         end; 5: sets are switched at each end of a table",
+        "bit 0: printing mark control, ba 2, 26, 82 and 98; 1: its correction stands before the compensation; \
+         2: x begins at the zero pulse of the master; 3: the slave is where x is at START; 4: an edge of E1 in a movement counts at its end; \
+ 5: sets are switched at each end of a table",
         "AMK-XFIPW-92",
     ),
     Field::new(

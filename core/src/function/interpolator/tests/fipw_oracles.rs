@@ -323,3 +323,16 @@ fn a_master_that_goes_back_into_a_window_starts_nothing() {
         [(0, 0), (400, 0), (400, 0), (200, 0), (21, 0)]
     );
 }
+
+/// A state from outside has to run by the set that is told of it.
+#[test]
+fn a_state_belongs_to_its_set() {
+    let tables = [y(&[0, 1000])];
+    let mut bench = fipw(&tables);
+    bench.start(&by_way(2, &[]), 0);
+    let runs_by = |values: &[(&str, i64)]| bench.function.is_set(Words(&set(fipw::FIELDS, values)), bench.call_ns);
+    assert!(runs_by(&by_way(2, &[])));
+    for (name, value) in [("mult", 2), ("increments_per_rev", 101), ("mode", 26), ("master_offset", 1), ("sak", 1)] {
+        assert!(!runs_by(&by_way(2, &[(name, value)])), "{name}");
+    }
+}
