@@ -11,7 +11,8 @@ use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer};
 use crate::position::Length;
 use crate::state::Reference;
-use crate::sync::{Disengage, SyncMode};
+use crate::sync::gear::Ratio;
+use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::table::Table;
 use crate::trajectory::Trajectory;
 use crate::vocabulary::Request;
@@ -409,6 +410,25 @@ pub struct Synchronize {
     pub velocity: f64,
     /// Slave acceleration while catching up (inc/s^2); 0 asks for the default.
     pub acceleration: f64,
+    /// The cam in the place of the gear; ratio and offset are unused then.
+    pub cam: Option<CamIn>,
+}
+
+/// A cam between an axis and its leader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CamIn {
+    /// Place in section `tables`.
+    pub table: u16,
+    /// How it begins.
+    pub start: CamStart,
+    /// Increments of the table per increment of the leader.
+    pub master_scale: Ratio,
+    /// Increments of the slave per increment of the table.
+    pub slave_scale: Ratio,
+    /// What is added to the scaled way of the leader (inc of the table).
+    pub master_offset: Length,
+    /// What is added to the scaled value of the table (inc of the slave).
+    pub slave_offset: Length,
 }
 
 /// A streamed setpoint of one axis.

@@ -317,12 +317,12 @@ impl Machine {
         // A machine without axes has nothing that tells when its outputs are to be looked at.
         let (mut is_calm, mut is_shown) = (!self.state.axes.is_empty(), true);
         for place in 0..self.state.order.len() {
-            let State { axes, order, board, leads, cycle, .. } = &mut self.state;
+            let State { axes, order, board, leads, cycle, tables, .. } = &mut self.state;
             let index = order.get(place).map_or(0, |index| usize::from(*index));
             let Some(axis) = axes.get_mut(index) else { continue };
             match axis.pace() {
                 Pace::Passed => axis.pass_over(),
-                Pace::Calm if axis.step_calmly(*cycle, leads) => {
+                Pace::Calm if axis.step_calmly(*cycle, leads, tables) => {
                     note_command(leads, index, axis);
                     // Its master may stand behind it in the order.
                     if axis.sees_a_master() {
@@ -366,7 +366,7 @@ impl Machine {
         told: Told<'_>,
         act: impl FnOnce(&mut Axis, &mut Context<'_>) -> T,
     ) -> Option<T> {
-        let State { axes, cycle, leads, encoders, runs, parameter_version, .. } = &mut self.state;
+        let State { axes, cycle, leads, encoders, runs, tables, parameter_version, .. } = &mut self.state;
         let axis = axes.get_mut(index)?;
         let mut cx = Context {
             cycle: *cycle,
@@ -374,6 +374,7 @@ impl Machine {
             inputs: told.inputs,
             digital_inputs: &self.digital_inputs,
             leads,
+            tables,
             encoders,
             latches: &self.latched,
             stream: told.stream,

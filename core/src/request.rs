@@ -12,6 +12,7 @@ mod outputs;
 mod rates;
 mod saia;
 mod setpoints;
+mod synchronize;
 mod trajectory;
 
 pub use error::RequestError;
@@ -19,9 +20,10 @@ pub use function::{FieldValue, FunctionRequest};
 pub use homing::{HomeRequest, SetPositionRequest};
 pub use rates::Rates;
 pub use setpoints::SetpointRequest;
+pub use synchronize::{CamRequest, SynchronizeRequest, factor};
 pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
 
-use crate::command::{Move, MoveMode, Probe, ProbeEdge, Synchronize};
+use crate::command::{Move, MoveMode, Probe, ProbeEdge};
 use crate::config::{AxisConfig, IoKind, MachineConfig, highest_of};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{self, Applies, Change, ConvertError, MACHINE, ParameterInput, Row, Word};
@@ -150,33 +152,6 @@ pub struct ProbeRequest {
     pub edge: u8,
     /// Where to end, from the latched position.
     pub distance: Amount,
-}
-
-/// A coupling with names and units.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SynchronizeRequest {
-    /// Axis that follows.
-    pub axis: String,
-    /// What it follows; empty: what parameter `mencodertype` of the axis names.
-    pub master: String,
-    /// For engage ON_EVENT.
-    pub event: String,
-    /// 0 velocity, 1 position, 2 marker.
-    pub mode: u8,
-    /// 0 immediately, 1 at position, 2 on event.
-    pub engage: u8,
-    /// 0 stop, 1 keep velocity.
-    pub disengage: u8,
-    /// Slave increments.
-    pub numerator: i64,
-    /// Master increments.
-    pub denominator: i64,
-    /// Shift of the slave.
-    pub offset: Amount,
-    /// 0: the default.
-    pub velocity: Amount,
-    /// 0: the default.
-    pub acceleration: Amount,
 }
 
 impl MachineConfig {
@@ -325,59 +300,6 @@ impl MachineConfig {
                 .distance
                 .length(request.search.units, &axis.scale)
                 .map_err(|error| bad_value("distance", error))?,
-        })
-    }
-
-    /// A coupling as a command's content.
-    ///
-    /// # Errors
-    /// What is wrong in the request itself.
-    pub fn resolve_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
-        let resolved = self.resolve_recorded_synchronize(request)?;
-        let (_, axis) = self.find_axis(&request.axis)?;
-        meaning::check_synchronize(request, &resolved, axis).map(|()| resolved)
-    }
-
-    /// As [`MachineConfig::resolve_synchronize`], of what was a command once: older programs took fields without a meaning.
-    ///
-    /// # Errors
-    /// Likewise.
-    pub fn resolve_recorded_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
-        use crate::sync::{Disengage, SyncMode};
-        let (index, axis) = self.find_axis(&request.axis)?;
-        let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
-        let bad = bad_value;
-        let mode = match request.mode {
-            0 => SyncMode::Velocity,
-            1 => SyncMode::Position,
-            2 => return Err(RequestError::NotBuilt("synchronize in mode MARKER".into())),
-            other => return Err(choice("mode", other, "0 VELOCITY, 1 POSITION, 2 MARKER are allowed")),
-        };
-        match request.engage {
-            0 => {}
-            1 => return Err(RequestError::NotBuilt("engage AT_POSITION".into())),
-            2 => return Err(RequestError::NotBuilt("engage ON_EVENT".into())),
-            other => return Err(choice("engage", other, "0 IMMEDIATELY, 1 AT_POSITION, 2 ON_EVENT are allowed")),
-        }
-        let disengage = match request.disengage {
-            0 => Disengage::Stop,
-            1 => Disengage::KeepVelocity,
-            other => return Err(choice("disengage", other, "0 STOP, 1 KEEP_VELOCITY are allowed")),
-        };
-        let (units, scale) = (Units::Si, &axis.scale);
-        Ok(Synchronize {
-            axis: index,
-            leader: Some(&request.master)
-                .filter(|name| !name.is_empty())
-                .map(|name| self.find_leader(name))
-                .transpose()?,
-            mode,
-            disengage,
-            numerator: request.numerator,
-            denominator: request.denominator,
-            offset: request.offset.length(units, scale).map_err(|error| bad("offset", error))?,
-            velocity: request.velocity.rate(units, scale, 1).map_err(|error| bad("velocity", error))?,
-            acceleration: request.acceleration.rate(units, scale, 2).map_err(|error| bad("acceleration", error))?,
         })
     }
 

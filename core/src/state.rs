@@ -80,6 +80,8 @@ pub enum Reference {
     PositionAbsolute = 1,
     /// A velocity.
     Speed = 2,
+    /// A cam.
+    Cam = 3,
     /// A gear.
     Gear = 4,
     /// Homing.
@@ -102,6 +104,7 @@ impl Reference {
         match number {
             1 => Self::PositionAbsolute,
             2 => Self::Speed,
+            3 => Self::Cam,
             4 => Self::Gear,
             5 => Self::Home,
             6 => Self::PositionRelative,

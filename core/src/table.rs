@@ -4,8 +4,10 @@
 //! Refuses  lists of different lengths, words beyond 16 bits, more numbers than [`MOST`]
 //! Source   contract section 10, AMK-INIT-09
 
+mod cam;
 mod shape;
 
+pub use cam::{CamError, CamSetting, CamShape, MOST_LENGTH, MOST_VALUE};
 pub use shape::{CurveError, Shape};
 
 use serde::{Deserialize, Serialize};
@@ -73,6 +75,8 @@ pub struct Table {
     x: Box<[i64]>,
     y: Box<[i64]>,
     shape: Result<Shape, CurveError>,
+    setting: CamSetting,
+    cam: Result<CamShape, CamError>,
 }
 
 impl Table {
@@ -95,7 +99,16 @@ impl Table {
         {
             return Err(TableError::Word { place, value: y.get(place).copied().unwrap_or_default() });
         }
-        Ok(Self { form, x: x.into(), y: y.into(), shape: Shape::of(form, x, y) })
+        let (shape, setting) = (Shape::of(form, x, y), CamSetting::default());
+        Ok(Self { form, x: x.into(), y: y.into(), shape, setting, cam: CamShape::of(form, x, y, setting) })
+    }
+
+    /// The same numbers with what is said of them as a cam.
+    #[must_use]
+    pub fn with_cam(mut self, setting: CamSetting) -> Self {
+        self.setting = setting;
+        self.cam = CamShape::of(self.form, &self.x, &self.y, setting);
+        self
     }
 
     /// What its numbers are.
@@ -144,9 +157,23 @@ impl Table {
         self.shape
     }
 
+    /// What is said of it as a cam.
+    pub fn cam_setting(&self) -> CamSetting {
+        self.setting
+    }
+
+    /// Its points as a cam.
+    ///
+    /// # Errors
+    /// What keeps it from being one.
+    #[inline]
+    pub fn cam(&self) -> Result<CamShape, CamError> {
+        self.cam
+    }
+
     /// Could it have come about?
     pub fn is_sound(&self) -> bool {
-        Self::new(self.form, &self.x, &self.y).as_ref() == Ok(self)
+        Self::new(self.form, &self.x, &self.y).map(|table| table.with_cam(self.setting)).as_ref() == Ok(self)
     }
 }
 

@@ -151,6 +151,12 @@ class SyncGoal(IdlStruct, typename="SyncGoal"):
     offset: t.float64 = 0.0
     velocity: t.float64 = 0.0
     acceleration: t.float64 = 0.0
+    table: str = ""
+    cam_start: t.uint8 = 0
+    master_scale: t.float64 = 0.0
+    slave_scale: t.float64 = 0.0
+    master_offset: t.float64 = 0.0
+    slave_offset: t.float64 = 0.0
 
 
 @dataclass

@@ -13,6 +13,8 @@ use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::Leads;
 use crate::sync::follower::Following;
+use crate::table::Table;
+use std::sync::Arc;
 
 impl Axis {
     /// As [`sense`](Self::sense), where nothing but the motion of the drive can have changed.
@@ -27,8 +29,8 @@ impl Axis {
 
     /// As [`begin_step`](Self::begin_step) and [`end_step`](Self::end_step), in a cycle without commands; false where it needs all of that.
     #[inline]
-    pub fn step_calmly(&mut self, cycle: u64, leads: &Leads) -> bool {
-        let goes_on = self.go_on(cycle, leads).is_some();
+    pub fn step_calmly(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> bool {
+        let goes_on = self.go_on(cycle, leads, tables).is_some();
         if !goes_on {
             self.disturb();
         }
@@ -36,7 +38,7 @@ impl Axis {
     }
 
     #[inline]
-    fn go_on(&mut self, cycle: u64, leads: &Leads) -> Option<()> {
+    fn go_on(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> Option<()> {
         let error = self.following_error();
         if self.supervision_tells() || !self.is_virtual() && !self.judge.stays_within(error, &self.parameters) {
             return None;
@@ -51,7 +53,7 @@ impl Axis {
             Generator::Follow(Coupling { leader, follower, .. }) => {
                 let rule = self.parameters.reversing().rule;
                 let lead = leads.get(*leader);
-                let following = follower.follow(self.command, lead, self.cycle_s(), rule)?;
+                let following = follower.follow(self.command, (lead, tables), self.cycle_s(), rule)?;
                 self.may_go_on(following.motion, true).then_some(())?;
                 self.take_following(&following);
                 following.motion

@@ -44,12 +44,6 @@ impl Axis {
         self.check_closed_loop()?;
         self.check_free()?;
         let p = &self.parameters;
-        let (numerator, denominator) = match (request.numerator, request.denominator) {
-            (0, 0) => (p.sync_slave, p.sync_master),
-            given => given,
-        };
-        let ratio = Ratio::new(numerator, denominator)
-            .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))?;
         let velocity =
             self.check_rate(request.velocity, p.usual_velocity(), p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
         let acceleration = self.check_rate(
@@ -70,24 +64,38 @@ impl Axis {
             max_acceleration: p.max_acceleration,
             max_deceleration: p.deceleration_limit(),
         };
-        let offset = match request.mode {
-            SyncMode::Position => request.offset.exact(),
-            SyncMode::Velocity => Position::ZERO,
+        let (transmission, offset) = match &request.cam {
+            Some(cam) => self.cam_of(cx.tables, lead, cam)?,
+            None => self.gear_of(request)?,
         };
-        // From one coupling to the next the remainder passes on.
-        let gear = match &self.generator {
-            Generator::Follow(coupling) => match coupling.follower.transmission() {
-                Transmission::Gear(gear) => gear.with_ratio(ratio),
-            },
-            _ => Gear::new(ratio),
-        };
-        let transmission = Transmission::Gear(gear);
         let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
         let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
         self.begin_goal(cx, sequence, None);
         let coupling = Coupling { leader, disengage, accuracy, follower };
-        self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Gear, Generator::Follow(coupling));
+        let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
+        self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
+    }
+
+    /// The gear of a request, and the offset of the slave.
+    fn gear_of(&self, request: &Synchronize) -> Result<(Transmission, Position), Refusal> {
+        let (numerator, denominator) = match (request.numerator, request.denominator) {
+            (0, 0) => (self.parameters.sync_slave, self.parameters.sync_master),
+            given => given,
+        };
+        let ratio = Ratio::new(numerator, denominator)
+            .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))?;
+        let offset = match request.mode {
+            SyncMode::Position => request.offset.exact(),
+            SyncMode::Velocity => Position::ZERO,
+        };
+        // From one gear to the next the remainder passes on.
+        let before = self.coupling().map(|coupling| coupling.follower.transmission());
+        let gear = match before {
+            Some(Transmission::Gear(gear)) => gear.with_ratio(ratio),
+            _ => Gear::new(ratio),
+        };
+        Ok((Transmission::Gear(gear), offset))
     }
 
     /// The motion of this cycle by the leader; none where the coupling is lost, and the axis stops already.
@@ -110,8 +118,13 @@ impl Axis {
             return None;
         }
         let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
+        if follower.transmission().cam().is_some_and(|cam| !cam.bears(change, cx.tables)) {
+            let change = Number::Count(change.floor());
+            self.raise(cx, Failure::of(Code::CAM_MASTER_TOO_FAST).with(change, Number::None).before_motion());
+            return None;
+        }
         let was = follower.phase();
-        let next = follower.step(slave, lead, cycle_s, reserve, rule);
+        let next = follower.step(slave, (lead, cx.tables), cycle_s, reserve, rule);
         if was == Phase::Synchronized && follower.phase() == Phase::CatchingUp {
             let waits = follower.leader_reverses() && rule == Rule::Never;
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };

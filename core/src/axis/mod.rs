@@ -11,6 +11,7 @@ mod alarm;
 mod brake;
 mod buffer;
 mod calm;
+mod cam;
 mod coupling;
 mod course;
 mod direction;
@@ -44,6 +45,7 @@ mod waiting;
 
 pub use alarm::Fault;
 pub use brake::{BrakeConfig, Edges};
+pub use cam::no_cam;
 pub use direction::{may_tell_sign, may_turn_loop};
 pub use feedback::Claim;
 pub use function::MovedBy;
@@ -73,6 +75,7 @@ use crate::profile::Motion;
 use crate::signal::Signal;
 use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
+use crate::table::Table;
 use crate::vocabulary::{Latched, Owner, Setting, Vocabularies, Wiring};
 use alarm::Alarm;
 use brake::Holding;
@@ -90,6 +93,7 @@ use rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
 use shown::DriveShown;
 pub use shown::MISSED_CYCLES;
+use std::sync::Arc;
 use stream::Streamed;
 use waiting::Waiting;
 
@@ -150,6 +154,8 @@ pub struct Context<'a> {
     pub digital_inputs: &'a [u16],
     /// The leaders, as far as this cycle has come.
     pub leads: &'a Leads,
+    /// The tables of the machine.
+    pub tables: &'a [Arc<Table>],
     /// The encoders, as they stand in this cycle.
     pub encoders: &'a [Encoder],
     /// The latches of this cycle.
@@ -349,6 +355,7 @@ impl Axis {
         self.step_vocabularies(cx);
         self.follow_stream(cx);
         self.follow_function(cx);
+        self.end_cam(cx);
         self.obey_inputs(cx);
         self.heed_stop(cx);
         self.judge_arrival(cx);

@@ -290,7 +290,7 @@ impl Axis {
         let position = if held { follower.target() } else { self.command.position };
         let slave = Motion { position, velocity: tracker.moved, ..self.command };
         let rule = if self.reverses_alone() { Rule::Always } else { Rule::Never };
-        let next = follower.step(slave, lead, self.cycle_s(), Reserve::default(), rule);
+        let next = follower.step(slave, (lead, &[]), self.cycle_s(), Reserve::default(), rule);
         tracker.moved = next.velocity;
         // Not where two straight segments meet, nor where it arrives: there the step of this cycle is what stops begin with.
         let most = self.parameters.max_acceleration.max(self.parameters.deceleration_limit());

@@ -13,7 +13,9 @@ use crate::profile::Limits;
 use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
 use crate::sync::Leads;
+use crate::table::Table;
 use crate::vocabulary::{Latched, Order, Owner, Problem, View, Vocabulary, Writes, check};
+use std::sync::Arc;
 
 impl Axis {
     fn view<'a>(&'a self, cycle: u64, owner: Owner, leads: &'a Leads, latches: &'a [Latched]) -> View<'a> {
@@ -137,7 +139,12 @@ impl Axis {
     ///
     /// # Errors
     /// Why not.
-    pub fn admits_vocabularies(&self, candidate: &AxisParameters, cycle: u64, leads: &Leads) -> Result<(), Refusal> {
+    pub fn admits_vocabularies(
+        &self,
+        candidate: &AxisParameters,
+        cycle: u64,
+        (leads, tables): (&Leads, &[Arc<Table>]),
+    ) -> Result<(), Refusal> {
         let refuse = |problem: Problem| problem.refusal(self.object());
         check(candidate, &self.setup.setting()).map_err(refuse)?;
         let (now, then) = (&self.parameters.vocabularies, &candidate.vocabularies);
@@ -172,9 +179,9 @@ impl Axis {
                 self.check_selectable(owner)?;
                 self.check_selected_way(cycle, Aim::velocity(velocity), limits)
             }
-            Some(Order::Gear { .. }) => {
+            Some(order @ (Order::Gear { .. } | Order::Cam { .. })) => {
                 self.check_selectable(owner)?;
-                self.gear_of_master(leads).map(|_| ())
+                self.coupling_to_master(leads, tables, (candidate, order)).map(|_| ())
             }
             _ => Ok(()),
         }

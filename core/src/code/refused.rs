@@ -249,6 +249,13 @@ codes! {
         remedy: "Give `amc: {freeze: ..}` in the cell.",
     }
 
+    /// The reference selector has no cam to follow its master by.
+    AMC_NO_CAM = 10045, NoError {
+        says: "{key} {asked} follows a master by a table; give `amc: {cam: ..}` in the cell",
+        cause: "The reference selector has no table for its cam.",
+        remedy: "Give `amc: {cam: ..}` in the cell.",
+    }
+
     /// A motion backwards, which REVERS forbids.
     REVERSE_FORBIDDEN = 10051, NoError {
         says: "",
@@ -339,5 +346,61 @@ codes! {
         says: "the velocity is no finite number",
         cause: "A streamed setpoint is NaN or infinite.",
         remedy: "Send finite numbers.",
+    }
+
+    /// A data block as a cam.
+    CAM_FORM = 10091, NoError {
+        says: "words of a data block are no cam; form y and form xy are",
+        cause: "The table of a cam has form words.",
+        remedy: "Name a table of form y or xy.",
+    }
+
+    /// A cam with too few points.
+    CAM_POINTS = 10092, NoError {
+        says: "it has {asked} points; a cam has 2 or more",
+        cause: "The table of a cam has one point.",
+        remedy: "Give two points or more.",
+    }
+
+    /// A table of form y that does not say how long it is.
+    CAM_NO_LENGTH = 10093, NoError {
+        says: "it has form y and no length; a cam needs one, in increments of its master",
+        cause: "A table of form y says nothing about its master, and the cell gives it no `length`.",
+        remedy: "Give the table a length in the cell, or places of its own with form xy.",
+    }
+
+    /// A length beyond its range.
+    CAM_LENGTH = 10094, NoError {
+        says: "it is {asked} increments of its master long; 1 to 2147483647 are possible",
+        cause: "The last place of the table of a cam lies beyond its range.",
+        remedy: "Give shorter tables, and a smaller master_scale.",
+    }
+
+    /// Places that do not rise from 0.
+    CAM_PLACE = 10095, NoError {
+        says: "point {asked} is at {limit}; the first is at 0, and each lies behind the one before it",
+        cause: "The places of the table of a cam do not begin at 0, or do not rise.",
+        remedy: "Sort them; no two are equal.",
+    }
+
+    /// A value beyond its range.
+    CAM_VALUE = 10096, NoError {
+        says: "point {asked} has the value {limit}; -1073741824 to 1073741824 are possible",
+        cause: "A value of the table of a cam lies beyond its range.",
+        remedy: "Give smaller values, and a larger slave_scale.",
+    }
+
+    /// The master is behind the end of a cam that has one.
+    CAM_PASSED = 10097, NoError {
+        says: "its master is at {asked} already; it ends at {limit}",
+        cause: "A cam that is not cyclic was asked for with its master behind its end.",
+        remedy: "Bring the master before the end, shift it with master_offset, or begin with RELATIVE.",
+    }
+
+    /// The slave of an absolute cam is elsewhere.
+    CAM_AWAY = 10098, NoError {
+        says: "the cam asks for a place that is {asked} away; ABSOLUTE begins within sync_accuracy, {limit}, RAMP_IN leads there",
+        cause: "The slave is not where the table says, and the start ABSOLUTE does not move it there.",
+        remedy: "Move the slave there, begin with RAMP_IN, or with RELATIVE where it is.",
     }
 }

@@ -2,7 +2,7 @@
 
 use super::signals::locate;
 use super::{Machine, State, Told};
-use crate::axis::MovedBy;
+use crate::axis::{MovedBy, no_cam};
 use crate::code::Code;
 use crate::command::{Command, CommandFunction};
 use crate::drive::{Edge, Inputs};
@@ -116,6 +116,11 @@ impl Machine {
                 return Err(refuse(Code::FUNCTION_USES_TABLE).with(Number::Count(slot as i64), Number::None));
             }
             state.check_edit(wires, &self.state.tables, (index, table)).map_err(|fault| refusal(fault, slot as u16))?;
+        }
+        if let Err(error) = table.cam()
+            && self.state.axes.iter().any(|axis| axis.cam_table() == Some(index))
+        {
+            return Err(no_cam(index, error));
         }
         if let Some(place) = self.state.tables.get_mut(place) {
             // Who gave the former one keeps a reference: none is freed here.

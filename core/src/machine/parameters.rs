@@ -289,7 +289,8 @@ impl Machine {
 
     /// The whole set of an axis must agree, with itself and with what the axis is doing.
     fn check_candidate(&self, index: usize, changes: &[Change]) -> Result<(), Refusal> {
-        self.state.axes[index].admits_vocabularies(&self.candidates[index], self.state.cycle, &self.state.leads)?;
+        let super::State { axes, cycle, leads, tables, .. } = &self.state;
+        axes[index].admits_vocabularies(&self.candidates[index], *cycle, (leads, tables))?;
         let candidate = &self.candidates[index];
         self.state.axes[index].admits_sense(candidate)?;
         self.state.axes[index].admits_source(candidate)?;
@@ -366,7 +367,7 @@ impl Machine {
         {
             return Err(refuse(row as u16, Code::NOT_DISABLED));
         }
-        axis.admits_vocabularies(candidate, self.state.cycle, &self.state.leads)?;
+        axis.admits_vocabularies(candidate, self.state.cycle, (&self.state.leads, &self.state.tables))?;
         axis.admits_sense(candidate)?;
         axis.admits_source(candidate)?;
         self.check_named(index)?;

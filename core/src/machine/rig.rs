@@ -84,6 +84,7 @@ fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refu
         inputs: &inputs,
         digital_inputs: &[],
         leads: &state.leads,
+        tables: &state.tables,
         encoders: &state.encoders,
         latches: &[],
         stream: None,
@@ -341,5 +342,6 @@ pub(crate) fn couple(axis: u16, leader: Leader, numerator: i64, denominator: i64
         offset: Length::default(),
         velocity: 0.0,
         acceleration: 0.0,
+        cam: None,
     }
 }

@@ -5,6 +5,7 @@ mod amc;
 mod anything;
 mod buffer;
 mod buses;
+mod cams;
 mod changes;
 mod direction;
 mod edges;

@@ -19,6 +19,10 @@ pub struct Parameters {
     pub action_on_event: i64,
     /// 34.009: 0 to 7.
     pub reference_select_trigger: i64,
+    /// 35.001: point of the table, from 0.
+    pub cam_start_index: i64,
+    /// 35.002 (inc of the master), behind that point.
+    pub cam_start_position: i64,
     /// 41.007 (inc); left out: as `max_following_error`.
     pub following_error_window: Option<i64>,
     /// 41.024: as `stop_mode`.

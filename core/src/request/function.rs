@@ -88,9 +88,10 @@ impl MachineConfig {
         let index = self.find_table(name)?;
         let present = self.tables.get(usize::from(index));
         let form = present.map(|present| present.table.form()).unwrap_or(crate::table::Form::Y);
+        let setting = present.map(|present| present.table.cam_setting()).unwrap_or_default();
         let table = Table::new(form, x, y)
             .map_err(|error| RequestError::BadTable { name: excerpt(name), sentence: error.to_string() })?;
-        Ok(Action::LoadTable { index, table: Arc::new(table) })
+        Ok(Action::LoadTable { index, table: Arc::new(table.with_cam(setting)) })
     }
 }
 

@@ -1,14 +1,13 @@
 //! Fields that the rest of a request gives no meaning.
 //!
 //! Law      what would be accepted and do nothing is refused; a field at its default asks for nothing
-//! Refuses  a direction on an axis without modulo; with mode VELOCITY a position, and an offset of a coupling
+//! Refuses  a direction on an axis without modulo; a position with mode VELOCITY
 
-use super::{Amount, MoveRequest, RequestError, SynchronizeRequest, Units, bad_value};
-use crate::command::{Move, MoveMode, Synchronize};
+use super::{Amount, MoveRequest, RequestError, Units, bad_value};
+use crate::command::{Move, MoveMode};
 use crate::config::AxisConfig;
 use crate::modulo::Direction;
 use crate::position::Length;
-use crate::sync::SyncMode;
 use crate::unit::Scale;
 
 /// Has each field of a positioning goal a meaning on that axis?
@@ -24,20 +23,14 @@ pub(super) fn check_move(request: &MoveRequest, resolved: &Move, axis: &AxisConf
     Ok(())
 }
 
-/// Has each field of a coupling a meaning on that axis?
-pub(super) fn check_synchronize(
-    request: &SynchronizeRequest,
-    resolved: &Synchronize,
-    axis: &AxisConfig,
-) -> Result<(), RequestError> {
-    if resolved.mode == SyncMode::Velocity && resolved.offset != Length::whole(0) {
-        let allowed = "0 is allowed with mode VELOCITY, which keeps no position";
-        return Err(no_meaning("offset", request.offset, Units::Si, &axis.scale, allowed));
-    }
-    Ok(())
-}
-
-fn no_meaning(field: &'static str, given: Amount, units: Units, scale: &Scale, allowed: &'static str) -> RequestError {
+/// A length whose field has none.
+pub(super) fn no_meaning(
+    field: &'static str,
+    given: Amount,
+    units: Units,
+    scale: &Scale,
+    allowed: &'static str,
+) -> RequestError {
     match given.quantity(units, scale, 0) {
         Ok(quantity) => RequestError::NoMeaning { field, value: format!("`{quantity}`"), allowed },
         Err(error) => bad_value(field, error),

@@ -1,7 +1,11 @@
 use super::*;
 use crate::command::HomingMethod;
-use crate::config::EncoderConfig;
+use crate::config::{EncoderConfig, TableConfig};
 use crate::parameter::AxisParameters;
+use crate::sync::CamStart;
+use crate::sync::gear::Ratio;
+use crate::table::{Form, Table};
+use std::sync::Arc;
 
 fn scale(increments: i128, unit: Unit) -> Scale {
     let per = Quantity::new(Fraction::from_integer(1), unit);
@@ -257,4 +261,48 @@ fn a_position_is_set_of_an_axis_an_encoder_or_a_master() {
         assert!(master(wrong, Units::AxisUnit).is_err(), "{wrong}");
     }
     assert!(ask("q.master".into(), 0.0, Units::Si).is_err());
+}
+
+#[test]
+fn a_cam_takes_its_own_fields_and_no_others() {
+    let mut config = config();
+    let table = Arc::new(Table::new(Form::Xy, &[0, 10], &[0, 5]).unwrap());
+    config.tables = vec![TableConfig { name: "knife".into(), table }];
+    let cam = CamRequest { table: "knife".into(), start: 2, ..CamRequest::default() };
+    let request =
+        SynchronizeRequest { axis: "x".into(), master: "belt".into(), mode: 3, cam: cam.clone(), ..Default::default() };
+    let found = config.resolve_synchronize(&request).unwrap().cam.unwrap();
+    assert_eq!((found.table, found.start, found.master_scale), (0, CamStart::RampIn, Ratio::ONE));
+    let error = |request: &SynchronizeRequest| config.resolve_synchronize(request).unwrap_err().to_string();
+    let of_cam = |cam: CamRequest| error(&SynchronizeRequest { cam, ..request.clone() });
+    assert!(of_cam(CamRequest { table: "spoon".into(), ..cam.clone() }).contains("`spoon`"));
+    assert_eq!(
+        of_cam(CamRequest { start: 3, ..cam.clone() }),
+        "cam_start is 3; 0 ABSOLUTE, 1 RELATIVE, 2 RAMP_IN are allowed"
+    );
+    let nan = Amount::Number(f64::NAN);
+    assert!(of_cam(CamRequest { master_offset: nan, ..cam.clone() }).starts_with("master_offset: "));
+    assert_eq!(
+        error(&SynchronizeRequest { numerator: 1, ..request.clone() }),
+        "numerator is 1; 0 is allowed with mode CAM, which has master_scale and slave_scale"
+    );
+    let offset = Amount::Number(0.5);
+    assert_eq!(
+        error(&SynchronizeRequest { offset, ..request.clone() }),
+        "offset is `0.5 m`; 0 is allowed with mode CAM, which has slave_offset"
+    );
+    let nameless = SynchronizeRequest { master: String::new(), ..request.clone() };
+    assert!(config.resolve_synchronize(&nameless).is_ok());
+    let shifted = CamRequest { master_offset: offset, ..cam.clone() };
+    assert!(
+        error(&SynchronizeRequest { cam: shifted, ..nameless }).starts_with("master_offset is given; 0 is allowed")
+    );
+    let position = SynchronizeRequest { mode: 1, ..request.clone() };
+    assert_eq!(error(&position), "table is `knife`; it belongs to mode CAM; leave it out, or at 0");
+    let scaled = CamRequest { slave_scale: Fraction::new(1, 2), ..CamRequest::default() };
+    assert!(error(&SynchronizeRequest { cam: scaled, ..position }).starts_with("slave_scale is 0.5; it belongs"));
+    // An offset of the leader is in its unit: 40 inc are 1 mm of the belt.
+    let offset = CamRequest { master_offset: Amount::Number(0.001), ..cam };
+    let found = config.resolve_synchronize(&SynchronizeRequest { cam: offset, ..request }).unwrap().cam.unwrap();
+    assert_eq!(found.master_offset, Length::whole(config.encoders[0].scale.position_from_si(0.001).unwrap()));
 }

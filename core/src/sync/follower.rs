@@ -15,7 +15,9 @@ use crate::encoder::Lead;
 use crate::parameter::Rule;
 use crate::position::Position;
 use crate::profile::Motion;
+use crate::table::Table;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// How far a coupling has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -79,7 +81,7 @@ pub struct Follower {
     phase: Phase,
     /// Where the transmission wants the slave.
     target: Position,
-    /// Where the leader will stop at once, if that is known: the slave slows down before.
+    /// Where the leader will stop at once, or a cam ends, if that is known: the slave slows down before.
     halt: Option<Position>,
     bounds: Bounds,
     /// By how much its lead is uneven (inc).
@@ -143,8 +145,8 @@ impl Follower {
 
     /// The same with a way of the leader that is past already and counts.
     #[must_use]
-    pub fn with_past(mut self, past: Position) -> Self {
-        self.target += self.transmission.step(Lead { change: past, ..Lead::default() });
+    pub fn with_past(mut self, past: Position, tables: &[Arc<Table>]) -> Self {
+        self.target += self.transmission.step(Lead { change: past, ..Lead::default() }, tables);
         self
     }
 
@@ -214,9 +216,16 @@ impl Follower {
 
     /// One cycle: the slave's next motion, with what `reserve` leaves of the bounds. Where the rule forbids to go backwards, the
     /// slave stands, and the gear waits for it ahead or behind.
-    pub fn step(&mut self, slave: Motion, lead: Lead, cycle_s: f64, reserve: Reserve, rule: Rule) -> Motion {
+    pub fn step(
+        &mut self,
+        slave: Motion,
+        (lead, tables): (Lead, &[Arc<Table>]),
+        cycle_s: f64,
+        reserve: Reserve,
+        rule: Rule,
+    ) -> Motion {
         let bounds = self.bounds.less(reserve);
-        let change = self.transmission.step(lead);
+        let change = self.transmission.step(lead, tables);
         self.lead_uneven = lead.uneven;
         self.target += change;
         // From here on in inc per cycle.
@@ -232,6 +241,11 @@ impl Follower {
             Rule::Never => true,
         };
         let rate = bounds.acceleration * cycle_s * cycle_s;
+        if let Some(cam) = self.transmission.cam() {
+            // One that ends smoothly is followed; where the slave could not stop at once, it slows down before.
+            let end = cam.way_to_end(tables).filter(|(_, slope)| (slope * lead.change.to_f64()).abs() > rate);
+            self.halt = end.map(|(way, _)| self.target + way);
+        }
         let ahead = self.slowed(slave.position, geared, rate) == geared;
         let follows =
             ahead && !(forward_only && geared < 0.0) && self.can_follow(geared, before, uneven, cycle_s, bounds);
@@ -251,13 +265,20 @@ impl Follower {
     /// The step of a slave that is on its leader and stays there, which is most of them; none where [`step`](Self::step) has to
     /// look closer. Nothing is changed: that is up to [`keep`](Self::keep).
     #[inline]
-    pub fn follow(&self, slave: Motion, lead: Lead, cycle_s: f64, rule: Rule) -> Option<Following> {
+    pub fn follow(
+        &self,
+        slave: Motion,
+        (lead, tables): (Lead, &[Arc<Table>]),
+        cycle_s: f64,
+        rule: Rule,
+    ) -> Option<Following> {
         let (change, transmission) =
-            self.transmission.stepped(lead).filter(|_| lead.valid && lead.uneven == self.lead_uneven)?;
+            self.transmission.stepped(lead, tables).filter(|_| lead.valid && lead.uneven == self.lead_uneven)?;
         // In inc per cycle.
         let geared = change.to_f64();
         let before = slave.velocity * cycle_s;
-        let uneven = self.uneven().min((geared - self.recent[0]).abs());
+        let uneven = if lead.uneven == 0.0 { 0.0 } else { lead.uneven * transmission.slope() };
+        let uneven = uneven.min((geared - self.recent[0]).abs());
         let Bounds { max_velocity, max_acceleration, max_deceleration, .. } = self.bounds;
         let rate = if geared.abs() > before.abs() { max_acceleration } else { max_deceleration };
         // As `can_follow`, which allows for rounding as well.

@@ -34,6 +34,16 @@ impl Ratio {
         Some(Self { numerator: sign * numerator / divisor, denominator: sign * denominator / divisor })
     }
 
+    /// Slave increments.
+    pub fn numerator(self) -> i64 {
+        self.numerator
+    }
+
+    /// Master increments, above 0.
+    pub fn denominator(self) -> i64 {
+        self.denominator
+    }
+
     /// The value, rounded.
     pub fn to_f64(self) -> f64 {
         self.numerator as f64 / self.denominator as f64
@@ -93,9 +103,10 @@ impl Gear {
             *self = gear;
             return change;
         }
-        let bound = Position::whole(Self::MAX_CHANGE).raw();
+        // Twice the largest change, as the way of a cam may be.
+        let bound = 2 * Position::whole(Self::MAX_CHANGE).raw();
         let change = master_change.raw().clamp(-bound, bound);
-        // |numerator| < 2^62 and |change| <= 2^63, the remainder is below 2^62: the sum stays below 2^126.
+        // |numerator| < 2^62 and |change| <= 2^64, the remainder is below 2^62: the sum stays below 2^127.
         let total = i128::from(self.ratio.numerator) * change + self.remainder;
         let denominator = i128::from(self.ratio.denominator);
         self.remainder = total.rem_euclid(denominator);

@@ -1,5 +1,6 @@
 //! Following a lead: exact transmissions and the way into and out of them.
 
+pub mod cam;
 pub mod follower;
 pub mod gear;
 mod leads;
@@ -28,8 +29,31 @@ pub mod status {
 pub enum SyncMode {
     /// SYNCV: equal velocity times the ratio.
     Velocity,
-    /// SYNCP: what is lost while the follower speeds up is caught up.
+    /// SYNCP: what is lost while the follower speeds up is caught up. A cam is one.
     Position,
+}
+
+/// How a cam begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CamStart {
+    /// Master and slave are where the table says: a slave that is not is refused.
+    #[default]
+    Absolute,
+    /// The table begins where master and slave are.
+    Relative,
+    /// As [`CamStart::Absolute`], but the slave is led there.
+    RampIn,
+}
+
+impl CamStart {
+    /// Every start with its number and its name in the interface.
+    pub const ALL: [(Self, u8, &'static str); 3] =
+        [(Self::Absolute, 0, "absolute"), (Self::Relative, 1, "relative"), (Self::RampIn, 2, "ramp_in")];
+
+    /// The name in scenarios.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(start, ..)| *start == self).map_or("", |(.., name)| name)
+    }
 }
 
 /// What a follower does when it is uncoupled.

@@ -1,19 +1,26 @@
 //! What stands between a lead and its follower.
 //!
 //! Law      a change of the lead becomes a change of the follower; what is left of it below the grid of positions is kept
+//! Reads    of a cam, the tables of the machine
 //! Refuses  nothing: it was checked when it was made
-//! Source   MACS-SYNC-02
+//! Source   MACS-SYNC-02, PLCopen (MC_GearIn, MC_CamIn)
 
+use super::cam::Cam;
 use super::gear::Gear;
 use crate::encoder::Lead;
 use crate::position::Position;
+use crate::table::Table;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
-/// A follower adds up what its transmission makes of its lead. A table will be another case.
+/// A follower adds up what its transmission makes of its lead.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 pub enum Transmission {
     /// An exact ratio.
     Gear(Gear),
+    /// A table.
+    Cam(Cam),
 }
 
 impl Transmission {
@@ -21,30 +28,53 @@ impl Transmission {
     pub fn is_sound(&self) -> bool {
         match self {
             Self::Gear(gear) => gear.is_sound(),
+            Self::Cam(cam) => cam.is_sound(),
         }
     }
 
     /// The follower's change in this cycle.
     #[inline]
-    pub fn step(&mut self, lead: Lead) -> Position {
+    pub fn step(&mut self, lead: Lead, tables: &[Arc<Table>]) -> Position {
         match self {
             Self::Gear(gear) => gear.step(lead.change),
+            Self::Cam(cam) => cam.step(lead.change, tables),
         }
     }
 
     /// The same, and the transmission behind it, where that is quickly told.
     #[inline]
-    pub fn stepped(self, lead: Lead) -> Option<(Position, Self)> {
+    pub fn stepped(self, lead: Lead, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
         match self {
             Self::Gear(gear) => gear.stepped(lead.change).map(|(change, gear)| (change, Self::Gear(gear))),
+            Self::Cam(mut cam) => {
+                let change = cam.bears(lead.change, tables).then(|| cam.step(lead.change, tables))?;
+                // Before an end it has to look ahead.
+                cam.way_to_end(tables).is_none().then_some((change, Self::Cam(cam)))
+            }
         }
     }
 
     /// Change of the follower by that of its lead where it stands, without its sign.
     #[inline]
     pub fn slope(&self) -> f64 {
+        self.signed_slope().abs()
+    }
+
+    /// Change of the follower by that of its lead where it stands.
+    #[inline]
+    pub fn signed_slope(&self) -> f64 {
         match self {
-            Self::Gear(gear) => gear.ratio().to_f64().abs(),
+            Self::Gear(gear) => gear.ratio().to_f64(),
+            Self::Cam(cam) => cam.slope(),
+        }
+    }
+
+    /// The cam that it is.
+    #[inline]
+    pub fn cam(&self) -> Option<&Cam> {
+        match self {
+            Self::Gear(_) => None,
+            Self::Cam(cam) => Some(cam),
         }
     }
 }

@@ -215,6 +215,11 @@ pub enum Order {
         /// Way of the leader that is past already and counts (inc): from the freeze point to t_k.
         past: Position,
     },
+    /// Follows it through the cam of the vocabulary.
+    Cam {
+        /// As of a gear.
+        past: Position,
+    },
     /// Homing as configured.
     Home,
     /// Reference travel, as long as nothing else is ordered.

@@ -13,7 +13,7 @@ use lineshaft_core::vocabulary::{self, amc::Wiring};
 /// The axes that follow the command of another one: follower, leader and where that stands.
 pub(super) type Masters<'d> = Vec<(usize, usize, Value<'d>)>;
 
-/// The keys `master` and `freeze` of the axis at place `axis`; `io` are the entries of that section.
+/// The keys `master`, `freeze` and `cam` of the axis at place `axis`; `io` are the entries of that section.
 pub(super) fn wiring<'d>(
     axis: usize,
     map: &mut Map<'d>,
@@ -30,7 +30,11 @@ pub(super) fn wiring<'d>(
         Some(leader)
     });
     let freeze = sections.value(map, "amc.freeze").map(|value| freeze(&value, cx, io));
-    Some(vocabulary::Wiring { amc: Wiring { master: lift(master)?, freeze: lift(freeze)? } })
+    let cam = sections.value(map, "amc.cam").map(|value| {
+        let (_, place) = cx.names.find(&value, value.text()?, &[Section::Tables])?;
+        u16::try_from(place).ok()
+    });
+    Some(vocabulary::Wiring { amc: Wiring { master: lift(master)?, freeze: lift(freeze)?, cam: lift(cam)? } })
 }
 
 /// Nothing where nothing stands; none where what stands has a problem.

@@ -4,7 +4,7 @@ use super::backends::Context;
 use super::names::{Section, quote};
 use crate::document::{Place, Problems, Value};
 use lineshaft_core::config::TableConfig;
-use lineshaft_core::table::{Form, MOST, Table};
+use lineshaft_core::table::{CamSetting, Form, MOST, MOST_LENGTH, Table};
 use lineshaft_core::unit::excerpt;
 use lineshaft_ros::layer::open_file;
 use std::cell::RefCell;
@@ -77,15 +77,38 @@ fn table(value: &Value<'_>, name: &str, files: &Files) -> Option<TableConfig> {
             None
         }
     };
+    let cam = map.optional("cam");
+    let setting = cam.as_ref().map_or(Some(CamSetting::default()), |cam| cam_setting(cam, form));
     map.finish();
     let (x, y) = numbers?;
-    match Table::new(form?, &x, &y) {
-        Ok(table) => Some(TableConfig { name: name.to_owned(), table: Arc::new(table) }),
+    let table = match Table::new(form?, &x, &y) {
+        Ok(table) => table.with_cam(setting?),
         Err(error) => {
             given.or(csv)?.refuse(error.to_string(), None);
-            None
+            return None;
         }
+    };
+    if let (Some(cam), Err(error)) = (cam, table.cam()) {
+        cam.refuse(error.to_string(), None);
+        return None;
     }
+    Some(TableConfig { name: name.to_owned(), table: Arc::new(table) })
+}
+
+/// What is said of a table as a cam.
+fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
+    let mut map = value.map("cam")?;
+    let length = map.optional("length");
+    let given = length.as_ref().map_or(Some(None), |length| length.integer(1..=MOST_LENGTH).map(Some));
+    let is_cyclic = map.optional("cyclic").map_or(Some(true), |cyclic| cyclic.boolean());
+    map.finish();
+    if let Some(length) = length
+        && form == Some(Form::Xy)
+    {
+        length.refuse("a table of form xy is as long as its last place", Some("leave it out".to_owned()));
+        return None;
+    }
+    Some(CamSetting { length: given?, is_cyclic: is_cyclic? })
 }
 
 /// The numbers of a list.

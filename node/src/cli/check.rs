@@ -90,21 +90,9 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(crossed_switches(cell));
     warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
-    warnings.extend(cell.machine.axes.iter().filter_map(idle_event));
     warnings.extend(unfiltered_master(cell));
     warnings.extend(graph::circles(&cell.machine));
     warnings
-}
-
-/// An event that starts what does not exist yet.
-fn idle_event(axis: &AxisConfig) -> Option<String> {
-    (axis.parameters.vocabularies.amc.action_on_event == 1).then(|| {
-        format!(
-            "{}: amc.action_on_event 1 starts the cam, which does not exist yet: an event changes nothing and is told; 0 and 2 do \
-             what they say",
-            axis.name
-        )
-    })
 }
 
 /// Gains of the SAIA module whose regulator commands no drive: it runs beside the loop of the axis (SAIA-EXT-06).
@@ -259,23 +247,6 @@ mod tests {
         {
             assert_eq!(warned(interface, saia), [""; 0], "{interface} {saia}");
         }
-    }
-
-    #[test]
-    fn an_event_that_starts_nothing_is_warned_of() {
-        let warned = |action: u8| {
-            let text = format!(
-                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\n\
-                 encoders: {{belt: {{backend: plant, address: 0, {MM}}}}}\n\
-                 axes: {{x: {{drive: {{backend: plant, address: 0, interface: position}}, max_velocity: 1 m/s, {MM}, \
-                 max_acceleration: 1 m/s^2, amc: {{action_on_event: {action}, master: belt, freeze: belt}}}}}}\n"
-            );
-            let all = warnings(&Cell::parse("c.yaml", text).unwrap()).into_iter();
-            all.filter(|warning| warning.contains("action_on_event")).collect::<Vec<_>>()
-        };
-        let [warning] = warned(1).try_into().unwrap();
-        assert!(warning.starts_with("x: amc.action_on_event 1 starts the cam, which does not exist yet"), "{warning}");
-        assert_eq!(warned(2), [""; 0]);
     }
 
     /// Told once for the whole cell, where something is counted that may lead.

@@ -10,7 +10,7 @@ use lineshaft_core::command::{Action, MemoryValue, Setpoints, Source};
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{Change, Layer, Row};
-use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, SynchronizeRequest, Units};
+use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, Units};
 use lineshaft_core::unit::{Scale, excerpt};
 
 mod amount;
@@ -21,6 +21,7 @@ mod probe;
 mod recorded;
 mod saia;
 mod setpoints;
+mod synchronize;
 mod trajectory;
 mod vocabulary;
 mod wf;
@@ -73,11 +74,6 @@ const BUFFER_MODES: [(&str, u8); 6] = [
     ("blending_high", 5),
 ];
 const DIRECTIONS: [(&str, u8); 4] = [("shortest", 0), ("positive", 1), ("negative", 2), ("current", 3)];
-const SYNC_MODES: [(&str, u8); 3] = [("velocity", 0), ("position", 1), ("marker", 2)];
-const AT_POSITION: u8 = 1;
-const ON_EVENT: u8 = 2;
-const ENGAGES: [(&str, u8); 3] = [("immediately", 0), ("at_position", AT_POSITION), ("on_event", ON_EVENT)];
-const DISENGAGES: [(&str, u8); 2] = [("stop", 0), ("keep_velocity", 1)];
 
 /// One deed of a step.
 #[derive(Clone, Debug)]
@@ -322,59 +318,6 @@ impl Reader<'_> {
             let resolved =
                 if self.recorded { config.resolve_recorded_move(&request) } else { config.resolve_move(&request) };
             self.settle(value, resolved.map(Action::Move))
-        })();
-        (deed, id.flatten())
-    }
-
-    fn synchronize(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
-        let Some(mut map) = value.map("synchronize") else { return (None, None) };
-        let id = map.optional("id").map(|id| self.ids.carry(&id));
-        let axis = map.required("axis");
-        let master = map.optional("master").map_or(Some(String::new()), |master| master.text().map(str::to_owned));
-        let scale = self.scale(axis.as_ref());
-        let given_event = map.optional("event");
-        let event = given_event.as_ref().map_or(Some(String::new()), |event| event.text().map(str::to_owned));
-        let [mode, engage, disengage] = [("mode", &SYNC_MODES[..]), ("engage", &ENGAGES), ("disengage", &DISENGAGES)]
-            .map(|(key, names)| number(&mut map, key, names));
-        let [numerator, denominator] = ["numerator", "denominator"].map(|key| whole(&mut map, key));
-        for key in ["master_increments", "slave_increments", "start_distance_increments"] {
-            if let Some(given) = map.optional(key)
-                && given.integer(i64::MIN..=i64::MAX).is_some()
-                && engage != Some(AT_POSITION)
-            {
-                given.refuse(format!("{key} belongs to `engage: at_position`"), None);
-            }
-        }
-        if let (Some(given), Some(name)) = (given_event, &event)
-            && !name.is_empty()
-            && engage != Some(ON_EVENT)
-        {
-            given.refuse("event belongs to `engage: on_event`", None);
-        }
-        let [offset, velocity, acceleration] = [("offset", 0), ("velocity", 1), ("acceleration", 2)]
-            .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), false));
-        map.finish();
-        let deed = (|| {
-            let request = SynchronizeRequest {
-                axis: axis?.text()?.to_owned(),
-                master: master?,
-                event: event?,
-                mode: mode?,
-                engage: engage?,
-                disengage: disengage?,
-                numerator: numerator?,
-                denominator: denominator?,
-                offset: offset?,
-                velocity: velocity?,
-                acceleration: acceleration?,
-            };
-            let config = self.names.config;
-            let resolved = if self.recorded {
-                config.resolve_recorded_synchronize(&request)
-            } else {
-                config.resolve_synchronize(&request)
-            };
-            self.settle(value, resolved.map(Action::Synchronize))
         })();
         (deed, id.flatten())
     }

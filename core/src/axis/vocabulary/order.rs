@@ -7,22 +7,26 @@ use super::super::reaction::Failure;
 use super::super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::{Limits, Motion};
 use crate::sync::follower::{Bounds, Follower};
 use crate::sync::gear::{Gear, Ratio};
 use crate::sync::{Disengage, Leads, SyncMode, Transmission};
+use crate::table::Table;
 use crate::vocabulary::{Order, Owner};
+use std::sync::Arc;
 
 impl Axis {
     /// The coupling to the master that the cell wires.
-    pub(super) fn gear_of_master(&self, leads: &Leads) -> Result<Coupling, Refusal> {
+    pub(super) fn coupling_to_master(
+        &self,
+        leads: &Leads,
+        tables: &[Arc<Table>],
+        (p, order): (&AxisParameters, Order),
+    ) -> Result<Coupling, Refusal> {
         let refuse = |code| Refusal::new(code, self.object());
-        let p = &self.parameters;
         let leader = self.master().ok_or_else(|| refuse(Code::LEADER_LOST))?;
-        let numbers = (Number::Count(p.sync_slave), Number::Count(p.sync_master));
-        let ratio = Ratio::new(p.sync_slave, p.sync_master)
-            .ok_or_else(|| refuse(Code::BAD_RATIO).with(numbers.0, numbers.1))?;
         let lead = leads.get(leader);
         if !lead.valid {
             return Err(refuse(Code::LEADER_LOST));
@@ -35,8 +39,19 @@ impl Axis {
             max_deceleration: p.deceleration_limit(),
         };
         // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
-        let (transmission, mode) = (Transmission::Gear(Gear::new(ratio)), SyncMode::Position);
+        let (transmission, past) = match order {
+            Order::Cam { past } => (Transmission::Cam(self.selected_cam(tables, p)?), past),
+            Order::Gear { past } => {
+                let numbers = (Number::Count(p.sync_slave), Number::Count(p.sync_master));
+                let ratio = Ratio::new(p.sync_slave, p.sync_master)
+                    .ok_or_else(|| refuse(Code::BAD_RATIO).with(numbers.0, numbers.1))?;
+                (Transmission::Gear(Gear::new(ratio)), past)
+            }
+            _ => return Err(refuse(Code::BAD_REQUEST)),
+        };
+        let mode = SyncMode::Position;
         let follower = Follower::new(lead.uneven, transmission, mode, self.command, Position::ZERO, bounds);
+        let follower = follower.with_past(past, tables);
         Ok(Coupling { leader, disengage: Disengage::Stop, accuracy: p.sync_accuracy, follower })
     }
 
@@ -67,7 +82,7 @@ impl Axis {
         }
         // Another reference ends homing (AMC-FSM-01..07): limits hold for it as they do beside homing.
         let homing = self.homing;
-        if matches!(order, Order::Position { .. } | Order::Velocity { .. } | Order::Gear { .. }) {
+        if matches!(order, Order::Position { .. } | Order::Velocity { .. } | Order::Gear { .. } | Order::Cam { .. }) {
             self.homing.leave();
         }
         let result = self.carry_out(cx, owner, order);
@@ -168,15 +183,15 @@ impl Axis {
                 }
                 self.command = Motion::at_rest(Position::whole(self.actual.position.floor()));
             }
-            Order::Gear { past } => {
+            Order::Gear { .. } | Order::Cam { .. } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
-                let coupling = self.gear_of_master(cx.leads)?;
-                let follower = coupling.follower.with_past(past);
+                let coupling = self.coupling_to_master(cx.leads, cx.tables, (&self.parameters, order))?;
                 self.abandon(cx, Code::REPLACED);
                 self.judge.rested_at = None;
-                let generator = Generator::Follow(Coupling { follower, ..coupling });
-                self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Gear, generator);
+                let is_cam = matches!(order, Order::Cam { .. });
+                let reference = if is_cam { Reference::Cam } else { Reference::Gear };
+                self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
             }
             Order::Home => self.home_as_configured(cx)?,
             Order::ReferenceTravel(travel) => self.start_reference_travel(cx, &travel)?,

@@ -3,15 +3,17 @@
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, Move};
-use crate::config::{ConfigError, IoConfig, IoKind, MachineConfig};
+use crate::config::{ConfigError, IoConfig, IoKind, MachineConfig, TableConfig};
 use crate::drive::{Backend, Edge, EncoderInput, Latch};
 use crate::event::Kind;
 use crate::machine::Machine;
 use crate::modulo::Modulo;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Row, Value};
+use crate::table::{Form, Table};
 use crate::text::sentence;
 use crate::vocabulary::amc::Wiring;
+use std::sync::Arc;
 
 mod any;
 
@@ -23,11 +25,18 @@ fn wired() -> MachineConfig {
     config.io = vec![IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true }];
     let (x, y) = (usize::from(X), usize::from(Y));
     config.axes[x].modulo = Modulo::new(360, 1);
-    config.axes[x].vocabularies.amc = Wiring { master: Some(Leader::Encoder(0)), freeze: Some(MARK) };
-    config.axes[y].vocabularies.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(MARK) };
+    let cam = Some(0);
+    config.axes[x].vocabularies.amc = Wiring { master: Some(Leader::Encoder(0)), freeze: Some(MARK), cam };
+    config.axes[y].vocabularies.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(MARK), cam };
+    config.tables = vec![TableConfig { name: "cam".into(), table: Arc::new(cam_table()) }];
     config.axes[y].parameters.min_position = Some(-20_000);
     config.axes[y].parameters.max_position = Some(50_000);
     config
+}
+
+/// Slopes of 2, 0 and -1, over 400 inc of the master: 100 inc in a period.
+fn cam_table() -> Table {
+    Table::new(Form::Xy, &[0, 100, 300, 400], &[0, 200, 200, 100]).expect("points")
 }
 
 fn enabled(config: MachineConfig) -> Rig {
@@ -126,6 +135,65 @@ fn of_two_edges_in_a_sample_the_first_one_is_the_event() {
     rig.plant.add_latch(latch(MARK, 400_000, None));
     rig.run(1);
     assert_eq!(rig.int("x.amc.profile_input_position"), 8);
+}
+
+/// From point 1, 150 inc behind it, the master runs 50 inc at slope 0 and 60 inc at slope -1; then selector 7 holds its target (M09).
+///
+/// Proves: AMC-SEL-03, AMC-FSM-07, AMC-EVT-04
+#[test]
+fn reference_3_is_the_cam_from_its_start_index_and_position_on() {
+    let mut rig = enabled(wired());
+    rig.plant.jump_encoder(0, 777);
+    rig.run(1);
+    let told = set(&mut rig, X, &[("cam_start_index", 1), ("cam_start_position", 150), ("reference_select", 3)]);
+    rig.run(1);
+    assert!(rig.was_accepted(told));
+    assert_eq!((rig.int("x.reference"), rig.int("x.amc.select"), rig.state("x")), (3, 3, "SYNCHRONIZED_MOTION"));
+    // 250 + 50 + 30 + 30 = 360: 40 inc more are -100, the end of the period, and 20 at slope 2 behind it.
+    for (step, wanted) in [(50, 0), (30, -30), (30, -60), (60, -60)] {
+        rig.plant.jump_encoder(0, step);
+        rig.run(100);
+        assert_eq!(rig.int("x.command.position"), wanted, "{step}");
+    }
+    set(&mut rig, X, &[("reference_select", 7)]);
+    rig.plant.jump_encoder(0, 30);
+    rig.run(100);
+    assert_eq!((rig.int("x.command.position"), rig.int("x.amc.select")), (-60, 7));
+}
+
+/// 20 inc in the cycle of 1 ms, 0.4 ms ago: 8 of the master count, 16 of the slave. A second edge starts nothing anew (M12).
+///
+/// Proves: AMC-SEL-08, AMC-EVT-02, AMC-EVT-05
+#[test]
+fn event_action_1_starts_the_cam_at_the_freeze_point() {
+    let mut rig = enabled(wired());
+    set(&mut rig, X, &[("action_on_event", 1)]);
+    rig.plant.jump_encoder(0, 20);
+    rig.plant.add_latch(latch(MARK, 400_000, None));
+    rig.run(1);
+    assert_eq!((rig.int("x.amc.select"), rig.int("x.amc.profile_input_position")), (3, 16));
+    assert_eq!(rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select, 3);
+    rig.run(20);
+    rig.plant.jump_encoder(0, 10);
+    rig.plant.add_latch(latch(MARK, 0, None));
+    rig.run(20);
+    assert_eq!((rig.int("x.command.position"), rig.int("x.in_sync")), (36, 1));
+}
+
+#[test]
+fn a_cam_that_cannot_start_is_refused_and_changes_nothing() {
+    let mut rig = enabled(wired());
+    let refused = set(&mut rig, X, &[("cam_start_index", 2), ("cam_start_position", 100), ("reference_select", 3)]);
+    rig.run(1);
+    assert_eq!(rig.refusal(refused), "cam: its master is at 400 already; it ends at 400");
+    assert_eq!(rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select, 0);
+    let words = Table::new(Form::Words, &[], &[1]).unwrap();
+    let mut config = wired();
+    config.tables[0].table = Arc::new(words);
+    let mut rig = enabled(config);
+    let refused = set(&mut rig, X, &[("reference_select", 3)]);
+    rig.run(1);
+    assert_eq!(rig.refusal(refused), "cam: words of a data block are no cam; form y and form xy are");
 }
 
 /// Direct write and event in one sample: the event is the stronger, and so is its freeze point.

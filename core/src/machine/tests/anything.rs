@@ -7,7 +7,7 @@ mod locks;
 use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
-    Action, BufferMode, HomeAxis, HomingMethod, Move, MoveMode, Probe, ProbeEdge, SetPosition, Synchronize,
+    Action, BufferMode, CamIn, HomeAxis, HomingMethod, Move, MoveMode, Probe, ProbeEdge, SetPosition, Synchronize,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
@@ -16,10 +16,11 @@ use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer, Row, Value};
 use crate::position::{Length, Position};
 use crate::state::HomingPhase;
-use crate::sync::{Disengage, SyncMode};
+use crate::sync::gear::Ratio;
+use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::trajectory::{Tolerance, Track, Trajectory};
 use crate::vocabulary::{self, Order, saia, wf};
-use cell::{fixtures, interface, model, output, posdrct, terminals};
+use cell::{TABLES, fixtures, interface, model, output, posdrct, table, tables, terminals};
 use limits::{limits_are_kept, places};
 use locks::Locks;
 use proptest::prelude::*;
@@ -160,23 +161,47 @@ fn running() -> impl Strategy<Value = Action> {
     )
 }
 
+/// Cams of every start, of the tables of the cell.
+fn cam() -> impl Strategy<Value = CamIn> {
+    let start = prop::sample::select(CamStart::ALL.map(|(start, ..)| start).to_vec());
+    let scale = prop::sample::select(vec![(1, 1), (-1, 1), (1, 3), (5, 2), (-7, 4)]);
+    let ratio = |(numerator, denominator)| Ratio::new(numerator, denominator).expect("not 0");
+    (0..TABLES, start, (scale.clone(), scale), (-3000_i64..3000, -900_i64..900)).prop_map(
+        move |(table, start, (master, slave), (master_offset, slave_offset))| CamIn {
+            table,
+            start,
+            master_scale: ratio(master),
+            slave_scale: ratio(slave),
+            master_offset: Length::whole(master_offset),
+            slave_offset: Length::whole(slave_offset),
+        },
+    )
+}
+
+/// A table in the place of another one.
+fn loading() -> impl Strategy<Value = Action> {
+    (0..TABLES, 0..TABLES).prop_map(|(index, from)| Action::LoadTable { index, table: table(from) })
+}
+
 fn coupling() -> impl Strategy<Value = Action> {
     let leader = (axis(), any::<bool>())
         .prop_map(|(axis, actual)| if actual { Leader::AxisActual(axis) } else { Leader::AxisCommand(axis) });
     let leader = prop::option::weighted(0.9, leader);
     let ways = (any::<bool>(), any::<bool>());
-    (axis(), leader, -5_i64..5, 1_i64..4, ways, -500_i64..500).prop_map(
-        |(axis, leader, numerator, denominator, (keeps, relates), offset)| {
+    let cam = prop::option::weighted(0.5, cam());
+    (axis(), leader, -5_i64..5, 1_i64..4, ways, -500_i64..500, cam).prop_map(
+        |(axis, leader, numerator, denominator, (keeps, relates), offset, cam)| {
             Action::Synchronize(Synchronize {
                 axis,
                 leader,
-                mode: if relates { SyncMode::Position } else { SyncMode::Velocity },
+                mode: if relates || cam.is_some() { SyncMode::Position } else { SyncMode::Velocity },
                 disengage: if keeps { Disengage::KeepVelocity } else { Disengage::Stop },
                 numerator,
                 denominator,
                 offset: Length::whole(offset),
                 velocity: 0.0,
                 acceleration: 0.0,
+                cam,
             })
         },
     )
@@ -305,6 +330,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         1 => (axis(), prop_oneof![Just(0.0), -110_000.0..110_000.0_f64, Just(f64::NAN)])
             .prop_map(|(axis, velocity)| Happening::Stream(axis, velocity)),
         3 => command(coupling().boxed()),
+        1 => command(loading().boxed()),
         3 => command(following().boxed()),
         2 => command(probing().boxed()),
         2 => command(homing().boxed()),
@@ -341,7 +367,7 @@ fn ends(action: &Action) -> usize {
         Action::Abort => 3,
         // What a vocabulary does has no end of its own.
         Action::Vocabulary(_) => 0,
-        Action::SetPosition(_) => 0,
+        Action::SetPosition(_) | Action::LoadTable { .. } => 0,
         Action::Note { .. } | Action::SetParameters(_) | Action::SetOutputs(_) => 0,
         Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
         Action::DeleteParameters(_) | Action::PowerCycle | Action::Activate => 0,
@@ -381,6 +407,7 @@ proptest! {
     ) {
         let mut config = config(delay);
         terminals(&mut config, is_braked);
+        config.tables = tables();
         config.axes[2].modulo = Modulo::new(36_001, 3).filter(|_| modulo);
         for axis in &mut config.axes {
             axis.parameters.error_reaction = reaction;

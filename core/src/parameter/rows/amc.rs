@@ -1,6 +1,7 @@
 //! Parameters of the Unidrive M advanced motion controller, menu 34 (spec/amc.md); a bare number is in the axis unit.
 
 use super::{Applies, BASE, Bare, Group, Measure, Range, Row, Storage, System, Value, int, real};
+use crate::table::{MOST, MOST_LENGTH};
 
 const NUMBER: Row = Row { system: System::Amc, group: Group::Menu, default: Value::Int(0), ..BASE };
 
@@ -105,6 +106,28 @@ pub(super) const ROWS: &[Row] = &[
         set: |p, v| {
             p.vocabularies.amc.reference_select_trigger = int(v).unwrap_or(p.vocabularies.amc.reference_select_trigger)
         },
+        ..NUMBER
+    },
+    Row {
+        key: "amc.cam_start_index",
+        mnemonic: "Cam Start Index",
+        number: "35.001",
+        range: Range::Int(0, MOST as i64),
+        description: "Point of the table of amc.cam at which the cam starts, from 0.",
+        source: "AMC-PAR-11, AMC-SEL-03",
+        get: |p| Value::Int(p.vocabularies.amc.cam_start_index),
+        set: |p, v| p.vocabularies.amc.cam_start_index = int(v).unwrap_or(p.vocabularies.amc.cam_start_index),
+        ..NUMBER
+    },
+    Row {
+        key: "amc.cam_start_position",
+        mnemonic: "Cam Start Position In Segment",
+        number: "35.002",
+        range: Range::Int(0, MOST_LENGTH),
+        description: "Increments of the master behind the point amc.cam_start_index at which the cam starts.",
+        source: "AMC-PAR-11, AMC-SEL-03",
+        get: |p| Value::Int(p.vocabularies.amc.cam_start_position),
+        set: |p, v| p.vocabularies.amc.cam_start_position = int(v).unwrap_or(p.vocabularies.amc.cam_start_position),
         ..NUMBER
     },
     Row {

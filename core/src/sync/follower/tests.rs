@@ -31,7 +31,7 @@ fn how_uneven_a_lead_is_says_the_lead() {
             .filter(|cycle| {
                 // Twice what an encoder counts: 14, 16, 14, 16.
                 let lead = Lead { uneven, ..lead(14 + 2 * (cycle % 2)) };
-                slave = follower.step(slave, lead, T, Reserve::default(), Rule::Always);
+                slave = follower.step(slave, (lead, &[]), T, Reserve::default(), Rule::Always);
                 *cycle >= 3000 && follower.phase() != Phase::Synchronized
             })
             .count()
@@ -49,7 +49,7 @@ fn on_the_run_the_slave_catches_up_what_it_lost_while_it_sped_up() {
     for k in 0..2000 {
         master += 20;
         let before = slave;
-        slave = follower.step(slave, lead(20), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(20), &[]), T, Reserve::default(), Rule::Always);
         assert!(slave.velocity <= 5e4 + 1e-6 && slave.velocity >= 0.0, "cycle {k}: {}", slave.velocity);
         // 1e5 inc/s^2; only the leader's own start, in the first cycle, may add a count.
         let uneven = if k == 0 { 1.0 / T } else { 0.0 };
@@ -68,7 +68,7 @@ fn in_velocity_mode_what_is_lost_stays_lost() {
     let (mut master, mut behind) = (0, None);
     for _ in 0..1000 {
         master += 20;
-        slave = follower.step(slave, lead(20), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(20), &[]), T, Reserve::default(), Rule::Always);
         if follower.phase() == Phase::Synchronized {
             let now = Position::whole(master) - slave.position;
             assert_eq!(*behind.get_or_insert(now), now);
@@ -88,7 +88,7 @@ fn a_slave_at_rest_is_coupled_at_once_and_follows_every_fraction() {
         let step = (k / 10 + 30).rem_euclid(120);
         let step = (step - 60).abs() - 30;
         master += step;
-        slave = follower.step(slave, lead(step), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(step), &[]), T, Reserve::default(), Rule::Always);
         assert_eq!(slave.position.floor(), (master * 355).div_euclid(113), "cycle {k}");
         assert_eq!(follower.phase(), Phase::Synchronized);
     }
@@ -103,7 +103,7 @@ fn a_leader_that_is_too_fast_is_left_and_caught_again() {
     for k in 0..5000 {
         let step = if (1000..1200).contains(&k) { 150 } else { 10 };
         master += step;
-        slave = follower.step(slave, lead(step), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(step), &[]), T, Reserve::default(), Rule::Always);
         assert!(slave.velocity.abs() <= 1e5 + 1e-6);
         if phases.last() != Some(&follower.phase()) {
             phases.push(follower.phase());
@@ -121,7 +121,7 @@ fn an_offset_is_worked_off_and_kept() {
     let mut follower = Follower::new(1.0, gear(ratio), SyncMode::Position, Motion::default(), offset, BOUNDS);
     let mut slave = Motion::default();
     for _ in 0..1000 {
-        slave = follower.step(slave, lead(3), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(3), &[]), T, Reserve::default(), Rule::Always);
     }
     assert_eq!(slave.position, Position::whole(3000 - 777));
 }
@@ -144,7 +144,7 @@ proptest! {
         let mut uneven = numerator.abs() as f64 / 500.0 / T;
         for _ in 0..3000 {
             let before = slave.velocity;
-            slave = follower.step(slave, lead(leader_step), T, Reserve::default(), Rule::Always);
+            slave = follower.step(slave, (lead(leader_step), &[]), T, Reserve::default(), Rule::Always);
             prop_assert!(slave.velocity.abs() <= BOUNDS.velocity + 1e-3);
             prop_assert!((slave.velocity - before).abs() <= BOUNDS.acceleration * T + uneven + 1e-3);
             // The leader has one speed: it is uneven in its first cycle only.
@@ -175,9 +175,9 @@ proptest! {
         for (cycle, leap) in (0..).zip(&leaps) {
             let change = Position::from_f64((speed + leap * i64::from(cycle % slow == slow - 1)) as f64 / 3.0);
             let lead = Lead { change, uneven, valid: true, ..Lead::default() };
-            let short = follower.follow(slave, lead, T, rule);
+            let short = follower.follow(slave, (lead, &[]), T, rule);
             let mut other = follower;
-            slave = follower.step(slave, lead, T, Reserve::default(), rule);
+            slave = follower.step(slave, (lead, &[]), T, Reserve::default(), rule);
             if let Some(short) = short {
                 other.keep(&short);
                 prop_assert_eq!(format!("{:?}", short.motion), format!("{slave:?}"));

@@ -81,10 +81,10 @@ pub fn check(parameters: &AxisParameters, setting: &Setting) -> Result<(), Probl
 fn check_select(row: u16, select: i64, method: i64, setting: &Setting) -> Result<(), Problem> {
     let refuse = |code| Err(Problem { row, code, asked: Number::Count(select), limit: Number::None });
     match select {
-        CAM => refuse(Code::NOT_BUILT),
         HOME if method == 0 && setting.is_virtual => refuse(Code::HOMING_NEEDS_DRIVE),
         HOME if method == 0 => refuse(Code::HOMING_NO_METHOD),
-        GEAR if setting.wiring.amc.master.is_none() => refuse(Code::AMC_NO_MASTER),
+        CAM | GEAR if setting.wiring.amc.master.is_none() => refuse(Code::AMC_NO_MASTER),
+        CAM if setting.wiring.amc.cam.is_none() => refuse(Code::AMC_NO_CAM),
         _ => Ok(()),
     }
 }
@@ -94,7 +94,8 @@ fn check_event(action: i64, setting: &Setting) -> Result<(), Problem> {
     let refuse = |code| Err(Problem { row: ACTION_ON_EVENT, code, asked, limit: Number::None });
     match action {
         CAM_ON_FREEZE | GEAR_ON_FREEZE if setting.wiring.amc.freeze.is_none() => refuse(Code::AMC_NO_FREEZE),
-        GEAR_ON_FREEZE if setting.wiring.amc.master.is_none() => refuse(Code::AMC_NO_MASTER),
+        CAM_ON_FREEZE | GEAR_ON_FREEZE if setting.wiring.amc.master.is_none() => refuse(Code::AMC_NO_MASTER),
+        CAM_ON_FREEZE if setting.wiring.amc.cam.is_none() => refuse(Code::AMC_NO_CAM),
         _ => Ok(()),
     }
 }

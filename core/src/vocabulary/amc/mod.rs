@@ -29,11 +29,10 @@ pub use signals::AmcSignal;
 
 use super::{Latched, Order, View};
 use crate::code::Code;
-use crate::event::Number;
 use crate::object::{Leader, Object};
 use crate::parameter::amc::Parameters;
 use crate::position::Position;
-use parameters::{CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, POSITION_ABSOLUTE, POSITION_PROFILE, POSITION_RELATIVE};
+use parameters::{CAM, CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, POSITION_ABSOLUTE, POSITION_PROFILE, POSITION_RELATIVE};
 use parameters::{HOME, SPEED, STOP};
 use rotary::{Circle, Exact, Mode};
 use serde::{Deserialize, Serialize};
@@ -200,7 +199,7 @@ impl Amc {
     pub(crate) fn follow_input(&mut self, view: &View<'_>) {
         let circle = Circle::new(view.modulo);
         match self.select {
-            GEAR => self.input = circle.exact(view.target),
+            CAM | GEAR => self.input = circle.exact(view.target),
             SPEED | HOME => self.input = circle.exact(view.command.position),
             _ if !view.owns => self.input = circle.exact(view.command.position),
             _ => {}
@@ -216,10 +215,9 @@ impl Amc {
         let Some(latch) = first.filter(|_| !view.at_limit) else { return Position::ZERO };
         let action = view.parameters.vocabularies.amc.action_on_event;
         match action {
-            CAM_ON_FREEZE => {
-                let asked = Number::Count(action);
-                let (row, code, limit) = (check::ACTION_ON_EVENT, Code::NOT_BUILT, Number::None);
-                step.problem = Some(Problem { row, code, asked, limit });
+            CAM_ON_FREEZE if self.select != CAM => {
+                step.select = CAM;
+                return past(view, latch);
             }
             GEAR_ON_FREEZE if self.select != GEAR => {
                 step.select = GEAR;
@@ -262,6 +260,7 @@ impl Amc {
             POSITION_PROFILE if enters => Ok(self.go(view)),
             SPEED if self.barred => Ok(None),
             SPEED => Ok(self.run(view, turns)),
+            CAM if enters => Ok(Some(Order::Cam { past })),
             GEAR if enters => Ok(Some(Order::Gear { past })),
             HOME if enters && !view.idle && !view.homing => {
                 self.waits = true;

@@ -24,4 +24,6 @@ pub struct Wiring {
     pub master: Option<Leader>,
     /// Whose rising latch is the freeze event (32.007).
     pub freeze: Option<Object>,
+    /// Table of the cam, by its place.
+    pub cam: Option<u16>,
 }

@@ -7,7 +7,7 @@ use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::position::Position;
-use lineshaft_core::request::{Amount, RequestError, SynchronizeRequest};
+use lineshaft_core::request::{Amount, CamRequest, RequestError, SynchronizeRequest, factor};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{Synchronize, SynchronizeFeedback, SynchronizeGoal, SynchronizeResult};
 
@@ -27,6 +27,14 @@ impl AxisAction for Synchronize {
             offset: Amount::Number(goal.offset),
             velocity: Amount::Number(goal.velocity),
             acceleration: Amount::Number(goal.acceleration),
+            cam: CamRequest {
+                table: goal.table.clone(),
+                start: goal.cam_start,
+                master_scale: factor("master_scale", goal.master_scale)?,
+                slave_scale: factor("slave_scale", goal.slave_scale)?,
+                master_offset: Amount::Number(goal.master_offset),
+                slave_offset: Amount::Number(goal.slave_offset),
+            },
         })?;
         Ok((request.axis, Action::Synchronize(request)))
     }

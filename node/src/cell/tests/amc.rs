@@ -62,7 +62,15 @@ fn masters_that_close_a_loop_are_refused_and_an_actual_position_closes_none() {
 #[test]
 fn parameters_that_do_not_fit_the_axis_are_refused_where_they_stand() {
     for (keys, expected) in [
-        ("amc: {reference_select: 3}", "13:31: amc.reference_select 3 does not exist yet"),
+        (
+            "amc: {reference_select: 3}",
+            "13:31: amc.reference_select 3 follows a master; give `amc: {master: ..}` in the cell",
+        ),
+        (
+            "amc: {reference_select: 3, master: belt}",
+            "13:31: amc.reference_select 3 follows a master by a table; give `amc: {cam: ..}` in the cell",
+        ),
+        ("amc: {cam: knive}", "13:19: no table is called `knive`"),
         (
             "amc: {reference_select: 4}",
             "13:31: amc.reference_select 4 follows a master; give `amc: {master: ..}` in the cell",

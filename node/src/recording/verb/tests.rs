@@ -6,15 +6,16 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, HomeAxis, HomingMethod, MasterPosition, MemoryValue, Move, MoveMode, OutputValue, Probe, ProbeEdge,
-    SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Synchronize as Coupling,
+    BufferMode, CamIn, HomeAxis, HomingMethod, MasterPosition, MemoryValue, Move, MoveMode, OutputValue, Probe,
+    ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
 use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Row, Value as Set};
 use lineshaft_core::position::{Length, Position};
-use lineshaft_core::sync::{Disengage, SyncMode};
+use lineshaft_core::sync::gear::Ratio;
+use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
 
 /// Scales that are handy (x, turret), that no decimal holds (odd), and that are as fine and as coarse as a cell may ask for.
 const CELL: &str = "
@@ -31,6 +32,8 @@ memory:
   big: {type: i64, initial: 0}
   gain: {type: f64, initial: 0.5}
   flag: {type: bit, initial: 0}
+tables:
+  knife: {form: xy, points: [[0, 0], [5000, 1200], [20000, 20000]]}
 encoders:
   belt: {backend: plant, address: 0, bits: 16, type: linear, scale: {increments: 40, per: 1 mm}}
 axes:
@@ -188,6 +191,7 @@ fn couplings_name_their_leader() {
         offset: Length::default(),
         velocity: 0.0,
         acceleration: 0.0,
+        cam: None,
     };
     let head = r#"{"synchronize":{"id":"17","axis":"turret","master":"#;
     desk.is(&Action::Synchronize(coupling), &format!(r#"{head}"x","mode":"position"}}}}"#));
@@ -212,6 +216,45 @@ fn couplings_name_their_leader() {
     let by_parameter = Coupling { leader: None, ..coupling };
     desk.is(&Action::Synchronize(by_parameter), r#"{"synchronize":{"id":"17","axis":"turret","mode":"position"}}"#);
     desk.is(&Action::Synchronize(actual), &format!(r#"{head}"x.actual","mode":"position"}}}}"#));
+}
+
+#[test]
+fn cams_name_their_table() {
+    let desk = Desk::new();
+    let plain = CamIn {
+        table: 0,
+        start: CamStart::Absolute,
+        master_scale: Ratio::ONE,
+        slave_scale: Ratio::ONE,
+        master_offset: Length::default(),
+        slave_offset: Length::default(),
+    };
+    let on = |cam| {
+        Action::Synchronize(Coupling {
+            axis: 0,
+            leader: Some(Leader::Encoder(0)),
+            mode: SyncMode::Position,
+            disengage: Disengage::Stop,
+            numerator: 0,
+            denominator: 0,
+            offset: Length::default(),
+            velocity: 0.0,
+            acceleration: 0.0,
+            cam: Some(cam),
+        })
+    };
+    let head = r#"{"synchronize":{"id":"17","axis":"x","master":"belt","mode":"cam","table":"knife","cam_start":"#;
+    desk.is(&on(plain), &format!(r#"{head}"absolute"}}}}"#));
+    let full = CamIn {
+        start: CamStart::RampIn,
+        master_scale: Ratio::new(-1, 20).unwrap(),
+        slave_scale: Ratio::new(7, 3).unwrap(),
+        master_offset: Length::whole(40),
+        slave_offset: Length::whole(-5),
+        ..plain
+    };
+    let fields = r#""master_scale":"-1/20","slave_scale":"7/3","master_offset":"40 inc","slave_offset":"-5 inc""#;
+    desk.is(&on(full), &format!(r#"{head}"ramp_in",{fields}}}}}"#));
 }
 
 #[test]

@@ -11,6 +11,7 @@ use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
 use lineshaft_core::position::Length;
+use lineshaft_core::sync::gear::Ratio;
 use lineshaft_core::sync::{Disengage, SyncMode};
 use lineshaft_core::table::{Form, Table};
 use lineshaft_core::unit::Unit;
@@ -197,6 +198,22 @@ struct Synchronize<'a> {
     velocity: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     acceleration: Option<String>,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    cam: Option<Cam<'a>>,
+}
+
+#[derive(Serialize)]
+struct Cam<'a> {
+    table: &'a str,
+    cam_start: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    master_scale: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slave_scale: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    master_offset: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slave_offset: Option<String>,
 }
 
 /// Names and values in the order of the command.
@@ -406,6 +423,7 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
             }
         }),
         mode: match request.mode {
+            _ if request.cam.is_some() => "cam",
             SyncMode::Velocity => "velocity",
             SyncMode::Position => "position",
         },
@@ -415,10 +433,26 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
         },
         numerator: whole(request.numerator),
         denominator: whole(request.denominator),
-        offset: Some(request.offset).filter(|offset| *offset != Length::default()).map(length),
+        offset: shift(request.offset),
         velocity: given(request.velocity, 1),
         acceleration: given(request.acceleration, 2),
+        cam: request.cam.as_ref().map(|cam| Cam {
+            table: config.name(Object::Table(cam.table)),
+            cam_start: cam.start.name(),
+            master_scale: factor(cam.master_scale),
+            slave_scale: factor(cam.slave_scale),
+            master_offset: shift(cam.master_offset),
+            slave_offset: shift(cam.slave_offset),
+        }),
     }
+}
+
+fn shift(value: Length) -> Option<String> {
+    Some(value).filter(|value| *value != Length::default()).map(length)
+}
+
+fn factor(ratio: Ratio) -> Option<String> {
+    (ratio != Ratio::ONE).then(|| format!("{}/{}", ratio.numerator(), ratio.denominator()))
 }
 
 fn parameter(change: &Change, config: &MachineConfig) -> (String, Scalar) {

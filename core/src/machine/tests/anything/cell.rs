@@ -2,10 +2,12 @@
 
 use crate::axis::{BrakeConfig, Safety};
 use crate::command::{Action, OutputValue};
-use crate::config::{IoConfig, IoKind, MachineConfig};
+use crate::config::{IoConfig, IoKind, MachineConfig, TableConfig};
 use crate::drive::Interface;
 use crate::sim::{Fixtures, Index, Model, TwoSpeed, VelocityLag};
+use crate::table::{CamSetting, Form, Table};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// Two contacts of the cell, i_break, two outputs and that of a brake of x.
 pub(super) fn terminals(config: &mut MachineConfig, is_braked: bool) {
@@ -55,4 +57,22 @@ pub(super) fn model(interface: Interface) -> Model {
         Interface::OpenLoop => Model::TwoSpeed(TwoSpeed::new(50 * ms, 100 * ms, 1_000_000).unwrap()),
         _ => Model::Ideal,
     }
+}
+
+/// How many tables there are.
+pub(super) const TABLES: u16 = 3;
+
+/// A cam that feeds, one that goes out and back, and one that has an end.
+pub(super) fn table(number: u16) -> Arc<Table> {
+    let table = match number {
+        0 => Table::new(Form::Xy, &[0, 1000, 1600, 4000], &[0, 300, 1700, 2500]),
+        1 => Table::new(Form::Xy, &[0, 2000, 5000], &[-40, 3000, -40]),
+        _ => Table::new(Form::Xy, &[0, 3000, 3001, 6000], &[0, 100, 900, 2000]),
+    };
+    let setting = CamSetting { length: None, is_cyclic: number < 2 };
+    Arc::new(table.expect("points").with_cam(setting))
+}
+
+pub(super) fn tables() -> Vec<TableConfig> {
+    (0..TABLES).map(|number| TableConfig { name: format!("cam{number}"), table: table(number) }).collect()
 }

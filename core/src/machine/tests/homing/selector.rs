@@ -20,7 +20,7 @@ fn amc_with(method: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
     let mut config = cell(0);
     let axis = &mut config.axes[usize::from(X)];
     assign(&mut axis.parameters, "homing.method", Value::Int(method));
-    axis.vocabularies.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(Object::Io(0)) };
+    axis.vocabularies.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(Object::Io(0)), cam: None };
     change(&mut config);
     rig_with(config, Model::Ideal, way(START, (5_000, FAR)))
 }

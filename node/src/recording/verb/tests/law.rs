@@ -3,8 +3,8 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    Amount, HomeRequest, MoveRequest, PointRequest, ProbeRequest, Rates, SetPositionRequest, SetpointRequest,
-    SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units,
+    Amount, CamRequest, HomeRequest, MoveRequest, PointRequest, ProbeRequest, Rates, SetPositionRequest,
+    SetpointRequest, SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units, factor,
 };
 use lineshaft_core::unit::Quantity;
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
@@ -94,6 +94,33 @@ fn probe_request() -> impl Strategy<Value = ProbeRequest> {
     })
 }
 
+fn cam_request() -> impl Strategy<Value = CamRequest> {
+    let scale = (-3000_i64..3000, prop::sample::select(vec![1.0, 7.0, 1e3, 32_768.0, 1e9]))
+        .prop_map(|(whole, parts)| factor("master_scale", whole as f64 / parts).expect("a finite number"));
+    let table = prop::sample::select(vec!["knife", "spoon"]).prop_map(str::to_owned);
+    (table, 0..3_u8, (scale.clone(), scale), (amount(0), amount(0))).prop_map(
+        |(table, start, (master_scale, slave_scale), (master_offset, slave_offset))| CamRequest {
+            table,
+            start,
+            master_scale,
+            slave_scale,
+            master_offset,
+            slave_offset,
+        },
+    )
+}
+
+fn camming_request() -> impl Strategy<Value = SynchronizeRequest> {
+    (synchronize_request(), cam_request()).prop_map(|(request, cam)| SynchronizeRequest {
+        mode: 3,
+        numerator: 0,
+        denominator: 0,
+        offset: Amount::default(),
+        cam,
+        ..request
+    })
+}
+
 fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
     let masters = ["x", "x.command", "turret.actual", "belt", "odd"];
     let master = prop::sample::select(masters.to_vec()).prop_map(str::to_owned);
@@ -112,6 +139,7 @@ fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
                 offset,
                 velocity,
                 acceleration,
+                ..SynchronizeRequest::default()
             }
         },
     )
@@ -355,7 +383,7 @@ proptest! {
     }
 
     #[test]
-    fn every_coupling_that_a_request_makes(request in synchronize_request()) {
+    fn every_coupling_that_a_request_makes(request in prop_oneof![synchronize_request(), camming_request()]) {
         if let Ok(action) = DESK.config.resolve_recorded_synchronize(&request) {
             comes_back(&Action::Synchronize(action))?;
         }
@@ -418,6 +446,7 @@ proptest! {
             offset: target,
             velocity: 0.0,
             acceleration: 0.0,
+            cam: None,
         }))?;
     }
 

@@ -1,0 +1,127 @@
+//! An axis on a cam of `~/synchronize`: how it comes onto it, and its end.
+//!
+//! Law      absolute: master and slave are where the table says, from the first cycle on; the slave is there already, to SYNCACCURACY.
+//!          relative: the table begins where both are. ramp-in: as absolute, and the slave is led there as a coupling catches up.
+//!          A cam that is not cyclic ends its goal at its end, where the slave rests or goes on as it was to
+//! Reads    the tables, the lead
+//! Refuses  a table that is no cam, a master behind its end, absolute where the slave is elsewhere
+//! Source   contract section 10, PLCopen (MC_CamIn, MC_CamOut)
+
+use super::course::Aim;
+use super::generator::Coupling;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::command::CamIn;
+use crate::encoder::Lead;
+use crate::event::{Number, Refusal};
+use crate::modulo::Direction;
+use crate::object::Object;
+use crate::parameter::AxisParameters;
+use crate::position::Position;
+use crate::sync::cam::Cam;
+use crate::sync::follower::Phase;
+use crate::sync::gear::Ratio;
+use crate::sync::{CamStart, Disengage, Transmission};
+use crate::table::{CamError, Table};
+use std::sync::Arc;
+
+/// A table that is no cam, as a refusal.
+pub fn no_cam(table: u16, error: CamError) -> Refusal {
+    let count = |number: usize| Number::Count(number as i64);
+    let (code, asked, limit) = match error {
+        CamError::Words => (Code::CAM_FORM, Number::None, Number::None),
+        CamError::Few(points) => (Code::CAM_POINTS, count(points), Number::None),
+        CamError::NoLength => (Code::CAM_NO_LENGTH, Number::None, Number::None),
+        CamError::Length(length) => (Code::CAM_LENGTH, Number::Count(length), Number::None),
+        CamError::Place { place, x } => (Code::CAM_PLACE, count(place), Number::Count(x)),
+        CamError::Value { place, y } => (Code::CAM_VALUE, count(place), Number::Count(y)),
+    };
+    Refusal::new(code, Object::Table(table)).with(asked, limit)
+}
+
+impl Axis {
+    /// The table of the cam that it is on.
+    pub fn cam_table(&self) -> Option<u16> {
+        self.coupling()?.follower.transmission().cam().map(Cam::table)
+    }
+
+    /// The cam of a request, and how far the slave is to go to be on it.
+    pub(super) fn cam_of(
+        &self,
+        tables: &[Arc<Table>],
+        lead: Lead,
+        request: &CamIn,
+    ) -> Result<(Transmission, Position), Refusal> {
+        let unknown = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
+        let table = tables.get(usize::from(request.table)).ok_or_else(unknown)?;
+        let shape = table.cam().map_err(|error| no_cam(request.table, error))?;
+        let (offset, scales) = (request.master_offset.exact(), (request.master_scale, request.slave_scale));
+        let place = match request.start {
+            CamStart::Relative => offset,
+            CamStart::Absolute | CamStart::RampIn => Cam::place_of(lead.position, scales.0, offset, shape),
+        };
+        let cam = Cam::new(request.table, scales, place, tables).ok_or_else(unknown)?;
+        if cam.has_ended(tables) {
+            let (asked, limit) = (Number::Count(place.floor()), Number::Count(shape.length));
+            return Err(Refusal::new(Code::CAM_PASSED, Object::Table(request.table)).with(asked, limit));
+        }
+        let (transmission, offset) = (Transmission::Cam(cam), request.slave_offset.exact());
+        if request.start == CamStart::Relative {
+            return Ok((transmission, offset));
+        }
+        let way = self.shortest(cam.scaled() + offset);
+        let most = self.parameters.sync_accuracy.saturating_abs();
+        if request.start == CamStart::Absolute && (way > Position::whole(most) || -way > Position::whole(most)) {
+            let (asked, limit) = (Number::Position(way.nearest()), Number::Position(most));
+            return Err(self.refuse(Code::CAM_AWAY).with(asked, limit));
+        }
+        Ok((transmission, way))
+    }
+
+    /// The cam that the reference selector starts (AMC-SEL-03): from the place of its parameters on, wherever master and slave are.
+    pub(super) fn selected_cam(&self, tables: &[Arc<Table>], p: &AxisParameters) -> Result<Cam, Refusal> {
+        let refuse = || self.refuse(Code::AMC_NO_CAM);
+        let index = self.setup.vocabularies.amc.cam.ok_or_else(refuse)?;
+        let table = tables.get(usize::from(index)).ok_or_else(refuse)?;
+        let shape = table.cam().map_err(|error| no_cam(index, error))?;
+        let amc = &p.vocabularies.amc;
+        let point = usize::try_from(amc.cam_start_index).unwrap_or(usize::MAX);
+        let place = shape.place(table, point, amc.cam_start_position);
+        if place >= Position::whole(shape.length) {
+            let (asked, limit) = (Number::Count(place.floor()), Number::Count(shape.length));
+            return Err(Refusal::new(Code::CAM_PASSED, Object::Table(index)).with(asked, limit));
+        }
+        Cam::new(index, (Ratio::ONE, Ratio::ONE), place, tables).ok_or_else(refuse)
+    }
+
+    /// From where it is to `place`; the shorter way where it has a turn.
+    fn shortest(&self, place: Position) -> Position {
+        let now = self.present().position;
+        let target = |modulo: crate::modulo::Modulo| modulo.target(place, now, now, Direction::Shortest, 0.0);
+        self.setup.modulo.map_or(place, target) - now
+    }
+
+    /// Ends the goal of a cam that has come to its end, once the slave is there and rests, or goes on from there.
+    pub(super) fn end_cam(&mut self, cx: &mut Context<'_>) {
+        let Generator::Follow(Coupling { leader, disengage, follower, .. }) = &self.generator else { return };
+        let transmission = follower.transmission();
+        let has_ended = transmission.cam().is_some_and(|cam| cam.has_ended(cx.tables));
+        // One that the selector started holds its slave there.
+        if !has_ended || self.goal.is_none() || follower.phase() != Phase::Synchronized {
+            return;
+        }
+        let limits = self.parameters.usual_limits();
+        match disengage {
+            Disengage::Stop if self.command.velocity == 0.0 => self.brake_to_rest(cx, &limits),
+            Disengage::Stop => {}
+            Disengage::KeepVelocity => {
+                let velocity = cx.leads.get(*leader).velocity * transmission.signed_slope();
+                let most = self.parameters.max_velocity;
+                self.end_goal(cx, Code::NONE);
+                let aim = Aim::velocity(velocity.clamp(-most, most));
+                let course = self.course(cx.cycle, self.present(), aim, limits);
+                self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
+            }
+        }
+    }
+}

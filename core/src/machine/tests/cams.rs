@@ -1,0 +1,285 @@
+//! Cams of `~/synchronize` on a machine: how they begin, what they do when something changes, and how they end.
+
+use super::rig::{LINE, Rig, X, at, config, couple, to};
+use crate::code::Code;
+use crate::command::{Action, CamIn, Commands, Move, Synchronize};
+use crate::config::TableConfig;
+use crate::object::Leader;
+use crate::position::{Length, Position};
+use crate::sync::gear::Ratio;
+use crate::sync::{CamStart, Disengage};
+use crate::table::{CamSetting, Form, Table};
+use std::sync::Arc;
+
+/// Places of the tables.
+const KNIFE: u16 = 0;
+const ONCE: u16 = 1;
+const WORDS: u16 = 2;
+const EVEN: u16 = 3;
+
+fn xy(points: &[(i64, i64)]) -> Table {
+    let (x, y): (Vec<_>, Vec<_>) = points.iter().copied().unzip();
+    Table::new(Form::Xy, &x, &y).expect("points")
+}
+
+/// Slopes of 0.5 and 1.5 over 20000 increments, out and back.
+fn knife() -> Table {
+    xy(&[(0, 0), (8000, 4000), (16_000, 4000), (18_000, 1000), (20_000, 0)])
+}
+
+fn rig() -> Rig {
+    let once = CamSetting { is_cyclic: false, ..CamSetting::default() };
+    let tables = [
+        ("knife", knife()),
+        ("once", xy(&[(0, 100), (1000, 1100), (2000, 3100)]).with_cam(once)),
+        ("words", Table::new(Form::Words, &[], &[1, 2]).expect("words")),
+        ("even", Table::new(Form::Y, &[], &[0, 10]).expect("points")),
+    ];
+    let mut config = config(0);
+    config.tables = tables.map(|(name, table)| TableConfig { name: name.into(), table: Arc::new(table) }).into();
+    for axis in &mut config.axes {
+        axis.parameters.sync_accuracy = 10;
+    }
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig
+}
+
+fn cam(table: u16, start: CamStart) -> CamIn {
+    CamIn {
+        table,
+        start,
+        master_scale: Ratio::ONE,
+        slave_scale: Ratio::ONE,
+        master_offset: Length::default(),
+        slave_offset: Length::default(),
+    }
+}
+
+fn on(cam: CamIn) -> Action {
+    Action::Synchronize(Synchronize { cam: Some(cam), ..couple(X, Leader::AxisCommand(LINE), 0, 0) })
+}
+
+fn slave(rig: &Rig) -> Position {
+    rig.machine.state.leads.get(Leader::AxisCommand(X)).position
+}
+
+fn master(rig: &Rig) -> Position {
+    rig.machine.state.leads.get(Leader::AxisCommand(LINE)).position
+}
+
+/// y of the knife, rounded down to 2^-32: the law of the contract.
+fn of_knife(x: Position) -> i128 {
+    let x = x.raw().rem_euclid(20_000 << 32);
+    match x >> 32 {
+        0..8000 => x >> 1,
+        8000..16_000 => 4000 << 32,
+        16_000..18_000 => (4000 << 32) + (-3 * (x - (16_000 << 32))).div_euclid(2),
+        _ => (1000 << 32) + (-(x - (18_000 << 32))).div_euclid(2),
+    }
+}
+
+#[test]
+fn an_absolute_cam_is_where_the_table_says_over_periods_and_back() {
+    let mut rig = rig();
+    rig.give(on(cam(KNIFE, CamStart::Absolute)));
+    rig.run(1);
+    assert_eq!((rig.state("x"), rig.int("x.in_sync"), rig.int("x.reference")), ("SYNCHRONIZED_MOTION", 1, 3));
+    for (goal, cycles) in [(45_000, 2_000), (-7_000, 2_000)] {
+        rig.give(Action::Move(Move { velocity: 40_000.0, acceleration: 2e5, deceleration: 2e5, ..to(LINE, goal) }));
+        for _ in 0..cycles {
+            rig.run(1);
+            // Slopes change by 1.5 at 40 inc a cycle: 60000 inc/s in 1 ms are more than 1e6 inc/s^2 allows, so it lags there.
+            if rig.int("x.in_sync") == 1 {
+                assert_eq!(slave(&rig).raw(), of_knife(master(&rig)));
+            }
+        }
+        rig.run_until("line.state", 1);
+        rig.run(200);
+        assert_eq!((rig.int("x.in_sync"), rig.int("x.sync.error")), (1, 0));
+        assert_eq!(slave(&rig).raw(), of_knife(master(&rig)));
+    }
+}
+
+#[test]
+fn absolute_is_refused_where_the_slave_is_elsewhere_and_ramp_in_leads_there() {
+    let mut rig = rig();
+    rig.give(Action::Move(Move { velocity: 50_000.0, ..to(LINE, 4_000) }));
+    rig.run_until("line.state", 1);
+    let refused = rig.give(on(cam(KNIFE, CamStart::Absolute)));
+    rig.run(1);
+    assert_eq!(rig.answer(refused).unwrap_err().code, Code::CAM_AWAY);
+    assert_eq!(
+        rig.refusal(refused),
+        "x: the cam asks for a place that is 2 mm away; ABSOLUTE begins within sync_accuracy, 0.01 mm, RAMP_IN leads there"
+    );
+    assert_eq!((rig.state("x"), slave(&rig)), ("STANDSTILL", Position::ZERO));
+    let near = CamIn { slave_offset: Length::whole(-1_991), ..cam(KNIFE, CamStart::Absolute) };
+    let taken = rig.give(on(near));
+    rig.run(1);
+    assert!(rig.was_accepted(taken));
+    rig.give(Action::Cancel { goal: taken });
+    rig.run_until("x.state", 1);
+    let gentle = Synchronize {
+        velocity: 1000.0,
+        acceleration: 10_000.0,
+        cam: Some(cam(KNIFE, CamStart::RampIn)),
+        ..couple(X, Leader::AxisCommand(LINE), 0, 0)
+    };
+    rig.give(Action::Synchronize(gentle));
+    let mut before = slave(&rig);
+    for _ in 0..3000 {
+        rig.run(1);
+        assert!((slave(&rig) - before).to_f64().abs() <= 1.000_001, "1000 inc/s at most");
+        before = slave(&rig);
+    }
+    assert_eq!((rig.int("x.in_sync"), slave(&rig)), (1, Position::whole(2000)));
+}
+
+#[test]
+fn a_relative_cam_begins_where_both_are() {
+    let mut rig = rig();
+    rig.give(Action::Move(to(X, 700)));
+    rig.give(Action::Move(Move { velocity: 50_000.0, ..to(LINE, 3_333) }));
+    rig.run_until("line.state", 1);
+    rig.run_until("x.state", 1);
+    let half = Ratio::new(1, 2).unwrap();
+    let request =
+        CamIn { master_scale: half, slave_scale: Ratio::new(-3, 1).unwrap(), ..cam(KNIFE, CamStart::Relative) };
+    rig.give(on(request));
+    rig.run(1);
+    assert_eq!((rig.int("x.in_sync"), slave(&rig)), (1, Position::whole(700)));
+    // 6000 of the master are 3000 of the table: 1500 there, -4500 at the slave.
+    rig.give(Action::Move(Move { velocity: 20_000.0, acceleration: 1e5, deceleration: 1e5, ..to(LINE, 9_333) }));
+    rig.run_until("line.state", 1);
+    assert_eq!(slave(&rig), Position::whole(700 - 4500));
+}
+
+#[test]
+fn offsets_shift_master_and_slave() {
+    let mut rig = rig();
+    let request = CamIn {
+        master_offset: Length::whole(17_000),
+        slave_offset: Length::whole(-2_500),
+        ..cam(KNIFE, CamStart::Absolute)
+    };
+    // At 17000 it is 2500.
+    rig.give(on(request));
+    rig.run(1);
+    assert_eq!((rig.int("x.in_sync"), slave(&rig)), (1, Position::ZERO));
+    rig.give(Action::Move(Move { velocity: 5_000.0, ..to(LINE, 2_000) }));
+    rig.run_until("line.state", 1);
+    assert_eq!(slave(&rig), Position::whole(500 - 2_500));
+}
+
+#[test]
+fn a_cam_with_an_end_ends_its_goal_there_and_rests() {
+    let mut rig = rig();
+    let goal = rig.give(on(cam(ONCE, CamStart::Relative)));
+    rig.give(Action::Move(at(LINE, 10_000.0)));
+    for _ in 0..1000 {
+        rig.run(1);
+        let place = slave(&rig);
+        assert!(place <= Position::whole(3000), "it never passes its end: {place:?}");
+    }
+    let done = rig.done(goal);
+    assert_eq!((done.len(), done[0].code), (1, Code::NONE));
+    assert_eq!((rig.state("x"), slave(&rig)), ("STANDSTILL", Position::whole(3000)));
+    let passed = rig.give(on(cam(ONCE, CamStart::RampIn)));
+    rig.run(1);
+    assert_eq!(rig.answer(passed).unwrap_err().code, Code::CAM_PASSED);
+    assert!(rig.refusal(passed).contains("it ends at 2000"), "{}", rig.refusal(passed));
+}
+
+/// The last slope is 2: it goes on with twice the velocity of the master.
+#[test]
+fn a_cam_with_an_end_may_leave_its_slave_running() {
+    let mut rig = rig();
+    let request = Synchronize {
+        disengage: Disengage::KeepVelocity,
+        cam: Some(cam(ONCE, CamStart::Relative)),
+        ..couple(X, Leader::AxisCommand(LINE), 0, 0)
+    };
+    let goal = rig.give(Action::Synchronize(request));
+    rig.give(Action::Move(at(LINE, 10_000.0)));
+    rig.run(500);
+    assert_eq!(rig.done(goal)[0].code, Code::NONE);
+    assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("CONTINUOUS_MOTION", 20_000.0));
+}
+
+#[test]
+fn what_is_no_cam_is_refused_with_its_table() {
+    let mut rig = rig();
+    for (table, sentence) in [
+        (WORDS, "words: words of a data block are no cam; form y and form xy are"),
+        (EVEN, "even: it has form y and no length; a cam needs one, in increments of its master"),
+    ] {
+        let refused = rig.give(on(cam(table, CamStart::Relative)));
+        rig.run(1);
+        assert_eq!(rig.refusal(refused), sentence);
+        assert_eq!(rig.state("x"), "STANDSTILL");
+    }
+}
+
+/// At 4000 the tables differ by 1000: the slave comes to the new one within its limits, and is exact there.
+#[test]
+fn new_numbers_hold_at_once_and_nothing_jumps() {
+    let mut rig = rig();
+    rig.give(on(cam(KNIFE, CamStart::Absolute)));
+    rig.give(Action::Move(Move { velocity: 10_000.0, ..to(LINE, 4_000) }));
+    rig.run_until("line.state", 1);
+    assert_eq!(slave(&rig), Position::whole(2_000));
+    let load = |points: &[(i64, i64)]| Action::LoadTable { index: KNIFE, table: Arc::new(xy(points)) };
+    let refused = rig.give(load(&[(0, 0), (5, 1), (5, 2)]));
+    rig.run(1);
+    assert_eq!(
+        rig.refusal(refused),
+        "knife: point 3 is at 5; the first is at 0, and each lies behind the one before it"
+    );
+    assert_eq!(slave(&rig), Position::whole(2_000));
+    rig.give(load(&[(0, 0), (8_000, 6_000), (20_000, 0)]));
+    let mut before = (slave(&rig), 0.0);
+    for _ in 0..200 {
+        rig.run(1);
+        let step = (slave(&rig) - before.0).to_f64();
+        // 1e6 inc/s^2 is 1 inc per cycle and cycle.
+        assert!((step - before.1).abs() <= 1.000_001, "{step} behind {}", before.1);
+        before = (slave(&rig), step);
+    }
+    assert_eq!((rig.int("x.in_sync"), slave(&rig)), (1, Position::whole(3_000)));
+}
+
+/// A period of 20000 in one cycle may be, 20001 not.
+#[test]
+fn a_master_that_runs_more_than_a_period_in_a_cycle_ends_it_with_an_error() {
+    let mut rig = rig();
+    let request = CamIn { master_scale: Ratio::new(1000, 1).unwrap(), ..cam(KNIFE, CamStart::Relative) };
+    let belt = Synchronize { cam: Some(request), ..couple(X, Leader::Encoder(0), 0, 0) };
+    let goal = rig.give(Action::Synchronize(belt));
+    rig.run(2);
+    rig.plant.jump_encoder(0, 20);
+    rig.run(1);
+    assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+    rig.plant.jump_encoder(0, 21);
+    rig.run(1);
+    assert_eq!(rig.done(goal)[0].code, Code::CAM_MASTER_TOO_FAST);
+    assert_eq!(rig.state("x"), "ERROR_STOP");
+}
+
+/// Nothing of that would be seen by who reads no memory: a state behind the cam goes on bit for bit.
+#[test]
+fn a_state_goes_on_in_the_middle_of_a_period() {
+    let mut rig = rig();
+    rig.give(on(CamIn { slave_scale: Ratio::new(7, 3).unwrap(), ..cam(KNIFE, CamStart::Absolute) }));
+    rig.give(Action::Move(at(LINE, 3_000.0)));
+    rig.run(777);
+    let mut twin = rig.twin();
+    let (mut mine, mut others) = (rig.machine.outputs(), twin.outputs());
+    for _ in 0..2_000 {
+        let inputs = rig.inputs().clone();
+        rig.machine.cycle(&inputs, Commands::default(), &mut mine);
+        twin.cycle(&inputs, Commands::default(), &mut others);
+        assert_eq!(mine, others);
+    }
+    assert_eq!(rig.machine.state.leads, twin.state.leads);
+}

@@ -1,0 +1,281 @@
+//! A coupling, in names and units: a gear or a cam.
+//!
+//! Law      a scale is the decimal that its number means, to 18 places behind the point: nothing of it drifts
+//! Reads    the names of the cell; the scales of axis and leader
+//! Refuses  modes that do not exist yet, fields that the mode gives no meaning, scales beyond [`MOST_SCALE`]
+//! Source   contract section 7, 10
+
+use super::meaning::no_meaning;
+use super::{Amount, RequestError, Units, bad_value};
+use crate::command::{CamIn, Synchronize};
+use crate::config::MachineConfig;
+use crate::object::Leader;
+use crate::position::Length;
+use crate::sync::gear::Ratio;
+use crate::sync::{CamStart, Disengage, SyncMode};
+use crate::unit::{Fraction, Scale, excerpt, fraction_from_f64, fraction_to_text, round};
+
+/// Mode CAM.
+const CAM: u8 = 3;
+/// Largest scale of a cam; the smallest is its inverse.
+const MOST_SCALE: i128 = 1_000_000;
+/// Places behind the point of a scale.
+const PLACES: i128 = 10_i128.pow(18);
+
+/// A coupling with names and units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SynchronizeRequest {
+    /// Axis that follows.
+    pub axis: String,
+    /// What it follows; empty: what parameter `mencodertype` of the axis names.
+    pub master: String,
+    /// For engage ON_EVENT.
+    pub event: String,
+    /// 0 velocity, 1 position, 2 marker, 3 cam.
+    pub mode: u8,
+    /// 0 immediately, 1 at position, 2 on event.
+    pub engage: u8,
+    /// 0 stop, 1 keep velocity.
+    pub disengage: u8,
+    /// Slave increments.
+    pub numerator: i64,
+    /// Master increments.
+    pub denominator: i64,
+    /// Shift of the slave.
+    pub offset: Amount,
+    /// 0: the default.
+    pub velocity: Amount,
+    /// 0: the default.
+    pub acceleration: Amount,
+    /// For mode CAM.
+    pub cam: CamRequest,
+}
+
+/// What mode CAM asks for beside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CamRequest {
+    /// The table.
+    pub table: String,
+    /// 0 absolute, 1 relative, 2 ramp-in.
+    pub start: u8,
+    /// Increments of the table per increment of the leader; 0: 1.
+    pub master_scale: Fraction,
+    /// Increments of the slave per increment of the table; 0: 1.
+    pub slave_scale: Fraction,
+    /// Shift of the leader, in its unit.
+    pub master_offset: Amount,
+    /// Shift of the slave.
+    pub slave_offset: Amount,
+}
+
+/// A scale of ROS 2 as the decimal that it means.
+///
+/// # Errors
+/// No finite number.
+pub fn factor(field: &str, value: f64) -> Result<Fraction, RequestError> {
+    fraction_from_f64(value).map_err(|error| bad_value(field, error))
+}
+
+impl MachineConfig {
+    /// A coupling as a command's content.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
+        let resolved = self.resolve_recorded_synchronize(request)?;
+        let (_, axis) = self.find_axis(&request.axis)?;
+        if resolved.mode == SyncMode::Velocity && resolved.offset != Length::whole(0) {
+            let allowed = "0 is allowed with mode VELOCITY, which keeps no position";
+            return Err(no_meaning("offset", request.offset, Units::Si, &axis.scale, allowed));
+        }
+        Ok(resolved)
+    }
+
+    /// As [`MachineConfig::resolve_synchronize`], of what was a command once: older programs took fields without a meaning.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn resolve_recorded_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
+        let (index, axis) = self.find_axis(&request.axis)?;
+        let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
+        let mode = match request.mode {
+            0 => SyncMode::Velocity,
+            1 | CAM => SyncMode::Position,
+            2 => return Err(RequestError::NotBuilt("synchronize in mode MARKER".into())),
+            other => return Err(choice("mode", other, "0 VELOCITY, 1 POSITION, 2 MARKER, 3 CAM are allowed")),
+        };
+        match request.engage {
+            0 => {}
+            1 => return Err(RequestError::NotBuilt("engage AT_POSITION".into())),
+            2 => return Err(RequestError::NotBuilt("engage ON_EVENT".into())),
+            other => return Err(choice("engage", other, "0 IMMEDIATELY, 1 AT_POSITION, 2 ON_EVENT are allowed")),
+        }
+        let disengage = match request.disengage {
+            0 => Disengage::Stop,
+            1 => Disengage::KeepVelocity,
+            other => return Err(choice("disengage", other, "0 STOP, 1 KEEP_VELOCITY are allowed")),
+        };
+        let (units, scale) = (Units::Si, &axis.scale);
+        let length =
+            |field, amount: Amount, scale| amount.length(units, scale).map_err(|error| bad_value(field, error));
+        let rate =
+            |field, amount: Amount, order| amount.rate(units, scale, order).map_err(|error| bad_value(field, error));
+        let leader = Some(&request.master).filter(|name| !name.is_empty()).map(|name| self.find_leader(name));
+        let leader = leader.transpose()?;
+        let offset = length("offset", request.offset, scale)?;
+        let cam = if request.mode == CAM {
+            let numbers = [("numerator", request.numerator), ("denominator", request.denominator)];
+            if let Some((field, value)) = numbers.into_iter().find(|(_, value)| *value != 0) {
+                return Err(choice_of_cam(field, value));
+            }
+            if offset != Length::whole(0) {
+                let allowed = "0 is allowed with mode CAM, which has slave_offset";
+                return Err(no_meaning("offset", request.offset, units, scale, allowed));
+            }
+            Some(self.resolve_cam(&request.cam, leader, scale)?)
+        } else {
+            check_no_cam(&request.cam)?;
+            None
+        };
+        Ok(Synchronize {
+            axis: index,
+            leader,
+            mode,
+            disengage,
+            numerator: request.numerator,
+            denominator: request.denominator,
+            offset,
+            velocity: rate("velocity", request.velocity, 1)?,
+            acceleration: rate("acceleration", request.acceleration, 2)?,
+            cam,
+        })
+    }
+
+    fn resolve_cam(&self, request: &CamRequest, leader: Option<Leader>, slave: &Scale) -> Result<CamIn, RequestError> {
+        let table = self.find_table(&request.table)?;
+        let start = CamStart::ALL.iter().find(|(_, number, _)| *number == request.start).map(|(start, ..)| *start);
+        let start = start.ok_or(RequestError::BadChoice {
+            field: "cam_start",
+            value: request.start.into(),
+            allowed: "0 ABSOLUTE, 1 RELATIVE, 2 RAMP_IN are allowed",
+        })?;
+        let increments = Scale::increments();
+        let master = match leader {
+            Some(leader) => self.scale_of(leader).unwrap_or(&increments),
+            None if request.master_offset == Amount::default() => &increments,
+            None => {
+                return Err(RequestError::NoMeaning {
+                    field: "master_offset",
+                    value: "given".to_owned(),
+                    allowed: "0 is allowed without a master, which has its unit",
+                });
+            }
+        };
+        let length =
+            |field, amount: Amount, scale| amount.length(Units::Si, scale).map_err(|error| bad_value(field, error));
+        Ok(CamIn {
+            table,
+            start,
+            master_scale: ratio("master_scale", request.master_scale)?,
+            slave_scale: ratio("slave_scale", request.slave_scale)?,
+            master_offset: length("master_offset", request.master_offset, master)?,
+            slave_offset: length("slave_offset", request.slave_offset, slave)?,
+        })
+    }
+
+    /// The scale of what leads; none where it has none but increments.
+    fn scale_of(&self, leader: Leader) -> Option<&Scale> {
+        match leader {
+            Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => {
+                self.axes.get(usize::from(axis)).map(|axis| &axis.scale)
+            }
+            Leader::Encoder(encoder) => self.encoders.get(usize::from(encoder)).map(|encoder| &encoder.scale),
+            Leader::Sink(_) => None,
+        }
+    }
+}
+
+fn choice_of_cam(field: &'static str, value: i64) -> RequestError {
+    RequestError::BadChoice {
+        field,
+        value,
+        allowed: "0 is allowed with mode CAM, which has master_scale and slave_scale",
+    }
+}
+
+/// Nothing of a cam is asked for?
+fn check_no_cam(request: &CamRequest) -> Result<(), RequestError> {
+    let CamRequest { table, start, master_scale, slave_scale, master_offset, slave_offset } = request;
+    let zero = Fraction::default();
+    let scale = |scale: &Fraction| (*scale != zero).then(|| fraction_to_text(scale));
+    let amount = |amount: &Amount| (*amount != Amount::default()).then(|| "given".to_owned());
+    let given = [
+        ("table", (!table.is_empty()).then(|| format!("`{}`", excerpt(table)))),
+        ("cam_start", (*start != 0).then(|| start.to_string())),
+        ("master_scale", scale(master_scale)),
+        ("slave_scale", scale(slave_scale)),
+        ("master_offset", amount(master_offset)),
+        ("slave_offset", amount(slave_offset)),
+    ];
+    let found = given.into_iter().find_map(|(field, value)| value.map(|value| (field, value)));
+    found.map_or(Ok(()), |(field, value)| {
+        let allowed = "it belongs to mode CAM; leave it out, or at 0";
+        Err(RequestError::NoMeaning { field, value, allowed })
+    })
+}
+
+/// A scale as a ratio.
+fn ratio(field: &'static str, given: Fraction) -> Result<Ratio, RequestError> {
+    let allowed = "a scale lies within 0.000001 and 1000000, of either sign; 0 stands for 1";
+    let refused = || RequestError::NoMeaning { field, value: fraction_to_text(&given), allowed };
+    if given == Fraction::default() {
+        return Ok(Ratio::ONE);
+    }
+    let (numerator, denominator) = (given.numer().unsigned_abs(), given.denom().unsigned_abs());
+    let most = MOST_SCALE.unsigned_abs();
+    let is_within = numerator / denominator.max(1) < most || (numerator, denominator) == (most, 1);
+    if !is_within || denominator / numerator.max(1) > most {
+        return Err(refused());
+    }
+    let parts = |numerator: i128, denominator: i128| {
+        Ratio::new(i64::try_from(numerator).ok()?, i64::try_from(denominator).ok()?)
+    };
+    let exact = parts(*given.numer(), *given.denom());
+    let rounded = || {
+        let fraction = num_product(given)?;
+        parts(fraction.into(), PLACES)
+    };
+    exact.or_else(rounded).ok_or_else(refused)
+}
+
+/// A scale in units of its last place, rounded; none beyond 63 bits.
+fn num_product(given: Fraction) -> Option<i64> {
+    let whole = given.numer().checked_mul(PLACES)?;
+    round(&Fraction::new(whole, *given.denom()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_is_the_decimal_that_it_means() {
+        let of = |value: f64| ratio("master_scale", factor("master_scale", value).expect("finite"));
+        assert_eq!(of(0.0), Ok(Ratio::ONE));
+        assert_eq!(of(0.05).ok(), Ratio::new(1, 20));
+        assert_eq!(of(-1.5).ok(), Ratio::new(-3, 2));
+        assert_eq!(of(1e6).ok(), Ratio::new(1_000_000, 1));
+        assert_eq!(of(1e-6).ok(), Ratio::new(1, 1_000_000));
+        // 2^-15 has 15 decimals.
+        assert_eq!(of(1.0 / 32_768.0).ok(), Ratio::new(1, 32_768));
+        // 22 decimals are rounded to 18: 1234567890123.456789 units of 10^-18.
+        assert_eq!(of(1.234_567_890_123_456_7e-6).ok(), Ratio::new(1_234_567_890_123, 1_000_000_000_000_000_000));
+        let refused = |value: f64| of(value).expect_err("beyond").to_string();
+        assert_eq!(
+            refused(1_000_000.5),
+            "master_scale is 1000000.5; a scale lies within 0.000001 and 1000000, of either sign; 0 stands for 1"
+        );
+        assert!(refused(9.9e-7).contains("a scale lies within"), "{}", refused(9.9e-7));
+        assert!(factor("slave_scale", f64::NAN).expect_err("NaN").to_string().starts_with("slave_scale: "));
+    }
+}

@@ -1,0 +1,212 @@
+//! An electronic cam: a table of the machine between a lead and its follower.
+//!
+//! Law      follower(k) - follower(0) = slave_scale * (periods * way + y(x(k)) - y(x(0))), x = master_scale * (change of the lead) + x(0) within
+//!          the length; y is straight between its points, rounded down to 2^-32 inc where it is read, so that nothing adds up
+//! Reads    the table as the cycle finds it: new numbers hold at once, and the follower comes to them within its limits
+//! Refuses  nothing: table and scales were checked when it was coupled; a lead that runs more than a length in a cycle its axis
+//! Source   contract section 10, PLCopen (MC_CamIn), AMK-FIPW-03 to -06
+
+use super::gear::{Gear, Ratio};
+use crate::position::Position;
+use crate::table::{CamShape, Table};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Units of a position in one increment.
+const ONE: i128 = Position::whole(1).raw();
+
+/// A cam under way.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Cam {
+    /// Place among the tables.
+    table: u16,
+    /// The point before `place`, or one near it.
+    near: u32,
+    /// Change of the slave by that of its lead, where it stands.
+    slope: f64,
+    master: Gear,
+    slave: Gear,
+    /// Where the scaled master is in the table; of one that is not cyclic also before and behind it.
+    place: Position,
+    /// The value there.
+    value: Position,
+}
+
+impl Cam {
+    /// A cam with the scaled master at `place`; none where the table is no cam.
+    pub fn new(table: u16, (master, slave): (Ratio, Ratio), place: Position, tables: &[Arc<Table>]) -> Option<Self> {
+        let (master, slave) = (Gear::new(master), Gear::new(slave));
+        let mut cam = Self { table, near: 0, slope: 0.0, master, slave, place, value: Position::ZERO };
+        let (table, shape) = cam.find(tables)?;
+        cam.go(table, shape);
+        Some(cam)
+    }
+
+    /// Where a lead at `position` is in a table, behind `offset` of its scaled way.
+    pub fn place_of(position: Position, ratio: Ratio, offset: Position, shape: CamShape) -> Position {
+        let (numerator, denominator) = (i128::from(ratio.numerator()), i128::from(ratio.denominator()));
+        let scaled = if shape.is_cyclic {
+            // Below 2^63 times 2^62: sums of two such numbers fit.
+            let period = Position::whole(shape.length).raw() * denominator;
+            times_modulo(position.raw().rem_euclid(period), numerator, period).div_euclid(denominator)
+        } else {
+            let end = Position::whole(Position::LIMIT - 1).raw();
+            let product = position.raw().checked_mul(numerator);
+            let end = if (position < Position::ZERO) == (numerator < 0) { end } else { -end };
+            product.map_or(end, |product| product.div_euclid(denominator))
+        };
+        Position::from_raw(scaled) + offset
+    }
+
+    /// Could it have come about?
+    pub fn is_sound(&self) -> bool {
+        self.slope.is_finite()
+            && self.master.is_sound()
+            && self.slave.is_sound()
+            && self.place.is_legal()
+            && self.value.is_legal()
+    }
+
+    /// Its table, by its place among those of the machine.
+    pub fn table(&self) -> u16 {
+        self.table
+    }
+
+    /// Change of the slave by that of its lead where it stands, or where it was before its end.
+    #[inline]
+    pub fn slope(&self) -> f64 {
+        self.slope
+    }
+
+    /// What its table has there, scaled (inc).
+    pub fn scaled(&self) -> Position {
+        Gear::new(self.slave.ratio()).step(self.value)
+    }
+
+    /// Has it passed the end of a table that has one?
+    pub fn has_ended(&self, tables: &[Arc<Table>]) -> bool {
+        self.find(tables).is_none_or(|(_, shape)| !shape.is_cyclic && self.place >= Position::whole(shape.length))
+    }
+
+    /// The slave's way to the end of a table that has one, and its last slope.
+    pub fn way_to_end(&self, tables: &[Arc<Table>]) -> Option<(Position, f64)> {
+        let (table, shape) = self.find(tables)?;
+        let (x, y) = (table.x(), table.y());
+        if shape.is_cyclic {
+            return None;
+        }
+        let [.., before, last] = y else { return None };
+        let wide = match x {
+            [.., before, last] => (last - before) as f64,
+            _ => shape.length as f64 / (y.len() - 1) as f64,
+        };
+        let ratio = self.master.ratio().to_f64() * self.slave.ratio().to_f64();
+        let way = Gear::new(self.slave.ratio()).step(Position::whole(*last) - self.value);
+        Some((way, (last - before) as f64 / wide * ratio))
+    }
+
+    /// Does it lead its slave by that change of the lead? By more than a length a table says nothing.
+    #[inline]
+    pub fn bears(&self, change: Position, tables: &[Arc<Table>]) -> bool {
+        let length = self.find(tables).map_or(0, |(_, shape)| shape.length);
+        let scaled = (change.to_f64() * self.master.ratio().to_f64()).abs();
+        scaled <= length as f64
+    }
+
+    /// The slave's change.
+    #[inline]
+    pub fn step(&mut self, change: Position, tables: &[Arc<Table>]) -> Position {
+        let Some((table, shape)) = self.find(tables) else { return Position::ZERO };
+        let before = self.value;
+        self.place += self.master.step(change);
+        let way = self.go(table, shape);
+        self.slave.step(way + self.value - before)
+    }
+
+    fn find<'a>(&self, tables: &'a [Arc<Table>]) -> Option<(&'a Table, CamShape)> {
+        let table = tables.get(usize::from(self.table))?;
+        table.cam().ok().map(|shape| (&**table, shape))
+    }
+
+    /// Finds its place in a period and the value there; the way of the periods that have passed.
+    #[inline]
+    fn go(&mut self, table: &Table, shape: CamShape) -> Position {
+        let length = Position::whole(shape.length);
+        let is_inside = self.place >= Position::ZERO && self.place < length;
+        let mut way = Position::ZERO;
+        if !is_inside && shape.is_cyclic {
+            // The master's place is below 2^94, the length at least 2^32: with a way of 31 bits all of it fits.
+            let periods = self.place.raw().div_euclid(length.raw());
+            self.place = Position::from_raw(self.place.raw() - periods * length.raw());
+            way = Position::from_raw(periods.saturating_mul(Position::whole(shape.way).raw()));
+        }
+        self.look_up(table, shape, self.place.max(Position::ZERO).min(length).raw());
+        way
+    }
+
+    /// The value at `x`, 0 <= x <= length, in units of 2^-32.
+    #[inline]
+    fn look_up(&mut self, table: &Table, shape: CamShape, x: i128) {
+        let (places, values) = (table.x(), table.y());
+        let last = values.len().saturating_sub(2);
+        let near = (self.near as usize).min(last);
+        // The interval, how far into it in units of `whole`, and the length of an interval (inc).
+        let (i, part, whole, wide) = if places.is_empty() {
+            // Below 2^63 times 2^20.
+            let count = last as i128 + 1;
+            let (scaled, length) = (x * count, i128::from(shape.length) * ONE);
+            let part = scaled - near as i128 * length;
+            // Most cycles stay in their interval: a division takes as long as all the rest.
+            let (i, part) = if (0..length).contains(&part) {
+                (near, part)
+            } else {
+                let i = (scaled / length.max(1)).clamp(0, last as i128);
+                (i as usize, scaled - i * length)
+            };
+            (i, part, shape.length, shape.length as f64 / count as f64)
+        } else {
+            let place = |i: usize| places.get(i).map_or(0, |place| i128::from(*place) * ONE);
+            let mut i = near;
+            while i > 0 && x < place(i) {
+                i -= 1;
+            }
+            while i < last && x >= place(i + 1) {
+                i += 1;
+            }
+            let wide = places.get(i + 1).zip(places.get(i)).map_or(1, |(after, at)| after - at).max(1);
+            (i, x - place(i), wide, wide as f64)
+        };
+        let value = |i: usize| values.get(i).copied().unwrap_or(0);
+        let (y, rise) = (value(i), value(i + 1) - value(i));
+        self.near = i as u32;
+        self.value = Position::from_raw(i128::from(y) * ONE + share(rise, part, whole));
+        let ratio = self.master.ratio().to_f64() * self.slave.ratio().to_f64();
+        self.slope = rise as f64 / wide * ratio;
+    }
+}
+
+/// `a * b` modulo `m`, 0 <= a < m < 2^126, by doubling: the product itself may have 190 bits.
+fn times_modulo(a: i128, b: i128, m: i128) -> i128 {
+    let reduced = |sum: i128| if sum >= m { sum - m } else { sum };
+    let mut sum = 0;
+    for bit in (0..64).rev() {
+        sum = reduced(sum + sum);
+        if b.unsigned_abs() >> bit & 1 == 1 {
+            sum = reduced(sum + a);
+        }
+    }
+    if b < 0 { reduced(m - sum) } else { sum }
+}
+
+/// `rise * part / whole`, rounded down: `rise` has 32 bits, `part` fewer than 64, `whole` is above 0.
+#[inline]
+fn share(rise: i64, part: i128, whole: i64) -> i128 {
+    // In 64 bits, where it fits, a division is a tenth of the work.
+    match i64::try_from(part).ok().and_then(|part| rise.checked_mul(part)) {
+        Some(product) => product.div_euclid(whole.max(1)).into(),
+        None => (i128::from(rise) * part).div_euclid(whole.max(1).into()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

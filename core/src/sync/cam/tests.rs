@@ -1,0 +1,217 @@
+use super::*;
+use crate::table::{CamSetting, Form};
+use proptest::prelude::*;
+
+/// The cam `knife` of the contract, section 10.
+const KNIFE: [(i64, i64); 3] = [(0, 0), (5000, 1200), (20_000, 20_000)];
+
+fn xy(points: &[(i64, i64)]) -> Vec<Arc<Table>> {
+    let (x, y): (Vec<_>, Vec<_>) = points.iter().copied().unzip();
+    vec![Arc::new(Table::new(Form::Xy, &x, &y).expect("points"))]
+}
+
+fn even(y: &[i64], length: i64, is_cyclic: bool) -> Vec<Arc<Table>> {
+    let setting = CamSetting { length: Some(length), is_cyclic };
+    vec![Arc::new(Table::new(Form::Y, &[], y).expect("points").with_cam(setting))]
+}
+
+fn ratio(numerator: i64, denominator: i64) -> Ratio {
+    Ratio::new(numerator, denominator).expect("legal")
+}
+
+fn cam(tables: &[Arc<Table>], place: i64) -> Cam {
+    Cam::new(0, (Ratio::ONE, Ratio::ONE), Position::whole(place), tables).expect("a cam")
+}
+
+/// y(2500) = 600; y(12500) = 1200 + 18800 / 2 = 10600; a period makes 20000.
+#[test]
+fn the_slave_is_where_the_table_says_period_by_period() {
+    let tables = xy(&KNIFE);
+    let mut cam = cam(&tables, 0);
+    let mut slave = Position::ZERO;
+    for (step, wanted) in
+        [(2500, 600), (2500, 1200), (7500, 10_600), (7500, 20_000), (2500, 20_600), (-5000, 15_000 + 1866)]
+    {
+        slave += cam.step(Position::whole(step), &tables);
+        // 20000 - 2500 = 17500: 1200 + 18800 * 12500 / 15000 = 16866 and 2/3.
+        assert_eq!(slave.floor(), wanted);
+    }
+    assert!((slave.fraction() - 2.0 / 3.0).abs() < 1e-9, "{slave:?}");
+    for _ in 0..1_000_000 {
+        slave += cam.step(Position::whole(20_000), &tables);
+    }
+    assert_eq!(slave.floor(), 20_000_000_000 + 16_866);
+}
+
+#[test]
+fn places_before_points_and_between_increments_count() {
+    // Three points over 3 increments: intervals of 1.5; at 1 it is 2/3 of the first, at 2 1/3 of the second.
+    let tables = even(&[0, 6, -6], 3, true);
+    let mut cam = cam(&tables, 0);
+    let half = Position::from_f64(0.5);
+    let places = (0..6).scan(Position::ZERO, |slave, _| {
+        *slave += cam.step(half, &tables);
+        Some(slave.to_f64())
+    });
+    assert_eq!(places.collect::<Vec<_>>(), [2.0, 4.0, 6.0, 2.0, -2.0, -6.0]);
+}
+
+#[test]
+fn one_that_is_not_cyclic_rests_at_its_end_and_waits_before_its_beginning() {
+    let tables = even(&[5, 105], 100, false);
+    let mut cam = cam(&tables, 0);
+    let mut slave = Position::ZERO;
+    for (step, wanted, ended) in
+        [(-50, 0, false), (30, 0, false), (40, 20, false), (79, 99, false), (1, 100, true), (900, 100, true)]
+    {
+        slave += cam.step(Position::whole(step), &tables);
+        assert_eq!((slave.floor(), cam.has_ended(&tables)), (wanted, ended), "{step}");
+    }
+    slave += cam.step(Position::whole(-950), &tables);
+    assert_eq!((slave.floor(), cam.has_ended(&tables)), (50, false));
+}
+
+/// What the two tables differ by at that place, and no more.
+#[test]
+fn another_table_moves_the_slave_by_what_both_differ_there() {
+    let (first, second) = (xy(&[(0, 0), (100, 1000)]), xy(&[(0, 0), (50, 700), (100, 1000)]));
+    let mut cam = cam(&first, 0);
+    let mut slave = cam.step(Position::whole(49), &first);
+    slave += cam.step(Position::whole(1), &second);
+    assert_eq!(slave.floor(), 700);
+    slave += cam.step(Position::whole(50), &second);
+    assert_eq!(slave.floor(), 1000);
+}
+
+#[test]
+fn a_master_of_more_than_a_length_is_not_borne() {
+    let tables = xy(&KNIFE);
+    let fast = Cam::new(0, (ratio(2, 1), Ratio::ONE), Position::ZERO, &tables).expect("a cam");
+    assert!(fast.bears(Position::whole(-10_000), &tables));
+    assert!(!fast.bears(Position::whole(10_001), &tables));
+    assert!(!fast.bears(Position::ZERO + Position::whole(1 << 40), &[]));
+}
+
+#[test]
+fn a_lead_far_away_is_somewhere_in_the_table() {
+    let shape = CamShape { length: 1000, way: 0, is_cyclic: true };
+    let place =
+        |position, scale, shape| Cam::place_of(Position::whole(position), scale, Position::whole(7), shape).floor();
+    assert_eq!(place(2300, Ratio::ONE, shape), 307);
+    assert_eq!(place(-1, Ratio::ONE, shape), 1006);
+    // 2300 * -3 / 2 = -3450: 550 in its period.
+    assert_eq!(place(2300, ratio(-3, 2), shape), 557);
+    // 2^61 = 2305843009213693952, times 999999999 / 1000000000: 2305843006907850942.990786306048.
+    assert_eq!(place(1 << 61, ratio(999_999_999, 1_000_000_000), shape), 942 + 7);
+    let once = CamShape { is_cyclic: false, ..shape };
+    assert_eq!(place(-1, Ratio::ONE, once), 6);
+    assert_eq!(place(1 << 61, ratio(Ratio::LIMIT - 1, 1), once), Position::LIMIT - 1 + 7);
+    assert_eq!(place(1 << 61, ratio(1 - Ratio::LIMIT, 1), once), 1 - Position::LIMIT + 7);
+}
+
+fn any_ratio() -> impl Strategy<Value = Ratio> {
+    prop_oneof![
+        Just((1, 1)),
+        (-32_767_i64..=32_767, 0_u32..=15).prop_map(|(k, n)| (k, 1 << n)),
+        (-1_000_000_i64..1_000_000, 1_i64..1_000_000),
+    ]
+    .prop_filter_map("0 is none", |(numerator, denominator)| Ratio::new(numerator, denominator))
+}
+
+fn any_tables() -> impl Strategy<Value = Vec<Arc<Table>>> {
+    let points = prop::collection::vec((1_i64..5000, -(1_i64 << 30)..=1 << 30), 1..60);
+    let far = points.prop_map(|steps| {
+        let places = steps.iter().scan(0, |x, (wide, y)| {
+            *x += wide;
+            Some((*x, *y))
+        });
+        xy(&std::iter::once((0, 3)).chain(places).collect::<Vec<_>>())
+    });
+    let values = prop::collection::vec(-(1_i64 << 30)..=1 << 30, 2..60);
+    prop_oneof![far, (values, 1_i64..100_000).prop_map(|(y, length)| even(&y, length, true))]
+}
+
+/// The way of the table from its beginning, over whole periods, in units of 2^-32.
+fn total(table: &Table, x: i128) -> i128 {
+    let shape = table.cam().expect("a cam");
+    let length = i128::from(shape.length) << 32;
+    let (periods, x) = (x.div_euclid(length), x.rem_euclid(length));
+    let points: Vec<(i128, i128)> = match table.form() {
+        Form::Xy => std::iter::zip(table.x(), table.y()).map(|(x, y)| (i128::from(*x) << 32, i128::from(*y))).collect(),
+        _ => return periods * (i128::from(shape.way) << 32) + even_value(table, x, length),
+    };
+    let after = points.iter().position(|(place, _)| *place > x).expect("within");
+    let ((from, y), (to, end)) = (points[after - 1], points[after]);
+    periods * (i128::from(shape.way) << 32) + (y << 32) + ((end - y) * (x - from)).div_euclid((to - from) >> 32)
+}
+
+fn even_value(table: &Table, x: i128, length: i128) -> i128 {
+    let y: Vec<i128> = table.y().iter().map(|y| i128::from(*y)).collect();
+    let scaled = x * (y.len() as i128 - 1);
+    let i = (scaled / length) as usize;
+    (y[i] << 32) + ((y[i + 1] - y[i]) * (scaled - i as i128 * length)).div_euclid(length >> 32)
+}
+
+proptest! {
+    #![proptest_config(crate::machine::rig::cases(300))]
+
+    /// Whatever the ratios, the table and the reversals: the way is that of the place, to the last 2^-32.
+    #[test]
+    fn nothing_adds_up(
+        tables in any_tables(),
+        (master, slave) in (any_ratio(), any_ratio()),
+        start in 0.0_f64..1.0,
+        steps in prop::collection::vec(-1.0_f64..1.0, 1..200),
+    ) {
+        let table = &tables[0];
+        let length = table.cam().expect("a cam").length;
+        let first = Position::from_f64(start * length as f64);
+        let mut cam = Cam::new(0, (master, slave), first, &tables).expect("a cam");
+        let (mut way, mut lead) = (Position::ZERO, Position::ZERO);
+        for step in steps {
+            let change = Position::from_f64((step * length as f64 / master.to_f64()).clamp(-2e9, 2e9));
+            prop_assume!(cam.bears(change, &tables));
+            way += cam.step(change, &tables);
+            lead += change;
+        }
+        let scaled = |position: i128, ratio: Ratio| {
+            (position * i128::from(ratio.numerator())).div_euclid(i128::from(ratio.denominator()))
+        };
+        let from = first.raw();
+        let x = from + scaled(lead.raw(), master);
+        prop_assert_eq!(way.raw(), scaled(total(table, x) - total(table, from), slave));
+        prop_assert!(cam.is_sound());
+    }
+
+    /// Where the search begins changes nothing.
+    #[test]
+    fn a_hint_changes_nothing(tables in any_tables(), near in any::<u32>(), place in 0.0_f64..1.0, step in -1.0_f64..1.0) {
+        let length = tables[0].cam().expect("a cam").length as f64;
+        let mut fresh = cam(&tables, (place * length) as i64);
+        let mut misled = Cam { near, ..fresh };
+        let change = Position::from_f64(step * length);
+        prop_assert_eq!(fresh.step(change, &tables), misled.step(change, &tables));
+        prop_assert_eq!(fresh.near, misled.near);
+    }
+
+    /// A state from outside may hold anything, and a table may be exchanged for any other.
+    #[test]
+    fn nothing_panics(
+        tables in prop::collection::vec(any_tables(), 2),
+        raw in (any::<i128>(), any::<i128>(), any::<u32>()),
+        changes in prop::collection::vec(any::<i64>(), 4),
+    ) {
+        let start = cam(&tables[0], 0);
+        let far = Cam { place: Position::from_raw(raw.0), value: Position::from_raw(raw.1), near: raw.2, ..start };
+        let mut cam = if far.is_sound() { far } else { start };
+        for (nth, change) in changes.into_iter().enumerate() {
+            cam.step(Position::from_raw(change.into()), &tables[nth % 2]);
+        }
+        cam.step(Position::whole(1), &[]);
+    }
+
+    #[test]
+    fn a_product_modulo_is_that_of_the_numbers(a in 0_i128..1 << 60, b in any::<i64>(), m in 1_i128..1 << 60) {
+        prop_assert_eq!(times_modulo(a % m, b.into(), m), ((a % m) * i128::from(b)).rem_euclid(m));
+    }
+}

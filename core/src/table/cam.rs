@@ -1,0 +1,147 @@
+//! How a table is a cam of `~/synchronize`: how long, whether it begins again at its end, and what is between its points. It is found when
+//! the table is made: a cycle does not look at each point.
+//!
+//! Refuses  words, fewer than two points, places that do not begin at 0 and rise, values beyond [`MOST_VALUE`], form y without a length
+//! Source   contract section 10, PLCopen (MC_CamTableSelect)
+
+use super::{Form, Table};
+use crate::position::Position;
+use serde::{Deserialize, Serialize};
+
+/// Largest value of a point, without its sign (inc of the slave): what a period changes has 31 bits then.
+pub const MOST_VALUE: i64 = 1 << 30;
+/// Largest length (inc of the master).
+pub const MOST_LENGTH: i64 = i32::MAX as i64;
+
+/// What the cell says of a table as a cam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CamSetting {
+    /// Length of form y (inc of the master); form xy has its own.
+    pub length: Option<i64>,
+    /// At its end it begins again.
+    pub is_cyclic: bool,
+}
+
+impl Default for CamSetting {
+    fn default() -> Self {
+        Self { length: None, is_cyclic: true }
+    }
+}
+
+/// Why a table is no cam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+pub enum CamError {
+    /// Words of a data block have no points.
+    #[error("words of a data block are no cam; form y and form xy are")]
+    Words,
+    /// So many points.
+    #[error("a cam has {0} points; 2 or more are needed")]
+    Few(usize),
+    /// Form y does not say how long it is.
+    #[error("a cam of form y has no length; its length in increments of the master is needed, 1 to {MOST_LENGTH}")]
+    NoLength,
+    /// A length without meaning, or beyond its range.
+    #[error("a cam is {0} increments of the master long; 1 to {MOST_LENGTH} are possible")]
+    Length(i64),
+    /// The place of this point does not lie behind the one before it, or is not 0 where it is the first.
+    #[error("point {place} of a cam is at {x}; the first is at 0, and each lies behind the one before it")]
+    Place {
+        /// Which, from 1.
+        place: usize,
+        /// Where.
+        x: i64,
+    },
+    /// A value without a place in 31 bits.
+    #[error("point {place} of a cam has the value {y}; -{MOST_VALUE} to {MOST_VALUE} are possible")]
+    Value {
+        /// Which, from 1.
+        place: usize,
+        /// Its value.
+        y: i64,
+    },
+}
+
+/// A table that is a cam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CamShape {
+    /// (inc of the master), above 0.
+    pub length: i64,
+    /// Way of the slave in a whole period (inc).
+    pub way: i64,
+    /// At its end it begins again.
+    pub is_cyclic: bool,
+}
+
+impl CamShape {
+    /// Where a point is, and so far behind it (inc of the master).
+    pub fn place(self, table: &Table, point: usize, behind: i64) -> Position {
+        let last = table.len().saturating_sub(1).max(1);
+        let at = match table.x().get(point) {
+            Some(x) => Position::whole(*x),
+            // Of form y, or behind the last one.
+            None => {
+                let scaled = Position::whole(self.length).raw() * point.min(last) as i128;
+                Position::from_raw(scaled / last as i128)
+            }
+        };
+        at + Position::whole(behind)
+    }
+
+    /// The cam of points.
+    pub(super) fn of(form: Form, x: &[i64], y: &[i64], setting: CamSetting) -> Result<Self, CamError> {
+        let given = match (form, x.last()) {
+            (Form::Words, _) => return Err(CamError::Words),
+            (Form::Y, _) => setting.length,
+            (Form::Xy, last) => last.copied(),
+        };
+        let ([first, .., last], Some(length)) = (y, given) else {
+            return Err(if y.len() < 2 { CamError::Few(y.len()) } else { CamError::NoLength });
+        };
+        let rises = |place: &usize| match place.checked_sub(1) {
+            None => x.first() == Some(&0),
+            Some(before) => x.get(before) < x.get(*place),
+        };
+        if let Some(place) = (0..x.len()).find(|place| !rises(place)) {
+            return Err(CamError::Place { place: place + 1, x: x.get(place).copied().unwrap_or_default() });
+        }
+        if !(1..=MOST_LENGTH).contains(&length) {
+            return Err(CamError::Length(length));
+        }
+        let is_value = |value: &i64| (-MOST_VALUE..=MOST_VALUE).contains(value);
+        if let Some((place, value)) = (1..).zip(y).find(|(_, value)| !is_value(value)) {
+            return Err(CamError::Value { place, y: *value });
+        }
+        Ok(Self { length, way: last.saturating_sub(*first), is_cyclic: setting.is_cyclic })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_cam_is_told_with_its_point() {
+        let long = |length| CamSetting { length, is_cyclic: true };
+        let of = |x: &[i64], y: &[i64]| CamShape::of(Form::Xy, x, y, CamSetting::default());
+        let even = |length, y: &[i64]| CamShape::of(Form::Y, &[], y, long(length));
+        assert_eq!(CamShape::of(Form::Words, &[], &[0, 1], long(Some(9))), Err(CamError::Words));
+        assert_eq!(even(Some(9), &[0]), Err(CamError::Few(1)));
+        assert_eq!(of(&[], &[]), Err(CamError::Few(0)));
+        assert_eq!(even(None, &[0, 1]), Err(CamError::NoLength));
+        assert_eq!(even(Some(0), &[0, 1]), Err(CamError::Length(0)));
+        assert_eq!(of(&[0, 1 << 31], &[0, 1]), Err(CamError::Length(1 << 31)));
+        assert_eq!(of(&[1, 2], &[0, 1]), Err(CamError::Place { place: 1, x: 1 }));
+        assert_eq!(of(&[0, 5, 5], &[0, 1, 2]), Err(CamError::Place { place: 3, x: 5 }));
+        assert_eq!(of(&[0, 5], &[0, MOST_VALUE + 1]), Err(CamError::Value { place: 2, y: MOST_VALUE + 1 }));
+        assert_eq!(of(&[0, 5], &[i64::MIN, 0]), Err(CamError::Value { place: 1, y: i64::MIN }));
+    }
+
+    #[test]
+    fn a_period_makes_the_way_from_the_first_point_to_the_last() {
+        let shape = CamShape::of(Form::Xy, &[0, 10, 40], &[7, 100, -3], CamSetting::default());
+        assert_eq!(shape, Ok(CamShape { length: 40, way: -10, is_cyclic: true }));
+        let once = CamSetting { length: Some(90), is_cyclic: false };
+        let shape = CamShape::of(Form::Y, &[], &[0, 40_000, -MOST_VALUE], once);
+        assert_eq!(shape, Ok(CamShape { length: 90, way: -MOST_VALUE, is_cyclic: false }));
+    }
+}

@@ -1,0 +1,89 @@
+//! Verb `synchronize`: a gear or a cam (contract sections 7, 10).
+
+use super::{Deed, Reader, number, optional_amount, whole};
+use crate::document::{Map, Value};
+use lineshaft_core::command::Action;
+use lineshaft_core::request::{CamRequest, SynchronizeRequest};
+use lineshaft_core::sync::CamStart;
+use lineshaft_core::unit::{Fraction, Scale};
+
+const MODES: [(&str, u8); 4] = [("velocity", 0), ("position", 1), ("marker", 2), ("cam", 3)];
+const AT_POSITION: u8 = 1;
+const ON_EVENT: u8 = 2;
+const ENGAGES: [(&str, u8); 3] = [("immediately", 0), ("at_position", AT_POSITION), ("on_event", ON_EVENT)];
+const DISENGAGES: [(&str, u8); 2] = [("stop", 0), ("keep_velocity", 1)];
+
+impl Reader<'_> {
+    pub(super) fn synchronize(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+        let Some(mut map) = value.map("synchronize") else { return (None, None) };
+        let id = map.optional("id").map(|id| self.ids.carry(&id));
+        let axis = map.required("axis");
+        let master = map.optional("master").map_or(Some(String::new()), |master| master.text().map(str::to_owned));
+        let scale = self.scale(axis.as_ref());
+        let given_event = map.optional("event");
+        let event = given_event.as_ref().map_or(Some(String::new()), |event| event.text().map(str::to_owned));
+        let [mode, engage, disengage] = [("mode", &MODES[..]), ("engage", &ENGAGES), ("disengage", &DISENGAGES)]
+            .map(|(key, names)| number(&mut map, key, names));
+        let [numerator, denominator] = ["numerator", "denominator"].map(|key| whole(&mut map, key));
+        for key in ["master_increments", "slave_increments", "start_distance_increments"] {
+            if let Some(given) = map.optional(key)
+                && given.integer(i64::MIN..=i64::MAX).is_some()
+                && engage != Some(AT_POSITION)
+            {
+                given.refuse(format!("{key} belongs to `engage: at_position`"), None);
+            }
+        }
+        if let (Some(given), Some(name)) = (given_event, &event)
+            && !name.is_empty()
+            && engage != Some(ON_EVENT)
+        {
+            given.refuse("event belongs to `engage: on_event`", None);
+        }
+        let [offset, velocity, acceleration] = [("offset", 0), ("velocity", 1), ("acceleration", 2)]
+            .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), false));
+        let cam = cam(&mut map, scale.as_ref());
+        map.finish();
+        let deed = (|| {
+            let request = SynchronizeRequest {
+                axis: axis?.text()?.to_owned(),
+                master: master?,
+                event: event?,
+                mode: mode?,
+                engage: engage?,
+                disengage: disengage?,
+                numerator: numerator?,
+                denominator: denominator?,
+                offset: offset?,
+                velocity: velocity?,
+                acceleration: acceleration?,
+                cam: cam?,
+            };
+            let config = self.names.config;
+            let resolved = if self.recorded {
+                config.resolve_recorded_synchronize(&request)
+            } else {
+                config.resolve_synchronize(&request)
+            };
+            self.settle(value, resolved.map(Action::Synchronize))
+        })();
+        (deed, id.flatten())
+    }
+}
+
+/// What belongs to mode cam; scales may be fractions such as `1/3`.
+fn cam(map: &mut Map<'_>, slave: Option<&Scale>) -> Option<CamRequest> {
+    let table = map.optional("table").map_or(Some(String::new()), |table| table.text().map(str::to_owned));
+    let start = number(map, "cam_start", &CamStart::ALL.map(|(_, number, name)| (name, number)));
+    let [master_scale, slave_scale] = ["master_scale", "slave_scale"]
+        .map(|key| map.optional(key).map_or(Some(Fraction::default()), |scale| scale.fraction()));
+    let master_offset = optional_amount(map, "master_offset", 0, None, false);
+    let slave_offset = optional_amount(map, "slave_offset", 0, slave, false);
+    Some(CamRequest {
+        table: table?,
+        start: start?,
+        master_scale: master_scale?,
+        slave_scale: slave_scale?,
+        master_offset: master_offset?,
+        slave_offset: slave_offset?,
+    })
+}
