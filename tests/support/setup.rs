@@ -12,7 +12,7 @@ use std::{
 };
 
 /// Where the sources of the peers are.
-pub(super) fn sources() -> PathBuf {
+pub(crate) fn sources() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").join("tests/peers")
 }
 
