@@ -7,7 +7,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use lineshaft_core::cam::{Derivatives, Ends, Law, Peaks, Plan, Segment, Spline};
+use lineshaft_core::law::{Derivatives, Ends, Law, Peaks, Plan, Segment, Spline};
 use serde_json::{Value, json};
 use support::setup;
 

@@ -7,9 +7,10 @@
 mod cam;
 mod shape;
 
-pub use cam::{CamError, CamSetting, CamShape, MOST_LENGTH, MOST_VALUE};
+pub use cam::{CamError, CamSetting, CamShape, Interpolation, MOST_LENGTH, MOST_VALUE};
 pub use shape::{CurveError, Shape};
 
+use crate::law::Spline;
 use serde::{Deserialize, Serialize};
 
 /// Most points or words of one table.
@@ -69,7 +70,7 @@ pub enum TableError {
 }
 
 /// A table.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     form: Form,
     x: Box<[i64]>,
@@ -77,6 +78,8 @@ pub struct Table {
     shape: Result<Shape, CurveError>,
     setting: CamSetting,
     cam: Result<CamShape, CamError>,
+    /// Between the points of a cam.
+    spline: Option<Spline>,
 }
 
 impl Table {
@@ -100,14 +103,18 @@ impl Table {
             return Err(TableError::Word { place, value: y.get(place).copied().unwrap_or_default() });
         }
         let (shape, setting) = (Shape::of(form, x, y), CamSetting::default());
-        Ok(Self { form, x: x.into(), y: y.into(), shape, setting, cam: CamShape::of(form, x, y, setting) })
+        let cam = CamShape::of(form, x, y, setting);
+        Ok(Self { form, x: x.into(), y: y.into(), shape, setting, cam, spline: None })
     }
 
     /// The same numbers with what is said of them as a cam.
     #[must_use]
     pub fn with_cam(mut self, setting: CamSetting) -> Self {
-        self.setting = setting;
-        self.cam = CamShape::of(self.form, &self.x, &self.y, setting);
+        let (x, y) = (&self.x, &self.y);
+        let cam = CamShape::of(self.form, x, y, setting);
+        let spline = cam.and_then(|shape| setting.interpolation.spline(x, y, shape));
+        self.cam = spline.as_ref().map_err(|error| *error).and(cam);
+        (self.setting, self.spline) = (setting, spline.unwrap_or(None));
         self
     }
 
@@ -169,6 +176,12 @@ impl Table {
     #[inline]
     pub fn cam(&self) -> Result<CamShape, CamError> {
         self.cam
+    }
+
+    /// What is between the points of a cam, where that is no straight line.
+    #[inline]
+    pub fn spline(&self) -> Option<&Spline> {
+        self.spline.as_ref()
     }
 
     /// Could it have come about?

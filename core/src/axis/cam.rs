@@ -30,7 +30,8 @@ pub fn no_cam(table: u16, error: CamError) -> Refusal {
     let count = |number: usize| Number::Count(number as i64);
     let (code, asked, limit) = match error {
         CamError::Words => (Code::CAM_FORM, Number::None, Number::None),
-        CamError::Few(points) => (Code::CAM_POINTS, count(points), Number::None),
+        CamError::Few { count: points, fewest } => (Code::CAM_POINTS, count(points), count(fewest)),
+        CamError::Uneven(point) => (Code::CAM_UNEVEN, count(point), Number::None),
         CamError::NoLength => (Code::CAM_NO_LENGTH, Number::None, Number::None),
         CamError::Length(length) => (Code::CAM_LENGTH, Number::Count(length), Number::None),
         CamError::Place { place, x } => (Code::CAM_PLACE, count(place), Number::Count(x)),

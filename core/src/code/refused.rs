@@ -357,9 +357,9 @@ codes! {
 
     /// A cam with too few points.
     CAM_POINTS = 10092, NoError {
-        says: "it has {asked} points; a cam has 2 or more",
-        cause: "The table of a cam has one point.",
-        remedy: "Give two points or more.",
+        says: "it has {asked} points; its cam needs {limit} or more",
+        cause: "The table of a cam has too few points: two make a straight line, a spline needs three.",
+        remedy: "Give more points.",
     }
 
     /// A table of form y that does not say how long it is.
@@ -402,5 +402,12 @@ codes! {
         says: "the cam asks for a place that is {asked} away; ABSOLUTE begins within sync_accuracy, {limit}, RAMP_IN leads there",
         cause: "The slave is not where the table says, and the start ABSOLUTE does not move it there.",
         remedy: "Move the slave there, begin with RAMP_IN, or with RELATIVE where it is.",
+    }
+
+    /// No spline goes through the points.
+    CAM_UNEVEN = 10099, NoError {
+        says: "behind point {asked} its spline leaves -1073741824 to 1073741824",
+        cause: "Between its points the spline of a cam swings further than a value may be, as points at uneven distances make it.",
+        remedy: "Space the points more evenly, give more of them, or take interpolation linear.",
     }
 }

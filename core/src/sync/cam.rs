@@ -1,7 +1,7 @@
 //! An electronic cam: a table of the machine between a lead and its follower.
 //!
 //! Law      follower(k) - follower(0) = slave_scale * (periods * way + y(x(k)) - y(x(0))), x = master_scale * (change of the lead) + x(0) within
-//!          the length; y is straight between its points, rounded down to 2^-32 inc where it is read, so that nothing adds up
+//!          the length; between its points y is straight, or a spline, and rounded to 2^-32 inc where it is read, so that nothing adds up
 //! Reads    the table as the cycle finds it: new numbers hold at once, and the follower comes to them within its limits
 //! Refuses  nothing: table and scales were checked when it was coupled; a lead that runs more than a length in a cycle its axis
 //! Source   contract section 10, PLCopen (MC_CamIn), AMK-FIPW-03 to -06
@@ -177,11 +177,24 @@ impl Cam {
             (i, x - place(i), wide, wide as f64)
         };
         let value = |i: usize| values.get(i).copied().unwrap_or(0);
-        let (y, rise) = (value(i), value(i + 1) - value(i));
+        let y = value(i);
         self.near = i as u32;
-        self.value = Position::from_raw(i128::from(y) * ONE + share(rise, part, whole));
         let ratio = self.master.ratio().to_f64() * self.slave.ratio().to_f64();
-        self.slope = rise as f64 / wide * ratio;
+        let (rise, slope) = match table.spline() {
+            None => {
+                let rise = value(i + 1) - y;
+                (share(rise, part, whole), rise as f64 / wide)
+            }
+            Some(spline) => {
+                let u = to_f64(part) / (whole as f64 * ONE as f64);
+                // Where a cam ends it has its last point, to the last bit.
+                let rise =
+                    if u < 1.0 { Position::from_f64(spline.rise(i, u)) } else { Position::whole(value(i + 1) - y) };
+                (rise.raw(), spline.slope(i, u) / wide)
+            }
+        };
+        self.value = Position::from_raw(i128::from(y) * ONE + rise);
+        self.slope = slope * ratio;
     }
 }
 
@@ -196,6 +209,12 @@ fn times_modulo(a: i128, b: i128, m: i128) -> i128 {
         }
     }
     if b < 0 { reduced(m - sum) } else { sum }
+}
+
+/// The nearest f64; in 64 bits, where it fits, that is a tenth of the work.
+#[inline]
+fn to_f64(part: i128) -> f64 {
+    i64::try_from(part).map_or(part as f64, |part| part as f64)
 }
 
 /// `rise * part / whole`, rounded down: `rise` has 32 bits, `part` fewer than 64, `whole` is above 0.

@@ -5,6 +5,7 @@
 //! Source   contract section 10, PLCopen (MC_CamTableSelect)
 
 use super::{Form, Table};
+use crate::law::{Ends, Spline, SplineError};
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
@@ -20,11 +21,62 @@ pub struct CamSetting {
     pub length: Option<i64>,
     /// At its end it begins again.
     pub is_cyclic: bool,
+    /// What is between its points.
+    pub interpolation: Interpolation,
 }
 
 impl Default for CamSetting {
     fn default() -> Self {
-        Self { length: None, is_cyclic: true }
+        Self { length: None, is_cyclic: true, interpolation: Interpolation::Linear }
+    }
+}
+
+/// What is between the points of a cam. Splines of one that begins again are periodic, others natural.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Interpolation {
+    /// Straight lines, exact.
+    #[default]
+    Linear,
+    /// A cubic spline: its acceleration does not jump.
+    Cubic,
+    /// A quintic spline: nor do jerk and its derivative.
+    Quintic,
+}
+
+impl Interpolation {
+    /// Every one with its name in cells.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("linear", Self::Linear), ("cubic", Self::Cubic), ("quintic", Self::Quintic)];
+
+    /// The spline through points, where it is one.
+    pub(super) fn spline(self, x: &[i64], y: &[i64], shape: CamShape) -> Result<Option<Spline>, CamError> {
+        if self == Self::Linear {
+            return Ok(None);
+        }
+        let last = y.len().saturating_sub(1).max(1) as f64;
+        let even = |point: usize| shape.length as f64 * point as f64 / last;
+        let places: Vec<f64> =
+            if x.is_empty() { (0..y.len()).map(even).collect() } else { x.iter().map(|x| *x as f64).collect() };
+        let values: Vec<f64> = y.iter().map(|y| *y as f64).collect();
+        let spline = match (self, shape.is_cyclic) {
+            (Self::Cubic, true) => Spline::cubic(&places, &values, &Ends::Periodic),
+            (Self::Cubic, false) => Spline::cubic(&places, &values, &Ends::Natural),
+            (_, true) => Spline::quintic(&places, &values, &Ends::Periodic),
+            (_, false) => Spline::quintic(&places, &values, &Ends::Natural),
+        };
+        let spline = spline.map_err(|error| match error {
+            SplineError::Count { count, fewest } => CamError::Few { count, fewest },
+            SplineError::Size { point } => CamError::Uneven(point + 1),
+            // Whole numbers are finite, and the places of a cam rise.
+            _ => CamError::Uneven(1),
+        })?;
+        // Its coefficients bound what it adds to a value.
+        let swing = |interval: &[f64; 5]| interval.iter().map(|coefficient| coefficient.abs()).sum::<f64>();
+        let far = |(interval, value): (&[f64; 5], &f64)| value.abs() + swing(interval) > MOST_VALUE as f64;
+        match spline.coefficients().iter().zip(&values).position(far) {
+            Some(point) => Err(CamError::Uneven(point + 1)),
+            None => Ok(Some(spline)),
+        }
     }
 }
 
@@ -35,8 +87,18 @@ pub enum CamError {
     #[error("words of a data block are no cam; form y and form xy are")]
     Words,
     /// So many points.
-    #[error("a cam has {0} points; 2 or more are needed")]
-    Few(usize),
+    #[error("a cam has {count} points; {fewest} or more are needed")]
+    Few {
+        /// How many there are.
+        count: usize,
+        /// How many are needed: 2 of straight lines, 3 of most splines.
+        fewest: usize,
+    },
+    /// Behind this point, from 1, a spline swings too far.
+    #[error(
+        "behind point {0} the spline of a cam leaves -{MOST_VALUE} to {MOST_VALUE}; more points, or linear, is possible"
+    )]
+    Uneven(usize),
     /// Form y does not say how long it is.
     #[error("a cam of form y has no length; its length in increments of the master is needed, 1 to {MOST_LENGTH}")]
     NoLength,
@@ -95,7 +157,7 @@ impl CamShape {
             (Form::Xy, last) => last.copied(),
         };
         let ([first, .., last], Some(length)) = (y, given) else {
-            return Err(if y.len() < 2 { CamError::Few(y.len()) } else { CamError::NoLength });
+            return Err(if y.len() < 2 { CamError::Few { count: y.len(), fewest: 2 } } else { CamError::NoLength });
         };
         let rises = |place: &usize| match place.checked_sub(1) {
             None => x.first() == Some(&0),
@@ -121,12 +183,12 @@ mod tests {
 
     #[test]
     fn what_is_no_cam_is_told_with_its_point() {
-        let long = |length| CamSetting { length, is_cyclic: true };
+        let long = |length| CamSetting { length, ..CamSetting::default() };
         let of = |x: &[i64], y: &[i64]| CamShape::of(Form::Xy, x, y, CamSetting::default());
         let even = |length, y: &[i64]| CamShape::of(Form::Y, &[], y, long(length));
         assert_eq!(CamShape::of(Form::Words, &[], &[0, 1], long(Some(9))), Err(CamError::Words));
-        assert_eq!(even(Some(9), &[0]), Err(CamError::Few(1)));
-        assert_eq!(of(&[], &[]), Err(CamError::Few(0)));
+        assert_eq!(even(Some(9), &[0]), Err(CamError::Few { count: 1, fewest: 2 }));
+        assert_eq!(of(&[], &[]), Err(CamError::Few { count: 0, fewest: 2 }));
         assert_eq!(even(None, &[0, 1]), Err(CamError::NoLength));
         assert_eq!(even(Some(0), &[0, 1]), Err(CamError::Length(0)));
         assert_eq!(of(&[0, 1 << 31], &[0, 1]), Err(CamError::Length(1 << 31)));
@@ -136,11 +198,23 @@ mod tests {
         assert_eq!(of(&[0, 5], &[i64::MIN, 0]), Err(CamError::Value { place: 1, y: i64::MIN }));
     }
 
+    /// Points at 0, 1 and 10000 inc with a peak between the first two: the cubic through them swings by thousands of its height.
+    #[test]
+    fn a_spline_that_swings_too_far_is_refused_and_so_are_too_few_points() {
+        let of = |x: &[i64], y: &[i64], is_cyclic| {
+            let setting = CamSetting { is_cyclic, interpolation: Interpolation::Cubic, ..CamSetting::default() };
+            Table::new(Form::Xy, x, y).expect("points").with_cam(setting).cam()
+        };
+        assert!(matches!(of(&[0, 1, 10_000], &[0, 1 << 29, 0], true), Err(CamError::Uneven(_))));
+        assert_eq!(of(&[0, 10], &[0, 5], true), Err(CamError::Few { count: 2, fewest: 3 }));
+        assert!(of(&[0, 10], &[0, 5], false).is_ok());
+    }
+
     #[test]
     fn a_period_makes_the_way_from_the_first_point_to_the_last() {
         let shape = CamShape::of(Form::Xy, &[0, 10, 40], &[7, 100, -3], CamSetting::default());
         assert_eq!(shape, Ok(CamShape { length: 40, way: -10, is_cyclic: true }));
-        let once = CamSetting { length: Some(90), is_cyclic: false };
+        let once = CamSetting { length: Some(90), is_cyclic: false, ..CamSetting::default() };
         let shape = CamShape::of(Form::Y, &[], &[0, 40_000, -MOST_VALUE], once);
         assert_eq!(shape, Ok(CamShape { length: 90, way: -MOST_VALUE, is_cyclic: false }));
     }

@@ -4,7 +4,7 @@ use super::backends::Context;
 use super::names::{Section, quote};
 use crate::document::{Place, Problems, Value};
 use lineshaft_core::config::TableConfig;
-use lineshaft_core::table::{CamSetting, Form, MOST, MOST_LENGTH, Table};
+use lineshaft_core::table::{CamSetting, Form, Interpolation, MOST, MOST_LENGTH, Table};
 use lineshaft_core::unit::excerpt;
 use lineshaft_ros::layer::open_file;
 use std::cell::RefCell;
@@ -101,6 +101,9 @@ fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
     let length = map.optional("length");
     let given = length.as_ref().map_or(Some(None), |length| length.integer(1..=MOST_LENGTH).map(Some));
     let is_cyclic = map.optional("cyclic").map_or(Some(true), |cyclic| cyclic.boolean());
+    let interpolation = map
+        .optional("interpolation")
+        .map_or(Some(Interpolation::Linear), |interpolation| interpolation.choice(&Interpolation::ALL));
     map.finish();
     if let Some(length) = length
         && form == Some(Form::Xy)
@@ -108,7 +111,7 @@ fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
         length.refuse("a table of form xy is as long as its last place", Some("leave it out".to_owned()));
         return None;
     }
-    Some(CamSetting { length: given?, is_cyclic: is_cyclic? })
+    Some(CamSetting { length: given?, is_cyclic: is_cyclic?, interpolation: interpolation? })
 }
 
 /// The numbers of a list.

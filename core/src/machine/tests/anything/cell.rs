@@ -5,7 +5,7 @@ use crate::command::{Action, OutputValue};
 use crate::config::{IoConfig, IoKind, MachineConfig, TableConfig};
 use crate::drive::Interface;
 use crate::sim::{Fixtures, Index, Model, TwoSpeed, VelocityLag};
-use crate::table::{CamSetting, Form, Table};
+use crate::table::{CamSetting, Form, Interpolation, Table};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -69,7 +69,8 @@ pub(super) fn table(number: u16) -> Arc<Table> {
         1 => Table::new(Form::Xy, &[0, 2000, 5000], &[-40, 3000, -40]),
         _ => Table::new(Form::Xy, &[0, 3000, 3001, 6000], &[0, 100, 900, 2000]),
     };
-    let setting = CamSetting { length: None, is_cyclic: number < 2 };
+    let interpolation = if number == 1 { Interpolation::Cubic } else { Interpolation::Linear };
+    let setting = CamSetting { length: None, is_cyclic: number < 2, interpolation };
     Arc::new(table.expect("points").with_cam(setting))
 }
 

@@ -1,6 +1,6 @@
 //! Polynomials up to degree 7 over 0 <= u <= 1: values, derivatives, and where a derivative is largest.
 
-use super::law::{Derivatives, Peak, Peaks};
+use super::transfer::{Derivatives, Peak, Peaks};
 
 /// Coefficients of u^0 to u^7.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,13 +3,13 @@
 //! Law      X[i] <= x < X[i+1], u = (x - X[i]) / (X[i+1] - X[i]): y(x) = y[i] + c1 u + .. + c5 u^5. Of all curves through the points a cubic
 //!          spline has the least integral of y''^2, a quintic one of y'''^2: the equations for the derivatives at the points are
 //!          block tridiagonal, symmetric and positive definite, and are solved in one pass there and one back
-//! Reads    points; outside the cycle, but for [`Spline::rise`]
+//! Reads    points; outside the cycle, but for [`Spline::rise`] and [`Spline::slope`]
 //! Refuses  fewer points than its ends need, numbers that are not finite, places that do not rise
 
 mod equations;
 
-use super::law::{Derivatives, Peaks};
 use super::polynomial::Polynomial;
+use super::transfer::{Derivatives, Peaks};
 use equations::{Interval, Kind};
 use serde::{Deserialize, Serialize};
 
@@ -142,6 +142,14 @@ impl Spline {
     #[inline]
     pub fn rise(&self, i: usize, u: f64) -> f64 {
         self.coefficients.get(i).map_or(0.0, |[c1, c2, c3, c4, c5]| (c1 + (c2 + (c3 + (c4 + c5 * u) * u) * u) * u) * u)
+    }
+
+    /// Change of that value by `u` there; 0 where there is no interval.
+    #[inline]
+    pub fn slope(&self, i: usize, u: f64) -> f64 {
+        let slope =
+            |[c1, c2, c3, c4, c5]: &[f64; 5]| c1 + (2.0 * c2 + (3.0 * c3 + (4.0 * c4 + 5.0 * c5 * u) * u) * u) * u;
+        self.coefficients.get(i).map_or(0.0, slope)
     }
 
     /// The rise and the derivatives at `u` of interval `i`, which is `length` long.

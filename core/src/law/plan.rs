@@ -7,8 +7,8 @@
 //! Refuses  places that do not rise, ways that are not those of a law, velocities that jump between two segments
 //! Source   VDI 2143 part 1
 
-use super::law::{Derivatives, Law, Peaks};
 use super::polynomial::Polynomial;
+use super::transfer::{Derivatives, Law, Peaks};
 use nalgebra::{Const, DimMin, SMatrix, SVector, U1};
 
 /// Velocities that differ by no more than this share of them are the same: what rounding makes of one slope.

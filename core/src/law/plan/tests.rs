@@ -1,4 +1,4 @@
-use super::super::law::Peak;
+use super::super::transfer::Peak;
 use super::*;
 use proptest::prelude::*;
 
