@@ -103,13 +103,15 @@ fn the_terminals_of_a_machine_play_their_scenarios() {
 
 /// Each cell of the examples has a scenario beside it, whose comment names it.
 #[test]
-fn function_slots_play_their_examples() {
-    let folder = "launch-configs/functions";
-    let cells = std::fs::read_dir(root().join(folder)).expect("the folder of the examples");
-    let names = cells.map(|entry| entry.expect("a folder that can be read").file_name().to_string_lossy().into_owned());
-    let cells = names.filter(|name| !name.contains(".scenario.")).count();
-    assert_eq!(plays_in(folder, ".scenario.yaml", "a cell that no comment names"), cells);
-    assert!(cells >= 4);
+fn function_slots_and_cams_play_their_examples() {
+    for (folder, fewest) in [("launch-configs/functions", 4), ("launch-configs/cams", 2)] {
+        let cells = std::fs::read_dir(root().join(folder)).expect("the folder of the examples");
+        let names =
+            cells.map(|entry| entry.expect("a folder that can be read").file_name().to_string_lossy().into_owned());
+        let cells = names.filter(|name| name.ends_with(".yaml") && !name.contains(".scenario.")).count();
+        assert_eq!(plays_in(folder, ".scenario.yaml", "a cell that no comment names"), cells);
+        assert!(cells >= fewest, "{folder}");
+    }
 }
 
 /// A cell whose drives and terminals hang on a CAN bus that this machine has not: `run` says so and ends, `run --sim` rehearses it with its

@@ -8,7 +8,8 @@ mod shop;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lineshaft_core::command::{Action, Commands, MoveMode};
 use lineshaft_core::function::TYPES;
-use shop::{Shop, couple, goal};
+use lineshaft_core::table::Interpolation;
+use shop::{Shop, couple, goal, on_cam};
 
 fn enabled(axes: u16) -> Shop {
     let mut shop = Shop::new(0, axes);
@@ -24,11 +25,12 @@ fn cycles(c: &mut Criterion) {
     let mut group = c.benchmark_group("cycle");
     for axes in [1_u16, 8, 64, 512] {
         group.throughput(Throughput::Elements(axes.into()));
-        for (name, geared) in [("profiles", false), ("gears", true)] {
-            let mut shop = enabled(axes);
+        for (name, follows) in [("profiles", velocity as fn(u16) -> Action), ("gears", couple), ("cams", on_cam)] {
+            let mut shop = Shop::new(0, axes).with_cam(Interpolation::Linear);
+            shop.enable();
             shop.give(&[velocity(0)]);
             for axis in 1..axes {
-                shop.give(&[if geared { couple(axis) } else { velocity(axis) }]);
+                shop.give(&[follows(axis)]);
             }
             group.bench_function(BenchmarkId::new(name, axes), |b| b.iter(|| shop.cycle(Commands::default())));
         }

@@ -10,7 +10,8 @@ use lineshaft_core::axis::{Axis, HOT_BYTES};
 use lineshaft_core::command::{Action, Commands, Move, MoveMode};
 use lineshaft_core::drive::DriveState;
 use lineshaft_core::function::TYPES;
-use shop::{Shop, couple, goal};
+use lineshaft_core::table::Interpolation;
+use shop::{Shop, couple, goal, on_cam};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::process;
@@ -28,14 +29,25 @@ enum Case {
     Velocity,
     /// Coupled 355 : 113 to a virtual one, which is one of them; alone it has one beside it.
     Geared,
+    /// On a cam of 1,001 points of that one.
+    Cam(Interpolation),
 }
 
-const CASES: [(&str, Case); 5] = [
+impl Case {
+    /// Axes that lead: they have no drive.
+    fn leaders(self) -> u16 {
+        u16::from(matches!(self, Self::Geared | Self::Cam(_)))
+    }
+}
+
+const CASES: [(&str, Case); 7] = [
     ("disabled", Case::Disabled),
     ("rest", Case::Rest),
     ("moving", Case::Moving),
     ("velocity", Case::Velocity),
     ("geared", Case::Geared),
+    ("on_cam", Case::Cam(Interpolation::Linear)),
+    ("spline", Case::Cam(Interpolation::Quintic)),
 ];
 const AXES: [u16; 3] = [1, 64, 512];
 /// Slots that were never started.
@@ -51,8 +63,11 @@ const STORED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/instructions.
 
 /// A machine whose axes do what is to be counted.
 fn shop(case: Case, axes: u16) -> Shop {
-    let leaders = u16::from(case == Case::Geared);
+    let leaders = case.leaders();
     let mut shop = Shop::new(leaders, axes.max(1 + leaders));
+    if let Case::Cam(interpolation) = case {
+        shop = shop.with_cam(interpolation);
+    }
     shop.switch(DriveState::SwitchOnDisabled);
     shop.cycle(Commands::default());
     if case != Case::Disabled {
@@ -67,6 +82,7 @@ fn begin(shop: &mut Shop, case: Case, first: u16) {
     let axes = shop.machine.config().axes.len() as u16;
     let action = |axis| match case {
         Case::Geared => couple(axis),
+        Case::Cam(_) => on_cam(axis),
         Case::Velocity => Action::Move(goal(axis, MoveMode::Velocity, 0, 1e5)),
         _ => Action::Move(goal(axis, MoveMode::Absolute, 1_000_000_000, 1.5e5)),
     };
@@ -75,7 +91,7 @@ fn begin(shop: &mut Shop, case: Case, first: u16) {
         shop.give(&actions);
     }
     // Once all of them follow, and no faster than they can.
-    if case == Case::Geared {
+    if case.leaders() == 1 {
         let slow = Move { acceleration: 2e6, ..goal(0, MoveMode::Velocity, 0, 1e5) };
         shop.give(&[Action::Move(slow)]);
     }
@@ -89,7 +105,7 @@ fn check(shop: &Shop, case: Case) {
         Case::Rest => "STANDSTILL",
         Case::Moving => "DISCRETE_MOTION",
         Case::Velocity => "CONTINUOUS_MOTION",
-        Case::Geared => "SYNCHRONIZED_MOTION",
+        Case::Geared | Case::Cam(_) => "SYNCHRONIZED_MOTION",
     };
     let place = lineshaft_core::state::AXIS_STATES.iter().position(|name| *name == wanted);
     let last = machine.config().axes.last().map(|axis| axis.name.as_str()).unwrap_or_default();
@@ -133,7 +149,8 @@ fn count(name: &str, axes: u16, cycles: usize) -> Result<u64, Box<dyn Error>> {
 /// Instructions per axis and cycle: those of cycles behind the set-up, which runs twice and is taken off.
 fn measure(name: &str, axes: u16) -> Result<u64, Box<dyn Error>> {
     let (with, without) = (count(name, axes, CYCLES)?, count(name, axes, 0)?);
-    let axes = if name == "geared" { axes.max(2) } else { axes };
+    let leaders = CASES.iter().find(|(known, _)| *known == name).map_or(0, |(_, case)| case.leaders());
+    let axes = axes.max(1 + leaders);
     Ok(with.saturating_sub(without) / (CYCLES as u64 * u64::from(axes)))
 }
 

@@ -28,7 +28,7 @@ import ros2wire as rw
 import streams
 import trajectories
 import watch
-from lineshaft_msgs import (ACTIONS, AXIS_STATES, EDGES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, Answer,
+from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, Answer,
                             AxesRequest, AxisStates, Event, ImportRequest, MoveGoal, ProbeGoal, RecordRequest,
                             RecordResponse, ResetRequest, SyncGoal, VocabularyRequest)
 from report import Failure, plain, show, told
@@ -225,8 +225,11 @@ def probe(peer, a):
 
 def synchronize(peer, a):
     client = peer.action(a.node, "synchronize")
-    gid = send(client, SyncGoal(axis=a.axis, master=a.master, mode=SYNC_MODES.index(a.mode), numerator=a.numerator,
-                                denominator=a.denominator))
+    ratio = (0, 0) if a.mode == "cam" else (a.numerator, a.denominator)
+    gid = send(client, SyncGoal(axis=a.axis, master=a.master, mode=SYNC_MODES.index(a.mode), numerator=ratio[0],
+                                denominator=ratio[1], table=a.table, cam_start=CAM_STARTS.index(a.cam_start),
+                                master_scale=a.master_scale, slave_scale=a.slave_scale,
+                                master_offset=a.master_offset, slave_offset=a.slave_offset))
 
     def coupled():
         f = client.feedback(gid)
@@ -309,7 +312,9 @@ def parser():
     p.add_argument("--mode", choices=("absolute", "relative"), default="absolute")
     p.add_argument("--units", choices=UNITS, default="si")
     p.add_argument("--edge", choices=EDGES, default="rising")
-    p = command("synchronize", synchronize, numerator=1, denominator=1)
+    p = command("synchronize", synchronize, numerator=1, denominator=1, master_scale=0.0, slave_scale=0.0,
+                master_offset=0.0, slave_offset=0.0, table="")
+    p.add_argument("--cam-start", choices=CAM_STARTS, default="absolute")
     p.add_argument("--axis", required=True)
     p.add_argument("--master", required=True)
     p.add_argument("--mode", choices=SYNC_MODES, default="position")

@@ -2,16 +2,19 @@
 
 pub(crate) mod slots;
 
-use lineshaft_core::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Source, Synchronize};
-use lineshaft_core::config::{AxisConfig, MachineConfig};
+use lineshaft_core::command::{Action, BufferMode, CamIn, Command, Commands, Move, MoveMode, Source, Synchronize};
+use lineshaft_core::config::{AxisConfig, MachineConfig, TableConfig};
 use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader};
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::position::Length;
-use lineshaft_core::sync::{Disengage, SyncMode};
+use lineshaft_core::sync::gear::Ratio;
+use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
+use lineshaft_core::table::{CamSetting, Form, Interpolation, Table};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+use std::sync::Arc;
 
 /// A machine whose drives obey at once.
 pub(crate) struct Shop {
@@ -37,6 +40,16 @@ impl Shop {
         let machine = Machine::new(config).expect("a legal machine");
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
         Self { machine, inputs, outputs }
+    }
+
+    /// The same with a table: 1,001 points of a parabola out and back over 200,000 increments, of which an axis of 1 m/s follows the first.
+    pub(crate) fn with_cam(self, interpolation: Interpolation) -> Self {
+        let y: Vec<i64> = (0..=1000).map(|point: i64| point * (1000 - point) / 20).collect();
+        let setting = CamSetting { length: Some(200_000), interpolation, ..CamSetting::default() };
+        let table = Table::new(Form::Y, &[], &y).expect("points").with_cam(setting);
+        let config = self.machine.config().clone();
+        let tables = vec![TableConfig { name: "cam".into(), table: Arc::new(table) }];
+        Self::of(MachineConfig { tables, ..config })
     }
 
     /// Brings all drives into a state, in which they stay.
@@ -101,5 +114,21 @@ pub(crate) fn couple(axis: u16) -> Action {
         offset: Length::default(),
         velocity: 0.0,
         acceleration: 0.0,
+        cam: None,
     })
+}
+
+/// A cam of the only table, from where both are.
+pub(crate) fn on_cam(axis: u16) -> Action {
+    let Action::Synchronize(gear) = couple(axis) else { unreachable!("a coupling") };
+    let scales = (Ratio::ONE, Ratio::new(7, 3).expect("legal"));
+    let cam = CamIn {
+        table: 0,
+        start: CamStart::Relative,
+        master_scale: scales.0,
+        slave_scale: scales.1,
+        master_offset: Length::default(),
+        slave_offset: Length::default(),
+    };
+    Action::Synchronize(Synchronize { numerator: 0, denominator: 0, cam: Some(cam), ..gear })
 }

@@ -58,14 +58,16 @@ fn what_stops_axes_passes() {
 }
 
 #[test]
-fn examples_of_function_slots_pass() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/functions");
-    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let scenarios: Vec<_> = files.filter(|name| name.ends_with(".scenario.yaml")).collect();
-    assert!(scenarios.len() >= 4);
-    for name in scenarios {
-        let cell = name.replace(".scenario.yaml", ".yaml");
-        assert!(passes(&format!("functions/{cell}"), &format!("functions/{name}")) > 0, "{name}");
+fn examples_of_function_slots_and_cams_pass() {
+    for (folder, fewest) in [("functions", 4), ("cams", 2)] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs").join(folder);
+        let files = std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let scenarios: Vec<_> = files.filter(|name| name.ends_with(".scenario.yaml")).collect();
+        assert!(scenarios.len() >= fewest, "{folder}");
+        for name in scenarios {
+            let cell = name.replace(".scenario.yaml", ".yaml");
+            assert!(passes(&format!("{folder}/{cell}"), &format!("{folder}/{name}")) > 0, "{name}");
+        }
     }
 }
 

@@ -1,0 +1,66 @@
+//! An axis on a cam as a client on Cyclone DDS asks for it, with launch-configs/cams/02_carton.yaml.
+
+mod support;
+
+use std::path::Path;
+
+use serde_json::Value;
+use support::{domain::Domain, peer::Peer, program::Program};
+
+struct Erector {
+    cyclone: Peer,
+    _program: Program,
+}
+
+impl Erector {
+    fn start() -> Self {
+        let cell = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/cams/02_carton.yaml");
+        let cell = cell.to_str().expect("a path of text");
+        let domain = Domain::take();
+        let mut cyclone = Peer::cyclone(&domain);
+        let program = Program::start(&["run", cell, "--store", "none", "--flight-recorder", "0"], &domain);
+        cyclone.run("axis-states /lineshaft");
+        cyclone.run("axes /lineshaft enable cups");
+        Self { cyclone, _program: program }
+    }
+
+    fn cups(&mut self) -> Value {
+        self.cyclone.run("axis-states /lineshaft")["axes"]["cups"].clone()
+    }
+
+    /// Command position of the cups once the shaft has gone so many increments.
+    fn after(&mut self, increments: i64) -> i64 {
+        self.cyclone.run(&format!(
+            "move /lineshaft --axis shaft --mode relative --units increments --position {increments} --wait"
+        ));
+        self.cups()["command_position_increments"].as_i64().expect("increments")
+    }
+}
+
+/// 36000 inc of the shaft are a turn: at 180 deg the cups are 120 mm deep, at 330 deg back; half the way with slave_scale 0.5.
+#[test]
+fn a_client_brings_the_cups_onto_their_cam_and_off_it() {
+    let mut erector = Erector::start();
+    let cam = "synchronize /lineshaft --axis cups --master shaft --mode cam";
+    for (wrong, sentence) in [
+        ("--table stork", "`stork`"),
+        ("--table stroke --slave-scale nan", "slave_scale"),
+        ("--table stroke --master-scale 2000000", "a scale lies within 0.000001 and 1000000"),
+        ("--table stroke --master-offset inf", "master_offset"),
+    ] {
+        let said = erector.cyclone.fails(&format!("{cam} {wrong}"));
+        let log = erector.cyclone.run("log --seconds 1");
+        assert!(format!("{said}{log:?}").contains(sentence), "{wrong}: {said} {log:?}");
+        assert_eq!(erector.cups()["state"], "STANDSTILL");
+    }
+    let seen = erector.cyclone.run(&format!("{cam} --table stroke"));
+    let goal = seen["goal"].as_str().expect("its number").to_owned();
+    assert_eq!(erector.cups()["reference"], "CAM");
+    assert_eq!([18_000, 15_000, 3_000, 18_000].map(|way| erector.after(way)), [120_000, 0, 0, 120_000]);
+    erector.cyclone.run(&format!("cancel /lineshaft synchronize {goal}"));
+    erector.cyclone.run(&format!("result /lineshaft synchronize {goal} --expect CANCELED"));
+    assert_eq!(erector.after(18_000), 120_000, "the shaft no longer moves them");
+    // The shaft is at 0 again: from where the cups are, half as deep and back.
+    erector.cyclone.run(&format!("{cam} --table stroke --cam-start relative --slave-scale -0.5"));
+    assert_eq!([18_000, 18_000].map(|way| erector.after(way)), [60_000, 120_000]);
+}
