@@ -128,35 +128,6 @@ fn the_extended_control_tells_valid_marks_and_takes_other_values_while_it_runs()
     }
 }
 
-/// A run of marks, each at its own place: the deviation of the last thousand passes, at worst.
-#[test]
-fn marks_that_drift_are_held_in_register() {
-    let tables = [y(&[0, 20_000, 40_000, 60_000])];
-    let mut bench = fipw(&tables);
-    bench.start(&registered(&[("weight", 1)]), 0);
-    // Each format is 60 inc longer than the table's way: the sensor sees the marks of the material, which the slave moves.
-    let (mut next, mut worst) = (10_000_i64, 0);
-    for call in 0..200_000 {
-        let before = bench.sink;
-        bench.travel += 100;
-        let place = next - before;
-        // The slave makes 300 inc in a call, a correction apart: the mark is where the material is at its place.
-        let mark = (0..300).contains(&place).then(|| bench.travel - 100 + place / 3);
-        let outcome = bench.function.step(&bench.seen(0, mark));
-        bench.sink = outcome.sink;
-        if mark.is_some() {
-            next += 60_060;
-            if call > 100_000 {
-                worst = worst.max(outcome.deviation.abs());
-            }
-        } else if place < 0 {
-            next += 60_060;
-        }
-    }
-    // Half of the deviation is corrected in each pass, 60 inc come anew: twice of them stay.
-    assert!((100..=140).contains(&worst), "{worst}");
-}
-
 /// Proves: AMK-XFIPW-75, AMK-XFIPW-79
 #[test]
 fn the_extended_control_counts_marks_and_has_both_places() {
