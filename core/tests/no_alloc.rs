@@ -4,8 +4,9 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_core::axis::{BrakeConfig, Safety, Wired};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    Action, BufferMode, Command, CommandFunction, Commands, HomeAxis, HomingMethod, MasterPosition, Move, MoveMode,
-    Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Setpoints, Source, Synchronize,
+    Action, BufferMode, CamIn, Command, CommandFunction, Commands, HomeAxis, HomingMethod, MasterPosition, Move,
+    MoveMode, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Setpoints, Source,
+    Synchronize,
 };
 use lineshaft_core::config::{
     AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig,
@@ -23,8 +24,9 @@ use lineshaft_core::parameter::{
 };
 use lineshaft_core::position::{Length, Position};
 use lineshaft_core::sim::{Fixtures, Index, Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
-use lineshaft_core::sync::{Disengage, SyncMode};
-use lineshaft_core::table::{Form as Numbering, Table};
+use lineshaft_core::sync::gear::Ratio;
+use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
+use lineshaft_core::table::{CamSetting, Form as Numbering, Interpolation, Table};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
@@ -151,7 +153,8 @@ fn config() -> MachineConfig {
             modulo: lineshaft_core::modulo::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
             vocabularies: Wiring {
                 amc: amc::Wiring {
-                    master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
+                    freeze: Some(Object::Axis(index)),
+                    cam: Some(2),
                     freeze: Some(Object::Axis(index)),
                 },
             },
@@ -169,7 +172,7 @@ fn config() -> MachineConfig {
         memory: [("m", MemoryKind::I16), ("bit", MemoryKind::Bit), ("d", MemoryKind::I32)]
             .map(|(name, kind)| MemoryConfig { name: name.into(), kind, initial: 0.0 })
             .into(),
-        tables: [("t", table(3)), ("c", Arc::new(Table::new(Numbering::Y, &[], &[0, 90, 20]).expect("points")))]
+        tables: [("t", table(3)), ("c", cam_table(Interpolation::Linear)), ("s", cam_table(Interpolation::Quintic))]
             .map(|(name, table)| TableConfig { name: name.into(), table })
             .into(),
         slots: slots(),
@@ -240,6 +243,25 @@ fn slots() -> Vec<SlotConfig> {
         slot
     });
     slots.collect()
+}
+
+/// Two slopes over 4000 increments.
+fn cam_table(interpolation: Interpolation) -> Arc<Table> {
+    let table = Table::new(Numbering::Y, &[], &[0, 90, 20]).expect("points");
+    Arc::new(table.with_cam(CamSetting { length: Some(4000), interpolation, ..CamSetting::default() }))
+}
+
+/// A cam of either table that is one, linear or a spline.
+fn cam(number: i64) -> CamIn {
+    let start = CamStart::ALL[number.unsigned_abs() as usize / 3 % 3].0;
+    CamIn {
+        table: if number % 2 == 0 { 1 } else { 2 },
+        start,
+        master_scale: Ratio::new(number % 7, 5).unwrap_or(Ratio::ONE),
+        slave_scale: Ratio::ONE,
+        master_offset: Length::whole(number % 1000),
+        slave_offset: Length::whole(number % 50),
+    }
 }
 
 /// An order to a function with a value that is often good.
@@ -343,6 +365,7 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             offset: Length::whole(number % 100),
             velocity: 0.0,
             acceleration: 0.0,
+            cam: (number % 3 == 0).then(|| cam(number)),
         }),
         12 if number % 2 == 0 => Action::set_memory(number.unsigned_abs() as u16 % 3, number as f64),
         12 => Action::set_output((number.unsigned_abs() % 36) as u16, (number % 3) as f64),
