@@ -153,7 +153,7 @@ fn config() -> MachineConfig {
             modulo: lineshaft_core::modulo::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
             vocabularies: Wiring {
                 amc: amc::Wiring {
-                    freeze: Some(Object::Axis(index)),
+                    master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
                     cam: Some(2),
                     freeze: Some(Object::Axis(index)),
                 },

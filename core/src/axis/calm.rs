@@ -8,11 +8,11 @@
 use super::generator::Coupling;
 use super::{Axis, Generator};
 use crate::drive::DriveInput;
+use crate::encoder::Lead;
 use crate::parameter::Rule;
 use crate::position::Position;
 use crate::profile::Motion;
-use crate::sync::Leads;
-use crate::sync::follower::Following;
+use crate::sync::{Leads, Stepped, Transmission};
 use crate::table::Table;
 use std::sync::Arc;
 
@@ -51,12 +51,11 @@ impl Axis {
                 next
             }
             Generator::Follow(Coupling { leader, follower, .. }) => {
-                let rule = self.parameters.reversing().rule;
                 let lead = leads.get(*leader);
-                let following = follower.follow(self.command, (lead, tables), self.cycle_s(), rule)?;
-                self.may_go_on(following.motion, true).then_some(())?;
-                self.take_following(&following);
-                following.motion
+                match *follower.transmission() {
+                    Transmission::Gear(gear) => self.follow_calmly(lead, gear.stepped(lead.change)?)?,
+                    Transmission::Cam(cam) => self.follow_calmly(lead, cam.stepped(lead.change, tables)?)?,
+                }
             }
             _ => return None,
         };
@@ -76,10 +75,15 @@ impl Axis {
         Some(())
     }
 
-    fn take_following(&mut self, following: &Following) {
-        if let Some(follower) = self.generator.follower_mut() {
-            follower.keep(following);
-        }
+    /// The motion of a slave that stays on its leader.
+    #[inline]
+    fn follow_calmly(&mut self, lead: Lead, (change, behind): (Position, impl Stepped)) -> Option<Motion> {
+        let rule = self.parameters.reversing().rule;
+        let follower = self.generator.follower()?;
+        let following = follower.follow(self.command, (lead, change), &behind, self.cycle_s(), rule)?;
+        self.may_go_on(following.motion, true).then_some(())?;
+        self.generator.follower_mut()?.keep(&following, behind);
+        Some(following.motion)
     }
 
     /// May it go on with `next`, which nobody has to stop or to turn, and from where it is?

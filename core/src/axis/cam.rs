@@ -16,13 +16,13 @@ use crate::encoder::Lead;
 use crate::event::{Number, Refusal};
 use crate::modulo::Direction;
 use crate::object::Object;
-use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::sync::cam::Cam;
 use crate::sync::follower::Phase;
 use crate::sync::gear::Ratio;
 use crate::sync::{CamStart, Disengage, Transmission};
 use crate::table::{CamError, Table};
+use crate::vocabulary::CamPoint;
 use std::sync::Arc;
 
 /// A table that is no cam, as a refusal.
@@ -79,20 +79,17 @@ impl Axis {
         Ok((transmission, way))
     }
 
-    /// The cam that the reference selector starts (AMC-SEL-03): from the place of its parameters on, wherever master and slave are.
-    pub(super) fn selected_cam(&self, tables: &[Arc<Table>], p: &AxisParameters) -> Result<Cam, Refusal> {
-        let refuse = || self.refuse(Code::AMC_NO_CAM);
-        let index = self.setup.vocabularies.amc.cam.ok_or_else(refuse)?;
-        let table = tables.get(usize::from(index)).ok_or_else(refuse)?;
-        let shape = table.cam().map_err(|error| no_cam(index, error))?;
-        let amc = &p.vocabularies.amc;
-        let point = usize::try_from(amc.cam_start_index).unwrap_or(usize::MAX);
-        let place = shape.place(table, point, amc.cam_start_position);
+    /// The cam that an order starts (AMC-SEL-03).
+    pub(super) fn ordered_cam(&self, tables: &[Arc<Table>], from: CamPoint) -> Result<Cam, Refusal> {
+        let unknown = || self.refuse(Code::BAD_REQUEST);
+        let table = tables.get(usize::from(from.table)).ok_or_else(unknown)?;
+        let shape = table.cam().map_err(|error| no_cam(from.table, error))?;
+        let place = shape.place(table, from.point, from.behind);
         if place >= Position::whole(shape.length) {
             let (asked, limit) = (Number::Count(place.floor()), Number::Count(shape.length));
-            return Err(Refusal::new(Code::CAM_PASSED, Object::Table(index)).with(asked, limit));
+            return Err(Refusal::new(Code::CAM_PASSED, Object::Table(from.table)).with(asked, limit));
         }
-        Cam::new(index, (Ratio::ONE, Ratio::ONE), place, tables).ok_or_else(refuse)
+        Cam::new(from.table, (Ratio::ONE, Ratio::ONE), place, tables).ok_or_else(unknown)
     }
 
     /// From where it is to `place`; the shorter way where it has a turn.

@@ -123,6 +123,14 @@ impl Cam {
         self.slave.step(way + self.value - before)
     }
 
+    /// The same, and the cam behind it, where nothing is to be looked at: before an end it looks ahead.
+    #[inline]
+    pub fn stepped(mut self, change: Position, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
+        let (_, shape) = self.find(tables)?;
+        let step = (shape.is_cyclic && self.bears(change, tables)).then(|| self.step(change, tables))?;
+        Some((step, self))
+    }
+
     fn find<'a>(&self, tables: &'a [Arc<Table>]) -> Option<(&'a Table, CamShape)> {
         let table = tables.get(usize::from(self.table))?;
         table.cam().ok().map(|shape| (&**table, shape))

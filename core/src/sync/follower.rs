@@ -10,7 +10,7 @@
 //! Refuses  nothing here: ratio, velocity and acceleration were checked by the axis
 //! Source   MACS-SYNC-02, MACS-SYNC-04, MACS-SYNC-06, MACS-SYNC-07, A-30
 
-use super::{SyncMode, Transmission};
+use super::{Stepped, SyncMode, Transmission};
 use crate::encoder::Lead;
 use crate::parameter::Rule;
 use crate::position::Position;
@@ -97,7 +97,6 @@ pub struct Follower {
 pub struct Following {
     /// The slave's next motion.
     pub motion: Motion,
-    transmission: Transmission,
     change: Position,
     /// The same (inc).
     geared: f64,
@@ -156,8 +155,8 @@ impl Follower {
     }
 
     /// Its transmission, with what its remainder holds.
-    pub fn transmission(&self) -> Transmission {
-        self.transmission
+    pub fn transmission(&self) -> &Transmission {
+        &self.transmission
     }
 
     /// What a leader's change may differ from its speed (inc): one geared count, where it is counted.
@@ -268,21 +267,22 @@ impl Follower {
     pub fn follow(
         &self,
         slave: Motion,
-        (lead, tables): (Lead, &[Arc<Table>]),
+        (lead, change): (Lead, Position),
+        behind: &impl Stepped,
         cycle_s: f64,
         rule: Rule,
     ) -> Option<Following> {
-        let (change, transmission) =
-            self.transmission.stepped(lead, tables).filter(|_| lead.valid && lead.uneven == self.lead_uneven)?;
         // In inc per cycle.
         let geared = change.to_f64();
         let before = slave.velocity * cycle_s;
-        let uneven = if lead.uneven == 0.0 { 0.0 } else { lead.uneven * transmission.slope() };
+        let uneven = if lead.uneven == 0.0 { 0.0 } else { lead.uneven * behind.slope().abs() };
         let uneven = uneven.min((geared - self.recent[0]).abs());
         let Bounds { max_velocity, max_acceleration, max_deceleration, .. } = self.bounds;
         let rate = if geared.abs() > before.abs() { max_acceleration } else { max_deceleration };
         // As `can_follow`, which allows for rounding as well.
         let follows = self.phase == Phase::Synchronized
+            && lead.valid
+            && lead.uneven == self.lead_uneven
             && self.halt.is_none()
             && (rule != Rule::Never || geared >= 0.0)
             && geared.abs() <= max_velocity * cycle_s + uneven
@@ -290,18 +290,14 @@ impl Follower {
         let position = slave.position + change;
         let velocity = geared / cycle_s;
         let acceleration = (velocity - slave.velocity) / cycle_s;
-        follows.then_some(Following {
-            motion: Motion { position, velocity, acceleration, jerk: 0.0 },
-            transmission,
-            change,
-            geared,
-        })
+        let motion = Motion { position, velocity, acceleration, jerk: 0.0 };
+        follows.then_some(Following { motion, change, geared })
     }
 
     /// Takes the step.
     #[inline]
-    pub fn keep(&mut self, following: &Following) {
-        self.transmission = following.transmission;
+    pub fn keep(&mut self, following: &Following, behind: impl Stepped) {
+        self.transmission = behind.into();
         self.target += following.change;
         self.note_change(following.geared);
     }

@@ -8,7 +8,7 @@ mod transmission;
 
 pub use leads::{Leads, OfAxis};
 use serde::{Deserialize, Serialize};
-pub use transmission::Transmission;
+pub use transmission::{Stepped, Transmission};
 
 /// Bits of `x.sync.status`, what MACS calls SYNCSTAT; the text gives no numbers (MACS-SYS-04, A-55).
 pub mod status {

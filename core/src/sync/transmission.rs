@@ -41,19 +41,6 @@ impl Transmission {
         }
     }
 
-    /// The same, and the transmission behind it, where that is quickly told.
-    #[inline]
-    pub fn stepped(self, lead: Lead, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
-        match self {
-            Self::Gear(gear) => gear.stepped(lead.change).map(|(change, gear)| (change, Self::Gear(gear))),
-            Self::Cam(mut cam) => {
-                let change = cam.bears(lead.change, tables).then(|| cam.step(lead.change, tables))?;
-                // Before an end it has to look ahead.
-                cam.way_to_end(tables).is_none().then_some((change, Self::Cam(cam)))
-            }
-        }
-    }
-
     /// Change of the follower by that of its lead where it stands, without its sign.
     #[inline]
     pub fn slope(&self) -> f64 {
@@ -76,5 +63,37 @@ impl Transmission {
             Self::Gear(_) => None,
             Self::Cam(cam) => Some(cam),
         }
+    }
+}
+
+/// What a transmission is behind a step: no more of it moves about in a cycle than there is.
+pub trait Stepped: Into<Transmission> {
+    /// Change of the follower by that of its lead where it stands.
+    fn slope(&self) -> f64;
+}
+
+impl Stepped for Gear {
+    #[inline]
+    fn slope(&self) -> f64 {
+        self.ratio().to_f64()
+    }
+}
+
+impl Stepped for Cam {
+    #[inline]
+    fn slope(&self) -> f64 {
+        Cam::slope(self)
+    }
+}
+
+impl From<Gear> for Transmission {
+    fn from(gear: Gear) -> Self {
+        Self::Gear(gear)
+    }
+}
+
+impl From<Cam> for Transmission {
+    fn from(cam: Cam) -> Self {
+        Self::Cam(cam)
     }
 }

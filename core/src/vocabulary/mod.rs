@@ -76,6 +76,17 @@ impl Wiring {
     }
 }
 
+/// A place in a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CamPoint {
+    /// Place of the table among those of the machine.
+    pub table: u16,
+    /// Its point, from 0.
+    pub point: usize,
+    /// Behind that (inc of the master).
+    pub behind: i64,
+}
+
 /// A latch of this cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Latched {
@@ -215,8 +226,10 @@ pub enum Order {
         /// Way of the leader that is past already and counts (inc): from the freeze point to t_k.
         past: Position,
     },
-    /// Follows it through the cam of the vocabulary.
+    /// Follows it through a cam.
     Cam {
+        /// Where it starts, wherever master and slave are.
+        from: CamPoint,
         /// As of a gear.
         past: Position,
     },

@@ -40,7 +40,7 @@ impl Axis {
         };
         // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
         let (transmission, past) = match order {
-            Order::Cam { past } => (Transmission::Cam(self.selected_cam(tables, p)?), past),
+            Order::Cam { from, past } => (Transmission::Cam(self.ordered_cam(tables, from)?), past),
             Order::Gear { past } => {
                 let numbers = (Number::Count(p.sync_slave), Number::Count(p.sync_master));
                 let ratio = Ratio::new(p.sync_slave, p.sync_master)

@@ -1,5 +1,7 @@
+use super::super::cam::Cam;
 use super::super::gear::{Gear, Ratio};
 use super::*;
+use crate::table::{Form, Table};
 use proptest::prelude::*;
 
 const T: f64 = 0.001;
@@ -126,6 +128,31 @@ fn an_offset_is_worked_off_and_kept() {
     assert_eq!(slave.position, Position::whole(3000 - 777));
 }
 
+/// The short way, where it is taken.
+fn shortly(
+    follower: &Follower,
+    slave: Motion,
+    (lead, tables): (Lead, &[Arc<Table>]),
+    rule: Rule,
+) -> Option<(Motion, Follower)> {
+    let mut other = *follower;
+    let following = match *follower.transmission() {
+        Transmission::Gear(gear) => {
+            let (change, behind) = gear.stepped(lead.change)?;
+            let following = follower.follow(slave, (lead, change), &behind, T, rule)?;
+            other.keep(&following, behind);
+            following
+        }
+        Transmission::Cam(cam) => {
+            let (change, behind) = cam.stepped(lead.change, tables)?;
+            let following = follower.follow(slave, (lead, change), &behind, T, rule)?;
+            other.keep(&following, behind);
+            following
+        }
+    };
+    Some((following.motion, other))
+}
+
 proptest! {
     /// However the leader moves within what the slave can do: once the leader is steady the slave arrives, exactly, and
     /// it never leaves its velocity or acceleration while it catches up.
@@ -165,22 +192,26 @@ proptest! {
         uneven in prop_oneof![Just(0.0), Just(1.0), 0.1..4.0_f64],
         rule in prop_oneof![Just(Rule::Always), Just(Rule::WithMaster), Just(Rule::Never)],
         slow in 1_i64..50,
+        is_cam in any::<bool>(),
     ) {
         let gear = Gear::new(Ratio::new(numerator, denominator).unwrap());
         let step = gear.ratio().to_f64() * speed as f64 / 3.0;
         let mut slave = Motion { velocity: step / T, ..Motion::default() };
-        let (transmission, mode) = (Transmission::Gear(gear), SyncMode::Position);
+        let tables = [Arc::new(Table::new(Form::Xy, &[0, 211, 700], &[0, 180, 400]).expect("points"))];
+        let cam = || Cam::new(0, (gear.ratio(), Ratio::ONE), Position::ZERO, &tables).expect("a cam");
+        let transmission = if is_cam { Transmission::Cam(cam()) } else { Transmission::Gear(gear) };
+        let step = if is_cam { step * 180.0 / 211.0 } else { step };
+        slave.velocity = step / T;
+        let mode = SyncMode::Position;
         let mut follower = Follower::new(uneven, transmission, mode, slave, Position::ZERO, BOUNDS).at_once();
         let mut steady = 0;
         for (cycle, leap) in (0..).zip(&leaps) {
             let change = Position::from_f64((speed + leap * i64::from(cycle % slow == slow - 1)) as f64 / 3.0);
             let lead = Lead { change, uneven, valid: true, ..Lead::default() };
-            let short = follower.follow(slave, (lead, &[]), T, rule);
-            let mut other = follower;
-            slave = follower.step(slave, (lead, &[]), T, Reserve::default(), rule);
-            if let Some(short) = short {
-                other.keep(&short);
-                prop_assert_eq!(format!("{:?}", short.motion), format!("{slave:?}"));
+            let short = shortly(&follower, slave, (lead, &tables), rule);
+            slave = follower.step(slave, (lead, &tables), T, Reserve::default(), rule);
+            if let Some((motion, other)) = short {
+                prop_assert_eq!(format!("{motion:?}"), format!("{slave:?}"));
                 prop_assert_eq!(format!("{other:?}"), format!("{follower:?}"));
                 steady += 1;
             }

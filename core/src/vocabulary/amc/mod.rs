@@ -27,7 +27,7 @@ pub use check::{Problem, Setting, check};
 pub use parameters::Wiring;
 pub use signals::AmcSignal;
 
-use super::{Latched, Order, View};
+use super::{CamPoint, Latched, Order, View};
 use crate::code::Code;
 use crate::object::{Leader, Object};
 use crate::parameter::amc::Parameters;
@@ -260,7 +260,7 @@ impl Amc {
             POSITION_PROFILE if enters => Ok(self.go(view)),
             SPEED if self.barred => Ok(None),
             SPEED => Ok(self.run(view, turns)),
-            CAM if enters => Ok(Some(Order::Cam { past })),
+            CAM if enters => Ok(cam_start(view).map(|from| Order::Cam { from, past })),
             GEAR if enters => Ok(Some(Order::Gear { past })),
             HOME if enters && !view.idle && !view.homing => {
                 self.waits = true;
@@ -299,6 +299,13 @@ impl Amc {
         let kept = (!self.waits || self.select == HOME) && (!self.barred || self.select == SPEED);
         (0..=POSITION_PROFILE).contains(&self.select) && kept && self.input.is_sound() && self.speed.is_finite()
     }
+}
+
+/// Where the cam starts (35.001, 35.002).
+fn cam_start(view: &View<'_>) -> Option<CamPoint> {
+    let p = &view.parameters.vocabularies.amc;
+    let point = usize::try_from(p.cam_start_index).unwrap_or(usize::MAX);
+    view.wiring.amc.cam.map(|table| CamPoint { table, point, behind: p.cam_start_position })
 }
 
 /// The way of the master from the freeze point to this sample (AMC-EVT-05, M11): what the device captured, else on the
