@@ -341,7 +341,7 @@ fn tables_are_loaded_and_read_from_fast_dds() {
     assert_eq!(bench.peer.fails(load), sentence);
     for (request, sentence) in [
         ("segment --y 1", "no table is called `segment`; limits, segments, rise, nose are known"),
-        ("segments", "segments: a table has 0 numbers; 1 to 65536 are possible"),
+        ("segments", "segments: a table has 0 numbers; 1 to 1000000 are possible"),
         ("segments --y 0,65536", "segments: word 1 is 65536; -32768 to 65535 is possible"),
         ("segments --x 1 --y 1", "segments: a table of form words has 1 places in x; it takes none"),
     ] {
@@ -359,7 +359,7 @@ fn tables_are_loaded_and_read_from_fast_dds() {
     let nose = format!("{},9000,0,18000,0,500,0,1000,0", vec!["0"; 32].join(","));
     bench.peer.run(&format!("load-table /lineshaft nose --y {nose}"));
     bench.shows("cams", &json!({"outputs": 0, "active": true}));
-    // As long as a table may be, there and back.
+    // Longer than a few datagrams, there and back.
     assert_eq!(bench.peer.run("load-long-table /lineshaft limits")["count"], 65_536);
 }
 

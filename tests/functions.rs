@@ -141,15 +141,19 @@ fn tables_are_loaded_and_read() {
     assert_eq!(table(&mut bench, "limits").2[6], 600);
     for (request, sentence) in [
         ("limit --y 1", "no table is called `limit`; nose, limits are known"),
-        ("limits", "limits: a table has 0 numbers; 1 to 65536 are possible"),
+        ("limits", "limits: a table has 0 numbers; 1 to 1000000 are possible"),
         ("limits --y 70000", "limits: word 0 is 70000; -32768 to 65535 is possible"),
         ("limits --x 1 --y 1", "limits: a table of form words has 1 places in x; it takes none"),
     ] {
         assert_eq!(bench.refused(&format!("load-table /lineshaft {request}")), sentence, "{request}");
     }
     assert_eq!(bench.refused("get-table /lineshaft limit"), "no table is called `limit`; nose, limits are known");
-    // As long as a table may be, there and back.
+    // Longer than a few datagrams, there and back.
     assert_eq!(bench.cyclone.run("load-long-table /lineshaft limits")["count"], 65_536);
+    // As long as a table may be, and longer.
+    let load = |count: usize| format!("load-table /lineshaft limits --y {}", vec!["7"; count].join(","));
+    bench.cyclone.run(&load(1_000_000));
+    assert_eq!(bench.refused(&load(1_000_001)), "limits: a table has 1000001 numbers; 1 to 1000000 are possible");
 }
 
 #[test]

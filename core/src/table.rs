@@ -1,7 +1,7 @@
 //! Tables: numbers that functions and cams read, made outside the cycle and handed over by pointer.
 //!
 //! Law      a table never changes: a new one takes its place as a whole
-//! Refuses  lists of different lengths, words beyond 16 bits, more numbers than [`MOST`]
+//! Refuses  lists of different lengths, words beyond 16 bits, points beyond 32, more numbers than [`MOST`]
 //! Source   contract section 10, AMK-INIT-09
 
 mod cam;
@@ -14,7 +14,7 @@ use crate::law::Spline;
 use serde::{Deserialize, Serialize};
 
 /// Most points or words of one table.
-pub const MOST: usize = 65_536;
+pub const MOST: usize = 1_000_000;
 
 /// What the numbers of a table are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,6 +67,16 @@ pub enum TableError {
         /// Its value.
         value: i64,
     },
+    /// A number of a point that has no place in 32 bits.
+    #[error("{list}[{place}] is {value}; {} to {} is possible", i32::MIN, i32::MAX)]
+    Wide {
+        /// `x` or `y`.
+        list: &'static str,
+        /// Which, from 0.
+        place: usize,
+        /// Its value.
+        value: i64,
+    },
 }
 
 /// A table.
@@ -101,6 +111,12 @@ impl Table {
             && let Some(place) = y.iter().position(|value| !is_word(value))
         {
             return Err(TableError::Word { place, value: y.get(place).copied().unwrap_or_default() });
+        }
+        for (list, numbers) in [("x", x), ("y", y)] {
+            if let Some((place, &value)) = numbers.iter().enumerate().find(|(_, value)| i32::try_from(**value).is_err())
+            {
+                return Err(TableError::Wide { list, place, value });
+            }
         }
         let (shape, setting) = (Shape::of(form, x, y), CamSetting::default());
         let cam = CamShape::of(form, x, y, setting);
@@ -190,6 +206,26 @@ impl Table {
     }
 }
 
+/// The interval that begins at the last point which was passed, of those up to `last`; point 0 counts as passed. It is the one at `near` or beside it
+/// while a master runs; behind a jump it is searched, which costs the same few steps wherever it is.
+#[inline]
+pub(crate) fn interval(near: usize, last: usize, passed: impl Fn(usize) -> bool) -> usize {
+    let near = near.min(last);
+    let is_in = |i: usize| (i == 0 || passed(i)) && (i >= last || !passed(i + 1));
+    if is_in(near) {
+        return near;
+    }
+    if near < last && is_in(near + 1) {
+        return near + 1;
+    }
+    let (mut low, mut high) = (0, last);
+    while low < high {
+        let middle = high - (high - low) / 2;
+        if passed(middle) { low = middle } else { high = middle - 1 }
+    }
+    low
+}
+
 /// DD of two words, low word first.
 #[inline]
 pub(crate) fn double(low: i64, high: i64) -> i32 {
@@ -227,8 +263,35 @@ mod tests {
     fn what_is_no_table_is_refused_with_its_number() {
         let refused = |form, x: &[i64], y: &[i64]| Table::new(form, x, y).unwrap_err().to_string();
         assert_eq!(refused(Form::Words, &[], &[0, 65_536]), "word 1 is 65536; -32768 to 65535 is possible");
-        assert_eq!(refused(Form::Y, &[], &[]), "a table has 0 numbers; 1 to 65536 are possible");
+        assert_eq!(refused(Form::Y, &[], &[]), "a table has 0 numbers; 1 to 1000000 are possible");
         assert_eq!(refused(Form::Y, &[1], &[1]), "a table of form y has 1 places in x; it takes none");
         assert!(refused(Form::Xy, &[1], &[1, 2]).contains("1 places and 2 values"));
+        let wide = "x[1] is 2147483648; -2147483648 to 2147483647 is possible";
+        assert_eq!(refused(Form::Xy, &[0, 1 << 31], &[0, 0]), wide);
+        assert!(refused(Form::Y, &[], &[0, i64::MIN]).starts_with("y[1] is -9223372036854775808;"));
+    }
+
+    #[test]
+    fn an_interval_is_found_in_few_steps_wherever_it_is() {
+        let places: Vec<i64> = (0..1_000_000).map(|i| 3 * i).collect();
+        for (near, x) in
+            [(0, 0), (0, 2_999_996), (999_998, 0), (17, 52), (17, 53), (17, 54), (500_000, 17), (usize::MAX, 1_499_999)]
+        {
+            let steps = std::cell::Cell::new(0);
+            let passed = |i: usize| {
+                steps.set(steps.get() + 1);
+                places[i] <= x
+            };
+            assert_eq!(interval(near, 999_998, passed), (x / 3).min(999_998) as usize, "{near} {x}");
+            assert!(steps.get() <= 24, "{near} {x}: {} steps", steps.get());
+        }
+    }
+
+    #[test]
+    fn a_million_points_are_a_table_and_one_more_is_none() {
+        let y: Vec<i64> = (0..1_000_001).map(|place| place % 3).collect();
+        assert_eq!(Table::new(Form::Y, &[], &y[..1_000_000]).map(|table| table.len()), Ok(1_000_000));
+        let sentence = Table::new(Form::Y, &[], &y).unwrap_err().to_string();
+        assert_eq!(sentence, "a table has 1000001 numbers; 1 to 1000000 are possible");
     }
 }

@@ -26,7 +26,7 @@ use lineshaft_core::position::{Length, Position};
 use lineshaft_core::sim::{Fixtures, Index, Model, Plant, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::sync::gear::Ratio;
 use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
-use lineshaft_core::table::{CamSetting, Form as Numbering, Interpolation, Table};
+use lineshaft_core::table::{CamSetting, Form as Numbering, Interpolation, MOST, Table};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
@@ -154,8 +154,8 @@ fn config() -> MachineConfig {
             vocabularies: Wiring {
                 amc: amc::Wiring {
                     master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
-                    cam: Some(2),
                     freeze: Some(Object::Axis(index)),
+                    cam: Some(2),
                 },
             },
             ..AxisConfig::new(format!("a{index}"), scale, drive.map(Capabilities::all), parameters)
@@ -194,9 +194,13 @@ fn config() -> MachineConfig {
 
 /// Two points or cams, the second one from `turn` * 100 on.
 fn table(turn: i64) -> Arc<Table> {
-    let words: Vec<i64> = (0..40_i64)
-        .map(|word| [3, 0, 0, 0, 100, 0, 1, 0, turn * 100].get(word as usize).copied().unwrap_or(0))
-        .collect();
+    long_table(turn, 40)
+}
+
+/// The same with so many words.
+fn long_table(turn: i64, count: usize) -> Arc<Table> {
+    let words: Vec<i64> =
+        (0..count).map(|word| [3, 0, 0, 0, 100, 0, 1, 0, turn * 100].get(word).copied().unwrap_or(0)).collect();
     Arc::new(Table::new(Numbering::Words, &[], &words).expect("words"))
 }
 
@@ -705,4 +709,40 @@ fn homing_takes_no_memory() {
         }
     }
     assert_eq!((violation_count(), homed.len()), (0, 5));
+}
+
+/// A table is handed over by its pointer, however long it is: its numbers are neither copied nor freed in the cycle.
+#[test]
+fn a_million_points_change_hands_without_memory() {
+    let numbers: Vec<i64> = (0..MOST as i64).collect();
+    let points = |form, x: &[i64]| Arc::new(Table::new(form, x, &numbers).expect("as many as a table may have"));
+    let tables = [table(1), points(Numbering::Y, &[]), points(Numbering::Xy, &numbers)];
+    let tables = ["w", "y", "xy"].iter().zip(tables).map(|(name, table)| TableConfig { name: (*name).into(), table });
+    // A cam reads the words, and takes new ones while it runs.
+    let place = slots().iter().position(|slot| slot.kind == function::Kind::Cam).expect("one of each type");
+    let slots = vec![slots().swap_remove(place)];
+    let mut machine =
+        Machine::new(MachineConfig { tables: tables.collect(), slots, ..config() }).expect("a sound machine");
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut kept = machine.state().clone();
+    let start = CommandFunction { slot: 0, order: Order::Start, values: Box::new([]) };
+    let commands = [Command { sequence: 1, source: Source::Ros, action: Action::CommandFunction(start) }];
+    machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
+    // Who gives tables keeps them as long as the machine may have them.
+    let mut given = Vec::new();
+    for turn in 1..4 {
+        let loaded = [long_table(turn, MOST), points(Numbering::Y, &[]), points(Numbering::Xy, &numbers)];
+        let action = |(index, table): (u16, &Arc<Table>)| Action::LoadTable { index, table: Arc::clone(table) };
+        let commands: Vec<Command> =
+            (0..).zip(&loaded).map(action).map(|action| Command { sequence: 2, source: Source::Ros, action }).collect();
+        inputs.begin(turn.unsigned_abs(), 0);
+        assert_no_alloc(|| {
+            machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
+            kept.clone_from(machine.state());
+        });
+        assert_eq!(violation_count(), 0, "in cycle {turn}");
+        assert!(machine.slots()[0].is_active(), "the cam runs");
+        assert!(machine.tables().iter().zip(&loaded).all(|(now, given)| Arc::ptr_eq(now, given)), "in cycle {turn}");
+        given.push(loaded);
+    }
 }

@@ -15,3 +15,4 @@ pub mod recording;
 pub mod run;
 pub mod scenario;
 pub mod store;
+pub mod table;

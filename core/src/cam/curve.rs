@@ -4,7 +4,7 @@
 //!          xy: X[i] <= x < X[i+1], y(x) = y[i] + (y[i+1] - y[i]) * (x - X[i]) / (X[i+1] - X[i]), L = X[N-1]
 //! Source   AMK-FIPW-01 to -03, AMK-XFIPW-04, -10 to -12, -25
 
-use crate::table::Table;
+use crate::table::{Table, interval};
 
 /// Where a curve is: `y + rise * part / whole`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl<'a> Curve<'a> {
         Point { y, rise: value(i + 1).wrapping_sub(y), part, whole }
     }
 
-    /// The interval, and how far into it: lengths are below 2^31 and points fewer than 2^17, so the products fit.
+    /// The interval, and how far into it: lengths are below 2^31 and points fewer than 2^20, so the products are below 2^51.
     #[inline]
     fn even(&self, x: i64, near: u32, last: usize) -> (usize, i64, i64) {
         let scaled = x.wrapping_mul(last as i64 + 1);
@@ -74,17 +74,10 @@ impl<'a> Curve<'a> {
         (i as usize, scaled.wrapping_sub(i.wrapping_mul(self.length)), self.length)
     }
 
-    /// From `near` on or back: as many points as the master has passed.
     #[inline]
     fn uneven(&self, x: i64, near: u32, last: usize) -> (usize, i64, i64) {
         let place = |i: usize| self.x.get(i).map_or(self.length, |place| place.saturating_mul(self.parts));
-        let mut i = (near as usize).min(last);
-        while i > 0 && x < place(i) {
-            i -= 1;
-        }
-        while i < last && x >= place(i + 1) {
-            i += 1;
-        }
+        let i = interval(near as usize, last, |i| x >= place(i));
         (i, x.wrapping_sub(place(i)), place(i + 1).wrapping_sub(place(i)).max(1))
     }
 }
@@ -142,6 +135,30 @@ mod tests {
         let curve = Curve::new(Some(&table), 3, 1);
         // Intervals of 1.5: at 1 it is 2/3 of the first, at 2 1/3 of the second.
         assert_eq!([0, 1, 2].map(|x| floor(curve.at(x, &mut 0))), [0, 4, 3]);
+    }
+
+    /// The largest table at the longest master: nothing wraps.
+    #[test]
+    fn a_million_points_are_read_to_their_end() {
+        const LENGTH: i64 = i32::MAX as i64;
+        let y: Vec<i64> = (0..1_000_000).map(|i| i % 2 * 32_767).collect();
+        let x: Vec<i64> = (0..1_000_000).map(|i| i * LENGTH / 999_999).collect();
+        let (y, xy) = (even(&y), Table::new(Form::Xy, &x, &y).expect("points"));
+        let (even, uneven) = (Curve::new(Some(&y), LENGTH, 1), Curve::new(Some(&xy), 0, 1));
+        for place in [0, 1, 2147, 2148, LENGTH / 2, LENGTH - 2148, LENGTH - 1] {
+            let i = i128::from(place) * 999_999 / i128::from(LENGTH);
+            let part = i128::from(place) * 999_999 - i * i128::from(LENGTH);
+            let odd = i % 2;
+            for near in [0, 1, i as u32, 999_998, u32::MAX] {
+                let Point { y, rise, part: found, whole } = even.at(place, &mut near.clone());
+                assert_eq!((y, rise), (odd as i64 * 32_767, (1 - 2 * odd as i64) * 32_767), "{place} {near}");
+                assert_eq!((i128::from(found), whole), (part, LENGTH), "{place} {near}");
+                let j = x.partition_point(|at| *at <= place) - 1;
+                let wanted = (place - x[j], x[j + 1] - x[j]);
+                let found = uneven.at(place, &mut near.clone());
+                assert_eq!((found.part, found.whole), wanted, "{place} {near}");
+            }
+        }
     }
 
     proptest! {

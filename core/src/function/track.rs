@@ -99,7 +99,7 @@ pub(super) fn check_words<'a>(setting: &Setting<'a>) -> Result<&'a Table, Fault>
 /// Refuses a table without all words that are read of it.
 pub(super) fn check_length(table: &Table, needed: usize) -> Result<(), Fault> {
     if table.len() < needed {
-        // A table has at most 65536 words: both fit.
+        // A table has at most `table::MOST` words: both fit.
         return Err(Fault::new(Code::AMK_TABLE_SHORT).with(table.len() as i64, needed as i64));
     }
     Ok(())

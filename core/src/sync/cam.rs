@@ -8,7 +8,7 @@
 
 use super::gear::{Gear, Ratio};
 use crate::position::Position;
-use crate::table::{CamShape, Table};
+use crate::table::{CamShape, Table, interval};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -174,13 +174,7 @@ impl Cam {
             (i, part, shape.length, shape.length as f64 / count as f64)
         } else {
             let place = |i: usize| places.get(i).map_or(0, |place| i128::from(*place) * ONE);
-            let mut i = near;
-            while i > 0 && x < place(i) {
-                i -= 1;
-            }
-            while i < last && x >= place(i + 1) {
-                i += 1;
-            }
+            let i = interval(near, last, |i| x >= place(i));
             let wide = places.get(i + 1).zip(places.get(i)).map_or(1, |(after, at)| after - at).max(1);
             (i, x - place(i), wide, wide as f64)
         };

@@ -89,7 +89,7 @@ mod tests {
         assert_eq!(of(even(&[0, 32_767, 0])), Ok(32_767));
         assert_eq!(of(even(&[0, 32_767, 65_535])), Err(CurveError::Step(2)));
         assert_eq!(of(even(&[0, -32_768])), Err(CurveError::Step(1)));
-        assert_eq!(of(even(&[0, i64::MIN])), Err(CurveError::Step(1)));
+        assert_eq!(of(even(&[0, i32::MIN.into()])), Err(CurveError::Step(1)));
         assert_eq!(of(uneven(&[(0, 0), (1, -32_767), (32_767, 0)])), Ok(32_767));
     }
 }

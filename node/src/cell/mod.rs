@@ -66,8 +66,7 @@ pub use robot::Robot;
 pub use ros::{OnLoss, RosOptions};
 use std::collections::BTreeMap;
 use std::path::Path;
-use tables::Files;
-pub(crate) use tables::listed;
+pub(crate) use tables::{Files, listed, table};
 pub use terminals::CellTerminal;
 
 /// The format that this program reads.

@@ -3,18 +3,14 @@
 use super::backends::Context;
 use super::names::{Section, quote};
 use crate::document::{Place, Problems, Value};
+use crate::table::csv::{self, Numbers, Refused};
 use lineshaft_core::config::TableConfig;
-use lineshaft_core::table::{CamSetting, Form, Interpolation, MOST, MOST_LENGTH, Table};
+use lineshaft_core::table::{CamSetting, Form, Interpolation, MOST_LENGTH, Table};
 use lineshaft_core::unit::excerpt;
-use lineshaft_ros::layer::open_file;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Longest CSV file (bytes).
-const MAX_BYTES: u64 = 4 << 20;
 
 /// Where the CSV files of tables are.
 #[derive(Debug)]
@@ -41,12 +37,13 @@ impl Files {
         }
     }
 
-    fn read(&self, name: &str) -> Result<String, String> {
+    fn read(&self, name: &str) -> Result<String, Refused> {
+        let unread = |sentence: &str| Err(Refused { place: None, sentence: sentence.to_owned() });
         match self {
-            Self::None => Err("a cell without a file has no files beside it".to_owned()),
-            Self::Known(known) => known.get(name).cloned().ok_or_else(|| "it was not recorded".to_owned()),
+            Self::None => unread("a cell without a file has no files beside it"),
+            Self::Known(known) => known.get(name).cloned().map_or_else(|| unread("it was not recorded"), Ok),
             Self::Beside(folder, read) => {
-                let text = load(&folder.join(name))?;
+                let text = csv::load(&folder.join(name))?;
                 read.borrow_mut().insert(name.to_owned(), text.clone());
                 Ok(text)
             }
@@ -60,7 +57,8 @@ pub(super) fn read(cx: &Context<'_>, files: &Files) -> Vec<Option<TableConfig>> 
     entries.iter().map(|entry| table(&entry.value, entry.name(), files)).collect()
 }
 
-fn table(value: &Value<'_>, name: &str, files: &Files) -> Option<TableConfig> {
+/// One table.
+pub(crate) fn table(value: &Value<'_>, name: &str, files: &Files) -> Option<TableConfig> {
     let mut map = value.map(format!("table {}", quote(name)))?;
     let form = map.required("form").and_then(|form| form.choice(&Form::ALL.map(|(form, name)| (name, form))));
     let key = if form == Some(Form::Words) { "words" } else { "points" };
@@ -81,6 +79,11 @@ fn table(value: &Value<'_>, name: &str, files: &Files) -> Option<TableConfig> {
     let setting = cam.as_ref().map_or(Some(CamSetting::default()), |cam| cam_setting(cam, form));
     map.finish();
     let (x, y) = numbers?;
+    if let Some(given) = &given
+        && !rise(given, &x)
+    {
+        return None;
+    }
     let table = match Table::new(form?, &x, &y) {
         Ok(table) => table.with_cam(setting?),
         Err(error) => {
@@ -114,8 +117,22 @@ fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
     Some(CamSetting { length: given?, is_cyclic: is_cyclic?, interpolation: interpolation? })
 }
 
+/// Do places rise? The first that does not is refused.
+fn rise(given: &Value<'_>, x: &[i64]) -> bool {
+    let falls = |pair: &[i64]| matches!(pair, [before, place] if before >= place);
+    let Some((at, [before, place])) =
+        x.windows(2).enumerate().find(|(_, pair)| falls(pair)).and_then(|(at, pair)| Some((at, pair.first_chunk()?)))
+    else {
+        return true;
+    };
+    let point = given.list().and_then(|items| items.into_iter().nth(at + 1));
+    let sentence = format!("place {place} does not lie behind {before}, the one before it; places rise");
+    point.as_ref().unwrap_or(given).refuse(sentence, None);
+    false
+}
+
 /// The numbers of a list.
-pub(crate) fn listed(given: &Value<'_>, form: Form) -> Option<(Vec<i64>, Vec<i64>)> {
+pub(crate) fn listed(given: &Value<'_>, form: Form) -> Option<Numbers> {
     let items = given.list()?;
     let whole = |value: &Value<'_>| value.integer(i64::from(i32::MIN)..=i64::from(i32::MAX));
     if form != Form::Xy {
@@ -134,73 +151,20 @@ pub(crate) fn listed(given: &Value<'_>, form: Form) -> Option<(Vec<i64>, Vec<i64
     Some(pairs.into_iter().collect::<Option<Vec<_>>>()?.into_iter().unzip())
 }
 
-fn of_file(csv: &Value<'_>, file: &str, form: Form, files: &Files) -> Option<(Vec<i64>, Vec<i64>)> {
-    let text = match files.read(file) {
-        Ok(text) => text,
-        Err(reason) => {
-            csv.refuse(format!("cannot read {}: {reason}", quote(file)), None);
-            return None;
-        }
+fn of_file(entry: &Value<'_>, file: &str, form: Form, files: &Files) -> Option<Numbers> {
+    let numbers = files.read(file).and_then(|text| csv::parse(&text, form));
+    let Refused { place, sentence } = match numbers {
+        Ok(numbers) => return Some(numbers),
+        Err(refused) => refused,
     };
-    match parse(&text, form) {
-        Ok(numbers) => Some(numbers),
-        Err((Place { line, .. }, sentence)) => {
-            csv.refuse(format!("{}, line {line}: {sentence}", excerpt(file)), None);
-            None
-        }
-    }
-}
-
-/// The numbers of a CSV file: one column, or two of form xy; `#` begins a comment. The first problem with its line.
-pub(crate) fn parse(text: &str, form: Form) -> Result<(Vec<i64>, Vec<i64>), (Place, String)> {
-    let columns = if form == Form::Xy { 2 } else { 1 };
-    let (mut x, mut y) = (Vec::new(), Vec::new());
-    for (line, row) in (1..).zip(text.lines()) {
-        let row = row.split('#').next().unwrap_or_default().trim();
-        if row.is_empty() {
-            continue;
-        }
-        let problem = |sentence| (Place { line, col: 1 }, sentence);
-        let fields: Vec<&str> = row.split(',').map(str::trim).collect();
-        if fields.len() != columns {
-            return Err(problem(format!("{} columns stand there; {columns} are expected", fields.len())));
-        }
-        if y.len() == MOST {
-            return Err(problem(format!("more than {MOST} numbers")));
-        }
-        let mut numbers = Vec::with_capacity(columns);
-        for field in fields {
-            numbers.push(
-                whole(field).ok_or_else(|| problem(format!("`{}` is no whole number of 32 bits", excerpt(field))))?,
-            );
-        }
-        let mut numbers = numbers.into_iter();
-        if form == Form::Xy {
-            x.extend(numbers.next());
-        }
-        y.extend(numbers.next());
-    }
-    Ok((x, y))
-}
-
-/// A whole number, which may be written with a decimal point and zeros behind it.
-fn whole(field: &str) -> Option<i64> {
-    let digits = match field.split_once('.') {
-        Some((digits, zeros)) if zeros.chars().all(|c| c == '0') => digits,
-        Some(_) => return None,
-        None => field,
-    };
-    digits.parse::<i32>().ok().map(i64::from)
-}
-
-fn load(path: &Path) -> Result<String, String> {
-    let mut bytes = Vec::new();
-    let read = open_file(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
-    read.map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(format!("it is longer than {MAX_BYTES} bytes"));
-    }
-    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
+    entry.refuse(
+        match place {
+            Some(Place { line, col }) => format!("{}, line {line}, column {col}: {sentence}", excerpt(file)),
+            None => format!("cannot read {}: {sentence}", quote(file)),
+        },
+        None,
+    );
+    None
 }
 
 /// The files of a recording as one text, and back: a mapping of names to texts.
@@ -220,17 +184,6 @@ pub(crate) fn files_of(text: &str) -> Result<Files, Problems> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_csv_has_one_column_or_two_and_comments() {
-        let text = "# rise\n0\n1000 # half\n\n4000.0\n";
-        assert_eq!(parse(text, Form::Y), Ok((vec![], vec![0, 1000, 4000])));
-        assert_eq!(parse("0, 0\n5000,1200\n", Form::Xy), Ok((vec![0, 5000], vec![0, 1200])));
-        let refused = |text, form| parse(text, form).map_err(|(place, sentence)| (place.line, sentence));
-        assert_eq!(refused("0\n1,2\n", Form::Y), Err((2, "2 columns stand there; 1 are expected".to_owned())));
-        assert_eq!(refused("0\n1.5\n", Form::Y), Err((2, "`1.5` is no whole number of 32 bits".to_owned())));
-        assert!(refused("3000000000\n", Form::Y).is_err());
-    }
 
     #[test]
     fn files_of_a_recording_read_back() {

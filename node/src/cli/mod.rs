@@ -13,6 +13,7 @@ mod run;
 mod signals;
 mod sim;
 mod store;
+mod table;
 mod validate;
 
 use self::logging::Logging;
@@ -114,6 +115,9 @@ enum Command {
                             chooses and never changes is named below the figure, not drawn; so are fractions."
     )]
     Plot(PlotArgs),
+    /// Make, check, draw and convert tables of cams
+    #[command(subcommand)]
+    Table(table::TableCommand),
     /// Look into recordings
     #[command(subcommand)]
     Bag(BagCommand),
@@ -515,6 +519,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Plot(args)) => plot::plot(&args),
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Validate(args)) => validate::validate(&args),
+        Some(Command::Table(command)) => table::table(&command),
         Some(Command::Bag(command)) => bag::bag(&command),
         Some(Command::Can(command)) => can::can(&command),
     };

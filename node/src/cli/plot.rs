@@ -1,7 +1,7 @@
 //! `lineshaft plot`.
 
 use super::{Exit, PlotArgs, complain, say};
-use crate::recording::plot::{Chosen, Figure, Problem, Target, write};
+use crate::recording::plot::{Across, Chosen, Figure, Problem, Target, write};
 use crate::recording::run::{Run, RunError};
 use crate::recording::series::{Recorded, SeriesError, alias, load};
 use lineshaft_core::unit::{Dimension, Quantity};
@@ -50,6 +50,7 @@ fn draw(args: &PlotArgs) -> Result<Recorded, PlotError> {
         marks: &recorded.marks,
         from: args.from,
         to: args.to,
+        across: Across::Time,
         width: args.width,
         height: args.height,
     };

@@ -45,8 +45,8 @@ pub const MAX_BYTES: usize = 4 << 20;
 pub const MAX_DEPTH: usize = 64;
 /// Most values in a document.
 pub const MAX_VALUES: usize = 250_000;
-/// The same of a command in a recording: the longest trajectory has a place in it.
-const RECORDED: Most = Most { bytes: 32 << 20, values: 2_000_000 };
+/// The same of a command in a recording: the longest trajectory and the longest table have a place in it.
+const RECORDED: Most = Most { bytes: 32 << 20, values: 4_000_000 };
 
 /// How much a document may hold.
 #[derive(Clone, Copy, Debug)]

@@ -22,7 +22,7 @@ impl Place {
     pub const START: Self = Self { line: 1, col: 1 };
 
     /// The place behind a text that starts a file.
-    pub(super) fn after(text: &str) -> Self {
+    pub(crate) fn after(text: &str) -> Self {
         let last = text.rsplit('\n').next().unwrap_or_default();
         Self { line: 1 + text.matches('\n').count(), col: 1 + last.chars().count() }
     }

@@ -134,6 +134,10 @@ fn tables_have_numbers_of_their_form() {
         ("{form: ^z, points: [0]}", "form is `z`; one of y, xy, words is allowed"),
         ("{form: words, words: ^[0, 65536]}", "word 1 is 65536; -32768 to 65535 is possible"),
         ("{form: xy, points: [^[0, 0, 0]]}", "a point of form xy has 3 numbers; [master, slave] is expected"),
+        (
+            "{form: xy, points: [[0, 0], [5, 1], ^[5, 2]]}",
+            "place 5 does not lie behind 5, the one before it; places rise",
+        ),
         ("{form: y, points: [0, ^1.5]}", "points[1] is `1.5`; a whole number -2147483648..2147483647 is allowed"),
         ("{form: y, csv: ^long.csv}", "cannot read `long.csv`: a cell without a file has no files beside it"),
         ("{form: y, points: [0], csv: ^a.csv}", "csv stands beside points; one of them is expected"),
@@ -156,7 +160,7 @@ fn a_table_of_a_file_beside_the_cell_is_read_and_told_with_its_line() {
     assert_eq!(again.machine.tables, read.machine.tables);
     std::fs::write(folder.path().join("long.csv"), "0\nten\n").unwrap();
     let problems = crate::cell::Cell::load(&path).unwrap_err().to_string();
-    assert!(problems.contains("long.csv, line 2: `ten` is no whole number of 32 bits"), "{problems}");
+    assert!(problems.contains("long.csv, line 2, column 1: `ten` is no whole number of 32 bits"), "{problems}");
 }
 
 /// Functions of ascending slots from source to sink; their problems, which begin in line 14.

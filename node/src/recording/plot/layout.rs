@@ -147,10 +147,12 @@ impl Parts {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Across;
     use super::*;
 
     fn figure(width: u32, height: Option<u32>) -> Figure<'static> {
-        Figure { title: String::new(), signals: Vec::new(), marks: &[], from: None, to: None, width, height }
+        let (from, to, across) = (None, None, Across::Time);
+        Figure { title: String::new(), signals: Vec::new(), marks: &[], from, to, across, width, height }
     }
 
     fn parts() -> Parts {

@@ -46,6 +46,26 @@ pub struct Chosen<'a> {
     pub by_name: bool,
 }
 
+/// What lies along the axis that all panels share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Across {
+    /// Time (s).
+    #[default]
+    Time,
+    /// The place of a master (inc), where a series has times.
+    Master,
+}
+
+impl Across {
+    /// Its name, and its unit.
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Time => ("time", "s"),
+            Self::Master => ("master", "inc"),
+        }
+    }
+}
+
 /// What is to be drawn.
 #[derive(Clone, Debug)]
 pub struct Figure<'a> {
@@ -59,6 +79,8 @@ pub struct Figure<'a> {
     pub from: Option<f64>,
     /// Last time shown (s); left out: that of the last point.
     pub to: Option<f64>,
+    /// Along the shared axis.
+    pub across: Across,
     /// Width (px), see [`WIDTHS`].
     pub width: u32,
     /// Height (px), see [`HEIGHTS`]; left out: what the panels need.

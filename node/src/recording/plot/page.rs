@@ -152,7 +152,7 @@ fn legend(sheet: &Sheet, panel: &Panel, edges: (f64, f64), canvas: &mut dyn Canv
         point(sheet.right + column as f64 * width, edges.0 + (row as f64 + 0.5) * LEGEND_HEIGHT)
     };
     let text = |place: usize| point(at(place).x + SWATCH - 2.0, at(place).y);
-    for (place, one) in panel.curves.iter().enumerate().take(shown) {
+    for (place, one) in panel.curves.iter().enumerate().take(shown).filter(|(_, one)| !one.name.is_empty()) {
         let from = point(at(place).x + 8.0, at(place).y);
         canvas.stroke(&[from, point(from.x + 28.0, from.y)], curve(place, panel.curves.len()));
         canvas.text(&one.name, text(place), Letters::new(LABEL, INK, Anchor::Start));
@@ -249,9 +249,10 @@ fn time_axis(sheet: &Sheet, canvas: &mut dyn Canvas) {
         upright(canvas, sheet.x(time), (top, top + 5.0), FRAME);
         canvas.text(label, point(sheet.x(time), top + 14.0), Letters::new(TICK, INK, Anchor::Middle));
     }
+    let (name, unit) = sheet.across.words();
     let label = match &sheet.time.base {
-        None => "time (s)".to_owned(),
-        Some(base) => format!("time (s), from {base} s on"),
+        None => format!("{name} ({unit})"),
+        Some(base) => format!("{name} ({unit}), from {base} {unit} on"),
     };
     let middle = (sheet.left + sheet.right) / 2.0;
     canvas.text(&label, point(middle, top + 32.0), Letters::new(LABEL, INK, Anchor::Middle));

@@ -9,7 +9,7 @@ use super::palette::{BUSY, code, state};
 use super::scale::{Ticks, power, range, ticks};
 use super::sort::{Group, Shown, Sorted, is_stepped};
 use super::text::{Font, clean};
-use super::{Figure, Problem};
+use super::{Across, Figure, Problem};
 use crate::recording::series::Kind;
 
 /// Widest name beside a lane or in a legend: a part of the width of the figure, and at most so many px.
@@ -38,7 +38,7 @@ pub(super) struct Panel {
 /// A curve of a panel.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
-    /// As in the legend.
+    /// As in the legend; empty where there is none.
     pub(super) name: String,
     pub(super) lines: Vec<Line>,
 }
@@ -88,6 +88,7 @@ pub(super) struct Sheet {
     pub(super) lanes: Vec<Lane>,
     pub(super) states: Vec<State>,
     pub(super) time: Ticks,
+    pub(super) across: Across,
     pub(super) events: Events,
     pub(super) notes: Vec<String>,
 }
@@ -164,8 +165,24 @@ impl Sheet {
         };
         let time = time_ticks(sorted.from, sorted.to, right - left, font);
         let (from, to) = (sorted.from, sorted.to);
-        let columns = (columns, column);
-        Ok(Self { title, from, to, width, left, right, layout, columns, panels, lanes, states, time, events, notes })
+        let (columns, across) = ((columns, column), figure.across);
+        Ok(Self {
+            title,
+            from,
+            to,
+            width,
+            left,
+            right,
+            layout,
+            columns,
+            panels,
+            lanes,
+            states,
+            time,
+            across,
+            events,
+            notes,
+        })
     }
 
     /// The place of a time (px).
@@ -179,7 +196,13 @@ impl Panel {
         let extents = group.curves.iter().filter_map(|curve| curve.window.extent());
         let (low, high) = extents.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 0.0));
         let (low, high) = range(low, high);
-        let names = short_names(&group.curves, longest, font);
+        let mut names = short_names(&group.curves, longest, font);
+        // A name that says no more than the label of the panel needs no legend.
+        if let [only] = names.as_mut_slice()
+            && only == group.meaning.label()
+        {
+            only.clear();
+        }
         let curves = names.into_iter().map(|name| Curve { name, lines: Vec::new() }).collect();
         let ticks = ticks(low, high, 2.0, true);
         let mut panel = Self { label: String::new(), low, high, ticks, curves };

@@ -3,7 +3,7 @@
 mod figures;
 mod odd;
 
-use super::{Chosen, Figure, Target, draw};
+use super::{Across, Chosen, Figure, Target, draw};
 use crate::recording::series::{Kind, Mark, Series};
 
 fn series(name: &str, unit: &str, kind: Kind, points: Vec<(f64, f64)>) -> Series {
@@ -33,6 +33,7 @@ fn figure<'a>(signals: &'a [Series], marks: &'a [Mark]) -> Figure<'a> {
         marks,
         from: None,
         to: None,
+        across: Across::Time,
         width: 1200,
         height: None,
     }
