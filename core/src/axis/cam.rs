@@ -51,7 +51,7 @@ impl Axis {
         &self,
         tables: &[Arc<Table>],
         lead: Lead,
-        request: &CamIn,
+        (request, disengage): (&CamIn, Disengage),
     ) -> Result<(Transmission, Position), Refusal> {
         let unknown = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let table = tables.get(usize::from(request.table)).ok_or_else(unknown)?;
@@ -61,11 +61,18 @@ impl Axis {
             CamStart::Relative => offset,
             CamStart::Absolute | CamStart::RampIn => Cam::place_of(lead.position, scales.0, offset, shape),
         };
+        let passed = |place: Position| {
+            let (asked, limit) = (Number::Count(place.floor()), Number::Count(shape.length));
+            Refusal::new(Code::CAM_PASSED, Object::Table(request.table)).with(asked, limit)
+        };
+        if !place.is_legal() {
+            return Err(passed(place));
+        }
         let cam = Cam::new(request.table, scales, place, tables).ok_or_else(unknown)?;
         if cam.has_ended(tables) {
-            let (asked, limit) = (Number::Count(place.floor()), Number::Count(shape.length));
-            return Err(Refusal::new(Code::CAM_PASSED, Object::Table(request.table)).with(asked, limit));
+            return Err(passed(place));
         }
+        let cam = if disengage == Disengage::KeepVelocity { cam.going_on() } else { cam };
         let (transmission, offset) = (Transmission::Cam(cam), request.slave_offset.exact());
         if request.start == CamStart::Relative {
             return Ok((transmission, offset));
@@ -87,7 +94,7 @@ impl Axis {
         let place = shape.place(table, from.point, from.behind);
         if place >= Position::whole(shape.length) {
             let (asked, limit) = (Number::Count(place.floor()), Number::Count(shape.length));
-            return Err(Refusal::new(Code::CAM_PASSED, Object::Table(from.table)).with(asked, limit));
+            return Err(Refusal::new(Code::CAM_START, Object::Table(from.table)).with(asked, limit));
         }
         Cam::new(from.table, (Ratio::ONE, Ratio::ONE), place, tables).ok_or_else(unknown)
     }
@@ -101,25 +108,30 @@ impl Axis {
 
     /// Ends the goal of a cam that has come to its end, once the slave is there and rests, or goes on from there.
     pub(super) fn end_cam(&mut self, cx: &mut Context<'_>) {
-        let Generator::Follow(Coupling { leader, disengage, follower, .. }) = &self.generator else { return };
-        let transmission = follower.transmission();
-        let has_ended = transmission.cam().is_some_and(|cam| cam.has_ended(cx.tables));
+        let Generator::Follow(Coupling { disengage, follower, leader, .. }) = &self.generator else { return };
+        let Some(cam) = follower.transmission().cam() else { return };
         // One that the selector started holds its slave there.
-        if !has_ended || self.goal.is_none() || follower.phase() != Phase::Synchronized {
+        if !cam.has_ended(cx.tables) || self.goal.is_none() {
             return;
         }
         let limits = self.parameters.usual_limits();
-        match disengage {
-            Disengage::Stop if self.command.velocity == 0.0 => self.brake_to_rest(cx, &limits),
-            Disengage::Stop => {}
-            Disengage::KeepVelocity => {
-                let velocity = cx.leads.get(*leader).velocity * transmission.signed_slope();
-                let most = self.parameters.max_velocity;
-                self.end_goal(cx, Code::NONE);
-                let aim = Aim::velocity(velocity.clamp(-most, most));
-                let course = self.course(cx.cycle, self.present(), aim, limits);
-                self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
+        let is_there = follower.phase() == Phase::Synchronized;
+        let is_barred = follower.error(self.command.position) < Position::ZERO && !self.reverses_alone();
+        if *disengage == Disengage::KeepVelocity && is_there {
+            let lead = cx.leads.get(*leader);
+            let led = if lead.uneven == 0.0 { lead.velocity } else { cam.mean() / self.cycle_s() };
+            let velocity = led * cam.slope();
+            let velocity = if self.reverses_alone() { velocity } else { velocity.max(0.0) };
+            let most = self.parameters.max_velocity;
+            self.end_goal(cx, Code::NONE);
+            let course = self.course(cx.cycle, self.base(), Aim::velocity(velocity.clamp(-most, most)), limits);
+            self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
+        } else if self.command.velocity == 0.0 && (is_there || is_barred) {
+            if let Some(goal) = self.goal.as_mut().filter(|_| !is_there) {
+                // It may not go back to the end.
+                goal.ending = Some(Code::REVERSE_FORBIDDEN);
             }
+            self.brake_to_rest(cx, &limits);
         }
     }
 }

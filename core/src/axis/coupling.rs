@@ -65,7 +65,7 @@ impl Axis {
             max_deceleration: p.deceleration_limit(),
         };
         let (transmission, offset) = match &request.cam {
-            Some(cam) => self.cam_of(cx.tables, lead, cam)?,
+            Some(cam) => self.cam_of(cx.tables, lead, (cam, request.disengage))?,
             None => self.gear_of(request)?,
         };
         let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
@@ -119,8 +119,9 @@ impl Axis {
         }
         let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
         if follower.transmission().cam().is_some_and(|cam| !cam.bears(change, cx.tables)) {
-            let change = Number::Count(change.floor());
-            self.raise(cx, Failure::of(Code::CAM_MASTER_TOO_FAST).with(change, Number::None).before_motion());
+            let most = follower.transmission().cam().map_or(0, |cam| cam.most(cx.tables));
+            let numbers = (Number::Count(change.floor().saturating_abs()), Number::Count(most));
+            self.raise(cx, Failure::of(Code::CAM_MASTER_TOO_FAST).with(numbers.0, numbers.1).before_motion());
             return None;
         }
         let was = follower.phase();

@@ -253,7 +253,8 @@ impl Axis {
             let steady = self.steady_velocity();
             // Alone it may not go where its master led it.
             let velocity = if self.reverses_alone() { steady } else { steady.max(0.0) };
-            let aim = Aim::velocity(velocity);
+            let most = self.parameters.max_velocity;
+            let aim = Aim::velocity(velocity.clamp(-most, most));
             let course = self.course(cx.cycle, self.present(), aim, limits);
             self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
         } else {

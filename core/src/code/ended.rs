@@ -529,7 +529,7 @@ codes! {
 
     /// The master of a cam runs more than a period of it in a cycle.
     CAM_MASTER_TOO_FAST = 10229, Ends {
-        says: "its master runs {asked} inc in one cycle, more than the whole cam",
+        says: "its master runs {asked} inc in one cycle; {limit} inc are its whole cam",
         cause: "The master of a cam moved by more than the length of its table in one cycle: the table says nothing then.",
         remedy: "Slow the master down, or choose a smaller master_scale, then reset_errors.",
     }

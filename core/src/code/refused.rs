@@ -185,6 +185,13 @@ codes! {
         remedy: "Ask for less, or wait.",
     }
 
+    /// A cam of the reference selector that starts behind its end.
+    CAM_START = 10027, NoError {
+        says: "its start is at {asked}; 0 up to {limit}, its end, is possible",
+        cause: "amc.cam_start_index and amc.cam_start_position lie at or behind the end of the table.",
+        remedy: "Name a point before the last one, and a position within its segment.",
+    }
+
     /// The axis runs in open loop, and the command needs a position loop.
     OPEN_LOOP = 10030, NoError {
         says: "the axis runs in open loop; only commands of `wf` move it",
@@ -392,14 +399,14 @@ codes! {
 
     /// The master is behind the end of a cam that has one.
     CAM_PASSED = 10097, NoError {
-        says: "its master is at {asked} already; it ends at {limit}",
-        cause: "A cam that is not cyclic was asked for with its master behind its end.",
+        says: "its master is at {asked}; it runs from 0 to {limit}",
+        cause: "A cam that is not cyclic was asked for with its master behind its end, or out of all proportion before it.",
         remedy: "Bring the master before the end, shift it with master_offset, or begin with RELATIVE.",
     }
 
     /// The slave of an absolute cam is elsewhere.
     CAM_AWAY = 10098, NoError {
-        says: "the cam asks for a place that is {asked} away; ABSOLUTE begins within sync_accuracy, {limit}, RAMP_IN leads there",
+        says: "the cam asks for a place that is {asked} away; ABSOLUTE begins within syncaccuracy, {limit}, RAMP_IN leads there",
         cause: "The slave is not where the table says, and the start ABSOLUTE does not move it there.",
         remedy: "Move the slave there, begin with RAMP_IN, or with RELATIVE where it is.",
     }
@@ -409,5 +416,12 @@ codes! {
         says: "behind point {asked} its spline leaves -1073741824 to 1073741824",
         cause: "Between its points the spline of a cam swings further than a value may be, as points at uneven distances make it.",
         remedy: "Space the points more evenly, give more of them, or take interpolation linear.",
+    }
+
+    /// Another length of a cam that runs.
+    CAM_OTHER_LENGTH = 10100, NoError {
+        says: "the new numbers are {asked} inc of the master long; an axis follows it over {limit}, and keeps its place in it",
+        cause: "New numbers of a cam that an axis follows have another length: its master would be elsewhere in it.",
+        remedy: "Give numbers of the same length, or uncouple the axis first.",
     }
 }

@@ -117,10 +117,16 @@ impl Machine {
             }
             state.check_edit(wires, &self.state.tables, (index, table)).map_err(|fault| refusal(fault, slot as u16))?;
         }
-        if let Err(error) = table.cam()
-            && self.state.axes.iter().any(|axis| axis.cam_table() == Some(index))
-        {
-            return Err(no_cam(index, error));
+        if present.cam_setting() != table.cam_setting() {
+            return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
+        }
+        if self.state.axes.iter().any(|axis| axis.cam_table() == Some(index)) {
+            let shape = table.cam().map_err(|error| no_cam(index, error))?;
+            let followed = present.cam().map_or(0, |shape| shape.length);
+            if shape.length != followed {
+                let lengths = (Number::Count(shape.length), Number::Count(followed));
+                return Err(refuse(Code::CAM_OTHER_LENGTH).with(lengths.0, lengths.1));
+            }
         }
         if let Some(place) = self.state.tables.get_mut(place) {
             // Who gave the former one keeps a reference: none is freed here.

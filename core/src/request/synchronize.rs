@@ -1,6 +1,6 @@
 //! A coupling, in names and units: a gear or a cam.
 //!
-//! Law      a scale is the decimal that its number means, to 18 places behind the point: nothing of it drifts
+//! Law      a scale is the decimal that its number means, to 18 places behind the point, or to 18 digits: nothing of it drifts
 //! Reads    the names of the cell; the scales of axis and leader
 //! Refuses  modes that do not exist yet, fields that the mode gives no meaning, scales beyond [`MOST_SCALE`]
 //! Source   contract section 7, 10
@@ -19,8 +19,8 @@ use crate::unit::{Fraction, Scale, excerpt, fraction_from_f64, fraction_to_text,
 const CAM: u8 = 3;
 /// Largest scale of a cam; the smallest is its inverse.
 const MOST_SCALE: i128 = 1_000_000;
-/// Places behind the point of a scale.
-const PLACES: i128 = 10_i128.pow(18);
+/// Most places behind the point of a scale.
+const PLACES: u32 = 18;
 
 /// A coupling with names and units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -162,7 +162,7 @@ impl MachineConfig {
         let increments = Scale::increments();
         let master = match leader {
             Some(leader) => self.scale_of(leader).unwrap_or(&increments),
-            None if request.master_offset == Amount::default() => &increments,
+            None if is_zero(&request.master_offset) => &increments,
             None => {
                 return Err(RequestError::NoMeaning {
                     field: "master_offset",
@@ -195,6 +195,14 @@ impl MachineConfig {
     }
 }
 
+/// Nothing, in whatever unit.
+fn is_zero(amount: &Amount) -> bool {
+    match amount {
+        Amount::Number(number) => *number == 0.0,
+        Amount::Quantity(quantity) => quantity.value() == Fraction::default(),
+    }
+}
+
 fn choice_of_cam(field: &'static str, value: i64) -> RequestError {
     RequestError::BadChoice {
         field,
@@ -208,7 +216,7 @@ fn check_no_cam(request: &CamRequest) -> Result<(), RequestError> {
     let CamRequest { table, start, master_scale, slave_scale, master_offset, slave_offset } = request;
     let zero = Fraction::default();
     let scale = |scale: &Fraction| (*scale != zero).then(|| fraction_to_text(scale));
-    let amount = |amount: &Amount| (*amount != Amount::default()).then(|| "given".to_owned());
+    let amount = |amount: &Amount| (!is_zero(amount)).then(|| "given".to_owned());
     let given = [
         ("table", (!table.is_empty()).then(|| format!("`{}`", excerpt(table)))),
         ("cam_start", (*start != 0).then(|| start.to_string())),
@@ -241,17 +249,13 @@ fn ratio(field: &'static str, given: Fraction) -> Result<Ratio, RequestError> {
         Ratio::new(i64::try_from(numerator).ok()?, i64::try_from(denominator).ok()?)
     };
     let exact = parts(*given.numer(), *given.denom());
-    let rounded = || {
-        let fraction = num_product(given)?;
-        parts(fraction.into(), PLACES)
-    };
-    exact.or_else(rounded).ok_or_else(refused)
-}
-
-/// A scale in units of its last place, rounded; none beyond 63 bits.
-fn num_product(given: Fraction) -> Option<i64> {
-    let whole = given.numer().checked_mul(PLACES)?;
-    round(&Fraction::new(whole, *given.denom()))
+    // As many places as there is room for.
+    let rounded = (0..=PLACES).rev().find_map(|places| {
+        let unit = 10_i128.pow(places);
+        let whole = round(&Fraction::new(given.numer().checked_mul(unit)?, *given.denom()))?;
+        parts(whole.into(), unit)
+    });
+    exact.or(rounded).ok_or_else(refused)
 }
 
 #[cfg(test)]
@@ -275,6 +279,10 @@ mod tests {
             refused(1_000_000.5),
             "master_scale is 1000000.5; a scale lies within 0.000001 and 1000000, of either sign; 0 stands for 1"
         );
+        // 62 bits hold 17 places of 12, and no more.
+        let fine = Fraction::new(123_456_789_012_345_678_901, 10_000_000_000_000_000_000);
+        let rounded = ratio("master_scale", fine).ok();
+        assert_eq!(rounded, Ratio::new(1_234_567_890_123_456_789, 100_000_000_000_000_000));
         assert!(refused(9.9e-7).contains("a scale lies within"), "{}", refused(9.9e-7));
         assert!(factor("slave_scale", f64::NAN).expect_err("NaN").to_string().starts_with("slave_scale: "));
     }

@@ -30,13 +30,21 @@ pub struct Cam {
     place: Position,
     /// The value there.
     value: Position,
+    /// Change of the lead in a cycle (inc), smoothed.
+    mean: f64,
+    /// At an end the slave rests.
+    rests: bool,
 }
+
+/// Cycles over which the speed of a lead is smoothed.
+const MEAN_CYCLES: f64 = 64.0;
 
 impl Cam {
     /// A cam with the scaled master at `place`; none where the table is no cam.
     pub fn new(table: u16, (master, slave): (Ratio, Ratio), place: Position, tables: &[Arc<Table>]) -> Option<Self> {
         let (master, slave) = (Gear::new(master), Gear::new(slave));
-        let mut cam = Self { table, near: 0, slope: 0.0, master, slave, place, value: Position::ZERO };
+        let value = Position::ZERO;
+        let mut cam = Self { table, near: 0, slope: 0.0, master, slave, place, value, mean: 0.0, rests: true };
         let (table, shape) = cam.find(tables)?;
         cam.go(table, shape);
         Some(cam)
@@ -61,6 +69,7 @@ impl Cam {
     /// Could it have come about?
     pub fn is_sound(&self) -> bool {
         self.slope.is_finite()
+            && self.mean.is_finite()
             && self.master.is_sound()
             && self.slave.is_sound()
             && self.place.is_legal()
@@ -88,21 +97,30 @@ impl Cam {
         self.find(tables).is_none_or(|(_, shape)| !shape.is_cyclic && self.place >= Position::whole(shape.length))
     }
 
-    /// The slave's way to the end of a table that has one, and its last slope.
-    pub fn way_to_end(&self, tables: &[Arc<Table>]) -> Option<(Position, f64)> {
+    /// The same, whose slave goes on at an end.
+    #[must_use]
+    pub fn going_on(self) -> Self {
+        Self { rests: false, ..self }
+    }
+
+    /// Change of its lead in a cycle (inc), smoothed.
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    /// The slave's way to an end at which it is to rest, where the lead comes there within so many cycles.
+    pub fn way_to_end(&self, change: Position, cycles: f64, tables: &[Arc<Table>]) -> Option<Position> {
         let (table, shape) = self.find(tables)?;
-        let (x, y) = (table.x(), table.y());
-        if shape.is_cyclic {
-            return None;
-        }
-        let [.., before, last] = y else { return None };
-        let wide = match x {
-            [.., before, last] => (last - before) as f64,
-            _ => shape.length as f64 / (y.len() - 1) as f64,
-        };
-        let ratio = self.master.ratio().to_f64() * self.slave.ratio().to_f64();
-        let way = Gear::new(self.slave.ratio()).step(Position::whole(*last) - self.value);
-        Some((way, (last - before) as f64 / wide * ratio))
+        let left = (Position::whole(shape.length) - self.place).to_f64();
+        let ahead = change.to_f64() * self.master.ratio().to_f64() * cycles;
+        let last = table.y().last().copied().filter(|_| !shape.is_cyclic && self.rests && left <= ahead)?;
+        Some(Gear::new(self.slave.ratio()).step(Position::whole(last) - self.value))
+    }
+
+    /// Largest change of the lead in a cycle that it bears (inc).
+    pub fn most(&self, tables: &[Arc<Table>]) -> i64 {
+        let length = self.find(tables).map_or(0, |(_, shape)| shape.length);
+        (length as f64 / self.master.ratio().to_f64().abs()) as i64
     }
 
     /// Does it lead its slave by that change of the lead? By more than a length a table says nothing.
@@ -118,6 +136,7 @@ impl Cam {
     pub fn step(&mut self, change: Position, tables: &[Arc<Table>]) -> Position {
         let Some((table, shape)) = self.find(tables) else { return Position::ZERO };
         let before = self.value;
+        self.mean += (change.to_f64() - self.mean) / MEAN_CYCLES;
         self.place += self.master.step(change);
         let way = self.go(table, shape);
         self.slave.step(way + self.value - before)
@@ -126,6 +145,7 @@ impl Cam {
     /// The same, and the cam behind it, where nothing is to be looked at: before an end it looks ahead.
     #[inline]
     pub fn stepped(mut self, change: Position, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
+        i64::try_from(change.raw()).ok()?;
         let (_, shape) = self.find(tables)?;
         let step = (shape.is_cyclic && self.bears(change, tables)).then(|| self.step(change, tables))?;
         Some((step, self))

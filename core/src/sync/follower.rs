@@ -187,7 +187,12 @@ impl Follower {
     /// The velocity with which the slave would go on without its leader (inc/s), given its present one: that of a counted
     /// leader is smoothed, as its single changes say little.
     pub fn steady_velocity(&self, present: f64, cycle_s: f64) -> f64 {
-        if self.lead_uneven == 0.0 { present } else { self.mean / cycle_s }
+        match self.transmission {
+            _ if self.lead_uneven == 0.0 => present,
+            Transmission::Gear(_) => self.mean / cycle_s,
+            // What it has done in other places of the table says nothing.
+            Transmission::Cam(cam) => cam.mean() * cam.slope() / cycle_s,
+        }
     }
 
     /// How far it has come.
@@ -240,18 +245,21 @@ impl Follower {
             Rule::Never => true,
         };
         let rate = bounds.acceleration * cycle_s * cycle_s;
+        let slowing = self.slowing(cycle_s, bounds);
         if let Some(cam) = self.transmission.cam() {
-            // One that ends smoothly is followed; where the slave could not stop at once, it slows down before.
-            let end = cam.way_to_end(tables).filter(|(_, slope)| (slope * lead.change.to_f64()).abs() > rate);
-            self.halt = end.map(|(way, _)| self.target + way);
+            // One that ends smoothly is followed; where the slave could not stop in time, it slows down before.
+            let cycles = before.abs() / slowing + 2.0;
+            self.halt = cam.way_to_end(lead.change, cycles, tables).map(|way| self.target + way);
         }
-        let ahead = self.slowed(slave.position, geared, rate) == geared;
+        let ahead = self.slowed(slave.position, geared, slowing) == geared;
         let follows =
             ahead && !(forward_only && geared < 0.0) && self.can_follow(geared, before, uneven, cycle_s, bounds);
         let position = match self.phase {
             Phase::Synchronized if follows => slave.position + change,
             _ => {
-                let (low, high) = (before - rate - uneven, before + rate + uneven);
+                let slowing = if self.halt.is_some() { slowing.max(rate) } else { rate };
+                let (down, up) = if before > 0.0 { (slowing, rate) } else { (rate, slowing) };
+                let (low, high) = (before - down - uneven, before + up + uneven);
                 // What went backwards with its leader may still slow down.
                 let low = if forward_only { low.max(high.min(0.0)) } else { low };
                 self.catch_up(slave.position, change, (low, high), cycle_s, bounds)
@@ -318,6 +326,12 @@ impl Follower {
             && (geared - before).abs() <= rate * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + grid
     }
 
+    /// With what it slows down for a halt (inc per cycle and cycle): the end of a cam is known too late for less.
+    fn slowing(&self, cycle_s: f64, bounds: Bounds) -> f64 {
+        let is_cam = self.transmission.cam().is_some();
+        (if is_cam { bounds.max_deceleration } else { bounds.acceleration }) * cycle_s * cycle_s
+    }
+
     /// A step that leads the slave no further than it can still stop for the halt of its leader.
     fn slowed(&self, position: Position, step: f64, rate: f64) -> f64 {
         match self.halt.map(|halt| (halt - position).to_f64()) {
@@ -345,7 +359,7 @@ impl Follower {
         // A leader that is as fast as the goal's velocity can only be caught with more.
         let catches = bounds.velocity * cycle_s > geared.abs();
         let top = if catches { bounds.velocity } else { bounds.max_velocity } * cycle_s;
-        let wanted = self.slowed(position, (geared + closing).clamp(-top, top), rate);
+        let wanted = self.slowed(position, (geared + closing).clamp(-top, top), self.slowing(cycle_s, bounds));
         // Not `clamp`: a state that was made up may have no number before.
         let step = wanted.max(low).min(high);
         // Bit for bit the velocity that is asked for: nothing held it back.

@@ -185,7 +185,7 @@ fn a_cam_that_cannot_start_is_refused_and_changes_nothing() {
     let mut rig = enabled(wired());
     let refused = set(&mut rig, X, &[("cam_start_index", 2), ("cam_start_position", 100), ("reference_select", 3)]);
     rig.run(1);
-    assert_eq!(rig.refusal(refused), "cam: its master is at 400 already; it ends at 400");
+    assert_eq!(rig.refusal(refused), "cam: its start is at 400; 0 up to 400, its end, is possible");
     assert_eq!(rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select, 0);
     let words = Table::new(Form::Words, &[], &[1]).unwrap();
     let mut config = wired();

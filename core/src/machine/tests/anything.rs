@@ -180,7 +180,10 @@ fn cam() -> impl Strategy<Value = CamIn> {
 
 /// A table in the place of another one.
 fn loading() -> impl Strategy<Value = Action> {
-    (0..TABLES, 0..TABLES).prop_map(|(index, from)| Action::LoadTable { index, table: table(from) })
+    (0..TABLES, 0..TABLES).prop_map(|(index, from)| {
+        let numbers = (*table(from)).clone().with_cam(table(index).cam_setting());
+        Action::LoadTable { index, table: Arc::new(numbers) }
+    })
 }
 
 fn coupling() -> impl Strategy<Value = Action> {

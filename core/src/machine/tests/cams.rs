@@ -4,6 +4,7 @@ use super::rig::{LINE, Rig, X, at, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, CamIn, Commands, Move, Synchronize};
 use crate::config::TableConfig;
+use crate::event::Kind;
 use crate::object::Leader;
 use crate::position::{Length, Position};
 use crate::sync::gear::Ratio;
@@ -28,6 +29,10 @@ fn knife() -> Table {
 }
 
 fn rig() -> Rig {
+    rig_with(0)
+}
+
+fn rig_with(revers: i64) -> Rig {
     let once = CamSetting { is_cyclic: false, ..CamSetting::default() };
     let tables = [
         ("knife", knife()),
@@ -39,6 +44,7 @@ fn rig() -> Rig {
     config.tables = tables.map(|(name, table)| TableConfig { name: name.into(), table: Arc::new(table) }).into();
     for axis in &mut config.axes {
         axis.parameters.sync_accuracy = 10;
+        axis.parameters.macs.revers = revers;
     }
     let mut rig = Rig::of(config);
     rig.enable();
@@ -86,14 +92,17 @@ fn an_absolute_cam_is_where_the_table_says_over_periods_and_back() {
     rig.run(1);
     assert_eq!((rig.state("x"), rig.int("x.in_sync"), rig.int("x.reference")), ("SYNCHRONIZED_MOTION", 1, 3));
     for (goal, cycles) in [(45_000, 2_000), (-7_000, 2_000)] {
+        let mut exact = 0;
         rig.give(Action::Move(Move { velocity: 40_000.0, acceleration: 2e5, deceleration: 2e5, ..to(LINE, goal) }));
         for _ in 0..cycles {
             rig.run(1);
             // Slopes change by 1.5 at 40 inc a cycle: 60000 inc/s in 1 ms are more than 1e6 inc/s^2 allows, so it lags there.
             if rig.int("x.in_sync") == 1 {
                 assert_eq!(slave(&rig).raw(), of_knife(master(&rig)));
+                exact += 1;
             }
         }
+        assert!(exact > cycles / 2, "{exact} of {cycles}");
         rig.run_until("line.state", 1);
         rig.run(200);
         assert_eq!((rig.int("x.in_sync"), rig.int("x.sync.error")), (1, 0));
@@ -111,7 +120,7 @@ fn absolute_is_refused_where_the_slave_is_elsewhere_and_ramp_in_leads_there() {
     assert_eq!(rig.answer(refused).unwrap_err().code, Code::CAM_AWAY);
     assert_eq!(
         rig.refusal(refused),
-        "x: the cam asks for a place that is 2 mm away; ABSOLUTE begins within sync_accuracy, 0.01 mm, RAMP_IN leads there"
+        "x: the cam asks for a place that is 2 mm away; ABSOLUTE begins within syncaccuracy, 0.01 mm, RAMP_IN leads there"
     );
     assert_eq!((rig.state("x"), slave(&rig)), ("STANDSTILL", Position::ZERO));
     let near = CamIn { slave_offset: Length::whole(-1_991), ..cam(KNIFE, CamStart::Absolute) };
@@ -188,7 +197,82 @@ fn a_cam_with_an_end_ends_its_goal_there_and_rests() {
     let passed = rig.give(on(cam(ONCE, CamStart::RampIn)));
     rig.run(1);
     assert_eq!(rig.answer(passed).unwrap_err().code, Code::CAM_PASSED);
-    assert!(rig.refusal(passed).contains("it ends at 2000"), "{}", rig.refusal(passed));
+    assert!(rig.refusal(passed).contains("it runs from 0 to 2000"), "{}", rig.refusal(passed));
+}
+
+fn ends(rig: &mut Rig, table: &[(i64, i64)], speed: f64, cycles: u64) -> Vec<f64> {
+    let once = CamSetting { is_cyclic: false, ..CamSetting::default() };
+    let numbers = Action::LoadTable { index: ONCE, table: Arc::new(xy(table).with_cam(once)) };
+    rig.give(numbers);
+    rig.give(on(cam(ONCE, CamStart::Relative)));
+    rig.give(Action::Move(Move { acceleration: 50_000.0, ..at(LINE, speed) }));
+    let place = |rig: &mut Rig| {
+        rig.run(1);
+        slave(rig).to_f64()
+    };
+    (0..cycles).map(|_| place(rig)).collect()
+}
+
+/// It crosses the value of its end in the middle of the table: that is no end.
+#[test]
+fn a_cam_is_not_slowed_down_where_it_passes_its_last_value_before_the_end() {
+    let mut rig = rig();
+    // 5 inc a cycle: 50 of the slave, and corners of 100.
+    ends(&mut rig, &[(0, 0), (1000, 10_000), (2000, 10_000), (3000, 5000)], 5000.0, 200);
+    assert_eq!(rig.int("x.in_sync"), 1, "before 5000 and behind it");
+    assert!((rig.real("x.command.velocity") - 50_000.0).abs() < 1e-3, "{}", rig.real("x.command.velocity"));
+    rig.run(900);
+    assert_eq!((rig.state("x"), slave(&rig)), ("STANDSTILL", Position::whole(5000)));
+}
+
+/// 40 inc a cycle up to a dwell of one increment: 800 inc are needed to stop from there.
+#[test]
+fn a_short_dwell_at_the_end_is_not_passed() {
+    let mut rig = rig();
+    let places = ends(&mut rig, &[(0, 0), (1999, 3998), (2000, 3998)], 20_000.0, 1000);
+    assert!(places.iter().all(|place| *place <= 3998.0 + 1e-6), "{:?}", places.iter().copied().fold(0.0, f64::max));
+    assert_eq!((rig.state("x"), slave(&rig)), ("STANDSTILL", Position::whole(3998)));
+}
+
+#[test]
+fn new_numbers_of_another_length_are_refused_while_an_axis_follows() {
+    let mut rig = rig();
+    rig.give(on(cam(KNIFE, CamStart::Absolute)));
+    let refused = rig.give(Action::LoadTable { index: KNIFE, table: Arc::new(xy(&[(0, 0), (10_000, 20_000)])) });
+    rig.run(1);
+    assert_eq!(
+        rig.refusal(refused),
+        "knife: the new numbers are 10000 inc of the master long; an axis follows it over 20000, and keeps its place in it"
+    );
+}
+
+/// Alone it may not go back, and not to where it would be either: the goal says so, and does not stay for ever.
+#[test]
+fn a_slave_that_may_not_go_back_to_the_end_ends_its_goal_with_that() {
+    let mut rig = rig_with(2);
+    ends(&mut rig, &[(0, 0), (1000, 3000), (2000, 2000)], 5000.0, 1000);
+    assert_eq!(rig.state("x"), "STANDSTILL");
+    let codes: Vec<_> = rig.events.iter().filter(|event| event.kind == Kind::Done).map(|event| event.code).collect();
+    assert!(codes.contains(&Code::REVERSE_FORBIDDEN), "{codes:?}");
+}
+
+/// A dwell: whatever it did before, uncoupled it stands.
+#[test]
+fn off_a_dwell_it_goes_on_with_the_velocity_of_the_dwell() {
+    let mut rig = rig();
+    let request = Synchronize {
+        disengage: Disengage::KeepVelocity,
+        cam: Some(cam(KNIFE, CamStart::Relative)),
+        ..couple(X, Leader::Encoder(0), 0, 0)
+    };
+    let goal = rig.give(Action::Synchronize(request));
+    for _ in 0..410 {
+        rig.plant.jump_encoder(0, 20);
+        rig.run(1);
+    }
+    rig.give(Action::Cancel { goal });
+    rig.run(200);
+    assert_eq!(rig.real("x.command.velocity"), 0.0);
 }
 
 /// The last slope is 2: it goes on with twice the velocity of the master.
@@ -202,7 +286,15 @@ fn a_cam_with_an_end_may_leave_its_slave_running() {
     };
     let goal = rig.give(Action::Synchronize(request));
     rig.give(Action::Move(at(LINE, 10_000.0)));
-    rig.run(500);
+    let mut before = 0.0;
+    for _ in 0..500 {
+        rig.run(1);
+        let velocity = rig.real("x.command.velocity");
+        // Behind the corner it catches up with more.
+        let least = f64::min(before, 20_000.0);
+        assert!(velocity >= least - 1e-6, "{velocity} behind {before}");
+        before = velocity;
+    }
     assert_eq!(rig.done(goal)[0].code, Code::NONE);
     assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("CONTINUOUS_MOTION", 20_000.0));
 }

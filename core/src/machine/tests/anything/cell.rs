@@ -60,14 +60,16 @@ pub(super) fn model(interface: Interface) -> Model {
 }
 
 /// How many tables there are.
-pub(super) const TABLES: u16 = 3;
+pub(super) const TABLES: u16 = 4;
 
 /// A cam that feeds, one that goes out and back, and one that has an end.
 pub(super) fn table(number: u16) -> Arc<Table> {
     let table = match number {
         0 => Table::new(Form::Xy, &[0, 1000, 1600, 4000], &[0, 300, 1700, 2500]),
         1 => Table::new(Form::Xy, &[0, 2000, 5000], &[-40, 3000, -40]),
-        _ => Table::new(Form::Xy, &[0, 3000, 3001, 6000], &[0, 100, 900, 2000]),
+        // It passes its last value before, and stands there at its end.
+        2 => Table::new(Form::Xy, &[0, 1000, 2000, 3900, 4000], &[0, 2600, -300, 2000, 2000]),
+        _ => Table::new(Form::Xy, &[0, 3000, 3001, 4000], &[0, 100, 900, 2000]),
     };
     let interpolation = if number == 1 { Interpolation::Cubic } else { Interpolation::Linear };
     let setting = CamSetting { length: None, is_cyclic: number < 2, interpolation };
