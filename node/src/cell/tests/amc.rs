@@ -70,7 +70,7 @@ fn parameters_that_do_not_fit_the_axis_are_refused_where_they_stand() {
             "amc: {reference_select: 3, master: belt}",
             "13:31: amc.reference_select 3 follows a master by a table; give `amc: {cam: ..}` in the cell",
         ),
-        ("amc: {cam: knive}", "13:19: no table is called `knive`"),
+        ("amc: {cam: knive}", "13:18: cam is `knive`; no table has that name, there is none"),
         (
             "amc: {reference_select: 4}",
             "13:31: amc.reference_select 4 follows a master; give `amc: {master: ..}` in the cell",

@@ -410,8 +410,8 @@ fn what_is_wrong_is_one_sentence() {
     }
     let deep = "[".repeat(100_000);
     assert_eq!(desk.read(&deep).unwrap_err(), "lists and mappings are nested deeper than 64 levels");
-    let wide = format!("{{\"halt\":{{\"axes\":[{}\"x\"]}}}}", "\"x\",".repeat(2_100_000));
-    assert_eq!(desk.read(&wide).unwrap_err(), "the file has more than 2000000 values");
+    let wide = format!("{{\"halt\":{{\"axes\":[{}\"x\"]}}}}", "\"x\",".repeat(4_100_000));
+    assert_eq!(desk.read(&wide).unwrap_err(), "the file has more than 4000000 values");
 }
 
 #[test]
