@@ -22,7 +22,7 @@ impl Reader<'_> {
         if let Ok(index) = found {
             request.axis = index;
         }
-        let mut take = |result: Result<(), Option<Deed>>| {
+        let mut take = |result: Result<(), Option<Box<Deed>>>| {
             if let Err(deed) = result {
                 is_good &= deed.is_some();
                 refused = refused.take().or(Some(deed));
@@ -40,10 +40,15 @@ impl Reader<'_> {
         if !is_good || is_empty && self.refuse_nothing(value, "saia", &["axis", "set", "commands"]) {
             return None;
         }
-        refused.unwrap_or_else(|| Some(Deed::Command(Action::vocabulary(request))))
+        refused.map_or_else(|| Some(Deed::Command(Action::vocabulary(request))), |deed| deed.map(|deed| *deed))
     }
 
-    fn saia_register(&self, key: &Value<'_>, input: &Value<'_>, request: &mut Request) -> Result<(), Option<Deed>> {
+    fn saia_register(
+        &self,
+        key: &Value<'_>,
+        input: &Value<'_>,
+        request: &mut Request,
+    ) -> Result<(), Option<Box<Deed>>> {
         let name = key.text().ok_or(None)?;
         let given = match input.peek().and_then(hexadecimal) {
             Some(number) => ParameterInput::Integer(number),
@@ -56,7 +61,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn saia_command(&self, flag: &Value<'_>, request: &mut Request) -> Result<(), Option<Deed>> {
+    fn saia_command(&self, flag: &Value<'_>, request: &mut Request) -> Result<(), Option<Box<Deed>>> {
         let name = flag.text().ok_or(None)?;
         let command = self.note(flag, self.names.config.resolve_saia_command(name))?;
         if !request.commands.insert(command) {
@@ -67,8 +72,8 @@ impl Reader<'_> {
     }
 
     /// What is wrong with a part of the request: a refusal that the step expects, or a problem.
-    fn note<T>(&self, value: &Value<'_>, result: Result<T, RequestError>) -> Result<T, Option<Deed>> {
-        result.map_err(|error| self.settle(value, Err(error)))
+    fn note<T>(&self, value: &Value<'_>, result: Result<T, RequestError>) -> Result<T, Option<Box<Deed>>> {
+        result.map_err(|error| self.settle(value, Err(error)).map(Box::new))
     }
 }
 
