@@ -55,7 +55,7 @@ fn a_client_brings_the_cups_onto_their_cam_and_off_it() {
     }
     let seen = erector.cyclone.run(&format!("{cam} --table stroke"));
     let goal = seen["goal"].as_str().expect("its number").to_owned();
-    assert_eq!(erector.cups()["reference"], "CAM");
+    assert_eq!(erector.cups()["reference"], 3, "CAM");
     assert_eq!([18_000, 15_000, 3_000, 18_000].map(|way| erector.after(way)), [120_000, 0, 0, 120_000]);
     erector.cyclone.run(&format!("cancel /lineshaft synchronize {goal}"));
     erector.cyclone.run(&format!("result /lineshaft synchronize {goal} --expect CANCELED"));
