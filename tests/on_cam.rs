@@ -33,7 +33,7 @@ impl Erector {
         self.cyclone.run(&format!(
             "move /lineshaft --axis shaft --mode relative --units increments --position {increments} --wait"
         ));
-        self.cups()["command_position_increments"].as_i64().expect("increments")
+        self.cups()["command_increments"].as_i64().expect("increments")
     }
 }
 
