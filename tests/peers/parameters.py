@@ -19,8 +19,8 @@ AGREED = {"dfltvel": [30], "dfltacc": [30], "home_vel": [-30], "home_ramp": [30]
 # What is said of a parameter whose function is missing.
 MISSING = re.compile("(does|do) not exist yet")
 # What is said of values in the range that the rest of the axis forbids.
-FORBIDDEN = {"amc.action_on_event": "waits for a latch", "amc.reference_select": "does not exist yet",
-             "amc.reference_select_trigger": "does not exist yet",
+FORBIDDEN = {"amc.action_on_event": "waits for a latch", "amc.reference_select": "follows a master",
+             "amc.reference_select_trigger": "follows a master",
              **dict.fromkeys(("i_refswitch", "i_poslimitsw", "i_neglimitsw"), "digital inputs"),
              **dict.fromkeys(("i_break", "i_continue", "i_errclr"), "digital inputs"),
              **dict.fromkeys(("o_axmove", "o_brake", "o_error"), "digital outputs"),
