@@ -197,7 +197,7 @@ fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
     assert!(alone.contains(&wanted) && !alone.contains("ok"), "{alone}");
     assert_eq!(
         bench.bad("check knife.yaml --cell cell.yaml --axis knive"),
-        "error: no axis of cell.yaml is called `knive`; knife are known, did you mean `knife`?\n"
+        "error: cell.yaml: no axis is called `knive`; there are knife\n"
     );
 }
 

@@ -81,15 +81,36 @@ pub enum TableError {
 
 /// A table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Numbers")]
 pub struct Table {
     form: Form,
     x: Box<[i64]>,
     y: Box<[i64]>,
+    #[serde(skip_serializing)]
     shape: Result<Shape, CurveError>,
     setting: CamSetting,
+    #[serde(skip_serializing)]
     cam: Result<CamShape, CamError>,
     /// Between the points of a cam.
+    #[serde(skip_serializing)]
     spline: Option<Spline>,
+}
+
+/// A table as it is stored: the rest of it is found again.
+#[derive(Deserialize)]
+struct Numbers {
+    form: Form,
+    x: Box<[i64]>,
+    y: Box<[i64]>,
+    setting: CamSetting,
+}
+
+impl TryFrom<Numbers> for Table {
+    type Error = TableError;
+
+    fn try_from(Numbers { form, x, y, setting }: Numbers) -> Result<Self, TableError> {
+        Self::new(form, &x, &y).map(|table| table.with_cam(setting))
+    }
 }
 
 impl Table {
@@ -199,11 +220,6 @@ impl Table {
     pub fn spline(&self) -> Option<&Spline> {
         self.spline.as_ref()
     }
-
-    /// Could it have come about?
-    pub fn is_sound(&self) -> bool {
-        Self::new(self.form, &self.x, &self.y).map(|table| table.with_cam(self.setting)).as_ref() == Ok(self)
-    }
 }
 
 /// The interval that begins at the last point which was passed, of those up to `last`; point 0 counts as passed. It is the one at `near` or beside it
@@ -293,5 +309,18 @@ mod tests {
         assert_eq!(Table::new(Form::Y, &[], &y[..1_000_000]).map(|table| table.len()), Ok(1_000_000));
         let sentence = Table::new(Form::Y, &[], &y).unwrap_err().to_string();
         assert_eq!(sentence, "a table has 1000001 numbers; 1 to 1000000 are possible");
+    }
+
+    /// What is found when it is made is not kept, and found again; what is no table does not come about.
+    #[test]
+    fn a_table_that_was_kept_is_the_same_again() {
+        let setting = CamSetting { length: Some(90), interpolation: Interpolation::Quintic, ..CamSetting::default() };
+        let table = Table::new(Form::Y, &[], &[0, 40, 10, 0]).unwrap().with_cam(setting);
+        let bytes = postcard::to_stdvec(&table).unwrap();
+        assert_eq!(postcard::from_bytes::<Table>(&bytes), Ok(table));
+        // A form, no places, four values of a byte each and their number, length, round, interpolation: no coefficients.
+        assert!(bytes.len() < 16, "{} bytes", bytes.len());
+        let none = postcard::to_stdvec(&(Form::Y, [0_i64; 0].as_slice(), [0_i64; 0].as_slice(), setting)).unwrap();
+        assert!(postcard::from_bytes::<Table>(&none).is_err());
     }
 }

@@ -11,7 +11,6 @@ mod equations;
 use super::polynomial::Polynomial;
 use super::transfer::{Derivatives, Peaks};
 use equations::{Interval, Kind};
-use serde::{Deserialize, Serialize};
 
 /// What holds at the ends of a spline; N is 1 of a cubic one, 2 of a quintic one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +97,7 @@ pub enum SplineError {
 }
 
 /// A spline, without the points that it goes through: what it adds to the value of the point before.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
     /// Coefficients of u^1 to u^5 of each interval.
     coefficients: Box<[[f64; 5]]>,
@@ -165,11 +164,6 @@ impl Spline {
             _ => None,
         });
         intervals.fold(Peaks::default(), Peaks::or)
-    }
-
-    /// Numbers that can be computed with?
-    pub fn is_sound(&self) -> bool {
-        self.coefficients.as_flattened().iter().all(|coefficient| coefficient.is_finite())
     }
 }
 

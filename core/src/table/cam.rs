@@ -81,7 +81,7 @@ impl Interpolation {
 }
 
 /// Why a table is no cam.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CamError {
     /// Words of a data block have no points.
     #[error("words of a data block are no cam; form y and form xy are")]
@@ -124,7 +124,7 @@ pub enum CamError {
 }
 
 /// A table that is a cam.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CamShape {
     /// (inc of the master), above 0.
     pub length: i64,

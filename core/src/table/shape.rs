@@ -5,13 +5,12 @@
 //! Source   AMK-FIPW-02, AMK-XFIPW-05, -18, -20, A-08
 
 use super::Form;
-use serde::{Deserialize, Serialize};
 
 /// Steps between two points stay below this (inc).
 const STEP: u64 = 1 << 15;
 
 /// Why a table is no curve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveError {
     /// Words of a data block have no points.
     Words,
@@ -26,7 +25,7 @@ pub enum CurveError {
 }
 
 /// The points of a table that is a curve.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shape {
     /// Its largest value, without the sign.
     pub extreme: u64,

@@ -4,8 +4,8 @@
 //!          sqrt(a / |y''|), sqrt(d / |y''|) where it gets slower, cbrt(j / |y'''|). A jump is infinite in the next derivative
 //! Reads    what a table asks for, the limits of an axis; the master runs forward
 
-use super::motion::{Extreme, Extremes};
-use lineshaft_core::law::Jump;
+use super::motion::Extremes;
+use lineshaft_core::law::{Jump, Peak};
 use lineshaft_core::parameter::AxisParameters;
 
 /// A limit of an axis, and what a table asks of it.
@@ -18,7 +18,7 @@ pub(crate) struct Demand {
     /// (inc/s^order)
     pub(crate) limit: f64,
     /// What the table has for each increment of the master; infinite at a jump.
-    pub(crate) peak: Extreme,
+    pub(crate) peak: Peak,
 }
 
 impl Demand {
@@ -48,7 +48,7 @@ pub(crate) fn demands(extremes: &Extremes, parameters: &AxisParameters) -> Vec<D
     let of = |key, order, limit, peak| Demand { key, order, limit, peak };
     let (mut faster, mut slower, mut jerk) = (extremes.acceleration, extremes.deceleration, extremes.jerk);
     for jump in &extremes.jumps {
-        let endless = Extreme { value: f64::INFINITY, at: jump.at };
+        let endless = Peak { value: f64::INFINITY, at: jump.at };
         if jump.derivative > 1 {
             jerk = if jerk.value.is_infinite() { jerk } else { endless };
             continue;
@@ -86,7 +86,7 @@ mod tests {
 
     fn extremes([velocity, acceleration, deceleration, jerk]: [f64; 4]) -> Extremes {
         let [velocity, acceleration, deceleration, jerk] =
-            [velocity, acceleration, deceleration, jerk].map(|value| Extreme { value, at: 7.0 });
+            [velocity, acceleration, deceleration, jerk].map(|value| Peak { value, at: 7.0 });
         Extremes { velocity, acceleration, deceleration, jerk, jumps: Vec::new() }
     }
 

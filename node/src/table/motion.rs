@@ -6,38 +6,28 @@
 //! Refuses  points that are no curve of a cam
 
 use super::description::Description;
-use lineshaft_core::law::{Jump, Plan};
+use lineshaft_core::law::{Jump, Peak, Plan};
 use lineshaft_core::table::{CurveError, Form, Table};
 
 /// Parts of a segment that are looked at, each for a peak of its own.
 const PARTS: u32 = 256;
 
-/// The largest amount of a derivative, and where.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Extreme {
-    /// Without its sign.
-    pub(crate) value: f64,
-    /// Place of the master (inc).
-    pub(crate) at: f64,
-}
-
-impl Extreme {
-    fn meet(&mut self, value: f64, at: f64) {
-        if value.abs() > self.value {
-            *self = Self { value: value.abs(), at };
-        }
+/// Takes a larger amount in the place of its own.
+fn meet(peak: &mut Peak, value: f64, at: f64) {
+    if value.abs() > peak.value {
+        *peak = Peak { value: value.abs(), at };
     }
 }
 
 /// What a table asks of its slave for each increment of the master.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Extremes {
-    pub(crate) velocity: Extreme,
+    pub(crate) velocity: Peak,
     /// Of an acceleration that makes the slave faster.
-    pub(crate) acceleration: Extreme,
+    pub(crate) acceleration: Peak,
     /// Of one that makes it slower.
-    pub(crate) deceleration: Extreme,
-    pub(crate) jerk: Extreme,
+    pub(crate) deceleration: Peak,
+    pub(crate) jerk: Peak,
     /// Beside them derivatives that jump.
     pub(crate) jumps: Vec<Jump>,
 }
@@ -140,7 +130,7 @@ impl Points {
         let [velocity, acceleration, jerk] = self.derivatives();
         let mut found = Extremes::default();
         let slopes: Vec<f64> = velocity.iter().map(|(_, slope)| *slope).collect();
-        velocity.iter().for_each(|(x, v)| found.velocity.meet(*v, *x));
+        velocity.iter().for_each(|(x, v)| meet(&mut found.velocity, *v, *x));
         // The first bend lies before the first line where the table goes round, else behind it.
         let offset = usize::from(!self.is_cyclic);
         for (nth, (x, a)) in acceleration.iter().enumerate() {
@@ -148,9 +138,9 @@ impl Points {
             let behind = line(nth + offset);
             let before = (nth + offset).checked_sub(1).map_or_else(|| slopes.last().copied().unwrap_or(0.0), line);
             let side = if a * (before + behind) < 0.0 { &mut found.deceleration } else { &mut found.acceleration };
-            side.meet(*a, *x);
+            meet(side, *a, *x);
         }
-        jerk.iter().for_each(|(x, j)| found.jerk.meet(*j, *x));
+        jerk.iter().for_each(|(x, j)| meet(&mut found.jerk, *j, *x));
         found
     }
 }
@@ -212,12 +202,12 @@ impl Motion {
 fn planned(description: &Description) -> Extremes {
     let plan = &description.plan;
     let peaks = plan.peaks();
-    let [velocity, largest, jerk] = [peaks.v, peaks.a, peaks.j].map(|peak| Extreme { value: peak.value, at: peak.at });
+    let (velocity, largest, jerk) = (peaks.v, peaks.a, peaks.j);
     let mut sides = [true, false].map(|is_faster| {
-        let mut found = Extreme::default();
+        let mut found = Peak::default();
         for span in description.spans() {
             let (value, at) = peak_within(span, |x| amount(plan, x, is_faster));
-            found.meet(value, at);
+            meet(&mut found, value, at);
         }
         found
     });
@@ -302,13 +292,13 @@ mod tests {
         let [_, acceleration, jerk] = once.derivatives();
         assert_eq!((acceleration.len(), jerk.len()), (3, 2));
         let found = Motion::Points(once).extremes();
-        assert_eq!(found.velocity, Extreme { value: 3.0, at: 10.0 });
+        assert_eq!(found.velocity, Peak { value: 3.0, at: 10.0 });
         // At 10 it gets faster forward, at 20 it turns from 3 to -1: slower; at 30 faster back.
-        assert_eq!(found.acceleration, Extreme { value: 0.2, at: 10.0 });
-        assert_eq!(found.deceleration, Extreme { value: 0.4, at: 20.0 });
+        assert_eq!(found.acceleration, Peak { value: 0.2, at: 10.0 });
+        assert_eq!(found.deceleration, Peak { value: 0.4, at: 20.0 });
         // Round: at 0 from -3 to 1, slower.
         let round = Motion::Points(points(&x, &y, true)).extremes();
-        assert_eq!((round.acceleration.value, round.deceleration), (0.2, Extreme { value: 0.4, at: 0.0 }));
+        assert_eq!((round.acceleration.value, round.deceleration), (0.2, Peak { value: 0.4, at: 0.0 }));
         assert!(near(round.jerk.value, 0.06) && round.jerk.at == 15.0);
     }
 

@@ -135,16 +135,6 @@ fn what_is_no_spline_is_refused_with_its_point() {
     assert_eq!(refused, "derivative 2 at the last point is NaN; a finite number is needed");
 }
 
-#[test]
-fn a_spline_comes_back_from_bytes_and_knows_what_is_no_number() {
-    let spline = through(&[0.0, 1.0, 3.0], &[0.0, 1.0, -1.0], Degree::Quintic, Kept::Periodic);
-    let bytes = postcard::to_stdvec(&spline).expect("bytes");
-    assert_eq!(postcard::from_bytes::<Spline>(&bytes).as_ref(), Ok(&spline));
-    assert!(spline.is_sound());
-    let broken = Spline { coefficients: [[0.0, 0.0, f64::NAN, 0.0, 0.0]].into() };
-    assert!(!broken.is_sound());
-}
-
 /// As many points as a table may have, along 3 turns of a sine and a line: a spline is as near to it as its distances to the fourth power.
 #[test]
 fn a_million_points() {

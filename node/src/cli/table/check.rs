@@ -4,11 +4,11 @@ use super::args::CheckArgs;
 use super::{Exit, Failure, motion};
 use crate::cell::Cell;
 use crate::cli::{complain, say};
-use crate::scenario::{did_you_mean, nearest};
 use crate::table::limits::{Demand, binding, demands};
-use crate::table::motion::{Extreme, Extremes, Motion};
+use crate::table::motion::{Extremes, Motion};
 use lineshaft_core::config::AxisConfig;
-use lineshaft_core::unit::{Scale, excerpt};
+use lineshaft_core::law::Peak;
+use lineshaft_core::unit::Scale;
 use std::path::Path;
 
 /// Derivatives in the order in which they are told, with their units.
@@ -60,13 +60,8 @@ pub(super) fn check(args: &CheckArgs) -> Result<Exit, Failure> {
 
 fn find(path: &Path, wanted: &str) -> Result<AxisConfig, Failure> {
     let cell = Cell::load(path).map_err(|problems| Failure::Problems(problems.to_string()))?;
-    let names: Vec<String> = cell.machine.axes.iter().map(|axis| axis.name.clone()).collect();
-    cell.machine.axes.into_iter().find(|axis| axis.name == wanted).ok_or_else(|| {
-        let meant = nearest(wanted, names.iter().map(String::as_str)).map(did_you_mean);
-        let meant = meant.map_or(String::new(), |meant| format!(", {meant}"));
-        let known = if names.is_empty() { "it has none".to_owned() } else { format!("{} are known", names.join(", ")) };
-        Failure::Sentence(format!("no axis of {} is called `{}`; {known}{meant}", path.display(), excerpt(wanted)))
-    })
+    let found = cell.machine.find_axis(wanted).map(|(_, axis)| axis.clone());
+    found.map_err(|error| Failure::Sentence(format!("{}: {error}", path.display())))
 }
 
 fn summary(motion: &Motion) -> String {
@@ -92,7 +87,7 @@ fn derivatives(extremes: &Extremes, speed: Option<f64>) -> Vec<String> {
     } else {
         extremes.acceleration
     };
-    let tell = |((name, unit, order), Extreme { value, at }): ((&str, &str, u8), Extreme)| {
+    let tell = |((name, unit, order), Peak { value, at }): ((&str, &str, u8), Peak)| {
         let rate =
             |speed: f64| format!(": {}", Scale::increments().format_rate(value * speed.powi(order.into()), order));
         let found = format!("{} {unit}", digits(value));

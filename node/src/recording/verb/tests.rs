@@ -178,11 +178,10 @@ fn probes_name_what_latches() {
     );
 }
 
-#[test]
-fn couplings_name_their_leader() {
-    let desk = Desk::new();
-    let coupling = Coupling {
-        axis: 1,
+/// To x, in mode position.
+fn coupling(axis: u16) -> Coupling {
+    Coupling {
+        axis,
         leader: Some(Leader::AxisCommand(0)),
         mode: SyncMode::Position,
         disengage: Disengage::Stop,
@@ -192,7 +191,13 @@ fn couplings_name_their_leader() {
         velocity: 0.0,
         acceleration: 0.0,
         cam: None,
-    };
+    }
+}
+
+#[test]
+fn couplings_name_their_leader() {
+    let desk = Desk::new();
+    let coupling = coupling(1);
     let head = r#"{"synchronize":{"id":"17","axis":"turret","master":"#;
     desk.is(&Action::Synchronize(coupling), &format!(r#"{head}"x","mode":"position"}}}}"#));
     let full = Coupling {
@@ -229,20 +234,7 @@ fn cams_name_their_table() {
         master_offset: Length::default(),
         slave_offset: Length::default(),
     };
-    let on = |cam| {
-        Action::Synchronize(Coupling {
-            axis: 0,
-            leader: Some(Leader::Encoder(0)),
-            mode: SyncMode::Position,
-            disengage: Disengage::Stop,
-            numerator: 0,
-            denominator: 0,
-            offset: Length::default(),
-            velocity: 0.0,
-            acceleration: 0.0,
-            cam: Some(cam),
-        })
-    };
+    let on = |cam| Action::Synchronize(Coupling { leader: Some(Leader::Encoder(0)), cam: Some(cam), ..coupling(0) });
     let head = r#"{"synchronize":{"id":"17","axis":"x","master":"belt","mode":"cam","table":"knife","cam_start":"#;
     desk.is(&on(plain), &format!(r#"{head}"absolute"}}}}"#));
     let full = CamIn {
