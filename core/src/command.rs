@@ -15,6 +15,7 @@ use crate::sync::gear::Ratio;
 use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::table::Table;
 use crate::trajectory::Trajectory;
+use crate::unit::{Amount, Scale};
 use crate::vocabulary::Request;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -93,6 +94,8 @@ pub enum Action {
     SetMasterPosition(SetMasterPosition),
     /// Couples one axis to a leader.
     Synchronize(Synchronize),
+    /// Shifts one axis against its leader.
+    Phase(Phase),
     /// A verb of a vocabulary on one axis.
     Vocabulary(Request),
     /// Ends the goal that the command of this sequence number started, with a controlled stop.
@@ -203,6 +206,7 @@ impl Action {
                 | Self::Trajectory(_)
                 | Self::HomeAxis(_)
                 | Self::Synchronize(_)
+                | Self::Phase(_)
                 | Self::Vocabulary(_)
         )
     }
@@ -429,6 +433,40 @@ pub struct CamIn {
     pub master_offset: Length,
     /// What is added to the scaled value of the table (inc of the slave).
     pub slave_offset: Length,
+}
+
+/// A shift of an axis against its leader (MC_PhasingRelative).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    /// The axis that follows.
+    pub axis: u16,
+    /// What is shifted, and by how much.
+    pub side: PhaseSide,
+}
+
+/// What a phase shift shifts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PhaseSide {
+    /// The axis, in its increments.
+    Slave(PhaseShift),
+    /// What leads it, as it sees it.
+    Master {
+        /// Shift, velocity and acceleration as they were given.
+        given: [Amount; 3],
+        /// The same in increments of each scale that the leader may have.
+        by_scale: Box<[(Scale, PhaseShift)]>,
+    },
+}
+
+/// How much, and how fast. Rates of 0 ask for the defaults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseShift {
+    /// (inc), with its sign.
+    pub shift: Length,
+    /// (inc/s)
+    pub velocity: f64,
+    /// (inc/s^2), speeding up and slowing down.
+    pub acceleration: f64,
 }
 
 /// A streamed setpoint of one axis.

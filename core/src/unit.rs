@@ -9,6 +9,7 @@
 //! Lengths, times, degrees and revolutions are exact. Radians are not: pi is irrational, so a value in rad takes part
 //! with pi as an f64. Nothing here allocates but texts and errors that carry a text.
 
+mod amount;
 mod axis;
 mod error;
 mod fraction;
@@ -17,11 +18,12 @@ mod names;
 mod quantity;
 mod scale;
 
+pub use amount::{Amount, Units};
 pub use axis::AxisUnit;
 pub use error::{UnitError, excerpt};
 pub use fraction::{
-    Fraction, fraction_from_f64, fraction_to_f64, fraction_to_text, number_to_text, parse_decimal, parse_fraction,
-    round,
+    Fraction, fraction_from_f64, fraction_to_digits, fraction_to_f64, fraction_to_text, number_to_text, parse_decimal,
+    parse_fraction, round,
 };
 pub use macs::{MLONG, MacsFactors};
 pub use names::{Dimension, Unit};

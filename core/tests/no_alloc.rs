@@ -5,8 +5,8 @@ use lineshaft_core::axis::{BrakeConfig, Safety, Wired};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
     Action, BufferMode, CamIn, Command, CommandFunction, Commands, HomeAxis, HomingMethod, MasterPosition, Move,
-    MoveMode, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Setpoints, Source,
-    Synchronize,
+    MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition,
+    Setpoint, Setpoints, Source, Synchronize,
 };
 use lineshaft_core::config::{
     AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig,
@@ -28,7 +28,7 @@ use lineshaft_core::sync::gear::Ratio;
 use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
 use lineshaft_core::table::{CamSetting, Form as Numbering, Interpolation, MOST, Table};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
-use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+use lineshaft_core::unit::{Amount, Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
 use lineshaft_core::vocabulary::{self, Wiring, amc, wf};
 use std::collections::BTreeMap;
@@ -80,7 +80,7 @@ macro_rules! kinds {
 
 kinds! {
     Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, Trajectory, HomeAxis,
-    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Cancel, SetParameters, SaveParameters,
+    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, Cancel, SetParameters, SaveParameters,
     ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, LoadTable, SetOutputs, Refuse, Note,
 }
 
@@ -268,6 +268,15 @@ fn cam(number: i64) -> CamIn {
     }
 }
 
+/// A phase shift of either side, in increments of any leader.
+fn phase(axis: u16, number: i64) -> Phase {
+    let shift = PhaseShift { shift: Length::whole(number % 5_000), velocity: 1_000.0, acceleration: 10_000.0 };
+    let scale = config().axes[0].scale;
+    let given = [Amount::default(); 3];
+    let master = PhaseSide::Master { given, by_scale: [(scale, shift), (Scale::increments(), shift)].into() };
+    Phase { axis, side: if number % 4 == 0 { PhaseSide::Slave(shift) } else { master } }
+}
+
 /// An order to a function with a value that is often good.
 fn command(numbers: &mut Numbers) -> Action {
     let slot = numbers.below(TYPES.len() as u64) as u16;
@@ -357,6 +366,7 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
         6 => Action::QuickStop(set),
         7 => Action::ResetErrors(AxisSet::first(usize::from(AXES))),
         8 => Action::Move(request(MoveMode::Absolute)),
+        9 if number % 2 == 0 => Action::Phase(phase(axis, number)),
         9 => Action::Move(request(MoveMode::Relative)),
         10 => Action::Move(request(MoveMode::Velocity)),
         11 => Action::Synchronize(Synchronize {

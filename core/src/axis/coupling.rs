@@ -10,6 +10,7 @@ use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::command::Synchronize;
+use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Leader;
 use crate::parameter::Rule;
@@ -117,6 +118,8 @@ impl Axis {
             self.raise(cx, failure.before_motion());
             return None;
         }
+        let (shift, ended) = self.phase_of_master();
+        let (change, lead) = (change + shift, Lead { change: change + shift, ..lead });
         let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
         if follower.transmission().cam().is_some_and(|cam| !cam.bears(change, cx.tables)) {
             let most = follower.transmission().cam().map_or(0, |cam| cam.most(cx.tables));
@@ -131,6 +134,9 @@ impl Axis {
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
             cx.events.push(Event { position: next.position, ..event });
+        }
+        if let Some((sequence, code)) = ended {
+            cx.events.push(Event::done(self.object(), sequence, code, next.position));
         }
         Some(next)
     }

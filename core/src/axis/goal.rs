@@ -67,6 +67,7 @@ impl Axis {
     pub(super) fn abandon_with(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
         self.end_goal_with(cx, code, numbers);
         self.end_overlay(cx, code, numbers);
+        self.end_phase(cx, code, numbers);
         self.buffer.end(cx.events, self.setup.index, code, self.command.position, numbers);
         self.owner = Owner::Native;
         // Switched off and on again it follows on.
@@ -197,7 +198,8 @@ impl Axis {
             return Err(self.refuse(Code::TRAJECTORY_UNDER_WAY));
         }
         if request.mode == MoveMode::Superimposed && !self.rests() {
-            return self.start_superimposed(cx, sequence, request);
+            let distance = Position::whole(request.target.exact().nearest());
+            return self.start_superimposed(cx, sequence, request, distance);
         }
         let limits = self.check_limits(request)?;
         if request.buffer_mode != BufferMode::Aborting && self.goal.is_some() {

@@ -28,6 +28,7 @@ mod master;
 mod motion;
 mod open_loop;
 mod overlay;
+mod phase;
 mod power;
 mod probe;
 mod publish;
@@ -88,6 +89,7 @@ use judge::Judge;
 use limits::AtLimits;
 use master::Sight;
 use overlay::Overlay;
+use phase::Phasing;
 use power::Power;
 use rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
@@ -239,6 +241,7 @@ pub struct Axis {
     stops_others: bool,
     vocabularies: Vocabularies,
     overlay: Option<Overlay>,
+    phasing: Option<Phasing>,
     buffer: Buffer,
     waiting: Waiting,
 }
@@ -281,6 +284,7 @@ impl Axis {
             left: None,
             lost: None,
             overlay: None,
+            phasing: None,
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
@@ -367,6 +371,7 @@ impl Axis {
     /// The part behind everything that may stop or end something.
     fn settle_step(&mut self, cx: &mut Context<'_>) {
         self.settle_vocabularies(cx);
+        self.settle_phase(cx);
         self.switch_drive(cx);
         self.work_brake(cx.cycle);
         self.settle_waiting(cx);
@@ -414,7 +419,9 @@ impl Axis {
     /// Could its state have come about? One that was read from outside may hold anything.
     pub fn is_sound(&self) -> bool {
         let searches = self.goal.and_then(|goal| goal.search).is_none_or(|search| search.is_sound());
-        let waits = self.buffer.is_sound() && self.overlay.is_none_or(|overlay| overlay.is_sound());
+        let waits = self.buffer.is_sound()
+            && self.overlay.is_none_or(|overlay| overlay.is_sound())
+            && self.phasing.is_none_or(|phasing| phasing.is_sound() && self.coupling().is_some());
         let fits = match self.generator {
             Generator::Rest => true,
             Generator::Open { .. } | Generator::Coast { .. } => self.is_open_loop(),

@@ -28,8 +28,9 @@ pub(super) struct Overlay {
     plan: Plan,
     start: u64,
     limits: Limits,
-    /// Where its way ends, from where it began.
+    /// Where its way ends, from where the first one began, and where this one began.
     end: Position,
+    from: Position,
     /// The override that its plan was made with (%).
     share: f64,
     /// Its motion as the last cycle added it.
@@ -47,6 +48,12 @@ impl Overlay {
         let now = self.shown.position;
         let (low, high) = self.plan.extent_from(now);
         (low.min(self.end).min(now) - now, high.max(self.end).max(now) - now)
+    }
+
+    /// What is left of its way, as a share of all of it.
+    pub(super) fn share_left(&self) -> f64 {
+        let (whole, left) = (self.end - self.from, self.end - self.shown.position);
+        if whole == Position::ZERO { 0.0 } else { left.to_f64() / whole.to_f64() }
     }
 
     /// The way that it goes from now on without turning back: up, or down.
@@ -167,7 +174,7 @@ impl Axis {
         sum
     }
 
-    /// Starts a superimposed motion; one that runs is replaced by the new way, from where it is.
+    /// Starts a superimposed motion by a distance; one that runs is replaced by the new way, from where it is.
     ///
     /// # Errors
     /// What the motion under way leaves is not enough; its end lies beyond a limit.
@@ -176,15 +183,26 @@ impl Axis {
         cx: &mut Context<'_>,
         sequence: u64,
         request: &Move,
+        distance: Position,
     ) -> Result<(), Refusal> {
         let shown = self.overlay.map_or(Motion::default(), |overlay| overlay.shown);
-        let end = Position::whole(shown.position.nearest()) + Position::whole(request.target.exact().nearest());
+        let end = Position::whole(shown.position.nearest()) + distance;
         let share = self.parameters.velocity_override;
         let with = |ways: Ways| {
             let (limits, most) = self.remaining_limits(request, ways)?;
             let limits = sharpen(shown, limits, most);
             let plan = plan(shown, end, &limits, share, self.setup.cycle_ns);
-            Ok(Overlay { sequence, plan, start: cx.cycle, limits, end, share, shown, ending: None })
+            Ok(Overlay {
+                sequence,
+                plan,
+                start: cx.cycle,
+                limits,
+                end,
+                from: shown.position,
+                share,
+                shown,
+                ending: None,
+            })
         };
         let straight = self.way_of_motion().filter(|up| *up == (end > shown.position));
         let beside = straight.and_then(|up| with(Ways::Same).ok().filter(|overlay| overlay.way() == Some(up)));
@@ -319,6 +337,9 @@ impl Axis {
             jerk = jerk.map(|jerk| left(jerk, most_jerk(used.shape)));
         }
         let choose = |asked: f64, left: f64, usual: f64, code, number: fn(f64) -> Number| {
+            if !asked.is_finite() || asked < 0.0 {
+                return Err(Refusal::new(Code::BAD_NUMBER, self.object()).with(number(asked), Number::None));
+            }
             let enough = left >= super::goal::LEAST_RATE;
             if asked > left || !enough {
                 let asked = if asked > 0.0 { asked } else { usual };

@@ -105,6 +105,9 @@ impl Axis {
         set(FaultActual, int(fault.actual));
         set(FaultFollowingError, int(fault.following_error));
         set(EncoderErrors, self.encoder_errors());
+        let (slave, master) = self.phase_left();
+        set(PhaseSlave, real(slave));
+        set(PhaseMaster, real(master));
         show_coupling(words, self.shown_coupling(leads));
         self.publish_vocabularies(board, leads);
     }

@@ -156,6 +156,7 @@ impl Axis {
             && self.switches == Default::default()
             && self.switches_before == Default::default()
             && self.overlay.is_none()
+            && self.phasing.is_none()
             && self.buffer.is_empty()
             && self.waiting.is_empty()
             && self.left.is_none()

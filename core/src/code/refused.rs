@@ -192,6 +192,27 @@ codes! {
         remedy: "Name a point before the last one, and a position within its segment.",
     }
 
+    /// A phase shift of an axis that keeps no position to a leader.
+    PHASE_NO_COUPLING = 10046, NoError {
+        says: "the axis is not coupled by position; a phase shift needs a leader, in mode POSITION or CAM",
+        cause: "A phase shift was asked of an axis that follows nothing, or keeps no position to what it follows.",
+        remedy: "Couple the axis with synchronize in mode POSITION or CAM first.",
+    }
+
+    /// A phase shift of the master in units that its leader has not.
+    PHASE_UNIT = 10047, NoError {
+        says: "the shift has units that the leader of the axis has not; side MASTER is in those of the leader",
+        cause: "The amounts of a phase shift of the master have another dimension than its leader, or are beyond its range.",
+        remedy: "Give shift, velocity and acceleration in units of the leader, or in increments of it.",
+    }
+
+    /// A phase shift of the master of a cam without its own velocity and acceleration.
+    PHASE_RATE = 10048, NoError {
+        says: "a phase shift of the master of a cam needs its velocity and its acceleration, above 0, as its slope is another one everywhere",
+        cause: "A phase shift of the master left velocity or acceleration out, or gave next to nothing, and the axis is on a cam.",
+        remedy: "Give both, in units of the leader.",
+    }
+
     /// The axis runs in open loop, and the command needs a position loop.
     OPEN_LOOP = 10030, NoError {
         says: "the axis runs in open loop; only commands of `wf` move it",

@@ -410,6 +410,18 @@ impl MachineConfig {
         }
     }
 
+    /// The scale of what leads; increments where it has no other.
+    pub fn scale_of(&self, leader: Leader) -> Scale {
+        let scale = match leader {
+            Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => {
+                self.axes.get(usize::from(axis)).map(|axis| axis.scale)
+            }
+            Leader::Encoder(encoder) => self.encoders.get(usize::from(encoder)).map(|encoder| encoder.scale),
+            Leader::Sink(_) => None,
+        };
+        scale.unwrap_or_else(Scale::increments)
+    }
+
     /// The signal of what leads.
     pub fn signal_of(&self, leader: Leader) -> Option<String> {
         let axis = |place: u16| self.axes.get(usize::from(place)).map(|axis| &axis.name);

@@ -2,7 +2,7 @@
 
 use super::{MAX_COMMANDS, Machine, Told};
 use crate::code::Code;
-use crate::command::{Action, Command, Commands, MemoryValue, Probe, ProbeEdge, Synchronize};
+use crate::command::{Action, Command, Commands, MemoryValue, Phase, PhaseSide, Probe, ProbeEdge, Synchronize};
 use crate::config::IoKind;
 use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -72,6 +72,7 @@ impl Machine {
             | Action::SetPosition(_)
             | Action::SetMasterPosition(_)
             | Action::Synchronize(_)
+            | Action::Phase(_)
             | Action::Vocabulary(_)
             | Action::Cancel { .. } => Ok(true),
             Action::SetEncoderPosition(request) if usize::from(request.encoder) >= self.state.encoders.len() => {
@@ -199,6 +200,7 @@ impl Machine {
                 self.couples = true;
                 self.give(told, request.axis, command)
             }
+            Action::Phase(request) => self.shift(told, command.sequence, request),
             Action::Vocabulary(request) => self.give(told, request.axis(), command),
             Action::Cancel { goal } => self.cancel(told, command.sequence, *goal),
             Action::CommandFunction(request) => {
@@ -214,6 +216,24 @@ impl Machine {
     fn give(&mut self, told: Told<'_>, axis: u16, command: &Command) -> Result<(), Refusal> {
         let given = self.act_on(axis.into(), told, |axis, cx| axis.take(cx, command));
         given.ok_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine))
+    }
+
+    /// A phase shift, in increments of what it shifts.
+    fn shift(&mut self, told: Told<'_>, sequence: u64, request: &Phase) -> Result<(), Refusal> {
+        let bad_request = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
+        let index = usize::from(request.axis);
+        let axis = self.state.axes.get(index).ok_or_else(bad_request)?;
+        let result = match &request.side {
+            PhaseSide::Slave(shift) => self.act_on(index, told, |axis, cx| axis.shift_slave(cx, sequence, shift)),
+            PhaseSide::Master { by_scale, .. } => {
+                let no_coupling = || Refusal::new(Code::PHASE_NO_COUPLING, Object::Axis(request.axis));
+                let scale = self.config.scale_of(axis.leader().ok_or_else(no_coupling)?);
+                let shift = by_scale.iter().find(|(of, _)| *of == scale).map(|(_, shift)| *shift);
+                let shift = shift.ok_or_else(|| Refusal::new(Code::PHASE_UNIT, Object::Axis(request.axis)))?;
+                self.act_on(index, told, |axis, cx| axis.shift_master(cx, sequence, &shift))
+            }
+        };
+        result.unwrap_or_else(|| Err(bad_request()))
     }
 
     /// All axes of a goal end it.

@@ -25,6 +25,7 @@ mod open_loop;
 mod order;
 mod panel;
 mod parameters;
+mod phase;
 mod probe;
 mod reactions;
 mod resets;

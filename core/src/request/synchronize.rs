@@ -159,10 +159,9 @@ impl MachineConfig {
             value: request.start.into(),
             allowed: "0 ABSOLUTE, 1 RELATIVE, 2 RAMP_IN are allowed",
         })?;
-        let increments = Scale::increments();
         let master = match leader {
-            Some(leader) => self.scale_of(leader).unwrap_or(&increments),
-            None if is_zero(&request.master_offset) => &increments,
+            Some(leader) => self.scale_of(leader),
+            None if is_zero(&request.master_offset) => Scale::increments(),
             None => {
                 return Err(RequestError::NoMeaning {
                     field: "master_offset",
@@ -178,20 +177,9 @@ impl MachineConfig {
             start,
             master_scale: ratio("master_scale", request.master_scale)?,
             slave_scale: ratio("slave_scale", request.slave_scale)?,
-            master_offset: length("master_offset", request.master_offset, master)?,
+            master_offset: length("master_offset", request.master_offset, &master)?,
             slave_offset: length("slave_offset", request.slave_offset, slave)?,
         })
-    }
-
-    /// The scale of what leads; none where it has none but increments.
-    fn scale_of(&self, leader: Leader) -> Option<&Scale> {
-        match leader {
-            Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => {
-                self.axes.get(usize::from(axis)).map(|axis| &axis.scale)
-            }
-            Leader::Encoder(encoder) => self.encoders.get(usize::from(encoder)).map(|encoder| &encoder.scale),
-            Leader::Sink(_) => None,
-        }
     }
 }
 

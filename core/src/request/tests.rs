@@ -2,9 +2,11 @@ use super::*;
 use crate::command::HomingMethod;
 use crate::config::{EncoderConfig, TableConfig};
 use crate::parameter::AxisParameters;
+use crate::position::{Length, Position};
 use crate::sync::CamStart;
 use crate::sync::gear::Ratio;
 use crate::table::{Form, Table};
+use crate::unit::{Fraction, Quantity, Unit};
 use std::sync::Arc;
 
 fn scale(increments: i128, unit: Unit) -> Scale {

@@ -154,6 +154,11 @@ impl Follower {
         self.target
     }
 
+    /// What it keeps equal.
+    pub fn mode(&self) -> SyncMode {
+        self.mode
+    }
+
     /// Its transmission, with what its remainder holds.
     pub fn transmission(&self) -> &Transmission {
         &self.transmission
@@ -375,8 +380,9 @@ impl Follower {
     }
 }
 
-/// The velocity against the leader with which a way is closed, and whether that is in this one cycle.
-fn closing(way: f64, rate: f64) -> (f64, bool) {
+/// The velocity with which a way is closed (inc per cycle), slowed down by `rate` (inc per cycle and cycle), and whether that is in this one
+/// cycle.
+pub(super) fn closing(way: f64, rate: f64) -> (f64, bool) {
     let cycles = ((-3.0 + (1.0 + 8.0 * way.abs() / rate).sqrt()) / 2.0).ceil().max(0.0);
     let speed = way.abs() / (cycles + 1.0) + rate * cycles / 2.0;
     (speed.copysign(way), cycles == 0.0)

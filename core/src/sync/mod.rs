@@ -4,10 +4,12 @@ pub mod cam;
 pub mod follower;
 pub mod gear;
 mod leads;
+mod shift;
 mod transmission;
 
 pub use leads::{Leads, OfAxis};
 use serde::{Deserialize, Serialize};
+pub use shift::Shift;
 pub use transmission::{Stepped, Transmission};
 
 /// Bits of `x.sync.status`, what MACS calls SYNCSTAT; the text gives no numbers (MACS-SYS-04, A-55).

@@ -111,6 +111,18 @@ pub fn fraction_to_text(value: &Fraction) -> String {
     short_decimal(value).unwrap_or_else(|| nine_digits(fraction_to_f64(value)))
 }
 
+/// All digits of a decimal, however many: it reads back as what it is. As [`fraction_to_text`], where it is none.
+pub fn fraction_to_digits(value: &Fraction) -> String {
+    /// Of 10, in 128 bits.
+    const MOST: u32 = 38;
+    let exact = || {
+        let places = (0..=MOST).find(|&n| 10_i128.pow(n) % value.denom() == 0)?;
+        let scaled = value.numer().checked_mul(10_i128.pow(places) / value.denom())?;
+        Some(format!("{scaled}e-{places}"))
+    };
+    short_decimal(value).or_else(exact).unwrap_or_else(|| fraction_to_text(value))
+}
+
 /// A number as people read it, no digit left out: with an exponent where it would have more than 20 digits, most of
 /// them zeros.
 pub fn number_to_text(value: f64) -> String {

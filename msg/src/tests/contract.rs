@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 28] = [
+const OWN_INTERFACES: [(&str, &str); 29] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -152,6 +152,18 @@ const OWN_INTERFACES: [(&str, &str); 28] = [
         uint8 SEARCH_SWITCH=1 LEAVE_SWITCH=2 SEARCH_INDEX=3 MOVE_TO_OFFSET=4 IN_DRIVE=5
         uint8 phase
         float64 position",
+    ),
+    (
+        "action/Phase",
+        "uint8 SLAVE=0 MASTER=1
+        string axis
+        uint8 side
+        float64 shift velocity acceleration
+        ---
+        uint32 code
+        string message
+        ---
+        float64 remaining",
     ),
     (
         "action/Synchronize",

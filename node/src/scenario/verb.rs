@@ -17,6 +17,7 @@ mod amount;
 mod function;
 mod homing;
 mod output;
+mod phase;
 mod probe;
 mod recorded;
 mod saia;
@@ -32,7 +33,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 27] = [
+const VERBS: [&str; 28] = [
     "enable",
     "disable",
     "halt",
@@ -46,6 +47,7 @@ const VERBS: [&str; 27] = [
     "home_axis",
     "set_position",
     "synchronize",
+    "phase",
     "follow_joint_trajectory",
     "cancel",
     "set_parameters",
@@ -206,6 +208,10 @@ impl Reader<'_> {
             "set_position" => add(self.set_position(arguments), None),
             "synchronize" => {
                 let (deed, id) = self.synchronize(arguments);
+                add(deed, id);
+            }
+            "phase" => {
+                let (deed, id) = self.phase(arguments);
                 add(deed, id);
             }
             "follow_joint_trajectory" => {

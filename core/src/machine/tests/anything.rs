@@ -7,7 +7,8 @@ mod locks;
 use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
-    Action, BufferMode, CamIn, HomeAxis, HomingMethod, Move, MoveMode, Probe, ProbeEdge, SetPosition, Synchronize,
+    Action, BufferMode, CamIn, HomeAxis, HomingMethod, Move, MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge,
+    SetPosition, Synchronize,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
@@ -15,6 +16,7 @@ use crate::modulo::{Direction, Modulo};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer, Row, Value};
 use crate::position::{Length, Position};
+use crate::request::Amount;
 use crate::state::HomingPhase;
 use crate::sync::gear::Ratio;
 use crate::sync::{CamStart, Disengage, SyncMode};
@@ -210,6 +212,19 @@ fn coupling() -> impl Strategy<Value = Action> {
     )
 }
 
+/// Shifts of either side of a coupling, where there is one.
+fn phasing() -> impl Strategy<Value = Action> {
+    let rate = |most: f64| prop_oneof![1 => Just(0.0), 3 => 10.0..most];
+    (axis(), any::<bool>(), -20_000_i64..20_000, rate(60_000.0), rate(600_000.0)).prop_map(
+        |(axis, is_master, shift, velocity, acceleration)| {
+            let shift = PhaseShift { shift: Length::whole(shift), velocity, acceleration };
+            let by_scale = [(super::rig::scale(), shift)].into();
+            let master = PhaseSide::Master { given: [Amount::default(); 3], by_scale };
+            Action::Phase(Phase { axis, side: if is_master { master } else { PhaseSide::Slave(shift) } })
+        },
+    )
+}
+
 fn probing() -> impl Strategy<Value = Action> {
     let edge = prop::sample::select(vec![ProbeEdge::Rising, ProbeEdge::Falling, ProbeEdge::Both, ProbeEdge::Index]);
     let velocity = prop_oneof![Just(0.0), 100.0..100_000.0_f64];
@@ -333,6 +348,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         1 => (axis(), prop_oneof![Just(0.0), -110_000.0..110_000.0_f64, Just(f64::NAN)])
             .prop_map(|(axis, velocity)| Happening::Stream(axis, velocity)),
         3 => command(coupling().boxed()),
+        2 => command(phasing().boxed()),
         1 => command(loading().boxed()),
         3 => command(following().boxed()),
         2 => command(probing().boxed()),
@@ -499,7 +515,8 @@ proptest! {
             }
             let first = given.len() as u64 + 2;
             for (number, action) in (first..).zip(&waiting) {
-                if matches!(action, Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Trajectory(_)) {
+                let is_phase = matches!(action, Action::Phase(_));
+                if is_phase || matches!(action, Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Trajectory(_)) {
                     goals.push(number);
                 }
                 given.push((number, action.clone()));

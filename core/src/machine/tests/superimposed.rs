@@ -78,6 +78,10 @@ fn it_gets_no_more_than_the_motion_under_way_leaves() {
     rig.give(Action::Move(Move { velocity: 70_000.0, ..to(X, 30_000) }));
     let fast = rig.give(Action::Move(Move { velocity: 30_001.0, ..over(100) }));
     assert_eq!(rig.refusal(fast), "x: velocity 30.001 mm/s is more than the motion under way leaves: 30 mm/s");
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        let goal = rig.give(Action::Move(Move { velocity: bad, ..over(100) }));
+        assert!(rig.refusal(goal).contains("a finite number that is not negative is"), "{}", rig.refusal(goal));
+    }
     let steep = rig.give(Action::Move(Move { acceleration: 600_000.0, ..over(100) }));
     assert!(rig.refusal(steep).contains("is more than the motion under way leaves: 500 mm/s^2"));
     let good = rig.give(Action::Move(Move { velocity: 30_000.0, ..over(100) }));

@@ -43,7 +43,12 @@ pub(super) trait AxisAction: lineshaft_msgs::Action + Sized {
     fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
 
     /// Feedback from the axis' signals, where there is something to tell; `mark` is what the goal has found.
-    fn feedback(view: &AxisView, snapshot: &Snapshot, mark: Option<Position>) -> Option<Self::Feedback>;
+    fn feedback(
+        view: &AxisView,
+        snapshot: &Snapshot,
+        goal: &Self::Goal,
+        mark: Option<Position>,
+    ) -> Option<Self::Feedback>;
 
     /// The result of a goal.
     fn result(view: &AxisView, ending: Ending) -> Self::Result;
@@ -132,7 +137,7 @@ async fn follow<A: AxisAction>(
             }
             // Before that the signals are not yet of this goal.
             _ = ticks.tick(), if accepted => {
-                if let Some(feedback) = A::feedback(view, &hub.host.snapshot(), mark) {
+                if let Some(feedback) = A::feedback(view, &hub.host.snapshot(), handle.goal(), mark) {
                     // A client that does not read feedback is its own matter.
                     let _ = handle.feedback(&feedback);
                 }

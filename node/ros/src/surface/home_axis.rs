@@ -21,7 +21,12 @@ impl AxisAction for HomeAxis {
     }
 
     /// Nothing while the axis is in no phase: not yet, or not any more.
-    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> Option<HomeAxisFeedback> {
+    fn feedback(
+        view: &AxisView,
+        snapshot: &Snapshot,
+        _goal: &HomeAxisGoal,
+        _mark: Option<Position>,
+    ) -> Option<HomeAxisFeedback> {
         let phase = view.small(&snapshot.board, AxisSignal::HomingPhase);
         let position = view.si(view.int(&snapshot.board, AxisSignal::ActualPosition), 0.0);
         (phase != 0).then_some(HomeAxisFeedback { phase, position })

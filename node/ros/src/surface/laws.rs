@@ -1,12 +1,12 @@
 //! What must hold for every goal, whatever stands in it: refused shortly, or a motion within the limits.
 
-use lineshaft_core::command::{Command, Commands, Source};
+use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig};
 use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
-use lineshaft_msgs::action::{HomeAxis, MoveAxis, ProbeAxis, Synchronize};
+use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, Synchronize, SynchronizeGoal};
 use lineshaft_msgs::cdr::{Endian, decode};
 
 use super::goal::AxisAction;
@@ -37,10 +37,11 @@ fn config() -> MachineConfig {
 /// When a law does not hold.
 pub fn any_goal(bytes: &[u8]) {
     let [kind, bytes @ ..] = bytes else { return };
-    match kind % 4 {
+    match kind % 5 {
         0 => law::<MoveAxis>(bytes),
         1 => law::<ProbeAxis>(bytes),
         2 => law::<Synchronize>(bytes),
+        3 => law::<Phase>(bytes),
         _ => law::<HomeAxis>(bytes),
     }
 }
@@ -57,10 +58,23 @@ fn law<A: AxisAction>(bytes: &[u8]) {
 }
 
 /// The machine refuses it and stands, or moves within its limits.
-fn moved(action: lineshaft_core::command::Action) {
+fn moved(action: Action) {
     let mut machine = Machine::new(config()).expect("a sound machine");
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
-    let queue = [Command { sequence: 1, source: Source::Ros, action }];
+    // Without a leader no phase is shifted.
+    let coupled = SynchronizeGoal {
+        axis: "x".to_owned(),
+        master: "line".to_owned(),
+        mode: SynchronizeGoal::POSITION,
+        numerator: 1,
+        denominator: 1,
+        ..SynchronizeGoal::default()
+    };
+    let coupling = matches!(action, Action::Phase(_)).then(|| Synchronize::resolve(machine.config(), &coupled));
+    let coupling = coupling.map(|resolved| resolved.expect("a coupling of the cell").1);
+    let actions = coupling.into_iter().chain([action]);
+    let queue: Vec<_> =
+        (1..).zip(actions).map(|(sequence, action)| Command { sequence, source: Source::Ros, action }).collect();
     let (mut refused, mut commands) = (false, Commands::queue(&queue));
     for cycle in 0..60 {
         inputs.cycle = cycle;
@@ -82,7 +96,7 @@ fn moved(action: lineshaft_core::command::Action) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lineshaft_msgs::action::{MoveAxisGoal, ProbeAxisGoal, SynchronizeGoal};
+    use lineshaft_msgs::action::{MoveAxisGoal, PhaseGoal, ProbeAxisGoal};
     use lineshaft_msgs::cdr::encode;
     use proptest::prelude::*;
 
@@ -138,6 +152,15 @@ mod tests {
                 distance: position,
             };
             any_goal(&[&[1], encode(&probe).as_slice()].concat());
+        }
+
+        #[test]
+        fn any_phase_is_refused_or_within_the_limits(
+            axis in axis(), side in 0..3_u8, numbers in prop::array::uniform3(number()),
+        ) {
+            let [shift, velocity, acceleration] = numbers;
+            let goal = PhaseGoal { axis, side, shift, velocity, acceleration };
+            any_goal(&[&[3], encode(&goal).as_slice()].concat());
         }
 
         #[test]

@@ -27,7 +27,12 @@ impl AxisAction for MoveAxis {
         Ok((request.axis, Action::Move(request)))
     }
 
-    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> Option<MoveAxisFeedback> {
+    fn feedback(
+        view: &AxisView,
+        snapshot: &Snapshot,
+        _goal: &MoveAxisGoal,
+        _mark: Option<Position>,
+    ) -> Option<MoveAxisFeedback> {
         let position = view.int(&snapshot.board, AxisSignal::ActualPosition);
         Some(MoveAxisFeedback {
             position: view.si(position, 0.0),

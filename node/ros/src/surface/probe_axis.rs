@@ -31,7 +31,12 @@ impl AxisAction for ProbeAxis {
         Ok((request.axis, Action::Probe(request)))
     }
 
-    fn feedback(view: &AxisView, snapshot: &Snapshot, mark: Option<Position>) -> Option<ProbeAxisFeedback> {
+    fn feedback(
+        view: &AxisView,
+        snapshot: &Snapshot,
+        _goal: &ProbeAxisGoal,
+        mark: Option<Position>,
+    ) -> Option<ProbeAxisFeedback> {
         Some(ProbeAxisFeedback {
             phase: if mark.is_some() { ProbeAxisFeedback::PROBED } else { ProbeAxisFeedback::SEARCHING },
             position: view.si(view.int(&snapshot.board, AxisSignal::ActualPosition), 0.0),

@@ -31,7 +31,7 @@ impl AxisView {
         board.int(signal.of(self.first))
     }
 
-    fn real(&self, board: &Board, signal: AxisSignal) -> f64 {
+    pub(super) fn real(&self, board: &Board, signal: AxisSignal) -> f64 {
         board.real(signal.of(self.first))
     }
 

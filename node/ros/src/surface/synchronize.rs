@@ -39,7 +39,12 @@ impl AxisAction for Synchronize {
         Ok((request.axis, Action::Synchronize(request)))
     }
 
-    fn feedback(view: &AxisView, snapshot: &Snapshot, _mark: Option<Position>) -> Option<SynchronizeFeedback> {
+    fn feedback(
+        view: &AxisView,
+        snapshot: &Snapshot,
+        _goal: &SynchronizeGoal,
+        _mark: Option<Position>,
+    ) -> Option<SynchronizeFeedback> {
         let coupled = view.bit(&snapshot.board, AxisSignal::InSync);
         let error = view.int(&snapshot.board, AxisSignal::SyncError);
         Some(SynchronizeFeedback {

@@ -5,7 +5,7 @@ use super::refusing::Refusing;
 use crate::layer::{
     ActionOptions, ActionServer, Care, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
 };
-use lineshaft_msgs::action::{HomeAxis, MoveAxis, ProbeAxis, Synchronize};
+use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, Synchronize};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectory;
 use lineshaft_msgs::foreign::control_msgs::msg::JointJog;
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::DiagnosticArray;
@@ -319,6 +319,8 @@ pub(super) const HOME_AXIS: Acted<HomeAxis> = Acted::new(
 );
 pub(super) const SYNCHRONIZE: Acted<Synchronize> =
     Acted::new("~/synchronize", "open while coupled; cancel uncouples, a dead client does not");
+pub(super) const PHASE: Acted<Phase> =
+    Acted::new("~/phase", "a shift of an axis against its leader in motion; see [cams.md](cams.md#phase)");
 pub(super) const FOLLOW_JOINT_TRAJECTORY: Acted<FollowJointTrajectory> = Acted::new(
     "~/follow_joint_trajectory",
     "a trajectory of all axes with a drive; with `groups:` one for each, `~/<group>/follow_joint_trajectory`; see below",
@@ -456,6 +458,7 @@ pub const ROWS: &[Row] = &[
     PROBE_AXIS.0,
     HOME_AXIS.0,
     SYNCHRONIZE.0,
+    PHASE.0,
     FOLLOW_JOINT_TRAJECTORY.0,
     JOINT_TRAJECTORY.0,
 ];

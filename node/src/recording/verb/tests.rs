@@ -14,8 +14,10 @@ use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
 use lineshaft_core::parameter::{Change, Row, Value as Set};
 use lineshaft_core::position::{Length, Position};
+use lineshaft_core::request::{Amount, PhaseRequest};
 use lineshaft_core::sync::gear::Ratio;
 use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
+use lineshaft_core::unit::Quantity;
 
 /// Scales that are handy (x, turret), that no decimal holds (odd), and that are as fine and as coarse as a cell may ask for.
 const CELL: &str = "
@@ -247,6 +249,25 @@ fn cams_name_their_table() {
     };
     let fields = r#""master_scale":"-1/20","slave_scale":"7/3","master_offset":"40 inc","slave_offset":"-5 inc""#;
     desk.is(&on(full), &format!(r#"{head}"ramp_in",{fields}}}}}"#));
+}
+
+/// What the master is shifted by is written as it was given: in which increments depends on its leader.
+#[test]
+fn phase_shifts_of_slave_and_master() {
+    let desk = Desk::new();
+    let of = |side, amounts: [Amount; 3]| {
+        let [shift, velocity, acceleration] = amounts;
+        let request = PhaseRequest { axis: "turret".into(), side, shift, velocity, acceleration };
+        Action::Phase(desk.config.resolve_phase(&request).unwrap())
+    };
+    let number = Amount::Number;
+    let slave = of(0, [number(-std::f64::consts::PI), number(0.0), number(0.0)]);
+    desk.is(&slave, r#"{"phase":{"id":"17","axis":"turret","side":"slave","shift":"-18000 inc"}}"#);
+    let degrees =
+        |text, order| Amount::Quantity(Quantity::parse(text, &desk.config.axes[1].scale.dimensions(order)).unwrap());
+    let master = of(1, [degrees("0.1 deg", 0), degrees("2 inc/s", 1), number(1e-3)]);
+    let fields = r#""shift":"0.1 deg","velocity":"2 inc/s","acceleration":0.001"#;
+    desk.is(&master, &format!(r#"{{"phase":{{"id":"17","axis":"turret","side":"master",{fields}}}}}"#));
 }
 
 #[test]

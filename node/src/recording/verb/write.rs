@@ -3,7 +3,7 @@
 use super::{saia, trajectory, wf};
 use lineshaft_core::command::{
     Action, BufferMode, Command, CommandFunction, HomeAxis as Homing, HomingMethod, MasterPosition, Move, MoveMode,
-    Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
+    Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::function::Order;
@@ -14,7 +14,7 @@ use lineshaft_core::position::Length;
 use lineshaft_core::sync::gear::Ratio;
 use lineshaft_core::sync::{Disengage, SyncMode};
 use lineshaft_core::table::{Form, Table};
-use lineshaft_core::unit::Unit;
+use lineshaft_core::unit::{Amount, Unit, fraction_to_digits};
 use lineshaft_core::vocabulary::Request;
 use serde::{Serialize, Serializer};
 use serde_json::ser::Formatter;
@@ -72,6 +72,17 @@ enum Verb<'a> {
         position: Scalar,
     },
     Synchronize(Synchronize<'a>),
+    Phase {
+        id: String,
+        axis: &'a str,
+        side: &'static str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        shift: Option<Scalar>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        velocity: Option<Scalar>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        acceleration: Option<Scalar>,
+    },
     FollowJointTrajectory(trajectory::FollowJointTrajectory<'a>),
     Cancel {
         id: String,
@@ -271,6 +282,7 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
             }
         }
         Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
+        Action::Phase(request) => phase(id, request, config),
         Action::Vocabulary(Request::Saia(request)) => Verb::Saia(saia::saia(request, axis(request.axis, config))),
         Action::Vocabulary(Request::Wf(request)) => Verb::Wf(wf::wf(request, axis(request.axis, config))),
         Action::Cancel { goal } => Verb::Cancel { id: goal.to_string() },
@@ -444,6 +456,28 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
             master_offset: shift(cam.master_offset),
             slave_offset: shift(cam.slave_offset),
         }),
+    }
+}
+
+fn phase<'a>(id: String, request: &Phase, config: &'a MachineConfig) -> Verb<'a> {
+    let text = |text: Option<String>| text.map(Scalar::Text);
+    let (side, [shift, velocity, acceleration]) = match &request.side {
+        PhaseSide::Slave(of) => {
+            ("slave", [text(shift(of.shift)), text(given(of.velocity, 1)), text(given(of.acceleration, 2))])
+        }
+        // Increments of which scale they are depends on its leader then.
+        PhaseSide::Master { given, .. } => ("master", given.map(amount)),
+    };
+    Verb::Phase { id, axis: axis(request.axis, config), side, shift, velocity, acceleration }
+}
+
+/// As it was given; nothing for a bare 0.
+fn amount(amount: Amount) -> Option<Scalar> {
+    match amount {
+        Amount::Number(number) => (number != 0.0).then_some(Scalar::Real(number)),
+        Amount::Quantity(quantity) => {
+            Some(Scalar::Text(format!("{} {}", fraction_to_digits(&quantity.value()), quantity.unit())))
+        }
     }
 }
 

@@ -74,7 +74,7 @@ fn generated(played: &Played, cell: &Cell) -> String {
         };
         writeln!(text, "- {{at: {cycle}, do: {verb}{refused}}}").unwrap();
         match command.action {
-            Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Trajectory(_) => {
+            Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Phase(_) | Action::Trajectory(_) => {
                 carried.insert(command.sequence)
             }
             Action::Cancel { goal } => named.insert(goal),

@@ -134,6 +134,27 @@ fn a_synchronized_axis_follows_and_cancel_uncouples_it() {
 }
 
 #[test]
+fn a_phase_shifts_a_coupled_axis_and_its_leader() {
+    passes(&enabled(
+        "do: {synchronize: {axis: turret, master: line, mode: position, numerator: 1, denominator: 100}}}\n\
+         - {name: s, at: 50, do: {phase: {id: s, axis: turret, side: slave, shift: 5 deg, velocity: 10 deg/s, acceleration: 100 deg/s^2}}}\n\
+         - {name: m, at: 700, do: {phase: {axis: turret, side: master, shift: -10 mm, velocity: 100 mm/s, acceleration: 1 m/s^2}}}\n\
+         - {at: 700, do: {phase: {axis: x, shift: 1 mm}}, refused: not coupled by position}\n\
+         expect:\n\
+         - {signal: turret.phase.slave, since: s, from: 1, to: 590, min: 0.0001, max: 1}\n\
+         - {signal: turret.command.position, at: 690, is: 500}\n\
+         - {event: {kind: done, source: turret, code: 0}, since: s, from: 590, to: 610, count: 1}\n\
+         - {event: {kind: done, source: turret, code: 0}, since: m, from: 190, to: 210, count: 1}\n\
+         - {signal: turret.command.position, at: end, is: 400}\n",
+    ));
+    assert_eq!(
+        bad("{phase: ^{axis: x, shift: 90 deg}}"),
+        "shift: `90 deg` is an angle; a length such as `90 m` is expected"
+    );
+    assert_eq!(bad("{phase: {axis: x, side: ^both, shift: 1 mm}}"), "side is `both`; one of slave, master is allowed");
+}
+
+#[test]
 fn an_id_names_the_last_command_that_carried_it_and_a_goal_that_is_none_cannot_be_cancelled() {
     passes(&enabled(
         "do: {cancel: {id: m}}, refused: is not active}\n\

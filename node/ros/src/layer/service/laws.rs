@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use lineshaft_msgs::action::{HomeAxisGoal, MoveAxisGoal, ProbeAxisGoal, SynchronizeGoal};
+use lineshaft_msgs::action::{HomeAxisGoal, MoveAxisGoal, PhaseGoal, ProbeAxisGoal, SynchronizeGoal};
 use lineshaft_msgs::cdr;
 use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalRequest;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{
@@ -29,7 +29,7 @@ use crate::link::protocol::{Related, Sample, SampleId};
 pub fn any_request(bytes: &[u8]) {
     let [form, kind, bytes @ ..] = bytes else { return };
     let sample = sample(*form, bytes);
-    match kind % 17 {
+    match kind % 18 {
         0 => law::<AxesCommandRequest>(&sample),
         1 => law::<SetPositionRequest>(&sample),
         2 => law::<VocabularyRequest>(&sample),
@@ -46,6 +46,7 @@ pub fn any_request(bytes: &[u8]) {
         13 => law::<SendGoalRequest<SynchronizeGoal>>(&sample),
         14 => law::<SdoReadRequest>(&sample),
         15 => law::<SdoWriteRequest>(&sample),
+        16 => law::<SendGoalRequest<PhaseGoal>>(&sample),
         _ => {
             law::<SendGoalRequest<HomeAxisGoal>>(&sample);
             law::<TriggerRequest>(&sample);

@@ -3,10 +3,9 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    Amount, CamRequest, HomeRequest, MoveRequest, PointRequest, ProbeRequest, Rates, SetPositionRequest,
+    CamRequest, HomeRequest, MoveRequest, PhaseRequest, PointRequest, ProbeRequest, Rates, SetPositionRequest,
     SetpointRequest, SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units, factor,
 };
-use lineshaft_core::unit::Quantity;
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -386,6 +385,16 @@ proptest! {
     fn every_coupling_that_a_request_makes(request in prop_oneof![synchronize_request(), camming_request()]) {
         if let Ok(action) = DESK.config.resolve_recorded_synchronize(&request) {
             comes_back(&Action::Synchronize(action))?;
+        }
+    }
+
+    #[test]
+    fn every_phase_that_a_request_makes(
+        axis in axis(), side in 0..2_u8, shift in amount(0), velocity in amount(1), acceleration in amount(2),
+    ) {
+        let request = PhaseRequest { axis, side, shift, velocity, acceleration };
+        if let Ok(request) = DESK.config.resolve_phase(&request) {
+            comes_back(&Action::Phase(request))?;
         }
     }
 

@@ -1,0 +1,155 @@
+//! A shift of what leads, as its follower sees it (MC_PhasingRelative).
+//!
+//! Law      the sum of its changes is the shift, to 2^-32 inc; a cycle changes its velocity by no more than the acceleration, and it ends
+//!          at rest after whole cycles, with what a follower catches up by ([`closing`])
+//! Reads    nothing: what leads may stand or go either way
+//! Refuses  nothing: velocity and acceleration were checked by the axis
+//! Source   contract section 10, PLCopen (MC_PhasingRelative)
+
+use super::follower::closing;
+use crate::position::Position;
+use serde::{Deserialize, Serialize};
+
+/// A shift under way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shift {
+    /// All of it, from where it began.
+    whole: Position,
+    /// What is left.
+    left: Position,
+    /// Its last change (inc per cycle).
+    speed: f64,
+    /// (inc per cycle)
+    velocity: f64,
+    /// (inc per cycle and cycle)
+    rate: f64,
+    /// It slows down wherever that ends.
+    stops: bool,
+}
+
+impl Shift {
+    /// A shift with a velocity (inc/s) and an acceleration (inc/s^2), in the place of the one that moves now, if any does.
+    pub fn new(whole: Position, velocity: f64, acceleration: f64, cycle_s: f64, before: Option<&Self>) -> Self {
+        // Slower than the grid of positions nothing speeds up.
+        let least = Position::from_raw(1).to_f64();
+        Self {
+            whole,
+            left: whole,
+            speed: before.map_or(0.0, |before| before.speed),
+            velocity: (velocity * cycle_s).max(least),
+            rate: (acceleration * cycle_s * cycle_s).max(least),
+            stops: false,
+        }
+    }
+
+    /// Could it have come about?
+    pub fn is_sound(&self) -> bool {
+        let rates = [self.velocity, self.rate];
+        self.speed.is_finite() && rates.iter().all(|rate| *rate > 0.0 && rate.is_finite()) && self.left.is_legal()
+    }
+
+    /// The same, slowing down to rest.
+    #[must_use]
+    pub fn stopping(self) -> Self {
+        Self { stops: true, ..self }
+    }
+
+    /// What is left of it, as a share of all of it.
+    pub fn share_left(&self) -> f64 {
+        if self.whole == Position::ZERO { 0.0 } else { self.left.to_f64() / self.whole.to_f64() }
+    }
+
+    /// Its last change (inc per cycle).
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// The change of this cycle, and whether it has ended with it.
+    pub fn step(&mut self) -> (Position, bool) {
+        let (wanted, arrives) = if self.stops { (0.0, false) } else { closing(self.left.to_f64(), self.rate) };
+        let (low, high) = (self.speed - self.rate, self.speed + self.rate);
+        // Not `clamp`: a state that was made up may have its bounds crossed.
+        let speed = wanted.max(-self.velocity).min(self.velocity).max(low).min(high);
+        if arrives && speed == wanted {
+            self.speed = 0.0;
+            return (std::mem::take(&mut self.left), true);
+        }
+        self.speed = speed;
+        let change = Position::from_f64(speed);
+        self.left = self.left - change;
+        (change, self.stops && speed == 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// 10 inc at 1 inc per cycle and 0.25 inc per cycle and cycle: four cycles up, and the way down is 0.75 + 0.5 + 0.25.
+    #[test]
+    fn a_shift_is_a_trapezoid_of_whole_cycles() {
+        let mut shift = Shift::new(Position::whole(10), 1_000.0, 250_000.0, 1e-3, None);
+        let mut speeds = vec![];
+        loop {
+            let (change, ended) = shift.step();
+            speeds.push(change.to_f64());
+            if ended {
+                break;
+            }
+        }
+        assert_eq!(speeds[..4], [0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(speeds.iter().sum::<f64>(), 10.0);
+        // 1.5 up, 8.5 for the rest: seven at full speed, then 1.5 in three steps.
+        assert_eq!(speeds.len(), 3 + 7 + 3);
+        assert_eq!(speeds[10..], [0.75, 0.5, 0.25]);
+    }
+
+    #[test]
+    fn one_that_stops_ends_at_rest_wherever_that_is() {
+        let mut shift = Shift::new(Position::whole(-100), 1_000.0, 500_000.0, 1e-3, None);
+        assert_eq!((shift.step().0.to_f64(), shift.step().0.to_f64()), (-0.5, -1.0));
+        assert_eq!(shift.share_left(), 0.985);
+        let mut shift = shift.stopping();
+        let (half, rest) = (shift.step(), shift.step());
+        assert_eq!((half, rest), ((Position::from_f64(-0.5), false), (Position::ZERO, true)));
+    }
+
+    proptest! {
+        /// Whatever it is replaced by half-way, all of the last one comes, no cycle is faster than it may be, and none changes by
+        /// more than the acceleration, but for the grid.
+        #[test]
+        fn all_of_it_comes(
+            first in -1_000_000_i64..1_000_000,
+            second in -(1_i128 << 52)..(1_i128 << 52),
+            velocity in 1e-3..1e6_f64,
+            acceleration in 1.0..1e7_f64,
+            after in 0_usize..2_000,
+        ) {
+            let new = |whole, before: Option<&Shift>| Shift::new(whole, velocity, acceleration, 1e-3, before);
+            let grid = Position::from_raw(2).to_f64();
+            let mut shift = new(Position::whole(first), None);
+            let mut speed = 0.0;
+            let mut sum = Position::ZERO;
+            // As much as there is time for.
+            let whole = Position::from_raw(second.clamp(-1, 1) * i128::min(second.abs(), Position::from_f64(velocity).raw()));
+            for k in 0..200_000 {
+                if k == after {
+                    shift = new(whole, Some(&shift));
+                    sum = Position::ZERO;
+                }
+                let (change, ended) = shift.step();
+                let change_f = change.to_f64();
+                prop_assert!(change_f.abs() <= velocity * 1e-3 + grid);
+                prop_assert!((change_f - speed).abs() <= acceleration * 1e-6 + grid, "{} {}", change_f, speed);
+                speed = change_f;
+                sum += change;
+                if ended && k >= after {
+                    prop_assert_eq!(sum, whole);
+                    return Ok(());
+                }
+            }
+            prop_assert!(false, "it has not ended: {:?}", shift);
+        }
+    }
+}
