@@ -64,3 +64,37 @@ fn a_client_brings_the_cups_onto_their_cam_and_off_it() {
     erector.cyclone.run(&format!("{cam} --table stroke --cam-start relative --slave-scale -0.5"));
     assert_eq!([18_000, 18_000].map(|way| erector.after(way)), [60_000, 120_000]);
 }
+
+/// Half a turn of the shaft lowers the cups by 120 mm, wherever it stands itself; 5 mm are added to what the cam says.
+#[test]
+fn a_client_shifts_the_cups_against_their_shaft() {
+    let mut erector = Erector::start();
+    let phase = "phase /lineshaft --axis cups";
+    let said = erector.cyclone.fails(&format!("{phase} --shift 0.001"));
+    assert!(said.contains("not coupled by position"), "{said}");
+    erector.cyclone.run("synchronize /lineshaft --axis cups --master shaft --mode cam --table stroke");
+    let of_master = format!("{phase} --side master --velocity 3 --acceleration 10");
+    let seen = erector.cyclone.run(&format!("{of_master} --shift 3.141592653589793"));
+    assert_eq!(erector.cups()["command_increments"], 120_000);
+    let remaining: Vec<f64> = serde_json::from_value(seen["remaining"].clone()).expect("radians");
+    let falls = remaining.windows(2).all(|two| two[0] >= two[1]);
+    assert!(falls && remaining.len() > 5 && remaining[0] <= std::f64::consts::PI, "{remaining:?}");
+    erector.cyclone.run(&format!("{phase} --shift 0.005 --velocity 0.05 --acceleration 0.5"));
+    assert_eq!(erector.cups()["command_increments"], 125_000);
+    // Back by half a turn, stopped half-way.
+    erector.cyclone.run(&format!("{of_master} --shift -3.141592653589793 --cancel-after 0.5"));
+    let half = erector.cups();
+    let place = half["command_increments"].as_i64().expect("increments");
+    assert!((5_000..125_000).contains(&place) && half["state"] == "SYNCHRONIZED_MOTION", "{half}");
+    for (wrong, sentence) in [
+        ("--shift nan", "shift"),
+        ("--shift inf", "shift"),
+        ("--side master --shift 1", "needs its velocity"),
+        ("--shift 0.01 --velocity -1", "a finite number that is not negative is"),
+    ] {
+        let said = erector.cyclone.fails(&format!("{phase} {wrong}"));
+        let log = erector.cyclone.run("log --seconds 1");
+        assert!(format!("{said}{log:?}").contains(sentence), "{wrong}: {said} {log:?}");
+        assert_eq!(erector.cups()["command_increments"], place, "{wrong}");
+    }
+}

@@ -9,6 +9,7 @@ AXIS_STATES = ("DISABLED", "STANDSTILL", "DISCRETE_MOTION", "CONTINUOUS_MOTION",
                "STOPPING", "ERROR_STOP")
 MOVE_MODES = ("absolute", "relative", "additive", "velocity", "superimposed")
 UNITS = ("si", "axis_unit", "increments")
+SIDES = ("slave", "master")
 SYNC_MODES = ("velocity", "position", "marker", "cam")
 CAM_STARTS = ("absolute", "relative", "ramp_in")
 EDGES = ("rising", "falling", "both")
@@ -177,6 +178,26 @@ class SyncFeedback(IdlStruct, typename="SyncFeedback"):
 
 
 @dataclass
+class PhaseGoal(IdlStruct, typename="PhaseGoal"):
+    axis: str = ""
+    side: t.uint8 = 0
+    shift: t.float64 = 0.0
+    velocity: t.float64 = 0.0
+    acceleration: t.float64 = 0.0
+
+
+@dataclass
+class PhaseResult(IdlStruct, typename="PhaseResult"):
+    code: t.uint32 = 0
+    message: str = ""
+
+
+@dataclass
+class PhaseFeedback(IdlStruct, typename="PhaseFeedback"):
+    remaining: t.float64 = 0.0
+
+
+@dataclass
 class ProbeGoal(IdlStruct, typename="ProbeGoal"):
     axis: str = ""
     mode: t.uint8 = 0
@@ -241,5 +262,6 @@ class RecordResponse(IdlStruct, typename="RecordResponse"):
 ACTIONS = {
     "move_axis": ("lineshaft_msgs/MoveAxis", MoveGoal, MoveResult, MoveFeedback),
     "probe_axis": ("lineshaft_msgs/ProbeAxis", ProbeGoal, ProbeResult, ProbeFeedback),
+    "phase": ("lineshaft_msgs/Phase", PhaseGoal, PhaseResult, PhaseFeedback),
     "synchronize": ("lineshaft_msgs/Synchronize", SyncGoal, SyncResult, SyncFeedback),
 }

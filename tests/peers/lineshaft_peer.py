@@ -28,8 +28,8 @@ import ros2wire as rw
 import streams
 import trajectories
 import watch
-from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, RECORD_COMMANDS, SYNC_MODES, UNITS, Answer,
-                            AxesRequest, AxisStates, Event, ImportRequest, MoveGoal, ProbeGoal, RecordRequest,
+from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
+                            AxesRequest, AxisStates, Event, ImportRequest, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest,
                             RecordResponse, ResetRequest, SyncGoal, VocabularyRequest)
 from report import Failure, plain, show, told
 
@@ -242,6 +242,16 @@ def synchronize(peer, a):
         finish(client, gid, "CANCELED")
 
 
+def phase(peer, a):
+    client = peer.action(a.node, "phase")
+    gid = send(client, PhaseGoal(a.axis, SIDES.index(a.side), a.shift, a.velocity, a.acceleration))
+    if a.cancel_after is not None:
+        time.sleep(a.cancel_after)
+        cancel_goal(client, gid)
+    finish(client, gid, a.expect or ("SUCCEEDED" if a.cancel_after is None else "CANCELED"))
+    show(remaining=[f.remaining for f in client.feedback(gid)])
+
+
 def result(peer, a):
     finish(peer.action(a.node, a.action), rw.UUID.of_hex(a.goal), a.expect)
 
@@ -319,6 +329,10 @@ def parser():
     p.add_argument("--master", required=True)
     p.add_argument("--mode", choices=SYNC_MODES, default="position")
     p.add_argument("--seconds", type=float, help="cancel after this time; left out: stay coupled")
+    p = command("phase", phase, shift=0.0, velocity=0.0, acceleration=0.0, expect="")
+    p.add_argument("--axis", required=True)
+    p.add_argument("--side", choices=SIDES, default="slave")
+    p.add_argument("--cancel-after", type=float)
     p = command("result", result, expect="SUCCEEDED")
     p.add_argument("action", choices=ACTIONS)
     p.add_argument("goal", help="as printed by move and synchronize")
