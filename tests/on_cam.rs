@@ -98,3 +98,25 @@ fn a_client_shifts_the_cups_against_their_shaft() {
         assert_eq!(erector.cups()["command_increments"], place, "{wrong}");
     }
 }
+
+/// 180 deg of the shaft a second: at the end of its turn the half stroke takes over, and at 90 deg the whole one again.
+#[test]
+fn a_client_waits_for_the_end_of_a_turn_and_for_a_place() {
+    let mut erector = Erector::start();
+    let cam = "synchronize /lineshaft --axis cups --master shaft --mode cam --table stroke";
+    let first = erector.cyclone.run(cam)["goal"].as_str().expect("its number").to_owned();
+    let said = erector.cyclone.fails("synchronize /lineshaft --axis cups --master shaft --engage at_end");
+    let log = erector.cyclone.run("log --seconds 1");
+    assert!(format!("{said}{log:?}").contains("it belongs to mode CAM"), "{said} {log:?}");
+    erector.cyclone.run("move /lineshaft --axis shaft --mode velocity --velocity 3.141592653589793");
+    let half = format!("{cam} --slave-scale 0.5 --cam-start relative");
+    let seen = erector.cyclone.run(&format!("{half} --engage at_end"));
+    let phases: Vec<u8> = serde_json::from_value(seen["phases"].clone()).expect("phases");
+    assert_eq!((phases.first(), phases.last()), (Some(&0), Some(&2)), "WAITING, then SYNCHRONIZED");
+    erector.cyclone.run(&format!("result /lineshaft synchronize {first} --expect SUCCEEDED"));
+    let next = seen["goal"].as_str().expect("its number").to_owned();
+    let back = erector.cyclone.run(&format!("{cam} --cam-start ramp_in --engage at_position --master-increments 9000"));
+    let phases: Vec<u8> = serde_json::from_value(back["phases"].clone()).expect("phases");
+    assert_eq!(phases.first(), Some(&0), "WAITING");
+    erector.cyclone.run(&format!("result /lineshaft synchronize {next} --expect ABORTED"));
+}

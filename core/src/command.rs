@@ -6,7 +6,7 @@
 
 use crate::code::Code;
 use crate::function::Order;
-use crate::modulo::Direction;
+use crate::modulo::{Direction, Modulo};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer};
 use crate::position::Length;
@@ -394,7 +394,7 @@ pub enum MasterPosition {
 }
 
 /// A coupling of one axis to a leader.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Synchronize {
     /// The axis that follows.
     pub axis: u16,
@@ -402,6 +402,8 @@ pub struct Synchronize {
     pub leader: Option<Leader>,
     /// How.
     pub mode: SyncMode,
+    /// When.
+    pub engage: Engage,
     /// What happens at the end.
     pub disengage: Disengage,
     /// Slave increments per `denominator` master increments; 0 : 0 asks for SYNCFACTS : SYNCFACTM.
@@ -418,8 +420,25 @@ pub struct Synchronize {
     pub cam: Option<CamIn>,
 }
 
+/// When a coupling begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Engage {
+    /// In the cycle of its command.
+    #[default]
+    Immediately,
+    /// Where the leader comes to a position (inc), from either side; where it has a turn, at the next pass of it.
+    AtPosition {
+        /// (inc)
+        position: i64,
+        /// The turn of the leader.
+        turn: Option<Modulo>,
+    },
+    /// At the end of the cam under way.
+    AtEnd,
+}
+
 /// A cam between an axis and its leader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CamIn {
     /// Place in section `tables`.
     pub table: u16,

@@ -56,6 +56,12 @@ impl Modulo {
         (turns as i64, Position::from_raw(within.div_euclid(denominator)))
     }
 
+    /// The place that shows as `wanted` within its turn and that `now` has come to or passed last, with its last change.
+    pub fn last_passed(self, wanted: Position, now: Position, change: Position) -> Position {
+        let direction = if change < Position::ZERO { Direction::Positive } else { Direction::Negative };
+        self.target(wanted, now, now, direction, 0.0)
+    }
+
     /// The target nearest to `now` in the given direction that shows as `wanted` within its turn, to 2^-32 inc. `stop`
     /// is where the axis would come to rest: no direction asks it to turn back from there. Of two ways that are equally
     /// short the one up is taken.

@@ -4,8 +4,8 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_core::axis::{BrakeConfig, Safety, Wired};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    Action, BufferMode, CamIn, Command, CommandFunction, Commands, HomeAxis, HomingMethod, MasterPosition, Move,
-    MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition,
+    Action, BufferMode, CamIn, Command, CommandFunction, Commands, Engage, HomeAxis, HomingMethod, MasterPosition,
+    Move, MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition,
     Setpoint, Setpoints, Source, Synchronize,
 };
 use lineshaft_core::config::{
@@ -373,6 +373,11 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             axis,
             leader: Some(leader),
             mode: SyncMode::Position,
+            engage: match number % 18 {
+                0 => Engage::AtEnd,
+                3 => Engage::AtPosition { position: number / 7, turn: None },
+                _ => Engage::Immediately,
+            },
             disengage: Disengage::KeepVelocity,
             numerator: number,
             denominator: 7919,

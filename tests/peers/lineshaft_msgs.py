@@ -10,6 +10,7 @@ AXIS_STATES = ("DISABLED", "STANDSTILL", "DISCRETE_MOTION", "CONTINUOUS_MOTION",
 MOVE_MODES = ("absolute", "relative", "additive", "velocity", "superimposed")
 UNITS = ("si", "axis_unit", "increments")
 SIDES = ("slave", "master")
+ENGAGES = ("immediately", "at_position", "on_event", "at_end")
 SYNC_MODES = ("velocity", "position", "marker", "cam")
 CAM_STARTS = ("absolute", "relative", "ramp_in")
 EDGES = ("rising", "falling", "both")

@@ -28,7 +28,7 @@ import ros2wire as rw
 import streams
 import trajectories
 import watch
-from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
+from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, ENGAGES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
                             AxesRequest, AxisStates, Event, ImportRequest, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest,
                             RecordResponse, ResetRequest, SyncGoal, VocabularyRequest)
 from report import Failure, plain, show, told
@@ -227,6 +227,7 @@ def synchronize(peer, a):
     client = peer.action(a.node, "synchronize")
     ratio = (0, 0) if a.mode == "cam" else (a.numerator, a.denominator)
     gid = send(client, SyncGoal(axis=a.axis, master=a.master, mode=SYNC_MODES.index(a.mode), numerator=ratio[0],
+                                engage=ENGAGES.index(a.engage), master_increments=a.master_increments,
                                 denominator=ratio[1], table=a.table, cam_start=CAM_STARTS.index(a.cam_start),
                                 master_scale=a.master_scale, slave_scale=a.slave_scale,
                                 master_offset=a.master_offset, slave_offset=a.slave_offset))
@@ -235,7 +236,7 @@ def synchronize(peer, a):
         f = client.feedback(gid)
         return f and f[-1].phase == 2
     rw.wait_until(coupled, rw.REPLY_S, "the axis is not synchronized")
-    show(phase=2, feedback=client.feedback(gid)[-1])
+    show(phase=2, feedback=client.feedback(gid)[-1], phases=sorted({f.phase for f in client.feedback(gid)}))
     if a.seconds is not None:
         time.sleep(a.seconds)
         cancel_goal(client, gid)
@@ -323,7 +324,8 @@ def parser():
     p.add_argument("--units", choices=UNITS, default="si")
     p.add_argument("--edge", choices=EDGES, default="rising")
     p = command("synchronize", synchronize, numerator=1, denominator=1, master_scale=0.0, slave_scale=0.0,
-                master_offset=0.0, slave_offset=0.0, table="")
+                master_offset=0.0, slave_offset=0.0, table="", master_increments=0)
+    p.add_argument("--engage", choices=ENGAGES, default="immediately")
     p.add_argument("--cam-start", choices=CAM_STARTS, default="absolute")
     p.add_argument("--axis", required=True)
     p.add_argument("--master", required=True)

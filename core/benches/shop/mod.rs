@@ -2,7 +2,9 @@
 
 pub(crate) mod slots;
 
-use lineshaft_core::command::{Action, BufferMode, CamIn, Command, Commands, Move, MoveMode, Source, Synchronize};
+use lineshaft_core::command::{
+    Action, BufferMode, CamIn, Command, Commands, Engage, Move, MoveMode, Source, Synchronize,
+};
 use lineshaft_core::config::{AxisConfig, MachineConfig, TableConfig};
 use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
@@ -108,6 +110,7 @@ pub(crate) fn couple(axis: u16) -> Action {
         axis,
         leader: Some(Leader::AxisCommand(0)),
         mode: SyncMode::Position,
+        engage: Engage::Immediately,
         disengage: Disengage::Stop,
         numerator: 355,
         denominator: 113,

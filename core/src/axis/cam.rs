@@ -20,7 +20,7 @@ use crate::position::Position;
 use crate::sync::cam::Cam;
 use crate::sync::follower::Phase;
 use crate::sync::gear::Ratio;
-use crate::sync::{CamStart, Disengage, Transmission};
+use crate::sync::{CamStart, Disengage};
 use crate::table::{CamError, Table};
 use crate::vocabulary::CamPoint;
 use std::sync::Arc;
@@ -46,13 +46,14 @@ impl Axis {
         self.coupling()?.follower.transmission().cam().map(Cam::table)
     }
 
-    /// The cam of a request, and how far the slave is to go to be on it.
+    /// The cam of a request, and how far the slave is to go from `stands` to be on it.
     pub(super) fn cam_of(
         &self,
         tables: &[Arc<Table>],
         lead: Lead,
         (request, disengage): (&CamIn, Disengage),
-    ) -> Result<(Transmission, Position), Refusal> {
+        stands: Position,
+    ) -> Result<(Cam, Position), Refusal> {
         let unknown = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let table = tables.get(usize::from(request.table)).ok_or_else(unknown)?;
         let shape = table.cam().map_err(|error| no_cam(request.table, error))?;
@@ -73,17 +74,17 @@ impl Axis {
             return Err(passed(place));
         }
         let cam = if disengage == Disengage::KeepVelocity { cam.going_on() } else { cam };
-        let (transmission, offset) = (Transmission::Cam(cam), request.slave_offset.exact());
+        let offset = request.slave_offset.exact();
         if request.start == CamStart::Relative {
-            return Ok((transmission, offset));
+            return Ok((cam, offset));
         }
-        let way = self.shortest(cam.scaled() + offset);
+        let way = self.shortest(cam.scaled() + offset, stands);
         let most = self.parameters.sync_accuracy.saturating_abs();
         if request.start == CamStart::Absolute && (way > Position::whole(most) || -way > Position::whole(most)) {
             let (asked, limit) = (Number::Position(way.nearest()), Number::Position(most));
             return Err(self.refuse(Code::CAM_AWAY).with(asked, limit));
         }
-        Ok((transmission, way))
+        Ok((cam, way))
     }
 
     /// The cam that an order starts (AMC-SEL-03).
@@ -99,9 +100,8 @@ impl Axis {
         Cam::new(from.table, (Ratio::ONE, Ratio::ONE), place, tables).ok_or_else(unknown)
     }
 
-    /// From where it is to `place`; the shorter way where it has a turn.
-    fn shortest(&self, place: Position) -> Position {
-        let now = self.present().position;
+    /// From `now` to `place`; the shorter way where it has a turn.
+    fn shortest(&self, place: Position, now: Position) -> Position {
         let target = |modulo: crate::modulo::Modulo| modulo.target(place, now, now, Direction::Shortest, 0.0);
         self.setup.modulo.map_or(place, target) - now
     }

@@ -9,7 +9,7 @@ use super::generator::Coupling;
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
-use crate::command::Synchronize;
+use crate::command::{Engage, Synchronize};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Leader;
@@ -44,29 +44,20 @@ impl Axis {
     ) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
-        let p = &self.parameters;
-        let velocity =
-            self.check_rate(request.velocity, p.usual_velocity(), p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
-        let acceleration = self.check_rate(
-            request.acceleration,
-            p.usual_acceleration(),
-            p.max_acceleration,
-            Code::ACCELERATION_TOO_HIGH,
-        )?;
+        let bounds = self.bounds_of(request)?;
         let leader = self.leader_of(request.leader, cx.leads.axes())?;
         let lead = cx.leads.get(leader);
         if !lead.valid {
             return Err(self.refuse(Code::LEADER_LOST));
         }
-        let bounds = Bounds {
-            velocity,
-            acceleration: acceleration.min(p.deceleration_limit()),
-            max_velocity: p.max_velocity,
-            max_acceleration: p.max_acceleration,
-            max_deceleration: p.deceleration_limit(),
-        };
+        if request.engage != Engage::Immediately {
+            return self.wait_to_engage(cx, sequence, (request, leader));
+        }
         let (transmission, offset) = match &request.cam {
-            Some(cam) => self.cam_of(cx.tables, lead, (cam, request.disengage))?,
+            Some(cam) => {
+                let (cam, way) = self.cam_of(cx.tables, lead, (cam, request.disengage), self.present().position)?;
+                (Transmission::Cam(cam), way)
+            }
             None => self.gear_of(request)?,
         };
         let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
@@ -76,6 +67,26 @@ impl Axis {
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
+    }
+
+    /// What limits the slave of a request.
+    pub(super) fn bounds_of(&self, request: &Synchronize) -> Result<Bounds, Refusal> {
+        let p = &self.parameters;
+        let velocity =
+            self.check_rate(request.velocity, p.usual_velocity(), p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
+        let acceleration = self.check_rate(
+            request.acceleration,
+            p.usual_acceleration(),
+            p.max_acceleration,
+            Code::ACCELERATION_TOO_HIGH,
+        )?;
+        Ok(Bounds {
+            velocity,
+            acceleration: acceleration.min(p.deceleration_limit()),
+            max_velocity: p.max_velocity,
+            max_acceleration: p.max_acceleration,
+            max_deceleration: p.deceleration_limit(),
+        })
     }
 
     /// The gear of a request, and the offset of the slave.

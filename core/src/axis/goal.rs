@@ -68,6 +68,7 @@ impl Axis {
         self.end_goal_with(cx, code, numbers);
         self.end_overlay(cx, code, numbers);
         self.end_phase(cx, code, numbers);
+        self.end_engagement(cx, code, numbers);
         self.buffer.end(cx.events, self.setup.index, code, self.command.position, numbers);
         self.owner = Owner::Native;
         // Switched off and on again it follows on.
@@ -78,11 +79,16 @@ impl Axis {
     }
 
     pub(super) fn begin_goal(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
+        self.take_over(cx, sequence, target);
+        self.accepted(cx, sequence);
+    }
+
+    /// Begins a goal that was accepted before.
+    pub(super) fn take_over(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
         self.abandon(cx, Code::REPLACED);
         self.homing.forget_end();
         self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None });
         self.judge.rested_at = None;
-        self.accepted(cx, sequence);
     }
 
     pub(super) fn accepted(&self, cx: &mut Context<'_>, sequence: u64) {

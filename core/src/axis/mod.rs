@@ -15,6 +15,7 @@ mod cam;
 mod coupling;
 mod course;
 mod direction;
+mod engage;
 mod feedback;
 mod function;
 mod generator;
@@ -81,6 +82,7 @@ use crate::vocabulary::{Latched, Owner, Setting, Vocabularies, Wiring};
 use alarm::Alarm;
 use brake::Holding;
 use buffer::Buffer;
+use engage::Engagement;
 use feedback::Sensor;
 use generator::Generator;
 use goal::Goal;
@@ -242,6 +244,7 @@ pub struct Axis {
     vocabularies: Vocabularies,
     overlay: Option<Overlay>,
     phasing: Option<Phasing>,
+    engagement: Option<Engagement>,
     buffer: Buffer,
     waiting: Waiting,
 }
@@ -285,6 +288,7 @@ impl Axis {
             lost: None,
             overlay: None,
             phasing: None,
+            engagement: None,
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
@@ -333,7 +337,7 @@ impl Axis {
             AxisState::Standstill => self.is_virtual(),
             _ => false,
         };
-        is_off && self.goal.is_none() && self.waiting.is_empty()
+        is_off && self.goal.is_none() && self.engagement.is_none() && self.waiting.is_empty()
     }
 
     /// The part of a cycle before its commands.
@@ -359,6 +363,7 @@ impl Axis {
         self.step_vocabularies(cx);
         self.follow_stream(cx);
         self.follow_function(cx);
+        self.engage(cx);
         self.end_cam(cx);
         self.obey_inputs(cx);
         self.heed_stop(cx);
@@ -421,7 +426,8 @@ impl Axis {
         let searches = self.goal.and_then(|goal| goal.search).is_none_or(|search| search.is_sound());
         let waits = self.buffer.is_sound()
             && self.overlay.is_none_or(|overlay| overlay.is_sound())
-            && self.phasing.is_none_or(|phasing| phasing.is_sound() && self.coupling().is_some());
+            && self.phasing.is_none_or(|phasing| phasing.is_sound() && self.coupling().is_some())
+            && self.engagement.is_none_or(|engagement| engagement.is_sound());
         let fits = match self.generator {
             Generator::Rest => true,
             Generator::Open { .. } | Generator::Coast { .. } => self.is_open_loop(),

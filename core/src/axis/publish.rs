@@ -106,6 +106,7 @@ impl Axis {
         set(FaultFollowingError, int(fault.following_error));
         set(EncoderErrors, self.encoder_errors());
         let (slave, master) = self.phase_left();
+        set(SyncWaiting, self.engaging());
         set(PhaseSlave, real(slave));
         set(PhaseMaster, real(master));
         show_coupling(words, self.shown_coupling(leads));

@@ -219,10 +219,10 @@ impl Axis {
     pub fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64, goal: u64, is_told: bool) -> bool {
         let is_active = self.goal.is_some_and(|active| active.sequence == goal);
         let is_overlay = self.overlay.is_some_and(|overlay| overlay.sequence == goal);
-        let is_phase = self.is_phase(goal);
+        let (is_phase, is_engaging) = (self.is_phase(goal), goal != 0 && self.engaging() == goal);
         let answer = |kind| Event::new(Severity::Info, kind, self.object(), Code::NONE).of_command(sequence);
         let (accepted, done) = (answer(Kind::Accepted), answer(Kind::Done));
-        if !is_active && !is_overlay && !is_phase {
+        if !is_active && !is_overlay && !is_phase && !is_engaging {
             if !self.buffer.holds(goal) {
                 return false;
             }
@@ -237,6 +237,8 @@ impl Axis {
                 self.cancel_overlay(cx);
             } else if is_phase {
                 self.cancel_phase();
+            } else if is_engaging {
+                self.end_engagement(cx, Code::CANCELLED, NO_NUMBERS);
             } else {
                 self.cancel_active(cx);
             }
@@ -250,6 +252,7 @@ impl Axis {
         self.homing.stop();
         self.end_overlay(cx, Code::CANCELLED, NO_NUMBERS);
         self.end_phase(cx, Code::CANCELLED, NO_NUMBERS);
+        self.end_engagement(cx, Code::NOT_REACHED, NO_NUMBERS);
         self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
         let goes_on = self.coupling().is_some_and(|coupling| coupling.disengage == Disengage::KeepVelocity);
         if goes_on {

@@ -213,6 +213,13 @@ codes! {
         remedy: "Give both, in units of the leader.",
     }
 
+    /// A cam that was to begin at the end of another one, which is not there.
+    ENGAGE_NO_CAM = 10049, NoError {
+        says: "the axis is on no cam of that leader whose end could be waited for",
+        cause: "engage AT_END was asked of an axis that is on no cam, on one of another leader, or on one that has ended.",
+        remedy: "Begin with engage IMMEDIATELY or AT_POSITION.",
+    }
+
     /// The axis runs in open loop, and the command needs a position loop.
     OPEN_LOOP = 10030, NoError {
         says: "the axis runs in open loop; only commands of `wf` move it",

@@ -4,6 +4,7 @@
 //! it did, so that no selector ever closes a loop or waits for another order.
 
 use super::Machine;
+use crate::axis::Axis;
 use crate::object::{AxisSet, Leader, Object};
 
 impl Machine {
@@ -12,7 +13,8 @@ impl Machine {
     fn leaders(&self, axis: u16) -> impl Iterator<Item = u16> {
         let function = self.config.writer(Object::Axis(axis)).map(Leader::Sink);
         let axis = self.state.axes.get(usize::from(axis));
-        let leaders = [axis.and_then(|axis| axis.leader()), axis.and_then(|axis| axis.master()), function];
+        let of = |leader: fn(&Axis) -> Option<Leader>| axis.and_then(leader);
+        let leaders = [of(Axis::leader), of(Axis::engaging_leader), of(Axis::master), function];
         leaders.into_iter().flatten().filter_map(|leader| self.commanded(leader))
     }
 

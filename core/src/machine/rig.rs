@@ -1,7 +1,9 @@
 //! A machine with a simulated plant, for the tests of the cycle and of the vocabularies.
 
 use crate::axis::Context;
-use crate::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Setpoint, Setpoints, Source, Synchronize};
+use crate::command::{
+    Action, BufferMode, Command, Commands, Engage, Move, MoveMode, Setpoint, Setpoints, Source, Synchronize,
+};
 use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
 use crate::drive::{Backend, Capabilities, Inputs, Outputs};
 use crate::event::{Event, Kind, Refusal};
@@ -336,6 +338,7 @@ pub(crate) fn couple(axis: u16, leader: Leader, numerator: i64, denominator: i64
         axis,
         leader: Some(leader),
         mode: SyncMode::Position,
+        engage: Engage::Immediately,
         disengage: Disengage::Stop,
         numerator,
         denominator,

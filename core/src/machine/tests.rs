@@ -9,6 +9,7 @@ mod cams;
 mod changes;
 mod direction;
 mod edges;
+mod engage;
 mod faults;
 mod feedback;
 mod functions;

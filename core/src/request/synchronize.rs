@@ -7,16 +7,21 @@
 
 use super::meaning::no_meaning;
 use super::{Amount, RequestError, Units, bad_value};
-use crate::command::{CamIn, Synchronize};
+use crate::command::{CamIn, Engage, Synchronize};
 use crate::config::MachineConfig;
+use crate::modulo::Modulo;
 use crate::object::Leader;
-use crate::position::Length;
+use crate::position::{Length, Position};
 use crate::sync::gear::Ratio;
 use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::unit::{Fraction, Scale, excerpt, fraction_from_f64, fraction_to_text, round};
 
 /// Mode CAM.
 const CAM: u8 = 3;
+/// Numbers of `engage`.
+const AT_POSITION: u8 = 1;
+const ON_EVENT: u8 = 2;
+const AT_END: u8 = 3;
 /// Largest scale of a cam; the smallest is its inverse.
 const MOST_SCALE: i128 = 1_000_000;
 /// Most places behind the point of a scale.
@@ -33,7 +38,7 @@ pub struct SynchronizeRequest {
     pub event: String,
     /// 0 velocity, 1 position, 2 marker, 3 cam.
     pub mode: u8,
-    /// 0 immediately, 1 at position, 2 on event.
+    /// 0 immediately, 1 at position, 2 on event, 3 at the end of the cam under way.
     pub engage: u8,
     /// 0 stop, 1 keep velocity.
     pub disengage: u8,
@@ -41,6 +46,12 @@ pub struct SynchronizeRequest {
     pub numerator: i64,
     /// Master increments.
     pub denominator: i64,
+    /// With engage AT_POSITION where the leader is then (inc).
+    pub master_increments: i64,
+    /// With engage AT_POSITION where the slave is then (inc); not with mode CAM, whose table says that.
+    pub slave_increments: i64,
+    /// With engage AT_POSITION the way of the leader in which the slave catches up (inc); not with mode CAM.
+    pub start_distance_increments: i64,
     /// Shift of the slave.
     pub offset: Amount,
     /// 0: the default.
@@ -83,6 +94,7 @@ impl MachineConfig {
     /// What is wrong in the request itself.
     pub fn resolve_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
         let resolved = self.resolve_recorded_synchronize(request)?;
+        check_engage(request)?;
         let (_, axis) = self.find_axis(&request.axis)?;
         if resolved.mode == SyncMode::Velocity && resolved.offset != Length::whole(0) {
             let allowed = "0 is allowed with mode VELOCITY, which keeps no position";
@@ -104,12 +116,6 @@ impl MachineConfig {
             2 => return Err(RequestError::NotBuilt("synchronize in mode MARKER".into())),
             other => return Err(choice("mode", other, "0 VELOCITY, 1 POSITION, 2 MARKER, 3 CAM are allowed")),
         };
-        match request.engage {
-            0 => {}
-            1 => return Err(RequestError::NotBuilt("engage AT_POSITION".into())),
-            2 => return Err(RequestError::NotBuilt("engage ON_EVENT".into())),
-            other => return Err(choice("engage", other, "0 IMMEDIATELY, 1 AT_POSITION, 2 ON_EVENT are allowed")),
-        }
         let disengage = match request.disengage {
             0 => Disengage::Stop,
             1 => Disengage::KeepVelocity,
@@ -122,6 +128,7 @@ impl MachineConfig {
             |field, amount: Amount, order| amount.rate(units, scale, order).map_err(|error| bad_value(field, error));
         let leader = Some(&request.master).filter(|name| !name.is_empty()).map(|name| self.find_leader(name));
         let leader = leader.transpose()?;
+        let engage = self.resolve_engage(request, leader)?;
         let offset = length("offset", request.offset, scale)?;
         let cam = if request.mode == CAM {
             let numbers = [("numerator", request.numerator), ("denominator", request.denominator)];
@@ -141,6 +148,7 @@ impl MachineConfig {
             axis: index,
             leader,
             mode,
+            engage,
             disengage,
             numerator: request.numerator,
             denominator: request.denominator,
@@ -149,6 +157,54 @@ impl MachineConfig {
             acceleration: rate("acceleration", request.acceleration, 2)?,
             cam,
         })
+    }
+
+    fn resolve_engage(&self, request: &SynchronizeRequest, leader: Option<Leader>) -> Result<Engage, RequestError> {
+        match (request.engage, request.mode, leader) {
+            (0, ..) => Ok(Engage::Immediately),
+            (AT_POSITION, CAM, Some(leader)) => {
+                let of_gear = [
+                    ("slave_increments", request.slave_increments),
+                    ("start_distance_increments", request.start_distance_increments),
+                ];
+                if let Some((field, value)) = of_gear.into_iter().find(|(_, value)| *value != 0) {
+                    let allowed = "0 is allowed with mode CAM, whose table says where the slave is";
+                    return Err(RequestError::BadChoice { field, value, allowed });
+                }
+                let position = request.master_increments;
+                if position.unsigned_abs() >= Position::LIMIT.unsigned_abs() {
+                    let allowed = "within +-2^62 is allowed";
+                    return Err(RequestError::BadChoice { field: "master_increments", value: position, allowed });
+                }
+                Ok(Engage::AtPosition { position, turn: self.turn_of(leader) })
+            }
+            (AT_POSITION, CAM, None) => Err(RequestError::NoMeaning {
+                field: "engage",
+                value: "AT_POSITION".to_owned(),
+                allowed: "it needs the name of its master, whose position it is",
+            }),
+            (AT_POSITION, ..) => Err(RequestError::NotBuilt("engage AT_POSITION in another mode than CAM".into())),
+            (ON_EVENT, ..) => Err(RequestError::NotBuilt("engage ON_EVENT".into())),
+            (AT_END, CAM, _) => Ok(Engage::AtEnd),
+            (AT_END, ..) => Err(RequestError::NoMeaning {
+                field: "engage",
+                value: "AT_END".to_owned(),
+                allowed: "it belongs to mode CAM; IMMEDIATELY is allowed",
+            }),
+            (other, ..) => Err(RequestError::BadChoice {
+                field: "engage",
+                value: other.into(),
+                allowed: "0 IMMEDIATELY, 1 AT_POSITION, 2 ON_EVENT, 3 AT_END are allowed",
+            }),
+        }
+    }
+
+    /// The turn of what leads.
+    fn turn_of(&self, leader: Leader) -> Option<Modulo> {
+        match leader {
+            Leader::AxisCommand(axis) | Leader::AxisActual(axis) => self.axes.get(usize::from(axis))?.modulo,
+            _ => None,
+        }
     }
 
     fn resolve_cam(&self, request: &CamRequest, leader: Option<Leader>, slave: &Scale) -> Result<CamIn, RequestError> {
@@ -181,6 +237,28 @@ impl MachineConfig {
             slave_offset: length("slave_offset", request.slave_offset, slave)?,
         })
     }
+}
+
+/// Is nothing given that another moment of engaging would read?
+fn check_engage(request: &SynchronizeRequest) -> Result<(), RequestError> {
+    let places = [
+        ("master_increments", request.master_increments),
+        ("slave_increments", request.slave_increments),
+        ("start_distance_increments", request.start_distance_increments),
+    ];
+    if let Some((field, value)) = places.into_iter().find(|(_, value)| *value != 0 && request.engage != AT_POSITION) {
+        let allowed = "it belongs to engage AT_POSITION; leave it out, or at 0";
+        return Err(RequestError::BadChoice { field, value, allowed });
+    }
+    if !request.event.is_empty() && request.engage != ON_EVENT {
+        let value = format!("`{}`", excerpt(&request.event));
+        return Err(RequestError::NoMeaning {
+            field: "event",
+            value,
+            allowed: "it belongs to engage ON_EVENT; leave it out",
+        });
+    }
+    Ok(())
 }
 
 /// Nothing, in whatever unit.

@@ -34,6 +34,8 @@ pub struct Cam {
     mean: f64,
     /// At an end the slave rests.
     rests: bool,
+    /// Which way the last step has passed an end of a cyclic table: 1 up, -1 down.
+    passed: i8,
 }
 
 /// Cycles over which the speed of a lead is smoothed.
@@ -44,9 +46,11 @@ impl Cam {
     pub fn new(table: u16, (master, slave): (Ratio, Ratio), place: Position, tables: &[Arc<Table>]) -> Option<Self> {
         let (master, slave) = (Gear::new(master), Gear::new(slave));
         let value = Position::ZERO;
-        let mut cam = Self { table, near: 0, slope: 0.0, master, slave, place, value, mean: 0.0, rests: true };
+        let mut cam =
+            Self { table, near: 0, slope: 0.0, master, slave, place, value, mean: 0.0, rests: true, passed: 0 };
         let (table, shape) = cam.find(tables)?;
         cam.go(table, shape);
+        cam.passed = 0;
         Some(cam)
     }
 
@@ -103,6 +107,52 @@ impl Cam {
         Self { rests: false, ..self }
     }
 
+    /// The same, whose slave rests at an end.
+    #[must_use]
+    pub fn resting(self) -> Self {
+        Self { rests: true, ..self }
+    }
+
+    /// Has its last step passed an end of its table? One that is cyclic has one on either side.
+    pub fn passes_end(&self, tables: &[Arc<Table>]) -> bool {
+        self.passed != 0 || self.has_ended(tables)
+    }
+
+    /// The same with what `old` keeps below the grid, by a scale that is the same, and with what it knows of the lead.
+    #[must_use]
+    pub fn going_on_from(self, old: &Self) -> Self {
+        let kept = |mine: Gear, its: Gear| if mine.ratio() == its.ratio() { its } else { its.with_ratio(mine.ratio()) };
+        Self { master: kept(self.master, old.master), slave: kept(self.slave, old.slave), mean: old.mean, ..self }
+    }
+
+    /// `next`, which stands at its start, in the place of this one, whose last step has passed an end: as far into its table as this one
+    /// has come behind the end; and what changes for the slave. What either scale keeps below the grid it keeps on.
+    pub fn handed_over(&self, next: Self, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
+        let ((table, shape), (next_table, next_shape)) = (self.find(tables)?, next.find(tables)?);
+        let is_back = self.passed < 0;
+        let (end, value) = match (shape.is_cyclic, is_back) {
+            (true, false) => (0, table.y().first()),
+            (_, true) => (shape.length, table.y().last()),
+            (false, false) => (shape.length, table.y().last()),
+        };
+        let over = self.place - Position::whole(end);
+        let mut slave = self.slave;
+        let back = slave.step(Position::whole(*value?) - self.value);
+        let mut next = next.going_on_from(&Self { slave, ..*self });
+        let scaled = match self.master.ratio() {
+            mine if mine == next.master.ratio() => over,
+            mine => next.master.step(Gear::new(mine.inverse()?).step(over)),
+        };
+        // Backwards its end is where it begins.
+        if is_back {
+            next.place += Position::whole(next_shape.length);
+            next.go(next_table, next_shape);
+        }
+        let way = next.advance(scaled, next_table, next_shape);
+        next.passed = 0;
+        Some((back + way, next))
+    }
+
     /// Change of its lead in a cycle (inc), smoothed.
     pub fn mean(&self) -> f64 {
         self.mean
@@ -135,9 +185,16 @@ impl Cam {
     #[inline]
     pub fn step(&mut self, change: Position, tables: &[Arc<Table>]) -> Position {
         let Some((table, shape)) = self.find(tables) else { return Position::ZERO };
-        let before = self.value;
         self.mean += (change.to_f64() - self.mean) / MEAN_CYCLES;
-        self.place += self.master.step(change);
+        let scaled = self.master.step(change);
+        self.advance(scaled, table, shape)
+    }
+
+    /// The slave's change by one of the scaled master.
+    #[inline]
+    fn advance(&mut self, scaled: Position, table: &Table, shape: CamShape) -> Position {
+        let before = self.value;
+        self.place += scaled;
         let way = self.go(table, shape);
         self.slave.step(way + self.value - before)
     }
@@ -162,11 +219,13 @@ impl Cam {
         let length = Position::whole(shape.length);
         let is_inside = self.place >= Position::ZERO && self.place < length;
         let mut way = Position::ZERO;
+        self.passed = 0;
         if !is_inside && shape.is_cyclic {
             // The master's place is below 2^94, the length at least 2^32: with a way of 31 bits all of it fits.
             let periods = self.place.raw().div_euclid(length.raw());
             self.place = Position::from_raw(self.place.raw() - periods * length.raw());
             way = Position::from_raw(periods.saturating_mul(Position::whole(shape.way).raw()));
+            self.passed = periods.signum() as i8;
         }
         self.look_up(table, shape, self.place.max(Position::ZERO).min(length).raw());
         way

@@ -137,6 +137,20 @@ impl Follower {
         Self { phase: Phase::Synchronized, ..self }
     }
 
+    /// The same by another transmission from now on, which wants the slave at `target`.
+    #[must_use]
+    pub fn handed_over(self, transmission: Transmission, mode: SyncMode, target: Position, bounds: Bounds) -> Self {
+        let phase = if target == self.target { self.phase } else { Phase::CatchingUp };
+        Self { mode, transmission, phase, target, halt: None, bounds, ..self }
+    }
+
+    /// Says whether a cam lets its slave rest at its end.
+    pub fn rest_at_end(&mut self, rests: bool) {
+        if let Transmission::Cam(cam) = &mut self.transmission {
+            *cam = if rests { cam.resting() } else { cam.going_on() };
+        }
+    }
+
     /// Says where the leader will stop at once, while the slave is on its straight way there; none: nobody knows.
     pub fn halt_at(&mut self, halt: Option<Position>) {
         self.halt = halt;

@@ -44,6 +44,11 @@ impl Ratio {
         self.denominator
     }
 
+    /// Master increments by slave increments.
+    pub fn inverse(self) -> Option<Self> {
+        Self::new(self.denominator, self.numerator)
+    }
+
     /// The value, rounded.
     pub fn to_f64(self) -> f64 {
         self.numerator as f64 / self.denominator as f64

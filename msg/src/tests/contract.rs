@@ -168,7 +168,7 @@ const OWN_INTERFACES: [(&str, &str); 29] = [
     (
         "action/Synchronize",
         "uint8 VELOCITY=0 POSITION=1 MARKER=2 CAM=3
-        uint8 IMMEDIATELY=0 AT_POSITION=1 ON_EVENT=2
+        uint8 IMMEDIATELY=0 AT_POSITION=1 ON_EVENT=2 AT_END=3
         uint8 STOP=0 KEEP_VELOCITY=1
         uint8 ABSOLUTE=0 RELATIVE=1 RAMP_IN=2
         string axis master event

@@ -7,8 +7,8 @@ mod locks;
 use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
-    Action, BufferMode, CamIn, HomeAxis, HomingMethod, Move, MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge,
-    SetPosition, Synchronize,
+    Action, BufferMode, CamIn, Engage, HomeAxis, HomingMethod, Move, MoveMode, Phase, PhaseShift, PhaseSide, Probe,
+    ProbeEdge, SetPosition, Synchronize,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
@@ -194,12 +194,15 @@ fn coupling() -> impl Strategy<Value = Action> {
     let leader = prop::option::weighted(0.9, leader);
     let ways = (any::<bool>(), any::<bool>());
     let cam = prop::option::weighted(0.5, cam());
-    (axis(), leader, -5_i64..5, 1_i64..4, ways, -500_i64..500, cam).prop_map(
-        |(axis, leader, numerator, denominator, (keeps, relates), offset, cam)| {
+    let at_position = (-30_000_i64..30_000).prop_map(|position| Engage::AtPosition { position, turn: None });
+    let engage = prop_oneof![4 => Just(Engage::Immediately), 1 => Just(Engage::AtEnd), 1 => at_position];
+    (axis(), leader, -5_i64..5, 1_i64..4, ways, -500_i64..500, (cam, engage)).prop_map(
+        |(axis, leader, numerator, denominator, (keeps, relates), offset, (cam, engage))| {
             Action::Synchronize(Synchronize {
                 axis,
                 leader,
                 mode: if relates || cam.is_some() { SyncMode::Position } else { SyncMode::Velocity },
+                engage: if cam.is_some() { engage } else { Engage::Immediately },
                 disengage: if keeps { Disengage::KeepVelocity } else { Disengage::Stop },
                 numerator,
                 denominator,

@@ -43,6 +43,41 @@ fn the_slave_is_where_the_table_says_period_by_period() {
     assert_eq!(slave.floor(), 20_000_000_000 + 16_866);
 }
 
+/// A million changes of the table, each at an end, both ways: place and way are those of the sums, to the last bit.
+#[test]
+fn nothing_is_lost_from_table_to_table() {
+    let tables = [xy(&KNIFE), xy(&[(0, 0), (2000, -500), (7000, -1234)])].concat();
+    let (master, slave) = (ratio(5, 7), ratio(-3, 4));
+    let new = |table| Cam::new(table, (master, slave), Position::ZERO, &tables).expect("a cam");
+    let shape = |table: u16| tables[usize::from(table)].cam().expect("a cam");
+    let scaled =
+        |sum: i128, ratio: Ratio| (sum * i128::from(ratio.numerator())).div_euclid(i128::from(ratio.denominator()));
+    let (mut table, mut cam, mut changes, mut backwards) = (0, new(0), 0, 0);
+    let (mut lead, mut way, mut origin, mut before) = (Position::ZERO, Position::ZERO, 0, 0);
+    let mut k = 0_i128;
+    while changes < 1_000_000 {
+        k += 1;
+        let turned = if k % 11 == 3 { -9_000 } else { 7_000 + k % 1013 };
+        let change = Position::from_raw((turned << 32) + k * 7_919 % 1_000_003);
+        lead += change;
+        way += cam.step(change, &tables);
+        if cam.passes_end(&tables) {
+            let (old, next) = (table, 1 - table);
+            let is_back = cam.passed < 0;
+            let (corrected, handed) = cam.handed_over(new(next), &tables).expect("both are cams");
+            way += corrected;
+            (table, cam) = (next, handed);
+            let (sign, of) = if is_back { (-1, shape(next)) } else { (1, shape(old)) };
+            origin += sign * Position::whole(of.length).raw();
+            before += sign * Position::whole(of.way).raw();
+            (changes, backwards) = (changes + 1, backwards + usize::from(is_back));
+        }
+        assert_eq!(cam.place.raw(), scaled(lead.raw(), master) - origin, "{k}");
+        assert_eq!(way.raw(), scaled(before + cam.value.raw(), slave), "{k}");
+    }
+    assert!(backwards > 10_000, "{backwards}");
+}
+
 #[test]
 fn places_before_points_and_between_increments_count() {
     // Three points over 3 increments: intervals of 1.5; at 1 it is 2/3 of the first, at 2 1/3 of the second.

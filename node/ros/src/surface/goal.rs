@@ -21,6 +21,15 @@ use tokio::time::MissedTickBehavior;
 /// Between two feedback messages.
 const FEEDBACK: Duration = Duration::from_millis(50);
 
+/// How far a goal has come.
+#[derive(Clone, Copy)]
+pub(super) struct Progress {
+    /// Number of its command.
+    pub sequence: u64,
+    /// Position of the axis at the mark that the goal searched for, where it found one.
+    pub mark: Option<Position>,
+}
+
 /// How a goal ended.
 pub(super) struct Ending {
     pub code: Code,
@@ -42,13 +51,8 @@ pub(super) trait AxisAction: lineshaft_msgs::Action + Sized {
     /// The axis and the command that a goal asks for.
     fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
 
-    /// Feedback from the axis' signals, where there is something to tell; `mark` is what the goal has found.
-    fn feedback(
-        view: &AxisView,
-        snapshot: &Snapshot,
-        goal: &Self::Goal,
-        mark: Option<Position>,
-    ) -> Option<Self::Feedback>;
+    /// Feedback from the axis' signals, where there is something to tell.
+    fn feedback(view: &AxisView, snapshot: &Snapshot, goal: &Self::Goal, progress: Progress) -> Option<Self::Feedback>;
 
     /// The result of a goal.
     fn result(view: &AxisView, ending: Ending) -> Self::Result;
@@ -137,7 +141,7 @@ async fn follow<A: AxisAction>(
             }
             // Before that the signals are not yet of this goal.
             _ = ticks.tick(), if accepted => {
-                if let Some(feedback) = A::feedback(view, &hub.host.snapshot(), handle.goal(), mark) {
+                if let Some(feedback) = A::feedback(view, &hub.host.snapshot(), handle.goal(), Progress { sequence: goal, mark }) {
                     // A client that does not read feedback is its own matter.
                     let _ = handle.feedback(&feedback);
                 }

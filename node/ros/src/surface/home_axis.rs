@@ -1,12 +1,11 @@
 //! `~/home_axis`: homing of one axis, with its phases.
 
-use super::goal::{AxisAction, Ending};
+use super::goal::{AxisAction, Ending, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::position::Position;
 use lineshaft_core::request::{HomeRequest, RequestError};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{HomeAxis, HomeAxisFeedback, HomeAxisGoal, HomeAxisResult};
@@ -25,7 +24,7 @@ impl AxisAction for HomeAxis {
         view: &AxisView,
         snapshot: &Snapshot,
         _goal: &HomeAxisGoal,
-        _mark: Option<Position>,
+        _progress: Progress,
     ) -> Option<HomeAxisFeedback> {
         let phase = view.small(&snapshot.board, AxisSignal::HomingPhase);
         let position = view.si(view.int(&snapshot.board, AxisSignal::ActualPosition), 0.0);

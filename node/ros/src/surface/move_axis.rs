@@ -1,12 +1,11 @@
 //! `~/move_axis`.
 
-use super::goal::{AxisAction, Ending};
+use super::goal::{AxisAction, Ending, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::position::Position;
 use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, Units};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisResult};
@@ -31,7 +30,7 @@ impl AxisAction for MoveAxis {
         view: &AxisView,
         snapshot: &Snapshot,
         _goal: &MoveAxisGoal,
-        _mark: Option<Position>,
+        _progress: Progress,
     ) -> Option<MoveAxisFeedback> {
         let position = view.int(&snapshot.board, AxisSignal::ActualPosition);
         Some(MoveAxisFeedback {

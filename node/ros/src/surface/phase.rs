@@ -1,12 +1,11 @@
 //! `~/phase`: a shift of an axis against its leader.
 
-use super::goal::{AxisAction, Ending};
+use super::goal::{AxisAction, Ending, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::position::Position;
 use lineshaft_core::request::{Amount, PhaseRequest, RequestError};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{Phase, PhaseFeedback, PhaseGoal, PhaseResult};
@@ -25,12 +24,7 @@ impl AxisAction for Phase {
         Ok((request.axis, Action::Phase(request)))
     }
 
-    fn feedback(
-        view: &AxisView,
-        snapshot: &Snapshot,
-        goal: &PhaseGoal,
-        _mark: Option<Position>,
-    ) -> Option<PhaseFeedback> {
+    fn feedback(view: &AxisView, snapshot: &Snapshot, goal: &PhaseGoal, _progress: Progress) -> Option<PhaseFeedback> {
         let side = if goal.side == PhaseGoal::MASTER { AxisSignal::PhaseMaster } else { AxisSignal::PhaseSlave };
         Some(PhaseFeedback { remaining: goal.shift * view.real(&snapshot.board, side) })
     }

@@ -1,6 +1,6 @@
 //! `~/probe_axis`: touch probe to position.
 
-use super::goal::{AxisAction, Ending};
+use super::goal::{AxisAction, Ending, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
@@ -35,10 +35,10 @@ impl AxisAction for ProbeAxis {
         view: &AxisView,
         snapshot: &Snapshot,
         _goal: &ProbeAxisGoal,
-        mark: Option<Position>,
+        progress: Progress,
     ) -> Option<ProbeAxisFeedback> {
         Some(ProbeAxisFeedback {
-            phase: if mark.is_some() { ProbeAxisFeedback::PROBED } else { ProbeAxisFeedback::SEARCHING },
+            phase: if progress.mark.is_some() { ProbeAxisFeedback::PROBED } else { ProbeAxisFeedback::SEARCHING },
             position: view.si(view.int(&snapshot.board, AxisSignal::ActualPosition), 0.0),
             velocity: view.rate(&snapshot.board, AxisSignal::ActualVelocity),
             distance_to_go: view.si(view.to_go(&snapshot.board), 0.0),

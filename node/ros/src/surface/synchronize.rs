@@ -1,12 +1,11 @@
 //! `~/synchronize`: open while the axis is coupled.
 
-use super::goal::{AxisAction, Ending};
+use super::goal::{AxisAction, Ending, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::position::Position;
 use lineshaft_core::request::{Amount, CamRequest, RequestError, SynchronizeRequest, factor};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{Synchronize, SynchronizeFeedback, SynchronizeGoal, SynchronizeResult};
@@ -21,6 +20,9 @@ impl AxisAction for Synchronize {
             event: goal.event.clone(),
             mode: goal.mode,
             engage: goal.engage,
+            master_increments: goal.master_increments,
+            slave_increments: goal.slave_increments,
+            start_distance_increments: goal.start_distance_increments,
             disengage: goal.disengage,
             numerator: goal.numerator,
             denominator: goal.denominator,
@@ -43,12 +45,17 @@ impl AxisAction for Synchronize {
         view: &AxisView,
         snapshot: &Snapshot,
         _goal: &SynchronizeGoal,
-        _mark: Option<Position>,
+        progress: Progress,
     ) -> Option<SynchronizeFeedback> {
         let coupled = view.bit(&snapshot.board, AxisSignal::InSync);
+        let waits = view.int(&snapshot.board, AxisSignal::SyncWaiting) == progress.sequence.cast_signed();
         let error = view.int(&snapshot.board, AxisSignal::SyncError);
         Some(SynchronizeFeedback {
-            phase: if coupled { SynchronizeFeedback::SYNCHRONIZED } else { SynchronizeFeedback::CATCHING_UP },
+            phase: match () {
+                () if waits => SynchronizeFeedback::WAITING,
+                () if coupled => SynchronizeFeedback::SYNCHRONIZED,
+                () => SynchronizeFeedback::CATCHING_UP,
+            },
             sync_error_increments: error,
             sync_error: view.si(error, 0.0),
             // No marks yet: both stay 0.

@@ -6,7 +6,7 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, CamIn, HomeAxis, HomingMethod, MasterPosition, MemoryValue, Move, MoveMode, OutputValue, Probe,
+    BufferMode, CamIn, Engage, HomeAxis, HomingMethod, MasterPosition, MemoryValue, Move, MoveMode, OutputValue, Probe,
     ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
@@ -186,6 +186,7 @@ fn coupling(axis: u16) -> Coupling {
         axis,
         leader: Some(Leader::AxisCommand(0)),
         mode: SyncMode::Position,
+        engage: Engage::Immediately,
         disengage: Disengage::Stop,
         numerator: 0,
         denominator: 0,
@@ -249,6 +250,21 @@ fn cams_name_their_table() {
     };
     let fields = r#""master_scale":"-1/20","slave_scale":"7/3","master_offset":"40 inc","slave_offset":"-5 inc""#;
     desk.is(&on(full), &format!(r#"{head}"ramp_in",{fields}}}}}"#));
+    let waits = |axis, leader, engage| {
+        Action::Synchronize(Coupling { leader: Some(leader), cam: Some(plain), engage, ..coupling(axis) })
+    };
+    let head =
+        |axis, master| format!(r#"{{"synchronize":{{"id":"17","axis":"{axis}","master":"{master}","mode":"cam","#);
+    let fields = r#""table":"knife","cam_start":"absolute"}}"#;
+    let turn = desk.config.axes[1].modulo;
+    let at = |position| Engage::AtPosition { position, turn };
+    let end = waits(0, Leader::Encoder(0), Engage::AtEnd);
+    desk.is(&end, &format!(r#"{}"engage":"at_end",{fields}"#, head("x", "belt")));
+    let place = waits(0, Leader::AxisCommand(1), at(-9_000));
+    let written = format!(r#"{}"engage":"at_position","master_increments":-9000,{fields}"#, head("x", "turret"));
+    desk.is(&place, &written);
+    let zero = waits(0, Leader::AxisActual(1), at(0));
+    desk.is(&zero, &format!(r#"{}"engage":"at_position",{fields}"#, head("x", "turret.actual")));
 }
 
 /// What the master is shifted by is written as it was given: in which increments depends on its leader.

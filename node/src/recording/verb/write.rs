@@ -2,8 +2,8 @@
 
 use super::{saia, trajectory, wf};
 use lineshaft_core::command::{
-    Action, BufferMode, Command, CommandFunction, HomeAxis as Homing, HomingMethod, MasterPosition, Move, MoveMode,
-    Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
+    Action, BufferMode, Command, CommandFunction, Engage, HomeAxis as Homing, HomingMethod, MasterPosition, Move,
+    MoveMode, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::function::Order;
@@ -197,6 +197,10 @@ struct Synchronize<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     master: Option<String>,
     mode: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    engage: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    master_increments: Option<i64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     disengage: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -420,6 +424,11 @@ fn home_axis<'a>(id: String, request: &Homing, config: &'a MachineConfig) -> Hom
 
 fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) -> Synchronize<'a> {
     let whole = |number: i64| Some(number).filter(|&number| number != 0);
+    let (engage, master_increments) = match request.engage {
+        Engage::Immediately => (None, None),
+        Engage::AtPosition { position, .. } => (Some("at_position"), whole(position)),
+        Engage::AtEnd => (Some("at_end"), None),
+    };
     Synchronize {
         id,
         axis: axis(request.axis, config),
@@ -439,6 +448,8 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
             SyncMode::Velocity => "velocity",
             SyncMode::Position => "position",
         },
+        engage,
+        master_increments,
         disengage: match request.disengage {
             Disengage::Stop => None,
             Disengage::KeepVelocity => Some("keep_velocity"),

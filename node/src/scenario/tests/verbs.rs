@@ -336,7 +336,7 @@ fn verbs_that_are_not_built_are_refused_by_name() {
         bad(
             "{synchronize: ^{axis: x, master: line, engage: at_position, master_increments: 5, slave_increments: 5, start_distance_increments: 1}}"
         ),
-        "engage AT_POSITION does not exist yet"
+        "engage AT_POSITION in another mode than CAM does not exist yet"
     );
     assert_eq!(
         bad("{synchronize: ^{axis: x, master: line, mode: marker}}"),

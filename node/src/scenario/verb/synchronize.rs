@@ -10,7 +10,8 @@ use lineshaft_core::unit::{Fraction, Scale};
 const MODES: [(&str, u8); 4] = [("velocity", 0), ("position", 1), ("marker", 2), ("cam", 3)];
 const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
-const ENGAGES: [(&str, u8); 3] = [("immediately", 0), ("at_position", AT_POSITION), ("on_event", ON_EVENT)];
+const ENGAGES: [(&str, u8); 4] =
+    [("immediately", 0), ("at_position", AT_POSITION), ("on_event", ON_EVENT), ("at_end", 3)];
 const DISENGAGES: [(&str, u8); 2] = [("stop", 0), ("keep_velocity", 1)];
 
 impl Reader<'_> {
@@ -21,35 +22,41 @@ impl Reader<'_> {
         let master = map.optional("master").map_or(Some(String::new()), |master| master.text().map(str::to_owned));
         let scale = self.scale(axis.as_ref());
         let given_event = map.optional("event");
-        let event = given_event.as_ref().map_or(Some(String::new()), |event| event.text().map(str::to_owned));
         let [mode, engage, disengage] = [("mode", &MODES[..]), ("engage", &ENGAGES), ("disengage", &DISENGAGES)]
             .map(|(key, names)| number(&mut map, key, names));
         let [numerator, denominator] = ["numerator", "denominator"].map(|key| whole(&mut map, key));
-        for key in ["master_increments", "slave_increments", "start_distance_increments"] {
-            if let Some(given) = map.optional(key)
-                && given.integer(i64::MIN..=i64::MAX).is_some()
-                && engage != Some(AT_POSITION)
-            {
+        let places = ["master_increments", "slave_increments", "start_distance_increments"].map(|key| {
+            let Some(given) = map.optional(key) else { return Some(0) };
+            let place = given.integer(i64::MIN..=i64::MAX)?;
+            let has_meaning = engage == Some(AT_POSITION);
+            if !has_meaning {
                 given.refuse(format!("{key} belongs to `engage: at_position`"), None);
             }
-        }
-        if let (Some(given), Some(name)) = (given_event, &event)
-            && !name.is_empty()
-            && engage != Some(ON_EVENT)
-        {
-            given.refuse("event belongs to `engage: on_event`", None);
-        }
+            has_meaning.then_some(place)
+        });
+        let event = given_event.map_or(Some(String::new()), |given| {
+            let name = given.text()?;
+            let has_meaning = name.is_empty() || engage == Some(ON_EVENT);
+            if !has_meaning {
+                given.refuse("event belongs to `engage: on_event`", None);
+            }
+            has_meaning.then(|| name.to_owned())
+        });
         let [offset, velocity, acceleration] = [("offset", 0), ("velocity", 1), ("acceleration", 2)]
             .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), false));
         let cam = cam(&mut map, scale.as_ref());
         map.finish();
         let deed = (|| {
+            let [master_increments, slave_increments, start_distance_increments] = places;
             let request = SynchronizeRequest {
                 axis: axis?.text()?.to_owned(),
                 master: master?,
                 event: event?,
                 mode: mode?,
                 engage: engage?,
+                master_increments: master_increments?,
+                slave_increments: slave_increments?,
+                start_distance_increments: start_distance_increments?,
                 disengage: disengage?,
                 numerator: numerator?,
                 denominator: denominator?,

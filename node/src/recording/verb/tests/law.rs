@@ -110,8 +110,11 @@ fn cam_request() -> impl Strategy<Value = CamRequest> {
 }
 
 fn camming_request() -> impl Strategy<Value = SynchronizeRequest> {
-    (synchronize_request(), cam_request()).prop_map(|(request, cam)| SynchronizeRequest {
+    let engage = prop_oneof![Just((0_u8, 0)), Just((3, 0)), any::<i64>().prop_map(|place| (1, place))];
+    (synchronize_request(), cam_request(), engage).prop_map(|(request, cam, (engage, place))| SynchronizeRequest {
         mode: 3,
+        engage,
+        master_increments: place,
         numerator: 0,
         denominator: 0,
         offset: Amount::default(),
@@ -449,6 +452,7 @@ proptest! {
             axis,
             leader: Some(Leader::Encoder(0)),
             mode: SyncMode::Position,
+            engage: Engage::Immediately,
             disengage: Disengage::Stop,
             numerator: 1,
             denominator: 1,

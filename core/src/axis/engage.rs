@@ -1,0 +1,206 @@
+//! A cam that waits for its moment: the end of the cam under way, or a place of its leader.
+//!
+//! Law      what moves the axis goes on until then. Relative: the new cam begins exactly where the end or the place is, though that lies between two
+//!          cycles, and no increment of leader or slave is lost there, nor what the scales keep below 2^-32 inc, where they stay the same. Absolute and
+//!          ramp-in: where leader and table are at the end of that cycle, compared with where the cam before would have the slave
+//! Reads    the leader, this cycle's; the cam under way
+//! Refuses  the end of a cam where none is under way; at its moment what a cam that begins at once refuses: its goal ends so, and what moves
+//!          the axis goes on
+//! Source   contract section 10, PLCopen (MC_CamIn, mcBuffered; MC_GearInPos)
+
+use super::alarm::{NO_NUMBERS, Numbers};
+use super::generator::Coupling;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::command::{CamIn, Engage, Synchronize};
+use crate::encoder::Lead;
+use crate::event::{Event, Refusal};
+use crate::object::Leader;
+use crate::position::Position;
+use crate::sync::cam::Cam;
+use crate::sync::follower::Follower;
+use crate::sync::{CamStart, Disengage, SyncMode, Transmission};
+use crate::table::Table;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A coupling that waits.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Engagement {
+    /// Number of its command.
+    pub sequence: u64,
+    leader: Leader,
+    request: Synchronize,
+}
+
+impl Engagement {
+    pub(super) fn is_sound(&self) -> bool {
+        let Synchronize { velocity, acceleration, .. } = self.request;
+        self.request.cam.is_some() && velocity.is_finite() && acceleration.is_finite()
+    }
+}
+
+/// Where the moment of a coupling lies.
+#[derive(Clone, Copy, Debug)]
+enum Moment {
+    /// The cam before has passed its end.
+    End,
+    /// So far behind its place the leader is.
+    Behind(Position),
+}
+
+impl Axis {
+    /// What it will follow once it is engaged.
+    pub fn engaging_leader(&self) -> Option<Leader> {
+        self.engagement.map(|engagement| engagement.leader)
+    }
+
+    /// Lets a cam wait for its moment.
+    ///
+    /// # Errors
+    /// It would be refused at once, too; there is no end to wait for.
+    pub(super) fn wait_to_engage(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        (request, leader): (&Synchronize, Leader),
+    ) -> Result<(), Refusal> {
+        let Some(CamIn { table, .. }) = request.cam else { return Err(self.refuse(Code::BAD_REQUEST)) };
+        let numbers = cx.tables.get(usize::from(table)).ok_or_else(|| self.refuse(Code::BAD_REQUEST))?;
+        numbers.cam().map_err(|error| super::no_cam(table, error))?;
+        if request.engage == Engage::AtEnd {
+            let under_way = self.coupling().filter(|coupling| coupling.leader == leader);
+            let cam = under_way.and_then(|coupling| coupling.follower.transmission().cam());
+            if cam.is_none_or(|cam| cam.has_ended(cx.tables)) {
+                return Err(self.refuse(Code::ENGAGE_NO_CAM));
+            }
+        }
+        self.end_engagement(cx, Code::REPLACED, NO_NUMBERS);
+        self.engagement = Some(Engagement { sequence, leader, request: *request });
+        // One that takes over at the end needs no rest there.
+        self.rest_at_end(request.engage != Engage::AtEnd);
+        self.accepted(cx, sequence);
+        Ok(())
+    }
+
+    /// Does the cam under way let its slave rest at its end?
+    fn rest_at_end(&mut self, rests: bool) {
+        if let Generator::Follow(Coupling { disengage, follower, .. }) = &mut self.generator {
+            follower.rest_at_end(rests && *disengage == Disengage::Stop);
+        }
+    }
+
+    /// Number of the command that waits to engage; 0 for none.
+    pub(super) fn engaging(&self) -> u64 {
+        self.engagement.map_or(0, |engagement| engagement.sequence)
+    }
+
+    /// Ends the wait.
+    pub(super) fn end_engagement(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
+        if let Some(engagement) = self.engagement.take() {
+            self.rest_at_end(true);
+            let done = Event::done(self.object(), engagement.sequence, code, self.command.position);
+            cx.events.push(done.with(numbers.0, numbers.1));
+        }
+    }
+
+    /// Engages what waits, if this cycle is its moment.
+    pub(super) fn engage(&mut self, cx: &mut Context<'_>) {
+        let Some(engagement) = self.engagement else { return };
+        let lead = cx.leads.get(engagement.leader);
+        if !lead.valid {
+            return self.end_engagement(cx, Code::LEADER_LOST, NO_NUMBERS);
+        }
+        let moment = match engagement.request.engage {
+            Engage::Immediately => Some(Moment::Behind(Position::ZERO)),
+            Engage::AtPosition { position, turn } => {
+                let place = Position::whole(position);
+                let place = turn.map_or(place, |turn| turn.last_passed(place, lead.position, lead.change));
+                passed(place, lead)
+            }
+            Engage::AtEnd => {
+                let Some(cam) = self.coupling().and_then(|coupling| coupling.follower.transmission().cam()) else {
+                    return self.end_engagement(cx, Code::NOT_REACHED, NO_NUMBERS);
+                };
+                cam.passes_end(cx.tables).then_some(Moment::End)
+            }
+        };
+        let Some(moment) = moment else { return };
+        match self.engaged(cx.tables, (&engagement, lead), moment) {
+            Ok(coupling) => {
+                self.engagement = None;
+                let is_end = matches!(moment, Moment::End);
+                if is_end {
+                    // Its cam has come to its end.
+                    self.end_goal(cx, Code::NONE);
+                }
+                self.take_over(cx, engagement.sequence, None);
+                self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Cam, Generator::Follow(coupling));
+            }
+            Err(refusal) => self.end_engagement(cx, refusal.code, (refusal.asked, refusal.limit)),
+        }
+    }
+
+    /// The coupling that begins in this cycle.
+    fn engaged(
+        &self,
+        tables: &[Arc<Table>],
+        (engagement, lead): (&Engagement, Lead),
+        moment: Moment,
+    ) -> Result<Coupling, Refusal> {
+        let Engagement { leader, request, .. } = engagement;
+        self.check_closed_loop()?;
+        self.check_free()?;
+        let bad_request = || self.refuse(Code::BAD_REQUEST);
+        let cam = request.cam.as_ref().ok_or_else(bad_request)?;
+        let bounds = self.bounds_of(request)?;
+        let before = self.coupling().filter(|coupling| coupling.leader == *leader).map(|coupling| &coupling.follower);
+        let before = before.filter(|before| before.mode() == SyncMode::Position);
+        let stands = before.map_or(self.present().position, Follower::target);
+        let (next, offset) = self.cam_of(tables, lead, (cam, request.disengage), stands)?;
+        // Where the slave is to be, and the cam as it is then.
+        let (target, next) = if cam.start == CamStart::Relative {
+            let (change, next) = match (before.map(|before| *before.transmission()), moment) {
+                (Some(Transmission::Cam(old)), Moment::End) => old.handed_over(next, tables).ok_or_else(bad_request)?,
+                (old, Moment::Behind(after)) => begun_before(old, next, after, tables),
+                (_, Moment::End) => return Err(bad_request()),
+            };
+            (stands + offset + change, next)
+        } else {
+            (stands + offset, next)
+        };
+        let transmission = Transmission::Cam(next);
+        let follower = match before {
+            Some(before) => before.handed_over(transmission, request.mode, target, bounds),
+            None => {
+                let present = self.present();
+                Follower::new(lead.uneven, transmission, request.mode, present, target - present.position, bounds)
+            }
+        };
+        let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
+        Ok(Coupling { leader: *leader, disengage, accuracy, follower })
+    }
+}
+
+/// A cam that began when the leader was so far behind where it is: what changes for the slave, which `old` has led all the way.
+fn begun_before(old: Option<Transmission>, next: Cam, after: Position, tables: &[Arc<Table>]) -> (Position, Cam) {
+    let way = |change| Lead { change, ..Lead::default() };
+    let Some(mut old) = old else {
+        let mut next = next;
+        return (next.step(after, tables), next);
+    };
+    let back = old.step(way(-after), tables);
+    let mut next = match old {
+        Transmission::Cam(old) => next.going_on_from(&old),
+        Transmission::Gear(_) => next,
+    };
+    let change = next.step(after, tables);
+    (back + change, next)
+}
+
+/// How far behind a place the leader is that has come to it in this cycle, from either side.
+fn passed(place: Position, lead: Lead) -> Option<Moment> {
+    let before = lead.position - lead.change;
+    let (low, high) = (before.min(lead.position), before.max(lead.position));
+    (low..=high).contains(&place).then(|| Moment::Behind(lead.position - place))
+}
