@@ -233,6 +233,30 @@ fn points_are_checked_by_differences_which_is_said() {
     assert_eq!(bench.bad("check corners.csv"), missing);
 }
 
+/// Twelve points of 1000000 sin x: the spline is within 2 % of 1000000 (2 pi / 12000)^2 and ^3, where lines bend at once.
+#[test]
+fn a_spline_is_checked_by_its_own_derivatives() {
+    let bench = Bench::new();
+    let points: Vec<String> =
+        (0..=12).map(|i| format!("{}", (1e6 * (f64::from(i) * std::f64::consts::TAU / 12.0).sin()).round())).collect();
+    bench.write("sine.csv", &points.join("\n"));
+    for (name, least) in [("cubic", 0.9), ("quintic", 0.99)] {
+        let said = bench.good(&format!("check sine.csv --master 12000 --interpolation {name}"));
+        assert!(said.contains("of the spline through the points, as an axis on that cam follows it"), "{said}");
+        let turn = std::f64::consts::TAU / 12_000.0;
+        for (word, wanted) in [("velocity", 1e6 * turn), ("acceleration", 1e6 * turn.powi(2))] {
+            let line = said.lines().find(|line| line.contains(&format!("largest {word}"))).expect("a line");
+            let value: f64 = line.split_whitespace().nth(2).expect("a number").parse().expect("a number");
+            assert!((least..2.0 - least).contains(&(value / wanted)), "{name} {word}: {value} {wanted}");
+        }
+    }
+    let said = bench.bad("check sine.csv --master 12000 --interpolation round");
+    assert!(said.contains("linear, cubic and quintic are allowed"), "{said}");
+    bench.write("two.csv", "0\n5\n");
+    let said = bench.bad("check two.csv --master 100 --interpolation cubic");
+    assert!(said.contains("two.csv: a cam has 2 points; 3 or more are needed"), "{said}");
+}
+
 #[test]
 fn tables_are_converted_there_and_back() {
     let bench = Bench::new();

@@ -9,6 +9,8 @@ use std::path::Path;
 
 /// Points of a curve within a segment.
 const PARTS: u32 = 500;
+/// Points of a curve along a spline, about.
+const MOST: usize = 20_000;
 const PANELS: [(&str, &str); 4] =
     [("position", "inc"), ("velocity", "inc/inc"), ("acceleration", "inc/inc^2"), ("jerk", "inc/inc^3")];
 
@@ -63,8 +65,16 @@ fn planned(description: &Description) -> [Curve; 4] {
     curves
 }
 
-/// Points: straight lines, a velocity that holds along each, and divided differences.
+/// Points: a spline, or straight lines, a velocity that holds along each, and divided differences.
 fn between(points: &Points) -> [Curve; 4] {
+    if let Some(spline) = points.table.spline() {
+        let parts = (MOST / points.table.len().max(1)).clamp(1, PARTS as usize) as u32;
+        let mut curves: [Curve; 4] = Default::default();
+        for (x, Derivatives { s, v, a, j }) in points.along(spline, parts) {
+            curves.iter_mut().zip([s, v, a, j]).for_each(|(curve, value)| curve.push((x, value)));
+        }
+        return curves;
+    }
     let position = points.x.iter().copied().zip(points.table.y().iter().map(|y| *y as f64)).collect();
     let [slopes, acceleration, jerk] = points.derivatives();
     let ends = points.x.iter().skip(1);
@@ -76,7 +86,7 @@ fn between(points: &Points) -> [Curve; 4] {
 mod tests {
     use super::*;
     use crate::document::Document;
-    use lineshaft_core::table::{Form, Table};
+    use lineshaft_core::table::{Form, Interpolation, Table};
 
     #[test]
     fn a_jump_has_two_values_at_one_place() {
@@ -97,7 +107,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("t.svg");
         let table = Table::new(Form::Xy, &[0, 10, 20, 40], &[0, 5, 30, 0]).expect("points");
-        let motion = Motion::Points(Points::new(table, None, true).expect("a curve"));
+        let motion = Motion::Points(Points::new(table, None, true, Interpolation::Linear).expect("a curve"));
         let sheet = Sheet { title: "t.csv".to_owned(), width: 900, height: None };
         draw(&motion, sheet, &path).expect("drawn");
         let svg = std::fs::read_to_string(&path).expect("a figure");

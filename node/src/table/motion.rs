@@ -1,16 +1,18 @@
 //! How a slave moves along a table: its way and three derivatives by the place of the master.
 //!
-//! Law      a plan: its own derivatives. Points: the slopes of the straight lines between them; a[i] = 2 y[x i-1, x i, x i+1],
-//!          j[i] = 6 y[x i-1 .. x i+2], divided differences; of a table that goes round its end is beside its start
+//! Law      a plan, and the spline through points: their own derivatives. Points: the slopes of the straight lines between them; a[i] = 2 y[x i-1, x i,
+//!          x i+1], j[i] = 6 y[x i-1 .. x i+2], divided differences; of a table that goes round its end is beside its start
 //! Reads    a description, or points
 //! Refuses  points that are no curve of a cam
 
 use super::description::Description;
-use lineshaft_core::law::{Jump, Peak, Plan};
-use lineshaft_core::table::{CurveError, Form, Table};
+use lineshaft_core::law::{Derivatives, Jump, Peak, Plan, Spline};
+use lineshaft_core::table::{CamSetting, CurveError, Form, Interpolation, Table};
 
 /// Parts of a segment that are looked at, each for a peak of its own.
 const PARTS: u32 = 256;
+/// The same of an interval of a spline, of which there may be a million.
+const PARTS_OF_SPLINE: u32 = 16;
 
 /// Takes a larger amount in the place of its own.
 fn meet(peak: &mut Peak, value: f64, at: f64) {
@@ -53,7 +55,12 @@ type Derivative = Vec<(f64, f64)>;
 
 impl Points {
     /// A table over its places, or over a period of its master.
-    pub(crate) fn new(table: Table, master: Option<i64>, is_cyclic: bool) -> Result<Self, String> {
+    pub(crate) fn new(
+        table: Table,
+        master: Option<i64>,
+        is_cyclic: bool,
+        interpolation: Interpolation,
+    ) -> Result<Self, String> {
         if let Some(sentence) = table.shape().err().filter(|error| !is_cam(&table, error)).map(why) {
             return Err(sentence);
         }
@@ -69,6 +76,13 @@ impl Points {
                 let spans = table.len() as f64 - 1.0;
                 (0..table.len()).map(|i| i as f64 * master as f64 / spans).collect()
             }
+        };
+        let table = if interpolation == Interpolation::Linear {
+            table
+        } else {
+            let table = table.with_cam(CamSetting { length: master, is_cyclic, interpolation });
+            table.cam().map_err(|error| error.to_string())?;
+            table
         };
         Ok(Self { table, x, is_cyclic })
     }
@@ -127,6 +141,37 @@ impl Points {
     }
 
     fn extremes(&self) -> Extremes {
+        self.table.spline().map_or_else(|| self.extremes_of_lines(), |spline| self.extremes_of(spline))
+    }
+
+    /// Places in all intervals of a spline, so many parts each, with its derivatives there.
+    pub(crate) fn along<'a>(&'a self, spline: &'a Spline, parts: u32) -> impl Iterator<Item = (f64, Derivatives)> + 'a {
+        self.x
+            .windows(2)
+            .enumerate()
+            .filter_map(|(i, pair)| if let [a, b] = *pair { Some((i, a, b - a)) } else { None })
+            .flat_map(move |(i, from, span)| {
+                (0..=parts).map(move |part| {
+                    let u = f64::from(part) / f64::from(parts);
+                    let y = self.table.y().get(i).map_or(0.0, |y| *y as f64);
+                    let at = spline.at(i, u, span);
+                    (from + u * span, Derivatives { s: y + at.s, ..at })
+                })
+            })
+    }
+
+    fn extremes_of(&self, spline: &Spline) -> Extremes {
+        let peaks = spline.peaks(&self.x);
+        let mut sides = [Peak::default(); 2];
+        for (x, at) in self.along(spline, PARTS_OF_SPLINE) {
+            let [faster, slower] = &mut sides;
+            meet(if at.a * at.v >= 0.0 { faster } else { slower }, at.a, x);
+        }
+        let [acceleration, deceleration] = with_largest(sides, peaks.a);
+        Extremes { velocity: peaks.v, acceleration, deceleration, jerk: peaks.j, jumps: Vec::new() }
+    }
+
+    fn extremes_of_lines(&self) -> Extremes {
         let [velocity, acceleration, jerk] = self.derivatives();
         let mut found = Extremes::default();
         let slopes: Vec<f64> = velocity.iter().map(|(_, slope)| *slope).collect();
@@ -203,7 +248,7 @@ fn planned(description: &Description) -> Extremes {
     let plan = &description.plan;
     let peaks = plan.peaks();
     let (velocity, largest, jerk) = (peaks.v, peaks.a, peaks.j);
-    let mut sides = [true, false].map(|is_faster| {
+    let sides = [true, false].map(|is_faster| {
         let mut found = Peak::default();
         for span in description.spans() {
             let (value, at) = peak_within(span, |x| amount(plan, x, is_faster));
@@ -211,14 +256,18 @@ fn planned(description: &Description) -> Extremes {
         }
         found
     });
-    // The larger one is known in closed form.
+    let [acceleration, deceleration] = with_largest(sides, largest);
+    Extremes { velocity, acceleration, deceleration, jerk, jumps: plan.jumps() }
+}
+
+/// Acceleration and deceleration as they were searched; the larger one is known in closed form.
+fn with_largest(mut sides: [Peak; 2], largest: Peak) -> [Peak; 2] {
     let [acceleration, deceleration] = &mut sides;
     let larger = if acceleration.value >= deceleration.value { acceleration } else { deceleration };
     if largest.value > larger.value * (1.0 - 1e-9) {
         larger.value = largest.value;
     }
-    let [acceleration, deceleration] = sides;
-    Extremes { velocity, acceleration, deceleration, jerk, jumps: plan.jumps() }
+    sides
 }
 
 /// The amount of the acceleration where it makes the slave faster, or slower; else 0.
@@ -250,7 +299,8 @@ mod tests {
     use crate::document::Document;
 
     fn points(x: &[i64], y: &[i64], is_cyclic: bool) -> Points {
-        Points::new(Table::new(Form::Xy, x, y).expect("points"), None, is_cyclic).expect("a curve")
+        Points::new(Table::new(Form::Xy, x, y).expect("points"), None, is_cyclic, Interpolation::Linear)
+            .expect("a curve")
     }
 
     fn near(found: f64, wanted: f64) -> bool {
@@ -302,6 +352,35 @@ mod tests {
         assert!(near(round.jerk.value, 0.06) && round.jerk.at == 15.0);
     }
 
+    /// y = x^3 through five points, clamped by nothing: of a periodic spline through a sine the derivatives are those of the sine to
+    /// the order of the spline.
+    #[test]
+    fn a_spline_has_its_own_derivatives() {
+        let count = 100_i64;
+        let x: Vec<i64> = (0..=count).map(|i| i * 100).collect();
+        let turn = std::f64::consts::TAU / 10_000.0;
+        let y: Vec<i64> = x.iter().map(|x| (1e7 * libm::sin(turn * *x as f64)).round() as i64).collect();
+        let table = Table::new(Form::Xy, &x, &y).expect("points");
+        let points = Points::new(table, None, true, Interpolation::Quintic).expect("a cam");
+        let found = Motion::Points(points).extremes();
+        let wanted = [1e7 * turn, 1e7 * turn.powi(2), 1e7 * turn.powi(2), 1e7 * turn.powi(3)];
+        let peaks = [found.velocity, found.acceleration, found.deceleration, found.jerk].map(|peak| peak.value);
+        for (found, wanted) in peaks.into_iter().zip(wanted) {
+            assert!((found / wanted - 1.0).abs() < 1e-4, "{found} {wanted}");
+        }
+        // It is fastest at 0, and gets slower behind it.
+        assert!((found.deceleration.at % 5_000.0 - 2_500.0).abs() < 100.0, "{found:?}");
+        assert!(found.jumps.is_empty());
+    }
+
+    #[test]
+    fn what_is_no_spline_is_told() {
+        let table = || Table::new(Form::Y, &[], &[0, 5]).expect("numbers");
+        let said = Points::new(table(), Some(100), true, Interpolation::Cubic).expect_err("refused");
+        assert_eq!(said, "a cam has 2 points; 3 or more are needed");
+        assert!(Points::new(table(), Some(100), true, Interpolation::Linear).is_ok());
+    }
+
     #[test]
     fn rounding_is_bounded_by_the_shortest_line() {
         assert_eq!(points(&[0, 10, 15], &[0, 1, 2], true).rounding(), (2.0 / 25.0, 4.0 / 125.0));
@@ -310,7 +389,8 @@ mod tests {
     #[test]
     fn what_is_no_curve_of_a_cam_is_told() {
         let said = |form, x: &[i64], y: &[i64], master| {
-            Points::new(Table::new(form, x, y).expect("numbers"), master, true).expect_err("refused")
+            Points::new(Table::new(form, x, y).expect("numbers"), master, true, Interpolation::Linear)
+                .expect_err("refused")
         };
         assert_eq!(
             said(Form::Y, &[], &[0, 1], None),
@@ -329,7 +409,9 @@ mod tests {
             ([3, 1], "the curve begins at 3; 0 is needed"),
             ([0, 32_768], "point 2 is 32768 inc or more from the one before it;"),
         ] {
-            let points = Points::new(Table::new(Form::Y, &[], &y).expect("numbers"), Some(5), true).expect("a cam");
+            let points =
+                Points::new(Table::new(Form::Y, &[], &y).expect("numbers"), Some(5), true, Interpolation::Linear)
+                    .expect("a cam");
             assert!(points.refused_by_functions().is_some_and(|said| said.starts_with(sentence)));
             assert_eq!(Motion::Points(points).end(), (y[1] - y[0]) as f64);
         }

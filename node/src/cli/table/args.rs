@@ -3,7 +3,7 @@
 use crate::cli::pixels;
 use crate::recording::plot::{HEIGHTS, WIDTHS};
 use clap::{Args, Subcommand, ValueEnum, value_parser};
-use lineshaft_core::table::Form;
+use lineshaft_core::table::{Form, Interpolation};
 use std::path::PathBuf;
 
 #[derive(Debug, Subcommand)]
@@ -51,6 +51,7 @@ Examples:
   lineshaft table check knife.yaml
   lineshaft table check knife.yaml --cell cell.yaml --axis knife --master-speed 40000
   lineshaft table check knife.csv --master 20000 --cell cell.yaml --axis knife
+  lineshaft table check lift.csv --master 36000 --interpolation cubic
 
 Exit codes: 0 good, 2 a limit is exceeded, bad usage, or a file with errors.";
 
@@ -116,6 +117,9 @@ pub(in crate::cli) struct SourceArgs {
     /// The CSV file is run through once, not round and round: its end is not beside its start
     #[arg(long)]
     pub(super) once: bool,
+    /// What is between the points of a CSV file, as key `interpolation` of a cam says; left out: linear
+    #[arg(long, value_name = "linear|cubic|quintic", value_parser = interpolation)]
+    pub(super) interpolation: Option<Interpolation>,
 }
 
 #[derive(Debug, Args)]
@@ -169,6 +173,11 @@ pub(in crate::cli) struct ConvertArgs {
     /// Name of the table in a .yaml file; left out: that of the only one there, or of the CSV file
     #[arg(long, value_name = "NAME")]
     pub(super) name: Option<String>,
+}
+
+fn interpolation(text: &str) -> Result<Interpolation, String> {
+    let found = Interpolation::ALL.iter().find(|(name, _)| *name == text).map(|(_, each)| *each);
+    found.ok_or_else(|| "linear, cubic and quintic are allowed".to_owned())
 }
 
 fn speed(text: &str) -> Result<f64, String> {

@@ -5,7 +5,7 @@ use super::{Exit, Failure, motion};
 use crate::cell::Cell;
 use crate::cli::{complain, say};
 use crate::table::limits::{Demand, binding, demands};
-use crate::table::motion::{Extremes, Motion};
+use crate::table::motion::{Extremes, Motion, Points};
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::law::Peak;
 use lineshaft_core::unit::Scale;
@@ -26,16 +26,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<Exit, Failure> {
     derivatives(&extremes, args.master_speed).iter().for_each(|line| say(line));
     jumps(&extremes).iter().for_each(|line| say(line));
     if let Motion::Points(points) = &motion {
-        let (acceleration, jerk) = points.rounding();
-        say(&"  velocity is that of the straight lines, acceleration and jerk are divided differences of the points");
-        say(&format_args!(
-            "  of which whole increments alone may make {} inc/inc^2 and {} inc/inc^3",
-            digits(acceleration),
-            digits(jerk)
-        ));
-        if let Some(sentence) = points.refused_by_functions() {
-            say(&format_args!("  function interpolators do not take it: {sentence}"));
-        }
+        between(points).iter().for_each(|line| say(line));
     }
     let Some((cell, axis)) = axis else { return Ok(Exit::Good) };
     let demands = demands(&extremes, &axis.parameters);
@@ -56,6 +47,26 @@ pub(super) fn check(args: &CheckArgs) -> Result<Exit, Failure> {
     }
     complain(&format!("the table exceeds {} of axis {}", exceeded.join(", "), axis.name));
     Ok(Exit::Usage)
+}
+
+/// What lies between points, and what that leaves open.
+fn between(points: &Points) -> Vec<String> {
+    let mut lines = if points.table.spline().is_some() {
+        vec![
+            "  of the spline through the points, as an axis on that cam follows it; the values are whole increments"
+                .to_owned(),
+        ]
+    } else {
+        let (acceleration, jerk) = points.rounding();
+        let (acceleration, jerk) = (digits(acceleration), digits(jerk));
+        vec![
+            "  velocity is that of the straight lines, acceleration and jerk are divided differences of the points"
+                .to_owned(),
+            format!("  of which whole increments alone may make {acceleration} inc/inc^2 and {jerk} inc/inc^3"),
+        ]
+    };
+    lines.extend(points.refused_by_functions().map(|why| format!("  function interpolators do not take it: {why}")));
+    lines
 }
 
 fn find(path: &Path, wanted: &str) -> Result<AxisConfig, Failure> {

@@ -100,8 +100,13 @@ fn read_csv(path: &Path, form: Form) -> Result<Table, Failure> {
 fn motion(args: &SourceArgs) -> Result<Motion, Failure> {
     let path = args.file.as_path();
     if Format::of(path)? == Format::Yaml {
-        let given = [("--form", args.form.is_some()), ("--master", args.master.is_some()), ("--once", args.once)];
-        if let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given) {
+        let given = [
+            ("--form", args.form.is_some()),
+            ("--master", args.master.is_some()),
+            ("--once", args.once),
+            ("--interpolation", args.interpolation.is_some()),
+        ];
+        if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
             return Err(Failure::Sentence(format!("{option} is for a CSV file; a description says it itself")));
         }
         let description = describe(path)?;
@@ -109,7 +114,7 @@ fn motion(args: &SourceArgs) -> Result<Motion, Failure> {
         return Ok(Motion::Planned(description));
     }
     let table = read_csv(path, args.form.map_or(Form::Y, Form::from))?;
-    let points = Points::new(table, args.master, !args.once);
+    let points = Points::new(table, args.master, !args.once, args.interpolation.unwrap_or_default());
     points.map(Motion::Points).map_err(|sentence| Failure::of(path, Refused { place: None, sentence }))
 }
 
