@@ -4,7 +4,7 @@ use super::backends::Context;
 use super::names::{Entry, Section, is_virtual, quote};
 use super::parameters::{Given, Sections};
 use crate::document::{Map, Value};
-use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig};
+use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig, TableConfig};
 use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
@@ -13,13 +13,13 @@ use lineshaft_core::vocabulary::{self, amc::Wiring};
 /// The axes that follow the command of another one: follower, leader and where that stands.
 pub(super) type Masters<'d> = Vec<(usize, usize, Value<'d>)>;
 
-/// The keys `master`, `freeze` and `cam` of the axis at place `axis`; `io` are the entries of that section.
+/// The keys `master`, `freeze` and `cam` of the axis at place `axis`; `io` and `tables` are the entries of these sections.
 pub(super) fn wiring<'d>(
     axis: usize,
     map: &mut Map<'d>,
     sections: &mut Sections<'d>,
     cx: &Context<'d>,
-    io: &[Option<IoConfig>],
+    (io, tables): (&[Option<IoConfig>], &[Option<TableConfig>]),
     masters: &mut Masters<'d>,
 ) -> Option<vocabulary::Wiring> {
     let master = sections.value(map, "amc.master").map(|value| {
@@ -32,6 +32,12 @@ pub(super) fn wiring<'d>(
     let freeze = sections.value(map, "amc.freeze").map(|value| freeze(&value, cx, io));
     let cam = sections.value(map, "amc.cam").map(|value| {
         let (_, place) = cx.names.find(&value, value.text()?, &[Section::Tables])?;
+        // One that could not be read has its own problem.
+        let table = &tables.get(place)?.as_ref()?.table;
+        if let Err(error) = table.cam() {
+            value.refuse(format!("cam is {}: {error}", quote(value.text()?)), None);
+            return None;
+        }
         u16::try_from(place).ok()
     });
     Some(vocabulary::Wiring { amc: Wiring { master: lift(master)?, freeze: lift(freeze)?, cam: lift(cam)? } })

@@ -15,7 +15,7 @@ use super::wiring;
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_read, may_tell_sign};
 use lineshaft_core::code::not_built_here;
-use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig};
+use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, TableConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::drive::SpeedOutputs;
 use lineshaft_core::encoder::source::Master;
@@ -60,11 +60,13 @@ struct Onces<'d> {
     functions: machine::Functions<'d>,
 }
 
-/// The axes, none where one has problems. `io` and `coded` are the entries of sections `io` and `encoders`.
+/// Entries of sections `io`, `encoders` and `tables`.
+type Entries<'a> = (&'a [Option<IoConfig>], &'a [Option<EncoderConfig>], &'a [Option<TableConfig>]);
+
+/// The axes, none where one has problems.
 pub(super) fn read<'d>(
     cx: &Context<'d>,
-    io: &[Option<IoConfig>],
-    coded: &[Option<EncoderConfig>],
+    (io, coded, tables): Entries<'_>,
     functions: machine::Functions<'d>,
     outputs: wiring::Taken,
 ) -> Vec<Option<Axis>> {
@@ -73,7 +75,7 @@ pub(super) fn read<'d>(
     let mut once =
         Onces { taken: Once::new(), outputs, switches: Once::new(), masters: amc::Masters::new(), functions };
     let axes = entries.iter().enumerate();
-    let axes = axes.map(|(place, entry)| axis(place, entry, cx, (io, coded), &mut once)).collect();
+    let axes = axes.map(|(place, entry)| axis(place, entry, cx, (io, coded, tables), &mut once)).collect();
     machine::refuse_shared(&once.functions, io, &once.outputs);
     amc::refuse_loops(&once.masters, cx);
     axes
@@ -83,7 +85,7 @@ fn axis<'d>(
     place: usize,
     entry: &Entry<'d>,
     cx: &Context<'d>,
-    (io, coded): (&[Option<IoConfig>], &[Option<EncoderConfig>]),
+    (io, coded, tables): Entries<'_>,
     once: &mut Onces<'d>,
 ) -> Option<Axis> {
     let Onces { taken, outputs, switches, masters, functions } = once;
@@ -100,7 +102,7 @@ fn axis<'d>(
     let wired = encoders::feedback(feedback.as_ref(), reads, &travel, cx);
     let mut sections = parameters::Sections::open(&mut map);
     let brake = brake::read(&mut map, drive == Some(Drive::Virtual), cx, io, outputs);
-    let wiring = amc::wiring(place, &mut map, &mut sections, cx, io, masters);
+    let wiring = amc::wiring(place, &mut map, &mut sections, cx, (io, tables), masters);
     let who = drive.map(|drive| interface_of(Some(drive)));
     let form = |place| Some(coded.get(usize::from(place))?.as_ref()?.form);
     let absolute = wired.unwrap_or_default().absolute_sources(form);

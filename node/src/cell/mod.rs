@@ -242,7 +242,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let mut outputs = names::Once::new();
     let tables = tables::read(&cx, files);
     let slots = functions::read(&cx, functions::Objects { io: &io, memory: &memory, tables: &tables }, &mut outputs);
-    let axes = axes::read(&cx, &io, &encoders, named, outputs);
+    let axes = axes::read(&cx, (&io, &encoders, &tables), named, outputs);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
     let groups = groups::read(&cx);
 

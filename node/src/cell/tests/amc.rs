@@ -90,6 +90,23 @@ fn parameters_that_do_not_fit_the_axis_are_refused_where_they_stand() {
     }
 }
 
+#[test]
+fn a_table_that_is_no_cam_is_refused_where_it_is_named() {
+    let with = |table: &str| format!("{}tables:\n  t: {table}\n", cell("amc: {cam: t}", ""));
+    for (table, sentence) in [
+        ("{form: words, words: [1, 2]}", "cam is `t`: words of a data block are no cam; form y and form xy are"),
+        (
+            "{form: y, points: [0, 5]}",
+            "cam is `t`: a cam of form y has no length; its length in increments of the master is needed",
+        ),
+        ("{form: xy, points: [[1, 0], [5, 5]]}", "cam is `t`: point 1 of a cam is at 1; the first is at 0"),
+    ] {
+        let said = said(&with(table));
+        assert!(said.starts_with("13:18: ") && said.contains(sentence), "{said}");
+    }
+    good(&with("{form: xy, points: [[0, 0], [5, 5]]}"));
+}
+
 /// Bare numbers are user units: mm, and mm per ms.
 ///
 /// Proves: AMC-PAR-03, AMC-PAR-06

@@ -18,7 +18,9 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 }
 
 fn resolve(config: &MachineConfig, LoadTableRequest { table, x, y }: LoadTableRequest) -> Result<Action, String> {
-    config.resolve_load_table(&table, &x, &y).map_err(|error| error.to_string())
+    // A spline through a million points takes a while: others are answered meanwhile.
+    let resolved = tokio::task::block_in_place(|| config.resolve_load_table(&table, &x, &y));
+    resolved.map_err(|error| error.to_string())
 }
 
 fn response(outcome: Result<(), String>) -> LoadTableResponse {
