@@ -97,6 +97,11 @@ fn encoders_of_every_kind_play_their_scenarios() {
 }
 
 #[test]
+fn masters_of_several_play_their_scenarios() {
+    assert!(plays("masters") >= 1);
+}
+
+#[test]
 fn the_terminals_of_a_machine_play_their_scenarios() {
     assert!(plays("io") >= 6);
 }

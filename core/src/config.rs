@@ -2,11 +2,13 @@
 
 mod error;
 mod functions;
+mod masters;
 mod numbers;
 mod slots;
 
 pub use error::ConfigError;
 pub use functions::{Function, OutputShared, Switcher};
+pub use masters::{MAX_MASTERS, MAX_MEMBERS, SumConfig, SumProblem, sums};
 pub use numbers::{IoCounts, NoSuchIo, names_no_io};
 pub use slots::{
     Line, MAX_FACTOR, MAX_SLOTS, MAX_WINDOW, SinkConfig, SlotConfig, SlotProblem, SourceConfig, TableConfig,
@@ -245,6 +247,8 @@ pub struct MachineConfig {
     pub tables: Vec<TableConfig>,
     /// Function slots, by their numbers.
     pub slots: Vec<SlotConfig>,
+    /// Masters of several.
+    pub masters: Vec<SumConfig>,
     /// Axes.
     pub axes: Vec<AxisConfig>,
     /// Contacts that must be closed, by their places among the digital inputs.
@@ -272,6 +276,7 @@ impl MachineConfig {
             ("encoders", self.encoders.len(), most),
             ("tables", self.tables.len(), most),
             ("functions", self.slots.len(), MAX_SLOTS),
+            ("masters", self.masters.len(), MAX_MASTERS),
         ];
         for (what, count, most) in counts {
             if count > most {
@@ -306,6 +311,7 @@ impl MachineConfig {
         }
         self.check_inputs()?;
         self.check_slots()?;
+        self.check_sums()?;
         self.check_masters()
     }
 
@@ -350,18 +356,6 @@ impl MachineConfig {
         let unit = axis.increments_per_unit();
         let is_virtual = axis.drive.is_none();
         Setting { modulo: axis.modulo, unit, cycle_ns: self.cycle_ns, wiring: axis.vocabularies, is_virtual }
-    }
-
-    /// A vocabulary may couple its axis at any time: no chain of masters may close.
-    fn check_masters(&self) -> Result<(), ConfigError> {
-        let master = |index: usize| self.axes.get(index)?.vocabularies.master()?.commanded().map(usize::from);
-        for (index, axis) in self.axes.iter().enumerate() {
-            let chain = std::iter::successors(master(index), |&next| master(next)).take(self.axes.len());
-            if chain.into_iter().any(|next| next == index) {
-                return Err(ConfigError::MasterLoop { axis: axis.name.clone() });
-            }
-        }
-        Ok(())
     }
 
     /// Are the outputs of an axis of the right kind?

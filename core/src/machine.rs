@@ -32,6 +32,7 @@ use crate::profile::Motion;
 use crate::signal::{Board, Directory};
 use crate::sync::{Leads, OfAxis};
 use crate::vocabulary::Latched;
+use order::Ways;
 use panel::Panel;
 use signals::Signals;
 pub use state::{State, StateError};
@@ -70,6 +71,8 @@ pub struct Machine {
     set_by: Vec<u64>,
     /// Room for the inputs as the machine sees them.
     seen: Inputs,
+    /// Through which axes sinks and masters lead.
+    ways: Ways,
     /// What the slots are wired to.
     wires: Vec<Wires>,
     /// Room for two sets of a function.
@@ -111,6 +114,7 @@ impl Machine {
             of_axes: axes.iter().map(of_axis).collect(),
             encoders: encoders.iter().map(Encoder::lead).collect(),
             sinks: slots.iter().map(|slot| *slot.lead()).collect(),
+            sums: config.sums(),
         };
         let mut board = Board::new(&directory);
         signals.set_memory_initials(&mut board, &config);
@@ -147,6 +151,7 @@ impl Machine {
             seen: Inputs::default(),
             ended_by_errors: functions::ended_by_errors(&wires),
             movers: functions::movers(&wires),
+            ways: Ways::of(&config),
             wires,
             room: vec![0; 2 * widest.unwrap_or(0)],
             #[cfg(test)]
@@ -208,6 +213,7 @@ impl Machine {
         if !is_shown {
             self.end_axes(told);
         }
+        self.signals.publish_masters(&mut self.state.board, &self.state.leads);
         // Where no axis has a full cycle, none has anything for others, and outputs follow what they followed before.
         if !is_calm {
             self.stop_others(told);

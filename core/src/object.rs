@@ -25,7 +25,7 @@ pub enum Object {
 }
 
 /// What an axis can follow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Leader {
     /// The command position of an axis (`line`, `line.command`).
     AxisCommand(u16),
@@ -37,17 +37,8 @@ pub enum Leader {
     Simulated(u16),
     /// The sink of a function (`ratio.sink`), by its place among the slots.
     Sink(u16),
-}
-
-impl Leader {
-    /// The axis whose command it is: that axis moves before its followers, and no follower may lead it in turn. Through which axis a
-    /// sink closes a loop its slot knows.
-    pub fn commanded(self) -> Option<u16> {
-        match self {
-            Self::AxisCommand(axis) => Some(axis),
-            Self::AxisActual(_) | Self::Encoder(_) | Self::Simulated(_) | Self::Sink(_) => None,
-        }
-    }
+    /// An entry of `masters`: a sum of others.
+    Sum(u16),
 }
 
 /// A set of axes, without a heap.
@@ -84,6 +75,20 @@ impl AxisSet {
         let bit = word.trailing_zeros();
         *word &= *word - 1;
         Some((place * 64) as u16 + bit as u16)
+    }
+
+    /// The axes of either.
+    pub fn with(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|word| self.word(word) | other.word(word)))
+    }
+
+    /// The axes that the other one has not.
+    pub fn without(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|word| self.word(word) & !other.word(word)))
+    }
+
+    fn word(&self, place: usize) -> u64 {
+        self.0.get(place).copied().unwrap_or_default()
     }
 
     /// Is the axis in the set?
@@ -125,6 +130,9 @@ mod tests {
         assert_eq!(set.iter().collect::<Vec<_>>(), [0, 63, 64, 511]);
         assert_eq!((set.len(), set.contains(1), set.contains(600)), (4, false, false));
         assert_eq!(AxisSet::first(600).len(), MAX_AXES);
+        let (low, other) = (AxisSet::first(64), AxisSet::one(511));
+        assert_eq!(set.without(&low).iter().collect::<Vec<_>>(), [64, 511]);
+        assert_eq!(set.with(&AxisSet::one(7)).without(&other).iter().collect::<Vec<_>>(), [0, 7, 63, 64]);
         let mut rest = set;
         assert_eq!(std::iter::from_fn(|| rest.pop()).collect::<Vec<_>>(), [0, 63, 64, 511]);
         assert!(rest.is_empty());

@@ -108,7 +108,7 @@ impl MachineConfig {
         names.iter().map(|name| self.find_axis(name.as_ref()).map(|(index, _)| index)).collect()
     }
 
-    /// What can lead, by name: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink`.
+    /// What can lead, by name: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink`, a master of several.
     ///
     /// # Errors
     /// Nothing of that name can.
@@ -121,6 +121,9 @@ impl MachineConfig {
             (Some(axis), "actual", _) => Ok(Leader::AxisActual(axis)),
             (_, _, Some(encoder)) => Ok(Leader::Encoder(encoder as u16)),
             (None, "sink", None) if let Ok((slot, _)) = self.find_function(object) => Ok(Leader::Sink(slot)),
+            (None, _, None) if let Some(master) = self.masters.iter().position(|master| master.name == name) => {
+                Ok(Leader::Sum(master as u16))
+            }
             _ => Err(RequestError::UnknownLeader { name: crate::unit::excerpt(name), known: self.leaders() }),
         }
     }
@@ -128,7 +131,9 @@ impl MachineConfig {
     fn leaders(&self) -> String {
         let axes = self.axes.iter().flat_map(|axis| [axis.name.clone(), format!("{}.actual", axis.name)]);
         let sinks = self.slots.iter().map(|slot| format!("{}.sink", slot.name));
-        list(axes.chain(self.encoders.iter().map(|encoder| encoder.name.clone())).chain(sinks))
+        let encoders = self.encoders.iter().map(|encoder| encoder.name.clone());
+        let masters = self.masters.iter().map(|master| master.name.clone());
+        list(axes.chain(encoders).chain(sinks).chain(masters))
     }
 
     /// A positioning goal as a command's content.

@@ -10,7 +10,7 @@ use lineshaft_core::command::{
 };
 use lineshaft_core::config::{
     AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig,
-    MemoryKind, SinkConfig, SlotConfig, SourceConfig, TableConfig,
+    MemoryKind, SinkConfig, SlotConfig, SourceConfig, SumConfig, TableConfig,
 };
 use lineshaft_core::drive::{Backend, Capabilities, Edge, EncoderInput, Interface, Latch, SpeedOutputs};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
@@ -182,6 +182,10 @@ fn config() -> MachineConfig {
             check: None,
             scale,
         }],
+        masters: vec![
+            master("pair", &[Leader::Encoder(0), Leader::AxisCommand(1)], &[Leader::AxisActual(2)]),
+            master("all", &[Leader::Sum(0), Leader::Sink(5)], &[Leader::AxisCommand(0)]),
+        ],
         axes: (0..AXES).map(axis).collect(),
         safety: Safety { estop: Some(0), interlock: None },
         global: GlobalConfig {
@@ -190,6 +194,10 @@ fn config() -> MachineConfig {
             ..GlobalConfig::default()
         },
     }
+}
+
+fn master(name: &str, add: &[Leader], subtract: &[Leader]) -> SumConfig {
+    SumConfig { name: name.into(), add: add.into(), subtract: subtract.into() }
 }
 
 /// Two points or cams, the second one from `turn` * 100 on.
@@ -356,7 +364,8 @@ fn action(numbers: &mut Numbers, sequence: u64) -> Action {
     let leader = match numbers.below(3) {
         0 => Leader::AxisCommand(numbers.below(8) as u16),
         1 => Leader::AxisActual(numbers.below(8) as u16),
-        _ => Leader::Encoder(0),
+        _ if number % 3 == 0 => Leader::Encoder(0),
+        _ => Leader::Sum((number % 3 < 0).into()),
     };
     match numbers.below(21) {
         0..=3 => Action::Enable(AxisSet::first(usize::from(AXES))),
@@ -736,8 +745,8 @@ fn a_million_points_change_hands_without_memory() {
     // A cam reads the words, and takes new ones while it runs.
     let place = slots().iter().position(|slot| slot.kind == function::Kind::Cam).expect("one of each type");
     let slots = vec![slots().swap_remove(place)];
-    let mut machine =
-        Machine::new(MachineConfig { tables: tables.collect(), slots, ..config() }).expect("a sound machine");
+    let mut machine = Machine::new(MachineConfig { tables: tables.collect(), slots, masters: Vec::new(), ..config() })
+        .expect("a sound machine");
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
     let start = CommandFunction { slot: 0, order: Order::Start, values: Box::new([]) };

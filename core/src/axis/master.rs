@@ -3,7 +3,7 @@
 //! Law      simulated: position(k) = position(k-1) + master_simulation_velocity * T, to 2^-32 inc a cycle; it counts from 0 as long
 //!          as mencodertype is 6, whoever follows, and stands otherwise.
 //!          shown = position of the leader + offset. A new zero of an axis that leads is no motion: what is shown counts on from
-//!          its former value. A new value of an encoder is one for all that see it. Another leader is shown as it is, or from
+//!          its former value, also where it is a member of a sum, with its sign. A new value of an encoder is one for all that see it. Another leader is shown as it is, or from
 //!          where the former one was (MENCCONTROL bit 0)
 //! Reads    mencodertype, master_simulation_velocity, menccontrol, mencoder, the ratio
 //! Writes   a leader: nobody counts it, so it is as smooth as a command; what is shown of the leader
@@ -182,16 +182,20 @@ impl Axis {
     }
 
     /// An axis has its coordinate anew, which is `by` more: who sees it as its master counts on (MACS-ENC-15).
-    pub fn count_on(&mut self, axis: u16, by: Position) {
-        if matches!(self.sight.leader, Some(Leader::AxisCommand(of) | Leader::AxisActual(of)) if of == axis) {
-            self.sight.offset = self.sight.offset - by;
-        }
+    pub fn count_on(&mut self, leads: &Leads, axis: u16, by: Position) {
+        let is_its_own = |leader| matches!(leader, Leader::AxisCommand(of) | Leader::AxisActual(of) if of == axis);
+        self.see_less(leads, by, is_its_own);
     }
 
     /// The same of the sink of a function that was set anew.
-    pub fn count_on_sink(&mut self, slot: u16, by: Position) {
-        if self.sight.leader == Some(Leader::Sink(slot)) {
-            self.sight.offset = self.sight.offset - by;
+    pub fn count_on_sink(&mut self, leads: &Leads, slot: u16, by: Position) {
+        self.see_less(leads, by, |leader| leader == Leader::Sink(slot));
+    }
+
+    /// Takes out of what it sees that leaders of which that holds are `by` more.
+    fn see_less(&mut self, leads: &Leads, by: Position, holds: impl Fn(Leader) -> bool) {
+        if let Some(leader) = self.sight.leader {
+            self.sight.offset = self.sight.offset - leads.share(leader, by, holds);
         }
     }
 

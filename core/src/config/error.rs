@@ -1,6 +1,6 @@
 //! Why a machine cannot be made.
 
-use super::{SlotProblem, names_no_io};
+use super::{SlotProblem, SumProblem, names_no_io};
 use crate::axis::MAX_DELAY;
 use crate::code::{Code, not_built_here};
 use crate::drive::Interface;
@@ -176,6 +176,14 @@ pub enum ConfigError {
         slot: String,
         /// What is wrong with it.
         problem: SlotProblem,
+    },
+    /// A master of several.
+    #[error("{master}: {problem}")]
+    Master {
+        /// Whose.
+        master: String,
+        /// What is wrong with it.
+        problem: SumProblem,
     },
     /// Two parameters of an axis.
     #[error("{axis}: {low} lies above {high}")]

@@ -4,7 +4,7 @@
 //! Refuses  what a type has not, places that do not exist, two writers of one object, values beyond their fields
 //! Source   contract section 10
 
-use super::{ConfigError, IoKind, MachineConfig, MemoryKind};
+use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
     self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word,
 };
@@ -244,6 +244,9 @@ impl MachineConfig {
             SourceConfig::Lead(Leader::Sink(place)) => {
                 usize::from(*place) < self.slots.len() && slot.kind != Kind::Imes
             }
+            SourceConfig::Lead(Leader::Sum(place)) => {
+                usize::from(*place) < self.masters.len() && slot.kind != Kind::Imes
+            }
             SourceConfig::Lead(Leader::Simulated(_)) => false,
         };
         if exists { Ok(()) } else { Err(SlotProblem::Place("source")) }
@@ -280,20 +283,6 @@ impl MachineConfig {
     /// The slot that writes an object, if one does.
     pub fn writer(&self, object: Object) -> Option<u16> {
         self.slots.iter().position(|slot| slot.writes().any(|written| written == object)).map(|place| place as u16)
-    }
-
-    /// The axis whose command a slot reads, itself or through others; none where no axis leads it.
-    pub fn commanded_by(&self, slot: u16) -> Option<u16> {
-        let mut place = usize::from(slot);
-        // Slots that read each other in a circle lead to no axis.
-        for _ in 0..=self.slots.len() {
-            match self.slots.get(place)?.source {
-                SourceConfig::Lead(Leader::AxisCommand(axis)) => return Some(axis),
-                SourceConfig::Lead(Leader::Sink(other)) => place = usize::from(other),
-                _ => return None,
-            }
-        }
-        None
     }
 
     /// What each slot is wired to, where the first signals of the slots stand at `first`.
@@ -410,16 +399,27 @@ impl MachineConfig {
         }
     }
 
-    /// The scale of what leads; increments where it has no other.
+    /// The scale of what leads, of a sum that of all of its members; increments where it has no other.
     pub fn scale_of(&self, leader: Leader) -> Scale {
-        let scale = match leader {
+        self.scale_within(leader, MAX_MASTERS).unwrap_or_else(Scale::increments)
+    }
+
+    /// The same through so many sums.
+    fn scale_within(&self, leader: Leader, depth: usize) -> Option<Scale> {
+        match leader {
             Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => {
                 self.axes.get(usize::from(axis)).map(|axis| axis.scale)
             }
             Leader::Encoder(encoder) => self.encoders.get(usize::from(encoder)).map(|encoder| encoder.scale),
+            Leader::Sum(place) => {
+                let depth = depth.checked_sub(1)?;
+                let mut scales =
+                    self.masters.get(usize::from(place))?.members().map(|(of, _)| self.scale_within(of, depth));
+                let first = scales.next()??;
+                scales.all(|scale| scale == Some(first)).then_some(first)
+            }
             Leader::Sink(_) => None,
-        };
-        scale.unwrap_or_else(Scale::increments)
+        }
     }
 
     /// The signal of what leads.
@@ -432,6 +432,9 @@ impl MachineConfig {
                 self.encoders.get(usize::from(place)).map(|encoder| format!("{}.position", encoder.name))
             }
             Leader::Sink(place) => self.slots.get(usize::from(place)).map(|slot| format!("{}.sink", slot.name)),
+            Leader::Sum(place) => {
+                self.masters.get(usize::from(place)).map(|master| format!("{}.position", master.name))
+            }
             Leader::Simulated(_) => None,
         }
     }

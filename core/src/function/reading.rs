@@ -9,10 +9,6 @@ use crate::position::Position;
 use crate::signal::Board;
 use crate::sync::Leads;
 
-/// What there is to follow where there is nothing.
-const LOST: &Lead =
-    &Lead { position: Position::ZERO, change: Position::ZERO, velocity: 0.0, uneven: 0.0, valid: false };
-
 /// E1 in bit 0 to E8 in bit 7, after inversion.
 pub(super) fn read_inputs(wires: &Wires, board: &Board) -> u8 {
     let mut bits = 0;
@@ -34,17 +30,20 @@ pub(super) struct Read<'a> {
 }
 
 impl<'a> Read<'a> {
+    /// Reads it; `room` is for what has to be added up.
     #[inline]
-    pub(super) fn new(wires: &Wires, board: &Board, leads: &'a Leads) -> Self {
+    pub(super) fn new(wires: &Wires, board: &Board, leads: &'a Leads, room: &'a mut Option<Lead>) -> Self {
         let (value, lead) = match wires.source {
             Source::None => return Self { value: 0, lead: None },
             Source::Signal(word) => (word.read(board), None),
-            Source::Lead(leader, word) => {
-                let lead = leads.find(leader).unwrap_or(LOST);
-                // The board shows it behind the axes.
-                let is_actual = matches!(leader, Leader::AxisActual(_));
-                (if is_actual { lead.position.floor() } else { word.read(board) }, Some(lead))
-            }
+            Source::Lead(leader, word) => match leads.simple(leader) {
+                Some(lead) => {
+                    // The board shows it behind the axes.
+                    let is_actual = matches!(leader, Leader::AxisActual(_));
+                    (if is_actual { lead.position.floor() } else { word.read(board) }, Some(lead))
+                }
+                None => added(leads, leader, room),
+            },
         };
         Self { value: wires.source_width.cut(value), lead }
     }
@@ -60,6 +59,13 @@ impl<'a> Read<'a> {
         let position = self.lead.map_or(Position::ZERO, |lead| lead.position);
         position - Position::whole(position.floor())
     }
+}
+
+/// A sum, which the board shows behind the axes, too.
+#[cold]
+fn added<'a>(leads: &Leads, leader: Leader, room: &'a mut Option<Lead>) -> (i64, Option<&'a Lead>) {
+    let lead = room.insert(leads.get(leader));
+    (lead.position.floor(), Some(lead))
 }
 
 /// A voltage as a whole number.

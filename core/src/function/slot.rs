@@ -310,7 +310,8 @@ impl Slot {
         let before = (self.inputs, self.outputs);
         self.inputs = read_inputs(wires, board);
         (self.lead.change, self.lead.velocity, self.anew) = (Position::ZERO, 0.0, Position::ZERO);
-        let source = Read::new(wires, board, cx.leads);
+        let mut room = None;
+        let source = Read::new(wires, board, cx.leads, &mut room);
         if self.phase != Phase::Active {
             return self.turn(wires, cx, source, board);
         }

@@ -1,6 +1,6 @@
 //! Encoders that several axes use: what they tell, and zeros that are set for all of them.
 
-use super::Machine;
+use super::{Machine, State};
 use crate::axis::{Axis, Claim};
 use crate::code::Code;
 use crate::command::{Action, Commands, SetEncoderPosition};
@@ -187,6 +187,7 @@ impl Machine {
 
     /// Who sees an axis as its master counts on when its coordinate becomes `by` more.
     pub(super) fn count_on(&mut self, index: usize, by: Position) {
-        self.state.axes.iter_mut().for_each(|axis| axis.count_on(index as u16, by));
+        let State { axes, leads, .. } = &mut self.state;
+        axes.iter_mut().for_each(|axis| axis.count_on(leads, index as u16, by));
     }
 }

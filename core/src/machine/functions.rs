@@ -2,7 +2,7 @@
 
 use super::signals::locate;
 use super::{Machine, State, Told};
-use crate::axis::{MovedBy, no_cam};
+use crate::axis::{Axis, MovedBy, no_cam};
 use crate::code::Code;
 use crate::command::{Command, CommandFunction};
 use crate::drive::{Edge, Inputs};
@@ -13,6 +13,7 @@ use crate::function::{
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
+use crate::sync::Leads;
 use crate::table::Table;
 use std::sync::Arc;
 
@@ -38,6 +39,12 @@ pub(super) fn movers(wires: &[Wires]) -> Vec<(usize, u16)> {
         _ => None,
     };
     (0..).zip(wires).filter_map(moved).collect()
+}
+
+/// Who sees a sink as its master counts on when it is `by` more.
+#[cold]
+fn count_on_sink(axes: &mut [Axis], leads: &Leads, slot: u16, by: Position) {
+    axes.iter_mut().for_each(|axis| axis.count_on_sink(leads, slot, by));
 }
 
 impl Machine {
@@ -164,7 +171,7 @@ impl Machine {
             }
             let anew = slot.anew();
             if anew != Position::ZERO {
-                axes.iter_mut().for_each(|axis| axis.count_on_sink(place as u16, anew));
+                count_on_sink(axes, leads, place as u16, anew);
             }
             let outputs = if written.outputs == 0 { 0 } else { wires.lines.1 };
             for (nth, output) in wires.outputs.iter().take(outputs).enumerate() {

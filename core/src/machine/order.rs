@@ -5,38 +5,55 @@
 
 use super::Machine;
 use crate::axis::Axis;
-use crate::object::{AxisSet, Leader, Object};
+use crate::config::MachineConfig;
+use crate::object::{AxisSet, Leader, MAX_AXES, Object};
+
+/// Through which axes' commands leaders close a loop that read others: fixed by the cell.
+#[derive(Debug, Default)]
+pub(super) struct Ways {
+    sinks: Vec<AxisSet>,
+    sums: Vec<AxisSet>,
+}
+
+impl Ways {
+    pub(super) fn of(config: &MachineConfig) -> Self {
+        let all = |count: usize, leader: fn(u16) -> Leader| {
+            (0..count as u16).map(|place| config.commanded(leader(place))).collect()
+        };
+        Self { sinks: all(config.slots.len(), Leader::Sink), sums: all(config.masters.len(), Leader::Sum) }
+    }
+
+    fn commanded(&self, leader: Leader) -> AxisSet {
+        let way = |ways: &[AxisSet], place: u16| ways.get(usize::from(place)).copied().unwrap_or_default();
+        match leader {
+            Leader::AxisCommand(axis) => AxisSet::one(axis),
+            Leader::Sink(slot) => way(&self.sinks, slot),
+            Leader::Sum(place) => way(&self.sums, place),
+            Leader::AxisActual(_) | Leader::Encoder(_) | Leader::Simulated(_) => AxisSet::EMPTY,
+        }
+    }
+}
 
 impl Machine {
     /// The axes that `axis` follows or may follow: at present, by its reference selector, by the function
     /// whose sink it is.
-    fn leaders(&self, axis: u16) -> impl Iterator<Item = u16> {
+    fn leaders(&self, axis: u16) -> impl Iterator<Item = AxisSet> {
         let function = self.config.writer(Object::Axis(axis)).map(Leader::Sink);
         let axis = self.state.axes.get(usize::from(axis));
         let of = |leader: fn(&Axis) -> Option<Leader>| axis.and_then(leader);
         let leaders = [of(Axis::leader), of(Axis::engaging_leader), of(Axis::master), function];
-        leaders.into_iter().flatten().filter_map(|leader| self.commanded(leader))
-    }
-
-    /// Through which axis' command a leader closes a loop: what a sink reads of a command counts.
-    fn commanded(&self, leader: Leader) -> Option<u16> {
-        match leader {
-            Leader::Sink(slot) => self.config.commanded_by(slot),
-            other => other.commanded(),
-        }
+        leaders.into_iter().flatten().map(|leader| self.ways.commanded(leader))
     }
 
     /// Would axis `follower` follow itself through `leader`? Counted are the couplings that there are, and those that may come.
     pub(super) fn closes_loop(&self, follower: u16, leader: Leader) -> bool {
-        let Some(first) = self.commanded(leader) else { return false };
-        let (mut reached, mut next) = (AxisSet::one(first), AxisSet::one(first));
+        let mut reached = self.ways.commanded(leader);
+        let mut next = reached;
         // Each axis is looked at once.
         while let Some(axis) = next.pop() {
-            for leader in self.leaders(axis) {
-                if !reached.contains(leader) {
-                    reached.insert(leader);
-                    next.insert(leader);
-                }
+            for leaders in self.leaders(axis) {
+                next = next.with(&leaders.without(&reached));
+                reached = reached.with(&leaders);
             }
         }
         reached.contains(follower)
@@ -45,7 +62,8 @@ impl Machine {
     /// Sorts the axes by those that they follow, which have no loop.
     pub(super) fn sort_axes(&mut self) {
         let count = self.state.axes.len();
-        let (mut placed, mut done) = (AxisSet::EMPTY, 0);
+        // Of those that there are not none has to be waited for.
+        let (mut placed, mut done) = (AxisSet::first(MAX_AXES).without(&AxisSet::first(count)), 0);
         for index in 0..count as u16 {
             // From the axis up to a leader whose own leaders all stand: a stack, in the places that are free yet.
             let mut top = count;
@@ -56,7 +74,7 @@ impl Machine {
                     self.set_place(top, axis);
                 }
                 let Some(&axis) = self.state.order.get(top) else { break };
-                next = self.leaders(axis).find(|&leader| !placed.contains(leader) && usize::from(leader) < count);
+                next = self.leaders(axis).find_map(|leaders| leaders.without(&placed).pop());
                 if next.is_some() && done < top {
                     continue;
                 }

@@ -12,6 +12,7 @@ use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
 use crate::signal::{Board, Directory, Entry, Measure, Signal, Type};
+use crate::sync::Leads;
 use crate::vocabulary::{self, Latched};
 
 /// Names of `machine.state`, by number.
@@ -30,6 +31,8 @@ pub(super) struct Signals {
     memory: Vec<(Signal, MemoryKind)>,
     /// First of: count, position, velocity, error, errors.
     encoders: Vec<Signal>,
+    /// First of: position, velocity, valid.
+    masters: Vec<Signal>,
     /// First of those of each slot.
     pub slots: Vec<Signal>,
     /// First of [`AxisSignal`].
@@ -69,9 +72,10 @@ impl Signals {
         });
         let memory = memory.collect();
         let encoders = config.encoders.iter().map(|entry| add_encoder(directory, &entry.name)).collect();
+        let masters = config.masters.iter().map(|master| add_master(directory, &master.name)).collect();
         let slots = config.slots.iter().map(|slot| add_slot(directory, slot)).collect();
         let axes = config.axes.iter().map(|axis| add_axis(directory, &axis.name)).collect();
-        Self { io, virtual_inputs, memory, encoders, slots, axes, machine: add_machine(directory) }
+        Self { io, virtual_inputs, memory, encoders, masters, slots, axes, machine: add_machine(directory) }
     }
 
     /// The inputs that read an output, with the levels that the last cycle has left there.
@@ -182,6 +186,16 @@ impl Signals {
         board.set_int(first.plus(4), errors.min(i64::MAX as u64).cast_signed());
     }
 
+    /// Shows the masters of several, as all have moved in this cycle.
+    pub(super) fn publish_masters(&self, board: &mut Board, leads: &Leads) {
+        for (place, &first) in (0..).zip(&self.masters) {
+            let lead = leads.get(Leader::Sum(place));
+            board.set_int(first, lead.position.floor());
+            board.set_real(first.plus(1), lead.velocity);
+            board.set_int(first.plus(2), i64::from(lead.valid));
+        }
+    }
+
     pub(super) fn publish_machine(&self, board: &mut Board, error: Code, active: bool, overruns: u64) {
         board.set_int(
             self.machine,
@@ -207,6 +221,16 @@ fn add_encoder(directory: &mut Directory, name: &str) -> Signal {
     add("velocity", Type::Real, Measure::Velocity, false, "velocity over the last cycle");
     add("error", Type::Int, Measure::None, false, "code of what is wrong with it, 0 for nothing");
     add("errors", Type::Int, Measure::None, false, "bad words of an absolute encoder so far");
+    first
+}
+
+fn add_master(directory: &mut Directory, name: &str) -> Signal {
+    let mut add = |text: &str, kind, measure, help| {
+        directory.add(Entry { name: format!("{name}.{text}"), kind, measure, drivable: false, help })
+    };
+    let first = add("position", Type::Int, Measure::Position, "sum of its members");
+    add("velocity", Type::Real, Measure::Velocity, "sum of the velocities of its members");
+    add("valid", Type::Bit, Measure::None, "no member is lost");
     first
 }
 
@@ -272,8 +296,8 @@ impl Machine {
         self.latched.clear();
         for latch in &inputs.latch {
             let lead = match latch.object {
-                Object::Encoder(index) => self.state.leads.find(Leader::Encoder(index)).copied(),
-                Object::Axis(index) => self.state.leads.find(Leader::AxisActual(index)).copied(),
+                Object::Encoder(index) => self.state.leads.find(Leader::Encoder(index)),
+                Object::Axis(index) => self.state.leads.find(Leader::AxisActual(index)),
                 _ => None,
             };
             let raw = latch.position.map(|count| self.locate(latch.object, count));

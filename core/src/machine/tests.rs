@@ -34,6 +34,7 @@ mod sets;
 mod state;
 mod stops;
 mod stream;
+mod sums;
 mod superimposed;
 mod synchronize;
 mod together;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::command::HomingMethod;
-use crate::config::{EncoderConfig, TableConfig};
+use crate::config::{EncoderConfig, SumConfig, TableConfig};
 use crate::parameter::AxisParameters;
 use crate::position::{Length, Position};
 use crate::sync::CamStart;
@@ -133,13 +133,17 @@ fn a_method_of_homing_stands_with_its_scheme() {
 
 #[test]
 fn leaders_are_found_by_their_names() {
-    let config = config();
+    let mut config = config();
+    assert!(config.find_leader("sum").is_err());
+    let sum = |name: &str| SumConfig { name: name.into(), add: vec![Leader::Encoder(0)], subtract: vec![] };
+    config.masters = vec![sum("other"), sum("sum")];
+    assert_eq!(config.find_leader("sum"), Ok(Leader::Sum(1)));
     assert_eq!(config.find_leader("x"), Ok(Leader::AxisCommand(0)));
     assert_eq!(config.find_leader("turret.command"), Ok(Leader::AxisCommand(1)));
     assert_eq!(config.find_leader("x.actual"), Ok(Leader::AxisActual(0)));
     assert_eq!(config.find_leader("belt"), Ok(Leader::Encoder(0)));
     let error = config.find_leader("x.target").unwrap_err().to_string();
-    assert_eq!(error, "`x.target` cannot lead; x, x.actual, turret, turret.actual, belt can");
+    assert_eq!(error, "`x.target` cannot lead; x, x.actual, turret, turret.actual, belt, other, sum can");
 }
 
 #[test]
@@ -151,7 +155,7 @@ fn what_is_not_built_is_refused_by_name() {
     let by_parameter = SynchronizeRequest { master: String::new(), ..couple.clone() };
     assert_eq!(config.resolve_synchronize(&by_parameter).map(|found| found.leader), Ok(None));
     assert!(error(SynchronizeRequest { mode: 2, ..couple.clone() }).contains("MARKER does not exist yet"));
-    assert!(error(SynchronizeRequest { engage: 1, ..couple.clone() }).contains("AT_POSITION does not exist yet"));
+    assert!(error(SynchronizeRequest { engage: 1, ..couple.clone() }).contains("AT_POSITION in another mode than CAM does not exist yet"));
     assert!(error(SynchronizeRequest { engage: 2, ..couple.clone() }).contains("ON_EVENT does not exist yet"));
     assert!(error(SynchronizeRequest { disengage: 7, ..couple }).starts_with("disengage is 7"));
 }

@@ -2,12 +2,15 @@
 //!
 //! Law      a lead is what its source was at t_k, as far as the cycle has come: encoders, then actual positions and simulated masters, then sinks,
 //!          then each axis' command once it has moved. A follower reads its lead behind that, as leaders come first
+//!          A master of several is added up when it is read, of what its members are by then
 //! Reads    places by [`Leader`]; a new kind of lead is a case of that, and a list here
 //! Refuses  nothing: what does not exist is a lead that is lost
 //! Source   MACS-ENC-10, MACS-SYNC-01
 
+use super::sum::{Sum, so_often};
 use crate::encoder::Lead;
 use crate::object::Leader;
+use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
 /// What an axis gives others to follow.
@@ -30,6 +33,8 @@ pub struct Leads {
     pub encoders: Vec<Lead>,
     /// By slot.
     pub sinks: Vec<Lead>,
+    /// What masters of several add up; fixed by the cell.
+    pub sums: Vec<Sum>,
 }
 
 impl Leads {
@@ -42,19 +47,21 @@ impl Leads {
     /// Is it one of the same machine?
     pub fn has_shape_of(&self, other: &Self) -> bool {
         let shape = |leads: &Self| (leads.of_axes.len(), leads.encoders.len(), leads.sinks.len());
-        shape(self) == shape(other)
+        shape(self) == shape(other) && self.sums == other.sums
     }
 
     /// Copies others of the same machine, without taking memory.
     pub fn copy_from(&mut self, other: &Self) {
-        self.of_axes.clone_from(&other.of_axes);
-        self.encoders.clone_from(&other.encoders);
-        self.sinks.clone_from(&other.sinks);
+        // What is added up is the same in all of one machine.
+        let Self { of_axes, encoders, sinks, sums: _ } = other;
+        self.of_axes.clone_from(of_axes);
+        self.encoders.clone_from(encoders);
+        self.sinks.clone_from(sinks);
     }
 
-    /// The leader's values, where there is such a leader.
+    /// The values of a leader that is no sum, where there is such a leader.
     #[inline]
-    pub fn find(&self, leader: Leader) -> Option<&Lead> {
+    pub fn simple(&self, leader: Leader) -> Option<&Lead> {
         let of_axis = |axis: u16| self.of_axes.get(usize::from(axis));
         match leader {
             Leader::AxisCommand(axis) => of_axis(axis).map(|of| &of.command),
@@ -62,13 +69,42 @@ impl Leads {
             Leader::Simulated(axis) => of_axis(axis).map(|of| &of.simulated),
             Leader::Encoder(encoder) => self.encoders.get(usize::from(encoder)),
             Leader::Sink(slot) => self.sinks.get(usize::from(slot)),
+            Leader::Sum(_) => None,
         }
+    }
+
+    fn sum(&self, leader: Leader) -> Option<&Sum> {
+        match leader {
+            Leader::Sum(place) => self.sums.get(usize::from(place)),
+            _ => None,
+        }
+    }
+
+    #[cold]
+    fn added(&self, leader: Leader) -> Option<Lead> {
+        self.sum(leader).map(|sum| sum.of(self))
+    }
+
+    /// The leader's values, where there is such a leader.
+    #[inline]
+    pub fn find(&self, leader: Leader) -> Option<Lead> {
+        self.simple(leader).copied().or_else(|| self.added(leader))
     }
 
     /// The leader's values; a lost lead for one that does not exist.
     #[inline]
     pub fn get(&self, leader: Leader) -> Lead {
-        self.find(leader).copied().unwrap_or_default()
+        // Nobody who follows a simple leader pays for those that are added up.
+        match self.simple(leader) {
+            Some(lead) => *lead,
+            None => self.added(leader).unwrap_or_default(),
+        }
+    }
+
+    /// By how much a leader is more where those are `by` more of which that holds: it is one of them, or has them as members.
+    pub fn share(&self, leader: Leader, by: Position, holds: impl Fn(Leader) -> bool) -> Position {
+        let times = self.sum(leader).map_or_else(|| i64::from(holds(leader)), |sum| sum.times(&holds));
+        so_often(by, times)
     }
 }
 
@@ -81,21 +117,41 @@ mod tests {
     fn each_leader_has_a_place_of_its_own_and_what_does_not_exist_is_lost() {
         let lead = |number: i64| Lead { position: Position::whole(number), valid: true, ..Lead::default() };
         let of_axis = |axis: i64| OfAxis { command: lead(axis), actual: lead(axis + 1), simulated: lead(axis + 2) };
-        let leads = Leads { of_axes: vec![of_axis(10), of_axis(20)], encoders: vec![lead(30)], sinks: vec![lead(40)] };
+        let sums = vec![Sum::default().with(Leader::Encoder(0), true).with(Leader::AxisCommand(1), false)];
+        let leads =
+            Leads { of_axes: vec![of_axis(10), of_axis(20)], encoders: vec![lead(30)], sinks: vec![lead(40)], sums };
         let seen = |leader| leads.get(leader).position.floor();
         for (axis, base) in [(0, 10), (1, 20)] {
             let all = [Leader::AxisCommand(axis), Leader::AxisActual(axis), Leader::Simulated(axis)];
             assert_eq!(all.map(seen), [base, base + 1, base + 2]);
         }
-        assert_eq!([Leader::Encoder(0), Leader::Sink(0)].map(seen), [30, 40]);
+        assert_eq!([Leader::Encoder(0), Leader::Sink(0), Leader::Sum(0)].map(seen), [30, 40, 30 - 20]);
         for none in [
             Leader::AxisCommand(2),
             Leader::AxisActual(u16::MAX),
             Leader::Simulated(2),
             Leader::Encoder(1),
             Leader::Sink(1),
+            Leader::Sum(1),
         ] {
             assert_eq!((leads.find(none), leads.get(none).valid), (None, false), "{none:?}");
         }
+    }
+    #[test]
+    fn what_moves_a_member_moves_the_sum_by_its_sign() {
+        let (x, actual) = (Leader::AxisCommand(1), Leader::AxisActual(1));
+        let sums = vec![Sum::default().with(x, false), Sum::default().with(x, true).with(actual, false)];
+        let leads = Leads { sums, ..Leads::default() };
+        let share = |leader| leads.share(leader, Position::whole(7), |leader| [x, actual].contains(&leader)).floor();
+        let all = [x, Leader::AxisCommand(0), Leader::Sum(0), Leader::Sum(1), Leader::Sum(2)];
+        assert_eq!(all.map(share), [7, 0, -7, 0, 0]);
+    }
+
+    #[test]
+    fn leads_of_other_sums_are_those_of_another_machine() {
+        let of = |leader| Leads { sums: vec![Sum::default().with(leader, true)], ..Leads::default() };
+        assert!(of(Leader::Sink(0)).has_shape_of(&of(Leader::Sink(0))));
+        assert!(!of(Leader::Sink(0)).has_shape_of(&of(Leader::Sink(1))));
+        assert!(!of(Leader::Sink(0)).has_shape_of(&Leads::default()));
     }
 }

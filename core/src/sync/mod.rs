@@ -5,11 +5,13 @@ pub mod follower;
 pub mod gear;
 mod leads;
 mod shift;
+mod sum;
 mod transmission;
 
 pub use leads::{Leads, OfAxis};
 use serde::{Deserialize, Serialize};
 pub use shift::Shift;
+pub use sum::{MOST_TERMS, Sum, Term};
 pub use transmission::{Stepped, Transmission};
 
 /// Bits of `x.sync.status`, what MACS calls SYNCSTAT; the text gives no numbers (MACS-SYS-04, A-55).

@@ -1,17 +1,21 @@
 //! Keys `amc` of an axis: what its reference selector is wired to, and whether its parameters fit the axis.
 
 use super::backends::Context;
-use super::names::{Entry, Section, is_virtual, quote};
+use super::loops::{Chains, Follows, Reads};
+use super::masters::leader;
+use super::names::{Section, is_virtual, quote};
 use super::parameters::{Given, Sections};
 use crate::document::{Map, Value};
 use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig, TableConfig};
-use lineshaft_core::object::{Leader, Object};
+use lineshaft_core::object::Object;
 use lineshaft_core::text::sentence;
-use lineshaft_core::unit::excerpt;
 use lineshaft_core::vocabulary::{self, amc::Wiring};
 
-/// The axes that follow the command of another one: follower, leader and where that stands.
-pub(super) type Masters<'d> = Vec<(usize, usize, Value<'d>)>;
+/// The axes that may follow commands: follower, what it reads and where that stands.
+pub(super) type Masters<'d> = Vec<(usize, Reads, Value<'d>)>;
+
+/// What a selector can follow.
+const LEADERS: [Section; 3] = [Section::Axes, Section::Encoders, Section::Masters];
 
 /// The keys `master`, `freeze` and `cam` of the axis at place `axis`; `io` and `tables` are the entries of these sections.
 pub(super) fn wiring<'d>(
@@ -23,9 +27,9 @@ pub(super) fn wiring<'d>(
     masters: &mut Masters<'d>,
 ) -> Option<vocabulary::Wiring> {
     let master = sections.value(map, "amc.master").map(|value| {
-        let leader = leader(&value, cx)?;
-        if let Some(leader) = leader.commanded() {
-            masters.push((axis, usize::from(leader), value));
+        let leader = leader(&value, cx, &LEADERS)?;
+        if let Some(reads) = Reads::of(leader) {
+            masters.push((axis, reads, value));
         }
         Some(leader)
     });
@@ -46,29 +50,6 @@ pub(super) fn wiring<'d>(
 /// Nothing where nothing stands; none where what stands has a problem.
 fn lift<T>(given: Option<Option<T>>) -> Option<Option<T>> {
     given.map_or(Some(None), |value| value.map(Some))
-}
-
-/// An axis (its command), `axis.command`, `axis.actual`, an encoder.
-fn leader<'d>(value: &Value<'d>, cx: &Context<'d>) -> Option<Leader> {
-    let text = value.text()?;
-    let (object, part) = text.split_once('.').unwrap_or((text, ""));
-    let (section, place) = cx.names.find(value, object, &[Section::Axes, Section::Encoders])?;
-    let place = u16::try_from(place).ok()?;
-    match (section, part) {
-        (Section::Axes, "" | "command") => Some(Leader::AxisCommand(place)),
-        (Section::Axes, "actual") => Some(Leader::AxisActual(place)),
-        (Section::Encoders, "") => Some(Leader::Encoder(place)),
-        _ => {
-            let name = excerpt(object);
-            let allowed = if section == Section::Axes {
-                format!("`{name}`, `{name}.command` or `{name}.actual`")
-            } else {
-                format!("`{name}`")
-            };
-            value.refuse(format!("master is {}; {allowed} is allowed", quote(text)), None);
-            None
-        }
-    }
 }
 
 /// What latches: an input with `latch: true`, an encoder, an axis with a drive.
@@ -109,18 +90,11 @@ pub(super) fn check(config: &AxisConfig, given: &Given<'_>, cycle_ns: Option<u64
 }
 
 /// Refuses every master that closes a loop: a selector may couple its axis at any time.
-pub(super) fn refuse_loops(masters: &Masters<'_>, cx: &Context<'_>) {
-    let axes = cx.names.section(Section::Axes);
-    let name = |axis: usize| excerpt(axes.get(axis).map_or("", Entry::name));
-    for (place, (follower, leader, value)) in masters.iter().enumerate() {
-        // Each axis has one master: the chain from the leader on, through those that were good so far.
-        let earlier = masters.get(..place).unwrap_or_default();
-        let next = |axis: &usize| earlier.iter().find(|(follower, ..)| follower == axis).map(|(_, leader, _)| *leader);
-        let chain: Vec<usize> = std::iter::successors(Some(*leader), next).take(masters.len() + 1).collect();
-        if let Some(end) = chain.iter().position(|axis| axis == follower) {
-            let names: Vec<_> = chain[..=end].iter().rev().chain([follower]).map(|axis| name(*axis)).collect();
-            let sentence = format!("reference selectors follow each other's axes in a loop: {}", names.join(" -> "));
-            value.refuse(sentence, Some(format!("follow `{}.actual`", name(*leader))));
+pub(super) fn refuse_loops(masters: &Masters<'_>, chains: &Chains, cx: &Context<'_>) {
+    let mut follows = Follows::default();
+    for (follower, reads, value) in masters {
+        if let Some((chain, hint)) = follows.take(*follower, &chains.leaders(*reads), cx) {
+            value.refuse(format!("reference selectors follow each other's axes in a loop: {chain}"), Some(hint));
         }
     }
 }

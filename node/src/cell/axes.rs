@@ -6,6 +6,7 @@ use super::brake;
 use super::can::{self, CellDrive};
 use super::encoders::{self, Reads};
 use super::fixtures;
+use super::loops::Chains;
 use super::machine;
 use super::models::model;
 use super::names::{Entry, Once, Section, limit, quote};
@@ -69,6 +70,7 @@ pub(super) fn read<'d>(
     (io, coded, tables): Entries<'_>,
     functions: machine::Functions<'d>,
     outputs: wiring::Taken,
+    chains: &Chains,
 ) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
     limit(entries, MAX_AXES);
@@ -77,7 +79,7 @@ pub(super) fn read<'d>(
     let axes = entries.iter().enumerate();
     let axes = axes.map(|(place, entry)| axis(place, entry, cx, (io, coded, tables), &mut once)).collect();
     machine::refuse_shared(&once.functions, io, &once.outputs);
-    amc::refuse_loops(&once.masters, cx);
+    amc::refuse_loops(&once.masters, chains, cx);
     axes
 }
 

@@ -4,7 +4,7 @@
 //!          (with both places), values beyond their fields, axes that follow each other's commands in a loop
 
 use super::backends::Context;
-use super::loops::{Link, Reads, refuse_loops};
+use super::loops::{Chains, Link, Reads, refuse_loops};
 use super::names::{Entry, Once, Section, hint, quote};
 use super::wiring::Taken;
 use crate::document::{Map, Value};
@@ -21,6 +21,10 @@ use lineshaft_core::unit::{ScaleKind, excerpt};
 /// Types of the contract that are not built.
 pub(crate) const LATER: [&str; 4] = ["fgen", "regl", "apsf", "epos"];
 
+/// What has signals.
+const READABLE: [Section; 6] =
+    [Section::Axes, Section::Encoders, Section::Io, Section::Memory, Section::Functions, Section::Masters];
+
 /// Readings of an axis that follow from its command.
 const OF_COMMAND: [&str; 5] = ["command", "target", "modulo", "turns", "output"];
 
@@ -35,6 +39,7 @@ pub(super) struct Open<'d> {
 pub(super) struct Read<'d> {
     pub slots: Vec<Option<SlotConfig>>,
     pub open: Vec<Open<'d>>,
+    pub chains: Chains,
 }
 
 /// What functions may name beside names.
@@ -73,19 +78,26 @@ impl Written<'_> {
     }
 }
 
-/// Reads all functions; the slots stand by their numbers. `outputs` are the entries of `io` that have one who switches them.
-pub(super) fn read<'d>(cx: &Context<'d>, objects: Objects<'_>, outputs: &mut Taken) -> Read<'d> {
+/// Reads all functions; the slots stand by their numbers. `outputs` are the entries of `io` that have one who switches them, `masters` what
+/// each master reads.
+pub(super) fn read<'d>(
+    cx: &Context<'d>,
+    objects: Objects<'_>,
+    outputs: &mut Taken,
+    masters: Vec<Vec<Reads>>,
+) -> Read<'d> {
     let entries = cx.names.section(Section::Functions);
     let written = Written { outputs, axes: Once::new(), memory: Once::new() };
     let mut taken = Claims { slots: Once::new(), written };
-    let (mut read, mut links, mut numbers) = (Read::default(), Vec::new(), Vec::new());
+    let (mut read, mut numbers) = (Read::default(), Vec::new());
+    read.chains.masters = masters;
     for (place, entry) in entries.iter().enumerate() {
         let (slot, link, number) = function(place, entry, cx, objects, (&mut taken, &mut read.open));
-        links.extend(link);
+        read.chains.links.extend(link);
         numbers.push(number.unwrap_or(u16::MAX));
         read.slots.push(slot);
     }
-    refuse_loops(&links, cx);
+    refuse_loops(&read.chains, cx);
     sort(&mut read.slots, &numbers);
     read
 }
@@ -336,8 +348,7 @@ impl<'d> Reader<'_, 'd> {
         if object == "machine" {
             return any(open);
         }
-        let readable = [Section::Axes, Section::Encoders, Section::Io, Section::Memory, Section::Functions];
-        let (section, place) = self.cx.names.find(value, object, &readable)?;
+        let (section, place) = self.cx.names.find(value, object, &READABLE)?;
         let place = u16::try_from(place).ok()?;
         match (section, part) {
             (Section::Axes, "" | "command" | "command.position") => {
@@ -345,6 +356,7 @@ impl<'d> Reader<'_, 'd> {
             }
             (Section::Axes, "actual" | "actual.position") => Some(SourceConfig::Lead(Leader::AxisActual(place))),
             (Section::Encoders, "" | "position") => Some(SourceConfig::Lead(Leader::Encoder(place))),
+            (Section::Masters, "" | "position") => Some(SourceConfig::Lead(Leader::Sum(place))),
             (Section::Functions, "sink") => Some(SourceConfig::Lead(Leader::Sink(place))),
             (Section::Functions, "") => {
                 let hint = Some(format!("`{}.sink`", excerpt(text)));
@@ -360,9 +372,9 @@ impl<'d> Reader<'_, 'd> {
         let text = value.peek()?;
         let (object, part) = text.split_once('.').unwrap_or((text, "command"));
         let find = |section| self.cx.names.section(section).iter().position(|entry| entry.name() == object);
-        match (find(Section::Axes), find(Section::Functions)) {
+        match (find(Section::Axes), find(Section::Functions).map(Reads::Function)) {
             (Some(axis), _) => OF_COMMAND.contains(&part.split('.').next()?).then_some(Reads::Command(axis)),
-            (None, function) => function.map(Reads::Function),
+            (None, function) => function.or_else(|| find(Section::Masters).map(Reads::Master)),
         }
     }
 
@@ -371,8 +383,7 @@ impl<'d> Reader<'_, 'd> {
         let text = value.text()?;
         let object = text.split_once('.').map_or(text, |(object, _)| object);
         if object != "machine" {
-            let readable = [Section::Axes, Section::Encoders, Section::Io, Section::Memory, Section::Functions];
-            self.cx.names.find(value, object, &readable)?;
+            self.cx.names.find(value, object, &READABLE)?;
         }
         open.push(Open { value: value.clone(), name: text.to_owned() });
         Some(text.to_owned())

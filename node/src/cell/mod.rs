@@ -29,6 +29,7 @@ mod functions;
 mod groups;
 mod loops;
 mod machine;
+mod masters;
 mod models;
 mod names;
 mod parameters;
@@ -241,8 +242,11 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let terminals_on_can = on_can;
     let mut outputs = names::Once::new();
     let tables = tables::read(&cx, files);
-    let slots = functions::read(&cx, functions::Objects { io: &io, memory: &memory, tables: &tables }, &mut outputs);
-    let axes = axes::read(&cx, (&io, &encoders, &tables), named, outputs);
+    let masters::Read { sums: mut masters, reads } = masters::read(&cx);
+    let objects = functions::Objects { io: &io, memory: &memory, tables: &tables };
+    let slots = functions::read(&cx, objects, &mut outputs, reads);
+    masters::settle(&mut masters, &slots.slots, &cx);
+    let axes = axes::read(&cx, (&io, &encoders, &tables), named, outputs, &slots.chains);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
     let groups = groups::read(&cx);
 
@@ -262,6 +266,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         encoders: encoders.into_iter().collect::<Option<_>>()?,
         tables: tables.into_iter().collect::<Option<_>>()?,
         slots: slots.slots.into_iter().collect::<Option<_>>()?,
+        masters: masters.into_iter().collect::<Option<_>>()?,
         axes,
         safety: safety?,
         global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },

@@ -14,11 +14,12 @@ pub(super) enum Section {
     Axes,
     Tables,
     Functions,
+    Masters,
     Groups,
 }
 
 impl Section {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::Backends,
         Self::Io,
         Self::Memory,
@@ -26,6 +27,7 @@ impl Section {
         Self::Axes,
         Self::Tables,
         Self::Functions,
+        Self::Masters,
         Self::Groups,
     ];
 
@@ -38,6 +40,7 @@ impl Section {
             Self::Axes => "axes",
             Self::Tables => "tables",
             Self::Functions => "functions",
+            Self::Masters => "masters",
             Self::Groups => "groups",
         }
     }
@@ -52,6 +55,7 @@ impl Section {
             Self::Axes => "axis",
             Self::Tables => "table",
             Self::Functions => "function",
+            Self::Masters => "master",
             Self::Groups => "group",
         }
     }

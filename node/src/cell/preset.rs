@@ -104,6 +104,10 @@ fn count(value: &Value<'_>, used: &mut BTreeSet<usize>, place: usize, most: usiz
     }
 }
 
+fn refuse_master(value: &Value<'_>) {
+    refuse(value, &format!("{}, a master of several", named(value)), "an axis, an encoder or a sink");
+}
+
 struct Holder<'a, 'd> {
     cx: &'a Context<'d>,
     machine: &'a MachineConfig,
@@ -182,8 +186,11 @@ impl Holder<'_, '_> {
                     self.encoder(value, place);
                 } else if let Some(place) = self.machine.memory.iter().position(|memory| memory.name == object) {
                     self.memory(value, place, &[MemoryKind::I16, MemoryKind::I32]);
+                } else if self.machine.masters.iter().any(|master| master.name == object) {
+                    refuse_master(value);
                 }
             }
+            SourceConfig::Lead(Leader::Sum(_)) => refuse_master(value),
             SourceConfig::None | SourceConfig::Lead(Leader::Sink(_) | Leader::Simulated(_)) => {}
         }
     }

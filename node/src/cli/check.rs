@@ -182,6 +182,7 @@ pub(super) fn summary(cell: &Cell) -> String {
         (machine.io.len(), "input or output", "inputs and outputs"),
         (machine.memory.len(), "memory cell", "memory cells"),
         (machine.slots.len(), "function", "functions"),
+        (machine.masters.len(), "master", "masters"),
         (machine.tables.len(), "table", "tables"),
     ];
     let counts = counts.iter().filter(|(count, ..)| *count > 0);

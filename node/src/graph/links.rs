@@ -9,8 +9,6 @@ use lineshaft_core::config::{IoKind, Line, MachineConfig, SinkConfig, SlotConfig
 use lineshaft_core::function::Kind;
 use lineshaft_core::object::{Leader, Object};
 
-const SOURCE: &str = "source";
-
 /// What a slot has at one end of a link: `source`, `E1`, `sink`, `A1`..
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Port {
@@ -30,16 +28,19 @@ pub(super) struct Port {
 pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     let Some(config) = machine.slots.get(usize::from(slot)) else { return Vec::new() };
     let mut ports = Vec::new();
+    let words = config.word.iter().flat_map(|name| signal(machine, slot, name)).map(|read| ("word", read));
+    let read = sources(machine, slot, config).into_iter().map(|read| ("source", read)).chain(words);
+    ports.extend(read.map(|(label, (name, object, is_late))| Port {
+        label: label.to_owned(),
+        name,
+        object,
+        is_output: false,
+        is_late,
+    }));
     let mut read = |label: String, name: &str, object| {
-        let is_late = !(label == SOURCE && is_told(machine, config)) && is_late(machine, slot, object);
+        let is_late = is_late(machine, slot, object);
         ports.push(Port { label, name: name.to_owned(), object, is_output: false, is_late });
     };
-    if let Some((name, object)) = source(machine, config) {
-        read(SOURCE.to_owned(), &name, object);
-    }
-    if let Some(name) = &config.word {
-        read("word".to_owned(), name, find(machine, name));
-    }
     for (label, line) in lines('E', &config.inputs) {
         read(label, &line_name(machine, line), line.object);
     }
@@ -76,19 +77,58 @@ fn line_name(machine: &MachineConfig, line: Line) -> String {
     format!("{}{}", if line.inverted { "not " } else { "" }, machine.name(line.object))
 }
 
-fn source(machine: &MachineConfig, config: &SlotConfig) -> Option<(String, Object)> {
+/// What its source is: name, object, and whether its value is the last cycle's.
+fn sources(machine: &MachineConfig, slot: u16, config: &SlotConfig) -> Vec<(String, Object, bool)> {
     match &config.source {
-        SourceConfig::None => None,
-        SourceConfig::Signal(name) => Some((name.clone(), find(machine, name))),
+        SourceConfig::None => Vec::new(),
+        SourceConfig::Signal(name) => signal(machine, slot, name),
         SourceConfig::Lead(leader) => {
-            let object = match *leader {
-                Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => Object::Axis(axis),
-                Leader::Encoder(place) => Object::Encoder(place),
-                Leader::Sink(place) => Object::Function(place),
+            let read = |(before, leader): (String, Leader)| {
+                let (name, object) = (machine.signal_of(leader)?, object(leader)?);
+                let is_late = !is_told(machine, leader) && is_late(machine, slot, object);
+                Some((format!("{before}{name}"), object, is_late))
             };
-            Some((machine.signal_of(*leader)?, object))
+            leaders(machine, *leader).into_iter().filter_map(read).collect()
         }
     }
+}
+
+/// A leader, or of a master of several each member, however deep it stands, behind the masters that have it.
+fn leaders(machine: &MachineConfig, leader: Leader) -> Vec<(String, Leader)> {
+    let (mut found, mut next) = (vec![(String::new(), leader)], 0);
+    while let Some((before, leader)) = found.get(next).cloned() {
+        if let Leader::Sum(place) = leader
+            && let Some(master) = machine.masters.get(usize::from(place))
+        {
+            let member =
+                |(member, is_added)| (format!("{before}{} {} ", master.name, if is_added { '+' } else { '-' }), member);
+            let members: Vec<_> = master.members().map(member).collect();
+            found.splice(next..=next, members);
+        } else {
+            next += 1;
+        }
+    }
+    found
+}
+
+fn object(leader: Leader) -> Option<Object> {
+    match leader {
+        Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => Some(Object::Axis(axis)),
+        Leader::Encoder(place) => Some(Object::Encoder(place)),
+        Leader::Sink(place) => Some(Object::Function(place)),
+        Leader::Sum(_) => None,
+    }
+}
+
+/// A signal, with the object that has it: of a master of several, whose signals are the last cycle's, with each of its members.
+fn signal(machine: &MachineConfig, slot: u16, name: &str) -> Vec<(String, Object, bool)> {
+    let of = name.split('.').next().unwrap_or_default();
+    let Some(place) = machine.masters.iter().position(|master| master.name == of) else {
+        let object = find(machine, name);
+        return vec![(name.to_owned(), object, is_late(machine, slot, object))];
+    };
+    let members = leaders(machine, Leader::Sum(place as u16)).into_iter().filter_map(|(_, leader)| object(leader));
+    members.map(|object| (name.to_owned(), object, true)).collect()
 }
 
 /// The object whose signal has that name.
@@ -115,9 +155,9 @@ fn watched(config: &SlotConfig) -> impl Iterator<Item = u16> {
     (0..8).filter(move |axis| is_watched && (mask >> axis & 1 == 1 || shown == i64::from(axis + 1)))
 }
 
-/// Is its source where an axis is, as a drive tells it before the slots begin?
-fn is_told(machine: &MachineConfig, config: &SlotConfig) -> bool {
-    let SourceConfig::Lead(Leader::AxisActual(axis)) = config.source else { return false };
+/// Is that where an axis is, as a drive tells it before the slots begin?
+fn is_told(machine: &MachineConfig, leader: Leader) -> bool {
+    let Leader::AxisActual(axis) = leader else { return false };
     machine.axes.get(usize::from(axis)).is_some_and(|axis| axis.drive.is_some())
 }
 

@@ -76,6 +76,31 @@ fn a_watch_reads_the_axes_of_its_set() {
     assert_eq!(said(&machine, 0), ["AW1 <- x (late)", "AW2 <- y (late)", "sink -> feed", "A1 -> lamp"]);
 }
 
+/// Each member is a link of its own: an encoder is this cycle's, a command the last one's. What a master shows is the last cycle's.
+#[test]
+fn a_slot_that_reads_a_master_of_several_reads_its_members() {
+    let machine = machine(
+        "  a: {slot: 0, type: dcopy, source: all, sink: none}\n  \
+         b: {slot: 1, type: varsync, source: all.velocity, sink: feed, mode: 3, word_addr: sum.position}\n\
+         masters: {all: {add: [sum, a.sink], subtract: [x]}, sum: {subtract: [belt, y.actual]}}\n",
+    );
+    assert_eq!(
+        said(&machine, 0),
+        [
+            "source <- all + sum - belt.position",
+            "source <- all + sum - y.actual.position",
+            "source <- all + a.sink (late)",
+            "source <- all - x.command.position (late)"
+        ]
+    );
+    let late = |label, name| format!("{label} <- {name} (late)");
+    let (source, word) = (late("source", "all.velocity"), late("word", "sum.position"));
+    assert_eq!(said(&machine, 1), [&*source, &*source, &*source, &*source, &*word, &*word, "sink -> feed"]);
+    assert_eq!(circles(&machine), ["function a reads itself: a -> a; a sees a as of the cycle before"]);
+    let figure = draw(&machine, "c").expect("functions");
+    assert!(figure.contains("source all + sum - belt.position"), "{figure}");
+}
+
 #[test]
 fn a_slot_that_reads_itself_is_told_with_its_way() {
     let told = |functions: &str| circles(&machine(functions));

@@ -3,7 +3,7 @@
 use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, parameters, scale, to};
 use crate::code::Code;
 use crate::command::{Action, CamIn, Move, Phase, PhaseShift, PhaseSide, Synchronize};
-use crate::config::TableConfig;
+use crate::config::{MachineConfig, SumConfig, TableConfig};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
 use crate::position::{Length, Position};
@@ -122,6 +122,34 @@ fn a_cam_goes_where_a_shifted_master_leads_it() {
     rig.run(3_000);
     // 24000 + 4000 - 12000 = 16000
     assert_eq!((rig.int("x.command.position"), rig.int("x.sync.error")), (4_000, 0));
+}
+
+/// The sum of a belt and the line leads a cam, and is shifted: 1000 + 300 - 200, at half.
+#[test]
+fn a_sum_leads_a_cam_and_is_shifted() {
+    let half = Table::new(Form::Xy, &[0, 4_000], &[0, 2_000]).expect("points").with_cam(CamSetting::default());
+    let sum = SumConfig { name: "sum".into(), add: vec![TO_LINE], subtract: vec![Leader::Encoder(0)] };
+    let tables = vec![TableConfig { name: "half".into(), table: Arc::new(half) }];
+    let mut rig = Rig::of(MachineConfig { tables, masters: vec![sum], ..config(0) });
+    rig.enable();
+    let one = Ratio::ONE;
+    let cam = CamIn {
+        table: 0,
+        start: CamStart::Relative,
+        master_scale: one,
+        slave_scale: one,
+        master_offset: Length::default(),
+        slave_offset: Length::default(),
+    };
+    rig.give(Action::Synchronize(Synchronize { cam: Some(cam), ..couple(X, Leader::Sum(0), 0, 0) }));
+    rig.give(Action::Move(to(LINE, 1_000)));
+    for _ in 0..200 {
+        rig.plant.jump_encoder(0, 1);
+        rig.run(2);
+    }
+    let goal = rig.give(master(amount(Length::whole(300), 1_000.0, 10_000.0)));
+    rig.run(1_000);
+    assert_eq!((rig.done(goal)[0].code, rig.int("x.command.position"), rig.int("x.sync.error")), (Code::NONE, 550, 0));
 }
 
 #[test]

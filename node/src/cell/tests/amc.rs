@@ -38,7 +38,10 @@ fn master_and_freeze_are_resolved() {
 #[test]
 fn what_cannot_lead_or_latch_is_refused() {
     for (keys, expected) in [
-        ("amc: {master: mark}", "13:21: master is `mark`, which is an input or output; axis, encoder is allowed"),
+        (
+            "amc: {master: mark}",
+            "13:21: master is `mark`, which is an input or output; axis, encoder, master is allowed",
+        ),
         ("amc: {master: y.target}", "13:21: master is `y.target`; `y`, `y.command` or `y.actual` is allowed"),
         ("amc: {master: belt.velocity}", "13:21: master is `belt.velocity`; `belt` is allowed"),
         ("amc: {freeze: plain}", "13:21: freeze is `plain`, which does not latch, give it `latch: true`"),

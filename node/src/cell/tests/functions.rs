@@ -64,7 +64,7 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("{slot: 1, type: cam, sink: ^x}", "type cam moves no axis"),
         (
             "{slot: 1, type: dcopy, source: ^feeed, sink: none}",
-            "source is `feeed`; no axis, encoder, input or output, memory cell, function has that name, did you mean `feed`?",
+            "source is `feeed`; no axis, encoder, input or output, memory cell, function, master has that name, did you mean `feed`?",
         ),
         (
             "{slot: 1, type: dcopy, source: ^x.comand, sink: none}",

@@ -189,3 +189,15 @@ fn all_that_is_beyond_the_preset_is_told_at_once_and_only_where_the_cell_is_good
                      h: {slot: 1, type: dcopy, source: x8.actual, sink: x7}\n";
     assert_eq!(held(&cell(at_bounds)), "");
 }
+
+/// A source reads one leader there, also for what it shows.
+#[test]
+fn a_master_of_several_is_none_of_the_source() {
+    for source in ["sum", "sum.velocity"] {
+        let function = format!("  f: {{slot: 0, type: dcopy, source: ^{source}, sink: none}}\n");
+        assert_held(
+            &format!("{function}masters: {{sum: {{add: [e1]}}}}\n"),
+            &format!("source is `{source}`, a master of several; preset amkasyn allows an axis, an encoder or a sink"),
+        );
+    }
+}

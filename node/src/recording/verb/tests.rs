@@ -36,6 +36,8 @@ memory:
   flag: {type: bit, initial: 0}
 tables:
   knife: {form: xy, points: [[0, 0], [5000, 1200], [20000, 20000]]}
+masters:
+  sum: {add: [belt], subtract: [x]}
 encoders:
   belt: {backend: plant, address: 0, bits: 16, type: linear, scale: {increments: 40, per: 1 mm}}
 axes:
@@ -221,6 +223,8 @@ fn couplings_name_their_leader() {
         ),
     );
     let actual = Coupling { leader: Some(Leader::AxisActual(0)), ..coupling };
+    let sum = Coupling { leader: Some(Leader::Sum(0)), ..coupling };
+    desk.is(&Action::Synchronize(sum), &format!(r#"{head}"sum","mode":"position"}}}}"#));
     let by_parameter = Coupling { leader: None, ..coupling };
     desk.is(&Action::Synchronize(by_parameter), r#"{"synchronize":{"id":"17","axis":"turret","mode":"position"}}"#);
     desk.is(&Action::Synchronize(actual), &format!(r#"{head}"x.actual","mode":"position"}}}}"#));

@@ -438,6 +438,10 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
             Leader::AxisCommand(index) => axis(index, config).to_owned(),
             Leader::Sink(index) => format!("{}.sink", config.name(Object::Function(index))),
             Leader::AxisActual(index) => format!("{}.actual", axis(index, config)),
+            Leader::Sum(index) => {
+                let master = config.masters.get(usize::from(index));
+                master.map_or(NAMELESS, |master| &master.name).to_owned()
+            }
             Leader::Encoder(index) => {
                 let encoder = config.encoders.get(usize::from(index));
                 encoder.map_or(NAMELESS, |encoder| &encoder.name).to_owned()

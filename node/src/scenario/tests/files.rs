@@ -83,6 +83,11 @@ fn no_scenario_is_forgotten_here() {
 }
 
 #[test]
+fn a_difference_of_two_leads() {
+    assert!(passes("masters.yaml", "scenarios/masters/difference.yaml") >= 5);
+}
+
+#[test]
 fn a_bus_that_goes_off_passes() {
     passes_on("buses.yaml", "buses/bus_lost.yaml");
 }

@@ -3,6 +3,7 @@
 use super::super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, Move, MoveMode, Synchronize};
+use crate::config::SumConfig;
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{Change, Row, Value};
@@ -28,6 +29,8 @@ fn braking(cycle_ms: u64, rate: f64, posdrct: i64, deceleration: Option<f64>) ->
     (p.max_acceleration, p.max_jerk, p.macs.posdrct) = (rate, Some(rate * 20.0), posdrct);
     p.max_deceleration = deceleration;
     p.encoder.mencodertype = 6;
+    let (add, subtract) = (vec![Leader::AxisCommand(LINE), Leader::Encoder(0)], vec![Leader::AxisActual(Y)]);
+    config.masters = vec![SumConfig { name: "sum".into(), add, subtract }];
     let mut rig = Rig::of(config);
     rig.enable();
     rig
@@ -341,7 +344,7 @@ fn speed() -> impl Strategy<Value = f64> {
 
 fn happening() -> impl Strategy<Value = Happening> {
     use Happening::*;
-    let couple = (0_usize..4, any::<bool>(), any::<bool>(), (-5_i64..6, 1_i64..4), -20_i64..20);
+    let couple = (0_usize..5, any::<bool>(), any::<bool>(), (-5_i64..6, 1_i64..4), -20_i64..20);
     let couple = couple.prop_map(|(leader, velocity_only, keeps, ratio, offset)| Couple {
         leader,
         velocity_only,
@@ -418,6 +421,7 @@ proptest! {
                 Happening::Couple { leader, velocity_only, keeps, ratio, offset } => {
                     let leader = [
                         Leader::AxisCommand(LINE), Leader::AxisActual(Y), Leader::Encoder(0), Leader::Simulated(X),
+                        Leader::Sum(0),
                     ][leader];
                     goal = rig.give(Action::Synchronize(Synchronize {
                         mode: if velocity_only { SyncMode::Velocity } else { SyncMode::Position },
