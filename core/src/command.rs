@@ -420,6 +420,13 @@ pub struct Synchronize {
     pub cam: Option<CamIn>,
 }
 
+impl CamIn {
+    /// Could it have come about?
+    pub fn is_sound(&self) -> bool {
+        self.master_scale.is_sound() && self.slave_scale.is_sound()
+    }
+}
+
 /// When a coupling begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Engage {

@@ -32,6 +32,11 @@ impl Modulo {
         legal.then_some(Self { numerator, denominator })
     }
 
+    /// Could it have come about? One that was read from outside may hold anything.
+    pub fn is_sound(self) -> bool {
+        Self::new(self.numerator, self.denominator) == Some(self)
+    }
+
     /// Its length (inc), rounded up.
     pub(crate) fn length(self) -> i64 {
         let whole = self.numerator / self.denominator;

@@ -61,12 +61,17 @@ impl Axis {
             None => self.gear_of(request)?,
         };
         let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
-        let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
+        let coupling = self.coupling_by(leader, request, follower);
         self.begin_goal(cx, sequence, None);
-        let coupling = Coupling { leader, disengage, accuracy, follower };
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
+    }
+
+    /// The coupling that a request asks for.
+    pub(super) fn coupling_by(&self, leader: Leader, request: &Synchronize, follower: Follower) -> Coupling {
+        let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
+        Coupling { leader, disengage, accuracy, follower }
     }
 
     /// What limits the slave of a request.
@@ -135,20 +140,19 @@ impl Axis {
         if follower.transmission().cam().is_some_and(|cam| !cam.bears(change, cx.tables)) {
             let most = follower.transmission().cam().map_or(0, |cam| cam.most(cx.tables));
             let numbers = (Number::Count(change.floor().saturating_abs()), Number::Count(most));
+            self.tell_phase(cx, ended, self.command.position);
             self.raise(cx, Failure::of(Code::CAM_MASTER_TOO_FAST).with(numbers.0, numbers.1).before_motion());
             return None;
         }
         let was = follower.phase();
         let next = follower.step(slave, (lead, cx.tables), cycle_s, reserve, rule);
-        if was == Phase::Synchronized && follower.phase() == Phase::CatchingUp {
+        if was != Phase::CatchingUp && follower.phase() == Phase::CatchingUp {
             let waits = follower.leader_reverses() && rule == Rule::Never;
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
             cx.events.push(Event { position: next.position, ..event });
         }
-        if let Some((sequence, code)) = ended {
-            cx.events.push(Event::done(self.object(), sequence, code, next.position));
-        }
+        self.tell_phase(cx, ended, next.position);
         Some(next)
     }
 

@@ -15,6 +15,7 @@ use crate::code::Code;
 use crate::command::{CamIn, Engage, Synchronize};
 use crate::encoder::Lead;
 use crate::event::{Event, Refusal};
+use crate::modulo::Modulo;
 use crate::object::Leader;
 use crate::position::Position;
 use crate::sync::cam::Cam;
@@ -35,14 +36,18 @@ pub(super) struct Engagement {
 
 impl Engagement {
     pub(super) fn is_sound(&self) -> bool {
-        let Synchronize { velocity, acceleration, .. } = self.request;
-        self.request.cam.is_some() && velocity.is_finite() && acceleration.is_finite()
+        let Synchronize { velocity, acceleration, cam, engage, .. } = self.request;
+        let turn = if let Engage::AtPosition { turn, .. } = engage { turn } else { None };
+        cam.is_some_and(|cam| cam.is_sound())
+            && turn.is_none_or(Modulo::is_sound)
+            && velocity.is_finite()
+            && acceleration.is_finite()
     }
 }
 
-/// Where the moment of a coupling lies.
+/// What a coupling that waits has waited for.
 #[derive(Clone, Copy, Debug)]
-enum Moment {
+enum Due {
     /// The cam before has passed its end.
     End,
     /// So far behind its place the leader is.
@@ -112,7 +117,7 @@ impl Axis {
             return self.end_engagement(cx, Code::LEADER_LOST, NO_NUMBERS);
         }
         let moment = match engagement.request.engage {
-            Engage::Immediately => Some(Moment::Behind(Position::ZERO)),
+            Engage::Immediately => None,
             Engage::AtPosition { position, turn } => {
                 let place = Position::whole(position);
                 let place = turn.map_or(place, |turn| turn.last_passed(place, lead.position, lead.change));
@@ -122,19 +127,22 @@ impl Axis {
                 let Some(cam) = self.coupling().and_then(|coupling| coupling.follower.transmission().cam()) else {
                     return self.end_engagement(cx, Code::NOT_REACHED, NO_NUMBERS);
                 };
-                cam.passes_end(cx.tables).then_some(Moment::End)
+                cam.passes_end(cx.tables).then_some(Due::End)
             }
         };
         let Some(moment) = moment else { return };
         match self.engaged(cx.tables, (&engagement, lead), moment) {
             Ok(coupling) => {
                 self.engagement = None;
-                let is_end = matches!(moment, Moment::End);
-                if is_end {
+                if matches!(moment, Due::End) {
                     // Its cam has come to its end.
                     self.end_goal(cx, Code::NONE);
                 }
+                // What is shifted against the same leader goes on.
+                let is_same = self.follows_by_position(engagement.leader).is_some();
+                let shifts = if is_same { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
                 self.take_over(cx, engagement.sequence, None);
+                (self.overlay, self.phasing) = shifts;
                 self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Cam, Generator::Follow(coupling));
             }
             Err(refusal) => self.end_engagement(cx, refusal.code, (refusal.asked, refusal.limit)),
@@ -146,7 +154,7 @@ impl Axis {
         &self,
         tables: &[Arc<Table>],
         (engagement, lead): (&Engagement, Lead),
-        moment: Moment,
+        moment: Due,
     ) -> Result<Coupling, Refusal> {
         let Engagement { leader, request, .. } = engagement;
         self.check_closed_loop()?;
@@ -154,53 +162,63 @@ impl Axis {
         let bad_request = || self.refuse(Code::BAD_REQUEST);
         let cam = request.cam.as_ref().ok_or_else(bad_request)?;
         let bounds = self.bounds_of(request)?;
-        let before = self.coupling().filter(|coupling| coupling.leader == *leader).map(|coupling| &coupling.follower);
-        let before = before.filter(|before| before.mode() == SyncMode::Position);
+        let before = self.follows_by_position(*leader);
         let stands = before.map_or(self.present().position, Follower::target);
         let (next, offset) = self.cam_of(tables, lead, (cam, request.disengage), stands)?;
         // Where the slave is to be, and the cam as it is then.
         let (target, next) = if cam.start == CamStart::Relative {
             let (change, next) = match (before.map(|before| *before.transmission()), moment) {
-                (Some(Transmission::Cam(old)), Moment::End) => old.handed_over(next, tables).ok_or_else(bad_request)?,
-                (old, Moment::Behind(after)) => begun_before(old, next, after, tables),
-                (_, Moment::End) => return Err(bad_request()),
+                (Some(Transmission::Cam(old)), Due::End) => old.handed_over(next, tables).ok_or_else(bad_request)?,
+                (old, Due::Behind(after)) => begun_before(old, next, (after, lead), tables),
+                (_, Due::End) => return Err(bad_request()),
             };
             (stands + offset + change, next)
         } else {
             (stands + offset, next)
         };
         let transmission = Transmission::Cam(next);
+        let goes_on = cam.start == CamStart::Relative && offset == Position::ZERO;
         let follower = match before {
-            Some(before) => before.handed_over(transmission, request.mode, target, bounds),
+            Some(before) => before.handed_over(transmission, target, bounds, goes_on),
             None => {
                 let present = self.present();
                 Follower::new(lead.uneven, transmission, request.mode, present, target - present.position, bounds)
             }
         };
-        let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
-        Ok(Coupling { leader: *leader, disengage, accuracy, follower })
+        Ok(self.coupling_by(*leader, request, follower))
+    }
+
+    /// How it follows that leader, if it keeps a position to it.
+    fn follows_by_position(&self, leader: Leader) -> Option<&Follower> {
+        let coupling = self.coupling().filter(|coupling| coupling.leader == leader);
+        coupling.map(|coupling| &coupling.follower).filter(|follower| follower.mode() == SyncMode::Position)
     }
 }
 
 /// A cam that began when the leader was so far behind where it is: what changes for the slave, which `old` has led all the way.
-fn begun_before(old: Option<Transmission>, next: Cam, after: Position, tables: &[Arc<Table>]) -> (Position, Cam) {
+fn begun_before(
+    old: Option<Transmission>,
+    next: Cam,
+    (after, lead): (Position, Lead),
+    tables: &[Arc<Table>],
+) -> (Position, Cam) {
     let way = |change| Lead { change, ..Lead::default() };
-    let Some(mut old) = old else {
-        let mut next = next;
-        return (next.step(after, tables), next);
-    };
-    let back = old.step(way(-after), tables);
-    let mut next = match old {
-        Transmission::Cam(old) => next.going_on_from(&old),
-        Transmission::Gear(_) => next,
+    let (back, mut next, mean) = match old {
+        None => (Position::ZERO, next, lead.change.to_f64()),
+        Some(Transmission::Cam(mut old)) => {
+            let mean = old.mean();
+            (old.step(-after, tables), next.going_on_from(&old), mean)
+        }
+        Some(mut gear) => (gear.step(way(-after), tables), next, lead.change.to_f64()),
     };
     let change = next.step(after, tables);
-    (back + change, next)
+    (back + change, next.with_mean(mean))
 }
 
-/// How far behind a place the leader is that has come to it in this cycle, from either side.
-fn passed(place: Position, lead: Lead) -> Option<Moment> {
-    let before = lead.position - lead.change;
-    let (low, high) = (before.min(lead.position), before.max(lead.position));
-    (low..=high).contains(&place).then(|| Moment::Behind(lead.position - place))
+/// How far behind a place the leader is that has come to it in this cycle, from either side, or stands there.
+fn passed(place: Position, lead: Lead) -> Option<Due> {
+    let (before, now) = (lead.position - lead.change, lead.position);
+    // Where the cycle begins the one before has been.
+    let is_passed = place == now || (before < place && place < now) || (now < place && place < before);
+    is_passed.then(|| Due::Behind(now - place))
 }

@@ -204,8 +204,9 @@ impl Axis {
             return Err(self.refuse(Code::TRAJECTORY_UNDER_WAY));
         }
         if request.mode == MoveMode::Superimposed && !self.rests() {
-            let distance = Position::whole(request.target.exact().nearest());
-            return self.start_superimposed(cx, sequence, request, distance);
+            let whole = |position: Position| Position::whole(position.nearest());
+            let end = whole(self.superimposed()) + whole(request.target.exact());
+            return self.start_superimposed(cx, sequence, request, end);
         }
         let limits = self.check_limits(request)?;
         if request.buffer_mode != BufferMode::Aborting && self.goal.is_some() {

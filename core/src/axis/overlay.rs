@@ -28,9 +28,10 @@ pub(super) struct Overlay {
     plan: Plan,
     start: u64,
     limits: Limits,
-    /// Where its way ends, from where the first one began, and where this one began.
+    /// Where its way ends, from where the first one began.
     end: Position,
-    from: Position,
+    /// All of its way.
+    whole: Position,
     /// The override that its plan was made with (%).
     share: f64,
     /// Its motion as the last cycle added it.
@@ -52,8 +53,8 @@ impl Overlay {
 
     /// What is left of its way, as a share of all of it.
     pub(super) fn share_left(&self) -> f64 {
-        let (whole, left) = (self.end - self.from, self.end - self.shown.position);
-        if whole == Position::ZERO { 0.0 } else { left.to_f64() / whole.to_f64() }
+        let left = self.end - self.shown.position;
+        if self.whole == Position::ZERO { 0.0 } else { left.to_f64() / self.whole.to_f64() }
     }
 
     /// The way that it goes from now on without turning back: up, or down.
@@ -174,7 +175,12 @@ impl Axis {
         sum
     }
 
-    /// Starts a superimposed motion by a distance; one that runs is replaced by the new way, from where it is.
+    /// Where the superimposed motion under way is, from where the first one began; 0 without one.
+    pub(super) fn superimposed(&self) -> Position {
+        self.overlay.map_or(Position::ZERO, |overlay| overlay.shown.position)
+    }
+
+    /// Starts a superimposed motion to an end; one that runs is replaced by the new way, from where it is.
     ///
     /// # Errors
     /// What the motion under way leaves is not enough; its end lies beyond a limit.
@@ -183,10 +189,9 @@ impl Axis {
         cx: &mut Context<'_>,
         sequence: u64,
         request: &Move,
-        distance: Position,
+        end: Position,
     ) -> Result<(), Refusal> {
         let shown = self.overlay.map_or(Motion::default(), |overlay| overlay.shown);
-        let end = Position::whole(shown.position.nearest()) + distance;
         let share = self.parameters.velocity_override;
         let with = |ways: Ways| {
             let (limits, most) = self.remaining_limits(request, ways)?;
@@ -198,7 +203,7 @@ impl Axis {
                 start: cx.cycle,
                 limits,
                 end,
-                from: shown.position,
+                whole: end - shown.position,
                 share,
                 shown,
                 ending: None,

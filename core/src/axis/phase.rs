@@ -9,12 +9,14 @@
 //! Source   contract section 10, PLCopen (MC_PhasingRelative)
 
 use super::alarm::{NO_NUMBERS, Numbers};
+use super::goal::LEAST_RATE;
 use super::{Axis, Context};
 use crate::code::Code;
 use crate::command::{BufferMode, Move, MoveMode, PhaseShift};
 use crate::event::{Event, Number, Refusal};
 use crate::modulo::Direction;
 use crate::position::Position;
+use crate::sync::gear::Gear;
 use crate::sync::{Shift, SyncMode, Transmission};
 use serde::{Deserialize, Serialize};
 
@@ -34,12 +36,18 @@ impl Phasing {
 }
 
 impl Axis {
-    /// Starts a shift of the side of the slave.
-    ///
-    /// # Errors
-    /// Why not.
-    pub fn shift_slave(&mut self, cx: &mut Context<'_>, sequence: u64, asked: &PhaseShift) -> Result<(), Refusal> {
-        self.check_phase()?;
+    /// Takes a shift of one side; of the master it is in increments of the leader, and there is none where that has not its units.
+    pub fn take_phase(&mut self, cx: &mut Context<'_>, sequence: u64, of_slave: bool, asked: Option<PhaseShift>) {
+        let unit = || self.refuse(Code::PHASE_UNIT);
+        let result = self.check_phase().and_then(|()| asked.ok_or_else(unit)).and_then(|asked| {
+            if of_slave { self.shift_slave(cx, sequence, &asked) } else { self.shift_master(cx, sequence, &asked) }
+        });
+        if let Err(refusal) = result {
+            cx.events.push(Event { position: self.command.position, ..refusal.event(sequence) });
+        }
+    }
+
+    fn shift_slave(&mut self, cx: &mut Context<'_>, sequence: u64, asked: &PhaseShift) -> Result<(), Refusal> {
         let PhaseShift { shift, velocity, acceleration } = *asked;
         let request = Move {
             axis: self.setup.index,
@@ -53,32 +61,38 @@ impl Axis {
             buffer_mode: BufferMode::Aborting,
         };
         // Its coupling keeps what is below an increment.
-        self.start_superimposed(cx, sequence, &request, shift.exact())
+        let end = self.superimposed() + shift.exact();
+        self.start_superimposed(cx, sequence, &request, end)
     }
 
-    /// Starts a shift of the side of the master.
-    ///
-    /// # Errors
-    /// Why not.
-    pub fn shift_master(&mut self, cx: &mut Context<'_>, sequence: u64, asked: &PhaseShift) -> Result<(), Refusal> {
-        self.check_phase()?;
-        let gear = self.coupling().and_then(|coupling| match coupling.follower.transmission() {
-            Transmission::Gear(gear) => Some(gear.ratio().to_f64().abs()),
-            Transmission::Cam(_) => None,
-        });
-        let p = &self.parameters;
-        let most = (p.max_velocity - self.underlying().velocity.abs()).max(0.0);
-        let velocity = self.rate_of_master(asked.velocity, gear, (p.usual_velocity(), most), Number::Velocity)?;
-        let most = p.max_acceleration.min(p.deceleration_limit());
+    fn shift_master(&mut self, cx: &mut Context<'_>, sequence: u64, asked: &PhaseShift) -> Result<(), Refusal> {
+        let Some(follower) = self.coupling().map(|coupling| &coupling.follower) else {
+            return Err(self.refuse(Code::PHASE_NO_COUPLING));
+        };
+        let cycle_s = self.cycle_s();
+        let (gear, most) = match follower.transmission() {
+            Transmission::Gear(gear) => (Some(gear.ratio().to_f64()), Gear::MAX_CHANGE),
+            Transmission::Cam(cam) => (None, cam.most(cx.tables)),
+        };
+        let before = self.phasing.map(|phasing| phasing.shift);
+        let (p, reserve) = (&self.parameters, self.reserve());
+        // Without the shift that it takes the place of.
+        let own = before.map_or(0.0, |before| before.speed() / cycle_s * gear.unwrap_or_default());
+        let left = p.max_velocity - (self.underlying().velocity - own).abs() - reserve.velocity;
+        let velocity = self.rate_of_master(asked.velocity, gear, (p.usual_velocity(), left), Number::Velocity)?;
+        let left = p.max_acceleration.min(p.deceleration_limit()) - reserve.acceleration;
         let usual = p.usual_acceleration().min(p.usual_deceleration());
-        let acceleration = self.rate_of_master(asked.acceleration, gear, (usual, most), Number::Acceleration)?;
-        let whole = asked.shift.exact();
+        let acceleration = self.rate_of_master(asked.acceleration, gear, (usual, left), Number::Acceleration)?;
+        let (change, whole) = (velocity * cycle_s, asked.shift.exact());
+        if change > most as f64 {
+            let numbers = (Number::Count(change as i64), Number::Count(most));
+            return Err(self.refuse(Code::PHASE_TOO_FAST).with(numbers.0, numbers.1));
+        }
         if !whole.is_legal() {
             let number = Number::Position(whole.nearest());
             return Err(self.refuse(Code::POSITION_OUT_OF_RANGE).with(number, Number::None));
         }
-        let before = self.phasing.map(|phasing| phasing.shift);
-        let shift = Shift::new(whole, velocity, acceleration, self.cycle_s(), before.as_ref());
+        let shift = Shift::new(whole, velocity, acceleration, cycle_s, before.as_ref());
         self.end_phase(cx, Code::REPLACED, NO_NUMBERS);
         self.phasing = Some(Phasing { sequence, shift, ending: None });
         self.accepted(cx, sequence);
@@ -90,23 +104,24 @@ impl Axis {
         &self,
         asked: f64,
         gear: Option<f64>,
-        (usual, most): (f64, f64),
+        (usual, left): (f64, f64),
         number: fn(f64) -> Number,
     ) -> Result<f64, Refusal> {
         if !asked.is_finite() || asked < 0.0 {
-            return Err(self.refuse(Code::BAD_NUMBER).with(number(asked), Number::None));
+            return Err(self.refuse(Code::BAD_NUMBER).with(Number::Real(asked), Number::None));
         }
-        let Some(ratio) = gear else {
-            let has_one = asked >= super::goal::LEAST_RATE;
-            return has_one
-                .then_some(asked)
-                .ok_or_else(|| self.refuse(Code::PHASE_RATE).with(number(asked), Number::None));
+        let Some(ratio) = gear.map(f64::abs) else {
+            return if asked < LEAST_RATE { Err(self.refuse(Code::PHASE_RATE)) } else { Ok(asked) };
         };
-        let of_axis = if asked == 0.0 { usual.min(most) } else { asked * ratio };
-        if of_axis > most || of_axis < super::goal::LEAST_RATE {
-            return Err(self.refuse(Code::SUPERIMPOSED_TOO_MUCH).with(number(of_axis), number(most)));
+        let left = left.max(0.0);
+        let (of_axis, least) = if asked == 0.0 { (usual, left.min(usual)) } else { (asked * ratio, asked * ratio) };
+        if least > left || left < LEAST_RATE {
+            return Err(self.refuse(Code::SUPERIMPOSED_TOO_MUCH).with(number(of_axis), number(left)));
         }
-        Ok(if asked == 0.0 { of_axis / ratio } else { asked })
+        if least < LEAST_RATE {
+            return Err(self.refuse(Code::RATE_TOO_LOW).with(number(least), number(LEAST_RATE)));
+        }
+        Ok(if asked == 0.0 { least / ratio } else { asked })
     }
 
     fn check_phase(&self) -> Result<(), Refusal> {
@@ -114,6 +129,13 @@ impl Axis {
         self.check_free()?;
         let is_coupled = self.coupling().is_some_and(|coupling| coupling.follower.mode() == SyncMode::Position);
         is_coupled.then_some(()).ok_or_else(|| self.refuse(Code::PHASE_NO_COUPLING))
+    }
+
+    /// Tells the end of a shift of the master.
+    pub(super) fn tell_phase(&self, cx: &mut Context<'_>, ended: Option<(u64, Code)>, position: Position) {
+        if let Some((sequence, code)) = ended {
+            cx.events.push(Event::done(self.object(), sequence, code, position));
+        }
     }
 
     /// What the shift of the master adds to its change in this cycle, and the number of the command that ends with it.

@@ -50,7 +50,7 @@ impl Axis {
             master: leads.get(coupling.leader).position.floor(),
             error: shown,
             accurate: error.unsigned_abs() <= window.unsigned_abs(),
-            in_sync: follower.phase() == Phase::Synchronized,
+            in_sync: follower.phase() != Phase::CatchingUp,
         }
     }
 

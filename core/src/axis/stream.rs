@@ -103,6 +103,8 @@ impl Axis {
         };
         self.streamed = Streamed { age: 0, duration, silence: 0, told };
         if velocity != 0.0 || !self.rests() {
+            // What waited to engage is not to take the axis from it.
+            self.end_engagement(cx, Code::REPLACED, NO_NUMBERS);
             self.stream_at(cx, velocity);
         }
     }

@@ -213,6 +213,13 @@ codes! {
         remedy: "Give both, in units of the leader.",
     }
 
+    /// A phase shift that moves the master further in a cycle than it may run.
+    PHASE_TOO_FAST = 10050, NoError {
+        says: "the shift moves the master by {asked} increments in a cycle; {limit} is followed at most, with what it runs itself",
+        cause: "The velocity of a phase shift of the master is more than the length of the cam, or than any gear follows, in a cycle.",
+        remedy: "Ask for a lower velocity.",
+    }
+
     /// A cam that was to begin at the end of another one, which is not there.
     ENGAGE_NO_CAM = 10049, NoError {
         says: "the axis is on no cam of that leader whose end could be waited for",
@@ -427,7 +434,7 @@ codes! {
 
     /// The master is behind the end of a cam that has one.
     CAM_PASSED = 10097, NoError {
-        says: "its master is at {asked}; it runs from 0 to {limit}",
+        says: "the master is at {asked} of the cam, which runs from 0 to {limit}",
         cause: "A cam that is not cyclic was asked for with its master behind its end, or out of all proportion before it.",
         remedy: "Bring the master before the end, shift it with master_offset, or begin with RELATIVE.",
     }

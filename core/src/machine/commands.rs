@@ -223,17 +223,15 @@ impl Machine {
         let bad_request = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let index = usize::from(request.axis);
         let axis = self.state.axes.get(index).ok_or_else(bad_request)?;
-        let result = match &request.side {
-            PhaseSide::Slave(shift) => self.act_on(index, told, |axis, cx| axis.shift_slave(cx, sequence, shift)),
+        let (of_slave, shift) = match &request.side {
+            PhaseSide::Slave(shift) => (true, Some(*shift)),
             PhaseSide::Master { by_scale, .. } => {
-                let no_coupling = || Refusal::new(Code::PHASE_NO_COUPLING, Object::Axis(request.axis));
-                let scale = self.config.scale_of(axis.leader().ok_or_else(no_coupling)?);
-                let shift = by_scale.iter().find(|(of, _)| *of == scale).map(|(_, shift)| *shift);
-                let shift = shift.ok_or_else(|| Refusal::new(Code::PHASE_UNIT, Object::Axis(request.axis)))?;
-                self.act_on(index, told, |axis, cx| axis.shift_master(cx, sequence, &shift))
+                let scale = axis.leader().map(|leader| self.config.scale_of(leader));
+                (false, by_scale.iter().find(|(of, _)| Some(*of) == scale).map(|(_, shift)| *shift))
             }
         };
-        result.unwrap_or_else(|| Err(bad_request()))
+        self.act_on(index, told, |axis, cx| axis.take_phase(cx, sequence, of_slave, shift));
+        Ok(())
     }
 
     /// All axes of a goal end it.

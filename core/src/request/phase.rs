@@ -82,8 +82,15 @@ fn meant(amount: Amount) -> Amount {
 }
 
 fn resolve(request: &PhaseRequest, scale: &Scale) -> Result<PhaseShift, RequestError> {
-    let rate =
-        |field, amount: Amount, order| amount.rate(Units::Si, scale, order).map_err(|error| bad_value(field, error));
+    let rate = |field, amount: Amount, order| {
+        let rate = amount.rate(Units::Si, scale, order).map_err(|error| bad_value(field, error))?;
+        if rate >= 0.0 {
+            return Ok(rate);
+        }
+        let given = amount.quantity(Units::Si, scale, order).map_err(|error| bad_value(field, error))?;
+        let allowed = "a finite number that is not negative is allowed; 0 stands for the default";
+        Err(RequestError::NoMeaning { field, value: format!("`{given}`"), allowed })
+    };
     Ok(PhaseShift {
         shift: request.shift.length(Units::Si, scale).map_err(|error| bad_value("shift", error))?,
         velocity: rate("velocity", request.velocity, 1)?,

@@ -155,7 +155,10 @@ fn what_is_not_built_is_refused_by_name() {
     let by_parameter = SynchronizeRequest { master: String::new(), ..couple.clone() };
     assert_eq!(config.resolve_synchronize(&by_parameter).map(|found| found.leader), Ok(None));
     assert!(error(SynchronizeRequest { mode: 2, ..couple.clone() }).contains("MARKER does not exist yet"));
-    assert!(error(SynchronizeRequest { engage: 1, ..couple.clone() }).contains("AT_POSITION in another mode than CAM does not exist yet"));
+    assert!(
+        error(SynchronizeRequest { engage: 1, ..couple.clone() })
+            .contains("AT_POSITION in another mode than CAM does not exist yet")
+    );
     assert!(error(SynchronizeRequest { engage: 2, ..couple.clone() }).contains("ON_EVENT does not exist yet"));
     assert!(error(SynchronizeRequest { disengage: 7, ..couple }).starts_with("disengage is 7"));
 }

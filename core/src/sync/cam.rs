@@ -125,6 +125,12 @@ impl Cam {
         Self { master: kept(self.master, old.master), slave: kept(self.slave, old.slave), mean: old.mean, ..self }
     }
 
+    /// The same with another mean change of its lead in a cycle (inc).
+    #[must_use]
+    pub fn with_mean(self, mean: f64) -> Self {
+        Self { mean, ..self }
+    }
+
     /// `next`, which stands at its start, in the place of this one, whose last step has passed an end: as far into its table as this one
     /// has come behind the end; and what changes for the slave. What either scale keeps below the grid it keeps on.
     pub fn handed_over(&self, next: Self, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
@@ -144,8 +150,9 @@ impl Cam {
             mine => next.master.step(Gear::new(mine.inverse()?).step(over)),
         };
         // Backwards its end is where it begins.
-        if is_back {
-            next.place += Position::whole(next_shape.length);
+        if scaled < Position::ZERO {
+            let end = Position::whole(next_shape.length);
+            next.place = if next_shape.is_cyclic { next.place + end } else { end };
             next.go(next_table, next_shape);
         }
         let way = next.advance(scaled, next_table, next_shape);

@@ -26,6 +26,8 @@ pub enum Phase {
     CatchingUp,
     /// The slave follows exactly.
     Synchronized,
+    /// It followed exactly by the transmission before, and is to by this one from the next cycle on.
+    Passing,
 }
 
 /// What limits the slave (inc/s, inc/s^2).
@@ -137,11 +139,13 @@ impl Follower {
         Self { phase: Phase::Synchronized, ..self }
     }
 
-    /// The same by another transmission from now on, which wants the slave at `target`.
+    /// The same by another transmission from now on, which wants the slave at `target`; where it `goes_on` from the one before, the slave
+    /// comes there in one cycle, else it is led there.
     #[must_use]
-    pub fn handed_over(self, transmission: Transmission, mode: SyncMode, target: Position, bounds: Bounds) -> Self {
-        let phase = if target == self.target { self.phase } else { Phase::CatchingUp };
-        Self { mode, transmission, phase, target, halt: None, bounds, ..self }
+    pub fn handed_over(self, transmission: Transmission, target: Position, bounds: Bounds, goes_on: bool) -> Self {
+        let is_there = self.phase != Phase::CatchingUp;
+        let phase = if is_there && goes_on { Phase::Passing } else { Phase::CatchingUp };
+        Self { transmission, phase, target, halt: None, bounds, ..self }
     }
 
     /// Says whether a cam lets its slave rest at its end.
@@ -251,6 +255,7 @@ impl Follower {
         let change = self.transmission.step(lead, tables);
         self.lead_uneven = lead.uneven;
         self.target += change;
+        let change = if self.phase == Phase::Passing { self.target - slave.position } else { change };
         // From here on in inc per cycle.
         let geared = change.to_f64();
         let before = slave.velocity * cycle_s;
@@ -274,7 +279,10 @@ impl Follower {
         let follows =
             ahead && !(forward_only && geared < 0.0) && self.can_follow(geared, before, uneven, cycle_s, bounds);
         let position = match self.phase {
-            Phase::Synchronized if follows => slave.position + change,
+            Phase::Synchronized | Phase::Passing if follows => {
+                self.phase = Phase::Synchronized;
+                slave.position + change
+            }
             _ => {
                 let slowing = if self.halt.is_some() { slowing.max(rate) } else { rate };
                 let (down, up) = if before > 0.0 { (slowing, rate) } else { (rate, slowing) };

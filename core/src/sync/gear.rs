@@ -34,6 +34,11 @@ impl Ratio {
         Some(Self { numerator: sign * numerator / divisor, denominator: sign * denominator / divisor })
     }
 
+    /// Could it have come about? One that was read from outside may hold anything.
+    pub fn is_sound(self) -> bool {
+        Self::new(self.numerator, self.denominator) == Some(self)
+    }
+
     /// Slave increments.
     pub fn numerator(self) -> i64 {
         self.numerator
@@ -83,9 +88,7 @@ impl Gear {
 
     /// Could it have come about? One that was read from outside may hold anything.
     pub fn is_sound(&self) -> bool {
-        let Ratio { numerator, denominator } = self.ratio;
-        Ratio::new(numerator, denominator) == Some(self.ratio)
-            && (0..=i128::from(denominator)).contains(&self.remainder)
+        self.ratio.is_sound() && (0..=i128::from(self.ratio.denominator)).contains(&self.remainder)
     }
 
     /// The ratio.

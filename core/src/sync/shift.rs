@@ -54,9 +54,9 @@ impl Shift {
         Self { stops: true, ..self }
     }
 
-    /// What is left of it, as a share of all of it.
+    /// What is left of it, as a share of all of it: more than 1 where it still turns round. Of one that stops nothing is.
     pub fn share_left(&self) -> f64 {
-        if self.whole == Position::ZERO { 0.0 } else { self.left.to_f64() / self.whole.to_f64() }
+        if self.stops || self.whole == Position::ZERO { 0.0 } else { self.left.to_f64() / self.whole.to_f64() }
     }
 
     /// Its last change (inc per cycle).

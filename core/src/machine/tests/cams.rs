@@ -197,7 +197,7 @@ fn a_cam_with_an_end_ends_its_goal_there_and_rests() {
     let passed = rig.give(on(cam(ONCE, CamStart::RampIn)));
     rig.run(1);
     assert_eq!(rig.answer(passed).unwrap_err().code, Code::CAM_PASSED);
-    assert!(rig.refusal(passed).contains("it runs from 0 to 2000"), "{}", rig.refusal(passed));
+    assert!(rig.refusal(passed).contains("of the cam, which runs from 0 to 2000"), "{}", rig.refusal(passed));
 }
 
 fn ends(rig: &mut Rig, table: &[(i64, i64)], speed: f64, cycles: u64) -> Vec<f64> {

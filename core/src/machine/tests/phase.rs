@@ -170,6 +170,55 @@ fn a_new_shift_takes_the_place_of_one_that_moves() {
     }
 }
 
+/// A shift that moves leaves to the one that takes its place what it had itself; one of the slave takes its share.
+#[test]
+fn what_is_left_is_told_without_the_shift_that_ends() {
+    let mut rig = Rig::enabled();
+    rig.give(Action::Synchronize(couple(X, TO_LINE, 2, 1)));
+    let shift = amount(Length::whole(10_000), 30_000.0, 300_000.0);
+    let first = rig.give(master(shift));
+    rig.run(200);
+    assert!((rig.real("x.command.velocity") - 60_000.0).abs() < 1e-6);
+    let second = rig.give(master(PhaseShift { velocity: 45_000.0, ..shift }));
+    assert!(rig.was_accepted(second));
+    rig.run(2);
+    assert_eq!(rig.done(first)[0].code, Code::REPLACED);
+    rig.run(3_000);
+    rig.give(slave(amount(Length::whole(20_000), 40_000.0, 200_000.0)));
+    let third = rig.give(master(PhaseShift { velocity: 31_000.0, ..shift }));
+    assert_eq!(rig.refusal(third), "x: velocity 62 mm/s is more than the motion under way leaves: 60 mm/s");
+    let slow = rig.give(master(PhaseShift { velocity: 1e-7, ..shift }));
+    assert_eq!(rig.answer(slow).expect_err("refused").code, Code::RATE_TOO_LOW);
+}
+
+/// The master of a cam may not run more than its length in a cycle; where it does in the end, the shift is answered all the same.
+#[test]
+fn a_shift_is_answered_though_its_last_cycle_fails() {
+    let half = Table::new(Form::Xy, &[0, 100], &[0, 50]).expect("points").with_cam(CamSetting::default());
+    let tables = vec![TableConfig { name: "half".into(), table: Arc::new(half) }];
+    let mut rig = Rig::of(MachineConfig { tables, ..config(0) });
+    rig.enable();
+    let one = Ratio::ONE;
+    let cam = CamIn {
+        table: 0,
+        start: CamStart::Relative,
+        master_scale: one,
+        slave_scale: one,
+        master_offset: Length::default(),
+        slave_offset: Length::default(),
+    };
+    rig.give(Action::Synchronize(Synchronize { cam: Some(cam), ..couple(X, Leader::Encoder(0), 0, 0) }));
+    let fast = rig.give(master(amount(Length::whole(50), 200_000.0, 1e12)));
+    let sentence =
+        "x: the shift moves the master by 200 increments in a cycle; 100 is followed at most, with what it runs itself";
+    assert_eq!(rig.refusal(fast), sentence);
+    let goal = rig.give(master(amount(Length::whole(50), 60_000.0, 1e12)));
+    // 50 of the shift and 60 of the belt in one cycle.
+    rig.plant.jump_encoder(0, 60);
+    rig.run(5);
+    assert_eq!((rig.done(goal).len(), rig.int("x.error")), (1, i64::from(Code::CAM_MASTER_TOO_FAST.0)));
+}
+
 #[test]
 fn a_cancelled_shift_slows_down_and_stays_where_it_is() {
     for side in [slave, master] {
@@ -237,6 +286,15 @@ fn what_cannot_be_shifted_is_refused() {
         rig.refusal(steep),
         "x: acceleration or deceleration 1200 mm/s^2 is more than the motion under way leaves: 1000 mm/s^2"
     );
+    rig.give(Action::Disable(AxisSet::one(X)));
+    for side in [slave, master] {
+        let goal = rig.give(side(shift));
+        assert_eq!(rig.answer(goal).expect_err("refused").code, Code::NOT_ENABLED);
+    }
+    rig.run(100);
+    rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run(100);
+    rig.give(Action::Synchronize(couple(X, TO_LINE, 2, 1)));
     for bad in [f64::NAN, -1.0, f64::INFINITY] {
         for side in [slave, master] {
             let goal = rig.give(side(PhaseShift { velocity: bad, ..shift }));
@@ -280,7 +338,13 @@ fn amounts_are_made_increments_of_each_scale_that_leads() {
     assert_eq!(refused(PhaseRequest { shift: angle, ..request.clone() }), sentence);
     assert_eq!(refused(PhaseRequest { shift: angle, side: 0, ..request.clone() }), sentence);
     assert_eq!(refused(PhaseRequest { side: 2, ..request.clone() }), "side is 2; 0 SLAVE, 1 MASTER are allowed");
-    assert!(refused(PhaseRequest { velocity: Amount::Number(f64::NAN), ..request }).starts_with("velocity: "));
+    assert!(refused(PhaseRequest { velocity: Amount::Number(f64::NAN), ..request.clone() }).starts_with("velocity: "));
+    for side in [0, 1] {
+        assert_eq!(
+            refused(PhaseRequest { acceleration: Amount::Number(-0.5), side, ..request.clone() }),
+            "acceleration is `-0.5 m/s^2`; a finite number that is not negative is allowed; 0 stands for the default"
+        );
+    }
 }
 
 proptest! {
