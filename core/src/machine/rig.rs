@@ -2,7 +2,7 @@
 
 use crate::axis::Context;
 use crate::command::{
-    Action, BufferMode, Command, Commands, Engage, Move, MoveMode, Setpoint, Setpoints, Source, Synchronize,
+    Action, BufferMode, CamIn, Command, Commands, Engage, Move, MoveMode, Setpoint, Setpoints, Source, Synchronize,
 };
 use crate::config::{AxisConfig, EncoderConfig, MachineConfig};
 use crate::drive::{Backend, Capabilities, Inputs, Outputs};
@@ -14,7 +14,8 @@ use crate::parameter::{self, AxisParameters};
 use crate::position::Length;
 use crate::signal::Value;
 use crate::sim::{Model, Plant};
-use crate::sync::{Disengage, SyncMode};
+use crate::sync::gear::Ratio;
+use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::unit::{Fraction, Quantity, Scale, Unit};
 use crate::vocabulary::{Order, Owner, saia};
 
@@ -331,6 +332,18 @@ pub(crate) fn to(axis: u16, position: i64) -> Move {
 
 pub(crate) fn at(axis: u16, velocity: f64) -> Move {
     Move { mode: MoveMode::Velocity, velocity, ..to(axis, 0) }
+}
+
+/// A cam of a table, as it stands.
+pub(crate) fn cam(table: u16, start: CamStart) -> CamIn {
+    CamIn {
+        table,
+        start,
+        master_scale: Ratio::ONE,
+        slave_scale: Ratio::ONE,
+        master_offset: Length::default(),
+        slave_offset: Length::default(),
+    }
 }
 
 pub(crate) fn couple(axis: u16, leader: Leader, numerator: i64, denominator: i64) -> Synchronize {

@@ -1,6 +1,6 @@
 //! Cams of `~/synchronize` on a machine: how they begin, what they do when something changes, and how they end.
 
-use super::rig::{LINE, Rig, X, at, config, couple, to};
+use super::rig::{LINE, Rig, X, at, cam, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, CamIn, Commands, Move, Synchronize};
 use crate::config::TableConfig;
@@ -49,17 +49,6 @@ fn rig_with(revers: i64) -> Rig {
     let mut rig = Rig::of(config);
     rig.enable();
     rig
-}
-
-fn cam(table: u16, start: CamStart) -> CamIn {
-    CamIn {
-        table,
-        start,
-        master_scale: Ratio::ONE,
-        slave_scale: Ratio::ONE,
-        master_offset: Length::default(),
-        slave_offset: Length::default(),
-    }
 }
 
 fn on(cam: CamIn) -> Action {

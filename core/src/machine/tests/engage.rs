@@ -1,6 +1,6 @@
 //! Cams that wait for their moment: the end of the one under way, a place of the leader.
 
-use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
+use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, CamIn, Engage, Move, Phase, PhaseShift, PhaseSide, Synchronize};
 use crate::config::TableConfig;
@@ -56,14 +56,7 @@ fn rig() -> Rig {
 }
 
 fn on(table: u16, start: CamStart, engage: Engage) -> Synchronize {
-    let cam = CamIn {
-        table,
-        start,
-        master_scale: Ratio::ONE,
-        slave_scale: Ratio::ONE,
-        master_offset: Length::default(),
-        slave_offset: Length::default(),
-    };
+    let cam = cam(table, start);
     Synchronize { cam: Some(cam), engage, ..couple(X, TO_LINE, 0, 0) }
 }
 

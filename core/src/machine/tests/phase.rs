@@ -1,8 +1,8 @@
 //! Phase shifts of slave and master, in motion.
 
-use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, parameters, scale, to};
+use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, parameters, scale, to};
 use crate::code::Code;
-use crate::command::{Action, CamIn, Move, Phase, PhaseShift, PhaseSide, Synchronize};
+use crate::command::{Action, Move, Phase, PhaseShift, PhaseSide, Synchronize};
 use crate::config::{MachineConfig, SumConfig, TableConfig};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
@@ -100,15 +100,7 @@ fn a_cam_goes_where_a_shifted_master_leads_it() {
     config.tables = vec![TableConfig { name: "knife".into(), table: Arc::new(knife.with_cam(CamSetting::default())) }];
     let mut rig = Rig::of(config);
     rig.enable();
-    let one = Ratio::ONE;
-    let cam = CamIn {
-        table: 0,
-        start: CamStart::Relative,
-        master_scale: one,
-        slave_scale: one,
-        master_offset: Length::default(),
-        slave_offset: Length::default(),
-    };
+    let cam = cam(0, CamStart::Relative);
     rig.give(Action::Synchronize(Synchronize { cam: Some(cam), ..couple(X, TO_LINE, 0, 0) }));
     let none = rig.give(master(amount(Length::whole(24_000), 0.0, 100_000.0)));
     assert!(rig.refusal(none).starts_with("x: a phase shift of the master of a cam needs its velocity"));
@@ -132,15 +124,7 @@ fn a_sum_leads_a_cam_and_is_shifted() {
     let tables = vec![TableConfig { name: "half".into(), table: Arc::new(half) }];
     let mut rig = Rig::of(MachineConfig { tables, masters: vec![sum], ..config(0) });
     rig.enable();
-    let one = Ratio::ONE;
-    let cam = CamIn {
-        table: 0,
-        start: CamStart::Relative,
-        master_scale: one,
-        slave_scale: one,
-        master_offset: Length::default(),
-        slave_offset: Length::default(),
-    };
+    let cam = cam(0, CamStart::Relative);
     rig.give(Action::Synchronize(Synchronize { cam: Some(cam), ..couple(X, Leader::Sum(0), 0, 0) }));
     rig.give(Action::Move(to(LINE, 1_000)));
     for _ in 0..200 {
@@ -198,15 +182,7 @@ fn a_shift_is_answered_though_its_last_cycle_fails() {
     let tables = vec![TableConfig { name: "half".into(), table: Arc::new(half) }];
     let mut rig = Rig::of(MachineConfig { tables, ..config(0) });
     rig.enable();
-    let one = Ratio::ONE;
-    let cam = CamIn {
-        table: 0,
-        start: CamStart::Relative,
-        master_scale: one,
-        slave_scale: one,
-        master_offset: Length::default(),
-        slave_offset: Length::default(),
-    };
+    let cam = cam(0, CamStart::Relative);
     rig.give(Action::Synchronize(Synchronize { cam: Some(cam), ..couple(X, Leader::Encoder(0), 0, 0) }));
     let fast = rig.give(master(amount(Length::whole(50), 200_000.0, 1e12)));
     let sentence =

@@ -1,0 +1,253 @@
+//! What is asked of the cell: the same in every run.
+
+use lineshaft_core::code::Code;
+use lineshaft_core::command::{
+    Action, BufferMode, CamIn, CommandFunction, Engage, HomeAxis, HomingMethod, MasterPosition, Move, MoveMode, Phase,
+    PhaseShift, PhaseSide, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Synchronize,
+};
+use lineshaft_core::function::{Order, TYPES};
+use lineshaft_core::modulo::Direction;
+use lineshaft_core::object::{AxisSet, Leader, Object};
+use lineshaft_core::parameter::{Change, Layer, Row, Value};
+use lineshaft_core::position::{Length, Position};
+use lineshaft_core::sync::gear::Ratio;
+use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
+use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
+use lineshaft_core::unit::{Amount, Scale};
+use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
+use lineshaft_core::vocabulary::wf;
+use std::sync::Arc;
+
+use super::AXES;
+use super::cell::config;
+
+/// A cam of either table that is one, linear or a spline.
+pub(super) fn cam(number: i64) -> CamIn {
+    let start = CamStart::ALL[number.unsigned_abs() as usize / 3 % 3].0;
+    CamIn {
+        table: if number % 2 == 0 { 1 } else { 2 },
+        start,
+        master_scale: Ratio::new(number % 7, 5).unwrap_or(Ratio::ONE),
+        slave_scale: Ratio::ONE,
+        master_offset: Length::whole(number % 1000),
+        slave_offset: Length::whole(number % 50),
+    }
+}
+
+/// A phase shift of either side, in increments of any leader.
+pub(super) fn phase(axis: u16, number: i64) -> Phase {
+    let shift = PhaseShift { shift: Length::whole(number % 5_000), velocity: 1_000.0, acceleration: 10_000.0 };
+    let scale = config().axes[0].scale;
+    let given = [Amount::default(); 3];
+    let master = PhaseSide::Master { given, by_scale: [(scale, shift), (Scale::increments(), shift)].into() };
+    Phase { axis, side: if number % 4 == 0 { PhaseSide::Slave(shift) } else { master } }
+}
+
+/// An order to a function with a value that is often good.
+pub(super) fn command(numbers: &mut Numbers) -> Action {
+    let slot = numbers.below(TYPES.len() as u64) as u16;
+    let orders = [Order::Start, Order::Start, Order::Start, Order::Reset, Order::ValueNew, Order::ReadValue];
+    let order = orders[numbers.below(6) as usize];
+    let (_, field, _) = TYPES[usize::from(slot)].field_of(0).expect("each type has a field");
+    let least = field.min.max(0);
+    let mut values = vec![(0, least + numbers.below(field.max.abs_diff(least).min(4) + 2) as i64)];
+    if let Some((_, tracks)) = TYPES[usize::from(slot)].find("tracks") {
+        values.push((tracks as u16, 2));
+    }
+    if let Some((_, cams)) = TYPES[usize::from(slot)].find("cams") {
+        values.push((cams as u16, 2));
+    }
+    Action::CommandFunction(CommandFunction { slot, order, values: values.into() })
+}
+
+/// A small generator of numbers that are the same in every run.
+pub(super) struct Numbers(pub(super) u64);
+
+impl Numbers {
+    pub(super) fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % bound
+    }
+}
+
+pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
+    if numbers.below(6) == 0 {
+        let position = Length::whole(numbers.below(20_000) as i64);
+        return match numbers.below(8) {
+            0 => Action::SetEncoderPosition(SetEncoderPosition { encoder: 0, position }),
+            1 => {
+                let position = MasterPosition::Increments(position);
+                Action::SetMasterPosition(SetMasterPosition { axis: numbers.below(3) as u16, position })
+            }
+            2 => Action::Refuse("nobody knows what this is".into()),
+            3 => Action::Note { code: Code::NOTES[numbers.below(Code::NOTES.len() as u64) as usize], number: 7 },
+            4 | 5 => Action::Cancel { goal: sequence.saturating_sub(1 + numbers.below(20)) },
+            _ => Action::vocabulary(module(numbers)),
+        };
+    }
+    if numbers.below(30) == 0 {
+        let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);
+        return match numbers.below(12) {
+            8..=10 => {
+                let method = [1, 3, 8, 14, 18, 25, 33, 35][numbers.below(8) as usize];
+                Action::HomeAxis(HomeAxis { axis: numbers.below(8) as u16, method: HomingMethod::Cia402(method) })
+            }
+            11 => {
+                let position = Length::whole(numbers.below(20_000) as i64);
+                Action::SetPosition(SetPosition { axis: numbers.below(8) as u16, position })
+            }
+            0 => Action::SaveParameters(set),
+            1 => Action::ResetParameters { axes: set, layer: Layer::User },
+            2 => Action::ResetParameters { axes: set, layer: Layer::Init },
+            3 => Action::DeleteParameters(set),
+            4 => Action::PowerCycle,
+            5 => Action::Deactivate,
+            _ => Action::Activate,
+        };
+    }
+    let axis = numbers.below(u64::from(AXES) + 1) as u16;
+    let set = AxisSet::one(axis % AXES);
+    let number = numbers.below(200_000) as i64 - 100_000;
+    let request = |mode| Move {
+        axis,
+        mode,
+        target: Length::whole(number),
+        velocity: number.unsigned_abs() as f64,
+        acceleration: 0.0,
+        deceleration: 0.0,
+        jerk: 0.0,
+        direction: Direction::Shortest,
+        buffer_mode: BufferMode::Aborting,
+    };
+    let leader = match numbers.below(3) {
+        0 => Leader::AxisCommand(numbers.below(8) as u16),
+        1 => Leader::AxisActual(numbers.below(8) as u16),
+        _ if number % 3 == 0 => Leader::Encoder(0),
+        _ => Leader::Sum((number % 3 < 0).into()),
+    };
+    match numbers.below(21) {
+        0..=3 => Action::Enable(AxisSet::first(usize::from(AXES))),
+        4 => Action::Disable(set),
+        5 => Action::Halt(set),
+        6 if number % 4 == 0 => Action::Abort,
+        6 => Action::QuickStop(set),
+        7 => Action::ResetErrors(AxisSet::first(usize::from(AXES))),
+        8 => Action::Move(request(MoveMode::Absolute)),
+        9 if number % 2 == 0 => Action::Phase(phase(axis, number)),
+        9 => Action::Move(request(MoveMode::Relative)),
+        10 => Action::Move(request(MoveMode::Velocity)),
+        11 => Action::Synchronize(Synchronize {
+            axis,
+            leader: Some(leader),
+            mode: SyncMode::Position,
+            engage: match number % 18 {
+                0 => Engage::AtEnd,
+                3 => Engage::AtPosition { position: number / 7, turn: None },
+                _ => Engage::Immediately,
+            },
+            disengage: Disengage::KeepVelocity,
+            numerator: number,
+            denominator: 7919,
+            offset: Length::whole(number % 100),
+            velocity: 0.0,
+            acceleration: 0.0,
+            cam: (number % 3 == 0).then(|| cam(number)),
+        }),
+        12 if number % 2 == 0 => Action::set_memory(number.unsigned_abs() as u16 % 3, number as f64),
+        12 => Action::set_output((number.unsigned_abs() % 36) as u16, (number % 3) as f64),
+        13..=16 => select(axis, numbers),
+        17 | 18 => Action::vocabulary(saia(axis, numbers)),
+        19 => Action::Probe(Probe {
+            axis,
+            relative: true,
+            target: Length::whole(number),
+            velocity: 0.0,
+            acceleration: 0.0,
+            deceleration: 0.0,
+            jerk: 0.0,
+            source: Object::Axis(number.rem_euclid(8) as u16),
+            edge: ProbeEdge::Rising,
+            distance: Length::whole(number % 1_000),
+        }),
+        _ => {
+            let (row, _) = Row::find("max_velocity").expect("a key of the catalogue");
+            Action::SetParameters(Box::new([Change { axis, row, value: Value::Real(5e4 + number as f64 / 4.0) }]))
+        }
+    }
+}
+
+/// What a positioning module is asked for; its modes come by themselves, so that some of it can be done.
+pub(super) fn module(numbers: &mut Numbers) -> wf::Request {
+    let mode = [wf::Mode::Mdi, wf::Mode::Automatic, wf::Mode::Continuous, wf::Mode::Jog, wf::Mode::ActualValue];
+    let mode = mode[numbers.below(5) as usize];
+    let request = wf::Request { axis: numbers.below(8) as u16, mode: Some(mode), ..wf::Request::default() };
+    let mut block = || wf::Block {
+        position: Position::whole(numbers.below(40_000) as i64),
+        speed: wf::Speed::Value(numbers.below(90) as f64),
+        absolute: true,
+    };
+    match mode {
+        wf::Mode::Jog => wf::Request { jog: Some(wf::Jog::Plus), fixed_speed: Some(1), ..request },
+        wf::Mode::ActualValue => wf::Request { value: Some(Length::whole(100)), ..request },
+        wf::Mode::Mdi => wf::Request { blocks: wf::Blocks::new(&[block()]), start: true, ..request },
+        _ => wf::Request { blocks: wf::Blocks::new(&[block(), block()]), block: Some(1), start: true, ..request },
+    }
+}
+
+/// Something for a reference selector.
+pub(super) fn select(axis: u16, numbers: &mut Numbers) -> Action {
+    const KEYS: [(&str, u64); 6] = [
+        ("amc.reference_select", 8),
+        ("amc.reference_select", 8),
+        ("amc.position_reference", 5_000),
+        ("amc.rotary_mode", 7),
+        ("amc.action_on_event", 3),
+        ("amc.stop_mode", 4),
+    ];
+    let (key, bound) = KEYS[numbers.below(6) as usize];
+    let (row, _) = Row::find(key).expect("a key of the catalogue");
+    let value = Value::Int(numbers.below(bound) as i64);
+    Action::SetParameters(Box::new([Change { axis, row, value }]))
+}
+
+/// Registers and commands as they come; often enough a start among them.
+pub(super) fn saia(axis: u16, numbers: &mut Numbers) -> Request {
+    let set = [
+        (Register::Veloc, 50_000),
+        (Register::Accel, 200_000),
+        (Register::DestP, numbers.below(40_000) as i64),
+        (Register::PosEr, 32_000 + numbers.below(1000) as i64),
+        (Register::Mcw, 0x1B | 0x100 << numbers.below(5)),
+    ];
+    let request = set.into_iter().fold(Request { axis, ..Request::default() }, |request, (register, value)| {
+        request.with(register, Value::Int(value))
+    });
+    let all = SaiaCommand::ALL.len() as u64;
+    let mut commands: Vec<SaiaCommand> =
+        (0..numbers.below(4)).filter_map(|_| SaiaCommand::ALL.get(numbers.below(all) as usize)).map(|c| c.0).collect();
+    commands.extend(
+        [SaiaCommand::Initialise, SaiaCommand::LoadDestination, SaiaCommand::Start]
+            .iter()
+            .filter(|_| numbers.below(2) == 0),
+    );
+    Request { commands: commands.into_iter().collect(), ..request }
+}
+
+/// A trajectory of two axes from wherever they are, slow enough for many of them.
+pub(super) fn trajectory(numbers: &mut Numbers) -> Arc<Trajectory> {
+    let first = numbers.below(u64::from(AXES)) as u16;
+    let step = (200 + numbers.below(800)) * 1_000_000;
+    let times: Box<[u64]> = (1..=3).map(|place| place * step).collect();
+    let mut track = |axis| {
+        let tolerance = Tolerance { position: Some(100.0 + numbers.below(50_000) as f64), ..Tolerance::default() };
+        let knots = (0..3).map(|place| Knot {
+            position: Position::whole(numbers.below(40_000) as i64),
+            velocity: Some(if place == 2 { 0.0 } else { numbers.below(5_000) as f64 }),
+            acceleration: Some(0.0),
+        });
+        Track { axis, knots: knots.collect(), path: tolerance, goal: tolerance }
+    };
+    let tracks = Box::new([track(first), track((first + 4) % AXES)]);
+    let start = numbers.below(400_000_000) as i64 - 200_000_000;
+    Arc::new(Trajectory::new(start, times, tracks, Some(100_000_000)).expect("a sound one"))
+}

@@ -1,0 +1,197 @@
+//! A cell with something of everything.
+
+use lineshaft_core::axis::{BrakeConfig, Safety, Wired};
+use lineshaft_core::config::{
+    AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig,
+    MemoryKind, SinkConfig, SlotConfig, SourceConfig, SumConfig, TableConfig,
+};
+use lineshaft_core::drive::{Capabilities, Interface, SpeedOutputs};
+use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
+use lineshaft_core::function::{self, Room, TYPES};
+use lineshaft_core::object::{Leader, Object};
+use lineshaft_core::parameter::{AssignedOutputs, AxisParameters, Encoders, MachineParameters, Supervision};
+use lineshaft_core::sim::{Model, SecondOrder, TwoSpeed, Valve, VelocityLag};
+use lineshaft_core::table::{CamSetting, Form as Numbering, Interpolation, Table};
+use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
+use lineshaft_core::vocabulary::{Wiring, amc};
+use std::sync::Arc;
+
+use super::AXES;
+
+/// The first axis has no drive.
+pub(super) fn interface(index: u16) -> Interface {
+    match index % 4 {
+        1 => Interface::Velocity,
+        2 if index > 4 => Interface::OpenLoop,
+        3 if index > 4 => Interface::OpenLoop,
+        _ => Interface::Position,
+    }
+}
+
+/// Drives that take no memory either.
+pub(super) fn model(index: u16) -> Model {
+    let ms = 1_000_000;
+    match index {
+        1 => Model::Velocity(VelocityLag::new(5 * ms, 1_000_000).expect("a legal lag")),
+        4 => Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).expect("a legal model")),
+        5 => Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).expect("a legal model")),
+        6 => Model::TwoSpeed(TwoSpeed::new(50 * ms, 100 * ms, 1_000_000).expect("a legal motor")),
+        7 => Model::Valve(Valve::new(50 * ms, 20 * ms + 1, 1_000_000).expect("a legal valve")),
+        _ => Model::Ideal,
+    }
+}
+
+/// The same machine where every kind of absolute encoder is read: words in Gray code with turns that are corrected, binary ones of a
+/// drive that closes its own loop, an entry of `encoders`, and the words of a positioning module with parity.
+pub(super) fn absolute() -> MachineConfig {
+    let mut config = config();
+    let gray = |steps, turns| Absolute { turns, code: WordCode::Gray, ..Absolute::single_turn(steps) };
+    let scale = config.encoders[0].scale;
+    let disc = Form::Absolute(Absolute { parity: Some(Parity::Odd), ..gray(4_096, 16) });
+    config.encoders.push(EncoderConfig { name: "disc".into(), form: disc, check: None, scale });
+    config.axes[1].wired = Wired::Drive(Form::Absolute(gray(8_192, 4_096)));
+    config.axes[1].parameters.encoder.encodertype = 3;
+    config.axes[3].wired = Wired::Drive(Form::Absolute(Absolute::single_turn(40_000)));
+    config.axes[5].wired = Wired::Encoder(1);
+    let module = &mut config.axes[7].parameters;
+    (module.encoder.kind, module.encoder.steps, module.encoder.reference_or_parity) = (1, 16_384, 1);
+    config
+}
+
+pub(super) fn config() -> MachineConfig {
+    let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
+    let scale = Scale::new(Fraction::from_integer(1000), per).expect("a legal scale");
+    let axis = |index: u16| {
+        let drive = (index > 0).then_some(u32::from(index % 3));
+        // Most keep their following errors to themselves, so that something goes on.
+        let supervision = Supervision { following_error_stops_all: i64::from(index == 3), ..Supervision::default() };
+        let parameters = AxisParameters {
+            supervision,
+            max_position: index.is_multiple_of(2).then_some(40_000),
+            error_reaction: i64::from(index % 6),
+            encoder: Encoders { mencodertype: if index == 2 { 10 } else { 0 }, ..Encoders::default() },
+            outputs: AssignedOutputs { brake: if index == 3 { -2 } else { 0 }, axmove: if index == 3 { 5 } else { 0 } },
+            ..AxisParameters::new(1e5, 1e6)
+        };
+        let interface = interface(index);
+        // Each output of one axis.
+        let place = |first: u16| (interface == Interface::OpenLoop).then_some(first + index);
+        let open_loop = SpeedOutputs { forward: place(2), backward: place(10), output: place(18), dac: place(26) };
+        let brake =
+            BrakeConfig { output: 1 + index, closes_with_one: true, release_ns: 9_000_000, engage_ns: 7_000_000 };
+        AxisConfig {
+            interface,
+            brake: Some(brake).filter(|_| index == 4),
+            open_loop,
+            modulo: lineshaft_core::modulo::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
+            vocabularies: Wiring {
+                amc: amc::Wiring {
+                    master: (index > 0).then_some(Leader::AxisCommand(index / 2)),
+                    freeze: Some(Object::Axis(index)),
+                    cam: Some(2),
+                },
+            },
+            ..AxisConfig::new(format!("a{index}"), scale, drive.map(Capabilities::all), parameters)
+        }
+    };
+    let io = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
+    MachineConfig {
+        cycle_ns: 1_000_000,
+        io: [io("in", IoKind::DigitalInput), io("u", IoKind::AnalogInput)]
+            .into_iter()
+            .chain((0..24).map(|n| io(&format!("q{n}"), IoKind::DigitalOutput)))
+            .chain((0..8).map(|n| io(&format!("v{n}"), IoKind::AnalogOutput)))
+            .collect(),
+        memory: [("m", MemoryKind::I16), ("bit", MemoryKind::Bit), ("d", MemoryKind::I32)]
+            .map(|(name, kind)| MemoryConfig { name: name.into(), kind, initial: 0.0 })
+            .into(),
+        tables: [("t", table(3)), ("c", cam_table(Interpolation::Linear)), ("s", cam_table(Interpolation::Quintic))]
+            .map(|(name, table)| TableConfig { name: name.into(), table })
+            .into(),
+        slots: slots(),
+        encoders: vec![EncoderConfig {
+            name: "belt".into(),
+            form: lineshaft_core::encoder::Form::Incremental(16),
+            check: None,
+            scale,
+        }],
+        masters: vec![
+            master("pair", &[Leader::Encoder(0), Leader::AxisCommand(1)], &[Leader::AxisActual(2)]),
+            master("all", &[Leader::Sum(0), Leader::Sink(5)], &[Leader::AxisCommand(0)]),
+        ],
+        axes: (0..AXES).map(axis).collect(),
+        safety: Safety { estop: Some(0), interlock: None },
+        global: GlobalConfig {
+            parameters: MachineParameters { i_errclr: 1, i_break: -1, i_continue: 1, o_error: 3, ainftime: 5 },
+            filters: vec![FilterConfig { input: 0, time_ns: 3_000_000 }],
+            ..GlobalConfig::default()
+        },
+    }
+}
+
+pub(super) fn master(name: &str, add: &[Leader], subtract: &[Leader]) -> SumConfig {
+    SumConfig { name: name.into(), add: add.into(), subtract: subtract.into() }
+}
+
+/// Two points or cams, the second one from `turn` * 100 on.
+pub(super) fn table(turn: i64) -> Arc<Table> {
+    long_table(turn, 40)
+}
+
+/// The same with so many words.
+pub(super) fn long_table(turn: i64, count: usize) -> Arc<Table> {
+    let words: Vec<i64> =
+        (0..count).map(|word| [3, 0, 0, 0, 100, 0, 1, 0, turn * 100].get(word).copied().unwrap_or(0)).collect();
+    Arc::new(Table::new(Numbering::Words, &[], &words).expect("words"))
+}
+
+/// One slot of each type, two of them with an axis, linked with each other.
+pub(super) fn slots() -> Vec<SlotConfig> {
+    let slots = TYPES.iter().enumerate().map(|(place, row)| {
+        let mut slot = SlotConfig::new(format!("f{place}"), place as u16, row.kind);
+        slot.source = match row.kind {
+            function::Kind::Imes | function::Kind::Dcopy | function::Kind::Cam | function::Kind::Dfkt => {
+                SourceConfig::Lead(Leader::Encoder(0))
+            }
+            function::Kind::Varsync => SourceConfig::Lead(Leader::AxisCommand(0)),
+            function::Kind::Ecopy => SourceConfig::Lead(Leader::Sink(5)),
+            function::Kind::Binea => SourceConfig::Lead(Leader::Sink(0)),
+            _ => SourceConfig::None,
+        };
+        slot.sink = match row.kind {
+            function::Kind::Varsync => SinkConfig::Axis(5),
+            function::Kind::Ecopy => SinkConfig::Memory(2),
+            _ => SinkConfig::None,
+        };
+        slot.tables[0] = (row.tables > 0).then_some(0);
+        let values: &[(&str, i64)] = match row.kind {
+            function::Kind::Fipw => &[("mode", 4), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
+            function::Kind::Xfipw => &[("ba", 4), ("mult", 1), ("tables_total", 1), ("cycle_time", 9)],
+            function::Kind::Fipz => &[("mode", 16), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
+            _ => &[],
+        };
+        for (name, value) in values {
+            slot.tables[0] = Some(1);
+            slot.values[row.find(name).expect("a field").1] = *value;
+        }
+        slot.room = Room { mean: 32, cams: 0 };
+        if row.kind == function::Kind::Dfkt {
+            let values =
+                ["table_count", "active_table", "div", "mult", "in_resolution", "in_final", "ratio_max", "ratio_div"];
+            for (_, place) in values.iter().filter_map(|name| row.find(name)) {
+                slot.values[place] = 1;
+            }
+        }
+        for line in slot.inputs.iter_mut().take(row.inputs) {
+            *line = Some(Line { object: Object::Memory(1), inverted: false });
+        }
+        slot
+    });
+    slots.collect()
+}
+
+/// Two slopes over 4000 increments.
+pub(super) fn cam_table(interpolation: Interpolation) -> Arc<Table> {
+    let table = Table::new(Numbering::Y, &[], &[0, 90, 20]).expect("points");
+    Arc::new(table.with_cam(CamSetting { length: Some(4000), interpolation, ..CamSetting::default() }))
+}
