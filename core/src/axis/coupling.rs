@@ -56,7 +56,7 @@ impl Axis {
         let (transmission, offset) = match &request.cam {
             Some(cam) => {
                 let (cam, way) = self.cam_of(cx.tables, lead, (cam, request.disengage), self.present().position)?;
-                (Transmission::Cam(cam), way)
+                (Transmission::Cam(cam.with_mean(self.mean_of(leader, lead))), way)
             }
             None => self.gear_of(request)?,
         };
@@ -138,7 +138,7 @@ impl Axis {
         let (change, lead) = (change + shift, Lead { change: change + shift, ..lead });
         let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
         if follower.transmission().cam().is_some_and(|cam| !cam.bears(change, cx.tables)) {
-            let most = follower.transmission().cam().map_or(0, |cam| cam.most(cx.tables));
+            let most = follower.transmission().cam().map_or(0, |cam| cam.most(cx.tables) as i64);
             let numbers = (Number::Count(change.floor().saturating_abs()), Number::Count(most));
             self.tell_phase(cx, ended, self.command.position);
             self.raise(cx, Failure::of(Code::CAM_MASTER_TOO_FAST).with(numbers.0, numbers.1).before_motion());

@@ -32,6 +32,8 @@ pub(super) struct Engagement {
     pub sequence: u64,
     leader: Leader,
     request: Synchronize,
+    /// Where its leader was when it was looked at last.
+    seen: Position,
 }
 
 impl Engagement {
@@ -81,7 +83,9 @@ impl Axis {
             }
         }
         self.end_engagement(cx, Code::REPLACED, NO_NUMBERS);
-        self.engagement = Some(Engagement { sequence, leader, request: *request });
+        let lead = cx.leads.get(leader);
+        let seen = lead.position - lead.change;
+        self.engagement = Some(Engagement { sequence, leader, request: *request, seen });
         // One that takes over at the end needs no rest there.
         self.rest_at_end(request.engage != Engage::AtEnd);
         self.accepted(cx, sequence);
@@ -121,7 +125,7 @@ impl Axis {
             Engage::AtPosition { position, turn } => {
                 let place = Position::whole(position);
                 let place = turn.map_or(place, |turn| turn.last_passed(place, lead.position, lead.change));
-                passed(place, lead)
+                passed(place, lead, engagement.seen)
             }
             Engage::AtEnd => {
                 let Some(cam) = self.coupling().and_then(|coupling| coupling.follower.transmission().cam()) else {
@@ -130,7 +134,10 @@ impl Axis {
                 cam.passes_end(cx.tables).then_some(Due::End)
             }
         };
-        let Some(moment) = moment else { return };
+        let Some(moment) = moment else {
+            self.engagement = Some(Engagement { seen: lead.position, ..engagement });
+            return;
+        };
         match self.engaged(cx.tables, (&engagement, lead), moment) {
             Ok(coupling) => {
                 self.engagement = None;
@@ -165,11 +172,12 @@ impl Axis {
         let before = self.follows_by_position(*leader);
         let stands = before.map_or(self.present().position, Follower::target);
         let (next, offset) = self.cam_of(tables, lead, (cam, request.disengage), stands)?;
+        let next = next.with_mean(self.mean_of(*leader, lead));
         // Where the slave is to be, and the cam as it is then.
         let (target, next) = if cam.start == CamStart::Relative {
             let (change, next) = match (before.map(|before| *before.transmission()), moment) {
                 (Some(Transmission::Cam(old)), Due::End) => old.handed_over(next, tables).ok_or_else(bad_request)?,
-                (old, Due::Behind(after)) => begun_before(old, next, (after, lead), tables),
+                (old, Due::Behind(after)) => begun_before(old, next, after, tables),
                 (_, Due::End) => return Err(bad_request()),
             };
             (stands + offset + change, next)
@@ -188,6 +196,12 @@ impl Axis {
         Ok(self.coupling_by(*leader, request, follower))
     }
 
+    /// The change of a leader in a cycle (inc), smoothed where the axis is on a cam of it already.
+    pub(super) fn mean_of(&self, leader: Leader, lead: Lead) -> f64 {
+        let cam = self.follows_by_position(leader).and_then(|follower| follower.transmission().cam());
+        cam.map_or(lead.change.to_f64(), Cam::mean)
+    }
+
     /// How it follows that leader, if it keeps a position to it.
     fn follows_by_position(&self, leader: Leader) -> Option<&Follower> {
         let coupling = self.coupling().filter(|coupling| coupling.leader == leader);
@@ -196,29 +210,22 @@ impl Axis {
 }
 
 /// A cam that began when the leader was so far behind where it is: what changes for the slave, which `old` has led all the way.
-fn begun_before(
-    old: Option<Transmission>,
-    next: Cam,
-    (after, lead): (Position, Lead),
-    tables: &[Arc<Table>],
-) -> (Position, Cam) {
-    let way = |change| Lead { change, ..Lead::default() };
-    let (back, mut next, mean) = match old {
-        None => (Position::ZERO, next, lead.change.to_f64()),
-        Some(Transmission::Cam(mut old)) => {
-            let mean = old.mean();
-            (old.step(-after, tables), next.going_on_from(&old), mean)
-        }
-        Some(mut gear) => (gear.step(way(-after), tables), next, lead.change.to_f64()),
+fn begun_before(old: Option<Transmission>, next: Cam, after: Position, tables: &[Arc<Table>]) -> (Position, Cam) {
+    let mean = next.mean();
+    let (back, mut next) = match old {
+        None => (Position::ZERO, next),
+        Some(Transmission::Cam(mut old)) => (old.step(-after, tables), next.going_on_from(&old)),
+        Some(mut gear) => (gear.step(Lead { change: -after, ..Lead::default() }, tables), next),
     };
     let change = next.step(after, tables);
     (back + change, next.with_mean(mean))
 }
 
-/// How far behind a place the leader is that has come to it in this cycle, from either side, or stands there.
-fn passed(place: Position, lead: Lead) -> Option<Due> {
+/// How far behind a place the leader is that has come to it in this cycle, from either side, or stands there. Where it was `seen` last it was
+/// in the cycle before; it may have been set there since.
+fn passed(place: Position, lead: Lead, seen: Position) -> Option<Due> {
     let (before, now) = (lead.position - lead.change, lead.position);
-    // Where the cycle begins the one before has been.
-    let is_passed = place == now || (before < place && place < now) || (now < place && place < before);
+    let is_there = place == now || place == before && before != seen;
+    let is_passed = is_there || (before < place && place < now) || (now < place && place < before);
     is_passed.then(|| Due::Behind(now - place))
 }

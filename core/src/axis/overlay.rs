@@ -51,10 +51,10 @@ impl Overlay {
         (low.min(self.end).min(now) - now, high.max(self.end).max(now) - now)
     }
 
-    /// What is left of its way, as a share of all of it.
+    /// What is left of its way, as a share of all of it. Of one that stops nothing is.
     pub(super) fn share_left(&self) -> f64 {
         let left = self.end - self.shown.position;
-        if self.whole == Position::ZERO { 0.0 } else { left.to_f64() / self.whole.to_f64() }
+        if self.ending.is_some() || self.whole == Position::ZERO { 0.0 } else { left.to_f64() / self.whole.to_f64() }
     }
 
     /// The way that it goes from now on without turning back: up, or down.

@@ -71,7 +71,7 @@ impl Axis {
         };
         let cycle_s = self.cycle_s();
         let (gear, most) = match follower.transmission() {
-            Transmission::Gear(gear) => (Some(gear.ratio().to_f64()), Gear::MAX_CHANGE),
+            Transmission::Gear(gear) => (Some(gear.ratio().to_f64()), Gear::MAX_CHANGE as f64),
             Transmission::Cam(cam) => (None, cam.most(cx.tables)),
         };
         let before = self.phasing.map(|phasing| phasing.shift);
@@ -84,8 +84,8 @@ impl Axis {
         let usual = p.usual_acceleration().min(p.usual_deceleration());
         let acceleration = self.rate_of_master(asked.acceleration, gear, (usual, left), Number::Acceleration)?;
         let (change, whole) = (velocity * cycle_s, asked.shift.exact());
-        if change > most as f64 {
-            let numbers = (Number::Count(change as i64), Number::Count(most));
+        if change > most {
+            let numbers = (Number::Real(change), Number::Real(most));
             return Err(self.refuse(Code::PHASE_TOO_FAST).with(numbers.0, numbers.1));
         }
         if !whole.is_legal() {

@@ -149,8 +149,9 @@ impl Cam {
             mine if mine == next.master.ratio() => over,
             mine => next.master.step(Gear::new(mine.inverse()?).step(over)),
         };
-        // Backwards its end is where it begins.
-        if scaled < Position::ZERO {
+        // Backwards its end is where it begins; a scale of the other sign turns it round.
+        let is_turned = (self.master.ratio().numerator() < 0) != (next.master.ratio().numerator() < 0);
+        if is_back != is_turned {
             let end = Position::whole(next_shape.length);
             next.place = if next_shape.is_cyclic { next.place + end } else { end };
             next.go(next_table, next_shape);
@@ -175,9 +176,9 @@ impl Cam {
     }
 
     /// Largest change of the lead in a cycle that it bears (inc).
-    pub fn most(&self, tables: &[Arc<Table>]) -> i64 {
+    pub fn most(&self, tables: &[Arc<Table>]) -> f64 {
         let length = self.find(tables).map_or(0, |(_, shape)| shape.length);
-        (length as f64 / self.master.ratio().to_f64().abs()) as i64
+        length as f64 / self.master.ratio().to_f64().abs()
     }
 
     /// Does it lead its slave by that change of the lead? By more than a length a table says nothing.

@@ -255,6 +255,8 @@ impl Follower {
         let change = self.transmission.step(lead, tables);
         self.lead_uneven = lead.uneven;
         self.target += change;
+        // What the transmission before has left is not what the leader does.
+        let led = change.to_f64();
         let change = if self.phase == Phase::Passing { self.target - slave.position } else { change };
         // From here on in inc per cycle.
         let geared = change.to_f64();
@@ -262,10 +264,10 @@ impl Follower {
         // A counted leader is uneven by one increment even at constant speed: that much of its change, where it did
         // change, is no acceleration.
         let uneven = self.uneven().min((geared - self.recent[0]).abs());
-        self.note_change(geared);
+        self.note_change(led);
         let forward_only = match rule {
             Rule::Always => false,
-            Rule::WithMaster => geared >= 0.0,
+            Rule::WithMaster => led >= 0.0,
             Rule::Never => true,
         };
         let rate = bounds.acceleration * cycle_s * cycle_s;

@@ -374,7 +374,10 @@ impl<'d> Reader<'_, 'd> {
         let find = |section| self.cx.names.section(section).iter().position(|entry| entry.name() == object);
         match (find(Section::Axes), find(Section::Functions).map(Reads::Function)) {
             (Some(axis), _) => OF_COMMAND.contains(&part.split('.').next()?).then_some(Reads::Command(axis)),
-            (None, function) => function.or_else(|| find(Section::Masters).map(Reads::Master)),
+            // Whether a member is lost is no motion.
+            (None, function) => {
+                function.or_else(|| find(Section::Masters).filter(|_| part != "valid").map(Reads::Master))
+            }
         }
     }
 

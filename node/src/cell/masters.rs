@@ -9,7 +9,7 @@ use super::names::{Entry, Once, Section, limit, quote};
 use crate::document::Value;
 use lineshaft_core::config::{MAX_MASTERS, MAX_MEMBERS, SlotConfig, SumConfig, sums};
 use lineshaft_core::object::Leader;
-use lineshaft_core::sync::MOST_TERMS;
+use lineshaft_core::sync::{MOST_TERMS, Sum};
 use lineshaft_core::unit::excerpt;
 
 /// What may be a member.
@@ -38,10 +38,9 @@ pub(super) fn read(cx: &Context<'_>) -> Read {
     }
     refuse_loops(&members, entries);
     let all: Vec<SumConfig> = read.sums.iter().map(|sum| sum.clone().unwrap_or_default()).collect();
-    let is_large =
-        |place: &usize| sums(&all).get(*place).is_some_and(|sum| sum.as_ref().is_some_and(|sum| !sum.is_small()));
+    let is_large = |sum: &Option<Sum>| sum.as_ref().is_some_and(|sum| !sum.is_small());
     // What is built upon it has too many as well: one problem is enough.
-    if let Some(entry) = (0..all.len()).find(is_large).and_then(|place| entries.get(place)) {
+    if let Some(entry) = sums(&all).iter().position(is_large).and_then(|place| entries.get(place)) {
         let sentence = format!("has more than {MOST_TERMS} leaders, itself and through other masters");
         entry.key.refuse(format!("master {} {sentence}", entry.quoted()), None);
     }

@@ -2,8 +2,10 @@
 
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, to};
 use crate::code::Code;
-use crate::command::{Action, CamIn, Engage, Move, Phase, PhaseShift, PhaseSide, Synchronize};
-use crate::config::TableConfig;
+use crate::command::{
+    Action, CamIn, Engage, MasterPosition, Move, Phase, PhaseShift, PhaseSide, SetMasterPosition, Synchronize,
+};
+use crate::config::{AxisConfig, TableConfig};
 use crate::event::Kind;
 use crate::modulo::Modulo;
 use crate::object::{AxisSet, Leader};
@@ -36,6 +38,10 @@ fn points(table: u16) -> &'static [(i64, i64)] {
 }
 
 fn rig() -> Rig {
+    rig_of(|_| {})
+}
+
+fn rig_of(with: fn(&mut AxisConfig)) -> Rig {
     let names = ["knife", "feed", "once", "away"];
     let mut config = config(0);
     config.tables = (0..4)
@@ -49,6 +55,7 @@ fn rig() -> Rig {
         .collect();
     for axis in &mut config.axes {
         axis.parameters.sync_accuracy = 10;
+        with(axis);
     }
     let mut rig = Rig::of(config);
     rig.enable();
@@ -255,6 +262,68 @@ fn the_new_cam_begins_where_it_runs_from() {
     run_line(&mut rig, -1_000);
     rig.run(4_000);
     assert_eq!((rig.done(goal).len(), rig.int("x.command.position")), (0, 500 - 1_000));
+}
+
+/// The end is met exactly, and the new cam, which has an end, runs back: from its end on.
+#[test]
+fn an_end_that_is_met_exactly_is_one() {
+    let mut rig = rig();
+    rig.give(Action::Synchronize(on(KNIFE, CamStart::Relative, Engage::Immediately)));
+    let turned = on(ONCE, CamStart::Relative, Engage::AtEnd);
+    let cam = turned.cam.map(|cam| CamIn { master_scale: Ratio::new(-1, 1).expect("a ratio"), ..cam });
+    let next = rig.give(Action::Synchronize(Synchronize { cam, ..turned }));
+    // 2 inc a cycle, from 2 on: 4096 is one of them.
+    rig.give(Action::Move(Move { acceleration: 1e6, ..at(LINE, 2_000.0) }));
+    rig.run_until("x.sync.waiting", 0);
+    assert_eq!(place(&rig, LINE), Position::whole(4_096));
+    rig.run(512);
+    assert_eq!((rig.int("x.command.position"), rig.done(next).len()), (-512, 0));
+}
+
+/// The encoder that leads is set there in motion, behind the axes: the cycle before ended elsewhere.
+#[test]
+fn a_place_that_the_leader_is_set_to_counts() {
+    let mut rig = rig_of(|axis| axis.parameters.encoder.mencodertype = 10);
+    let waiting = Synchronize { leader: Some(Leader::Encoder(0)), ..on(FEED, CamStart::Relative, at_position(0)) };
+    rig.plant.jump_encoder(0, 200);
+    rig.run(2);
+    rig.give(Action::Synchronize(waiting));
+    for _ in 0..10 {
+        rig.plant.jump_encoder(0, 2);
+        rig.run(1);
+    }
+    assert!(rig.int("x.sync.waiting") != 0);
+    rig.plant.jump_encoder(0, 2);
+    let position = MasterPosition::Increments(Length::whole(0));
+    let set = rig.give(Action::SetMasterPosition(SetMasterPosition { axis: X, position }));
+    assert!(rig.was_accepted(set));
+    for _ in 0..5 {
+        rig.plant.jump_encoder(0, 2);
+        rig.run(1);
+    }
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+}
+
+/// With revers 1 the correction of a hand-over into a dwell is no reverse of the leader: the slave stands, and does not go back.
+#[test]
+fn a_correction_is_no_reverse_of_the_leader() {
+    let mut rig = rig_of(|axis| (axis.parameters.macs.revers, axis.parameters.max_acceleration) = (1, 1e9));
+    rig.give(Action::Synchronize(on(FEED, CamStart::Relative, Engage::Immediately)));
+    rig.give(Action::Move(Move { acceleration: 1e6, ..at(LINE, 29_000.0) }));
+    rig.run(60);
+    let dwell = on(KNIFE, CamStart::Relative, Engage::AtEnd);
+    let cam = dwell.cam.map(|cam| CamIn { master_offset: Length::whole(1_024), ..cam });
+    rig.give(Action::Synchronize(Synchronize { cam, ..dwell }));
+    let mut last = place(&rig, X);
+    while rig.int("x.sync.waiting") != 0 {
+        rig.run(1);
+        last = place(&rig, X);
+    }
+    for _ in 0..40 {
+        rig.run(1);
+        assert!(place(&rig, X) >= last, "{last:?}");
+        last = place(&rig, X);
+    }
 }
 
 /// The table behind the end is three times as steep: in the cycle behind it the slave is on it, with what its axis can do.
