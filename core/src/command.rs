@@ -420,13 +420,6 @@ pub struct Synchronize {
     pub cam: Option<CamIn>,
 }
 
-impl CamIn {
-    /// Could it have come about?
-    pub fn is_sound(&self) -> bool {
-        self.master_scale.is_sound() && self.slave_scale.is_sound()
-    }
-}
-
 /// When a coupling begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Engage {
@@ -459,6 +452,13 @@ pub struct CamIn {
     pub master_offset: Length,
     /// What is added to the scaled value of the table (inc of the slave).
     pub slave_offset: Length,
+}
+
+impl CamIn {
+    /// Could it have come about?
+    pub fn is_sound(&self) -> bool {
+        self.master_scale.is_sound() && self.slave_scale.is_sound()
+    }
 }
 
 /// A shift of an axis against its leader (MC_PhasingRelative).

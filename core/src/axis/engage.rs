@@ -40,7 +40,8 @@ impl Engagement {
     pub(super) fn is_sound(&self) -> bool {
         let Synchronize { velocity, acceleration, cam, engage, .. } = self.request;
         let turn = if let Engage::AtPosition { turn, .. } = engage { turn } else { None };
-        cam.is_some_and(|cam| cam.is_sound())
+        engage != Engage::Immediately
+            && cam.is_some_and(|cam| cam.is_sound())
             && turn.is_none_or(Modulo::is_sound)
             && velocity.is_finite()
             && acceleration.is_finite()

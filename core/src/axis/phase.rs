@@ -16,6 +16,7 @@ use crate::command::{BufferMode, Move, MoveMode, PhaseShift};
 use crate::event::{Event, Number, Refusal};
 use crate::modulo::Direction;
 use crate::position::Position;
+use crate::sync::follower::Follower;
 use crate::sync::gear::Gear;
 use crate::sync::{Shift, SyncMode, Transmission};
 use serde::{Deserialize, Serialize};
@@ -39,7 +40,7 @@ impl Axis {
     /// Takes a shift of one side; of the master it is in increments of the leader, and there is none where that has not its units.
     pub fn take_phase(&mut self, cx: &mut Context<'_>, sequence: u64, of_slave: bool, asked: Option<PhaseShift>) {
         let unit = || self.refuse(Code::PHASE_UNIT);
-        let result = self.check_phase().and_then(|()| asked.ok_or_else(unit)).and_then(|asked| {
+        let result = self.shiftable().and_then(|_| asked.ok_or_else(unit)).and_then(|asked| {
             if of_slave { self.shift_slave(cx, sequence, &asked) } else { self.shift_master(cx, sequence, &asked) }
         });
         if let Err(refusal) = result {
@@ -66,9 +67,7 @@ impl Axis {
     }
 
     fn shift_master(&mut self, cx: &mut Context<'_>, sequence: u64, asked: &PhaseShift) -> Result<(), Refusal> {
-        let Some(follower) = self.coupling().map(|coupling| &coupling.follower) else {
-            return Err(self.refuse(Code::PHASE_NO_COUPLING));
-        };
+        let follower = self.shiftable()?;
         let cycle_s = self.cycle_s();
         let (gear, most) = match follower.transmission() {
             Transmission::Gear(gear) => (Some(gear.ratio().to_f64()), Gear::MAX_CHANGE as f64),
@@ -124,11 +123,13 @@ impl Axis {
         Ok(if asked == 0.0 { least / ratio } else { asked })
     }
 
-    fn check_phase(&self) -> Result<(), Refusal> {
+    /// How it follows by position, where that may be shifted.
+    fn shiftable(&self) -> Result<&Follower, Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
-        let is_coupled = self.coupling().is_some_and(|coupling| coupling.follower.mode() == SyncMode::Position);
-        is_coupled.then_some(()).ok_or_else(|| self.refuse(Code::PHASE_NO_COUPLING))
+        let follower = self.coupling().map(|coupling| &coupling.follower);
+        let by_position = follower.filter(|follower| follower.mode() == SyncMode::Position);
+        by_position.ok_or_else(|| self.refuse(Code::PHASE_NO_COUPLING))
     }
 
     /// Tells the end of a shift of the master.

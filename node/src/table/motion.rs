@@ -352,8 +352,7 @@ mod tests {
         assert!(near(round.jerk.value, 0.06) && round.jerk.at == 15.0);
     }
 
-    /// y = x^3 through five points, clamped by nothing: of a periodic spline through a sine the derivatives are those of the sine to
-    /// the order of the spline.
+    /// A periodic spline through a sine has the derivatives of the sine.
     #[test]
     fn a_spline_has_its_own_derivatives() {
         let count = 100_i64;
@@ -368,7 +367,7 @@ mod tests {
         for (found, wanted) in peaks.into_iter().zip(wanted) {
             assert!((found / wanted - 1.0).abs() < 1e-4, "{found} {wanted}");
         }
-        // It is fastest at 0, and gets slower behind it.
+        // It is fastest at 0 and half-way, and turns round a quarter behind each.
         assert!((found.deceleration.at % 5_000.0 - 2_500.0).abs() < 100.0, "{found:?}");
         assert!(found.jumps.is_empty());
     }

@@ -518,8 +518,8 @@ proptest! {
             }
             let first = given.len() as u64 + 2;
             for (number, action) in (first..).zip(&waiting) {
-                let is_phase = matches!(action, Action::Phase(_));
-                if is_phase || matches!(action, Action::Move(_) | Action::Probe(_) | Action::Synchronize(_) | Action::Trajectory(_)) {
+                use Action::{Move, Phase, Probe, Synchronize, Trajectory};
+                if matches!(action, Move(_) | Probe(_) | Synchronize(_) | Phase(_) | Trajectory(_)) {
                     goals.push(number);
                 }
                 given.push((number, action.clone()));

@@ -2,7 +2,7 @@
 
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, parameters, scale, to};
 use crate::code::Code;
-use crate::command::{Action, Move, Phase, PhaseShift, PhaseSide, Synchronize};
+use crate::command::{Action, CamIn, Move, Phase, PhaseShift, PhaseSide, Synchronize};
 use crate::config::{MachineConfig, SumConfig, TableConfig};
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
@@ -188,6 +188,15 @@ fn a_shift_is_answered_though_its_last_cycle_fails() {
     let sentence =
         "x: the shift moves the master by 200 increments in a cycle; 100 is followed at most, with what it runs itself";
     assert_eq!(rig.refusal(fast), sentence);
+    // A third of the table is 33.3 inc of the belt.
+    let turned = CamIn { master_scale: Ratio::new(3, 1).expect("a ratio"), ..cam };
+    rig.give(Action::Synchronize(Synchronize { cam: Some(turned), ..couple(X, Leader::Encoder(0), 0, 0) }));
+    let fast = rig.give(master(amount(Length::whole(9), 33_500.0, 1e6)));
+    assert!(rig.refusal(fast).contains("by 33.5 increments in a cycle; 33.333"), "{}", rig.refusal(fast));
+    let borne = rig.give(master(amount(Length::whole(9), 33_300.0, 1e6)));
+    assert!(rig.was_accepted(borne));
+    rig.run(100);
+    rig.give(Action::Synchronize(Synchronize { cam: Some(cam), ..couple(X, Leader::Encoder(0), 0, 0) }));
     let goal = rig.give(master(amount(Length::whole(50), 60_000.0, 1e12)));
     // 50 of the shift and 60 of the belt in one cycle.
     rig.plant.jump_encoder(0, 60);
@@ -202,8 +211,10 @@ fn a_cancelled_shift_slows_down_and_stays_where_it_is() {
         let coupling = rig.give(Action::Synchronize(couple(X, TO_LINE, 1, 1)));
         let goal = rig.give(side(amount(Length::whole(10_000), 10_000.0, 100_000.0)));
         rig.run(299);
+        assert!(rig.real("x.phase.slave") + rig.real("x.phase.master") > 0.5);
         let cancel = rig.give(Action::Cancel { goal });
         assert!(rig.was_accepted(cancel));
+        assert_eq!((rig.real("x.phase.slave"), rig.real("x.phase.master")), (0.0, 0.0), "nothing is to come");
         rig.run(500);
         // 500 + 200 cycles at 10, and 500 down.
         assert!((2_980..=3_020).contains(&rig.int("x.command.position")), "{}", rig.int("x.command.position"));
@@ -374,7 +385,7 @@ fn a_shift_does_not_lead_beyond_a_limit() {
         let goal = rig.give(side(amount(Length::whole(5_000), 10_000.0, 100_000.0)));
         rig.run(3_000);
         assert!(rig.int("x.command.position") <= 3_000, "{}", rig.int("x.command.position"));
-        let answered = rig.answer(goal).is_err() || !rig.done(goal).is_empty();
-        assert!(answered && rig.int("x.command.position") >= 0);
+        assert!(rig.was_accepted(goal) && rig.int("x.command.position") >= 2_900);
+        assert_eq!((rig.done(goal).len(), rig.state("x")), (1, "ERROR_STOP"));
     }
 }
