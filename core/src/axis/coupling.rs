@@ -13,7 +13,6 @@ use crate::command::{Engage, Synchronize};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Leader;
-use crate::parameter::Rule;
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::follower::{Bounds, Follower, Phase};
@@ -63,6 +62,7 @@ impl Axis {
         let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
         let coupling = self.coupling_by(leader, request, follower);
         self.begin_goal(cx, sequence, None);
+        self.begin_conditioning();
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
@@ -85,6 +85,10 @@ impl Axis {
             p.max_acceleration,
             Code::ACCELERATION_TOO_HIGH,
         )?;
+        let (velocity, acceleration) = match request.cam {
+            Some(_) if p.sync.follows_directly() => (p.max_velocity, p.max_acceleration),
+            _ => (velocity, acceleration),
+        };
         Ok(Bounds {
             velocity,
             acceleration: acceleration.min(p.deceleration_limit()),
@@ -135,7 +139,9 @@ impl Axis {
             return None;
         }
         let (shift, ended) = self.phase_of_master();
-        let (change, lead) = (change + shift, Lead { change: change + shift, ..lead });
+        let (lead, beside) = self.condition(lead);
+        let change = lead.change + shift;
+        let lead = Lead { change, ..lead };
         let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
         if follower.transmission().cam().is_some_and(|cam| !cam.bears(change, cx.tables)) {
             let most = follower.transmission().cam().map_or(0, |cam| cam.most(cx.tables) as i64);
@@ -145,13 +151,14 @@ impl Axis {
             return None;
         }
         let was = follower.phase();
-        let next = follower.step(slave, (lead, cx.tables), cycle_s, reserve, rule);
-        if was != Phase::CatchingUp && follower.phase() == Phase::CatchingUp {
-            let waits = follower.leader_reverses() && rule == Rule::Never;
+        let next = follower.step_beside(slave, (lead, cx.tables), cycle_s, reserve, rule, beside);
+        let (is_lost, waits) = (follower.phase() == Phase::CatchingUp, follower.is_barred());
+        if was != Phase::CatchingUp && is_lost && !(waits && self.was_barred()) {
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
             cx.events.push(Event { position: next.position, ..event });
         }
+        self.make_up_later(next.position);
         self.tell_phase(cx, ended, next.position);
         Some(next)
     }

@@ -150,6 +150,9 @@ impl Axis {
                 let is_same = self.follows_by_position(engagement.leader).is_some();
                 let shifts = if is_same { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
                 self.take_over(cx, engagement.sequence, None);
+                if !is_same {
+                    self.begin_conditioning();
+                }
                 (self.overlay, self.phasing) = shifts;
                 self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Cam, Generator::Follow(coupling));
             }

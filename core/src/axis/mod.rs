@@ -12,6 +12,7 @@ mod brake;
 mod buffer;
 mod calm;
 mod cam;
+mod conditioning;
 mod coupling;
 mod course;
 mod direction;
@@ -82,6 +83,7 @@ use crate::vocabulary::{Latched, Owner, Setting, Vocabularies, Wiring};
 use alarm::Alarm;
 use brake::Holding;
 use buffer::Buffer;
+use conditioning::Conditioning;
 use engage::Engagement;
 use feedback::Sensor;
 use generator::Generator;
@@ -244,6 +246,7 @@ pub struct Axis {
     vocabularies: Vocabularies,
     overlay: Option<Overlay>,
     phasing: Option<Phasing>,
+    conditioning: Conditioning,
     engagement: Option<Engagement>,
     buffer: Buffer,
     waiting: Waiting,
@@ -288,6 +291,7 @@ impl Axis {
             lost: None,
             overlay: None,
             phasing: None,
+            conditioning: Conditioning::default(),
             engagement: None,
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
@@ -377,6 +381,7 @@ impl Axis {
     fn settle_step(&mut self, cx: &mut Context<'_>) {
         self.settle_vocabularies(cx);
         self.settle_phase(cx);
+        self.settle_conditioning();
         self.switch_drive(cx);
         self.work_brake(cx.cycle);
         self.settle_waiting(cx);
@@ -427,6 +432,7 @@ impl Axis {
         let waits = self.buffer.is_sound()
             && self.overlay.is_none_or(|overlay| overlay.is_sound())
             && self.phasing.is_none_or(|phasing| phasing.is_sound() && self.coupling().is_some())
+            && self.conditioning.is_sound()
             && self.engagement.is_none_or(|engagement| engagement.is_sound());
         let fits = match self.generator {
             Generator::Rest => true,

@@ -42,7 +42,7 @@ impl Axis {
         }
         let Some(coupling) = self.coupling() else { return Shown::default() };
         let follower = &coupling.follower;
-        let error = follower.error(self.command.position).floor();
+        let error = (follower.error(self.command.position) + self.held_back()).floor();
         let window = coupling.accuracy;
         // MACS-SYNC-16: a positive window shows the error without its sign.
         let shown = if window >= 0 { error.saturating_abs() } else { error };
@@ -50,7 +50,7 @@ impl Axis {
             master: leads.get(coupling.leader).position.floor(),
             error: shown,
             accurate: error.unsigned_abs() <= window.unsigned_abs(),
-            in_sync: follower.phase() != Phase::CatchingUp,
+            in_sync: follower.phase() != Phase::CatchingUp && !self.is_late(),
         }
     }
 
@@ -107,6 +107,9 @@ impl Axis {
         set(EncoderErrors, self.encoder_errors());
         let (slave, master) = self.phase_left();
         set(SyncWaiting, self.engaging());
+        let (backward, owed) = self.kept_of_master();
+        set(SyncBuffer, int(backward.floor()));
+        set(SyncFilterError, real(owed.to_f64()));
         set(PhaseSlave, real(slave));
         set(PhaseMaster, real(master));
         show_coupling(words, self.shown_coupling(leads));

@@ -157,6 +157,7 @@ impl Axis {
             && self.switches_before == Default::default()
             && self.overlay.is_none()
             && self.phasing.is_none()
+            && !self.is_conditioned()
             && self.engagement.is_none()
             && self.buffer.is_empty()
             && self.waiting.is_empty()

@@ -43,6 +43,7 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::NO_REVERSING_OUTPUTS => {
             "asks for a node on a bus, which key node of the drive does; below 100 is allowed"
         }
+        Code::SYNC_OFFSET_RANGE => "is beyond its range; at most 1073741823 / syncfacts, either way, is allowed",
         Code::REVERSING_BY_POSITION => {
             "asks for outputs, which tell the sign of a velocity to drives with interface velocity or open_loop; 0, 1 and 2 \
              are allowed"

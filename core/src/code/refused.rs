@@ -220,6 +220,13 @@ codes! {
         remedy: "Ask for a lower velocity.",
     }
 
+    /// SYNCPOSOFFS beyond what SYNCFACTS allows.
+    SYNC_OFFSET_RANGE = 10060, NoError {
+        says: "",
+        cause: "syncposoffs, either way, is more than 1073741823 / syncfacts.",
+        remedy: "Give a smaller offset, or a gear factor in lower terms.",
+    }
+
     /// A cam that was to begin at the end of another one, which is not there.
     ENGAGE_NO_CAM = 10049, NoError {
         says: "the axis is on no cam of that leader whose end could be waited for",

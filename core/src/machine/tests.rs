@@ -7,6 +7,7 @@ mod buffer;
 mod buses;
 mod cams;
 mod changes;
+mod conditioning;
 mod direction;
 mod edges;
 mod engage;

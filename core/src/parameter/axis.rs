@@ -2,7 +2,9 @@
 
 use super::rows::ROWS;
 use super::vocabularies::{self, Vocabularies};
-use super::{Assigned, AssignedOutputs, Encoders, Homing, Macs, PositionLoop, Row, Supervision, Value};
+use super::{
+    Assigned, AssignedOutputs, Encoders, Homing, Macs, PositionLoop, Row, Supervision, Synchronization, Value,
+};
 use crate::code::Code;
 use crate::position::Position;
 use crate::profile::{Jerks, Limits, Shape};
@@ -52,6 +54,8 @@ pub struct AxisParameters {
     pub sync_slave: i64,
     /// Accuracy window of the coupling (inc); negative: the error is shown with its sign.
     pub sync_accuracy: i64,
+    /// What it does with its master.
+    pub sync: Synchronization,
     /// How long a streamed setpoint holds (ns).
     pub setpoint_timeout: i64,
     /// How the axis gets its zero.
@@ -95,6 +99,7 @@ impl AxisParameters {
             sync_master: 0,
             sync_slave: 0,
             sync_accuracy: 0,
+            sync: Synchronization::default(),
             setpoint_timeout: 0,
             homing: Homing::default(),
             encoder: Encoders::default(),
@@ -236,6 +241,9 @@ impl AxisParameters {
         }
         if !self.reversing().is_built() {
             return Err(Contradiction::NotBuilt("revers", Code::NO_REVERSING_OUTPUTS));
+        }
+        if self.is_offset_too_large() {
+            return Err(Contradiction::NotBuilt("syncposoffs", Code::SYNC_OFFSET_RANGE));
         }
         if let (Some(low), Some(high)) = (self.min_position, self.max_position)
             && low >= high

@@ -19,6 +19,7 @@ mod row;
 mod rows;
 pub mod saia;
 mod supervision;
+mod synchronization;
 pub mod vocabularies;
 pub mod wf;
 mod words;
@@ -36,6 +37,7 @@ pub use position_loop::PositionLoop;
 pub use row::{Applies, Bare, Effect, Group, Measure, Range, Refused, Row, Storage, System, Value};
 pub use rows::ROWS;
 pub use supervision::{FOLLOWING_ERROR_CHECKS, Supervision};
+pub use synchronization::{OffsetRates, Synchronization};
 pub use vocabularies::Vocabularies;
 pub use words::{Here, Word};
 

@@ -66,6 +66,8 @@ signal_block! {
     EncoderErrors "encoder.errors" Int, None; "bad words of an absolute encoder so far (SYSVAR 16)"
     TrackError "regulator.track_error" Real, None; "100 * (command - actual) / command velocity per ms (REG_NORMTRACKERR)"
     SyncWaiting "sync.waiting" Int, None; "number of the command that waits to engage, 0 for none"
+    SyncBuffer "sync.buffer" Int, None; "backward motion of the leader that synctype 4 keeps back (inc of it)"
+    SyncFilterError "sync.filter_error" Real, None; "what the filter of syncvftime holds back of the leader (inc of it)"
     PhaseSlave "phase.slave" Real, None; "what is left of a phase shift of the slave, or of a superimposed move, 1 to 0 of all of it"
     PhaseMaster "phase.master" Real, None; "what is left of a phase shift of the master, 1 to 0 of all of it"
 }

@@ -91,6 +91,11 @@ impl Cam {
         self.slope
     }
 
+    /// Does it run backwards through its table while its lead goes forwards?
+    pub fn is_turned(&self) -> bool {
+        self.master.ratio().numerator() < 0
+    }
+
     /// What its table has there, scaled (inc).
     pub fn scaled(&self) -> Position {
         Gear::new(self.slave.ratio()).step(self.value)

@@ -5,10 +5,12 @@
 //!          the slave can still slow down to the master with its acceleration in whole cycles without passing it:
 //!          with e the way to catch up and d the change of velocity in a cycle (all in inc per cycle), n the least
 //!          number with e <= d (n + 1)(n + 2) / 2: w = e / (n + 1) + d n / 2; it arrives after n + 1 cycles exactly.
-//! Reads    the leader's change; the slave's last motion
+//!          ahead: what leads is geared(k) + ahead * (geared(k) - geared(k-1)). While catching up the velocity may be kept in a band
+//!          around the leader's, which a leader that stands makes 0
+//! Reads    the leader's change; the slave's last motion; what is added beside
 //! Writes   the slave's motion, to 2^-32 inc
 //! Refuses  nothing here: ratio, velocity and acceleration were checked by the axis
-//! Source   MACS-SYNC-02, MACS-SYNC-04, MACS-SYNC-06, MACS-SYNC-07, A-30
+//! Source   MACS-SYNC-02, -04, -06, -07, -12, -15, A-30
 
 use super::{Stepped, SyncMode, Transmission};
 use crate::encoder::Lead;
@@ -43,6 +45,33 @@ pub struct Bounds {
     pub max_acceleration: f64,
     /// Always, while slowing down.
     pub max_deceleration: f64,
+}
+
+/// What comes to the slave beside what its transmission makes of the leader.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Beside {
+    /// A way of this cycle.
+    pub way: Position,
+    /// Cycles of its geared velocity by which the slave is led ahead.
+    pub ahead: f64,
+    /// Where its velocity is while it catches up; none: anywhere.
+    pub band: Option<Band>,
+}
+
+/// A band of velocities around that of a leader.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// The leader's geared velocity (inc per cycle).
+    pub velocity: f64,
+    /// How far it reaches to either side, as a share of it, 0 to 1.
+    pub share: f64,
+}
+
+impl Band {
+    fn clamp(self, velocity: f64) -> f64 {
+        let (slow, fast) = (self.velocity * (1.0 - self.share), self.velocity * (1.0 + self.share));
+        velocity.max(slow.min(fast)).min(fast.max(slow))
+    }
 }
 
 /// What of the bounds is left to a motion that is superimposed on the coupling.
@@ -92,6 +121,10 @@ pub struct Follower {
     recent: [f64; RECENT],
     /// The same, smoothed.
     mean: f64,
+    /// How far it is led ahead.
+    led_by: Position,
+    /// The rule has kept it from going backwards in the last step.
+    barred: bool,
 }
 
 /// A step that leaves the slave on its leader.
@@ -130,7 +163,8 @@ impl Follower {
     ) -> Self {
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
         let (halt, recent) = (None, [0.0; RECENT]);
-        Self { mode, transmission, phase, target, halt, bounds, lead_uneven, recent, mean: 0.0 }
+        let (led_by, barred) = (Position::ZERO, false);
+        Self { mode, transmission, phase, target, halt, bounds, lead_uneven, recent, mean: 0.0, led_by, barred }
     }
 
     /// The same, exactly on its leader from the first cycle on, as far as its limits allow.
@@ -236,6 +270,18 @@ impl Follower {
         self.target += by;
     }
 
+    /// Has the rule kept it from going backwards in its last step?
+    pub fn is_barred(&self) -> bool {
+        self.barred
+    }
+
+    /// Takes the slave for where it should be, and gives what it lacked of that.
+    pub fn settle(&mut self, slave: Position) -> Position {
+        let lacked = self.error(slave);
+        (self.target, self.phase) = (slave, Phase::Synchronized);
+        lacked
+    }
+
     /// Did the leader's last change, geared, lead backwards?
     pub fn leader_reverses(&self) -> bool {
         self.recent[0] < 0.0
@@ -246,17 +292,33 @@ impl Follower {
     pub fn step(
         &mut self,
         slave: Motion,
-        (lead, tables): (Lead, &[Arc<Table>]),
+        lead: (Lead, &[Arc<Table>]),
         cycle_s: f64,
         reserve: Reserve,
         rule: Rule,
     ) -> Motion {
+        self.step_beside(slave, lead, cycle_s, reserve, rule, Beside::default())
+    }
+
+    /// The same, with what comes to it beside.
+    pub fn step_beside(
+        &mut self,
+        slave: Motion,
+        (lead, tables): (Lead, &[Arc<Table>]),
+        cycle_s: f64,
+        reserve: Reserve,
+        rule: Rule,
+        beside: Beside,
+    ) -> Motion {
         let bounds = self.bounds.less(reserve);
         let change = self.transmission.step(lead, tables);
-        self.lead_uneven = lead.uneven;
-        self.target += change;
-        // What the transmission before has left is not what the leader does.
+        // What the transmission before has left, and what comes beside, is not what the leader does.
         let led = change.to_f64();
+        let led_by = Position::from_f64(led * beside.ahead);
+        let change = change + beside.way + (led_by - self.led_by);
+        self.led_by = led_by;
+        self.lead_uneven = lead.uneven * (1.0 + 2.0 * beside.ahead);
+        self.target += change;
         let change = if self.phase == Phase::Passing { self.target - slave.position } else { change };
         // From here on in inc per cycle.
         let geared = change.to_f64();
@@ -278,8 +340,8 @@ impl Follower {
             self.halt = cam.way_to_end(lead.change, cycles, tables).map(|way| self.target + way);
         }
         let ahead = self.slowed(slave.position, geared, slowing) == geared;
-        let follows =
-            ahead && !(forward_only && geared < 0.0) && self.can_follow(geared, before, uneven, cycle_s, bounds);
+        self.barred = forward_only && geared < 0.0;
+        let follows = ahead && !self.barred && self.can_follow(geared, before, uneven, cycle_s, bounds);
         let position = match self.phase {
             Phase::Synchronized | Phase::Passing if follows => {
                 self.phase = Phase::Synchronized;
@@ -291,7 +353,7 @@ impl Follower {
                 let (low, high) = (before - down - uneven, before + up + uneven);
                 // What went backwards with its leader may still slow down.
                 let low = if forward_only { low.max(high.min(0.0)) } else { low };
-                self.catch_up(slave.position, change, (low, high), cycle_s, bounds)
+                self.catch_up(slave.position, (change, beside.band), (low, high), cycle_s, bounds)
             }
         };
         let velocity = (position - slave.position).to_f64() / cycle_s;
@@ -373,7 +435,7 @@ impl Follower {
     fn catch_up(
         &mut self,
         position: Position,
-        change: Position,
+        (change, band): (Position, Option<Band>),
         (low, high): (f64, f64),
         cycle_s: f64,
         bounds: Bounds,
@@ -388,7 +450,9 @@ impl Follower {
         // A leader that is as fast as the goal's velocity can only be caught with more.
         let catches = bounds.velocity * cycle_s > geared.abs();
         let top = if catches { bounds.velocity } else { bounds.max_velocity } * cycle_s;
-        let wanted = self.slowed(position, (geared + closing).clamp(-top, top), self.slowing(cycle_s, bounds));
+        let wanted = geared + closing;
+        let wanted = band.map_or(wanted, |band| band.clamp(wanted)).clamp(-top, top);
+        let wanted = self.slowed(position, wanted, self.slowing(cycle_s, bounds));
         // Not `clamp`: a state that was made up may have no number before.
         let step = wanted.max(low).min(high);
         // Bit for bit the velocity that is asked for: nothing held it back.

@@ -1,6 +1,7 @@
 //! Following a lead: exact transmissions and the way into and out of them.
 
 pub mod cam;
+pub mod filter;
 pub mod follower;
 pub mod gear;
 mod leads;

@@ -64,12 +64,23 @@ impl Shift {
         self.speed
     }
 
+    /// What is left.
+    pub fn left(&self) -> Position {
+        self.left
+    }
+
     /// The change of this cycle, and whether it has ended with it.
     pub fn step(&mut self) -> (Position, bool) {
+        self.step_within(self.velocity)
+    }
+
+    /// The same, no faster than `most` (inc per cycle), as soon as it has slowed down to that.
+    pub fn step_within(&mut self, most: f64) -> (Position, bool) {
         let (wanted, arrives) = if self.stops { (0.0, false) } else { closing(self.left.to_f64(), self.rate) };
         let (low, high) = (self.speed - self.rate, self.speed + self.rate);
         // Not `clamp`: a state that was made up may have its bounds crossed.
-        let speed = wanted.max(-self.velocity).min(self.velocity).max(low).min(high);
+        let most = self.velocity.min(most.max(0.0));
+        let speed = wanted.max(-most).min(most).max(low).min(high);
         if arrives && speed == wanted {
             self.speed = 0.0;
             return (std::mem::take(&mut self.left), true);

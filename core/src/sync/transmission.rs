@@ -56,6 +56,14 @@ impl Transmission {
         }
     }
 
+    /// Does a lead that goes forwards count as one that goes backwards (MACS-DIR-04)?
+    pub fn is_turned(&self) -> bool {
+        match self {
+            Self::Gear(gear) => gear.ratio().numerator() < 0,
+            Self::Cam(cam) => cam.is_turned(),
+        }
+    }
+
     /// The cam that it is.
     #[inline]
     pub fn cam(&self) -> Option<&Cam> {

@@ -83,7 +83,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::READ_ONLY => read_only(event, config),
         Code::NOT_DISABLED => not_disabled(event, config),
         Code::REVERSE_FORBIDDEN => reverse_forbidden(event, config),
-        Code::LOOP_IN_DRIVE | Code::NO_VELOCITY_LOOP | Code::NO_REVERSING_OUTPUTS => {
+        Code::LOOP_IN_DRIVE | Code::NO_VELOCITY_LOOP | Code::NO_REVERSING_OUTPUTS | Code::SYNC_OFFSET_RANGE => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
         Code::NO_SUCH_INPUT | Code::NO_SUCH_OUTPUT => {

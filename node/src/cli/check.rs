@@ -90,7 +90,6 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(crossed_switches(cell));
     warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
-    warnings.extend(unfiltered_master(cell));
     warnings.extend(graph::circles(&cell.machine));
     warnings
 }
@@ -109,18 +108,6 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
             axis.name,
             given.join(", ")
         )
-    })
-}
-
-/// SYNCVFTIME 0 asks for a filter that there is not; without a counted master there is nothing that it could filter
-/// (MACS-SYNC-08).
-fn unfiltered_master(cell: &Cell) -> Option<String> {
-    let is_named = |axis: &AxisConfig| axis.parameters.encoder.mencodertype != 0;
-    let has_master = !cell.machine.encoders.is_empty() || cell.machine.axes.iter().any(is_named);
-    (has_master && !cell.machine.axes.is_empty()).then(|| {
-        "syncvftime is 0, which in MACS filters the velocity of a master by the table of mencoder; the filter does not \
-         exist yet, and synchronize follows a master as it comes"
-            .to_owned()
     })
 }
 
@@ -248,34 +235,6 @@ mod tests {
         {
             assert_eq!(warned(interface, saia), [""; 0], "{interface} {saia}");
         }
-    }
-
-    /// Told once for the whole cell, where something is counted that may lead.
-    ///
-    /// Proves: MACS-SYNC-08
-    #[test]
-    fn a_default_that_filters_nothing_is_told_once() {
-        let warned = |sections: &str, keys: &str| {
-            let axis = |address: u8| {
-                format!(
-                    "{{drive: {{backend: plant, address: {address}}}, {MM}, max_velocity: 1 m/s, \
-                     max_acceleration: 1 m/s^2, {keys}}}"
-                )
-            };
-            let text = format!(
-                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\n{sections}axes: {{x: {}, y: {}}}\n",
-                axis(0),
-                axis(1)
-            );
-            warnings(&Cell::parse("c.yaml", text).unwrap())
-        };
-        let told = "syncvftime is 0, which in MACS filters the velocity of a master by the table of mencoder; the filter \
-                    does not exist yet, and synchronize follows a master as it comes";
-        let belt = format!("encoders: {{belt: {{backend: plant, address: 0, {MM}}}}}\n");
-        assert_eq!(warned(&belt, "unit: mm"), [told]);
-        assert_eq!(warned(&belt, "syncvftime: 0"), [told]);
-        assert_eq!(warned("", "mencodertype: 6"), [told]);
-        assert_eq!(warned("", "unit: mm"), [""; 0]);
     }
 
     #[test]

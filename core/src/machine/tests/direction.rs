@@ -23,7 +23,7 @@ fn turned(posdrct: i64) -> MachineConfig {
     config
 }
 
-fn set(rig: &mut Rig, changes: &[(&str, i64)]) -> u64 {
+pub(super) fn set(rig: &mut Rig, changes: &[(&str, i64)]) -> u64 {
     let change = |&(key, value): &(&str, i64)| {
         let (row, _) = Row::find(key).expect("a row");
         Change { axis: X, row, value: Value::Int(value) }

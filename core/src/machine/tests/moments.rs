@@ -283,10 +283,13 @@ fn the_rates_of_a_goal_are_its_own_or_parts_of_velres() {
 fn a_coupling_keeps_what_it_began_with_and_the_next_one_differs() {
     let all: Vec<_> =
         ROWS.iter().filter(|row| row.missing.is_empty() && row.effect == Effect::NextSynchronize).collect();
-    assert_eq!(all.iter().map(|row| row.key).collect::<Vec<_>>(), ["syncfactm", "syncfacts", "syncaccuracy"]);
+    assert_eq!(
+        all.iter().map(|row| row.key).collect::<Vec<_>>(),
+        ["syncfactm", "syncfacts", "syncaccuracy", "synctype"]
+    );
     let shown = |rig: &Rig| (command(rig), rig.int("x.sync.error"), rig.int("x.sync.status"));
     // The smallest window, with the sign of the error.
-    for (key, value) in [("syncfactm", -3), ("syncfacts", 5), ("syncaccuracy", -1)] {
+    for (key, value) in [("syncfactm", -3), ("syncfacts", 5), ("syncaccuracy", -1), ("synctype", 4)] {
         let [mut plain, mut changed] = [Rig::enabled(), Rig::enabled()];
         for rig in [&mut plain, &mut changed] {
             rig.give(Action::Move(at(LINE, -20_000.0)));
@@ -348,6 +351,14 @@ const AT_ONCE: &[&str] = &[
     "menccontrol",
     // tests/master.rs
     "master_simulation_velocity",
+    // tests/conditioning.rs
+    "syncofftime",
+    "syncposoffs",
+    "syncmpulsm",
+    "syncvftime",
+    "syncvelrel",
+    "syncffvel",
+    "syncvflimit",
     // Kept, and without effect.
     "proftime",
     // Read in each cycle by the position loop: closed_loop.yaml.

@@ -106,6 +106,8 @@ fn exception(name: &str) -> Option<Vec<(i64, i64)>> {
         "HOME_FORCE" => vec![(0, 1), (255, 255)],
         // Any sum of the bits.
         "SYNCMFPAR" => mask(1 + 2 + 4 + 16 + 64),
+        // MACS-SYNC-05: bit 0 is unused.
+        "SYNCTYPE" => mask(2 + 4),
         // MACS-MARK-05, MACS-MARK-06: units digit 0 to 3.
         "SYNCMTYPM" => {
             let negative = digits(10..=99, 3).map(|(low, high)| (-high, -low)).rev();

@@ -99,10 +99,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "ms",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "the offset of position synchronization",
         description: "Time in which an offset as long as the distance of the master's marks is worked off; 0: as fast as the rates allow.",
         source: "MACS-SYNC-14",
         note: "A-34: an older rule rounds to whole increments per ms; the trapezoid of the newer one is taken.",
+        get: |p| Value::Int(p.sync.offset_time),
+        set: |p, v| p.sync.offset_time = int(v).unwrap_or(p.sync.offset_time),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -134,12 +135,13 @@ pub(in super::super) const ROWS: &[Row] = &[
         key: "synctype",
         mnemonic: "SYNCTYPE",
         number: "51",
-        range: Range::Int(0, 6),
+        range: Range::Among(&[(0, 0), (2, 2), (4, 4), (6, 6)]),
         default: Value::Int(0),
         effect: Effect::NextSynchronize,
-        missing: "synchronization by type",
-        description: "2: a cam follows its curve without bounds; 4: steps back of the master are kept and made up for; 6 both.",
+        description: "2: a cam catches up with all that the axis can, whatever its goal says; 4: backward motion of the master is kept back, and goes before further forward motion; 6: both.",
         source: "MACS-SYNC-05",
+        get: |p| Value::Int(p.sync.options),
+        set: |p, v| p.sync.options = int(v).unwrap_or(p.sync.options),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -173,10 +175,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "the offset of position synchronization",
-        description: "Offset of the slave against the master, in the master's increments; positive is ahead.",
+        description: "Offset of the slave against the master, in the master's increments, for couplings that keep a position; positive is ahead in the direction of the coupling.",
         source: "MACS-SYNC-13",
         note: "A-57: whose increments they are is not said; the master's are taken.",
+        get: |p| Value::Int(p.sync.offset),
+        set: |p, v| p.sync.offset = int(v).unwrap_or(p.sync.offset),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -210,10 +213,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, 2 * MLONG),
         default: Value::Int(500),
-        missing: "marker synchronization",
-        description: "Distance of the master's marks; 0 is no distance.",
+        description: "Distance of the master's marks; syncofftime is the time for it. 0 is no distance.",
         source: "MACS-MARK-03",
         note: "D20: the name is damaged in the text; the spelling of the number is taken.",
+        get: |p| Value::Int(p.sync.mark_distance),
+        set: |p, v| p.sync.mark_distance = int(v).unwrap_or(p.sync.mark_distance),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -274,10 +278,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "us",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "the filter of the master velocity",
-        description: "Time of the filter of the master's velocity; -999 to 999 by the table of mencoder. Positive for coupled velocities only, negative for positions, too.",
+        description: "Time of the filter of the master's velocity; -999 to 999 by the table of mencoder, which at 0 has none. Positive for coupled velocities only, negative for positions, too.",
         source: "MACS-SYNC-08",
         note: "A-31: the table has gaps; between its rows 10^7 / mencoder - 500 is taken.",
+        get: |p| Value::Int(p.sync.filter_time),
+        set: |p, v| p.sync.filter_time = int(v).unwrap_or(p.sync.filter_time),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -287,9 +292,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "%",
         range: Range::Int(0, 100),
         default: Value::Int(0),
-        missing: "the velocity band of synchronization",
         description: "How far the slave's velocity may leave the master's while it catches up; 0: as far as its rates allow.",
         source: "MACS-SYNC-12",
+        get: |p| Value::Int(p.sync.velocity_band),
+        set: |p, v| p.sync.velocity_band = int(v).unwrap_or(p.sync.velocity_band),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -336,10 +342,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "1/1000 of VCMD",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "feed-forward of synchronization",
         description: "How far the slave is led ahead, in parts of what it moves in one ms; 0 not.",
         source: "MACS-SYNC-15",
         note: "D20: the name is damaged in the text; the spelling of the number is taken.",
+        get: |p| Value::Int(p.sync.feed_forward),
+        set: |p, v| p.sync.feed_forward = int(v).unwrap_or(p.sync.feed_forward),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -349,10 +356,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "the filter of the master velocity",
         description: "Error of the filtered master beyond which its filter becomes faster; 0: never.",
         source: "MACS-SYNC-11",
         note: "A-32: which error it is is told in two ways; that of the filter is taken.",
+        get: |p| Value::Int(p.sync.filter_limit),
+        set: |p, v| p.sync.filter_limit = int(v).unwrap_or(p.sync.filter_limit),
         ..SYNCHRONIZATION_ROW
     },
 ];

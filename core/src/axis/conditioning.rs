@@ -1,0 +1,224 @@
+//! What becomes of a master's motion before the gear of an axis, and what comes beside it.
+//!
+//! Law      in this order: backward motion is stored, and goes before further forward motion (SYNCTYPE 4). The velocity is filtered
+//!          (SYNCVFTIME). An offset is a way of the master that is added, at once or as a trapezoid (SYNCPOSOFFS, SYNCOFFTIME): the gear
+//!          makes of it what it makes of any motion, so that an offset taken back leaves nothing. What the rule of reversing has kept a
+//!          slave from is worked off by the same trapezoid, geared. The slave is led ahead by a share of its velocity (SYNCFFVEL).
+//!          No increment is lost on any of these ways: what one gives up while it is switched off in motion comes at once
+//! Reads    the parameters of synchronization; SYNCTYPE as the coupling began
+//! Refuses  nothing: its axis follows within its limits
+//! Source   MACS-SYNC-05, -08 to -15, MACS-DIR-07, A-30, A-57
+
+use super::{Axis, Reference};
+use crate::encoder::Lead;
+use crate::parameter::{OffsetRates, Synchronization};
+use crate::position::Position;
+use crate::sync::filter::{Filtering, MasterFilter};
+use crate::sync::follower::{Band, Beside};
+use crate::sync::{Shift, SyncMode};
+use crate::vocabulary::Owner;
+use serde::{Deserialize, Serialize};
+
+/// What a coupling keeps of its master's motion.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Conditioning {
+    /// Backward motion is stored.
+    keeps_backward: bool,
+    /// What is stored (inc of the master), never below 0.
+    backward: Position,
+    /// While there is one.
+    filter: Option<MasterFilter>,
+    /// The offset that the slave has, or is on its way to (inc of the master).
+    offset: i64,
+    /// That way.
+    shift: Option<Shift>,
+    /// The way on which a slave makes up for what the rule has kept it from.
+    late: Option<Shift>,
+    /// The rule keeps it from that now.
+    barred: bool,
+}
+
+impl Conditioning {
+    /// That of a coupling that begins.
+    fn begin(sync: &Synchronization) -> Self {
+        Self { keeps_backward: sync.keeps_backward(), ..Self::default() }
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        let shifts = [&self.shift, &self.late];
+        self.filter.is_none_or(|filter| filter.is_sound())
+            && self.backward >= Position::ZERO
+            && self.backward.is_legal()
+            && shifts.into_iter().all(|shift| shift.is_none_or(|shift| shift.is_sound()))
+    }
+
+    /// Is there nothing that it has to give?
+    fn is_empty(&self) -> bool {
+        self.backward == Position::ZERO && self.filter.is_none() && self.shift.is_none() && self.late.is_none()
+    }
+
+    /// What is left of a change when backward motion is stored; a turned master goes backwards where it counts up.
+    fn store(&mut self, change: Position, is_turned: bool) -> Position {
+        let turn = |way: Position| if is_turned { -way } else { way };
+        let forwards = turn(change);
+        let goes_on = if forwards < Position::ZERO {
+            self.backward = self.backward - forwards;
+            Position::ZERO
+        } else {
+            let consumed = forwards.min(self.backward);
+            self.backward = self.backward - consumed;
+            forwards - consumed
+        };
+        turn(goes_on)
+    }
+
+    /// What a new offset, or one under way, adds to the master's change.
+    fn step_offset(&mut self, wanted: i64, rates: Option<OffsetRates>, cycle_s: f64, most: f64) -> Position {
+        let mut way = Position::ZERO;
+        if wanted != self.offset {
+            let left = self.shift.map_or(Position::ZERO, |shift| shift.left());
+            let whole = left + Position::whole(wanted) - Position::whole(self.offset);
+            self.offset = wanted;
+            self.shift = rates.map(|rates| shift(whole, rates, cycle_s, self.shift.as_ref()));
+            if rates.is_none() {
+                way = whole;
+            }
+        }
+        way + step(&mut self.shift, most)
+    }
+}
+
+fn shift(whole: Position, rates: OffsetRates, cycle_s: f64, before: Option<&Shift>) -> Shift {
+    Shift::new(whole, rates.velocity, rates.acceleration, cycle_s, before)
+}
+
+/// One cycle of a shift, no faster than `most`, which is over at its end.
+fn step(shift: &mut Option<Shift>, most: f64) -> Position {
+    let Some(under_way) = shift else { return Position::ZERO };
+    let (way, has_ended) = under_way.step_within(most);
+    if has_ended {
+        *shift = None;
+    }
+    way
+}
+
+impl Axis {
+    /// Is it coupled as parameters of MACS say?
+    fn conditions(&self) -> bool {
+        self.owner == Owner::Native && matches!(self.reference, Reference::Gear | Reference::Cam)
+    }
+
+    /// Does anything come between its master and its gear, or beside?
+    pub(super) fn is_conditioned(&self) -> bool {
+        let Some(follower) = self.coupling().map(|coupling| &coupling.follower).filter(|_| self.conditions()) else {
+            return false;
+        };
+        let p = &self.parameters;
+        let by_position = follower.mode() == SyncMode::Position;
+        let is_gear = follower.transmission().cam().is_none();
+        self.conditioning.keeps_backward
+            || by_position && p.sync.feed_forward != 0
+            || is_gear && p.master_tau(by_position).is_some()
+            || is_gear && by_position && p.sync.offset != self.conditioning.offset
+            || !self.conditioning.is_empty()
+    }
+
+    /// What the slave follows in this cycle, and what comes beside.
+    pub(super) fn condition(&mut self, lead: Lead) -> (Lead, Beside) {
+        let Some(coupling) = self.coupling().filter(|_| self.conditions()) else { return (lead, Beside::default()) };
+        let follower = &coupling.follower;
+        let (mode, is_turned) = (follower.mode(), follower.transmission().is_turned());
+        let (is_gear, slope) = (follower.transmission().cam().is_none(), follower.transmission().signed_slope());
+        let by_position = mode == SyncMode::Position;
+        let cycle_s = self.cycle_s();
+        let sync = self.parameters.sync;
+        let tau = self.parameters.master_tau(by_position).filter(|_| is_gear);
+        let filtering = tau.map(|tau| Filtering { tau, keeps: by_position, limit: sync.filter_limit as f64 });
+        let state = &mut self.conditioning;
+
+        let mut next = lead;
+        if state.keeps_backward {
+            next.change = state.store(next.change, is_turned);
+        }
+        if let Some(filtering) = filtering {
+            let cycle_us = cycle_s * 1e6;
+            let filter = state.filter.get_or_insert(MasterFilter::settled(lead.velocity * cycle_s));
+            next.uneven = lead.uneven * filter.smooths(&filtering, cycle_us);
+            next.change = filter.step(next.change, &filtering, cycle_us);
+        } else if let Some(filter) = state.filter.take() {
+            next.change += filter.owed();
+        }
+        if !by_position {
+            return (next, Beside::default());
+        }
+        let share = sync.velocity_band as f64 / 100.0;
+        let master = lead.velocity * cycle_s;
+        // What comes beside leaves the velocity of the master by no more than the band has.
+        let most = if sync.velocity_band > 0 { (master * share).abs() } else { f64::INFINITY };
+        if is_gear {
+            next.change += state.step_offset(sync.offset, sync.offset_rates(), cycle_s, most);
+        }
+        let beside = Beside {
+            way: step(&mut state.late, most * slope.abs()),
+            ahead: sync.ahead(cycle_s),
+            band: (sync.velocity_band > 0).then_some(Band { velocity: master * slope, share }),
+        };
+        (next, beside)
+    }
+
+    /// What the rule of reversing has kept the slave at `position` from, it makes up for in syncofftime, where that is one.
+    pub(super) fn make_up_later(&mut self, position: Position) {
+        let (conditions, cycle_s) = (self.conditions(), self.cycle_s());
+        let rates = self.parameters.sync.offset_rates().filter(|_| conditions);
+        let Some(follower) = self.generator.follower_mut() else { return };
+        let is_barred = follower.is_barred() && follower.mode() == SyncMode::Position;
+        self.conditioning.barred = is_barred;
+        let Some(OffsetRates { velocity, acceleration }) = rates.filter(|_| is_barred) else { return };
+        let slope = follower.transmission().slope();
+        let rates = OffsetRates { velocity: velocity * slope, acceleration: acceleration * slope };
+        let lacked = follower.settle(position);
+        let late = &mut self.conditioning.late;
+        let whole = late.map_or(Position::ZERO, |late| late.left()) + lacked;
+        // One that stands has nothing to make up for.
+        *late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, late.as_ref()));
+    }
+
+    /// Was it kept from going backwards in the cycle before?
+    pub(super) fn was_barred(&self) -> bool {
+        self.conditioning.barred
+    }
+
+    /// Does it make up for what the rule has kept it from?
+    pub(super) fn is_late(&self) -> bool {
+        self.conditioning.late.is_some()
+    }
+
+    /// What of its way the slave lacks beside what its follower knows.
+    pub(super) fn held_back(&self) -> Position {
+        if self.conditioning.is_empty() {
+            return Position::ZERO;
+        }
+        let slope = self.coupling().map_or(0.0, |coupling| coupling.follower.transmission().signed_slope());
+        let late = self.conditioning.late.map_or(Position::ZERO, |late| late.left());
+        let owed = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.owed());
+        Position::from_f64(owed.to_f64() * slope) + late
+    }
+
+    /// What is stored of its master's backward motion, and what its filter lacks (inc of the master).
+    pub(super) fn kept_of_master(&self) -> (Position, Position) {
+        let lacked = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.error());
+        (self.conditioning.backward, lacked)
+    }
+
+    /// Begins for a coupling.
+    pub(super) fn begin_conditioning(&mut self) {
+        self.conditioning = Conditioning::begin(&self.parameters.sync);
+    }
+
+    /// Where its coupling is over, nothing is kept.
+    pub(super) fn settle_conditioning(&mut self) {
+        if self.coupling().is_none() && !self.conditioning.is_empty() {
+            self.conditioning = Conditioning::default();
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! The filter of a master against its law.
+
+use super::*;
+use proptest::prelude::*;
+
+const MS: f64 = 1_000.0;
+
+fn keeping(tau: f64) -> Filtering {
+    Filtering { tau, keeps: true, limit: 0.0 }
+}
+
+/// cmd = old + (act - old) / tau per ms: with 4 ms a quarter of what is missing comes each time.
+/// Proves: MACS-SYNC-07, MACS-SYNC-08
+#[test]
+fn a_velocity_comes_by_its_share_each_ms() {
+    let filtering = Filtering { keeps: false, ..keeping(4_000.0) };
+    let mut filter = MasterFilter::default();
+    let given = [(); 3].map(|_| filter.step(Position::whole(64), &filtering, MS).to_f64());
+    assert_eq!(given, [16.0, 28.0, 37.0]);
+    // In half the time half of it: tau is a time, not a number of cycles.
+    let mut filter = MasterFilter::default();
+    assert_eq!(filter.step(Position::whole(32), &filtering, MS / 2.0).to_f64(), 4.0);
+    // Faster than a cycle there is nothing to filter.
+    let mut filter = MasterFilter::default();
+    assert_eq!(filter.step(Position::whole(64), &keeping(400.0), MS).to_f64(), 64.0);
+}
+
+/// |tau| 100000 us gives 1/1000 of the error back per ms, 50000 us 2/1000; a correction of a mark spread as slowly takes 10 tau.
+/// Proves: MACS-SYNC-09, MACS-SYNC-10, MACS-O-37
+#[test]
+fn what_is_owed_comes_back_in_ten_tau() {
+    for (tau, per_ms) in [(100_000.0, 0.001), (50_000.0, 0.002)] {
+        let mut filter =
+            MasterFilter { lag: Lag { velocity: 0.0, owed: Position::whole(1_000_000) }, ..Default::default() };
+        let back = filter.step(Position::ZERO, &keeping(tau), MS);
+        assert_eq!(back.to_f64(), 1_000_000.0 * per_ms);
+        assert_eq!(filter.owed() + back, Position::whole(1_000_000));
+    }
+}
+
+/// By hand, tau 10 ms, 100 inc in a ms from rest: 10 come, 90 are owed, of which 1/100 comes at once.
+/// Proves: MACS-SYNC-09
+#[test]
+fn the_first_step_of_a_filter_that_keeps() {
+    let mut filter = MasterFilter::default();
+    assert_eq!(filter.step(Position::whole(100), &keeping(10_000.0), MS), Position::from_f64(10.9));
+    assert!((filter.owed().to_f64() - 89.1).abs() < 1e-8);
+}
+
+/// Proves: MACS-SYNC-11
+#[test]
+fn beyond_its_limit_it_becomes_faster_and_comes_back() {
+    let filtering = Filtering { limit: 50.0, ..keeping(20_000.0) };
+    let mut filter = MasterFilter::default();
+    // From rest 100 inc per ms: 95 are owed, 0.475 of that comes.
+    filter.step(Position::whole(100), &filtering, MS);
+    assert!(filter.owed().to_f64() > 50.0);
+    assert_eq!(filter.tau(&filtering), 19_000.0);
+    for _ in 0..13 {
+        filter.step(Position::whole(100), &filtering, MS);
+    }
+    assert_eq!(filter.tau(&filtering), 6_000.0);
+    for _ in 0..10 {
+        filter.step(Position::whole(100), &filtering, MS);
+    }
+    // Not below 5 ms.
+    assert_eq!(filter.tau(&filtering), 5_000.0);
+    // A filter that has kept 20 ms owes 100 * 19 at most, and gives it back in 200 ms: below 10 it comes back.
+    let mut cycles = 0;
+    while filter.tau(&filtering) == 5_000.0 {
+        filter.step(Position::whole(100), &filtering, MS);
+        cycles += 1;
+        assert!(cycles < 5_000);
+    }
+    assert!(filter.kept.owed.to_f64() < 10.0);
+    for expected in 7..=20 {
+        filter.step(Position::whole(100), &filtering, MS);
+        assert_eq!(filter.tau(&filtering), f64::from(expected) * MS);
+    }
+    filter.step(Position::whole(100), &filtering, MS);
+    assert_eq!(filter.tau(&filtering), 20_000.0);
+}
+
+/// A tau below 5 ms has nowhere to fall to.
+/// Proves: MACS-SYNC-11
+#[test]
+fn a_short_tau_stays() {
+    let filtering = Filtering { limit: 1.0, ..keeping(3_000.0) };
+    let mut filter = MasterFilter::default();
+    filter.step(Position::whole(1_000), &filtering, MS);
+    assert_eq!(filter.tau(&filtering), 3_000.0);
+}
+
+proptest! {
+    /// Whatever the master does, what was given and what is owed are its way, to the last 2^-32 inc; and once it stands, all of it comes.
+    /// Proves: MACS-SYNC-09
+    #[test]
+    fn nothing_is_lost(
+        changes in prop::collection::vec(-(1_i128 << 50)..(1_i128 << 50), 1..400),
+        tau in 1.0..300_000.0_f64,
+        limit in prop_oneof![Just(0.0), 1.0..1e6_f64],
+        cycle in prop_oneof![Just(250.0), Just(MS), Just(4_000.0)],
+    ) {
+        let filtering = Filtering { limit, ..keeping(tau) };
+        let mut filter = MasterFilter::default();
+        let (mut way, mut given) = (Position::ZERO, Position::ZERO);
+        for change in changes {
+            let change = Position::from_raw(change);
+            way += change;
+            given += filter.step(change, &filtering, cycle);
+            prop_assert_eq!(given + filter.owed(), way);
+            prop_assert!(filter.is_sound());
+        }
+    }
+
+    /// Of a master at constant velocity nothing is owed in the end.
+    #[test]
+    fn all_of_it_comes_in_time(change in -(1_i128 << 44)..(1_i128 << 44), tau in 1_000.0..20_000.0_f64) {
+        let mut filter = MasterFilter::default();
+        let (change, filtering) = (Position::from_raw(change), keeping(tau));
+        for _ in 0..12_000 {
+            filter.step(change, &filtering, MS);
+        }
+        prop_assert_eq!(filter.owed(), Position::ZERO);
+        prop_assert_eq!(filter.step(change, &filtering, MS), change);
+    }
+}
