@@ -9,15 +9,25 @@
 //! Refuses  nothing: its axis follows within its limits
 //! Source   MACS-SYNC-05, -08 to -15, MACS-DIR-07, A-30, A-57
 
-use super::{Axis, Reference};
+use super::marker::MarkPath;
+use super::{Axis, Context, Reference};
 use crate::encoder::Lead;
 use crate::parameter::{OffsetRates, Synchronization};
 use crate::position::Position;
-use crate::sync::filter::{Filtering, MasterFilter};
+use crate::sync::filter::{Filtering, Keeps, MasterFilter};
 use crate::sync::follower::{Band, Beside};
 use crate::sync::{Shift, SyncMode};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
+
+/// What an axis follows in a cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Conditioned {
+    pub lead: Lead,
+    pub beside: Beside,
+    /// More comes at once than it can follow, as it was asked to.
+    pub is_sudden: bool,
+}
 
 /// What a coupling keeps of its master's motion.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -33,15 +43,22 @@ pub(super) struct Conditioning {
     /// That way.
     shift: Option<Shift>,
     /// The way on which a slave makes up for what the rule has kept it from.
-    late: Option<Shift>,
+    pub(super) late: Option<Shift>,
     /// The rule keeps it from that now.
     barred: bool,
+    /// Of a coupling by marks.
+    pub(super) marks: Option<MarkPath>,
 }
 
 impl Conditioning {
     /// That of a coupling that begins.
-    fn begin(sync: &Synchronization) -> Self {
-        Self { keeps_backward: sync.keeps_backward(), ..Self::default() }
+    fn begin(sync: &Synchronization, marks: Option<MarkPath>) -> Self {
+        Self { keeps_backward: sync.keeps_backward(), marks, ..Self::default() }
+    }
+
+    /// The offset that the slave has, or is on its way to (inc of the master).
+    pub(super) fn offset_given(&self) -> i64 {
+        self.offset
     }
 
     pub(super) fn is_sound(&self) -> bool {
@@ -49,12 +66,17 @@ impl Conditioning {
         self.filter.is_none_or(|filter| filter.is_sound())
             && self.backward >= Position::ZERO
             && self.backward.is_legal()
+            && self.marks.is_none_or(|marks| marks.is_sound())
             && shifts.into_iter().all(|shift| shift.is_none_or(|shift| shift.is_sound()))
     }
 
     /// Is there nothing that it has to give?
     fn is_empty(&self) -> bool {
-        self.backward == Position::ZERO && self.filter.is_none() && self.shift.is_none() && self.late.is_none()
+        self.backward == Position::ZERO
+            && self.filter.is_none()
+            && self.shift.is_none()
+            && self.late.is_none()
+            && self.marks.is_none()
     }
 
     /// What is left of a change when backward motion is stored; a turned master goes backwards where it counts up.
@@ -72,8 +94,8 @@ impl Conditioning {
         turn(goes_on)
     }
 
-    /// What a new offset, or one under way, adds to the master's change.
-    fn step_offset(&mut self, wanted: i64, rates: Option<OffsetRates>, cycle_s: f64, most: f64) -> Position {
+    /// What a new offset, or one under way, adds to the master's change; and whether all of it comes at once.
+    fn step_offset(&mut self, wanted: i64, rates: Option<OffsetRates>, cycle_s: f64, most: f64) -> (Position, bool) {
         let mut way = Position::ZERO;
         if wanted != self.offset {
             let left = self.shift.map_or(Position::ZERO, |shift| shift.left());
@@ -84,11 +106,11 @@ impl Conditioning {
                 way = whole;
             }
         }
-        way + step(&mut self.shift, most)
+        (way + step(&mut self.shift, most), way != Position::ZERO)
     }
 }
 
-fn shift(whole: Position, rates: OffsetRates, cycle_s: f64, before: Option<&Shift>) -> Shift {
+pub(super) fn shift(whole: Position, rates: OffsetRates, cycle_s: f64, before: Option<&Shift>) -> Shift {
     Shift::new(whole, rates.velocity, rates.acceleration, cycle_s, before)
 }
 
@@ -114,7 +136,7 @@ impl Axis {
             return false;
         };
         let p = &self.parameters;
-        let by_position = follower.mode() == SyncMode::Position;
+        let by_position = follower.mode().keeps_position();
         let is_gear = follower.transmission().cam().is_none();
         self.conditioning.keeps_backward
             || by_position && p.sync.feed_forward != 0
@@ -124,16 +146,24 @@ impl Axis {
     }
 
     /// What the slave follows in this cycle, and what comes beside.
-    pub(super) fn condition(&mut self, lead: Lead) -> (Lead, Beside) {
-        let Some(coupling) = self.coupling().filter(|_| self.conditions()) else { return (lead, Beside::default()) };
+    pub(super) fn condition(&mut self, cx: &mut Context<'_>, lead: Lead) -> Conditioned {
+        let Some(coupling) = self.coupling().filter(|_| self.conditions()) else {
+            return Conditioned { lead, ..Conditioned::default() };
+        };
         let follower = &coupling.follower;
         let (mode, is_turned) = (follower.mode(), follower.transmission().is_turned());
         let (is_gear, slope) = (follower.transmission().cam().is_none(), follower.transmission().signed_slope());
-        let by_position = mode == SyncMode::Position;
+        let by_position = mode.keeps_position();
         let cycle_s = self.cycle_s();
         let sync = self.parameters.sync;
         let tau = self.parameters.master_tau(by_position).filter(|_| is_gear);
-        let filtering = tau.map(|tau| Filtering { tau, keeps: by_position, limit: sync.filter_limit as f64 });
+        let keeps = match mode {
+            SyncMode::Velocity => Keeps::Velocity,
+            SyncMode::Position => Keeps::Position,
+            SyncMode::Marker => Keeps::Marks,
+        };
+        let filtering = tau.map(|tau| Filtering { tau, keeps, limit: sync.filter_limit as f64 });
+        let marks = self.step_marks(cx, lead, tau);
         let state = &mut self.conditioning;
 
         let mut next = lead;
@@ -149,21 +179,27 @@ impl Axis {
             next.change += filter.owed();
         }
         if !by_position {
-            return (next, Beside::default());
+            return Conditioned { lead: next, ..Conditioned::default() };
         }
+        let marks = marks.unwrap_or_default();
+        let mut is_sudden = marks.is_sudden;
+        next.change += Position::from_f64(lead.change.to_f64() * marks.gear);
         let share = sync.velocity_band as f64 / 100.0;
         let master = lead.velocity * cycle_s;
         // What comes beside leaves the velocity of the master by no more than the band has.
         let most = if sync.velocity_band > 0 { (master * share).abs() } else { f64::INFINITY };
         if is_gear {
-            next.change += state.step_offset(sync.offset, sync.offset_rates(), cycle_s, most);
+            let wanted = state.marks.map_or(sync.offset, |marks| marks.offset(sync.offset));
+            let (way, all) = state.step_offset(wanted, sync.offset_rates(), cycle_s, most);
+            next.change += way;
+            is_sudden |= all;
         }
         let beside = Beside {
-            way: step(&mut state.late, most * slope.abs()),
+            way: marks.way + step(&mut state.late, most * slope.abs()),
             ahead: sync.ahead(cycle_s),
             band: (sync.velocity_band > 0).then_some(Band { velocity: master * slope, share }),
         };
-        (next, beside)
+        Conditioned { lead: next, beside, is_sudden }
     }
 
     /// What the rule of reversing has kept the slave at `position` from, it makes up for in syncofftime, where that is one.
@@ -171,7 +207,7 @@ impl Axis {
         let (conditions, cycle_s) = (self.conditions(), self.cycle_s());
         let rates = self.parameters.sync.offset_rates().filter(|_| conditions);
         let Some(follower) = self.generator.follower_mut() else { return };
-        let is_barred = follower.is_barred() && follower.mode() == SyncMode::Position;
+        let is_barred = follower.is_barred() && follower.mode().keeps_position();
         self.conditioning.barred = is_barred;
         let Some(OffsetRates { velocity, acceleration }) = rates.filter(|_| is_barred) else { return };
         let slope = follower.transmission().slope();
@@ -201,7 +237,17 @@ impl Axis {
         let slope = self.coupling().map_or(0.0, |coupling| coupling.follower.transmission().signed_slope());
         let late = self.conditioning.late.map_or(Position::ZERO, |late| late.left());
         let owed = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.owed());
-        Position::from_f64(owed.to_f64() * slope) + late
+        let spread = self.conditioning.marks.map_or(Position::ZERO, |marks| marks.left());
+        Position::from_f64(owed.to_f64() * slope) + late + spread
+    }
+
+    /// What was ordered of the slave and is not done yet, but what is spread for marks.
+    pub(super) fn under_way(&self) -> Position {
+        let Some(follower) = self.coupling().map(|coupling| &coupling.follower) else { return Position::ZERO };
+        let Conditioning { late, shift, .. } = &self.conditioning;
+        let late = late.map_or(Position::ZERO, |late| late.left());
+        let shift = shift.map_or(0.0, |shift| shift.left().to_f64() * follower.transmission().signed_slope());
+        follower.error(self.command.position) + late + Position::from_f64(shift)
     }
 
     /// What is stored of its master's backward motion, and what its filter lacks (inc of the master).
@@ -210,9 +256,11 @@ impl Axis {
         (self.conditioning.backward, lacked)
     }
 
-    /// Begins for a coupling.
-    pub(super) fn begin_conditioning(&mut self) {
-        self.conditioning = Conditioning::begin(&self.parameters.sync);
+    /// Begins for a coupling to that lead.
+    pub(super) fn begin_conditioning(&mut self, mode: SyncMode, lead: Lead) {
+        let velocity = lead.velocity * self.cycle_s();
+        let marks = (mode == SyncMode::Marker).then(|| MarkPath::new(&self.parameters.marks, velocity));
+        self.conditioning = Conditioning::begin(&self.parameters.sync, marks);
     }
 
     /// Where its coupling is over, nothing is kept.

@@ -5,6 +5,7 @@
 //! Refuses  ratios that are none, rates beyond the limits, a leader that is lost
 //! Source   MACS-SYNC-01, -02, -04, PLCopen (MC_GearIn)
 
+use super::conditioning::Conditioned;
 use super::generator::Coupling;
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, Reference};
@@ -62,7 +63,7 @@ impl Axis {
         let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
         let coupling = self.coupling_by(leader, request, follower);
         self.begin_goal(cx, sequence, None);
-        self.begin_conditioning();
+        self.begin_conditioning(request.mode, lead);
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
@@ -107,7 +108,7 @@ impl Axis {
         let ratio = Ratio::new(numerator, denominator)
             .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))?;
         let offset = match request.mode {
-            SyncMode::Position => request.offset.exact(),
+            SyncMode::Position | SyncMode::Marker => request.offset.exact(),
             SyncMode::Velocity => Position::ZERO,
         };
         // From one gear to the next the remainder passes on.
@@ -139,7 +140,7 @@ impl Axis {
             return None;
         }
         let (shift, ended) = self.phase_of_master();
-        let (lead, beside) = self.condition(lead);
+        let Conditioned { lead, beside, is_sudden } = self.condition(cx, lead);
         let change = lead.change + shift;
         let lead = Lead { change, ..lead };
         let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
@@ -153,7 +154,7 @@ impl Axis {
         let was = follower.phase();
         let next = follower.step_beside(slave, (lead, cx.tables), cycle_s, reserve, rule, beside);
         let (is_lost, waits) = (follower.phase() == Phase::CatchingUp, follower.is_barred());
-        if was != Phase::CatchingUp && is_lost && !(waits && self.was_barred()) {
+        if was != Phase::CatchingUp && is_lost && !is_sudden && !(waits && self.was_barred()) {
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
             cx.events.push(Event { position: next.position, ..event });

@@ -151,7 +151,7 @@ impl Axis {
                 let shifts = if is_same { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
                 self.take_over(cx, engagement.sequence, None);
                 if !is_same {
-                    self.begin_conditioning();
+                    self.begin_conditioning(engagement.request.mode, lead);
                 }
                 (self.overlay, self.phasing) = shifts;
                 self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Cam, Generator::Follow(coupling));

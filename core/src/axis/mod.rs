@@ -26,6 +26,7 @@ mod in_force;
 mod judge;
 mod limit_switch;
 mod limits;
+mod marker;
 mod master;
 mod motion;
 mod open_loop;

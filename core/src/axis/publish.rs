@@ -23,7 +23,7 @@ fn show_coupling(words: &mut Words, coupling: Shown) {
     set(AxisSignal::InSync, u64::from(coupling.in_sync));
     set(AxisSignal::SyncMaster, coupling.master.cast_unsigned());
     set(AxisSignal::SyncError, coupling.error.cast_unsigned());
-    set(AxisSignal::SyncStatus, if coupling.accurate { status::ACCURATE } else { 0 });
+    set(AxisSignal::SyncStatus, coupling.status);
 }
 
 /// What the axis shows of its coupling.
@@ -31,7 +31,7 @@ fn show_coupling(words: &mut Words, coupling: Shown) {
 struct Shown {
     master: i64,
     error: i64,
-    accurate: bool,
+    status: u64,
     in_sync: bool,
 }
 
@@ -46,11 +46,12 @@ impl Axis {
         let window = coupling.accuracy;
         // MACS-SYNC-16: a positive window shows the error without its sign.
         let shown = if window >= 0 { error.saturating_abs() } else { error };
+        let accurate = if error.unsigned_abs() <= window.unsigned_abs() { status::ACCURATE } else { 0 };
         Shown {
             master: leads.get(coupling.leader).position.floor(),
             error: shown,
-            accurate: error.unsigned_abs() <= window.unsigned_abs(),
-            in_sync: follower.phase() != Phase::CatchingUp && !self.is_late(),
+            status: accurate | self.status_of_marks(),
+            in_sync: follower.phase() != Phase::CatchingUp && !self.is_late() && self.has_marks(),
         }
     }
 
@@ -108,6 +109,12 @@ impl Axis {
         let (slave, master) = self.phase_left();
         set(SyncWaiting, self.engaging());
         let (backward, owed) = self.kept_of_master();
+        let marks = self.shown_marks();
+        set(MarkerError, real(marks.error));
+        set(MarkerCorrection, real(marks.correction));
+        set(MarkerDistance, real(marks.distance));
+        set(MarkerMissed, marks.missed);
+        set(MarkerExtra, marks.extra);
         set(SyncBuffer, int(backward.floor()));
         set(SyncFilterError, real(owed.to_f64()));
         set(PhaseSlave, real(slave));

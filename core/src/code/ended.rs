@@ -419,6 +419,27 @@ codes! {
         remedy: "Slow the leader down, or raise the limits.",
     }
 
+    /// No mark came by where it should.
+    MARK_MISSED = 10230, NoError {
+        says: "",
+        cause: "A mark of the axis or of its master has stayed away; told once until the next one comes.",
+        remedy: "Check sensor and marks, syncmpulsm, syncmpulss, and the windows.",
+    }
+
+    /// A mark came where none should.
+    MARK_EXTRA = 10231, NoError {
+        says: "",
+        cause: "A mark of the axis or of its master came outside its window, and corrects nothing; told once until the next good one.",
+        remedy: "Check sensor and marks, syncmpulsm, syncmpulss, and the windows.",
+    }
+
+    /// More pairs of marks in a row were inaccurate than are tolerated.
+    MARK_FAULT = 10232, NoError {
+        says: "the marks are {asked} inc apart, and more often in a row beyond {limit} inc than syncfault tolerates",
+        cause: "More pairs of marks in a row than syncfault tolerates were further apart than syncaccuracy.",
+        remedy: "Check marks and sensors, or let corrections be larger: syncmmaxcorr, syncmftime, syncofftime.",
+    }
+
     /// Cycles were missed.
     OVERRUN = 10212, NoError {
         says: "",

@@ -43,6 +43,13 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::NO_REVERSING_OUTPUTS => {
             "asks for a node on a bus, which key node of the drive does; below 100 is allowed"
         }
+        Code::MARK_DISTANCE => "is beyond its range; at most 2147483646 / (syncmarkm * syncfacts) is allowed",
+        Code::MARK_WINDOW => {
+            "is larger than the distance of the marks; 0 to syncmpulsm, for syncmwins to syncmpulss, is allowed"
+        }
+        Code::MARKS_INACTIVE => {
+            "asks with 64 for marks of an axis that is not coupled; sums of 1, 2, 4 and 16 are allowed"
+        }
         Code::SYNC_OFFSET_RANGE => "is beyond its range; at most 1073741823 / syncfacts, either way, is allowed",
         Code::REVERSING_BY_POSITION => {
             "asks for outputs, which tell the sign of a velocity to drives with interface velocity or open_loop; 0, 1 and 2 \

@@ -227,6 +227,48 @@ codes! {
         remedy: "Give a smaller offset, or a gear factor in lower terms.",
     }
 
+    /// Marks of an input that the cell has not, or whose edges are not latched.
+    MARK_NO_INPUT = 10037, NoError {
+        says: "",
+        cause: "syncmtypm or syncmtyps names an input that the cell does not have, or that does not latch.",
+        remedy: "Name a digital input by its number, in the order of the file, with key latch: true; its tens digit, or that of the encoder without one.",
+    }
+
+    /// Marks by an index pulse that is not there.
+    MARK_NO_INDEX = 10038, NoError {
+        says: "",
+        cause: "syncmtypm or syncmtyps asks for the index pulse of something that has none, or for its falling edge.",
+        remedy: "Use an input (2, 3 and its number), or an incremental encoder as the master and type 0.",
+    }
+
+    /// A start by marks that does not exist.
+    MARK_START = 10039, NoError {
+        says: "syncmstart {asked} does not exist in mode MARKER; 0 to 6 and 1000 to 1006 do",
+        cause: "syncmstart 7 and 1007, the smooth curve, do not exist yet, and 2000 belongs to cams.",
+        remedy: "Use 5, to which the source falls back, or another one.",
+    }
+
+    /// A distance of marks beyond what the gear factor allows.
+    MARK_DISTANCE = 10059, NoError {
+        says: "",
+        cause: "syncmpulsm times syncmarkm times syncfacts is more than 2147483646.",
+        remedy: "Give a smaller distance, or a gear factor in lower terms.",
+    }
+
+    /// A window of marks that is larger than their distance.
+    MARK_WINDOW = 10058, NoError {
+        says: "",
+        cause: "syncmwinm is more than syncmpulsm, or syncmwins more than syncmpulss.",
+        remedy: "Give a window of at most the distance of the marks, or 0, which takes marks anywhere.",
+    }
+
+    /// SYNCMFPAR 64: marks of an axis that is not coupled.
+    MARKS_INACTIVE = 10057, NoError {
+        says: "",
+        cause: "syncmfpar asks for an average of marks while no coupling by marks is under way.",
+        remedy: "Leave 64 out; distances are averaged from the beginning of a coupling on.",
+    }
+
     /// A cam that was to begin at the end of another one, which is not there.
     ENGAGE_NO_CAM = 10049, NoError {
         says: "the axis is on no cam of that leader whose end could be waited for",

@@ -1,12 +1,14 @@
 //! Commands before the axes see them: what concerns several objects at once is checked for all of them, then done.
 
 use super::{MAX_COMMANDS, Machine, Told};
+use crate::axis::Axis;
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, MemoryValue, Phase, PhaseSide, Probe, ProbeEdge, Synchronize};
 use crate::config::IoKind;
 use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::object::Object;
+use crate::object::{Leader, Object};
+use crate::sync::SyncMode;
 
 impl Machine {
     /// Carries out and answers what is of the machine, before its inputs are read, and returns as bits which commands are left for
@@ -253,6 +255,24 @@ impl Machine {
         if self.closes_loop(request.axis, leader) {
             return Err(Refusal::new(Code::LEADER_LOOP, Object::Axis(request.axis)));
         }
+        if request.mode == SyncMode::Marker {
+            self.check_marks(axis, leader)?;
+        }
         Ok(())
+    }
+
+    /// Do marks come that a coupling asks for?
+    fn check_marks(&self, axis: &Axis, leader: Leader) -> Result<(), Refusal> {
+        let has_index = match leader {
+            Leader::Encoder(place) => {
+                self.state.encoders.get(usize::from(place)).is_some_and(|encoder| !encoder.is_absolute())
+            }
+            _ => false,
+        };
+        let latches = |number: u16| {
+            let io = usize::from(number).checked_sub(1).and_then(|place| self.digital_inputs.get(place))?;
+            self.config.io.get(usize::from(*io)).map(|io| io.latch)
+        };
+        axis.check_marks(leader, has_index, latches)
     }
 }

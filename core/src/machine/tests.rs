@@ -19,6 +19,7 @@ mod layers;
 mod limit_switches;
 mod limits;
 mod loops;
+mod marks;
 mod master;
 mod meetings;
 mod moments;

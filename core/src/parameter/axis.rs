@@ -3,7 +3,7 @@
 use super::rows::ROWS;
 use super::vocabularies::{self, Vocabularies};
 use super::{
-    Assigned, AssignedOutputs, Encoders, Homing, Macs, PositionLoop, Row, Supervision, Synchronization, Value,
+    Assigned, AssignedOutputs, Encoders, Homing, Macs, Marks, PositionLoop, Row, Supervision, Synchronization, Value,
 };
 use crate::code::Code;
 use crate::position::Position;
@@ -56,6 +56,8 @@ pub struct AxisParameters {
     pub sync_accuracy: i64,
     /// What it does with its master.
     pub sync: Synchronization,
+    /// Marks of it and its master.
+    pub marks: Marks,
     /// How long a streamed setpoint holds (ns).
     pub setpoint_timeout: i64,
     /// How the axis gets its zero.
@@ -100,6 +102,7 @@ impl AxisParameters {
             sync_slave: 0,
             sync_accuracy: 0,
             sync: Synchronization::default(),
+            marks: Marks::default(),
             setpoint_timeout: 0,
             homing: Homing::default(),
             encoder: Encoders::default(),
@@ -242,6 +245,7 @@ impl AxisParameters {
         if !self.reversing().is_built() {
             return Err(Contradiction::NotBuilt("revers", Code::NO_REVERSING_OUTPUTS));
         }
+        self.check_marks().map_err(|(key, code)| Contradiction::NotBuilt(key, code))?;
         if self.is_offset_too_large() {
             return Err(Contradiction::NotBuilt("syncposoffs", Code::SYNC_OFFSET_RANGE));
         }

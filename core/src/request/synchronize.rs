@@ -100,6 +100,11 @@ impl MachineConfig {
             let allowed = "0 is allowed with mode VELOCITY, which keeps no position";
             return Err(no_meaning("offset", request.offset, Units::Si, &axis.scale, allowed));
         }
+        if resolved.mode == SyncMode::Marker && resolved.offset != Length::whole(0) {
+            let allowed =
+                "0 is allowed with mode MARKER, where parameter syncposoffs shifts the axis against the marks";
+            return Err(no_meaning("offset", request.offset, Units::Si, &axis.scale, allowed));
+        }
         Ok(resolved)
     }
 
@@ -113,7 +118,7 @@ impl MachineConfig {
         let mode = match request.mode {
             0 => SyncMode::Velocity,
             1 | CAM => SyncMode::Position,
-            2 => return Err(RequestError::NotBuilt("synchronize in mode MARKER".into())),
+            2 => SyncMode::Marker,
             other => return Err(choice("mode", other, "0 VELOCITY, 1 POSITION, 2 MARKER, 3 CAM are allowed")),
         };
         let disengage = match request.disengage {

@@ -3,7 +3,7 @@ use crate::command::HomingMethod;
 use crate::config::{EncoderConfig, SumConfig, TableConfig};
 use crate::parameter::AxisParameters;
 use crate::position::{Length, Position};
-use crate::sync::CamStart;
+use crate::sync::{CamStart, SyncMode};
 use crate::sync::gear::Ratio;
 use crate::table::{Form, Table};
 use crate::unit::{Fraction, Quantity, Unit};
@@ -154,7 +154,10 @@ fn what_is_not_built_is_refused_by_name() {
     assert_eq!(config.resolve_synchronize(&couple).map(|found| found.leader), Ok(Some(Leader::Encoder(0))));
     let by_parameter = SynchronizeRequest { master: String::new(), ..couple.clone() };
     assert_eq!(config.resolve_synchronize(&by_parameter).map(|found| found.leader), Ok(None));
-    assert!(error(SynchronizeRequest { mode: 2, ..couple.clone() }).contains("MARKER does not exist yet"));
+    let by_marks = SynchronizeRequest { mode: 2, ..couple.clone() };
+    assert_eq!(config.resolve_synchronize(&by_marks).map(|found| found.mode), Ok(SyncMode::Marker));
+    let offset = SynchronizeRequest { offset: Amount::Number(0.001), ..by_marks };
+    assert!(error(offset).contains("0 is allowed with mode MARKER, where parameter syncposoffs"));
     assert!(
         error(SynchronizeRequest { engage: 1, ..couple.clone() })
             .contains("AT_POSITION in another mode than CAM does not exist yet")

@@ -74,7 +74,7 @@ pub const SYSTEM_VARIABLES: &[SystemVariable] = &[
         "tracking error (% of the command velocity in qc/st)",
         Shown::Signal("regulator.track_error"),
     ),
-    variable("", Address::Number(4238), "filtered marker distance (qc)", Shown::Missing("marker synchronization")),
+    variable("", Address::Number(4238), "filtered marker distance (qc)", Shown::Signal("marker.distance")),
     variable(
         "PFG_COMMANDPOS",
         Address::Number(4311),

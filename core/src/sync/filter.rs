@@ -7,7 +7,9 @@
 //! Reads    the master's change, as it comes
 //! Writes   the change that a gear is given
 //! Refuses  nothing: what tau may be is up to its parameter
-//! Source   MACS-SYNC-08, MACS-SYNC-09, MACS-SYNC-11, A-31, A-32
+//!          A coupling by marks owes nothing, as the marks take the difference out: what is held back is added up for the limit alone, anew every tau,
+//!          and the filter comes back behind a tau that has stayed below it
+//! Source   MACS-SYNC-08, MACS-SYNC-09, MACS-SYNC-11, A-31, A-32, A-58
 
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
@@ -21,13 +23,24 @@ const CALM_SHARE: f64 = 0.2;
 /// A master whose velocity is so near (inc per cycle) has that velocity.
 const SETTLED: f64 = 1.0 / (1_u64 << 31) as f64;
 
+/// What is kept between master and slave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keeps {
+    /// Their velocities alone.
+    Velocity,
+    /// Their positions: what is held back is owed.
+    Position,
+    /// Their marks.
+    Marks,
+}
+
 /// How a master is filtered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filtering {
     /// (us)
     pub tau: f64,
-    /// Positions are kept: what is held back is owed.
-    pub keeps: bool,
+    /// What it is for.
+    pub keeps: Keeps,
     /// What may be owed before it becomes faster (inc); 0: anything.
     pub limit: f64,
 }
@@ -77,6 +90,11 @@ pub struct MasterFilter {
     kept: Lag,
     /// How much its tau has fallen (us).
     fallen: f64,
+    /// Of a coupling by marks: how long what it holds back was added up (us), and whether it was beyond the limit since.
+    since: f64,
+    exceeded: bool,
+    /// It comes back.
+    returns: bool,
 }
 
 impl MasterFilter {
@@ -84,12 +102,12 @@ impl MasterFilter {
     pub fn settled(velocity: f64) -> Self {
         let velocity = if velocity.is_finite() { velocity } else { 0.0 };
         let lag = Lag { velocity, owed: Position::ZERO };
-        Self { lag, kept: lag, fallen: 0.0 }
+        Self { lag, kept: lag, ..Self::default() }
     }
 
     /// Could it have come about?
     pub fn is_sound(&self) -> bool {
-        [self.lag.velocity, self.kept.velocity, self.fallen].iter().all(|number| number.is_finite())
+        [self.lag.velocity, self.kept.velocity, self.fallen, self.since].iter().all(|number| number.is_finite())
             && self.fallen >= 0.0
     }
 
@@ -116,9 +134,12 @@ impl MasterFilter {
     /// Takes the master's change, and gives the one to follow.
     pub fn step(&mut self, change: Position, filtering: &Filtering, cycle_us: f64) -> Position {
         let tau = self.tau(filtering);
-        let given = self.lag.step(change, tau / cycle_us, filtering.keeps);
-        let watched = filtering.keeps && filtering.limit > 0.0;
-        if !watched {
+        let given = self.lag.step(change, tau / cycle_us, filtering.keeps == Keeps::Position);
+        if filtering.keeps == Keeps::Marks && filtering.limit > 0.0 {
+            self.watch_marks(change - given, filtering, cycle_us);
+            return given;
+        }
+        if filtering.keeps != Keeps::Position || filtering.limit <= 0.0 {
             (self.kept, self.fallen) = (self.lag, 0.0);
             return given;
         }
@@ -135,6 +156,23 @@ impl MasterFilter {
             self.fallen = (self.fallen - cycle_us).max(0.0);
         }
         given
+    }
+
+    /// Adds up what is held back, and judges the tau by it.
+    fn watch_marks(&mut self, held_back: Position, filtering: &Filtering, cycle_us: f64) {
+        self.kept.owed += held_back;
+        let most = (filtering.tau - LEAST_TAU).max(0.0);
+        if self.kept.owed.to_f64().abs() > filtering.limit {
+            (self.exceeded, self.returns) = (true, false);
+            self.fallen = (self.fallen + cycle_us).min(most);
+        } else if self.returns {
+            self.fallen = (self.fallen - cycle_us).max(0.0);
+        }
+        self.since += cycle_us;
+        if self.since >= filtering.tau {
+            self.returns = !self.exceeded;
+            (self.kept.owed, self.since, self.exceeded) = (Position::ZERO, 0.0, false);
+        }
     }
 }
 

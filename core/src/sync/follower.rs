@@ -260,7 +260,7 @@ impl Follower {
     /// Geared leader minus slave (inc); 0 in mode velocity, which has no position relation.
     pub fn error(&self, slave: Position) -> Position {
         match self.mode {
-            SyncMode::Position => self.target - slave,
+            SyncMode::Position | SyncMode::Marker => self.target - slave,
             SyncMode::Velocity => Position::ZERO,
         }
     }
@@ -443,7 +443,7 @@ impl Follower {
         let geared = change.to_f64();
         let rate = bounds.acceleration * cycle_s * cycle_s;
         let way = match self.mode {
-            SyncMode::Position => (self.target - change - position).to_f64(),
+            SyncMode::Position | SyncMode::Marker => (self.target - change - position).to_f64(),
             SyncMode::Velocity => 0.0,
         };
         let (closing, arrives) = closing(way, rate);
@@ -459,7 +459,7 @@ impl Follower {
         if arrives && step == geared + closing {
             self.phase = Phase::Synchronized;
             return match self.mode {
-                SyncMode::Position => self.target,
+                SyncMode::Position | SyncMode::Marker => self.target,
                 SyncMode::Velocity => position + change,
             };
         }

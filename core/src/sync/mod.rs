@@ -5,6 +5,7 @@ pub mod filter;
 pub mod follower;
 pub mod gear;
 mod leads;
+pub mod marker;
 mod shift;
 mod sum;
 mod transmission;
@@ -36,6 +37,15 @@ pub enum SyncMode {
     Velocity,
     /// SYNCP: what is lost while the follower speeds up is caught up. A cam is one.
     Position,
+    /// SYNCM: the same, and marks of both are brought together.
+    Marker,
+}
+
+impl SyncMode {
+    /// Does it keep a position?
+    pub fn keeps_position(self) -> bool {
+        self != Self::Velocity
+    }
 }
 
 /// How a cam begins.

@@ -76,6 +76,19 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             asked(),
             limit()
         ),
+        Code::MARK_NO_INPUT => format!(
+            "{} names digital input {}, which the cell does not have, or which has not latch: true",
+            mark_key(event.limit),
+            asked()
+        ),
+        Code::MARK_NO_INDEX => format!(
+            "{} {} asks for an index pulse that there is not: type 0 is that of an incremental encoder or of the drive of the axis, and its \
+             place is one; 2 and 3 are edges of an input",
+            mark_key(event.limit),
+            asked()
+        ),
+        Code::MARK_MISSED => format!("a mark of the {} has stayed away", mark_side(event.asked)),
+        Code::MARK_EXTRA => format!("a mark of the {} came outside its window", mark_side(event.asked)),
         Code::LEADER_LOOP | Code::NO_MASTER if event.parameter.is_some() => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
@@ -83,7 +96,13 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::READ_ONLY => read_only(event, config),
         Code::NOT_DISABLED => not_disabled(event, config),
         Code::REVERSE_FORBIDDEN => reverse_forbidden(event, config),
-        Code::LOOP_IN_DRIVE | Code::NO_VELOCITY_LOOP | Code::NO_REVERSING_OUTPUTS | Code::SYNC_OFFSET_RANGE => {
+        Code::LOOP_IN_DRIVE
+        | Code::NO_VELOCITY_LOOP
+        | Code::NO_REVERSING_OUTPUTS
+        | Code::SYNC_OFFSET_RANGE
+        | Code::MARK_DISTANCE
+        | Code::MARK_WINDOW
+        | Code::MARKS_INACTIVE => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
         Code::NO_SUCH_INPUT | Code::NO_SUCH_OUTPUT => {
@@ -282,4 +301,13 @@ fn error(code: u16) -> String {
 fn errors(register: u8) -> String {
     let texts = register_texts(register.into()).collect::<Vec<_>>().join(", ");
     if texts.is_empty() { format!("register {register:02X}h") } else { format!("register {register:02X}h ({texts})") }
+}
+/// The side that a mark is of.
+fn mark_side(number: Number) -> &'static str {
+    if number == Number::Count(1) { "axis" } else { "master" }
+}
+
+/// The key that says what gives the marks of a side.
+fn mark_key(number: Number) -> &'static str {
+    if number == Number::Count(1) { "syncmtyps" } else { "syncmtypm" }
 }

@@ -285,10 +285,11 @@ fn a_coupling_keeps_what_it_began_with_and_the_next_one_differs() {
         ROWS.iter().filter(|row| row.missing.is_empty() && row.effect == Effect::NextSynchronize).collect();
     assert_eq!(
         all.iter().map(|row| row.key).collect::<Vec<_>>(),
-        ["syncfactm", "syncfacts", "syncaccuracy", "synctype"]
+        ["syncfactm", "syncfacts", "syncaccuracy", "synctype", "syncmtypm", "syncmtyps", "syncmstart"]
     );
     let shown = |rig: &Rig| (command(rig), rig.int("x.sync.error"), rig.int("x.sync.status"));
     // The smallest window, with the sign of the error.
+    // Those of marks: tests/marks.rs.
     for (key, value) in [("syncfactm", -3), ("syncfacts", 5), ("syncaccuracy", -1), ("synctype", 4)] {
         let [mut plain, mut changed] = [Rig::enabled(), Rig::enabled()];
         for rig in [&mut plain, &mut changed] {
@@ -359,6 +360,18 @@ const AT_ONCE: &[&str] = &[
     "syncvelrel",
     "syncffvel",
     "syncvflimit",
+    // tests/marks.rs, sync/marker
+    "syncmmaxcorr",
+    "syncmfpar",
+    "syncmftime",
+    "syncmarkm",
+    "syncmarks",
+    "syncready",
+    "syncfault",
+    "syncmpulss",
+    "syncmwinm",
+    "syncmwins",
+    "syncsftime",
     // Kept, and without effect.
     "proftime",
     // Read in each cycle by the position loop: closed_loop.yaml.

@@ -6,14 +6,14 @@ use proptest::prelude::*;
 const MS: f64 = 1_000.0;
 
 fn keeping(tau: f64) -> Filtering {
-    Filtering { tau, keeps: true, limit: 0.0 }
+    Filtering { tau, keeps: Keeps::Position, limit: 0.0 }
 }
 
 /// cmd = old + (act - old) / tau per ms: with 4 ms a quarter of what is missing comes each time.
 /// Proves: MACS-SYNC-07, MACS-SYNC-08
 #[test]
 fn a_velocity_comes_by_its_share_each_ms() {
-    let filtering = Filtering { keeps: false, ..keeping(4_000.0) };
+    let filtering = Filtering { keeps: Keeps::Velocity, ..keeping(4_000.0) };
     let mut filter = MasterFilter::default();
     let given = [(); 3].map(|_| filter.step(Position::whole(64), &filtering, MS).to_f64());
     assert_eq!(given, [16.0, 28.0, 37.0]);
@@ -79,6 +79,30 @@ fn beyond_its_limit_it_becomes_faster_and_comes_back() {
     }
     filter.step(Position::whole(100), &filtering, MS);
     assert_eq!(filter.tau(&filtering), 20_000.0);
+}
+
+/// By marks nothing is owed: 100 inc per ms at 20 ms hold 1900 back in all, beyond 50 the filter becomes faster. Every 20 ms it is added up anew,
+/// and behind 20 ms that stayed below it comes back.
+/// Proves: MACS-SYNC-11
+#[test]
+fn by_marks_the_limit_is_judged_anew_every_tau() {
+    let filtering = Filtering { keeps: Keeps::Marks, limit: 50.0, ..keeping(20_000.0) };
+    let mut filter = MasterFilter::default();
+    let mut given = Position::ZERO;
+    for _ in 0..20 {
+        given += filter.step(Position::whole(100), &filtering, MS);
+    }
+    assert_eq!((filter.owed(), filter.tau(&filtering)), (Position::ZERO, 5_000.0));
+    assert!(given < Position::whole(2_000));
+    // It has settled by the end of the next tau or so: from then on it comes back by 1 ms per ms.
+    let mut taus = vec![];
+    for _ in 0..80 {
+        filter.step(Position::whole(100), &filtering, MS);
+        taus.push(filter.tau(&filtering));
+    }
+    let first = taus.iter().position(|tau| *tau > 5_000.0).expect("it comes back");
+    assert!(first % 20 == 0 && first >= 20, "{first}");
+    assert_eq!(taus[first..first + 15], (6..=20).map(|ms| f64::from(ms) * MS).collect::<Vec<_>>());
 }
 
 /// A tau below 5 ms has nowhere to fall to.

@@ -451,6 +451,7 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
             _ if request.cam.is_some() => "cam",
             SyncMode::Velocity => "velocity",
             SyncMode::Position => "position",
+            SyncMode::Marker => "marker",
         },
         engage,
         master_increments,

@@ -86,10 +86,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "marker synchronization",
         description: "Largest correction for a mark, either way; 0 no bound, negative no correction at all.",
         source: "MACS-MARK-18",
         note: "D20: the name is damaged in the text; the spelling of the number is taken.",
+        get: |p| Value::Int(p.marks.largest),
+        set: |p, v| p.marks.largest = int(v).unwrap_or(p.marks.largest),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -112,10 +113,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "17",
         range: Range::Among(&[(0, 7), (16, 23), (64, 71), (80, 87)]),
         default: Value::Int(0),
-        missing: "marker synchronization",
         description: "Bits of the filter of marks: 1 with a fixed time, 2 without a correction of the gear, 4 corrections by syncmftime, 16 the correction alone is filtered, 64 also while not coupled.",
         source: "MACS-MARK-08",
         note: "D20: the name is damaged in the text; the spelling of the number is taken. A-36: bits 2, 4 and 16 are told in two ways; the formulas are taken.",
+        get: |p| Value::Int(p.marks.options),
+        set: |p, v| p.marks.options = int(v).unwrap_or(p.marks.options),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -125,10 +127,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "ms",
         range: Range::Int(-MLONG, MLONG),
         default: Value::Int(0),
-        missing: "marker synchronization",
         description: "Time in which the filter of the master's marks settles; 0 no filter.",
         source: "MACS-MARK-09",
         note: "D20: the name is damaged in the text; the spelling of the number is taken. A-37: what is negative is not said; it is taken as 0.",
+        get: |p| Value::Int(p.marks.filter_time),
+        set: |p, v| p.marks.filter_time = int(v).unwrap_or(p.marks.filter_time),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -150,10 +153,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "52",
         range: Range::Int(0, 10_000),
         default: Value::Int(1),
-        missing: "marker synchronization",
         description: "Marks of the master for one comparison; 0 is taken as 1.",
         source: "MACS-MARK-02",
         note: "D20: the name is damaged in the text; the spelling of the number is taken.",
+        get: |p| Value::Int(p.marks.per_master),
+        set: |p, v| p.marks.per_master = int(v).unwrap_or(p.marks.per_master),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -162,10 +166,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "53",
         range: Range::Int(0, 10_000),
         default: Value::Int(1),
-        missing: "marker synchronization",
         description: "Marks of the slave for one comparison; 0 is taken as 1.",
         source: "MACS-MARK-02",
         note: "D18: unit and default are missing in the overview; 1 is taken.",
+        get: |p| Value::Int(p.marks.per_slave),
+        set: |p, v| p.marks.per_slave = int(v).unwrap_or(p.marks.per_slave),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -188,10 +193,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "56",
         range: Range::Int(0, 10_000),
         default: Value::Int(1),
-        missing: "marker synchronization",
         description: "Accurate comparisons of marks in a row until the coupling is ready.",
         source: "MACS-MARK-20",
         note: "D17: the default is 0 in the overview; 1 is taken.",
+        get: |p| Value::Int(p.marks.ready),
+        set: |p, v| p.marks.ready = int(v).unwrap_or(p.marks.ready),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -200,10 +206,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "57",
         range: Range::Int(0, 10_000),
         default: Value::Int(10),
-        missing: "marker synchronization",
         description: "Inaccurate comparisons of marks in a row that are tolerated; one more is a fault.",
         source: "MACS-MARK-21",
         note: "D20: the name is damaged in the text; the spelling of the number is taken. A-42: what counts anew is not said; a comparison of the other kind does.",
+        get: |p| Value::Int(p.marks.fault),
+        set: |p, v| p.marks.fault = int(v).unwrap_or(p.marks.fault),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -227,10 +234,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, 2 * MLONG / 9),
         default: Value::Int(500),
-        missing: "marker synchronization",
         description: "Distance of the slave's marks.",
         source: "MACS-MARK-04",
         note: "D20: the name is damaged in the text; the spelling of the number is taken.",
+        get: |p| Value::Int(p.marks.slave_distance),
+        set: |p, v| p.marks.slave_distance = int(v).unwrap_or(p.marks.slave_distance),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -240,10 +248,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         range: Range::Among(&MARK),
         default: Value::Int(0),
         effect: Effect::NextSynchronize,
-        missing: "marker synchronization",
         description: "Mark of the master: units digit 0, 1 index up, down, 2, 3 input up, down; tens digit its input; hundreds n with sign: only while input n is high, or low.",
         source: "MACS-MARK-05",
         note: "D20: the name is damaged in the text; the spelling of the number is taken.",
+        get: |p| Value::Int(p.marks.master_type),
+        set: |p, v| p.marks.master_type = int(v).unwrap_or(p.marks.master_type),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -253,9 +262,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         range: Range::Among(&SLAVE_MARK),
         default: Value::Int(0),
         effect: Effect::NextSynchronize,
-        missing: "marker synchronization",
         description: "Mark of the slave: units digit 0, 1 index up, down, 2, 3 input up, down; tens digit its input.",
         source: "MACS-MARK-06",
+        get: |p| Value::Int(p.marks.slave_type),
+        set: |p, v| p.marks.slave_type = int(v).unwrap_or(p.marks.slave_type),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -265,10 +275,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         range: Range::Among(&[(0, 7), (1000, 1007), (2000, 2000)]),
         default: Value::Int(0),
         effect: Effect::NextSynchronize,
-        missing: "marker synchronization",
         description: "Which marks are brought together first: 0 to 6 by their order or nearness, 7 along a smooth curve, 1000 more: with the offset after the first correction only, 2000 for cams.",
         source: "MACS-MARK-14",
         note: "D20: the name is damaged in the text; the spelling of the number is taken. A-33: when the offset begins is told in two ways.",
+        get: |p| Value::Int(p.marks.start),
+        set: |p, v| p.marks.start = int(v).unwrap_or(p.marks.start),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -305,9 +316,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "marker synchronization",
         description: "How far a mark of the master may be from where it is expected; others are left out. 0: not asked. It acts at once, in a coupling, too.",
         source: "MACS-MARK-07",
+        get: |p| Value::Int(p.marks.master_window),
+        set: |p, v| p.marks.master_window = int(v).unwrap_or(p.marks.master_window),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -317,9 +329,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "marker synchronization",
         description: "How far a mark of the slave may be from where it is expected; others are left out. 0: not asked. It acts at once, in a coupling, too.",
         source: "MACS-MARK-07",
+        get: |p| Value::Int(p.marks.slave_window),
+        set: |p, v| p.marks.slave_window = int(v).unwrap_or(p.marks.slave_window),
         ..SYNCHRONIZATION_ROW
     },
     Row {
@@ -329,10 +342,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "ms",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "marker synchronization",
         description: "Time in which the filter of the slave's marks settles; 0 no filter.",
         source: "MACS-MARK-19",
         note: "D19: the unit is missing in the overview; ms is taken.",
+        get: |p| Value::Int(p.marks.slave_filter_time),
+        set: |p, v| p.marks.slave_filter_time = int(v).unwrap_or(p.marks.slave_filter_time),
         ..SYNCHRONIZATION_ROW
     },
     Row {

@@ -1,0 +1,380 @@
+//! Marks of an axis and of its master, from the inputs of the machine to the motion of the axis (SYNCM).
+//!
+//! Law      a latch of an input lies on the straight line through the cycle's change, an index where its encoder says. What a pair asks for comes
+//!          beside the gear: with SYNCOFFTIME as its trapezoid, else with SYNCMFTIME evenly over one distance of marks, else with a negative
+//!          SYNCVFTIME over a hundredth of it, in ms, else at once. The offset is in force from the first pair on, or once its correction is done
+//! Reads    index pulses, latches, the levels of conditions, parameters
+//! Writes   what comes beside; an event for each pair, and one where marks begin to stay away, or to come where none should
+//! Refuses  nothing: who gives marks was checked when the axis was coupled
+//! Source   MACS-MARK-01, -05, -06, -11 to -14, -20, -21, A-33, A-39
+
+use super::conditioning::shift;
+use super::{Axis, Context};
+use crate::code::Code;
+use crate::drive::MAX_LATCHES;
+use crate::encoder::Lead;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::object::{Leader, Object};
+use crate::parameter::{MarkSignal, Marks, OffsetRates};
+use crate::position::Position;
+use crate::sync::follower::Phase;
+use crate::sync::marker::{Asked, Found, Marker, Of, Situation};
+use crate::sync::status;
+use serde::{Deserialize, Serialize};
+
+/// SYNCMSTART from here on waits with the offset for the first correction.
+const OFFSET_LATER: i64 = 1_000;
+/// Cycles over which the speed of a counted master is smoothed, where no filter does that.
+const MEAN_CYCLES: f64 = 64.0;
+/// A spread over so little of SYNCVFTIME.
+const SPREAD_SHARE: f64 = 100.0;
+
+/// A correction that is spread over cycles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Spread {
+    left: Position,
+    /// (inc per cycle)
+    step: f64,
+}
+
+impl Spread {
+    /// What it gives in this cycle.
+    fn step(&mut self) -> Position {
+        let step = Position::from_f64(self.step);
+        let is_last = step.raw().unsigned_abs() >= self.left.raw().unsigned_abs();
+        let way = if is_last { self.left } else { step };
+        self.left = self.left - way;
+        way
+    }
+}
+
+/// A coupling by marks.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct MarkPath {
+    pub(super) marker: Marker,
+    master: MarkSignal,
+    slave: MarkSignal,
+    /// SYNCMSTART, as the coupling began.
+    start: i64,
+    /// Of the master (inc per cycle), filtered.
+    velocity: f64,
+    spread: Spread,
+    /// The offset is not in force yet.
+    offset_waits: bool,
+    /// What is told once until it is over: marks that come where none should, of master and slave.
+    extra: [bool; 2],
+}
+
+/// What marks make of a cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MarkStep {
+    /// What the gear is given more, as a share of the master's change.
+    pub gear: f64,
+    /// What comes to the slave beside.
+    pub way: Position,
+    /// It comes all at once, and the slave has to catch up.
+    pub is_sudden: bool,
+}
+
+impl MarkPath {
+    /// While the master moves by `velocity` (inc) in a cycle.
+    pub(super) fn new(marks: &Marks, velocity: f64) -> Self {
+        Self {
+            marker: Marker::default(),
+            master: MarkSignal::decode(marks.master_type),
+            slave: MarkSignal::decode(marks.slave_type),
+            start: marks.start,
+            velocity,
+            spread: Spread::default(),
+            offset_waits: true,
+            extra: [false; 2],
+        }
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        self.marker.is_sound()
+            && self.velocity.is_finite()
+            && self.spread.step.is_finite()
+            && self.spread.left.is_legal()
+    }
+
+    /// What of a correction is not given yet.
+    pub(super) fn left(&self) -> Position {
+        self.spread.left
+    }
+
+    /// The offset in force, where `wanted` is asked for.
+    pub(super) fn offset(&self, wanted: i64) -> i64 {
+        if self.offset_waits { 0 } else { wanted }
+    }
+}
+
+/// What is shown of the marks of a coupling.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ShownMarks {
+    /// Of the last pair (inc of the slave).
+    pub error: f64,
+    /// Of the last pair (inc of the slave).
+    pub correction: f64,
+    /// Average (inc of the master).
+    pub distance: f64,
+    /// Of both sides.
+    pub missed: u64,
+    /// Of both sides.
+    pub extra: u64,
+}
+
+/// Marks of one side in a cycle: so far (inc) before where it is now, and when they came (ns). The oldest first.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    marks: [(Position, u64); MAX_LATCHES],
+    count: usize,
+}
+
+impl Seen {
+    fn new() -> Self {
+        Self { marks: [(Position::ZERO, 0); MAX_LATCHES], count: 0 }
+    }
+
+    fn push(&mut self, before: Position, instant_ns: u64) {
+        if let Some(free) = self.marks.get_mut(self.count) {
+            *free = (before, instant_ns);
+            self.count += 1;
+        }
+    }
+
+    fn sorted(&mut self) -> &[(Position, u64)] {
+        let marks = self.marks.get_mut(..self.count).unwrap_or(&mut []);
+        marks.sort_unstable_by_key(|(_, instant)| *instant);
+        marks
+    }
+}
+
+/// The number of the input that gives marks, from 1; the one of its encoder where the type names none.
+fn input_of(signal: MarkSignal, encoder: u16) -> Option<u16> {
+    signal.input.map(|input| if input == 0 { encoder.saturating_add(1) } else { input })
+}
+
+/// The number of what leads, by which an input is found.
+fn number_of(leader: Leader) -> u16 {
+    match leader {
+        Leader::AxisCommand(place) | Leader::AxisActual(place) | Leader::Simulated(place) => place,
+        Leader::Encoder(place) | Leader::Sink(place) | Leader::Sum(place) => place,
+    }
+}
+
+impl Axis {
+    /// Is there what is to give marks? `has_index`: what leads has an index pulse; `latches`: of an input by its number, none where there is none.
+    ///
+    /// # Errors
+    /// What there is not.
+    pub fn check_marks(
+        &self,
+        leader: Leader,
+        has_index: bool,
+        latches: impl Fn(u16) -> Option<bool>,
+    ) -> Result<(), Refusal> {
+        let marks = &self.parameters.marks;
+        if !matches!(marks.start, 0..=6 | 1_000..=1_006) {
+            return Err(self.refuse(Code::MARK_START).with(Number::Count(marks.start), Number::None));
+        }
+        let own_index = !self.is_virtual() && self.check_zero_moves().is_ok();
+        let sides =
+            [(marks.master_type, number_of(leader), has_index, 0), (marks.slave_type, self.setup.index, own_index, 1)];
+        for (number, encoder, has_index, side) in sides {
+            let signal = MarkSignal::decode(number);
+            let refuse = |code, asked: i64| Err(self.refuse(code).with(Number::Count(asked), Number::Count(side)));
+            match input_of(signal, encoder) {
+                Some(input) if latches(input) != Some(true) => return refuse(Code::MARK_NO_INPUT, input.into()),
+                None if !has_index || !signal.rising => return refuse(Code::MARK_NO_INDEX, number),
+                _ => {}
+            }
+            if let Some((input, _)) = signal.condition.filter(|(input, _)| latches(*input).is_none()) {
+                return refuse(Code::MARK_NO_INPUT, input.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// The marks of a side in this cycle.
+    fn seen(
+        &self,
+        cx: &Context<'_>,
+        signal: MarkSignal,
+        (encoder, lead): (u16, Lead),
+        index: Option<Position>,
+    ) -> Seen {
+        let mut seen = Seen::new();
+        let level = |number: u16| cx.inputs.digital(usize::from(number).saturating_sub(1));
+        if signal.condition.is_some_and(|(number, high)| level(number) != high) {
+            return seen;
+        }
+        let cycle_ns = self.setup.cycle_ns;
+        let now = cx.cycle.saturating_mul(cycle_ns);
+        let change = lead.change.to_f64();
+        let Some(number) = input_of(signal, encoder) else {
+            if let Some(place) = index {
+                let before = lead.position - place;
+                let share = if change == 0.0 { 0.0 } else { (before.to_f64() / change).clamp(0.0, 1.0) };
+                seen.push(before, now.saturating_sub((share * cycle_ns as f64) as u64));
+            }
+            return seen;
+        };
+        let Some(io) = usize::from(number).checked_sub(1).and_then(|place| cx.digital_inputs.get(place)) else {
+            return seen;
+        };
+        for latch in cx.latches {
+            if latch.object == Object::Io(*io) && latch.rising == signal.rising {
+                let before = Position::from_f64(change * (f64::from(latch.age_ns) / cycle_ns as f64));
+                seen.push(before, now.saturating_sub(latch.age_ns.into()));
+            }
+        }
+        seen
+    }
+
+    /// Takes the marks of this cycle, and gives what comes of them; none without a coupling by marks.
+    pub(super) fn step_marks(&mut self, cx: &mut Context<'_>, lead: Lead, tau: Option<f64>) -> Option<MarkStep> {
+        let mut path = self.conditioning.marks?;
+        let coupling = self.coupling()?;
+        let (leader, ratio) = (coupling.leader, coupling.follower.transmission().signed_slope());
+        let (runs, accuracy) = (coupling.follower.phase() != Phase::CatchingUp, coupling.accuracy);
+        let (sync, marks) = (self.parameters.sync, Marks { start: path.start, ..self.parameters.marks });
+        let cycle_ms = self.cycle_s() * 1e3;
+        let index = match leader {
+            Leader::Encoder(place) => index_of(cx, place),
+            _ => None,
+        };
+        let mut of_master = self.seen(cx, path.master, (number_of(leader), lead), index);
+        let mut of_slave = self.seen(cx, path.slave, (self.setup.index, self.actual), self.index_of_cycle());
+
+        let change = lead.change.to_f64();
+        let share = match tau {
+            Some(tau) => (cycle_ms * 1e3 / tau).min(1.0),
+            None if lead.uneven > 0.0 => 1.0 / MEAN_CYCLES,
+            None => 1.0,
+        };
+        path.velocity += (change - path.velocity) * share;
+        let asked = Asked { sync: &sync, marks: &marks, speed: (path.velocity / cycle_ms).abs(), ratio };
+        path.marker.advance(lead.change, self.actual.change);
+        for (of, seen, extra) in [(Of::Master, &mut of_master, 0), (Of::Slave, &mut of_slave, 1)] {
+            for mark in seen.sorted() {
+                let is_extra = path.marker.take(of, *mark, &asked) == Found::Extra;
+                let told = path.extra.get(extra) == Some(&true);
+                if is_extra && !told {
+                    self.tell_marks(cx, Code::MARK_EXTRA, of);
+                }
+                if let Some(flag) = path.extra.get_mut(extra) {
+                    *flag = is_extra;
+                }
+            }
+            let was_missed = path.marker.side(of).is_missed();
+            if path.marker.look(of, &asked) && !was_missed {
+                self.tell_marks(cx, Code::MARK_MISSED, of);
+            }
+        }
+
+        let mut at_once = Position::ZERO;
+        loop {
+            let under_way = (self.under_way() + path.left() + at_once).to_f64();
+            let offset = self.conditioning.offset_given() as f64;
+            let situation = Situation { asked, offset, under_way, runs };
+            let had_begun = path.marker.has_begun();
+            let was_faulty = path.marker.is_faulty(&marks);
+            let Some(pair) = path.marker.pair(&situation, accuracy) else { break };
+            if !had_begun && marks.start < OFFSET_LATER {
+                path.offset_waits = false;
+            }
+            let correction = Position::from_f64(pair.correction);
+            if let Some(rates) = sync.offset_rates() {
+                self.add_late(correction, rates, ratio.abs());
+            } else if let Some(cycles) = cycles_of_spread(&asked, tau, cycle_ms) {
+                path.spread.left += correction;
+                // A master that stands adds nothing.
+                path.spread.step = if cycles.is_finite() { path.spread.left.to_f64() / cycles } else { 0.0 };
+            } else {
+                at_once += correction;
+            }
+            let event = Event::new(Severity::Info, Kind::Mark, self.object(), Code::NONE);
+            let event = Event { position: self.actual.position, ..event };
+            cx.events.push(event.with(Number::Real(pair.error), Number::Real(pair.correction)));
+            if path.marker.is_faulty(&marks) && !was_faulty {
+                let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::MARK_FAULT);
+                cx.events.push(event.with(Number::Real(pair.error), Number::Count(accuracy.saturating_abs())));
+            }
+        }
+        let step = MarkStep {
+            gear: path.marker.law().gear_correction(&asked),
+            is_sudden: at_once != Position::ZERO,
+            way: at_once + if asked.stands() { Position::ZERO } else { path.spread.step() },
+        };
+        if path.offset_waits && path.marker.has_begun() && (self.under_way() + path.left() + at_once) == Position::ZERO
+        {
+            path.offset_waits = false;
+        }
+        self.conditioning.marks = Some(path);
+        Some(step)
+    }
+
+    /// Bits of SYNCSTAT that marks make.
+    pub(super) fn status_of_marks(&self) -> u64 {
+        let Some(path) = &self.conditioning.marks else { return 0 };
+        let (marker, marks) = (&path.marker, &self.parameters.marks);
+        let bits = [
+            (marker.is_ready(marks), status::READY),
+            (marker.is_faulty(marks), status::FAULT),
+            (marker.side(Of::Master).is_missed(), status::MASTER_MARKER_MISSED),
+            (marker.side(Of::Slave).is_missed(), status::SLAVE_MARKER_MISSED),
+        ];
+        bits.into_iter().filter(|(is_set, _)| *is_set).fold(0, |all, (_, bit)| all | bit)
+    }
+
+    /// Were its first marks brought together, where it is coupled by marks?
+    pub(super) fn has_marks(&self) -> bool {
+        self.conditioning.marks.is_none_or(|path| path.marker.has_begun())
+    }
+
+    /// What it shows of its marks.
+    pub(super) fn shown_marks(&self) -> ShownMarks {
+        let Some(MarkPath { marker, .. }) = &self.conditioning.marks else { return ShownMarks::default() };
+        let (error, correction) = marker.last();
+        let [master, slave] = [Of::Master, Of::Slave].map(|of| marker.side(of).counts());
+        let asked = Asked { sync: &self.parameters.sync, marks: &self.parameters.marks, speed: 0.0, ratio: 1.0 };
+        ShownMarks {
+            error,
+            correction,
+            distance: marker.law().distance(&asked),
+            missed: master.0.saturating_add(slave.0),
+            extra: master.1.saturating_add(slave.1),
+        }
+    }
+
+    fn tell_marks(&self, cx: &mut Context<'_>, code: Code, of: Of) {
+        let event = Event::new(Severity::Warn, Kind::Warning, self.object(), code);
+        let side = Number::Count(i64::from(of == Of::Slave));
+        cx.events.push(Event { position: self.command.position, ..event.with(side, Number::None) });
+    }
+
+    /// A correction that is worked off as an offset is (MACS-SYNC-14).
+    fn add_late(&mut self, way: Position, rates: OffsetRates, slope: f64) {
+        let cycle_s = self.cycle_s();
+        let rates = OffsetRates { velocity: rates.velocity * slope, acceleration: rates.acceleration * slope };
+        let late = &mut self.conditioning.late;
+        let whole = late.map_or(Position::ZERO, |late| late.left()) + way;
+        *late = Some(shift(whole, rates, cycle_s, late.as_ref()));
+    }
+}
+
+/// Where an encoder had its index pulse in this cycle.
+fn index_of(cx: &Context<'_>, place: u16) -> Option<Position> {
+    let input = cx.inputs.encoder.get(usize::from(place)).filter(|input| input.valid)?;
+    let encoder = cx.encoders.get(usize::from(place))?;
+    input.index.map(|count| Position::whole(encoder.locate(count)))
+}
+
+/// Over how many cycles a correction is spread; none: it comes at once.
+fn cycles_of_spread(asked: &Asked<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<f64> {
+    if let Some(time) = asked.time_of_distance() {
+        return Some(time / cycle_ms);
+    }
+    tau.map(|tau| (tau / SPREAD_SHARE).max(1.0) / cycle_ms)
+}

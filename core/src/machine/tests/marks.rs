@@ -1,0 +1,414 @@
+//! Coupled by marks: products on a belt, labels on a roll that turns twice as far.
+
+use super::direction::set;
+use super::rig::{LINE, Rig, X, config, couple};
+use crate::code::Code;
+use crate::command::{Action, Synchronize};
+use crate::config::{IoConfig, IoKind};
+use crate::drive::{Edge, Latch};
+use crate::encoder::PulseCheck;
+use crate::event::Kind;
+use crate::object::{AxisSet, Leader, Object};
+use crate::sim::{Fixtures, Index};
+use crate::sync::SyncMode;
+use proptest::prelude::*;
+
+const TO_BELT: Leader = Leader::Encoder(0);
+const T_NS: f64 = 1e6;
+/// The first input for products, the second one for labels; edges that rise.
+const TYPES: [(&str, i64); 2] = [("syncmtypm", 12), ("syncmtyps", 22)];
+
+/// A world with a sensor for products on the belt, and one for labels on x.
+struct World {
+    rig: Rig,
+    /// Places of products that have not come yet, and where the belt is.
+    products: Vec<f64>,
+    belt: i64,
+    /// Every so far a label, the first one there.
+    labels: (f64, f64),
+    /// Where x will be seen in the next cycle, and was in the last one.
+    x: [i64; 2],
+    /// When the last ones came (cycles).
+    product_at: f64,
+    label_at: f64,
+}
+
+fn marked(changes: &[(&str, i64)]) -> Rig {
+    let input = |name: &str, latch| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch };
+    let io = vec![input("product", true), input("label", true), input("gate", false)];
+    let mut rig = Rig::of(crate::config::MachineConfig { io, ..config(0) });
+    rig.enable();
+    for changes in [&TYPES[..], &[("syncmpulsm", 1_000), ("syncmpulss", 2_000)], changes] {
+        let given = set(&mut rig, changes);
+        assert!(rig.was_accepted(given));
+    }
+    rig
+}
+
+fn by_marks() -> Action {
+    Action::Synchronize(Synchronize { mode: SyncMode::Marker, ..couple(X, TO_BELT, 2, 1) })
+}
+
+impl World {
+    /// Products every 1000 inc from `first` on, labels every 2000 from 300 on.
+    fn new(first: f64, changes: &[(&str, i64)]) -> Self {
+        let products = (0..400).map(|place| first + f64::from(place) * 1_000.0).collect();
+        let (x, labels) = ([0; 2], (2_000.0, 300.0));
+        Self { rig: marked(changes), products, belt: 0, labels, x, product_at: f64::NAN, label_at: f64::NAN }
+    }
+
+    fn couple(&mut self) -> u64 {
+        let goal = self.rig.give(by_marks());
+        self.see();
+        goal
+    }
+
+    fn see(&mut self) {
+        self.x = [self.x[1], self.rig.int("x.output.position")];
+    }
+
+    fn latch(&mut self, input: u16, edge: Edge, share: f64) {
+        let age_ns = Some(((1.0 - share) * T_NS) as u32);
+        assert!(self.rig.plant.add_latch(Latch { object: Object::Io(input), edge, age_ns, position: None }));
+    }
+
+    /// One cycle in which the belt moves by so much.
+    fn cycle(&mut self, change: i64) {
+        let now = self.rig.machine.next_cycle() as f64;
+        self.rig.plant.jump_encoder(0, change);
+        let belt = self.belt as f64;
+        self.belt += change;
+        while let Some(product) = self.products.first().copied().filter(|place| *place <= self.belt as f64) {
+            let share = (product - belt) / change as f64;
+            self.products.remove(0);
+            self.product_at = now - 1.0 + share;
+            self.latch(0, Edge::Rising, share);
+        }
+        let [before, after] = self.x.map(|place| place as f64);
+        let (every, first) = self.labels;
+        let label = ((after - first) / every).floor() * every + first;
+        if label > before && after > before {
+            let share = (label - before) / (after - before);
+            self.label_at = now - 1.0 + share;
+            self.latch(1, Edge::Rising, share);
+        }
+        self.rig.run(1);
+        self.see();
+    }
+
+    fn run(&mut self, cycles: usize, change: i64) {
+        for _ in 0..cycles {
+            self.cycle(change);
+        }
+    }
+
+    /// How far the last label came behind the last product, in increments of x at 20 inc a cycle.
+    fn apart(&self) -> f64 {
+        (self.label_at - self.product_at) * 20.0
+    }
+
+    fn events(&self, code: Code) -> usize {
+        self.rig.events.iter().filter(|event| event.kind == Kind::Warning && event.code == code).count()
+    }
+}
+
+/// Products at 500, 1500 and so on, labels at 300: without marks a label comes 700 inc before its product, or 1300 behind. With them both come
+/// at once, whichever pair the start chooses, and the way that this takes is the one that it should.
+/// Proves: MACS-MARK-01, MACS-MARK-13, MACS-MARK-14, MACS-CMD-12
+#[test]
+fn labels_come_with_their_products() {
+    for (start, ahead) in [(6, -700.0), (2, -700.0), (3, 1_300.0), (4, -700.0), (5, -700.0), (1, -700.0), (0, 1_300.0)]
+    {
+        let mut world = World::new(500.0, &[("syncmstart", start)]);
+        world.couple();
+        assert_eq!(world.rig.int("x.in_sync"), 0, "no marks yet");
+        world.run(1_500, 10);
+        assert!(world.apart().abs() < 1.0, "{start}: {}", world.apart());
+        assert!(world.rig.real("x.marker.error").abs() < 1.0);
+        assert_eq!((world.rig.int("x.in_sync"), world.rig.int("x.sync.error")), (1, 0));
+        let way = (world.rig.int("x.command.position") - 2 * world.belt) as f64;
+        // What the drive is behind, a cycle, is part of it.
+        assert!((way - ahead).abs() <= 40.0, "{start}: {way}");
+        assert_eq!(world.events(Code::SYNC_LOST), 0);
+    }
+}
+
+/// With a time the correction is a superimposed trapezoid: 1000 inc of the master in 400 ms are 3125 inc/s of it, 6250 of x.
+/// Proves: MACS-MARK-13, MACS-SYNC-14
+#[test]
+fn a_correction_in_its_time_leaves_the_axis_synchronized() {
+    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncofftime", 400)]);
+    world.couple();
+    let mut fastest = [f64::INFINITY, f64::NEG_INFINITY];
+    for k in 0..3_000 {
+        world.cycle(10);
+        if k > 100 {
+            let velocity = world.rig.real("x.command.velocity");
+            fastest = [fastest[0].min(velocity), fastest[1].max(velocity)];
+        }
+    }
+    assert!(world.apart().abs() < 1.0, "{}", world.apart());
+    assert!(fastest[0] >= 20_000.0 - 6_250.0 - 30.0 && fastest[0] <= 15_000.0, "{fastest:?}");
+    assert_eq!(world.rig.int("x.sync.error"), 0);
+}
+
+/// Filtered: 1000 inc of offset time are 10 marks at this speed, so that a tenth of an error comes with each, after the start is split over ten.
+/// Proves: MACS-MARK-12, MACS-MARK-13
+#[test]
+fn filtered_corrections_settle() {
+    let time = [("syncmstart", 6), ("syncmftime", 2_000), ("syncofftime", 1_000), ("syncmfpar", 2)];
+    let mut world = World::new(500.0, &time);
+    world.run(100, 10);
+    // It is coupled on the run.
+    world.rig.plant.jump_encoder(0, 10);
+    world.belt += 10;
+    world.couple();
+    let mut all = vec![];
+    for _ in 0..12_000 {
+        let before = world.rig.real("x.marker.error");
+        world.cycle(10);
+        let (error, correction) = (world.rig.real("x.marker.error"), world.rig.real("x.marker.correction"));
+        if error != before {
+            all.push((error, correction));
+        }
+    }
+    // Seen a cycle late, the label is 20 inc further than it is led.
+    let (first, split) = all[0];
+    assert!((first + 680.0).abs() <= 21.0 && (split * 10.0 - first).abs() < 1.0, "{first} {split}");
+    assert!(all.iter().skip(1).take(8).all(|(_, correction)| (correction - split).abs() < 30.0), "{all:?}");
+    assert!(world.apart().abs() < 2.0, "{}", world.apart());
+}
+
+/// Products 1 % further apart: the average finds that, and the gear is corrected by it, so that nothing is left for the marks.
+/// Proves: MACS-MARK-10, MACS-MARK-11, MACS-SYS-01
+#[test]
+fn the_gear_follows_the_average_distance() {
+    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmftime", 2_000)]);
+    world.products = (0..700).map(|place| 500.0 + f64::from(place) * 1_010.0).collect();
+    world.couple();
+    world.run(300, 10);
+    world.run(40_000, 10);
+    assert!((world.rig.real("x.marker.distance") - 1_010.0).abs() < 0.1, "{}", world.rig.real("x.marker.distance"));
+    assert!(world.rig.real("x.marker.error").abs() < 1.0, "{}", world.rig.real("x.marker.error"));
+    let velocity = world.rig.real("x.command.velocity");
+    assert!((velocity - 20_000.0 / 1.01).abs() < 25.0, "{velocity}");
+}
+
+/// A mark outside its window, and one that stays away, correct nothing, and are told once.
+/// Proves: MACS-MARK-07
+#[test]
+fn lost_and_extra_marks_correct_nothing() {
+    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmwinm", 100), ("syncmwins", 200)]);
+    world.couple();
+    world.run(1_000, 10);
+    assert_eq!((world.rig.int("x.marker.missed"), world.rig.int("x.marker.extra")), (0, 0));
+    // Two of them in the middle, one after the other, and one that is missing.
+    let next = world.products[0];
+    world.products.splice(0..1, [next - 600.0, next - 400.0]);
+    let way = |world: &World| world.rig.int("x.command.position") - 2 * world.belt;
+    let before = way(&world);
+    world.run(105, 10);
+    assert_eq!((world.rig.int("x.marker.extra"), world.events(Code::MARK_EXTRA)), (2, 1));
+    world.run(20, 10);
+    assert_eq!((world.rig.int("x.marker.missed"), world.events(Code::MARK_MISSED)), (1, 1));
+    assert_eq!(world.rig.int("x.sync.status") & 0b1_1000, 0b0_1000);
+    world.run(500, 10);
+    assert_eq!((world.rig.int("x.sync.status") & 0b1_1000, world.rig.int("x.marker.missed")), (0, 1));
+    assert!((way(&world) - before).abs() <= 1);
+    // A label that stays away is one of the axis.
+    world.labels.1 += 2_000_000.0 + 1_000.0;
+    world.run(150, 10);
+    assert_eq!(world.rig.int("x.sync.status") & 0b1_1000, 0b1_0000);
+    assert!((way(&world) - before).abs() <= 1);
+}
+
+/// No correction is larger than it may be; a negative bound lets nothing be corrected.
+/// Proves: MACS-MARK-18
+#[test]
+fn corrections_stay_within_their_bound() {
+    for (largest, most) in [(50, 50.0), (-1, 0.0)] {
+        let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmmaxcorr", largest)]);
+        world.couple();
+        for _ in 0..1_500 {
+            world.cycle(10);
+            assert!(world.rig.real("x.marker.correction").abs() <= most);
+        }
+        let way = (world.rig.int("x.command.position") - 2 * world.belt).abs();
+        // 15 pairs or so.
+        assert!(if largest > 0 { (500..=750).contains(&way) } else { way <= 40 }, "{way}");
+    }
+}
+
+/// The offset is the master's, and in force with the first pair, or with 1000 more once its correction is done.
+/// Proves: MACS-SYNC-13, MACS-MARK-14
+#[test]
+fn labels_are_put_beside_their_products() {
+    for start in [6, 1_006] {
+        let mut world = World::new(500.0, &[("syncmstart", start), ("syncposoffs", 40)]);
+        world.couple();
+        world.run(2_000, 10);
+        // Ahead of the product, by 40 inc of the master.
+        assert!((world.apart() + 80.0).abs() < 1.5, "{start}: {}", world.apart());
+        set(&mut world.rig, &[("syncposoffs", -25)]);
+        world.see();
+        world.run(1_000, 10);
+        assert!((world.apart() - 50.0).abs() < 1.5, "{start}: {}", world.apart());
+        assert!(world.rig.real("x.marker.error").abs() < 1.5);
+    }
+}
+
+/// READY and FAULT stand in the status, and a fault is told once.
+/// Proves: MACS-MARK-20, MACS-MARK-21, MACS-SYNC-16
+#[test]
+fn pairs_make_ready_and_fault() {
+    let accuracy = [("syncmstart", 6), ("syncaccuracy", 20), ("syncready", 3), ("syncfault", 2)];
+    let mut world = World::new(500.0, &accuracy);
+    world.couple();
+    world.run(1_000, 10);
+    assert_eq!(world.rig.int("x.sync.status") & 0b110, 0b010);
+    // Products that jump to and fro by more.
+    let jumping = world.products.iter().enumerate().map(|(place, at)| at + if place % 2 == 0 { 60.0 } else { 0.0 });
+    world.products = jumping.collect();
+    world.run(600, 10);
+    assert_eq!((world.rig.int("x.sync.status") & 0b110, world.events(Code::MARK_FAULT)), (0b100, 1));
+}
+
+/// Marks count while the third input is high (300), or low (-300).
+/// Proves: MACS-MARK-05
+#[test]
+fn a_condition_lets_marks_count() {
+    for (condition, counts) in [(312, false), (-312, true)] {
+        let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmtypm", condition)]);
+        world.couple();
+        world.run(1_000, 10);
+        assert_eq!(world.rig.int("x.in_sync") == 1, counts, "{condition}");
+        if !counts {
+            world.rig.plant.set_digital(2, true);
+            world.run(500, 10);
+            assert_eq!(world.rig.int("x.in_sync"), 1);
+        }
+    }
+}
+
+/// Index pulses of belt and drive.
+/// Proves: MACS-MARK-05, MACS-MARK-06
+#[test]
+fn index_pulses_are_marks() {
+    let mut config = config(0);
+    config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
+    let mut rig = Rig::of(config);
+    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.enable();
+    set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 5)]);
+    let goal = rig.give(by_marks());
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    for _ in 0..1_500 {
+        rig.plant.jump_encoder(0, 10);
+        rig.run(1);
+    }
+    assert_eq!((rig.int("x.in_sync"), rig.real("x.marker.error").abs() < 1.0), (1, true));
+    // Zero at the belt is 300 at x, as seen a cycle later.
+    let way = rig.int("x.actual.position") - rig.int("belt.position") * 2;
+    assert!((way - 300).abs() <= 1, "{way}");
+}
+
+/// What cannot give marks, and starts that do not exist, are refused by name.
+/// Proves: MACS-MARK-14, MACS-CMD-20
+#[test]
+fn what_gives_no_marks_is_refused() {
+    for (changes, sentence) in [
+        (
+            ("syncmtypm", 42),
+            "x: syncmtypm names digital input 4, which the cell does not have, or which has not latch: true",
+        ),
+        (
+            ("syncmtyps", 33),
+            "x: syncmtyps names digital input 3, which the cell does not have, or which has not latch: true",
+        ),
+        (("syncmtypm", 512), "x: syncmtypm names digital input 5, which the cell"),
+        (("syncmtypm", 1), "x: syncmtypm 1 asks for an index pulse that there is not"),
+        (("syncmstart", 7), "x: syncmstart 7 does not exist in mode MARKER; 0 to 6 and 1000 to 1006 do"),
+        (("syncmstart", 2_000), "x: syncmstart 2000 does not exist in mode MARKER"),
+    ] {
+        let mut rig = marked(&[changes]);
+        let goal = rig.give(by_marks());
+        assert!(rig.refusal(goal).starts_with(sentence), "{}", rig.refusal(goal));
+        assert_eq!(rig.state("x"), "STANDSTILL");
+    }
+    let mut rig = marked(&[("syncmtypm", 0)]);
+    let line = Synchronize { mode: SyncMode::Marker, ..couple(X, Leader::AxisCommand(LINE), 1, 1) };
+    let goal = rig.give(Action::Synchronize(line));
+    assert!(rig.refusal(goal).contains("syncmtypm 0 asks for an index pulse"), "{}", rig.refusal(goal));
+    let refused = set(&mut rig, &[("syncmfpar", 64)]);
+    assert!(rig.refusal(refused).contains("syncmfpar 64 asks with 64"), "{}", rig.refusal(refused));
+}
+
+/// Stopped with its belt it stays; uncoupled nothing of the marks is shown any more.
+#[test]
+fn a_belt_that_stands_leaves_it_alone() {
+    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000)]);
+    world.couple();
+    world.run(777, 10);
+    world.run(300, 0);
+    let place = world.rig.int("x.command.position");
+    world.run(500, 0);
+    assert_eq!((world.rig.int("x.command.position"), world.rig.state("x")), (place, "SYNCHRONIZED_MOTION"));
+    world.rig.give(Action::Halt(AxisSet::one(X)));
+    world.rig.run(20);
+    assert_eq!((world.rig.real("x.marker.error"), world.rig.int("x.sync.status") & 0b1_1110), (0.0, 0));
+}
+
+proptest! {
+    #![proptest_config(super::rig::cases(12))]
+    /// Whatever marks tremble, are lost or come too many, however fast the belt: no step of velocity is more than the axis may, and once they are
+    /// regular again, labels come with their products.
+    /// Proves: MACS-MARK-13
+    #[test]
+    fn marks_settle_whatever_they_did(
+        jitter in prop::collection::vec((-60.0..60.0_f64, 0_u8..20), 40),
+        speeds in prop::collection::vec(0_i64..20, 10),
+        start in prop_oneof![Just(0_i64), Just(1), Just(2), Just(3), Just(4), Just(5), Just(6), Just(1_005)],
+        time in prop_oneof![Just(0_i64), Just(200)],
+        filter in prop_oneof![Just(0_i64), Just(500), Just(3_000)],
+        tau in prop_oneof![Just(0_i64), Just(-20_000)],
+        bits in prop_oneof![Just(0_i64), Just(1), Just(2), Just(4), Just(16), Just(20)],
+    ) {
+        let changes = [
+            ("syncmstart", start), ("syncofftime", time), ("syncmftime", filter), ("syncvftime", tau), ("syncmfpar", bits),
+            ("syncmwinm", 150), ("syncmwins", 300),
+        ];
+        let mut world = World::new(500.0, &changes);
+        let mut products = vec![];
+        for (place, (by, kind)) in jitter.iter().enumerate() {
+            let at = 500.0 + place as f64 * 1_000.0;
+            match kind {
+                0 => {}
+                1 => products.extend([at + by, at + 400.0]),
+                _ => products.push(at + by),
+            }
+        }
+        products.extend((40..2_000).map(|place| 500.0 + f64::from(place) * 1_000.0));
+        world.products = products;
+        world.couple();
+        let mut before = world.rig.real("x.command.velocity");
+        let mut check = |world: &World| {
+            let velocity = world.rig.real("x.command.velocity");
+            // What one count of the belt leaves unknown comes on top.
+            let fits = (velocity - before).abs() <= 1_000.0 + 2_000.0 * 1.2 && velocity.abs() <= 100_000.0 + 2_400.0;
+            before = velocity;
+            fits
+        };
+        for speed in speeds {
+            for _ in 0..300 {
+                world.cycle(speed);
+                prop_assert!(check(&world));
+            }
+        }
+        for _ in 0..30_000 {
+            world.cycle(10);
+            prop_assert!(check(&world));
+        }
+        prop_assert!(world.apart().abs() < 3.0 || (world.apart().abs() - 2_000.0).abs() < 3.0, "{}", world.apart());
+        prop_assert_eq!(world.rig.int("x.in_sync"), 1);
+    }
+}

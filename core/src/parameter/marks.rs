@@ -1,0 +1,125 @@
+//! Marks of master and slave, as parameters say.
+//!
+//! Source   MACS-SYNC-03, MACS-MARK-02 to -09, -14, -18 to -21, A-35, A-37, A-42
+
+use super::AxisParameters;
+use crate::code::Code;
+use crate::unit::MLONG;
+use serde::{Deserialize, Serialize};
+
+/// Values of marker synchronization in the group AXS.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Marks {
+    /// SYNCMARKM.
+    pub per_master: i64,
+    /// SYNCMARKS.
+    pub per_slave: i64,
+    /// SYNCMPULSS (inc of the slave).
+    pub slave_distance: i64,
+    /// SYNCMTYPM.
+    pub master_type: i64,
+    /// SYNCMTYPS.
+    pub slave_type: i64,
+    /// SYNCMWINM (inc of the master).
+    pub master_window: i64,
+    /// SYNCMWINS (inc of the slave).
+    pub slave_window: i64,
+    /// SYNCMSTART.
+    pub start: i64,
+    /// SYNCMFPAR.
+    pub options: i64,
+    /// SYNCMFTIME (ms).
+    pub filter_time: i64,
+    /// SYNCSFTIME (ms).
+    pub slave_filter_time: i64,
+    /// SYNCMMAXCORR (inc of the slave).
+    pub largest: i64,
+    /// SYNCREADY.
+    pub ready: i64,
+    /// SYNCFAULT.
+    pub fault: i64,
+}
+
+/// What gives the marks of one side (SYNCMTYPM, SYNCMTYPS).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MarkSignal {
+    /// A digital input by its number from 1; 0: that of the encoder. None: the index pulse.
+    pub input: Option<u16>,
+    /// Its rising edge.
+    pub rising: bool,
+    /// Marks count while that input, by its number, is high, or low.
+    pub condition: Option<(u16, bool)>,
+}
+
+impl MarkSignal {
+    /// Decodes a number: the ones digit is 0 index rising, 1 index falling, 2 external rising, 3 external falling, the tens digit an input, the
+    /// hundreds digit one that has to be high, or low where the number is negative (MACS-MARK-05).
+    pub fn decode(number: i64) -> Self {
+        let [ones, tens, hundreds] = [1, 10, 100].map(|place| number.unsigned_abs() / place % 10);
+        Self {
+            input: (ones >= 2).then_some(tens as u16),
+            rising: ones % 2 == 0,
+            condition: (hundreds > 0).then_some((hundreds as u16, number > 0)),
+        }
+    }
+}
+
+impl AxisParameters {
+    /// What of the marks cannot be had together.
+    ///
+    /// # Errors
+    /// The key, and why.
+    pub(super) fn check_marks(&self) -> Result<(), (&'static str, Code)> {
+        let marks = &self.marks;
+        let product = i128::from(self.sync.mark_distance)
+            * i128::from(marks.per_master.max(1))
+            * i128::from(self.sync_slave.max(1));
+        let checks = [
+            // One mark may lie between master and slave; more would have narrower numbers (O-42).
+            ("syncmpulsm", product > i128::from(2 * MLONG), Code::MARK_DISTANCE),
+            ("syncmwinm", marks.master_window > self.sync.mark_distance, Code::MARK_WINDOW),
+            ("syncmwins", marks.slave_window > marks.slave_distance, Code::MARK_WINDOW),
+            ("syncmfpar", marks.options & 64 != 0, Code::MARKS_INACTIVE),
+        ];
+        checks.into_iter().find(|(_, is_wrong, _)| *is_wrong).map_or(Ok(()), |(key, _, code)| Err((key, code)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Proves: MACS-MARK-05, MACS-MARK-06, MACS-O-51
+    #[test]
+    fn a_type_says_what_gives_marks() {
+        let of = |input, rising, condition| MarkSignal { input, rising, condition };
+        for (number, expected) in [
+            (42, of(Some(4), true, None)),
+            (-203, of(Some(0), false, Some((2, false)))),
+            (103, of(Some(0), false, Some((1, true)))),
+            (0, of(None, true, None)),
+            (1, of(None, false, None)),
+            (912, of(Some(1), true, Some((9, true)))),
+        ] {
+            assert_eq!(MarkSignal::decode(number), expected, "{number}");
+        }
+    }
+
+    fn checked(change: impl Fn(&mut AxisParameters)) -> Result<(), (&'static str, Code)> {
+        let mut parameters = AxisParameters::new(1e5, 1e6);
+        change(&mut parameters);
+        parameters.check_marks()
+    }
+
+    /// 2147483646 / 1000, with one mark between; a window is no larger than its distance.
+    /// Proves: MACS-SYNC-03, MACS-MARK-07
+    #[test]
+    fn distances_and_windows_fit() {
+        let distance = |distance| checked(|p| (p.sync_slave, p.sync.mark_distance) = (1_000, distance));
+        assert_eq!((distance(2_147_483), distance(2_147_484)), (Ok(()), Err(("syncmpulsm", Code::MARK_DISTANCE))));
+        let window = |window| checked(|p| (p.sync.mark_distance, p.marks.master_window) = (100, window));
+        assert_eq!((window(100), window(101)), (Ok(()), Err(("syncmwinm", Code::MARK_WINDOW))));
+        let window = |window| checked(|p| (p.marks.slave_distance, p.marks.slave_window) = (100, window));
+        assert_eq!((window(100), window(101)), (Ok(()), Err(("syncmwins", Code::MARK_WINDOW))));
+    }
+}

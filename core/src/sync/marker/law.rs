@@ -1,0 +1,382 @@
+//! What is corrected at a pair of marks: filters of distances and corrections, and the part of the start.
+//!
+//! Law      of MACS-MARK-09 to -13 and -18, in the reading of. PT1 is state + (value - state) / tau, with tau in marks.
+//!          Distances of the master are averaged; by what they lie beside the nominal one the gear is corrected. What the single mark trembles
+//!          around the average is taken out of the error; the rest is filtered, and the error of the start is split beside that
+//! Reads    parameters, the master's velocity, errors in increments of the slave
+//! Writes   the correction of a pair; the correction of the gear
+//! Refuses  nothing: corrections stay within SYNCMMAXCORR
+//! Source   MACS-MARK-03, -08 to -13, -18, -19
+
+use crate::parameter::{Marks, Synchronization};
+use serde::{Deserialize, Serialize};
+
+/// Bits of SYNCMFPAR.
+mod option {
+    /// A filter that does not follow the velocity.
+    pub(super) const CONSTANT: i64 = 1;
+    /// No correction of the gear.
+    pub(super) const NO_GEAR: i64 = 2;
+    /// Corrections are filtered as distances are.
+    pub(super) const OWN_FILTER: i64 = 4;
+    /// No average, and no deviation from it.
+    pub(super) const NO_AVERAGE: i64 = 16;
+}
+
+/// Least number of marks that distances are averaged over.
+const LEAST_AVERAGE: f64 = 100.0;
+/// A PT1 has settled in so many of its tau.
+const SETTLED: f64 = 3.0;
+/// Divisor of SYNCMFTIME for a constant filter.
+const CONSTANT_DIVISOR: f64 = 300.0;
+
+/// What the law is asked with.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'p> {
+    /// Of the axis.
+    pub sync: &'p Synchronization,
+    /// Of the axis.
+    pub marks: &'p Marks,
+    /// Of the master, filtered (inc per ms), without its sign.
+    pub speed: f64,
+    /// Increments of the slave per increment of the master.
+    pub ratio: f64,
+}
+
+impl Asked<'_> {
+    fn has(&self, option: i64) -> bool {
+        self.marks.options & option != 0
+    }
+
+    /// Nominal distance of the master's marks (inc); none where nobody knows it.
+    fn distance(&self) -> Option<f64> {
+        Some(self.sync.mark_distance as f64).filter(|distance| *distance > 0.0)
+    }
+
+    /// SYNCMFTIME (ms), where it says something.
+    fn filter_time(&self) -> Option<f64> {
+        self.distance().and(Some(self.marks.filter_time as f64)).filter(|time| *time > 0.0)
+    }
+
+    /// Marks that pass in a time (ms), at least 1.
+    fn marks_in(&self, time: f64) -> f64 {
+        self.distance().map_or(1.0, |distance| (self.speed * time / distance).max(1.0))
+    }
+
+    /// Marks that pass in SYNCOFFTIME.
+    fn marks_in_offset_time(&self) -> f64 {
+        self.marks_in(self.sync.offset_time as f64)
+    }
+
+    /// MARKERFILTER: tau of a filter that settles in `time` (ms).
+    fn tau_of(&self, time: f64) -> f64 {
+        let tau = if self.has(option::CONSTANT) { time / CONSTANT_DIVISOR } else { self.marks_in(time) / SETTLED };
+        tau.max(1.0)
+    }
+
+    /// Is the gear corrected?
+    fn corrects_gear(&self) -> bool {
+        self.filter_time().is_some() && !self.has(option::NO_GEAR) && !self.has(option::NO_AVERAGE)
+    }
+
+    /// Time in which a mark follows another one (ms), where corrections are filtered; without end of a master that stands.
+    pub fn time_of_distance(&self) -> Option<f64> {
+        let distance = self.filter_time().and(self.distance())?;
+        Some(distance / self.speed)
+    }
+
+    /// Does the master stand, so that a correction that is spread over its way has to wait?
+    pub fn stands(&self) -> bool {
+        /// (inc per ms)
+        const LEAST: f64 = 1e-6;
+        self.filter_time().is_some() && self.speed < LEAST
+    }
+
+    /// A correction within SYNCMMAXCORR.
+    pub fn bound(&self, correction: f64) -> f64 {
+        let most = self.marks.largest as f64;
+        match self.marks.largest {
+            0 => correction,
+            ..0 => 0.0,
+            _ => correction.max(-most).min(most),
+        }
+    }
+}
+
+fn pt1(state: f64, value: f64, tau: f64) -> f64 {
+    state + (value - state) / tau
+}
+
+/// The average distance of the marks of a side, and how far its marks were from where they should be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Average {
+    /// (inc); 0: none yet.
+    distance: f64,
+    /// Sum of the deviations (inc of the slave).
+    sum: f64,
+    /// The same, filtered.
+    slow: f64,
+}
+
+impl Average {
+    fn is_sound(&self) -> bool {
+        [self.distance, self.sum, self.slow].iter().all(|value| value.is_finite())
+    }
+
+    fn begin(&mut self, nominal: f64) {
+        if self.distance == 0.0 {
+            self.distance = nominal;
+        }
+    }
+
+    /// A measured distance, with tau of the filter of marks; `reference` is what it is held against, none: the average.
+    fn take(&mut self, measured: f64, tau: f64, reference: Option<f64>, scale: f64) {
+        self.sum += scale * (reference.unwrap_or(self.distance) - measured);
+        let marks = (SETTLED * tau).max(LEAST_AVERAGE);
+        self.distance = pt1(self.distance, measured, marks / SETTLED);
+    }
+
+    /// What the last marks tremble.
+    fn jitter(&mut self, tau: f64) -> f64 {
+        self.slow = pt1(self.slow, self.sum, tau);
+        self.sum - self.slow
+    }
+}
+
+/// The state of the law.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Law {
+    master: Average,
+    slave: Average,
+    /// KORREKTUR, without the part of the start (inc of the slave).
+    correction: f64,
+    /// STARTKORRREST.
+    start_left: f64,
+    /// STARTKORRVAL.
+    start_step: f64,
+}
+
+impl Law {
+    /// Could it have come about?
+    pub fn is_sound(&self) -> bool {
+        let values = [self.correction, self.start_left, self.start_step];
+        self.master.is_sound() && self.slave.is_sound() && values.iter().all(|value| value.is_finite())
+    }
+
+    /// MMarkerDist: the average distance of the master's marks (inc); the nominal one before the first.
+    pub fn distance(&self, asked: &Asked<'_>) -> f64 {
+        if self.master.distance > 0.0 { self.master.distance } else { asked.distance().unwrap_or_default() }
+    }
+
+    /// STARTKORRREST: what of the start is not corrected yet (inc of the slave).
+    pub fn start_left(&self) -> f64 {
+        self.start_left
+    }
+
+    /// MMarkCorr: by what share of the master's velocity the gear is corrected.
+    pub fn gear_correction(&self, asked: &Asked<'_>) -> f64 {
+        match asked.distance().filter(|_| asked.corrects_gear() && self.master.distance > 0.0) {
+            Some(nominal) => (nominal - self.master.distance) / self.master.distance,
+            None => 0.0,
+        }
+    }
+
+    /// A mark of the master, so far from the one before (inc).
+    pub fn take_master(&mut self, measured: f64, asked: &Asked<'_>) {
+        let (Some(nominal), Some(time)) = (asked.distance(), asked.filter_time()) else { return };
+        self.master.begin(nominal);
+        let reference = (!asked.corrects_gear()).then_some(nominal);
+        self.master.take(measured, asked.tau_of(time), reference, asked.ratio);
+    }
+
+    /// A mark of the slave, so far from the one before (inc).
+    pub fn take_slave(&mut self, measured: f64, asked: &Asked<'_>) {
+        let (time, nominal) = (asked.marks.slave_filter_time as f64, asked.marks.slave_distance as f64);
+        if time > 0.0 && nominal > 0.0 && asked.distance().is_some() {
+            self.slave.begin(nominal);
+            self.slave.take(measured, asked.tau_of(time), None, 1.0);
+        }
+    }
+
+    /// The start condition: all of its error (inc of the slave), which is split over SYNCOFFTIME. Without a filter it is part of the
+    /// correction as it is.
+    pub fn start(&mut self, total: f64, asked: &Asked<'_>) {
+        let total = if asked.filter_time().is_some() { asked.bound(total) } else { 0.0 };
+        (self.start_left, self.start_step) = (total, total / asked.marks_in_offset_time());
+    }
+
+    /// KORREKTUR of a pair whose error (inc of the slave) is `error`, without what was ordered before and not done yet.
+    pub fn correct(&mut self, error: f64, asked: &Asked<'_>) -> f64 {
+        let slave_tau = asked.tau_of(asked.marks.slave_filter_time as f64);
+        let slave_jitter = if asked.marks.slave_filter_time > 0 { self.slave.jitter(slave_tau) } else { 0.0 };
+        let Some(time) = asked.filter_time() else { return asked.bound(error + slave_jitter) };
+        let tau = asked.tau_of(time);
+        let jitter = self.master.jitter(tau);
+        let jitter = if asked.has(option::NO_AVERAGE) { 0.0 } else { jitter };
+        let error = asked.bound(error - self.start_left - jitter + slave_jitter);
+        let slowness = if asked.has(option::OWN_FILTER) { tau } else { asked.marks_in_offset_time() };
+        self.correction = pt1(self.correction, error, slowness);
+        // The last step takes what is left.
+        let step = if self.start_step.abs() >= self.start_left.abs() { self.start_left } else { self.start_step };
+        self.start_left -= step;
+        self.correction + step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Marks every 500 inc at 10 inc per ms, filtered over 2000 ms, worked off in 1000 ms.
+    fn sync() -> Synchronization {
+        Synchronization { mark_distance: 500, offset_time: 1_000, ..Synchronization::default() }
+    }
+
+    fn marks() -> Marks {
+        Marks { filter_time: 2_000, ..Marks::default() }
+    }
+
+    fn asked<'p>(sync: &'p Synchronization, marks: &'p Marks) -> Asked<'p> {
+        Asked { sync, marks, speed: 10.0, ratio: 1.0 }
+    }
+
+    fn near(value: f64, expected: f64) {
+        assert!((value - expected).abs() <= expected.abs() * 1e-6 + 1e-9, "{value} is not {expected}");
+    }
+
+    /// 10 * 2000 / 1500; constant 2000 / 300; never below 1.
+    /// Proves: MACS-MARK-09
+    #[test]
+    fn the_filter_of_marks() {
+        let (sync, dynamic, constant) = (sync(), marks(), Marks { options: 1, ..marks() });
+        near(asked(&sync, &dynamic).tau_of(2_000.0), 13.333_333_333);
+        near(asked(&sync, &constant).tau_of(2_000.0), 6.666_666_667);
+        near(Asked { speed: 0.01, ..asked(&sync, &dynamic) }.tau_of(2_000.0), 1.0);
+        near(asked(&sync, &constant).tau_of(150.0), 1.0);
+    }
+
+    /// Start 500, marks at 506: tau 100 / 3.
+    /// Proves: MACS-MARK-10, MACS-MARK-11, MACS-O-45
+    #[test]
+    fn distances_are_averaged_over_a_hundred_marks_at_least() {
+        let (sync, marks) = (sync(), marks());
+        let asked = asked(&sync, &marks);
+        let mut law = Law::default();
+        near(law.distance(&asked), 500.0);
+        law.take_master(506.0, &asked);
+        near(law.distance(&asked), 500.18);
+        near(law.gear_correction(&asked), -0.000_359_870_5);
+        law.take_master(506.0, &asked);
+        near(law.distance(&asked), 500.3546);
+        near(law.gear_correction(&asked), -0.000_708_697_4);
+    }
+
+    /// Proves: MACS-MARK-11, MACS-MARK-08, MACS-O-46
+    #[test]
+    fn the_gear_is_corrected_by_the_average() {
+        let sync = sync();
+        for (distance, expected) in [(505.0, -0.009_900_990_1), (495.0, 0.010_101_010_1)] {
+            let law = Law { master: Average { distance, ..Average::default() }, ..Law::default() };
+            near(law.gear_correction(&asked(&sync, &marks())), expected);
+            for off in
+                [Marks { options: 2, ..marks() }, Marks { options: 16, ..marks() }, Marks { filter_time: 0, ..marks() }]
+            {
+                assert_eq!(law.gear_correction(&asked(&sync, &off)), 0.0);
+            }
+        }
+    }
+
+    /// 20 marks pass in 1000 ms: 200 inc are 10 a mark, and the last one takes the rest.
+    /// Proves: MACS-MARK-12
+    #[test]
+    fn the_start_is_split() {
+        let (sync, marks) = (sync(), marks());
+        let asked = asked(&sync, &marks);
+        let mut law = Law::default();
+        law.start(205.0, &asked);
+        let mut left = 205.0;
+        for _ in 0..20 {
+            // Nothing but the start is wrong.
+            near(law.correct(left, &asked), 10.25);
+            left -= 10.25;
+        }
+        near(law.start_left(), 0.0);
+        near(law.correct(0.0, &asked), 0.0);
+        // Without a time all of it comes at once.
+        let at_once = Synchronization { offset_time: 0, ..sync };
+        law.start(205.0, &Asked { sync: &at_once, ..asked });
+        near(law.correct(205.0, &Asked { sync: &at_once, ..asked }), 205.0);
+    }
+
+    /// Proves: MACS-MARK-13, MACS-MARK-08, MACS-O-48
+    #[test]
+    fn an_error_is_filtered() {
+        let sync = sync();
+        near(Law::default().correct(50.0, &asked(&sync, &marks())), 2.5);
+        near(Law::default().correct(50.0, &asked(&sync, &Marks { options: 4, ..marks() })), 3.75);
+        // Without a filter it is corrected as it is.
+        near(Law::default().correct(50.0, &asked(&sync, &Marks { filter_time: 0, ..marks() })), 50.0);
+        near(Law::default().correct(50.0, &asked(&sync, &Marks { filter_time: -5, ..marks() })), 50.0);
+    }
+
+    /// A mark that comes 15 inc late makes the pair seem 15 inc wrong; of that the filter of marks leaves 15 / tau.
+    /// Proves: MACS-MARK-13, MACS-MARK-08
+    #[test]
+    fn what_one_mark_trembles_is_no_error() {
+        let sync = sync();
+        let (dynamic, raw) = (marks(), Marks { options: 16, ..marks() });
+        for (marks, error) in [(&dynamic, -15.0 / 13.333_333_333), (&raw, -15.0)] {
+            let asked = asked(&sync, marks);
+            let mut law = Law::default();
+            law.take_master(515.0, &asked);
+            near(law.correct(-15.0, &asked), error / 20.0);
+        }
+    }
+
+    /// The same of a mark of the slave, the other way round.
+    /// Proves: MACS-MARK-19
+    #[test]
+    fn what_a_mark_of_the_slave_trembles_is_no_error() {
+        let sync = sync();
+        let marks = Marks { slave_distance: 300, slave_filter_time: 2_000, filter_time: 0, ..Marks::default() };
+        let asked = asked(&sync, &marks);
+        let mut law = Law::default();
+        law.take_slave(315.0, &asked);
+        near(law.correct(15.0, &asked), 15.0 / 13.333_333_333);
+        let none = Marks { slave_filter_time: 0, ..marks };
+        let mut law = Law::default();
+        law.take_slave(315.0, &Asked { marks: &none, ..asked });
+        near(law.correct(15.0, &Asked { marks: &none, ..asked }), 15.0);
+    }
+
+    /// Proves: MACS-MARK-18, MACS-O-50
+    #[test]
+    fn corrections_have_a_bound() {
+        let sync = sync();
+        for (largest, expected) in [(20, [20.0, -20.0]), (0, [50.0, -50.0]), (-1, [0.0, 0.0])] {
+            let marks = Marks { largest, ..Marks::default() };
+            let corrected = [50.0, -50.0].map(|error| Law::default().correct(error, &asked(&sync, &marks)));
+            assert_eq!(corrected, expected, "{largest}");
+        }
+        // The total of the start, too: what lies beyond is an error like others, with the same bound before its filter.
+        let marks = Marks { largest: 40, ..marks() };
+        let asked = asked(&sync, &marks);
+        let mut law = Law::default();
+        law.start(-200.0, &asked);
+        near(law.start_left(), -40.0);
+        near(law.correct(-200.0, &asked), -2.0 - 40.0 / 20.0);
+    }
+
+    /// A distance of 0 is none: there is no filter then, and no time.
+    /// Proves: MACS-MARK-03
+    #[test]
+    fn without_a_distance_there_is_no_time() {
+        let sync = Synchronization { mark_distance: 0, ..sync() };
+        let marks = marks();
+        let asked = asked(&sync, &marks);
+        let mut law = Law::default();
+        law.take_master(506.0, &asked);
+        law.start(50.0, &asked);
+        assert_eq!((law.start_left(), law.correct(50.0, &asked), law.gear_correction(&asked)), (0.0, 50.0, 0.0));
+    }
+}

@@ -1,0 +1,136 @@
+//! Pairs of marks, and what comes of them.
+
+use super::*;
+use crate::parameter::Synchronization;
+
+const T: u64 = 1_000_000;
+
+/// A master with a mark every 500 inc, and a slave at 2 : 1.
+struct Bench {
+    marker: Marker,
+    sync: Synchronization,
+    marks: Marks,
+    now: u64,
+    under_way: f64,
+    runs: bool,
+}
+
+impl Bench {
+    fn new(start: i64) -> Self {
+        let sync = Synchronization { mark_distance: 500, ..Synchronization::default() };
+        let marks = Marks { start, ready: 2, fault: 1, ..Marks::default() };
+        Self { marker: Marker::default(), sync, marks, now: 0, under_way: 0.0, runs: true }
+    }
+
+    fn situation(&self) -> Situation<'_> {
+        let asked = Asked { sync: &self.sync, marks: &self.marks, speed: 10.0, ratio: 2.0 };
+        Situation { asked, offset: 0.0, under_way: self.under_way, runs: self.runs }
+    }
+
+    /// So much of the master passes, and twice that of the slave; marks of either side come at the end of that.
+    fn pass(&mut self, way: i64, of: &[Of]) -> Option<Pair> {
+        self.now += T;
+        let mut marker = self.marker;
+        marker.advance(Position::whole(way), Position::whole(2 * way));
+        for of in of {
+            marker.take(*of, (Position::ZERO, self.now), &self.situation().asked);
+        }
+        let pair = marker.pair(&self.situation(), 10);
+        self.marker = marker;
+        pair
+    }
+
+    /// The error of the first pair of these marks, each with the way of the master before it.
+    fn first(start: i64, marks: &[(i64, Of)]) -> Option<f64> {
+        let mut bench = Self::new(start);
+        marks.iter().find_map(|(way, of)| bench.pass(*way, &[*of])).map(|pair| pair.error)
+    }
+}
+
+/// Master, 100 later slave, 400 later master, slave, ..: the slave is 100 inc of the master late, or 400 early; 200 or 800 of its own.
+/// Proves: MACS-MARK-14, MACS-MARK-12
+#[test]
+fn the_start_chooses_the_first_pair() {
+    use Of::{Master, Slave};
+    let marks = [(0, Master), (100, Slave), (400, Master), (100, Slave), (400, Master)];
+    for (start, expected) in
+        [(0, 200.0), (1, -800.0), (2, 200.0), (3, 200.0), (4, -800.0), (5, 200.0), (6, 200.0), (1_000, 200.0)]
+    {
+        assert_eq!(Bench::first(start, &marks), Some(expected), "{start}");
+    }
+    // The slave comes first, 100 inc before the master.
+    let marks = [(0, Slave), (100, Master), (400, Slave), (100, Master)];
+    for (start, expected) in [(0, 800.0), (1, -200.0), (2, -200.0), (3, 800.0), (4, -200.0), (5, -200.0), (6, -200.0)] {
+        assert_eq!(Bench::first(start, &marks), Some(expected), "{start}");
+    }
+}
+
+/// Starts 2 to 5 take no mark from before the slave runs as its master does.
+/// Proves: MACS-MARK-14
+#[test]
+fn some_starts_wait_for_the_velocity() {
+    for (start, waits) in [(0, false), (1, false), (2, true), (3, true), (4, true), (5, true), (6, false)] {
+        let mut bench = Bench { runs: false, ..Bench::new(start) };
+        let early = [Of::Slave, Of::Master, Of::Slave].map(|of| bench.pass(250, &[of]).is_some());
+        assert_eq!(early.contains(&true), !waits, "{start}");
+        bench.runs = true;
+        assert!(bench.pass(100, &[Of::Master, Of::Slave]).is_some(), "{start}");
+    }
+}
+
+/// Every second mark of the master, and every third of the slave.
+/// Proves: MACS-MARK-01, MACS-MARK-02
+#[test]
+fn only_the_last_of_each_group_is_evaluated() {
+    let mut bench = Bench::new(6);
+    (bench.marks.per_master, bench.marks.per_slave) = (2, 3);
+    let marks = [Of::Master, Of::Slave, Of::Slave, Of::Master, Of::Slave];
+    let pairs = marks.map(|of| bench.pass(10, &[of]));
+    assert_eq!(pairs.map(|pair| pair.is_some()), [false, false, false, false, true]);
+    assert_eq!(pairs[4].map(|pair| pair.error), Some(20.0));
+}
+
+/// A pair whose partner stays away is no pair, and the next one is.
+/// Proves: MACS-MARK-07
+#[test]
+fn without_a_partner_a_mark_corrects_nothing() {
+    let mut bench = Bench::new(6);
+    assert!(bench.pass(500, &[Of::Master, Of::Slave]).is_some());
+    assert_eq!(bench.pass(500, &[Of::Master]), None);
+    let pair = bench.pass(500, &[Of::Master, Of::Slave]);
+    assert_eq!(pair, Some(Pair { error: 0.0, correction: 0.0 }));
+    assert_eq!(bench.pass(500, &[Of::Slave]), None);
+    assert_eq!(bench.pass(503, &[Of::Master]), None);
+    // 3 inc of the master behind its place.
+    assert_eq!(bench.pass(0, &[Of::Slave]).map(|pair| pair.error), Some(0.0));
+}
+
+/// What was ordered and is not done yet is ordered once.
+/// Proves: MACS-MARK-13
+#[test]
+fn what_is_under_way_is_no_error() {
+    let mut bench = Bench::new(6);
+    let first = bench.pass(0, &[Of::Master]).or(bench.pass(50, &[Of::Slave]));
+    assert_eq!(first, Some(Pair { error: 100.0, correction: 100.0 }));
+    bench.under_way = 60.0;
+    assert_eq!(bench.pass(450, &[Of::Master]).or(bench.pass(50, &[Of::Slave])).map(|pair| pair.error), Some(40.0));
+}
+
+/// Consecutive pairs: ready with the second accurate one, a fault with the second inaccurate one where one is tolerated.
+/// Proves: MACS-MARK-20, MACS-MARK-21
+#[test]
+fn pairs_in_a_row_make_ready_and_fault() {
+    let mut bench = Bench::new(6);
+    let mut flags = vec![];
+    // 10 inc are accurate, 12 are not.
+    for late in [0, 5, 5, 6, 6, 6, 5] {
+        bench.pass(500, &[Of::Master]);
+        bench.pass(late, &[Of::Slave]);
+        bench.pass(-late, &[]);
+        flags.push((bench.marker.is_ready(&bench.marks), bench.marker.is_faulty(&bench.marks)));
+    }
+    let (no, ready, fault) = ((false, false), (true, false), (false, true));
+    assert_eq!(flags, [no, ready, ready, no, fault, fault, no]);
+    let none = Marks { ready: 0, fault: 0, ..bench.marks };
+    assert_eq!((bench.marker.is_ready(&none), bench.marker.is_faulty(&none)), ready);
+}
