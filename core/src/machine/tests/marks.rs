@@ -358,6 +358,81 @@ fn a_belt_that_stands_leaves_it_alone() {
     assert_eq!((world.rig.real("x.marker.error"), world.rig.int("x.sync.status") & 0b1_1110), (0.0, 0));
 }
 
+/// How far labels were from their products (inc of the master): the mean and the largest of the second half of all.
+#[derive(Debug)]
+struct Register {
+    mean: f64,
+    peak: f64,
+    missed: i64,
+    extra: i64,
+}
+
+/// So many products on a web that stretches by up to 0.1 % to and fro; of 100 marks 2 are lost, and 1 is false.
+fn register(count: u32, changes: &[(&str, i64)], mode: SyncMode) -> Register {
+    let mut draw = 0x2545_F491_4F6C_DD1D_u64;
+    let mut per_cent = move || {
+        draw ^= draw << 13;
+        draw ^= draw >> 7;
+        draw ^= draw << 17;
+        draw % 100
+    };
+    let (mut places, mut seen, mut at) = (vec![], vec![], 500.0);
+    for place in 0..count {
+        at += 1_000.0 * (1.0 + 0.001 * libm::sin(f64::from(place) / 200.0));
+        places.push(at);
+        match per_cent() {
+            0 | 1 => {}
+            2 => seen.extend([at - 300.0, at]),
+            _ => seen.push(at),
+        }
+    }
+    let mut world = World::new(0.0, changes);
+    world.products = seen;
+    world.rig.give(Action::Synchronize(Synchronize { mode, ..couple(X, TO_BELT, 2, 1) }));
+    world.see();
+    let mut errors = vec![];
+    let (mut label, mut places) = (world.label_at, places.into_iter().peekable());
+    while places.peek().is_some() {
+        world.cycle(10);
+        if world.label_at != label {
+            label = world.label_at;
+            // Where the web is when the label is there.
+            let web = world.belt as f64 - (world.rig.machine.next_cycle() as f64 - 1.0 - label) * 10.0;
+            while places.peek().is_some_and(|place| *place < web - 500.0) {
+                places.next();
+            }
+            errors.extend(places.peek().map(|place| web - place));
+        }
+        world.rig.events.clear();
+    }
+    let late = &errors[errors.len() / 2..];
+    Register {
+        mean: late.iter().map(|error| error.abs()).sum::<f64>() / late.len() as f64,
+        peak: late.iter().fold(0.0, |most, error| most.max(error.abs())),
+        missed: world.rig.int("x.marker.missed"),
+        extra: world.rig.int("x.marker.extra"),
+    }
+}
+
+/// Without marks a web that stretches leaves labels anywhere; with them they stay on their products, whatever marks are lost or false. 10,000 of
+/// them with LINESHAFT_LONG; figures: docs/shaft.md.
+/// Proves: MACS-MARK-07, MACS-MARK-13
+#[test]
+fn a_register_is_kept_on_a_web_that_stretches() {
+    let count = if std::env::var_os("LINESHAFT_LONG").is_some() { 10_000 } else { 1_000 };
+    let windows = [("syncmwinm", 60), ("syncmwins", 120), ("syncmmaxcorr", 100), ("syncmstart", 5)];
+    let without = register(count, &[], SyncMode::Position);
+    let at_once = register(count, &windows, SyncMode::Marker);
+    let filtered = [&windows[..], &[("syncmftime", 3_000), ("syncofftime", 300)]].concat();
+    let filtered = register(count, &filtered, SyncMode::Marker);
+    println!("{without:?}\n{at_once:?}\n{filtered:?}");
+    assert!(without.peak > 100.0, "{without:?}");
+    assert!(at_once.peak < 8.0 && at_once.mean < 2.0, "{at_once:?}");
+    assert!(filtered.peak < 20.0 && filtered.mean < 5.0, "{filtered:?}");
+    let (lost, false_ones) = (i64::from(count) / 50, i64::from(count) / 100);
+    assert!((at_once.missed - lost).abs() < lost && (at_once.extra - false_ones).abs() < false_ones, "{at_once:?}");
+}
+
 proptest! {
     #![proptest_config(super::rig::cases(12))]
     /// Whatever marks tremble, are lost or come too many, however fast the belt: no step of velocity is more than the axis may, and once they are

@@ -50,6 +50,12 @@ impl AxisAction for Synchronize {
         let coupled = view.bit(&snapshot.board, AxisSignal::InSync);
         let waits = view.int(&snapshot.board, AxisSignal::SyncWaiting) == progress.sequence.cast_signed();
         let error = view.int(&snapshot.board, AxisSignal::SyncError);
+        let of_marks = |signal| {
+            let increments = view.real(&snapshot.board, signal);
+            // The cast saturates.
+            let whole = increments.floor();
+            view.si(whole as i64, increments - whole)
+        };
         Some(SynchronizeFeedback {
             phase: match () {
                 () if waits => SynchronizeFeedback::WAITING,
@@ -58,8 +64,8 @@ impl AxisAction for Synchronize {
             },
             sync_error_increments: error,
             sync_error: view.si(error, 0.0),
-            // No marks yet: both stay 0.
-            ..SynchronizeFeedback::default()
+            marker_error: of_marks(AxisSignal::MarkerError),
+            correction: of_marks(AxisSignal::MarkerCorrection),
         })
     }
 

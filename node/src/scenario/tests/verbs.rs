@@ -317,7 +317,7 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
     );
     let report = run("scenario: s\ncycles: 20\nsteps:\n\
          - {at: 1, do: {move_axis: {axis: z, position: 5 mm}}, refused: no axis is called}\n\
-         - {at: 2, do: {synchronize: {axis: x, master: line, mode: marker}}, refused: does not exist yet}\n\
+         - {at: 2, do: {synchronize: {axis: x, master: line, mode: marker, offset: 1 mm}}, refused: mode MARKER}\n\
          - {at: 3, do: {set_parameters: {x.max_velocity: 1 m/s, x.kprop: 3}}, refused: kprop}\n\
          expect: [{event: {kind: refused, code: BAD_REQUEST, source: machine}, count: 2},\n\
          {event: {kind: refused, code: NOT_BUILT, source: x}, count: 1}]");
@@ -325,7 +325,7 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
         report.to_string(),
         "scenario `s`: PASSED\n  20 cycles, 0.02 s\n  2 expectations, 3 of 3 steps fired\n  refused as expected:\n    \
          s.yaml:4:16: move_axis: no axis is called `z`; there are line, x, turret; in cycle 1 (0.001 s)\n    \
-         s.yaml:5:16: synchronize: synchronize in mode MARKER does not exist yet; in cycle 2 (0.002 s)\n    \
+         s.yaml:5:16: synchronize: offset is 1 mm: 0 is allowed with mode MARKER, where parameter syncposoffs shifts the axis against the marks; in cycle 2 (0.002 s)\n    \
          s.yaml:6:16: set_parameters: x: kprop is 3: the position loop of MACS does not exist yet; only 30 is allowed; in cycle 3 (0.003 s)\n"
     );
 }
@@ -338,9 +338,9 @@ fn verbs_that_are_not_built_are_refused_by_name() {
         ),
         "engage AT_POSITION in another mode than CAM does not exist yet"
     );
-    assert_eq!(
-        bad("{synchronize: ^{axis: x, master: line, mode: marker}}"),
-        "synchronize in mode MARKER does not exist yet"
+    assert!(
+        bad("{synchronize: {axis: x, master: line, mode: marker, offset: ^1 mm}}")
+            .contains("0 is allowed with mode MARKER")
     );
     assert_eq!(
         bad("{synchronize: ^{axis: x, master: line, engage: on_event, event: mark}}"),
