@@ -410,7 +410,7 @@ pub struct Synchronize {
     pub numerator: i64,
     /// Master increments; a negative ratio reverses.
     pub denominator: i64,
-    /// Shift of the slave (inc), mode position only.
+    /// Shift of the slave (inc), mode position only, without engage in position.
     pub offset: Length,
     /// Largest slave velocity while catching up (inc/s); 0 asks for the default.
     pub velocity: f64,
@@ -435,6 +435,19 @@ pub enum Engage {
     },
     /// At the end of the cam under way.
     AtEnd,
+    /// Of a gear by position: where the leader comes to a position the slave is at its own (MC_GearInPos).
+    InPosition {
+        /// Of the leader (inc).
+        position: i64,
+        /// The turn of the leader.
+        turn: Option<Modulo>,
+        /// Of the slave (inc).
+        slave: i64,
+        /// The leader's way before, in which the slave comes there (inc); 0: it catches up behind.
+        distance: i64,
+    },
+    /// At the next latch of an input, encoder or axis, on its rising edge.
+    OnEvent(Object),
 }
 
 /// A cam between an axis and its leader.

@@ -55,6 +55,7 @@ impl Axis {
                 match *follower.transmission() {
                     Transmission::Gear(gear) => self.follow_calmly(lead, gear.stepped(lead.change)?)?,
                     Transmission::Cam(cam) => self.follow_calmly(lead, cam.stepped(lead.change, tables)?)?,
+                    Transmission::Approach(_) => return None,
                 }
             }
             _ => return None,

@@ -99,14 +99,19 @@ impl Axis {
         })
     }
 
-    /// The gear of a request, and the offset of the slave.
-    fn gear_of(&self, request: &Synchronize) -> Result<(Transmission, Position), Refusal> {
+    /// The ratio of a request.
+    pub(super) fn ratio_of(&self, request: &Synchronize) -> Result<Ratio, Refusal> {
         let (numerator, denominator) = match (request.numerator, request.denominator) {
             (0, 0) => (self.parameters.sync_slave, self.parameters.sync_master),
             given => given,
         };
-        let ratio = Ratio::new(numerator, denominator)
-            .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))?;
+        Ratio::new(numerator, denominator)
+            .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))
+    }
+
+    /// The gear of a request, and the offset of the slave.
+    pub(super) fn gear_of(&self, request: &Synchronize) -> Result<(Transmission, Position), Refusal> {
+        let ratio = self.ratio_of(request)?;
         let offset = match request.mode {
             SyncMode::Position | SyncMode::Marker => request.offset.exact(),
             SyncMode::Velocity => Position::ZERO,

@@ -1,18 +1,21 @@
-//! A cam that waits for its moment: the end of the cam under way, or a place of its leader.
+//! A coupling that waits for its moment: the end of the cam under way, a place of its leader, a latch.
 //!
-//! Law      what moves the axis goes on until then. Relative: the new cam begins exactly where the end or the place is, though that lies between two
+//! Law      what moves the axis goes on until then. Relative: the new cam begins exactly where end, place or latch are, though that lies between two
 //!          cycles, and no increment of leader or slave is lost there, nor what the scales keep below 2^-32 inc, where they stay the same. Absolute and
 //!          ramp-in: where leader and table are at the end of that cycle, compared with where the cam before would have the slave
-//! Reads    the leader, this cycle's; the cam under way
-//! Refuses  the end of a cam where none is under way; at its moment what a cam that begins at once refuses: its goal ends so, and what moves
-//!          the axis goes on
-//! Source   contract section 10, PLCopen (MC_CamIn, mcBuffered; MC_GearInPos)
+//!          Gears begin as [`gear_in`](super::gear_in) says. Of several latches the first one counts, none from before the command
+//! Reads    the leader, this cycle's; the cam under way; the latches of the cycle
+//! Refuses  the end of a cam where none is under way; at its moment what a coupling that begins at once refuses: its goal ends so, and what
+//!          moves the axis goes on
+//! Source   contract sections 7, 10, PLCopen (MC_CamIn, mcBuffered; MC_GearInPos), AMC-EVT-05
 
 use super::alarm::{NO_NUMBERS, Numbers};
 use super::generator::Coupling;
+use super::pair::{Pair, Started};
+use super::probe::first_latch;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
-use crate::command::{CamIn, Engage, Synchronize};
+use crate::command::{CamIn, Engage, ProbeEdge, Synchronize};
 use crate::encoder::Lead;
 use crate::event::{Event, Refusal};
 use crate::modulo::Modulo;
@@ -34,17 +37,35 @@ pub(super) struct Engagement {
     request: Synchronize,
     /// Where its leader was when it was looked at last.
     seen: Position,
+    /// The cycle of its command: its latches were before.
+    since: u64,
+    /// Change of its leader in a cycle (inc), smoothed.
+    mean: f64,
 }
+
+/// Cycles over which the speed of a leader is smoothed.
+const MEAN_CYCLES: f64 = 64.0;
 
 impl Engagement {
     pub(super) fn is_sound(&self) -> bool {
-        let Synchronize { velocity, acceleration, cam, engage, .. } = self.request;
-        let turn = if let Engage::AtPosition { turn, .. } = engage { turn } else { None };
-        engage != Engage::Immediately
-            && cam.is_some_and(|cam| cam.is_sound())
-            && turn.is_none_or(Modulo::is_sound)
+        let Synchronize { velocity, acceleration, cam, engage, mode, .. } = self.request;
+        let is_cam = cam.is_some();
+        let can_wait = match engage {
+            Engage::Immediately => false,
+            Engage::AtPosition { turn, .. } => {
+                turn.is_none_or(Modulo::is_sound) && (is_cam || mode == SyncMode::Velocity)
+            }
+            Engage::AtEnd => is_cam,
+            Engage::InPosition { .. } => {
+                !is_cam && mode == SyncMode::Position && Pair::of(engage).is_some_and(|pair| pair.is_sound())
+            }
+            Engage::OnEvent(_) => true,
+        };
+        can_wait
+            && cam.is_none_or(|cam| cam.is_sound())
             && velocity.is_finite()
             && acceleration.is_finite()
+            && self.mean.is_finite()
     }
 }
 
@@ -53,7 +74,7 @@ impl Engagement {
 enum Due {
     /// The cam before has passed its end.
     End,
-    /// So far behind its place the leader is.
+    /// So far behind its place, or where it was at the latch, the leader is.
     Behind(Position),
 }
 
@@ -63,33 +84,56 @@ impl Axis {
         self.engagement.map(|engagement| engagement.leader)
     }
 
-    /// Lets a cam wait for its moment.
+    /// Lets a coupling wait for its moment.
     ///
     /// # Errors
-    /// It would be refused at once, too; there is no end to wait for.
+    /// It would be refused at once, too; there is no end to wait for, or no way to its pair of places.
     pub(super) fn wait_to_engage(
         &mut self,
         cx: &mut Context<'_>,
         sequence: u64,
         (request, leader): (&Synchronize, Leader),
     ) -> Result<(), Refusal> {
-        let Some(CamIn { table, .. }) = request.cam else { return Err(self.refuse(Code::BAD_REQUEST)) };
-        let numbers = cx.tables.get(usize::from(table)).ok_or_else(|| self.refuse(Code::BAD_REQUEST))?;
-        numbers.cam().map_err(|error| super::no_cam(table, error))?;
-        if request.engage == Engage::AtEnd {
-            let under_way = self.coupling().filter(|coupling| coupling.leader == leader);
-            let cam = under_way.and_then(|coupling| coupling.follower.transmission().cam());
-            if cam.is_none_or(|cam| cam.has_ended(cx.tables)) {
-                return Err(self.refuse(Code::ENGAGE_NO_CAM));
+        let lead = cx.leads.get(leader);
+        let request = match request.cam {
+            Some(cam) => self.check_waiting_cam(cx.tables, (request, cam), leader).map(|()| *request)?,
+            None => {
+                // What it is now counts.
+                let ratio = self.ratio_of(request)?;
+                Synchronize { numerator: ratio.numerator(), denominator: ratio.denominator(), ..*request }
             }
+        };
+        let (seen, mean) = (lead.position - lead.change, lead.change.to_f64());
+        let engagement = Engagement { sequence, leader, request, seen, since: cx.cycle, mean };
+        if !engagement.is_sound() {
+            return Err(self.refuse(Code::BAD_REQUEST));
+        }
+        if let Some(pair) = Pair::of(request.engage) {
+            self.check_pair(pair, &request, lead)?;
         }
         self.end_engagement(cx, Code::REPLACED, NO_NUMBERS);
-        let lead = cx.leads.get(leader);
-        let seen = lead.position - lead.change;
-        self.engagement = Some(Engagement { sequence, leader, request: *request, seen });
+        self.engagement = Some(engagement);
         // One that takes over at the end needs no rest there.
         self.rest_at_end(request.engage != Engage::AtEnd);
         self.accepted(cx, sequence);
+        Ok(())
+    }
+
+    fn check_waiting_cam(
+        &self,
+        tables: &[Arc<Table>],
+        (request, cam): (&Synchronize, CamIn),
+        leader: Leader,
+    ) -> Result<(), Refusal> {
+        let numbers = tables.get(usize::from(cam.table)).ok_or_else(|| self.refuse(Code::BAD_REQUEST))?;
+        numbers.cam().map_err(|error| super::no_cam(cam.table, error))?;
+        if request.engage == Engage::AtEnd {
+            let under_way = self.coupling().filter(|coupling| coupling.leader == leader);
+            let cam = under_way.and_then(|coupling| coupling.follower.transmission().cam());
+            if cam.is_none_or(|cam| cam.has_ended(tables)) {
+                return Err(self.refuse(Code::ENGAGE_NO_CAM));
+            }
+        }
         Ok(())
     }
 
@@ -121,23 +165,15 @@ impl Axis {
         if !lead.valid {
             return self.end_engagement(cx, Code::LEADER_LOST, NO_NUMBERS);
         }
-        let moment = match engagement.request.engage {
-            Engage::Immediately => None,
-            Engage::AtPosition { position, turn } => {
-                let place = Position::whole(position);
-                let place = turn.map_or(place, |turn| turn.last_passed(place, lead.position, lead.change));
-                passed(place, lead, engagement.seen)
+        let mean = engagement.mean + (lead.change.to_f64() - engagement.mean) / MEAN_CYCLES;
+        let engagement = Engagement { mean, ..engagement };
+        let moment = match self.moment_of(cx, &engagement, lead) {
+            Ok(Some(moment)) => moment,
+            Ok(None) => {
+                self.engagement = Some(Engagement { seen: lead.position, ..engagement });
+                return;
             }
-            Engage::AtEnd => {
-                let Some(cam) = self.coupling().and_then(|coupling| coupling.follower.transmission().cam()) else {
-                    return self.end_engagement(cx, Code::NOT_REACHED, NO_NUMBERS);
-                };
-                cam.passes_end(cx.tables).then_some(Due::End)
-            }
-        };
-        let Some(moment) = moment else {
-            self.engagement = Some(Engagement { seen: lead.position, ..engagement });
-            return;
+            Err(refusal) => return self.end_engagement(cx, refusal.code, (refusal.asked, refusal.limit)),
         };
         match self.engaged(cx.tables, (&engagement, lead), moment) {
             Ok(coupling) => {
@@ -146,18 +182,50 @@ impl Axis {
                     // Its cam has come to its end.
                     self.end_goal(cx, Code::NONE);
                 }
-                // What is shifted against the same leader goes on.
+                // What is shifted against the same leader goes on, but where a pair of places says where the slave is.
                 let is_same = self.follows_by_position(engagement.leader).is_some();
-                let shifts = if is_same { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
+                let goes_on = is_same && Pair::of(engagement.request.engage).is_none();
+                let shifts = if goes_on { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
                 self.take_over(cx, engagement.sequence, None);
-                if !is_same {
+                if !goes_on {
                     self.begin_conditioning(engagement.request.mode, lead);
                 }
                 (self.overlay, self.phasing) = shifts;
-                self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Cam, Generator::Follow(coupling));
+                let reference = if engagement.request.cam.is_some() { Reference::Cam } else { Reference::Gear };
+                self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
             }
             Err(refusal) => self.end_engagement(cx, refusal.code, (refusal.asked, refusal.limit)),
         }
+    }
+
+    /// What it has waited for, where that has come in this cycle.
+    ///
+    /// # Errors
+    /// It will not come any more.
+    fn moment_of(&self, cx: &Context<'_>, engagement: &Engagement, lead: Lead) -> Result<Option<Due>, Refusal> {
+        let Engagement { leader, request, seen, since, .. } = engagement;
+        let behind = match request.engage {
+            Engage::Immediately => None,
+            Engage::AtPosition { position, turn } | Engage::InPosition { position, turn, distance: 0, .. } => {
+                let place = Position::whole(position);
+                let place = turn.map_or(place, |turn| turn.last_passed(place, lead.position, lead.change));
+                passed(place, lead, *seen)
+            }
+            Engage::InPosition { .. } => match Pair::of(request.engage) {
+                Some(pair) => self.passed_start(pair, lead)?,
+                None => None,
+            },
+            Engage::OnEvent(source) => {
+                let latch = first_latch(cx.latches, source, ProbeEdge::Rising).filter(|_| cx.cycle != *since);
+                latch.map(|latch| latch.way_since(*leader, lead, self.setup.cycle_ns))
+            }
+            Engage::AtEnd => {
+                let cam = self.coupling().and_then(|coupling| coupling.follower.transmission().cam());
+                let cam = cam.ok_or_else(|| self.refuse(Code::NOT_REACHED))?;
+                return Ok(cam.passes_end(cx.tables).then_some(Due::End));
+            }
+        };
+        Ok(behind.map(Due::Behind))
     }
 
     /// The coupling that begins in this cycle.
@@ -171,7 +239,12 @@ impl Axis {
         self.check_closed_loop()?;
         self.check_free()?;
         let bad_request = || self.refuse(Code::BAD_REQUEST);
-        let cam = request.cam.as_ref().ok_or_else(bad_request)?;
+        let Some(cam) = &request.cam else {
+            let Due::Behind(after) = moment else { return Err(bad_request()) };
+            let started = Started { leader: *leader, lead, mean: engagement.mean, after };
+            let follower = self.engaged_gear(tables, request, started)?;
+            return Ok(self.coupling_by(*leader, request, follower));
+        };
         let bounds = self.bounds_of(request)?;
         let before = self.follows_by_position(*leader);
         let stands = before.map_or(self.present().position, Follower::target);
@@ -207,7 +280,7 @@ impl Axis {
     }
 
     /// How it follows that leader, if it keeps a position to it.
-    fn follows_by_position(&self, leader: Leader) -> Option<&Follower> {
+    pub(super) fn follows_by_position(&self, leader: Leader) -> Option<&Follower> {
         let coupling = self.coupling().filter(|coupling| coupling.leader == leader);
         coupling.map(|coupling| &coupling.follower).filter(|follower| follower.mode() == SyncMode::Position)
     }
@@ -227,9 +300,9 @@ fn begun_before(old: Option<Transmission>, next: Cam, after: Position, tables: &
 
 /// How far behind a place the leader is that has come to it in this cycle, from either side, or stands there. Where it was `seen` last it was
 /// in the cycle before; it may have been set there since.
-fn passed(place: Position, lead: Lead, seen: Position) -> Option<Due> {
+fn passed(place: Position, lead: Lead, seen: Position) -> Option<Position> {
     let (before, now) = (lead.position - lead.change, lead.position);
     let is_there = place == now || place == before && before != seen;
     let is_passed = is_there || (before < place && place < now) || (now < place && place < before);
-    is_passed.then(|| Due::Behind(now - place))
+    is_passed.then(|| now - place)
 }

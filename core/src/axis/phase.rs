@@ -72,6 +72,7 @@ impl Axis {
         let (gear, most) = match follower.transmission() {
             Transmission::Gear(gear) => (Some(gear.ratio().to_f64()), Gear::MAX_CHANGE as f64),
             Transmission::Cam(cam) => (None, cam.most(cx.tables)),
+            Transmission::Approach(approach) => (Some(approach.ratio().to_f64()), Gear::MAX_CHANGE as f64),
         };
         let before = self.phasing.map(|phasing| phasing.shift);
         let (p, reserve) = (&self.parameters, self.reserve());

@@ -48,21 +48,20 @@ impl Search {
         };
         [velocity, acceleration, deceleration].into_iter().chain(jerks).all(|rate| rate > 0.0 && rate.is_finite())
     }
+}
 
-    /// The first latch of the cycle that it waits for: the oldest.
-    fn first<'l>(&self, latches: &'l [Latched]) -> Option<&'l Latched> {
-        let asked = |latch: &&Latched| {
-            latch.object == self.source
-                && match self.edge {
-                    ProbeEdge::Rising => latch.rising,
-                    ProbeEdge::Falling => !latch.rising,
-                    ProbeEdge::Both => true,
-                    ProbeEdge::Index => false,
-                }
-        };
-        let older = |first: &'l Latched, next: &'l Latched| if next.age_ns > first.age_ns { next } else { first };
-        latches.iter().filter(asked).reduce(older)
-    }
+/// The first latch of the cycle that somebody waits for: the oldest.
+pub(super) fn first_latch(latches: &[Latched], source: Object, edge: ProbeEdge) -> Option<&Latched> {
+    let asked = |latch: &&Latched| {
+        latch.object == source
+            && match edge {
+                ProbeEdge::Rising => latch.rising,
+                ProbeEdge::Falling => !latch.rising,
+                ProbeEdge::Both => true,
+                ProbeEdge::Index => false,
+            }
+    };
+    latches.iter().filter(asked).reduce(|first, next| if next.age_ns > first.age_ns { next } else { first })
 }
 
 impl Axis {
@@ -101,7 +100,8 @@ impl Axis {
         let Some((goal, search)) = self.goal.and_then(|goal| Some((goal, goal.search?))) else { return };
         let mark = match search.edge {
             ProbeEdge::Index => self.index_of_cycle().map(|place| (place, self.age_of(place), true)),
-            _ => search.first(cx.latches).map(|latch| (self.position_at(latch), latch.age_ns, latch.rising)),
+            _ => first_latch(cx.latches, search.source, search.edge)
+                .map(|latch| (self.position_at(latch), latch.age_ns, latch.rising)),
         };
         let Some((latched, age_ns, rising)) = mark else { return self.miss_index(cx, &search) };
         let event = Event::new(Severity::Info, Kind::Mark, self.object(), Code::NONE).of_command(goal.sequence);

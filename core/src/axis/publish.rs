@@ -5,7 +5,6 @@ use super::{Axis, AxisState, Generator};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
 use crate::signal::{Board, Signal};
-use crate::sync::follower::Phase;
 use crate::sync::{Leads, status};
 
 /// The signals of an axis.
@@ -51,7 +50,7 @@ impl Axis {
             master: leads.get(coupling.leader).position.floor(),
             error: shown,
             status: accurate | self.status_of_marks(),
-            in_sync: follower.phase() != Phase::CatchingUp && !self.is_late() && self.has_marks(),
+            in_sync: follower.is_in_sync() && !self.is_late() && self.has_marks(),
         }
     }
 

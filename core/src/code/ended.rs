@@ -267,8 +267,8 @@ codes! {
     /// A latch of a drive that has none is waited for.
     LATCH_NOT_OFFERED = 10358, NoError {
         says: "",
-        cause: "A touch probe waits for a latch of a drive, and the backend of the drive offers none.",
-        remedy: "Search with an input that has `latch: true`, or with an encoder.",
+        cause: "A touch probe, or engage ON_EVENT, waits for a latch of a drive, and the backend of the drive offers none.",
+        remedy: "Name an input that has `latch: true`, or an encoder.",
     }
 
     /// A drive has sent an emergency message.

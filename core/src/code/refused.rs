@@ -375,6 +375,20 @@ codes! {
         remedy: "Use revers below 100: a rule, and outputs where the interface is velocity or open_loop.",
     }
 
+    /// A way to a pair of places that is too short for the slave.
+    ENGAGE_TOO_SHORT = 10055, NoError {
+        says: "start_distance_increments {plain} is too short for what the slave may do at the present speed of its leader; {bound} is enough",
+        cause: "Over the start distance of engage AT_POSITION the slave would exceed velocity or acceleration of its goal.",
+        remedy: "Give a longer start distance, more velocity and acceleration, or let the leader run slower.",
+    }
+
+    /// A leader that is on its way to a place already, past where the slave would have begun.
+    ENGAGE_PASSED = 10056, NoError {
+        says: "the leader is past its start already: {plain} of the {bound} increments before master_increments are missing",
+        cause: "With engage AT_POSITION the leader moves towards master_increments, and is closer to it than the start distance.",
+        remedy: "Give the goal earlier, or a shorter start distance.",
+    }
+
     /// An axis left the path of its trajectory by more than its tolerance.
     TRAJECTORY_PATH_TOLERANCE = 10061, NoError {
         says: "off the path of its trajectory: {what} error {asked} lies beyond tolerance {limit}",

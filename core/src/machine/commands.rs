@@ -3,7 +3,7 @@
 use super::{MAX_COMMANDS, Machine, Told};
 use crate::axis::Axis;
 use crate::code::Code;
-use crate::command::{Action, Command, Commands, MemoryValue, Phase, PhaseSide, Probe, ProbeEdge, Synchronize};
+use crate::command::{Action, Command, Commands, Engage, MemoryValue, Phase, PhaseSide, ProbeEdge, Synchronize};
 use crate::config::IoKind;
 use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -30,15 +30,13 @@ impl Machine {
     }
 
     /// Can the drive latch whose latch a goal waits for?
-    fn check_latch(&self, request: &Probe) -> Result<(), Refusal> {
-        let Object::Axis(source) = request.source else { return Ok(()) };
-        let axis = self.config.axes.get(usize::from(source));
-        let latches = axis.and_then(|axis| axis.drive).is_none_or(|offers| offers.latches);
-        // Index pulses come with the position.
-        if latches || request.edge == ProbeEdge::Index {
+    fn check_latch(&self, axis: u16, source: Object) -> Result<(), Refusal> {
+        let Object::Axis(source) = source else { return Ok(()) };
+        let drive = self.config.axes.get(usize::from(source)).and_then(|axis| axis.drive);
+        if drive.is_none_or(|offers| offers.latches) {
             return Ok(());
         }
-        let refusal = Refusal::new(Code::LATCH_NOT_OFFERED, Object::Axis(request.axis));
+        let refusal = Refusal::new(Code::LATCH_NOT_OFFERED, Object::Axis(axis));
         Err(refusal.with(Number::Count(source.into()), Number::None))
     }
 
@@ -185,7 +183,10 @@ impl Machine {
             }
             Action::Move(request) => self.give(told, request.axis, command),
             Action::Probe(request) => {
-                self.check_latch(request)?;
+                // Index pulses come with the position.
+                if request.edge != ProbeEdge::Index {
+                    self.check_latch(request.axis, request.source)?;
+                }
                 self.give(told, request.axis, command)
             }
             Action::HomeAxis(request) => self.give(told, request.axis, command),
@@ -199,6 +200,9 @@ impl Machine {
             }
             Action::Synchronize(request) => {
                 self.admit_synchronize(request)?;
+                if let Engage::OnEvent(source) = request.engage {
+                    self.check_latch(request.axis, source)?;
+                }
                 self.couples = true;
                 self.give(told, request.axis, command)
             }

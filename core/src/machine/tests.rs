@@ -14,6 +14,7 @@ mod engage;
 mod faults;
 mod feedback;
 mod functions;
+mod gear_in;
 mod homing;
 mod layers;
 mod limit_switches;

@@ -12,12 +12,15 @@ use crate::config::MachineConfig;
 use crate::modulo::Modulo;
 use crate::object::Leader;
 use crate::position::{Length, Position};
-use crate::sync::gear::Ratio;
+use crate::sync::gear::{Gear, Ratio};
 use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::unit::{Fraction, Scale, excerpt, fraction_from_f64, fraction_to_text, round};
 
-/// Mode CAM.
+/// Numbers of `mode`.
+const POSITION: u8 = 1;
 const CAM: u8 = 3;
+/// Mode MARKER.
+const MARKER: u8 = 2;
 /// Numbers of `engage`.
 const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
@@ -48,9 +51,9 @@ pub struct SynchronizeRequest {
     pub denominator: i64,
     /// With engage AT_POSITION where the leader is then (inc).
     pub master_increments: i64,
-    /// With engage AT_POSITION where the slave is then (inc); not with mode CAM, whose table says that.
+    /// With engage AT_POSITION where the slave is then (inc), with mode POSITION alone.
     pub slave_increments: i64,
-    /// With engage AT_POSITION the way of the leader in which the slave catches up (inc); not with mode CAM.
+    /// With engage AT_POSITION the leader's way before that, in which the slave comes there (inc), with mode POSITION alone.
     pub start_distance_increments: i64,
     /// Shift of the slave.
     pub offset: Amount,
@@ -117,8 +120,8 @@ impl MachineConfig {
         let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
         let mode = match request.mode {
             0 => SyncMode::Velocity,
-            1 | CAM => SyncMode::Position,
-            2 => SyncMode::Marker,
+            POSITION | CAM => SyncMode::Position,
+            MARKER => SyncMode::Marker,
             other => return Err(choice("mode", other, "0 VELOCITY, 1 POSITION, 2 MARKER, 3 CAM are allowed")),
         };
         let disengage = match request.disengage {
@@ -147,6 +150,10 @@ impl MachineConfig {
             Some(self.resolve_cam(&request.cam, leader, scale)?)
         } else {
             check_no_cam(&request.cam)?;
+            if matches!(engage, Engage::InPosition { .. }) && offset != Length::whole(0) {
+                let allowed = "0 is allowed with engage AT_POSITION, whose slave_increments say where the slave is";
+                return Err(no_meaning("offset", request.offset, units, scale, allowed));
+            }
             None
         };
         Ok(Synchronize {
@@ -167,29 +174,16 @@ impl MachineConfig {
     fn resolve_engage(&self, request: &SynchronizeRequest, leader: Option<Leader>) -> Result<Engage, RequestError> {
         match (request.engage, request.mode, leader) {
             (0, ..) => Ok(Engage::Immediately),
-            (AT_POSITION, CAM, Some(leader)) => {
-                let of_gear = [
-                    ("slave_increments", request.slave_increments),
-                    ("start_distance_increments", request.start_distance_increments),
-                ];
-                if let Some((field, value)) = of_gear.into_iter().find(|(_, value)| *value != 0) {
-                    let allowed = "0 is allowed with mode CAM, whose table says where the slave is";
-                    return Err(RequestError::BadChoice { field, value, allowed });
-                }
-                let position = request.master_increments;
-                if position.unsigned_abs() >= Position::LIMIT.unsigned_abs() {
-                    let allowed = "within +-2^62 is allowed";
-                    return Err(RequestError::BadChoice { field: "master_increments", value: position, allowed });
-                }
-                Ok(Engage::AtPosition { position, turn: self.turn_of(leader) })
+            (AT_POSITION | ON_EVENT, MARKER, _) => {
+                Err(RequestError::NotBuilt("engage AT_POSITION or ON_EVENT in mode MARKER".into()))
             }
-            (AT_POSITION, CAM, None) => Err(RequestError::NoMeaning {
+            (AT_POSITION, _, None) => Err(RequestError::NoMeaning {
                 field: "engage",
                 value: "AT_POSITION".to_owned(),
                 allowed: "it needs the name of its master, whose position it is",
             }),
-            (AT_POSITION, ..) => Err(RequestError::NotBuilt("engage AT_POSITION in another mode than CAM".into())),
-            (ON_EVENT, ..) => Err(RequestError::NotBuilt("engage ON_EVENT".into())),
+            (AT_POSITION, mode, Some(leader)) => self.resolve_position(request, mode, leader),
+            (ON_EVENT, ..) => Ok(Engage::OnEvent(self.find_latch(&request.event)?)),
             (AT_END, CAM, _) => Ok(Engage::AtEnd),
             (AT_END, ..) => Err(RequestError::NoMeaning {
                 field: "engage",
@@ -202,6 +196,34 @@ impl MachineConfig {
                 allowed: "0 IMMEDIATELY, 1 AT_POSITION, 2 ON_EVENT, 3 AT_END are allowed",
             }),
         }
+    }
+
+    /// The places of AT_POSITION.
+    fn resolve_position(&self, request: &SynchronizeRequest, mode: u8, leader: Leader) -> Result<Engage, RequestError> {
+        let position = place("master_increments", request.master_increments)?;
+        let turn = self.turn_of(leader);
+        if mode == POSITION {
+            let slave = place("slave_increments", request.slave_increments)?;
+            let distance = request.start_distance_increments;
+            if !(0..=Gear::MAX_CHANGE).contains(&distance) {
+                let (field, allowed) = ("start_distance_increments", "0 to 2147483648 is allowed");
+                return Err(RequestError::BadChoice { field, value: distance, allowed });
+            }
+            return Ok(Engage::InPosition { position, turn, slave, distance });
+        }
+        let of_gear = [
+            ("slave_increments", request.slave_increments),
+            ("start_distance_increments", request.start_distance_increments),
+        ];
+        if let Some((field, value)) = of_gear.into_iter().find(|(_, value)| *value != 0) {
+            let allowed = if mode == CAM {
+                "0 is allowed with mode CAM, whose table says where the slave is"
+            } else {
+                "0 is allowed with mode VELOCITY, which keeps no position"
+            };
+            return Err(RequestError::BadChoice { field, value, allowed });
+        }
+        Ok(Engage::AtPosition { position, turn })
     }
 
     /// The turn of what leads.
@@ -242,6 +264,14 @@ impl MachineConfig {
             slave_offset: length("slave_offset", request.slave_offset, slave)?,
         })
     }
+}
+
+/// A place that a position may have.
+fn place(field: &'static str, value: i64) -> Result<i64, RequestError> {
+    if value.unsigned_abs() < Position::LIMIT.unsigned_abs() {
+        return Ok(value);
+    }
+    Err(RequestError::BadChoice { field, value, allowed: "within +-2^62 is allowed" })
 }
 
 /// Is nothing given that another moment of engaging would read?

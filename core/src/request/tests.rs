@@ -1,5 +1,5 @@
 use super::*;
-use crate::command::HomingMethod;
+use crate::command::{Engage, HomingMethod};
 use crate::config::{EncoderConfig, SumConfig, TableConfig};
 use crate::parameter::AxisParameters;
 use crate::position::{Length, Position};
@@ -157,13 +157,94 @@ fn what_is_not_built_is_refused_by_name() {
     let by_marks = SynchronizeRequest { mode: 2, ..couple.clone() };
     assert_eq!(config.resolve_synchronize(&by_marks).map(|found| found.mode), Ok(SyncMode::Marker));
     let offset = SynchronizeRequest { offset: Amount::Number(0.001), ..by_marks };
+    for engage in [1, 2] {
+        let waits = SynchronizeRequest { mode: 2, engage, event: "belt".into(), ..couple.clone() };
+        assert!(error(waits).contains("in mode MARKER does not exist yet"));
+    }
     assert!(error(offset).contains("0 is allowed with mode MARKER, where parameter syncposoffs"));
-    assert!(
-        error(SynchronizeRequest { engage: 1, ..couple.clone() })
-            .contains("AT_POSITION in another mode than CAM does not exist yet")
-    );
-    assert!(error(SynchronizeRequest { engage: 2, ..couple.clone() }).contains("ON_EVENT does not exist yet"));
     assert!(error(SynchronizeRequest { disengage: 7, ..couple }).starts_with("disengage is 7"));
+}
+
+/// Of three inputs and outputs one latches, `mark`; so do the belt and the turret.
+fn with_latches() -> MachineConfig {
+    use crate::config::IoConfig;
+    let input = |name: &str, kind, latch| IoConfig { name: name.into(), kind, latch };
+    let mut config = MachineConfig {
+        io: vec![
+            input("start", IoKind::DigitalInput, false),
+            input("mark", IoKind::DigitalInput, true),
+            input("lamp", IoKind::DigitalOutput, true),
+        ],
+        ..config()
+    };
+    config.axes[1].drive = Some(crate::drive::Capabilities::all(0));
+    config
+}
+
+#[test]
+fn a_gear_engages_at_a_pair_of_places_or_at_a_latch() {
+    let mut config = with_latches();
+    config.axes[1].modulo = crate::modulo::Modulo::new(1_001, 2);
+    let couple = SynchronizeRequest { axis: "x".into(), master: "turret".into(), mode: 1, ..Default::default() };
+    let of = |request: &SynchronizeRequest| {
+        config.resolve_synchronize(request).map(|found| found.engage).map_err(|error| error.to_string())
+    };
+    let at = SynchronizeRequest {
+        engage: 1,
+        master_increments: -9,
+        slave_increments: 7,
+        start_distance_increments: 5,
+        ..couple.clone()
+    };
+    let turn = config.axes[1].modulo;
+    assert!(turn.is_some());
+    assert_eq!(of(&at), Ok(Engage::InPosition { position: -9, turn, slave: 7, distance: 5 }));
+    let by_velocity = SynchronizeRequest { mode: 0, slave_increments: 0, start_distance_increments: 0, ..at.clone() };
+    assert_eq!(of(&by_velocity), Ok(Engage::AtPosition { position: -9, turn }));
+    let refused = |request: SynchronizeRequest| of(&request).expect_err("refused");
+    assert_eq!(
+        refused(SynchronizeRequest { start_distance_increments: -5, ..at.clone() }),
+        "start_distance_increments is -5; 0 to 2147483648 is allowed"
+    );
+    assert_eq!(
+        refused(SynchronizeRequest { start_distance_increments: (1 << 31) + 1, ..at.clone() }),
+        "start_distance_increments is 2147483649; 0 to 2147483648 is allowed"
+    );
+    for (field, request) in [
+        ("master_increments", SynchronizeRequest { master_increments: i64::MIN, ..at.clone() }),
+        ("slave_increments", SynchronizeRequest { slave_increments: 1 << 62, ..at.clone() }),
+    ] {
+        assert!(refused(request).starts_with(&format!("{field} is ")), "{field}");
+    }
+    let none = "0 is allowed with mode VELOCITY, which keeps no position";
+    assert_eq!(
+        refused(SynchronizeRequest { slave_increments: 7, ..by_velocity.clone() }),
+        format!("slave_increments is 7; {none}")
+    );
+    assert_eq!(
+        refused(SynchronizeRequest { start_distance_increments: 5, ..by_velocity }),
+        format!("start_distance_increments is 5; {none}")
+    );
+    assert_eq!(
+        refused(SynchronizeRequest { offset: Amount::Number(0.5), ..at.clone() }),
+        "offset is `0.5 m`; 0 is allowed with engage AT_POSITION, whose slave_increments say where the slave is"
+    );
+    assert_eq!(
+        refused(SynchronizeRequest { master: String::new(), ..at }),
+        "engage is AT_POSITION; it needs the name of its master, whose position it is"
+    );
+    for (event, object) in [("mark", Object::Io(1)), ("belt", Object::Encoder(0)), ("turret", Object::Axis(1))] {
+        for mode in [0, 1] {
+            let request = SynchronizeRequest { engage: 2, event: event.into(), mode, ..couple.clone() };
+            assert_eq!(of(&request), Ok(Engage::OnEvent(object)), "{event}");
+            let by_parameter = SynchronizeRequest { master: String::new(), ..request };
+            assert_eq!(of(&by_parameter), Ok(Engage::OnEvent(object)));
+        }
+    }
+    for event in ["", "lamp"] {
+        let unknown = refused(SynchronizeRequest { engage: 2, event: event.into(), ..couple.clone() });
+        assert_eq!(unknown, config.find_latch(event).expect_err("unknown").to_string());
+    }
 }
 
 #[test]
@@ -196,17 +277,7 @@ fn parameters_take_units_and_names() {
 
 #[test]
 fn a_probe_is_a_search_with_an_end_in_the_same_units() {
-    use crate::config::IoConfig;
-    let input = |name: &str, kind, latch| IoConfig { name: name.into(), kind, latch };
-    let mut config = MachineConfig {
-        io: vec![
-            input("start", IoKind::DigitalInput, false),
-            input("mark", IoKind::DigitalInput, true),
-            input("lamp", IoKind::DigitalOutput, true),
-        ],
-        ..config()
-    };
-    config.axes[1].drive = Some(crate::drive::Capabilities::all(0));
+    let config = with_latches();
     let request = |event: &str| ProbeRequest {
         search: MoveRequest { mode: 1, rates: Rates::numbers([2.0, 0.0, 0.0, 0.0]), ..to("x", Units::AxisUnit, 7.0) },
         event: event.into(),

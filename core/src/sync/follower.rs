@@ -173,6 +173,12 @@ impl Follower {
         Self { phase: Phase::Synchronized, ..self }
     }
 
+    /// The same, which the transmission has where it is, but for what it comes to in one cycle.
+    #[must_use]
+    pub fn passing(self) -> Self {
+        Self { phase: Phase::Passing, ..self }
+    }
+
     /// The same by another transmission from now on, which wants the slave at `target`; where it `goes_on` from the one before, the slave
     /// comes there in one cycle, else it is led there.
     #[must_use]
@@ -246,7 +252,7 @@ impl Follower {
     pub fn steady_velocity(&self, present: f64, cycle_s: f64) -> f64 {
         match self.transmission {
             _ if self.lead_uneven == 0.0 => present,
-            Transmission::Gear(_) => self.mean / cycle_s,
+            Transmission::Gear(_) | Transmission::Approach(_) => self.mean / cycle_s,
             // What it has done in other places of the table says nothing.
             Transmission::Cam(cam) => cam.mean() * cam.slope() / cycle_s,
         }
@@ -255,6 +261,11 @@ impl Follower {
     /// How far it has come.
     pub fn phase(&self) -> Phase {
         self.phase
+    }
+
+    /// Is nothing left to catch up, nor the pair of places to come to?
+    pub fn is_in_sync(&self) -> bool {
+        self.phase != Phase::CatchingUp && !self.transmission.approaches()
     }
 
     /// Geared leader minus slave (inc); 0 in mode velocity, which has no position relation.

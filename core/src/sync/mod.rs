@@ -1,5 +1,6 @@
 //! Following a lead: exact transmissions and the way into and out of them.
 
+pub mod approach;
 pub mod cam;
 pub mod filter;
 pub mod follower;

@@ -3,8 +3,9 @@
 //! Law      a change of the lead becomes a change of the follower; what is left of it below the grid of positions is kept
 //! Reads    of a cam, the tables of the machine
 //! Refuses  nothing: it was checked when it was made
-//! Source   MACS-SYNC-02, PLCopen (MC_GearIn, MC_CamIn)
+//! Source   MACS-SYNC-02, PLCopen (MC_GearIn, MC_GearInPos, MC_CamIn)
 
+use super::approach::Approach;
 use super::cam::Cam;
 use super::gear::Gear;
 use crate::encoder::Lead;
@@ -21,6 +22,8 @@ pub enum Transmission {
     Gear(Gear),
     /// A table.
     Cam(Cam),
+    /// The way to the pair of places from which on it is a gear.
+    Approach(Approach),
 }
 
 impl Transmission {
@@ -29,6 +32,7 @@ impl Transmission {
         match self {
             Self::Gear(gear) => gear.is_sound(),
             Self::Cam(cam) => cam.is_sound(),
+            Self::Approach(approach) => approach.is_sound(),
         }
     }
 
@@ -38,7 +42,24 @@ impl Transmission {
         match self {
             Self::Gear(gear) => gear.step(lead.change),
             Self::Cam(cam) => cam.step(lead.change, tables),
+            Self::Approach(_) => self.approach(lead.change),
         }
+    }
+
+    #[cold]
+    fn approach(&mut self, change: Position) -> Position {
+        let Self::Approach(approach) = self else { return Position::ZERO };
+        let (change, gear) = approach.step(change);
+        if let Some(gear) = gear {
+            *self = Self::Gear(gear);
+        }
+        change
+    }
+
+    /// Is it on its way to a pair of places?
+    #[inline]
+    pub fn approaches(&self) -> bool {
+        matches!(self, Self::Approach(_))
     }
 
     /// Change of the follower by that of its lead where it stands, without its sign.
@@ -53,6 +74,7 @@ impl Transmission {
         match self {
             Self::Gear(gear) => gear.ratio().to_f64(),
             Self::Cam(cam) => cam.slope(),
+            Self::Approach(approach) => approach.slope(),
         }
     }
 
@@ -61,6 +83,7 @@ impl Transmission {
         match self {
             Self::Gear(gear) => gear.ratio().numerator() < 0,
             Self::Cam(cam) => cam.is_turned(),
+            Self::Approach(approach) => approach.is_turned(),
         }
     }
 
@@ -68,8 +91,8 @@ impl Transmission {
     #[inline]
     pub fn cam(&self) -> Option<&Cam> {
         match self {
-            Self::Gear(_) => None,
             Self::Cam(cam) => Some(cam),
+            Self::Gear(_) | Self::Approach(_) => None,
         }
     }
 }
@@ -103,5 +126,11 @@ impl From<Gear> for Transmission {
 impl From<Cam> for Transmission {
     fn from(cam: Cam) -> Self {
         Self::Cam(cam)
+    }
+}
+
+impl From<Approach> for Transmission {
+    fn from(approach: Approach) -> Self {
+        Self::Approach(approach)
     }
 }

@@ -148,6 +148,10 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             }
             _ => by_row(),
         },
+        Code::ENGAGE_TOO_SHORT if event.limit == Number::None => format!(
+            "no start distance is enough for what the slave may do at the present speed of its leader; {} was asked for",
+            plain(event.asked)
+        ),
         Code::EMERGENCY => emergency(event),
         Code::NODE_CHANGED => match told(event).and_then(NodeNotice::from_number) {
             Some(NodeNotice { node, change, .. }) => format!("node {node}: {}", change.text()),

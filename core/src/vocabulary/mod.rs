@@ -102,6 +102,26 @@ pub struct Latched {
     pub position: Position,
 }
 
+impl Latched {
+    /// The way of a leader from the instant of the latch to t_k: from what the leader's own device captured, else on the straight line of
+    /// its change in this cycle.
+    pub(crate) fn way_since(&self, leader: Leader, lead: Lead, cycle_ns: u64) -> Position {
+        let is_its_own = match (leader, self.object) {
+            (Leader::Encoder(encoder), Object::Encoder(object)) => encoder == object,
+            (Leader::AxisActual(axis), Object::Axis(object)) => axis == object,
+            _ => false,
+        };
+        match self.captured.filter(|_| is_its_own) {
+            Some(captured) => lead.position - captured,
+            None => {
+                let age = i128::from(self.age_ns).min(i128::from(cycle_ns));
+                let change = lead.change.raw().clamp(-(1 << 94), 1 << 94);
+                Position::from_raw((change * age).div_euclid(i128::from(cycle_ns.max(1))))
+            }
+        }
+    }
+}
+
 /// What a vocabulary sees of its axis at t_k: the generator has advanced, the following error is that of the last cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {

@@ -143,6 +143,8 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             engage: match number % 18 {
                 0 => Engage::AtEnd,
                 3 => Engage::AtPosition { position: number / 7, turn: None },
+                1 => Engage::InPosition { position: number, turn: None, slave: number / 9, distance: 2_000 },
+                6 | 7 => Engage::OnEvent(Object::Encoder(0)),
                 _ => Engage::Immediately,
             },
             disengage: Disengage::KeepVelocity,

@@ -35,6 +35,7 @@ pub fn setpoints_to_json(set: &Setpoints, config: &MachineConfig) -> String {
 
 /// What a verb stands for.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "nearly all are commands, and each is used at once")]
 pub enum Applied {
     /// A command.
     Command(Action),

@@ -195,14 +195,24 @@ fn coupling() -> impl Strategy<Value = Action> {
     let ways = (any::<bool>(), any::<bool>());
     let cam = prop::option::weighted(0.5, cam());
     let at_position = (-30_000_i64..30_000).prop_map(|position| Engage::AtPosition { position, turn: None });
-    let engage = prop_oneof![4 => Just(Engage::Immediately), 1 => Just(Engage::AtEnd), 1 => at_position];
+    let on_event =
+        prop::sample::select(vec![Object::Io(0), Object::Encoder(0), Object::Axis(1)]).prop_map(Engage::OnEvent);
+    let pair = (-30_000_i64..30_000, -20_000_i64..20_000, prop_oneof![Just(0), 1_i64..20_000])
+        .prop_map(|(position, slave, distance)| Engage::InPosition { position, turn: None, slave, distance });
+    let engage = prop_oneof![
+        4 => Just(Engage::Immediately),
+        1 => Just(Engage::AtEnd),
+        2 => at_position,
+        2 => on_event,
+        3 => pair
+    ];
     (axis(), leader, -5_i64..5, 1_i64..4, ways, -500_i64..500, (cam, engage)).prop_map(
         |(axis, leader, numerator, denominator, (keeps, relates), offset, (cam, engage))| {
             Action::Synchronize(Synchronize {
                 axis,
                 leader,
                 mode: if relates || cam.is_some() { SyncMode::Position } else { SyncMode::Velocity },
-                engage: if cam.is_some() { engage } else { Engage::Immediately },
+                engage,
                 disengage: if keeps { Disengage::KeepVelocity } else { Disengage::Stop },
                 numerator,
                 denominator,

@@ -8,7 +8,7 @@ use crate::command::{
 use crate::config::{AxisConfig, TableConfig};
 use crate::event::Kind;
 use crate::modulo::Modulo;
-use crate::object::{AxisSet, Leader};
+use crate::object::{AxisSet, Leader, Object};
 use crate::position::{Length, Position};
 use crate::request::Amount;
 use crate::sync::CamStart;
@@ -213,6 +213,41 @@ fn a_place_in_the_turn_of_the_leader_is_its_next_pass() {
         (100, 0, at(100)),
     ] {
         assert_eq!(turn.last_passed(at(100), at(now), at(change)), expected, "{now} {change}");
+    }
+}
+
+/// Of a latch 0.25 ms before its cycle, at 0.7 inc a cycle: from a cam of the line to the next one, and of an axis that rests; what leads
+/// absolutely is compared at the end of that cycle, as at a place.
+#[test]
+fn at_a_latch_the_next_table_begins_there() {
+    use crate::drive::{Edge, Latch};
+    for is_coupled in [true, false] {
+        let mut rig = rig();
+        if is_coupled {
+            rig.give(Action::Synchronize(on(KNIFE, CamStart::Relative, Engage::Immediately)));
+        }
+        let next = rig.give(Action::Synchronize(on(FEED, CamStart::Relative, Engage::OnEvent(Object::Encoder(0)))));
+        run_line(&mut rig, 3_000);
+        rig.run(900);
+        assert_eq!(rig.int("x.sync.waiting"), next as i64);
+        let was = place(&rig, LINE).raw();
+        let latch = Latch { object: Object::Encoder(0), edge: Edge::Rising, age_ns: Some(250_000), position: None };
+        assert!(rig.plant.add_latch(latch));
+        rig.run(1);
+        let change = place(&rig, LINE).raw() - was;
+        let moment = was + change - (change * 250_000).div_euclid(1_000_000);
+        let from = if is_coupled { way(KNIFE, moment) } else { place(&rig, X).raw() };
+        for cycle in 0..1_000 {
+            rig.run(1);
+            if is_coupled || cycle > 10 {
+                assert_eq!(place(&rig, X).raw(), from + way(FEED, place(&rig, LINE).raw() - moment));
+            }
+        }
+        let away = rig.give(Action::Synchronize(on(AWAY, CamStart::Absolute, Engage::OnEvent(Object::Encoder(0)))));
+        rig.run(3);
+        assert!(rig.plant.add_latch(latch));
+        rig.run(1);
+        assert_eq!((rig.done(away)[0].code, rig.done(next).len()), (Code::CAM_AWAY, 0));
     }
 }
 

@@ -149,6 +149,7 @@ fn shortly(
             other.keep(&following, behind);
             following
         }
+        Transmission::Approach(_) => return None,
     };
     Some((following.motion, other))
 }

@@ -29,7 +29,6 @@ pub use signals::AmcSignal;
 
 use super::{CamPoint, Latched, Order, View};
 use crate::code::Code;
-use crate::object::{Leader, Object};
 use crate::parameter::amc::Parameters;
 use crate::position::Position;
 use parameters::{CAM, CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, POSITION_ABSOLUTE, POSITION_PROFILE, POSITION_RELATIVE};
@@ -308,22 +307,8 @@ fn cam_start(view: &View<'_>) -> Option<CamPoint> {
     view.wiring.amc.cam.map(|table| CamPoint { table, point, behind: p.cam_start_position })
 }
 
-/// The way of the master from the freeze point to this sample (AMC-EVT-05, M11): what the device captured, else on the
-/// straight line through the sample (AMC-EVT-07).
+/// The way of the master from the freeze point to this sample (AMC-EVT-05, M11, AMC-EVT-07).
 fn past(view: &View<'_>, latch: &Latched) -> Position {
-    let Some(master) = view.wiring.amc.master else { return Position::ZERO };
-    let lead = view.leads.get(master);
-    let is_its_own = match (master, latch.object) {
-        (Leader::Encoder(encoder), Object::Encoder(object)) => encoder == object,
-        (Leader::AxisActual(axis), Object::Axis(object)) => axis == object,
-        _ => false,
-    };
-    match latch.captured.filter(|_| is_its_own) {
-        Some(captured) => lead.position - captured,
-        None => {
-            let age = i128::from(latch.age_ns).min(i128::from(view.cycle_ns));
-            let change = lead.change.raw().clamp(-(1 << 94), 1 << 94);
-            Position::from_raw((change * age).div_euclid(i128::from(view.cycle_ns.max(1))))
-        }
-    }
+    let way = |master| latch.way_since(master, view.leads.get(master), view.cycle_ns);
+    view.wiring.amc.master.map_or(Position::ZERO, way)
 }

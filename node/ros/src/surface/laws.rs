@@ -167,11 +167,16 @@ mod tests {
         fn any_coupling_is_refused_or_within_the_limits(
             axis in axis(), master in axis(), mode in 0..4_u8, disengage in 0..3_u8, numerator: i64, denominator: i64,
             small in prop::option::of((-9..9_i64, -9..9_i64)), numbers in prop::array::uniform3(number()),
+            engage in 0..4_u8, places in prop::array::uniform3(-9_000..9_000_i64), has_offset: bool,
         ) {
             let (numerator, denominator) = small.unwrap_or((numerator, denominator));
             let [offset, velocity, acceleration] = numbers;
+            let [master_increments, slave_increments, start_distance_increments] =
+                if engage == 1 { places } else { [0; 3] };
+            let (offset, event) = (if has_offset { offset } else { 0.0 }, String::from(if engage == 2 { "x" } else { "" }));
             let goal = SynchronizeGoal {
-                axis, master, mode, disengage, numerator, denominator, offset, velocity, acceleration,
+                axis, master, event, mode, engage, disengage, numerator, denominator, offset, velocity, acceleration,
+                master_increments, slave_increments, start_distance_increments,
                 ..SynchronizeGoal::default()
             };
             any_goal(&[&[2], encode(&goal).as_slice()].concat());

@@ -269,6 +269,23 @@ fn cams_name_their_table() {
     desk.is(&place, &written);
     let zero = waits(0, Leader::AxisActual(1), at(0));
     desk.is(&zero, &format!(r#"{}"engage":"at_position",{fields}"#, head("x", "turret.actual")));
+    let latch = waits(0, Leader::AxisCommand(1), Engage::OnEvent(Object::Encoder(0)));
+    desk.is(&latch, &format!(r#"{}"engage":"on_event","event":"belt",{fields}"#, head("x", "turret")));
+    let gear = |engage| {
+        Action::Synchronize(Coupling {
+            leader: Some(Leader::AxisCommand(1)),
+            engage,
+            numerator: 3,
+            denominator: 1,
+            ..coupling(0)
+        })
+    };
+    let head = r#"{"synchronize":{"id":"17","axis":"x","master":"turret","mode":"position","#;
+    let pair = Engage::InPosition { position: -9_000, turn, slave: 40, distance: 2_000 };
+    let places = r#""master_increments":-9000,"slave_increments":40,"start_distance_increments":2000"#;
+    desk.is(&gear(pair), &format!(r#"{head}"engage":"at_position",{places},"numerator":3,"denominator":1}}}}"#));
+    let latch = gear(Engage::OnEvent(Object::Io(0)));
+    desk.is(&latch, &format!(r#"{head}"engage":"on_event","event":"mark","numerator":3,"denominator":1}}}}"#));
 }
 
 /// What the master is shifted by is written as it was given: in which increments depends on its leader.

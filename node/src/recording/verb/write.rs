@@ -200,7 +200,13 @@ struct Synchronize<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     engage: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    event: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     master_increments: Option<i64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slave_increments: Option<i64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start_distance_increments: Option<i64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     disengage: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -392,17 +398,22 @@ fn move_axis<'a>(id: String, request: &Move, config: &'a MachineConfig) -> MoveA
     }
 }
 
-fn probe_axis<'a>(id: String, request: &Probe, config: &'a MachineConfig) -> ProbeAxis<'a> {
+/// What latches.
+fn latching(source: Object, config: &MachineConfig) -> &str {
     let io = |index: u16| config.io.get(usize::from(index)).map(|io| &io.name);
     let encoder = |index: u16| config.encoders.get(usize::from(index)).map(|encoder| &encoder.name);
+    match source {
+        Object::Io(index) => io(index).map_or(NAMELESS, String::as_str),
+        Object::Encoder(index) => encoder(index).map_or(NAMELESS, String::as_str),
+        Object::Axis(index) => axis(index, config),
+        Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) => NAMELESS,
+    }
+}
+
+fn probe_axis<'a>(id: String, request: &Probe, config: &'a MachineConfig) -> ProbeAxis<'a> {
     ProbeAxis {
         search: move_axis(id, &request.search(), config),
-        event: match request.source {
-            Object::Io(index) => io(index).map_or(NAMELESS, String::as_str),
-            Object::Encoder(index) => encoder(index).map_or(NAMELESS, String::as_str),
-            Object::Axis(index) => axis(index, config),
-            Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) => NAMELESS,
-        },
+        event: latching(request.source, config),
         edge: match request.edge {
             ProbeEdge::Rising => None,
             ProbeEdge::Falling => Some("falling"),
@@ -424,11 +435,17 @@ fn home_axis<'a>(id: String, request: &Homing, config: &'a MachineConfig) -> Hom
 
 fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) -> Synchronize<'a> {
     let whole = |number: i64| Some(number).filter(|&number| number != 0);
-    let (engage, master_increments) = match request.engage {
-        Engage::Immediately => (None, None),
-        Engage::AtPosition { position, .. } => (Some("at_position"), whole(position)),
-        Engage::AtEnd => (Some("at_end"), None),
+    let none = [None; 3];
+    let (engage, places, event) = match request.engage {
+        Engage::Immediately => (None, none, None),
+        Engage::AtPosition { position, .. } => (Some("at_position"), [whole(position), None, None], None),
+        Engage::InPosition { position, slave, distance, .. } => {
+            (Some("at_position"), [position, slave, distance].map(whole), None)
+        }
+        Engage::OnEvent(source) => (Some("on_event"), none, Some(latching(source, config))),
+        Engage::AtEnd => (Some("at_end"), none, None),
     };
+    let [master_increments, slave_increments, start_distance_increments] = places;
     Synchronize {
         id,
         axis: axis(request.axis, config),
@@ -454,7 +471,10 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
             SyncMode::Marker => "marker",
         },
         engage,
+        event,
         master_increments,
+        slave_increments,
+        start_distance_increments,
         disengage: match request.disengage {
             Disengage::Stop => None,
             Disengage::KeepVelocity => Some("keep_velocity"),

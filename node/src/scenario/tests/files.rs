@@ -88,6 +88,11 @@ fn a_difference_of_two_leads() {
 }
 
 #[test]
+fn a_flying_shear_cuts_with_its_web() {
+    assert!(passes("shear.yaml", "scenarios/masters/shear.yaml") >= 11);
+}
+
+#[test]
 fn a_bus_that_goes_off_passes() {
     passes_on("buses.yaml", "buses/bus_lost.yaml");
 }

@@ -332,19 +332,9 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
 
 #[test]
 fn verbs_that_are_not_built_are_refused_by_name() {
-    assert_eq!(
-        bad(
-            "{synchronize: ^{axis: x, master: line, engage: at_position, master_increments: 5, slave_increments: 5, start_distance_increments: 1}}"
-        ),
-        "engage AT_POSITION in another mode than CAM does not exist yet"
-    );
     assert!(
         bad("{synchronize: {axis: x, master: line, mode: marker, offset: ^1 mm}}")
             .contains("0 is allowed with mode MARKER")
-    );
-    assert_eq!(
-        bad("{synchronize: ^{axis: x, master: line, engage: on_event, event: mark}}"),
-        "engage ON_EVENT does not exist yet"
     );
 }
 
@@ -392,6 +382,14 @@ fn what_is_wrong_with_a_verb_is_told() {
         "master_increments belongs to `engage: at_position`"
     );
     assert_eq!(bad("{synchronize: {axis: x, master: line, event: ^mark}}"), "event belongs to `engage: on_event`");
+    assert_eq!(
+        bad(
+            "{synchronize: ^{axis: x, master: line, mode: position, engage: at_position, start_distance_increments: -1}}"
+        ),
+        "start_distance_increments is -1; 0 to 2147483648 is allowed"
+    );
+    let unknown = bad("{synchronize: ^{axis: x, master: line, engage: on_event, event: lamp}}");
+    assert!(unknown.starts_with("`lamp` does not latch; "), "{unknown}");
     assert_eq!(
         bad("{synchronize: ^{axis: x, master: line, mode: velocity, offset: 5 mm}}"),
         "offset is `5 mm`; 0 is allowed with mode VELOCITY, which keeps no position"

@@ -10,6 +10,7 @@ use crate::text::sentence;
 use proptest::prelude::*;
 
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "a test has few of them")]
 enum Happening {
     Set(u16, Vec<(&'static str, i64)>),
     Goal(Action),

@@ -123,6 +123,30 @@ fn camming_request() -> impl Strategy<Value = SynchronizeRequest> {
     })
 }
 
+/// Gears at a pair of places, of which mode velocity has one, and at a latch.
+fn waiting_request() -> impl Strategy<Value = SynchronizeRequest> {
+    let event = prop::sample::select(vec!["mark", "belt", "x"]).prop_map(str::to_owned);
+    let distance = prop_oneof![Just(0), 1_i64..100_000, any::<i64>()];
+    (synchronize_request(), any::<bool>(), event, (any::<i64>(), any::<i64>(), distance)).prop_map(
+        |(request, by_event, event, (master_increments, slave, distance))| {
+            if by_event {
+                return SynchronizeRequest { engage: 2, event, ..request };
+            }
+            let (slave_increments, start_distance_increments) =
+                if request.mode == 1 { (slave, distance) } else { (0, 0) };
+            let offset = Amount::default();
+            SynchronizeRequest {
+                engage: 1,
+                master_increments,
+                slave_increments,
+                start_distance_increments,
+                offset,
+                ..request
+            }
+        },
+    )
+}
+
 fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
     let masters = ["x", "x.command", "turret.actual", "belt", "odd"];
     let master = prop::sample::select(masters.to_vec()).prop_map(str::to_owned);
@@ -327,6 +351,7 @@ fn enough_requests_become_commands_for_the_laws_to_mean_something() {
     let config = &DESK.config;
     let moves = share(move_request(), |request| config.resolve_recorded_move(&request).is_ok());
     let couplings = share(synchronize_request(), |request| config.resolve_recorded_synchronize(&request).is_ok());
+    let waiting = share(waiting_request(), |request| config.resolve_recorded_synchronize(&request).is_ok());
     let trajectories = share(trajectory_request(), |request| config.resolve_trajectory(&request).is_ok());
     assert!(trajectories > 0.2, "{trajectories}");
     assert!(share(home_request(), |request| config.resolve_home(&request).is_ok()) > 0.5);
@@ -336,7 +361,7 @@ fn enough_requests_become_commands_for_the_laws_to_mean_something() {
         share(rows, |(axis, row, input)| config.resolve_parameter(&format!("{axis}.{}", row.key), &input).is_ok());
     let verbs = share(verb(), |text| DESK.read(&text).is_ok());
     assert!(share(saia(), |action| action.is_some()) > 0.2);
-    assert!(moves > 0.2 && couplings > 0.2 && changes > 0.05 && verbs > 0.2);
+    assert!(moves > 0.2 && couplings > 0.2 && waiting > 0.2 && changes > 0.05 && verbs > 0.2);
 }
 
 /// A verb as a person may write it, with arguments that may be wrong.
@@ -385,7 +410,7 @@ proptest! {
     }
 
     #[test]
-    fn every_coupling_that_a_request_makes(request in prop_oneof![synchronize_request(), camming_request()]) {
+    fn every_coupling_that_a_request_makes(request in prop_oneof![synchronize_request(), camming_request(), waiting_request()]) {
         if let Ok(action) = DESK.config.resolve_recorded_synchronize(&request) {
             comes_back(&Action::Synchronize(action))?;
         }

@@ -1,0 +1,190 @@
+//! A gear that begins at its moment: at a latch, or so that leader and axis are at a pair of places together (MC_GearInPos).
+//!
+//! Law      at a latch: target = place of the axis at the end of that cycle + ratio * (leader - leader at the latch), to 2^-32 inc; from the gear
+//!          before, of the same leader, it goes on where that had it at the latch. In position: over the start distance an [`Approach`], which
+//!          begins where the leader passes its start, though that lies between two cycles, with place, velocity and acceleration of the axis;
+//!          without a distance the gear of the pair, which the axis catches up. On an axis with a turn the pair is in the turn that the mean
+//!          of both slopes leads to, or in the nearest one
+//! Reads    the leader, this cycle's, of a counted one its mean speed while it was waited for
+//! Refuses  at the request, as far as the leader moves and the axis rests, and at the moment: a leader past its start, a way too short for
+//!          velocity and acceleration of the goal, one that leads backwards against revers
+//! Source   contract section 7, PLCopen (MC_GearInPos), AMC-EVT-05
+
+use super::pair::{Pair, Started};
+use super::{Axis, Generator};
+use crate::code::Code;
+use crate::command::Synchronize;
+use crate::encoder::Lead;
+use crate::event::{Number, Refusal};
+use crate::modulo::{Direction, Modulo};
+use crate::parameter::Rule;
+use crate::position::Position;
+use crate::sync::approach::{Approach, Begin, least_length};
+use crate::sync::follower::{Bounds, Follower, Phase};
+use crate::sync::gear::{Gear, Ratio};
+use crate::sync::{SyncMode, Transmission};
+use crate::table::Table;
+use std::sync::Arc;
+
+/// What rounding may put a curve beyond a limit.
+const SLACK: f64 = 1.0 + 1e-9;
+
+/// What a curve is judged by.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    ratio: Ratio,
+    /// Of the leader (inc per cycle).
+    speed: f64,
+    /// Where the axis begins.
+    from: Begin,
+    bounds: Bounds,
+}
+
+impl Axis {
+    /// May it wait for that pair? What moves is judged again at its moment.
+    pub(super) fn check_pair(&self, pair: Pair, request: &Synchronize, lead: Lead) -> Result<(), Refusal> {
+        self.passed_start(pair, lead)?;
+        if pair.distance == 0 || !pair.lies_ahead(lead) || !matches!(self.generator, Generator::Rest) {
+            return Ok(());
+        }
+        let from = Begin { place: self.command.position, slope: 0.0, bend: 0.0 };
+        let (ratio, bounds) = (self.ratio_of(request)?, self.bounds_of(request)?);
+        self.approach(pair, Way { ratio, speed: lead.change.to_f64(), from, bounds }).map(|_| ())
+    }
+
+    /// How far behind the start of a pair the leader is that has passed it in this cycle.
+    pub(super) fn passed_start(&self, pair: Pair, lead: Lead) -> Result<Option<Position>, Refusal> {
+        let refuse = |(missing, distance)| self.refuse(Code::ENGAGE_PASSED).with(missing, distance);
+        if pair.distance == 0 { Ok(None) } else { pair.passed_start(lead).map_err(refuse) }
+    }
+
+    /// How it follows by a gear that began when its leader was so far behind where it is.
+    pub(super) fn engaged_gear(
+        &self,
+        tables: &[Arc<Table>],
+        request: &Synchronize,
+        started: Started,
+    ) -> Result<Follower, Refusal> {
+        let Started { leader, lead, after, .. } = started;
+        let (bounds, present) = (self.bounds_of(request)?, self.present());
+        let new = |transmission, target: Position| {
+            Follower::new(lead.uneven, transmission, request.mode, present, target - present.position, bounds)
+        };
+        if request.mode == SyncMode::Velocity {
+            let (transmission, _) = self.gear_of(request)?;
+            return Ok(new(transmission, present.position));
+        }
+        let ratio = self.ratio_of(request)?;
+        let before = self.follows_by_position(leader);
+        let back = before.map(|before| {
+            let mut old = *before.transmission();
+            let way = old.step(Lead { change: -after, ..Lead::default() }, tables);
+            (before, Begin { place: before.target() + way, slope: old.signed_slope(), bend: 0.0 }, old)
+        });
+        let (transmission, target, goes_on) = match Pair::of(request.engage) {
+            Some(pair) if pair.distance == 0 => {
+                let mut gear = Gear::new(ratio);
+                let way = gear.step(after);
+                let slave = self.turn_of(pair.slave, present.position - way);
+                (Transmission::Gear(gear), slave + way, false)
+            }
+            Some(pair) => {
+                let on_leader = back.filter(|(before, ..)| before.phase() != Phase::CatchingUp);
+                let speed = started.speed();
+                let from = on_leader.map_or_else(|| self.beginning(speed, after), |(_, from, _)| from);
+                let approach = self.approach(pair, Way { ratio, speed, from, bounds })?;
+                let mut transmission = Transmission::Approach(approach);
+                let target = from.place + transmission.step(Lead { change: after, ..Lead::default() }, tables);
+                if on_leader.is_none() {
+                    return Ok(new(transmission, target).passing());
+                }
+                (transmission, target, true)
+            }
+            None => {
+                let (stands, mut gear) = match back {
+                    Some((_, from, Transmission::Gear(old))) => (from.place, old.with_ratio(ratio)),
+                    Some((_, from, _)) => (from.place, Gear::new(ratio)),
+                    None => (present.position, Gear::new(ratio)),
+                };
+                let offset = request.offset.exact();
+                let target = stands + offset + gear.step(after);
+                (Transmission::Gear(gear), target, offset == Position::ZERO)
+            }
+        };
+        Ok(match before {
+            Some(before) => before.handed_over(transmission, target, bounds, goes_on),
+            None => new(transmission, target),
+        })
+    }
+
+    /// The present motion where the leader was so far behind where it is, by its way at so many increments a cycle.
+    fn beginning(&self, speed: f64, after: Position) -> Begin {
+        let (present, cycle_s) = (self.present(), self.cycle_s());
+        let slope = present.velocity * cycle_s / speed;
+        let bend = present.acceleration * cycle_s * cycle_s / speed / speed;
+        let after = after.to_f64();
+        let way = Position::from_f64(slope * after - bend * after * after / 2.0);
+        Begin { place: present.position - way, slope, bend }
+    }
+
+    /// The way to a pair.
+    ///
+    /// # Errors
+    /// The axis may not, or cannot go it.
+    fn approach(&self, pair: Pair, way: Way) -> Result<Approach, Refusal> {
+        let geared = way.speed.abs() / self.cycle_s() * way.ratio.to_f64().abs();
+        let most = way.bounds.max_velocity;
+        if geared > most * SLACK {
+            let numbers = (Number::Velocity(geared), Number::Velocity(most));
+            return Err(self.refuse(Code::VELOCITY_TOO_HIGH).with(numbers.0, numbers.1));
+        }
+        let approach = self.approach_over(pair, pair.distance, way).ok_or_else(|| self.refuse(Code::BAD_REQUEST))?;
+        if !self.leads_forward(&approach, way.speed) {
+            return Err(self.refuse(Code::REVERSE_FORBIDDEN).with(Number::Position(pair.slave), Number::None));
+        }
+        if self.bears(&approach, way) {
+            return Ok(approach);
+        }
+        let fits = |distance| {
+            let longer = self.approach_over(pair, distance, way);
+            longer.is_some_and(|longer| self.leads_forward(&longer, way.speed) && self.bears(&longer, way))
+        };
+        let least = least_length(pair.distance, fits).map_or(Number::None, Number::Count);
+        Err(self.refuse(Code::ENGAGE_TOO_SHORT).with(Number::Count(pair.distance), least))
+    }
+
+    fn approach_over(&self, pair: Pair, distance: i64, way: Way) -> Option<Approach> {
+        let Way { ratio, speed, from, .. } = way;
+        let length = if speed < 0.0 { -distance } else { distance };
+        let even = (from.slope + ratio.to_f64()) / 2.0 * length as f64;
+        let slave = self.turn_of(pair.slave, from.place + Position::from_f64(even));
+        Approach::new(ratio, length, Begin { place: from.place - slave, ..from })
+    }
+
+    /// The place of a turn that is nearest to another one; the place itself without a turn.
+    fn turn_of(&self, place: i64, near: Position) -> Position {
+        let place = Position::whole(place);
+        let target = |modulo: Modulo| modulo.target(place, near, near, Direction::Shortest, 0.0);
+        self.setup.modulo.map_or(place, target)
+    }
+
+    /// Can it go that way while its leader runs so fast? What it does already counts as possible.
+    fn bears(&self, approach: &Approach, way: Way) -> bool {
+        let shape = approach.shape();
+        let (present, speed) = (self.present(), way.speed.abs() / self.cycle_s());
+        let steepest = shape.most.max(-shape.least);
+        let geared = speed * way.ratio.to_f64().abs();
+        let velocity = way.bounds.velocity.max(geared).max(present.velocity.abs());
+        let acceleration = way.bounds.acceleration.max(present.acceleration.abs());
+        speed * steepest <= velocity * SLACK && speed * speed * shape.bend <= acceleration * SLACK
+    }
+
+    /// Does it go backwards nowhere, but where revers permits it wherever the leader turns?
+    fn leads_forward(&self, approach: &Approach, speed: f64) -> bool {
+        match self.parameters.reversing().rule {
+            Rule::Always => true,
+            Rule::WithMaster => approach.keeps_sense(approach.ratio().to_f64()),
+            Rule::Never => approach.keeps_sense(speed),
+        }
+    }
+}

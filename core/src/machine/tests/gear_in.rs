@@ -1,0 +1,693 @@
+//! Gears that wait for their moment: a pair of places (MC_GearInPos), a latch (freeze start).
+
+use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
+use crate::code::Code;
+use crate::command::{Action, Engage, Move, Phase, PhaseShift, PhaseSide, Synchronize};
+use crate::config::{AxisConfig, IoConfig, IoKind, MachineConfig};
+use crate::drive::{Edge, Latch};
+use crate::event::{Kind, Number};
+use crate::modulo::Modulo;
+use crate::object::{Leader, Object};
+use crate::position::{Length, Position};
+use crate::sync::{Disengage, SyncMode};
+use proptest::prelude::*;
+
+const TO_LINE: Leader = Leader::AxisCommand(LINE);
+const MARK: Object = Object::Io(0);
+/// What an axis of the rig may in a cycle (inc), and by how much that may change; half of it where nothing is asked for.
+const FASTEST: f64 = 100.0;
+const RATE: f64 = 1.0;
+
+fn rig() -> Rig {
+    rig_of(|_| {})
+}
+
+fn rig_of(with: fn(&mut AxisConfig)) -> Rig {
+    let input = |name: &str| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: true };
+    let mut config = MachineConfig { io: vec![input("mark"), input("other")], ..config(0) };
+    with(&mut config.axes[usize::from(X)]);
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig
+}
+
+fn pair(position: i64, slave: i64, distance: i64) -> Engage {
+    Engage::InPosition { position, turn: None, slave, distance }
+}
+
+/// Of x to the line.
+fn geared(numerator: i64, denominator: i64, engage: Engage) -> Action {
+    Action::Synchronize(Synchronize { engage, ..couple(X, TO_LINE, numerator, denominator) })
+}
+
+/// The line to a place, at so many inc a cycle, with 1 inc a cycle and cycle.
+fn line(to_place: i64, speed: f64) -> Action {
+    let (velocity, acceleration) = (speed * 1e3, 1e6);
+    Action::Move(Move { velocity, acceleration, deceleration: acceleration, ..to(LINE, to_place) })
+}
+
+fn place(rig: &Rig, axis: u16) -> Position {
+    rig.machine.state.leads.get(Leader::AxisCommand(axis)).position
+}
+
+fn real(rig: &Rig, axis: u16) -> f64 {
+    place(rig, axis).to_f64()
+}
+
+/// So many cycles, in each of which x keeps what it may, but for what its grid leaves out; `look` sees each of them.
+fn watch(rig: &mut Rig, cycles: usize, mut look: impl FnMut(&Rig)) {
+    for _ in 0..cycles {
+        let (from, before) = (real(rig, X), rig.real("x.command.velocity") / 1e3);
+        rig.run(1);
+        let step = real(rig, X) - from;
+        assert!(step.abs() <= FASTEST + 1e-6, "{step}");
+        assert!((step - before).abs() <= RATE + 1e-6, "{before} {step}");
+        look(rig);
+    }
+}
+
+fn warnings(rig: &Rig) -> usize {
+    rig.events.iter().filter(|event| matches!(event.kind, Kind::Warning | Kind::Error)).count()
+}
+
+/// Where the pair 10000, 3000 has x at 1 : 1 that stood at 1000, over 4000 of the line: y'' = (6 s - 6 s^2) / 4000, so that
+/// y = 4000 (s^3 - s^4 / 2).
+fn even(line: f64) -> f64 {
+    let s = ((line - 6_000.0) / 4_000.0).clamp(0.0, 1.0);
+    1_000.0 + 4_000.0 * (s * s * s - s * s * s * s / 2.0)
+}
+
+/// x at 1000, waiting for the pair 10000, 3000 over 4000 at 1 : 1.
+fn waiting(rig: &mut Rig) -> u64 {
+    rig.give(Action::Move(to(X, 1_000)));
+    rig.run(500);
+    let goal = rig.give(geared(1, 1, pair(10_000, 3_000, 4_000)));
+    assert!(rig.was_accepted(goal));
+    rig.run(3);
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (goal as i64, "STANDSTILL"));
+    goal
+}
+
+#[test]
+fn from_rest_it_goes_the_curve_and_is_exact_behind_the_pair() {
+    let mut rig = rig();
+    let goal = waiting(&mut rig);
+    rig.give(line(30_000, 19.7));
+    let mut seen = [0; 3];
+    watch(&mut rig, 1_000, |rig| {
+        let now = real(rig, LINE);
+        let state = (rig.state("x"), rig.int("x.sync.waiting"), rig.int("x.in_sync"));
+        match () {
+            () if now < 6_000.0 => {
+                seen[0] += 1;
+                assert_eq!((real(rig, X), state), (1_000.0, ("STANDSTILL", goal as i64, 0)));
+            }
+            // It is engaged in the cycle that passes its start, and on the curve from the next one on.
+            () if now < 10_000.0 => {
+                seen[1] += 1;
+                assert_eq!(state, ("SYNCHRONIZED_MOTION", 0, 0));
+                assert!((real(rig, X) - even(now)).abs() < if seen[1] == 1 { 1e-3 } else { 1e-6 }, "{now}");
+                assert_eq!(rig.int("x.reference"), 4);
+            }
+            () => {
+                seen[2] += 1;
+                assert_eq!(state, ("SYNCHRONIZED_MOTION", 0, 1));
+                assert_eq!(place(rig, X) - place(rig, LINE), Position::whole(3_000 - 10_000));
+            }
+        }
+    });
+    // 4000 inc at 19.7 each.
+    assert!(seen[0] > 300 && (202..=204).contains(&seen[1]) && seen[2] > 300, "{seen:?}");
+    assert_eq!((warnings(&rig), rig.done(goal).len()), (0, 0));
+}
+
+/// 1.5 : 1 from 0.5 : 1, which is what 10 inc a cycle are beside the line's 20: the bend is 1 in 4000 inc at most 1.5 / 4000 of it, times 400.
+#[test]
+fn a_slave_that_moves_goes_on_from_its_velocity() {
+    let mut rig = rig();
+    rig.give(line(60_000, 20.0));
+    rig.give(Action::Move(at(X, 10_000.0)));
+    rig.run(100);
+    // From now on it goes half of what the line does; then 4000 inc in the mean of 0.5 and 1.5.
+    let way = (16_000.0 - real(&rig, LINE)) / 2.0;
+    let slave = (real(&rig, X) + way).round() as i64 + 4_000;
+    let goal = rig.give(geared(3, 2, pair(20_000, slave, 4_000)));
+    let mut before = 10.0;
+    let mut passed = 0;
+    watch(&mut rig, 1_500, |rig| {
+        let speed = rig.real("x.command.velocity") / 1e3;
+        assert!((speed - before).abs() <= 1.5 / 4_000.0 * 400.0 + 1e-3, "{before} {speed}");
+        before = speed;
+        if real(rig, LINE) >= 20_000.0 {
+            passed += 1;
+            let way = (place(rig, LINE) - Position::whole(20_000)).raw() * 3;
+            assert_eq!(place(rig, X).raw(), (i128::from(slave) << 32) + way.div_euclid(2));
+        }
+    });
+    assert!(passed > 300 && rig.done(goal).is_empty() && warnings(&rig) == 0);
+}
+
+/// Geared 1 : 2 to the line before, it takes 3 : 2 over from there without a jump of velocity.
+#[test]
+fn a_gear_of_the_same_leader_passes_into_the_pair() {
+    let mut rig = rig();
+    let first = rig.give(Action::Synchronize(couple(X, TO_LINE, 1, 2)));
+    rig.give(line(60_000, 20.0));
+    // At 16000 it is at 8000.
+    let goal = rig.give(geared(3, 2, pair(20_000, 12_000, 4_000)));
+    rig.mirror();
+    rig.run(100);
+    let mut before = 10.0;
+    watch(&mut rig, 1_500, |rig| {
+        let speed = rig.real("x.command.velocity") / 1e3;
+        assert!((speed - before).abs() <= 0.15 + 1e-3, "{before} {speed}");
+        before = speed;
+    });
+    assert_eq!((rig.done(first)[0].code, rig.done(goal).len(), warnings(&rig)), (Code::REPLACED, 0, 0));
+    assert_eq!(rig.int("x.in_sync"), 1);
+    let way = (place(&rig, LINE) - Position::whole(20_000)).raw() * 3;
+    assert_eq!(place(&rig, X).raw(), (12_000_i128 << 32) + way.div_euclid(2));
+}
+
+/// The leader stops in the approach, goes back before the start and comes again: always the same curve.
+#[test]
+fn the_curve_is_one_of_the_leaders_place() {
+    let mut rig = rig();
+    let goal = waiting(&mut rig);
+    rig.mirror();
+    for stop in [8_000, 7_000, 9_500, 5_000, 5_500, 9_000, 6_000] {
+        rig.give(line(stop, 17.3));
+        let mut engaged = rig.int("x.sync.waiting") == 0;
+        watch(&mut rig, 700, |rig| {
+            let is_first = !engaged && rig.int("x.sync.waiting") == 0;
+            engaged |= is_first;
+            assert!((real(rig, X) - even(real(rig, LINE))).abs() < if is_first { 1e-3 } else { 1e-6 });
+        });
+        assert_eq!((rig.int("line.command.position"), rig.int("x.in_sync")), (stop, 0));
+    }
+    assert_eq!(place(&rig, X), Position::whole(1_000));
+    rig.give(line(12_000, 17.3));
+    watch(&mut rig, 600, |_| {});
+    // Behind the pair it is a gear: back before it there is no curve any more.
+    assert_eq!((place(&rig, X), rig.int("x.in_sync")), (Position::whole(5_000), 1));
+    rig.give(line(7_000, 17.3));
+    watch(&mut rig, 600, |_| {});
+    assert_eq!((place(&rig, X), rig.int("x.sync.error")), (Position::whole(0), 0));
+    assert_eq!((warnings(&rig), rig.done(goal).len()), (0, 0));
+}
+
+/// Twice as fast in the middle of it, and then so fast that x cannot: it lags within its limits, says so, and comes to the pair's gear all the same.
+#[test]
+fn a_leader_that_runs_faster_never_drives_the_slave_beyond_its_limits() {
+    let mut rig = rig();
+    waiting(&mut rig);
+    rig.give(line(60_000, 20.0));
+    rig.run_to("line.command.position", 7_000.0);
+    rig.give(line(60_000, 90.0));
+    watch(&mut rig, 1_500, |_| {});
+    assert_eq!((place(&rig, X), rig.int("x.in_sync")), (Position::whole(53_000), 1));
+}
+
+/// 1000 is passed at 1000 + n * 4000: from 0 on the start, 2000 before it, is at 3000.
+#[test]
+fn a_pair_in_the_turn_of_the_leader_is_the_next_one_that_leaves_the_way() {
+    let engage = Engage::InPosition { position: 1_000, turn: Modulo::new(4_000, 1), slave: 1_100, distance: 2_000 };
+    let mut rig = rig();
+    rig.give(geared(1, 1, engage));
+    rig.give(line(9_000, 10.0));
+    rig.run_to("line.command.position", 2_980.0);
+    assert!(rig.int("x.sync.waiting") != 0);
+    watch(&mut rig, 1_000, |_| {});
+    assert_eq!(place(&rig, X), Position::whole(1_100 + 9_000 - 5_000));
+    // The slave has a turn of its own: of 1100 + n * 3600 the one nearest to 7000 + 2000 / 2.
+    let mut rig = rig_of(|axis| axis.modulo = Modulo::new(3_600, 1));
+    rig.give(Action::Move(Move { mode: crate::command::MoveMode::Relative, ..to(X, 7_000) }));
+    rig.run(1_000);
+    rig.give(geared(1, 1, engage));
+    rig.give(line(9_000, 10.0));
+    watch(&mut rig, 1_400, |_| {});
+    assert_eq!(place(&rig, X), Position::whole(7_200 + 1_100 + 4_000));
+}
+
+/// From above: the start lies above the place.
+#[test]
+fn a_leader_from_above_starts_above() {
+    let mut rig = rig();
+    rig.give(line(20_000, 90.0));
+    rig.run(400);
+    // From 0 down by 2000.
+    let goal = rig.give(geared(1, 1, pair(10_000, -2_000, 4_000)));
+    rig.give(line(5_000, 20.0));
+    rig.run_until("x.sync.waiting", 0);
+    assert!((13_980..=14_000).contains(&rig.int("line.command.position")));
+    watch(&mut rig, 800, |_| {});
+    assert_eq!((place(&rig, X), rig.done(goal).len(), warnings(&rig)), (Position::whole(-7_000), 0, 0));
+}
+
+/// The line at 20 inc a cycle: what is refused tells a distance that is just accepted. Once the line stands, the moment judges.
+#[test]
+fn a_way_too_short_is_refused_with_the_least_that_is_enough() {
+    let mut rig = rig();
+    rig.give(line(100_000_000, 20.0));
+    rig.run(100);
+    let ask = |rig: &mut Rig, distance| {
+        let goal = rig.give(geared(1, 1, pair(50_000, 1_000, distance)));
+        (goal, rig.answer(goal).err())
+    };
+    let (goal, refused) = ask(&mut rig, 100);
+    let refused = refused.expect("too short");
+    assert_eq!((refused.code, refused.asked), (Code::ENGAGE_TOO_SHORT, Number::Count(100)));
+    let Number::Count(least) = refused.limit else { panic!("{refused:?}") };
+    // An even way of 2 * 1000 needs 1.5 / 2000 * 400 = 0.3 of the 0.5; the largest bend of any way is more than 1 / length.
+    assert!((800..2_000).contains(&least), "{least}");
+    assert_eq!(
+        rig.refusal(goal),
+        format!(
+            "x: start_distance_increments 100 is too short for what the slave may do at the present speed of its leader; {least} is enough"
+        )
+    );
+    assert_eq!(ask(&mut rig, least - 1).1.map(|event| event.limit), Some(Number::Count(least)));
+    assert_eq!(ask(&mut rig, least).1, None);
+    // Faster than x may at all.
+    rig.give(line(200_000_000, 90.0));
+    rig.run(100);
+    let fast = rig.give(geared(3, 2, pair(100_000, 1_000, 20_000)));
+    assert_eq!(rig.refusal(fast), "x: velocity 135 mm/s lies above max_velocity 100 mm/s");
+}
+
+#[test]
+fn a_way_too_short_at_its_moment_ends_the_goal_there() {
+    let mut rig = rig();
+    let goal = rig.give(geared(1, 1, pair(10_000, 50, 100)));
+    assert!(rig.was_accepted(goal));
+    rig.give(line(20_000, 20.0));
+    rig.run(700);
+    let done = rig.done(goal)[0];
+    assert_eq!((done.code, done.asked), (Code::ENGAGE_TOO_SHORT, Number::Count(100)));
+    assert_eq!((rig.state("x"), rig.int("x.command.position")), ("STANDSTILL", 0));
+    // No way is long enough for one that is to go back so far that it cannot come.
+    let mut rig = rig_of(|axis| axis.parameters.max_acceleration = 1e-3);
+    rig.give(line(2_000_000_000, 90.0));
+    rig.run(200);
+    let none = rig.give(geared(1, 1, pair(1_000_000_000, 50, 100)));
+    let refused = rig.refusal(none);
+    assert!(refused.starts_with("x: no start distance is enough for what the slave may do"), "{refused}");
+}
+
+#[test]
+fn a_leader_past_its_start_is_refused_with_what_is_missing() {
+    let mut rig = rig();
+    rig.give(line(9_000, 20.0));
+    rig.run_to("line.command.position", 7_000.0);
+    let missing = (real(&rig, LINE) + rig.real("line.command.velocity") / 1e3 - 6_000.0).ceil();
+    let goal = rig.give(geared(1, 1, pair(10_000, 3_000, 4_000)));
+    assert_eq!(
+        rig.refusal(goal),
+        format!(
+            "x: the leader is past its start already: {missing} of the 4000 increments before master_increments are missing"
+        )
+    );
+    rig.run(500);
+    // It stands at 9000: nobody knows where it goes. Away from the place it may come again; towards it, it is over.
+    let goal = rig.give(geared(1, 1, pair(10_000, 2_000, 4_000)));
+    rig.give(line(5_000, 20.0));
+    rig.run(400);
+    assert_eq!((rig.int("x.sync.waiting"), rig.int("line.command.position")), (goal as i64, 5_000));
+    rig.give(line(12_000, 20.0));
+    rig.run(600);
+    assert_eq!((rig.int("x.command.position"), rig.int("x.in_sync")), (4_000, 1));
+    rig.give(line(9_000, 20.0));
+    rig.run(500);
+    let late = rig.give(geared(1, 1, pair(10_000, 9_000, 4_000)));
+    rig.give(line(12_000, 20.0));
+    rig.run(500);
+    let done = rig.done(late)[0];
+    // It was at 9000, and moves by no more than 1 in the first cycle.
+    assert_eq!((done.code, done.asked, done.limit), (Code::ENGAGE_PASSED, Number::Count(3_001), Number::Count(4_000)));
+    // The gear before goes on.
+    assert_eq!((rig.int("x.command.position"), rig.int("x.in_sync")), (4_000, 1));
+}
+
+/// Revers 2 forbids all ways back, 1 those that the master does not make.
+#[test]
+fn a_way_back_is_refused_where_revers_forbids_it() {
+    let with_rule = |rule: i64| match rule {
+        1 => rig_of(|axis| axis.parameters.macs.revers = 1),
+        _ => rig_of(|axis| axis.parameters.macs.revers = 2),
+    };
+    for rule in [1, 2] {
+        let mut rig = with_rule(rule);
+        // It stands at 0, and would have to come from behind 0.
+        let stands = rig.give(geared(1, 1, pair(10_000, -500, 4_000)));
+        assert!(rig.was_accepted(stands));
+        rig.give(line(100_000, 20.0));
+        rig.run(100);
+        let moving = rig.give(geared(1, 1, pair(10_000, -500, 4_000)));
+        assert_eq!(rig.refusal(moving), "x: the way to -0.5 mm leads backwards, which revers forbids");
+        rig.run(400);
+        assert_eq!((rig.done(stands)[0].code, rig.int("x.command.position")), (Code::REVERSE_FORBIDDEN, 0));
+        // Forwards all the way.
+        let good = rig.give(geared(1, 1, pair(20_000, 2_000, 4_000)));
+        rig.run(700);
+        assert_eq!((rig.int("x.in_sync"), rig.done(good).len()), (1, 0));
+        // With a leader that comes from above x goes back with it.
+        let mut rig = with_rule(rule);
+        rig.give(line(20_000, 90.0));
+        rig.run(400);
+        let back = rig.give(geared(1, 1, pair(10_000, -2_000, 4_000)));
+        rig.give(line(5_000, 20.0));
+        rig.run(1_200);
+        if rule == 1 {
+            assert_eq!((rig.int("x.command.position"), rig.done(back).len()), (-7_000, 0));
+        } else {
+            assert_eq!((rig.int("x.command.position"), rig.done(back)[0].code), (0, Code::REVERSE_FORBIDDEN));
+        }
+    }
+}
+
+#[test]
+fn cancel_ends_the_wait_and_the_approach() {
+    let mut rig = rig();
+    let goal = waiting(&mut rig);
+    rig.give(Action::Cancel { goal });
+    rig.run(3);
+    assert_eq!((rig.done(goal)[0].code, rig.int("x.sync.waiting"), rig.state("x")), (Code::CANCELLED, 0, "STANDSTILL"));
+    for (disengage, state) in [(Disengage::Stop, "STANDSTILL"), (Disengage::KeepVelocity, "CONTINUOUS_MOTION")] {
+        let mut rig = super::gear_in::rig();
+        rig.give(Action::Move(to(X, 1_000)));
+        rig.run(500);
+        let engage = pair(10_000, 3_000, 4_000);
+        let goal = rig.give(Action::Synchronize(Synchronize { engage, disengage, ..couple(X, TO_LINE, 1, 1) }));
+        rig.give(line(30_000, 20.0));
+        rig.run_to("line.command.position", 8_000.0);
+        let speed = rig.real("x.command.velocity");
+        // Half of the way: 3 s^2 - 2 s^3 = 1/2 of the line's speed.
+        assert!((speed - 10_000.0).abs() < 300.0, "{speed}");
+        rig.give(Action::Cancel { goal });
+        watch(&mut rig, 200, |_| {});
+        assert_eq!((rig.done(goal)[0].code, rig.state("x")), (Code::CANCELLED, state));
+    }
+}
+
+#[test]
+fn a_leader_that_is_lost_ends_the_wait_and_stops_the_approach() {
+    for approaches in [false, true] {
+        let mut rig = rig();
+        let engage = pair(2_000, 500, 1_000);
+        let coupling = couple(X, Leader::AxisActual(Y), 1, 1);
+        let goal = rig.give(Action::Synchronize(Synchronize { engage, ..coupling }));
+        if approaches {
+            rig.give(Action::Move(at(Y, 10_000.0)));
+            rig.run_to("y.actual.position", 1_500.0);
+            assert_eq!((rig.int("x.sync.waiting"), rig.int("x.in_sync")), (0, 0));
+            assert!(rig.int("x.command.position") > 50);
+        }
+        rig.tamper = |inputs| inputs.drive[1].online = false;
+        rig.run(300);
+        let state = if approaches { "ERROR_STOP" } else { "STANDSTILL" };
+        assert_eq!((rig.done(goal)[0].code, rig.state("x")), (Code::LEADER_LOST, state));
+    }
+}
+
+/// A leader that is counted, at 7.3 inc a cycle: its curve is followed with what one count leaves, and the pair is exact.
+#[test]
+fn a_counted_leader_leads_along_the_curve() {
+    let mut rig = rig();
+    rig.give(Action::Move(to(X, 1_000)));
+    rig.run(500);
+    let engage = pair(10_000, 3_000, 4_000);
+    rig.give(Action::Synchronize(Synchronize { engage, ..couple(X, Leader::Encoder(0), 1, 1) }));
+    let mut counted = 0;
+    for k in 0..2_000_i64 {
+        let next = 73 * k / 10;
+        rig.plant.jump_encoder(0, next - counted);
+        counted = next;
+        let before = (real(&rig, X), rig.real("x.command.velocity") / 1e3);
+        rig.run(1);
+        let belt = rig.int("belt.position");
+        let step = real(&rig, X) - before.0;
+        // A count more or less is no acceleration.
+        assert!((step - before.1).abs() <= RATE + 1.0 + 1e-6, "{step}");
+        if belt > 6_010 && belt < 10_000 {
+            assert!((real(&rig, X) - even(belt as f64)).abs() < 1e-6);
+        } else if belt >= 10_000 {
+            assert_eq!((place(&rig, X), rig.int("x.in_sync")), (Position::whole(belt - 7_000), 1));
+        }
+    }
+    assert_eq!((rig.int("belt.position") > 14_000, warnings(&rig)), (true, 0));
+}
+
+/// Without a start distance it begins at the place, and catches up what it is away.
+#[test]
+fn without_a_distance_the_pair_is_caught_up() {
+    let mut rig = rig();
+    let goal = rig.give(geared(3, 7, pair(5_000, 500, 0)));
+    rig.give(line(40_000, 21.3));
+    while real(&rig, LINE) < 5_000.0 {
+        assert_eq!((place(&rig, X), rig.int("x.sync.waiting")), (Position::ZERO, goal as i64));
+        rig.run(1);
+    }
+    assert_eq!((rig.int("x.sync.waiting"), rig.int("x.in_sync")), (0, 0));
+    watch(&mut rig, 300, |_| {});
+    assert_eq!((rig.int("x.in_sync"), rig.int("x.sync.error"), rig.done(goal).len()), (1, 0, 0));
+    let way = (place(&rig, LINE) - Position::whole(5_000)).raw() * 3;
+    assert_eq!(place(&rig, X).raw(), (500_i128 << 32) + way.div_euclid(7));
+}
+
+/// By velocity there is no pair: it begins where the leader comes to the place, from either side.
+#[test]
+fn by_velocity_it_begins_at_the_place() {
+    for (from, end) in [(0, 9_000), (9_000, 0)] {
+        let mut rig = rig();
+        rig.give(line(from, 90.0));
+        rig.run(400);
+        let engage = Engage::AtPosition { position: 5_000, turn: None };
+        let coupling = couple(X, TO_LINE, 1, 2);
+        rig.give(Action::Synchronize(Synchronize { engage, mode: SyncMode::Velocity, ..coupling }));
+        rig.give(line(end, 20.0));
+        let mut was = 0;
+        while rig.int("x.sync.waiting") != 0 {
+            assert_eq!(place(&rig, X), Position::ZERO);
+            was = rig.int("line.command.position");
+            rig.run(1);
+        }
+        let now = rig.int("line.command.position");
+        assert!(was.min(now) <= 5_000 && was.max(now) >= 5_000, "{was} {now}");
+        rig.run(100);
+        let sign = if end > from { 10_000.0 } else { -10_000.0 };
+        assert_eq!((rig.real("x.command.velocity"), rig.int("x.sync.error")), (sign, 0));
+    }
+}
+
+/// Phase shifts in the approach: of the slave beside the curve, of the master along it; none of before counts for a pair.
+#[test]
+fn shifts_in_the_approach_shift_it() {
+    let mut rig = rig();
+    rig.give(Action::Synchronize(couple(X, TO_LINE, 1, 2)));
+    let shift = |shift| PhaseShift { shift: Length::whole(shift), velocity: 1_000.0, acceleration: 1e5 };
+    let of_slave = |by| Action::Phase(Phase { axis: X, side: PhaseSide::Slave(shift(by)) });
+    rig.give(geared(1, 1, pair(10_000, 7_000, 4_000)));
+    rig.give(line(30_000, 20.0));
+    rig.run(200);
+    let before = rig.give(of_slave(5_000));
+    rig.run_until("x.sync.waiting", 0);
+    assert_eq!(rig.done(before)[0].code, Code::REPLACED);
+    let during = rig.give(of_slave(100));
+    assert!(rig.was_accepted(during));
+    rig.run(600);
+    assert_eq!(rig.done(during)[0].code, Code::NONE);
+    assert_eq!(place(&rig, X) - place(&rig, LINE), Position::whole(7_000 - 10_000 + 100));
+}
+
+/// What is asked for and cannot be is no command.
+#[test]
+fn what_cannot_wait_is_refused() {
+    let mut rig = rig();
+    let bad = [
+        Synchronize { engage: pair(0, 0, -1), ..couple(X, TO_LINE, 1, 1) },
+        Synchronize { engage: pair(i64::MIN, 0, 1), ..couple(X, TO_LINE, 1, 1) },
+        Synchronize { engage: pair(0, 0, 1), mode: SyncMode::Velocity, ..couple(X, TO_LINE, 1, 1) },
+        Synchronize { engage: Engage::AtEnd, ..couple(X, TO_LINE, 1, 1) },
+        Synchronize { engage: Engage::AtPosition { position: 0, turn: None }, ..couple(X, TO_LINE, 1, 1) },
+    ];
+    for request in bad {
+        let goal = rig.give(Action::Synchronize(request));
+        assert_eq!(rig.answer(goal).expect_err("no").code, Code::BAD_REQUEST, "{request:?}");
+    }
+    let ratio = rig.give(geared(0, 1, pair(0, 0, 1)));
+    assert_eq!(rig.answer(ratio).expect_err("no").code, Code::BAD_RATIO);
+}
+
+fn latch(rig: &mut Rig, object: Object, edge: Edge, age_ns: u32) {
+    assert!(rig.plant.add_latch(Latch { object, edge, age_ns: Some(age_ns), position: None }));
+}
+
+fn on_event(numerator: i64, denominator: i64) -> Action {
+    geared(numerator, denominator, Engage::OnEvent(MARK))
+}
+
+/// Other edges, other objects and what latches in the cycle of the command do not count; of several the first does.
+#[test]
+fn the_first_rising_latch_behind_the_command_engages() {
+    let mut rig = rig();
+    rig.give(line(90_000, 20.0));
+    rig.run(100);
+    latch(&mut rig, MARK, Edge::Rising, 0);
+    let goal = rig.give(on_event(1, 1));
+    assert!(rig.was_accepted(goal));
+    latch(&mut rig, MARK, Edge::Falling, 10);
+    latch(&mut rig, Object::Io(1), Edge::Rising, 10);
+    rig.run(5);
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (goal as i64, "STANDSTILL"));
+    latch(&mut rig, MARK, Edge::Rising, 250_000);
+    latch(&mut rig, MARK, Edge::Rising, 750_000);
+    latch(&mut rig, MARK, Edge::Rising, 500_000);
+    rig.run(1);
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+    // 15 of the 20 inc of that cycle count.
+    let origin = place(&rig, LINE) - Position::whole(15);
+    rig.run(200);
+    assert_eq!((place(&rig, X), rig.int("x.in_sync")), (place(&rig, LINE) - origin, 1));
+    // Another one does not engage it anew.
+    latch(&mut rig, MARK, Edge::Rising, 250_000);
+    rig.run(50);
+    assert_eq!((place(&rig, X), rig.done(goal).len()), (place(&rig, LINE) - origin, 0));
+}
+
+/// What an encoder captures of itself is where it was, whatever the age.
+#[test]
+fn a_captured_position_of_the_leader_is_where_it_counts_from() {
+    let mut rig = rig();
+    let engage = Engage::OnEvent(Object::Encoder(0));
+    rig.give(Action::Synchronize(Synchronize { engage, ..couple(X, Leader::Encoder(0), 1, 3) }));
+    for k in 0..200 {
+        rig.plant.jump_encoder(0, 30);
+        if k == 10 {
+            let position = Some(rig.int("belt.position") + 7);
+            let latch = Latch { object: Object::Encoder(0), edge: Edge::Rising, age_ns: Some(5), position };
+            assert!(rig.plant.add_latch(latch));
+        }
+        rig.run(1);
+    }
+    let captured = 10 * 30 + 7;
+    let way = i128::from(rig.int("belt.position") - captured) << 32;
+    assert_eq!((place(&rig, X).raw(), rig.int("x.in_sync")), (way.div_euclid(3), 1));
+}
+
+#[test]
+fn what_waits_for_a_latch_ends_as_any_wait_does() {
+    let mut rig = rig();
+    let first = rig.give(on_event(1, 1));
+    let second = rig.give(on_event(1, 2));
+    assert_eq!(rig.done(first)[0].code, Code::REPLACED);
+    rig.give(Action::Cancel { goal: second });
+    assert_eq!(rig.done(second)[0].code, Code::CANCELLED);
+    latch(&mut rig, MARK, Edge::Rising, 0);
+    rig.run(2);
+    assert_eq!(rig.state("x"), "STANDSTILL");
+    // A drive that latches nothing.
+    let mut config = config(0);
+    if let Some(drive) = &mut config.axes[usize::from(Y)].drive {
+        drive.latches = false;
+    }
+    let mut rig = Rig::of(config);
+    rig.enable();
+    let none = rig.give(geared(1, 1, Engage::OnEvent(Object::Axis(Y))));
+    assert_eq!(rig.answer(none).expect_err("refused").code, Code::LATCH_NOT_OFFERED);
+}
+
+/// By velocity it begins then, and has no place to come to.
+#[test]
+fn by_velocity_a_latch_begins_it() {
+    let mut rig = rig();
+    rig.give(line(90_000, 20.0));
+    rig.run(100);
+    let engage = Engage::OnEvent(MARK);
+    rig.give(Action::Synchronize(Synchronize { engage, mode: SyncMode::Velocity, ..couple(X, TO_LINE, -1, 2) }));
+    latch(&mut rig, MARK, Edge::Rising, 300_000);
+    rig.run(1);
+    assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
+    rig.run(100);
+    assert_eq!((rig.real("x.command.velocity"), rig.int("x.sync.error")), (-10_000.0, 0));
+}
+
+proptest! {
+    #![proptest_config(cases(48))]
+
+    /// Whatever the age of the latch, the ratio and the line's speed: behind it the slave is where it stood, and ratio * (leader now - leader at the
+    /// latch), to 2^-32 inc. From a gear of the same leader it goes on where that had it at the latch.
+    ///
+    /// Proves: AMC-EVT-05
+    #[test]
+    fn nothing_between_latch_and_cycle_is_lost(
+        age in 0_u32..1_000_000,
+        (numerator, denominator) in (prop::sample::select(vec![1_i64, -2, 113, -355]), prop::sample::select(vec![7_i64, 997, 113])),
+        speed in 1.0..15.0_f64,
+        before in prop::option::of((-3_i64..4).prop_filter("a ratio", |part| *part != 0)),
+        stands in -5_000_i64..5_000,
+    ) {
+        let ratio = |raw: i128, (numerator, denominator): (i64, i64)| {
+            (raw * i128::from(numerator)).div_euclid(i128::from(denominator))
+        };
+        let denominator = denominator.max(numerator.abs() / 3 + 1);
+        let mut rig = rig();
+        rig.give(Action::Move(to(X, stands)));
+        rig.run(500);
+        let origin = place(&rig, LINE);
+        if let Some(part) = before {
+            rig.give(Action::Synchronize(couple(X, TO_LINE, part, 5)));
+        }
+        rig.give(line(1_000_000, speed));
+        rig.run(300);
+        let goal = rig.give(on_event(numerator, denominator));
+        prop_assert_eq!(rig.answer(goal), Ok(()));
+        rig.run(7);
+        let was = place(&rig, LINE);
+        latch(&mut rig, MARK, Edge::Rising, age);
+        rig.run(1);
+        let past = ((place(&rig, LINE) - was).raw() * i128::from(age)).div_euclid(1_000_000);
+        let at = place(&rig, LINE).raw() - past;
+        rig.mirror();
+        rig.run(1_500);
+        prop_assert_eq!(rig.int("x.in_sync"), 1);
+        let from = (i128::from(stands) << 32) + before.map_or(0, |part| ratio(at - origin.raw(), (part, 5)));
+        let way = ratio(place(&rig, LINE).raw() - at, (numerator, denominator));
+        // A gear before hands its remainder on, rounded to one unit.
+        let off = place(&rig, X).raw() - from - way;
+        prop_assert!(off == 0 || before.is_some() && (0..=1).contains(&off), "{}", off);
+    }
+
+    /// Whatever the leader does in the approach, its slave keeps its limits, and behind the pair it is exact.
+    #[test]
+    fn an_approach_keeps_the_limits(
+        (numerator, denominator) in (prop::sample::select(vec![-3_i64, -1, 1, 2, 7]), 1_i64..6),
+        (distance, share) in (1_000_i64..8_000, 0.2..0.8_f64),
+        speed in 1.0..40.0_f64,
+        moves in prop::collection::vec((5_000_i64..12_000, 1.0..60.0_f64, 1_usize..400), 0..6),
+        moving in prop::option::of(-20.0..20.0_f64),
+    ) {
+        let mut rig = rig();
+        if let Some(velocity) = moving {
+            rig.give(Action::Move(at(X, velocity * 1e3)));
+        }
+        let slave = (numerator as f64 / denominator as f64 * distance as f64 * share) as i64;
+        let goal = rig.give(geared(numerator, denominator, pair(10_000, slave, distance)));
+        prop_assert_eq!(rig.answer(goal), Ok(()));
+        rig.give(line(9_999, speed));
+        watch(&mut rig, 10, |_| {});
+        for (stop, speed, cycles) in moves {
+            rig.give(line(stop, speed));
+            watch(&mut rig, cycles, |_| {});
+        }
+        rig.give(line(40_000, speed));
+        watch(&mut rig, (40_000.0 / speed) as usize + 1_000, |_| {});
+        if let Some(done) = rig.done(goal).first() {
+            let codes = [Code::ENGAGE_TOO_SHORT, Code::ENGAGE_PASSED, Code::VELOCITY_TOO_HIGH];
+            prop_assert!(codes.contains(&done.code), "{:?}", done);
+        } else {
+            prop_assert_eq!(rig.int("x.in_sync"), 1);
+            let way = (place(&rig, LINE) - Position::whole(10_000)).raw() * i128::from(numerator);
+            prop_assert_eq!(place(&rig, X).raw(), (i128::from(slave) << 32) + way.div_euclid(denominator.into()));
+        }
+    }
+}
