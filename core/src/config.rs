@@ -406,6 +406,7 @@ impl MachineConfig {
             if let Err(missing) = counts.check_machine(&parameters) {
                 return Err(missing.of(None));
             }
+            parameters.check_virtual_begin(self.axes.len()).map_err(ConfigError::VirtualMaster)?;
         }
         for axis in &self.axes {
             for parameters in [Some(axis.parameters), axis.saved].into_iter().flatten() {

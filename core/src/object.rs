@@ -24,6 +24,9 @@ pub enum Object {
     Table(u16),
 }
 
+/// The name of [`Leader::Virtual`]; no object is called `machine`.
+pub const VIRTUAL_MASTER: &str = "machine.vmaster";
+
 /// What an axis can follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Leader {
@@ -39,6 +42,8 @@ pub enum Leader {
     Sink(u16),
     /// An entry of `masters`: a sum of others.
     Sum(u16),
+    /// The virtual master of the machine (`machine.vmaster`).
+    Virtual,
 }
 
 /// A set of axes, without a heap.

@@ -27,7 +27,7 @@ pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
 
 use crate::command::{Move, MoveMode, Probe, ProbeEdge};
 use crate::config::{AxisConfig, IoKind, MachineConfig, highest_of};
-use crate::object::{AxisSet, Leader, Object};
+use crate::object::{AxisSet, Leader, Object, VIRTUAL_MASTER};
 use crate::parameter::{self, Applies, Change, ConvertError, MACHINE, ParameterInput, Row, Word};
 use crate::text::{allowed_text, expected_text};
 pub use crate::unit::{Amount, Units};
@@ -108,7 +108,8 @@ impl MachineConfig {
         names.iter().map(|name| self.find_axis(name.as_ref()).map(|(index, _)| index)).collect()
     }
 
-    /// What can lead, by name: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink`, a master of several.
+    /// What can lead, by name: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink`, a master of several, the virtual
+    /// master.
     ///
     /// # Errors
     /// Nothing of that name can.
@@ -124,6 +125,7 @@ impl MachineConfig {
             (None, _, None) if let Some(master) = self.masters.iter().position(|master| master.name == name) => {
                 Ok(Leader::Sum(master as u16))
             }
+            _ if name == VIRTUAL_MASTER => Ok(Leader::Virtual),
             _ => Err(RequestError::UnknownLeader { name: crate::unit::excerpt(name), known: self.leaders() }),
         }
     }
@@ -133,7 +135,7 @@ impl MachineConfig {
         let sinks = self.slots.iter().map(|slot| format!("{}.sink", slot.name));
         let encoders = self.encoders.iter().map(|encoder| encoder.name.clone());
         let masters = self.masters.iter().map(|master| master.name.clone());
-        list(axes.chain(encoders).chain(sinks).chain(masters))
+        list(axes.chain(encoders).chain(sinks).chain(masters).chain([VIRTUAL_MASTER.to_owned()]))
     }
 
     /// A positioning goal as a command's content.

@@ -160,6 +160,7 @@ fn number_of(leader: Leader) -> u16 {
     match leader {
         Leader::AxisCommand(place) | Leader::AxisActual(place) | Leader::Simulated(place) => place,
         Leader::Encoder(place) | Leader::Sink(place) | Leader::Sum(place) => place,
+        Leader::Virtual => 0,
     }
 }
 
@@ -242,6 +243,7 @@ impl Axis {
         let cycle_ms = self.cycle_s() * 1e3;
         let index = match leader {
             Leader::Encoder(place) => index_of(cx, place),
+            Leader::Virtual => cx.leads.virtual_mark,
             _ => None,
         };
         let mut of_master = self.seen(cx, path.master, (number_of(leader), lead), index);

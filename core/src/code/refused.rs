@@ -276,6 +276,20 @@ codes! {
         remedy: "Begin with engage IMMEDIATELY or AT_POSITION.",
     }
 
+    /// A source of the virtual master that is not there.
+    VIRTUAL_MASTER_SOURCE = 10035, NoError {
+        says: "",
+        cause: "vmenctyp names an axis that the cell does not have, or an encoder that the virtual master would be while it is off.",
+        remedy: "Give 100 times the number of an axis, or 0 for pulsvel.",
+    }
+
+    /// A start of the virtual master that has no ramp.
+    VIRTUAL_MASTER_NO_RAMP = 10036, NoError {
+        says: "",
+        cause: "pulsvel was to start the virtual master, and pulsacc is 0 or -1.",
+        remedy: "Set pulsacc above 0 before pulsvel or together with it; with -1, set setsys_15.",
+    }
+
     /// The axis runs in open loop, and the command needs a position loop.
     OPEN_LOOP = 10030, NoError {
         says: "the axis runs in open loop; only commands of `wf` move it",

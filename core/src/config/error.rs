@@ -4,6 +4,7 @@ use super::{SlotProblem, SumProblem, names_no_io};
 use crate::axis::MAX_DELAY;
 use crate::code::{Code, not_built_here};
 use crate::drive::Interface;
+use crate::parameter::VirtualMasterProblem;
 
 /// Why a machine cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -21,6 +22,9 @@ pub enum ConfigError {
         /// How many are possible.
         most: usize,
     },
+    /// Parameters of the virtual master.
+    #[error("machine: {0}")]
+    VirtualMaster(VirtualMasterProblem),
     /// A drive's delay.
     #[error("drive of {axis}: delay is {delay} cycles; at most {MAX_DELAY} are possible")]
     Delay {

@@ -123,15 +123,27 @@ impl MachineConfig {
             Leader::Encoder(place) => (place, self.encoders.len()),
             Leader::Sink(place) => (place, self.slots.len()),
             Leader::Sum(place) => (place, self.masters.len()),
+            Leader::Virtual => return true,
             Leader::Simulated(_) => return false,
         };
         usize::from(place) < count
     }
 
     /// The axes whose commands a leader reads, itself or through sinks and other masters: they move before its followers, and none of
-    /// these may lead them in turn.
+    /// these may lead them in turn. Whom the virtual master follows is no matter of the cell.
     pub fn commanded(&self, leader: Leader) -> AxisSet {
-        let (mut axes, mut reached, mut next) = (AxisSet::EMPTY, vec![leader], 0);
+        let axis = |leader| if let Leader::AxisCommand(axis) = leader { Some(axis) } else { None };
+        self.read_by(leader).into_iter().filter_map(axis).collect()
+    }
+
+    /// Does a leader read the virtual master, itself or through sinks and other masters?
+    pub(crate) fn reads_virtual(&self, leader: Leader) -> bool {
+        self.read_by(leader).contains(&Leader::Virtual)
+    }
+
+    /// A leader and those that it reads, itself or through sinks and other masters.
+    fn read_by(&self, leader: Leader) -> Vec<Leader> {
+        let (mut reached, mut next) = (vec![leader], 0);
         // Each leader is looked at once: what reads itself in a circle ends, too.
         while let Some(leader) = reached.get(next).copied() {
             next += 1;
@@ -141,8 +153,11 @@ impl MachineConfig {
                 }
             };
             match leader {
-                Leader::AxisCommand(axis) => axes.insert(axis),
-                Leader::AxisActual(_) | Leader::Encoder(_) | Leader::Simulated(_) => {}
+                Leader::AxisCommand(_)
+                | Leader::AxisActual(_)
+                | Leader::Encoder(_)
+                | Leader::Simulated(_)
+                | Leader::Virtual => {}
                 Leader::Sink(slot) => {
                     if let Some(SourceConfig::Lead(source)) = self.slots.get(usize::from(slot)).map(|slot| &slot.source)
                     {
@@ -155,7 +170,7 @@ impl MachineConfig {
                 }
             }
         }
-        axes
+        reached
     }
 
     /// A vocabulary may couple its axis at any time: no chain of masters may close.

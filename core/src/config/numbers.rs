@@ -25,8 +25,12 @@ pub struct NoSuchIo {
 
 /// Why a number names no input, or output: `o_error is 8; the cell has 2 digital outputs`.
 pub fn names_no_io(key: &str, number: &str, outputs: bool, count: &str) -> String {
-    // The output that revers needs stands in its tens.
-    let is = if key == "revers" { "needs output" } else { "is" };
+    // What they need stands in their tens.
+    let is = match key {
+        "revers" => "needs output",
+        "vmencmtyp" => "needs input",
+        _ => "is",
+    };
     format!("{key} {is} {number}; {}", cell_has(outputs, count))
 }
 
@@ -88,6 +92,7 @@ impl IoCounts {
             ("i_continue", parameters.i_continue, false),
             ("i_errclr", parameters.i_errclr, false),
             ("o_error", parameters.o_error, true),
+            ("vmencmtyp", parameters.vmencmtyp / 10, false),
         ])
     }
 }

@@ -8,7 +8,7 @@ use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
     self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word,
 };
-use crate::object::{Leader, Object};
+use crate::object::{Leader, Object, VIRTUAL_MASTER};
 use crate::signal::{Directory, Measure, Signal};
 use crate::table::Table;
 use crate::unit::{Dimension, Quantity, Scale};
@@ -247,6 +247,7 @@ impl MachineConfig {
             SourceConfig::Lead(Leader::Sum(place)) => {
                 usize::from(*place) < self.masters.len() && slot.kind != Kind::Imes
             }
+            SourceConfig::Lead(Leader::Virtual) => slot.kind != Kind::Imes,
             SourceConfig::Lead(Leader::Simulated(_)) => false,
         };
         if exists { Ok(()) } else { Err(SlotProblem::Place("source")) }
@@ -418,7 +419,7 @@ impl MachineConfig {
                 let first = scales.next()??;
                 scales.all(|scale| scale == Some(first)).then_some(first)
             }
-            Leader::Sink(_) => None,
+            Leader::Sink(_) | Leader::Virtual => None,
         }
     }
 
@@ -435,6 +436,7 @@ impl MachineConfig {
             Leader::Sum(place) => {
                 self.masters.get(usize::from(place)).map(|master| format!("{}.position", master.name))
             }
+            Leader::Virtual => Some(format!("{VIRTUAL_MASTER}.position")),
             Leader::Simulated(_) => None,
         }
     }

@@ -58,6 +58,7 @@ impl Machine {
                 let outputs = self.config.count_io(IoKind::DigitalOutput);
                 self.state.panel.abort(&self.state.axes, outputs);
                 self.accept(command, Object::Machine);
+                self.stop_virtual_master(Some(command.sequence));
                 Ok(true)
             }
             Action::Enable(_)
@@ -271,6 +272,8 @@ impl Machine {
             Leader::Encoder(place) => {
                 self.state.encoders.get(usize::from(place)).is_some_and(|encoder| !encoder.is_absolute())
             }
+            // Its mark is what vmencmtyp says.
+            Leader::Virtual => true,
             _ => false,
         };
         let latches = |number: u16| {

@@ -47,6 +47,7 @@ impl Machine {
             self.put_in_force(index, self.candidates[index]);
         }
         self.state.panel.parameters = machine;
+        self.take_virtual_master(changes);
         self.count_change();
         self.accept(command, changes.first().map_or(Object::Machine, Change::object));
         changes.iter().for_each(|change| self.tell(command, change));
@@ -62,7 +63,7 @@ impl Machine {
             self.state.user[index] = kept.saved(&self.config.axes[index].parameters);
         }
         if self.are_all(axes) {
-            self.state.panel.user = self.state.panel.parameters;
+            self.state.panel.user = self.state.panel.parameters.saved(&self.config.global.parameters);
         }
         self.count_change();
         self.accept(command, Object::Machine);
@@ -126,6 +127,7 @@ impl Machine {
         }
         self.accept(command, Object::Machine);
         self.state.power_up_from(&self.first);
+        self.power_up_virtual_master();
         self.count_change();
         Ok(())
     }
@@ -201,6 +203,7 @@ impl Machine {
             Layer::Init => self.config.global.parameters,
         };
         let old = std::mem::replace(&mut self.state.panel.parameters, new);
+        self.take_virtual_master(&[]);
         for (row, entry) in ROWS.iter().enumerate().filter(|(_, row)| row.is_kept_by_machine()) {
             let value = entry.machine_value(&new);
             if value != entry.machine_value(&old) {
@@ -219,10 +222,12 @@ impl Machine {
                 return Err(blame(change, Code::GIVEN_TWICE).with(change.number(), other.number()));
             }
         }
-        match IoCounts::of(&self.config).check_machine(candidate) {
-            Err(missing) if of_machine().next().is_some() => Err(no_such_io(MACHINE, missing)),
-            _ => Ok(()),
+        if of_machine().next().is_none() {
+            return Ok(());
         }
+        let counts = IoCounts::of(&self.config);
+        counts.check_machine(candidate).map_err(|missing| no_such_io(MACHINE, missing))?;
+        self.admit_virtual_master(changes, candidate)
     }
 
     /// Has each output one function, where the candidates of some axes come into force?

@@ -12,7 +12,7 @@ use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
 use crate::signal::{Board, Directory, Entry, Measure, Signal, Type};
-use crate::sync::Leads;
+use crate::sync::{Leads, VirtualMaster};
 use crate::vocabulary::{self, Latched};
 
 /// Names of `machine.state`, by number.
@@ -37,7 +37,7 @@ pub(super) struct Signals {
     pub slots: Vec<Signal>,
     /// First of [`AxisSignal`].
     pub axes: Vec<Signal>,
-    /// First of: state, error, overruns.
+    /// First of: state, error, overruns; of the virtual master: position, velocity, count and position of its index.
     machine: Signal,
 }
 
@@ -210,6 +210,14 @@ impl Signals {
         board.set_int(self.machine.plus(1), i64::from(error.0));
         board.set_int(self.machine.plus(2), overruns.cast_signed());
     }
+
+    pub(super) fn publish_virtual_master(&self, board: &mut Board, lead: &Lead, master: &VirtualMaster) {
+        board.set_int(self.machine.plus(3), lead.position.floor());
+        // There is one zero.
+        board.set_real(self.machine.plus(4), lead.velocity + 0.0);
+        board.set_int(self.machine.plus(5), master.count);
+        board.set_int(self.machine.plus(6), master.mark);
+    }
 }
 
 fn add_encoder(directory: &mut Directory, name: &str) -> Signal {
@@ -267,13 +275,17 @@ fn add_axis(directory: &mut Directory, name: &str) -> Signal {
 }
 
 fn add_machine(directory: &mut Directory) -> Signal {
-    let mut add = |text: &str, kind, help| {
+    let mut add = |text: &str, kind, measure, help| {
         let name = format!("machine.{text}");
-        directory.add(Entry { name, kind, measure: Measure::None, drivable: false, help })
+        directory.add(Entry { name, kind, measure, drivable: false, help })
     };
-    let first = add("state", Type::Enum(MACHINE_STATES), "state of the machine");
-    add("error", Type::Int, "code of the first axis error, 0 for none");
-    add("overruns", Type::Int, "cycles missed so far");
+    let first = add("state", Type::Enum(MACHINE_STATES), Measure::None, "state of the machine");
+    add("error", Type::Int, Measure::None, "code of the first axis error, 0 for none");
+    add("overruns", Type::Int, Measure::None, "cycles missed so far");
+    add("vmaster.position", Type::Int, Measure::Position, "position of the virtual master");
+    add("vmaster.velocity", Type::Real, Measure::Velocity, "velocity of the virtual master");
+    add("vmaster.index.count", Type::Int, Measure::None, "marks of the virtual master so far, as vmencmtyp has them");
+    add("vmaster.index.position", Type::Int, Measure::Position, "where its last mark was");
     first
 }
 

@@ -11,7 +11,7 @@ use crate::encoder::Encoder;
 use crate::function::Slot;
 use crate::parameter::{AxisParameters, MachineParameters};
 use crate::signal::Board;
-use crate::sync::Leads;
+use crate::sync::{Leads, VirtualMaster};
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -46,6 +46,8 @@ pub struct State {
     pub(super) runs: Vec<Option<Run>>,
     /// Terminals, and the parameters of the machine.
     pub(super) panel: Panel,
+    /// What moves the virtual master.
+    pub(super) virtual_master: VirtualMaster,
 }
 
 /// Why a state does not belong to a machine.
@@ -85,6 +87,9 @@ pub enum StateError {
     /// Inputs and outputs of another cell, or parameters that the machine cannot have.
     #[error("the state holds inputs, outputs or parameters of the machine that the cell has not")]
     Panel,
+    /// A virtual master that its parameters do not make.
+    #[error("the state holds a virtual master that its parameters and axes do not make")]
+    VirtualMaster,
     /// Leads of other axes and encoders.
     #[error("the state holds leads of other axes or encoders than the cell")]
     Leads,
@@ -131,6 +136,7 @@ impl State {
             leads,
             runs,
             panel,
+            virtual_master,
             cycle: _,
             overruns: _,
             next_event: _,
@@ -149,6 +155,7 @@ impl State {
         self.leads.copy_from(leads);
         self.runs.clone_from(runs);
         self.panel.power_up_from(panel);
+        self.virtual_master = *virtual_master;
         for (axis, user) in self.axes.iter_mut().zip(&self.user) {
             axis.begin_with(*user);
             axis.set_active(self.active);
@@ -207,6 +214,9 @@ impl State {
         }
         if !self.panel.fits(&fresh.panel) {
             return Err(StateError::Panel);
+        }
+        if !self.virtual_master.is_sound(&self.panel.parameters, self.axes.len()) {
+            return Err(StateError::VirtualMaster);
         }
         if !self.has_sound_runs(machine.config.cycle_ns) {
             return Err(StateError::Trajectory);
@@ -289,6 +299,7 @@ impl Clone for State {
             parameter_version,
             runs,
             panel,
+            virtual_master,
         } = other;
         self.board.copy_from(board);
         self.axes.clone_from(axes);
@@ -302,6 +313,7 @@ impl Clone for State {
         // Who gave a trajectory frees it: here only counts change.
         self.runs.clone_from(runs);
         self.panel.clone_from(panel);
+        self.virtual_master = *virtual_master;
         (self.cycle, self.overruns, self.next_event) = (*cycle, *overruns, *next_event);
         self.parameter_version = *parameter_version;
         (self.active, self.deactivating) = (*active, *deactivating);

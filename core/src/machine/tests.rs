@@ -43,3 +43,4 @@ mod synchronize;
 mod together;
 mod trajectory;
 mod turned;
+mod virtual_master;

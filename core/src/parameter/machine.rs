@@ -1,7 +1,7 @@
 //! The parameters of the machine (GL), and what they say of one number.
 
 use super::rows::ROWS;
-use super::{Applies, Row, Value};
+use super::{Applies, Row, Storage, Value};
 use serde::{Deserialize, Serialize};
 
 /// The parameters of the machine. Inputs and outputs by number: n, -n inverted, 0 none.
@@ -17,11 +17,35 @@ pub struct MachineParameters {
     pub o_error: i64,
     /// AINFTIME: readings of 1 ms; 0 not.
     pub ainftime: i64,
+    /// VMENCTYP
+    pub vmenctyp: i64,
+    /// VMENCRES (inc)
+    pub vmencres: i64,
+    /// VMENCMTYP
+    pub vmencmtyp: i64,
+    /// PULSVEL (inc/s)
+    pub pulsvel: i64,
+    /// PULSACC (inc/s^2); 0: there is no virtual master, -1: `setsys_15` is its velocity.
+    pub pulsacc: i64,
+    /// SETSYS 15 (inc/s)
+    pub setsys_15: i64,
 }
 
 impl Default for MachineParameters {
     fn default() -> Self {
-        let mut parameters = Self { i_break: 0, i_continue: 0, i_errclr: 0, o_error: 0, ainftime: 0 };
+        let mut parameters = Self {
+            i_break: 0,
+            i_continue: 0,
+            i_errclr: 0,
+            o_error: 0,
+            ainftime: 0,
+            vmenctyp: 0,
+            vmencres: 0,
+            vmencmtyp: 0,
+            pulsvel: 0,
+            pulsacc: 0,
+            setsys_15: 0,
+        };
         for row in ROWS.iter().filter(|row| row.is_kept_by_machine()) {
             (row.set_machine)(&mut parameters, row.default);
         }
@@ -30,6 +54,15 @@ impl Default for MachineParameters {
 }
 
 impl MachineParameters {
+    /// What saving keeps of these: volatile values are those of `init`.
+    pub fn saved(&self, init: &Self) -> Self {
+        let mut saved = *self;
+        for row in ROWS.iter().filter(|row| row.is_kept_by_machine() && row.storage != Storage::User) {
+            (row.set_machine)(&mut saved, row.machine_value(init));
+        }
+        saved
+    }
+
     /// Is every value one that its row takes?
     pub fn is_sound(&self) -> bool {
         ROWS.iter().filter(|row| row.is_kept_by_machine()).all(|row| row.check(row.machine_value(self)).is_ok())
@@ -63,21 +96,34 @@ impl Row {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameter::Range;
 
     /// Every row of the machine that works keeps its value, and by itself alone.
     #[test]
     fn each_row_of_the_machine_has_a_value_of_its_own() {
         let rows: Vec<_> = ROWS.iter().filter(|row| row.is_kept_by_machine()).collect();
-        assert_eq!(rows.len(), 5);
+        assert_eq!(rows.len(), 11);
         for row in &rows {
             let mut parameters = MachineParameters::default();
             assert_eq!(row.machine_value(&parameters), row.default, "{}", row.key);
-            row.assign_to_machine(&mut parameters, Value::Int(7)).unwrap();
+            // The last one of its range.
+            let value = match row.range {
+                Range::Int(_, high) => Value::Int(high),
+                Range::Among(ranges) => Value::Int(ranges.last().unwrap().1),
+                _ => panic!("{} is no whole number", row.key),
+            };
+            row.assign_to_machine(&mut parameters, value).unwrap();
             for other in &rows {
-                let expected = if other.key == row.key { Value::Int(7) } else { other.default };
+                let expected = if other.key == row.key { value } else { other.default };
                 assert_eq!(other.machine_value(&parameters), expected, "{} by {}", other.key, row.key);
             }
             assert!(parameters.is_sound());
         }
+    }
+    #[test]
+    fn what_runs_the_virtual_master_is_not_saved() {
+        let init = MachineParameters { pulsacc: 500, ..MachineParameters::default() };
+        let now = MachineParameters { pulsvel: 7, pulsacc: 8, setsys_15: 9, vmenctyp: 100, o_error: 1, ..init };
+        assert_eq!(now.saved(&init), MachineParameters { vmenctyp: 100, o_error: 1, ..init });
     }
 }

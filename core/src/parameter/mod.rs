@@ -21,6 +21,7 @@ mod rows;
 pub mod saia;
 mod supervision;
 mod synchronization;
+mod virtual_master;
 pub mod vocabularies;
 pub mod wf;
 mod words;
@@ -40,6 +41,7 @@ pub use row::{Applies, Bare, Effect, Group, Measure, Range, Refused, Row, Storag
 pub use rows::ROWS;
 pub use supervision::{FOLLOWING_ERROR_CHECKS, Supervision};
 pub use synchronization::{OffsetRates, Synchronization};
+pub use virtual_master::{Marker, VirtualMasterProblem};
 pub use vocabularies::Vocabularies;
 pub use words::{Here, Word};
 

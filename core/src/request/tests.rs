@@ -142,8 +142,13 @@ fn leaders_are_found_by_their_names() {
     assert_eq!(config.find_leader("turret.command"), Ok(Leader::AxisCommand(1)));
     assert_eq!(config.find_leader("x.actual"), Ok(Leader::AxisActual(0)));
     assert_eq!(config.find_leader("belt"), Ok(Leader::Encoder(0)));
+    assert_eq!(config.find_leader("machine.vmaster"), Ok(Leader::Virtual));
+    assert!(config.find_leader("machine.vmaster.position").is_err() && config.find_leader("machine").is_err());
     let error = config.find_leader("x.target").unwrap_err().to_string();
-    assert_eq!(error, "`x.target` cannot lead; x, x.actual, turret, turret.actual, belt, other, sum can");
+    assert_eq!(
+        error,
+        "`x.target` cannot lead; x, x.actual, turret, turret.actual, belt, other, sum, machine.vmaster can"
+    );
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Everything that can lead, in one store.
 //!
 //! Law      a lead is what its source was at t_k, as far as the cycle has come: encoders, then actual positions and simulated masters, then sinks,
-//!          then each axis' command once it has moved. A follower reads its lead behind that, as leaders come first
+//!          then each axis' command once it has moved, the virtual master before all of them, or once the axis has that it follows. A follower
+//!          reads its lead behind that, as leaders come first
 //!          A master of several is added up when it is read, of what its members are by then
 //! Reads    places by [`Leader`]; a new kind of lead is a case of that, and a list here
 //! Refuses  nothing: what does not exist is a lead that is lost
@@ -33,6 +34,10 @@ pub struct Leads {
     pub encoders: Vec<Lead>,
     /// By slot.
     pub sinks: Vec<Lead>,
+    /// The virtual master of the machine.
+    pub virtual_master: Lead,
+    /// Where its mark was in this cycle, if one came.
+    pub virtual_mark: Option<Position>,
     /// What masters of several add up; fixed by the cell.
     pub sums: Vec<Sum>,
 }
@@ -53,10 +58,11 @@ impl Leads {
     /// Copies others of the same machine, without taking memory.
     pub fn copy_from(&mut self, other: &Self) {
         // What is added up is the same in all of one machine.
-        let Self { of_axes, encoders, sinks, sums: _ } = other;
+        let Self { of_axes, encoders, sinks, virtual_master, virtual_mark, sums: _ } = other;
         self.of_axes.clone_from(of_axes);
         self.encoders.clone_from(encoders);
         self.sinks.clone_from(sinks);
+        (self.virtual_master, self.virtual_mark) = (*virtual_master, *virtual_mark);
     }
 
     /// The values of a leader that is no sum, where there is such a leader.
@@ -69,6 +75,7 @@ impl Leads {
             Leader::Simulated(axis) => of_axis(axis).map(|of| &of.simulated),
             Leader::Encoder(encoder) => self.encoders.get(usize::from(encoder)),
             Leader::Sink(slot) => self.sinks.get(usize::from(slot)),
+            Leader::Virtual => Some(&self.virtual_master),
             Leader::Sum(_) => None,
         }
     }
@@ -118,14 +125,22 @@ mod tests {
         let lead = |number: i64| Lead { position: Position::whole(number), valid: true, ..Lead::default() };
         let of_axis = |axis: i64| OfAxis { command: lead(axis), actual: lead(axis + 1), simulated: lead(axis + 2) };
         let sums = vec![Sum::default().with(Leader::Encoder(0), true).with(Leader::AxisCommand(1), false)];
-        let leads =
-            Leads { of_axes: vec![of_axis(10), of_axis(20)], encoders: vec![lead(30)], sinks: vec![lead(40)], sums };
+        let of_axes = vec![of_axis(10), of_axis(20)];
+        let leads = Leads {
+            of_axes,
+            encoders: vec![lead(30)],
+            sinks: vec![lead(40)],
+            virtual_master: lead(50),
+            virtual_mark: None,
+            sums,
+        };
         let seen = |leader| leads.get(leader).position.floor();
         for (axis, base) in [(0, 10), (1, 20)] {
             let all = [Leader::AxisCommand(axis), Leader::AxisActual(axis), Leader::Simulated(axis)];
             assert_eq!(all.map(seen), [base, base + 1, base + 2]);
         }
-        assert_eq!([Leader::Encoder(0), Leader::Sink(0), Leader::Sum(0)].map(seen), [30, 40, 30 - 20]);
+        let others = [Leader::Encoder(0), Leader::Sink(0), Leader::Virtual, Leader::Sum(0)];
+        assert_eq!(others.map(seen), [30, 40, 50, 30 - 20]);
         for none in [
             Leader::AxisCommand(2),
             Leader::AxisActual(u16::MAX),

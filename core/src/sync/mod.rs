@@ -10,12 +10,14 @@ pub mod marker;
 mod shift;
 mod sum;
 mod transmission;
+mod virtual_master;
 
 pub use leads::{Leads, OfAxis};
 use serde::{Deserialize, Serialize};
 pub use shift::Shift;
 pub use sum::{MOST_TERMS, Sum, Term};
 pub use transmission::{Stepped, Transmission};
+pub use virtual_master::{VirtualMaster, VirtualSource};
 
 /// Bits of `x.sync.status`, what MACS calls SYNCSTAT; the text gives no numbers (MACS-SYS-04, A-55).
 pub mod status {

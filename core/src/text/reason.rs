@@ -7,8 +7,15 @@ use crate::config::{MachineConfig, names_no_io};
 use crate::drive::{ForeignEmergency, NodeNotice, error_text, register_texts};
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
+use crate::parameter::VirtualMasterProblem;
 use crate::state::AxisState;
 use crate::vocabulary::saia::Register;
+
+fn virtual_master(event: &Event) -> String {
+    let count = |number| if let Number::Count(count) = number { count } else { 0 };
+    let (value, limit) = (count(event.asked), count(event.limit));
+    VirtualMasterProblem { key: key(event), value, code: event.code, limit }.to_string()
+}
 
 /// Why something was refused, ended or failed.
 pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
@@ -89,6 +96,11 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         ),
         Code::MARK_MISSED => format!("a mark of the {} has stayed away", mark_side(event.asked)),
         Code::MARK_EXTRA => format!("a mark of the {} came outside its window", mark_side(event.asked)),
+        Code::VIRTUAL_MASTER_SOURCE | Code::VIRTUAL_MASTER_NO_RAMP => virtual_master(event),
+        Code::LEADER_LOOP if key(event) == "vmenctyp" => format!(
+            "vmenctyp {} names an axis that follows the virtual master itself; one that does not is allowed",
+            plain(event.asked)
+        ),
         Code::LEADER_LOOP | Code::NO_MASTER if event.parameter.is_some() => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }

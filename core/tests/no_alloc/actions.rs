@@ -8,7 +8,7 @@ use lineshaft_core::command::{
 use lineshaft_core::function::{Order, TYPES};
 use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
-use lineshaft_core::parameter::{Change, Layer, Row, Value};
+use lineshaft_core::parameter::{Change, Layer, MACHINE, Row, Value};
 use lineshaft_core::position::{Length, Position};
 use lineshaft_core::sync::gear::Ratio;
 use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
@@ -123,6 +123,7 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
         0 => Leader::AxisCommand(numbers.below(8) as u16),
         1 => Leader::AxisActual(numbers.below(8) as u16),
         _ if number % 3 == 0 => Leader::Encoder(0),
+        _ if number % 5 == 0 => Leader::Virtual,
         _ => Leader::Sum((number % 3 < 0).into()),
     };
     match numbers.below(21) {
@@ -171,11 +172,23 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             edge: ProbeEdge::Rising,
             distance: Length::whole(number % 1_000),
         }),
+        20 if number % 3 == 0 => virtual_master(number),
         _ => {
             let (row, _) = Row::find("max_velocity").expect("a key of the catalogue");
             Action::SetParameters(Box::new([Change { axis, row, value: Value::Real(5e4 + number as f64 / 4.0) }]))
         }
     }
+}
+
+/// A start of the virtual master, which some axes lead and some follow.
+fn virtual_master(number: i64) -> Action {
+    let ramp = if number % 2 == 0 { 100_000 } else { number.clamp(-1, 0) };
+    let values = [("vmenctyp", 100 * (number / 6).rem_euclid(4)), ("pulsacc", ramp), ("pulsvel", number)];
+    let change = |(key, value)| {
+        let (row, _) = Row::find(key).expect("a key of the catalogue");
+        Change { axis: MACHINE, row, value: Value::Int(value) }
+    };
+    Action::SetParameters(Box::new(values.map(change)))
 }
 
 /// What a positioning module is asked for; its modes come by themselves, so that some of it can be done.

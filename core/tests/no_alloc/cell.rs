@@ -122,7 +122,15 @@ pub(super) fn config() -> MachineConfig {
         axes: (0..AXES).map(axis).collect(),
         safety: Safety { estop: Some(0), interlock: None },
         global: GlobalConfig {
-            parameters: MachineParameters { i_errclr: 1, i_break: -1, i_continue: 1, o_error: 3, ainftime: 5 },
+            parameters: MachineParameters {
+                i_errclr: 1,
+                i_break: -1,
+                i_continue: 1,
+                o_error: 3,
+                ainftime: 5,
+                vmencmtyp: 12,
+                ..MachineParameters::default()
+            },
             filters: vec![FilterConfig { input: 0, time_ns: 3_000_000 }],
             ..GlobalConfig::default()
         },

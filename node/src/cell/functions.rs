@@ -14,7 +14,7 @@ use lineshaft_core::config::{
 };
 use lineshaft_core::drive::Interface;
 use lineshaft_core::function::{Description, Kind, LINES, Need, OnAxisError, Quantity, Room, TYPES, Width};
-use lineshaft_core::object::{Leader, Object};
+use lineshaft_core::object::{Leader, Object, VIRTUAL_MASTER};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::{ScaleKind, excerpt};
 
@@ -345,6 +345,9 @@ impl<'d> Reader<'_, 'd> {
             open.push(Open { value: value.clone(), name: text.to_owned() });
             Some(SourceConfig::Signal(text.to_owned()))
         };
+        if matches!(text.strip_prefix(VIRTUAL_MASTER), Some("" | ".position")) {
+            return Some(SourceConfig::Lead(Leader::Virtual));
+        }
         if object == "machine" {
             return any(open);
         }

@@ -25,7 +25,8 @@ impl Reads {
             Leader::AxisCommand(axis) => Some(Self::Command(axis.into())),
             Leader::Sink(function) => Some(Self::Function(function.into())),
             Leader::Sum(master) => Some(Self::Master(master.into())),
-            Leader::AxisActual(_) | Leader::Encoder(_) | Leader::Simulated(_) => None,
+            // Whom the virtual master follows is told while the machine runs.
+            Leader::AxisActual(_) | Leader::Encoder(_) | Leader::Simulated(_) | Leader::Virtual => None,
         }
     }
 }

@@ -7,7 +7,9 @@ use super::row::{refuse_range, whole};
 use super::wiring;
 use crate::document::{Map, Value};
 use lineshaft_core::config::{Function, IoConfig, IoCounts, IoKind, NoSuchIo, names_no_io};
-use lineshaft_core::parameter::{self, Applies, AxisParameters, MachineParameters, ROWS, Refused};
+use lineshaft_core::parameter::{
+    self, Applies, AxisParameters, MachineParameters, ROWS, Refused, VirtualMasterProblem,
+};
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::Scale;
 
@@ -19,6 +21,7 @@ pub(super) fn read<'d>(
     cell: &mut Map<'d>,
     io: &[Option<IoConfig>],
     functions: &mut Functions<'d>,
+    axes: usize,
 ) -> MachineParameters {
     let mut parameters = MachineParameters::default();
     let Some(mut map) = cell.optional("machine").and_then(|value| value.map("machine")) else { return parameters };
@@ -36,6 +39,7 @@ pub(super) fn read<'d>(
     }
     map.finish();
     refuse_missing(counts(io).and_then(|counts| counts.check_machine(&parameters).err()), &given);
+    refuse_virtual_master(parameters.check_virtual_begin(axes), &given);
     note_functions(functions, &[("o_error", parameters.o_error)], &given);
     parameters
 }
@@ -81,6 +85,14 @@ pub(super) fn check_axis(parameters: &AxisParameters, given: &Given<'_>, io: &[O
     let missing = counts(io).and_then(|counts| counts.check_axis(parameters).err());
     // Outputs that the axis has no use for are refused as such.
     refuse_missing(missing.filter(|missing| missing.key != "revers" || may_tell_sign), given);
+}
+
+/// Refuses what the virtual master cannot be where a key names it.
+pub(crate) fn refuse_virtual_master(checked: Result<(), VirtualMasterProblem>, given: &[(&'static str, Value<'_>)]) {
+    let Err(problem) = checked else { return };
+    if let Some((_, value)) = given.iter().find(|(known, _)| *known == problem.key) {
+        value.refuse(problem.to_string(), None);
+    }
 }
 
 /// Refuses an input or output that the cell has not where a key names it.

@@ -8,7 +8,7 @@ use super::loops::{Reads, path};
 use super::names::{Entry, Once, Section, limit, quote};
 use crate::document::Value;
 use lineshaft_core::config::{MAX_MASTERS, MAX_MEMBERS, SlotConfig, SumConfig, sums};
-use lineshaft_core::object::Leader;
+use lineshaft_core::object::{Leader, VIRTUAL_MASTER};
 use lineshaft_core::sync::{MOST_TERMS, Sum};
 use lineshaft_core::unit::excerpt;
 
@@ -98,9 +98,12 @@ fn member<'d>(value: &Value<'d>, cx: &Context<'d>, once: &mut Once<Leader>) -> O
 }
 
 /// What leads, out of these sections: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink` by its place in the
-/// file, a master.
+/// file, a master, the virtual master.
 pub(super) fn leader<'d>(value: &Value<'d>, cx: &Context<'d>, sections: &[Section]) -> Option<Leader> {
     let text = value.text()?;
+    if text == VIRTUAL_MASTER {
+        return Some(Leader::Virtual);
+    }
     let (object, part) = text.split_once('.').unwrap_or((text, ""));
     let (section, place) = cx.names.find(value, object, sections)?;
     let place = u16::try_from(place).ok()?;

@@ -59,7 +59,7 @@ use lineshaft_core::config::{GlobalConfig, MachineConfig};
 use lineshaft_core::drive::Objects;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
-pub(crate) use machine::refuse_missing;
+pub(crate) use machine::{refuse_missing, refuse_virtual_master};
 use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
 pub use preset::Preset;
@@ -234,7 +234,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let cx = Context { names, backends, cycle_ns };
     let devices::Io { entries: io, terminals, mut on_can, filters, virtual_inputs } = devices::io(&cx);
     let mut named = machine::Functions::new();
-    let parameters = machine::read(&mut map, &io, &mut named);
+    let parameters = machine::read(&mut map, &io, &mut named, cx.names.section(Section::Axes).len());
     map.finish();
     let memory = devices::memory(&cx);
     let (encoders, encoders_at, encoders_on_can) = devices::encoders(&cx);

@@ -191,6 +191,9 @@ impl Holder<'_, '_> {
                 }
             }
             SourceConfig::Lead(Leader::Sum(_)) => refuse_master(value),
+            SourceConfig::Lead(Leader::Virtual) => {
+                refuse(value, &format!("{}, the virtual master", named(value)), "an axis, an encoder or a sink");
+            }
             SourceConfig::None | SourceConfig::Lead(Leader::Sink(_) | Leader::Simulated(_)) => {}
         }
     }

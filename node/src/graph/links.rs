@@ -116,6 +116,7 @@ fn object(leader: Leader) -> Option<Object> {
         Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => Some(Object::Axis(axis)),
         Leader::Encoder(place) => Some(Object::Encoder(place)),
         Leader::Sink(place) => Some(Object::Function(place)),
+        Leader::Virtual => Some(Object::Machine),
         Leader::Sum(_) => None,
     }
 }

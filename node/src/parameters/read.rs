@@ -5,7 +5,7 @@
 
 mod names;
 
-use crate::cell::{contradictions, double_views, refuse_missing, refuse_senses, turned_views};
+use crate::cell::{contradictions, double_views, refuse_missing, refuse_senses, refuse_virtual_master, turned_views};
 use crate::document::{Document, Problems, Value};
 use crate::scenario::parameter_change;
 use lineshaft_core::axis::may_tell_sign;
@@ -131,7 +131,13 @@ impl<'d> Lines<'d> {
             // What its row refuses is told already.
             let _ = line.change.row().map(|row| row.assign_to_machine(&mut after, line.change.value));
         }
-        refuse_missing(IoCounts::of(config).check_machine(&after).err(), &self.given(usize::from(MACHINE)));
+        let given = self.given(usize::from(MACHINE));
+        refuse_missing(IoCounts::of(config).check_machine(&after).err(), &given);
+        refuse_virtual_master(after.check_virtual_source(config.axes.len()), &given);
+        let names = |key| given.iter().any(|(known, _)| *known == key);
+        if names("pulsvel") {
+            refuse_virtual_master(after.check_virtual_start(names("pulsacc")), &given);
+        }
         after
     }
 

@@ -108,11 +108,17 @@ mod tests {
         assert_eq!(
             machine,
             [
+                "machine.pulsvel: 0",
+                "machine.pulsacc: 0",
+                "machine.setsys_15: 0",
                 "machine.i_break: 0",
                 "machine.i_continue: 0",
                 "machine.i_errclr: 0",
                 "machine.o_error: -2",
-                "machine.ainftime: 0"
+                "machine.ainftime: 0",
+                "machine.vmenctyp: 0",
+                "machine.vmencres: 500",
+                "machine.vmencmtyp: 0"
             ]
         );
         for (axis, parameters) in cell.machine.axes.iter().zip(defaults(&cell)) {

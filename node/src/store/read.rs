@@ -132,6 +132,10 @@ fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<Sets> {
         let Some(row) = change.row() else { continue };
         let place = usize::from(change.axis);
         let (Some(axis), Some(set)) = (config.axes.get(place), sets.get_mut(place)) else {
+            if row.storage == Storage::Volatile {
+                refuse_volatile("machine", key, row);
+                is_good = false;
+            }
             let set = machine.get_or_insert(config.global.parameters);
             if let Err(refused) = row.assign_to_machine(set, change.value) {
                 value.refuse(told(code_of(refused), change, change.number(), Number::None, config), None);
@@ -140,7 +144,7 @@ fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<Sets> {
             continue;
         };
         if row.storage == Storage::Volatile {
-            key.refuse(format!("{}: {} begins anew with each start and is never saved", axis.name, row.key), None);
+            refuse_volatile(&axis.name, key, row);
             is_good = false;
         }
         let set = set.get_or_insert(axis.parameters);
@@ -163,6 +167,10 @@ fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<Sets> {
         }
     }
     is_good.then_some((changes.len(), sets, machine))
+}
+
+fn refuse_volatile(object: &str, key: &Value<'_>, row: &Row) {
+    key.refuse(format!("{object}: {} begins anew with each start and is never saved", row.key), None);
 }
 
 fn code_of(refused: Refused) -> Code {

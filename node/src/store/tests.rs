@@ -446,6 +446,11 @@ fn parameters_of_the_machine_are_kept() {
     bench.open().unwrap().load(&mut loaded).unwrap();
     assert_eq!(loaded.global.saved, Some(machine));
     assert!(loaded.axes.iter().all(|axis| axis.saved.is_none()));
+    // Nobody has written that; what runs the virtual master is nothing to begin with.
+    let sets: Vec<_> = std::iter::zip(&config.axes, &user).collect();
+    let body = text::body_with(&sets, (&config.global.parameters, &MachineParameters { pulsvel: 7, ..machine }));
+    let error = read::read_store("p", &text::whole(3, &body), &config).map(drop).unwrap_err().to_string();
+    assert!(error.contains("machine: pulsvel begins anew with each start and is never saved"), "{error}");
     // Back to the cell: nothing is held.
     assert!(bench.open().unwrap().keep_all(&config, &user, &config.global.parameters).unwrap());
     let mut loaded = config.clone();

@@ -14,7 +14,7 @@ use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
 use crate::modulo::{Direction, Modulo};
 use crate::object::{AxisSet, Leader, Object};
-use crate::parameter::{Change, Layer, Row, Value};
+use crate::parameter::{Change, Layer, MACHINE, Row, Value};
 use crate::position::{Length, Position};
 use crate::request::Amount;
 use crate::state::HomingPhase;
@@ -100,6 +100,20 @@ fn setting() -> impl Strategy<Value = Action> {
             Action::SetParameters([Change { axis, row, value }].into())
         },
     )
+}
+
+/// What the virtual master is to do.
+fn virtual_master() -> impl Strategy<Value = Action> {
+    let values = (-90_000_i64..90_000, prop::sample::select(vec![-1_i64, 0, 5_000, 900_000]), 0_i64..4, any::<bool>());
+    values.prop_map(|(velocity, pulsacc, axis, starts)| {
+        let key = if starts { "pulsvel" } else { "setsys_15" };
+        let all = [("vmenctyp", 100 * axis), ("vmencmtyp", 32), ("pulsacc", pulsacc), (key, velocity)];
+        let change = |(key, value)| {
+            let (row, _) = Row::find(key).expect("the key of a row");
+            Change { axis: MACHINE, row, value: Value::Int(value) }
+        };
+        Action::SetParameters(all.map(change).into())
+    })
 }
 
 /// What happens to layers.
@@ -191,6 +205,7 @@ fn loading() -> impl Strategy<Value = Action> {
 fn coupling() -> impl Strategy<Value = Action> {
     let leader = (axis(), any::<bool>())
         .prop_map(|(axis, actual)| if actual { Leader::AxisActual(axis) } else { Leader::AxisCommand(axis) });
+    let leader = prop_oneof![9 => leader, 1 => Just(Leader::Virtual)];
     let leader = prop::option::weighted(0.9, leader);
     let ways = (any::<bool>(), any::<bool>());
     let cam = prop::option::weighted(0.5, cam());
@@ -356,6 +371,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         4 => command(positioning().boxed()),
         3 => command(running().boxed()),
         2 => command(setting().boxed()),
+        1 => command(virtual_master().boxed()),
         2 => command(vocabulary().boxed()),
         2 => command(storing().boxed()),
         1 => (axis(), prop_oneof![Just(0.0), -110_000.0..110_000.0_f64, Just(f64::NAN)])

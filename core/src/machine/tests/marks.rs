@@ -9,6 +9,7 @@ use crate::drive::{Edge, Latch};
 use crate::encoder::PulseCheck;
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader, Object};
+use crate::parameter::{Change, MACHINE, Row, Value};
 use crate::sim::{Fixtures, Index};
 use crate::sync::SyncMode;
 use proptest::prelude::*;
@@ -310,6 +311,31 @@ fn index_pulses_are_marks() {
     // Zero at the belt is 300 at x, as seen a cycle later.
     let way = rig.int("x.actual.position") - rig.int("belt.position") * 2;
     assert!((way - 300).abs() <= 1, "{way}");
+}
+
+/// The virtual master gives a mark every vmencres, on which the drive's index comes.
+/// Proves: MACS-VM-06, MACS-MARK-05
+#[test]
+fn the_virtual_master_has_marks() {
+    let mut rig = Rig::new();
+    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.enable();
+    set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 5)]);
+    let of_machine = |key, value| {
+        let (row, _) = Row::find(key).expect("a row");
+        Change { axis: MACHINE, row, value: Value::Int(value) }
+    };
+    let starts =
+        [("vmencres", 1_000), ("pulsacc", 20_000), ("pulsvel", 10_000)].map(|(key, value)| of_machine(key, value));
+    let given = rig.give(Action::SetParameters(starts.into()));
+    assert!(rig.was_accepted(given), "{}", rig.refusal(given));
+    let line = Synchronize { mode: SyncMode::Marker, ..couple(X, Leader::Virtual, 2, 1) };
+    let goal = rig.give(Action::Synchronize(line));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    rig.run(3_000);
+    assert_eq!((rig.int("x.in_sync"), rig.real("x.marker.error").abs() < 1.0), (1, true));
+    let way = rig.int("x.actual.position") - rig.int("machine.vmaster.position") * 2;
+    assert!((way - 300).rem_euclid(2_000).min((300 - way).rem_euclid(2_000)) <= 1, "{way}");
 }
 
 /// What cannot give marks, and starts that do not exist, are refused by name.

@@ -383,6 +383,12 @@ const AT_ONCE: &[&str] = &[
     "i_errclr",
     "o_error",
     "ainftime",
+    // tests/virtual_master.rs
+    "pulsvel",
+    "pulsacc",
+    "setsys_15",
+    "vmencres",
+    "vmencmtyp",
     "o_brake",
     "o_axmove",
     // tests/panel/abort.rs

@@ -51,7 +51,7 @@ fn a_state_of_another_cell_is_refused() {
         Machine::restore(other, state(config(0), 3)).map(drop).unwrap_err()
     };
     let fewer = of(|config| drop(config.axes.pop()));
-    let (axes, others) = (config(0).axes.len(), 7);
+    let (axes, others) = (config(0).axes.len(), 12);
     let all = Machine::new(config(0)).unwrap().directory().len();
     let one = (all - others) / axes;
     assert_eq!(fewer.to_string(), format!("the state holds {all} signals; the cell has {}", all - one));

@@ -17,7 +17,7 @@ use proptest::prelude::*;
 const BELT: Leader = Leader::Encoder(0);
 const SUM: Leader = Leader::Sum(0);
 
-fn master(name: &str, add: &[Leader], subtract: &[Leader]) -> SumConfig {
+pub(super) fn master(name: &str, add: &[Leader], subtract: &[Leader]) -> SumConfig {
     SumConfig { name: name.into(), add: add.to_vec(), subtract: subtract.to_vec() }
 }
 
@@ -29,7 +29,7 @@ fn cell(masters: Vec<SumConfig>) -> MachineConfig {
     config
 }
 
-fn enabled(config: MachineConfig) -> Rig {
+pub(super) fn enabled(config: MachineConfig) -> Rig {
     let mut rig = Rig::of(config);
     rig.enable();
     rig
@@ -40,13 +40,13 @@ fn sum_of(add: &[Leader], subtract: &[Leader]) -> Rig {
 }
 
 /// A slot that copies its source.
-fn copying(source: Leader, sink: SinkConfig) -> SlotConfig {
+pub(super) fn copying(source: Leader, sink: SinkConfig) -> SlotConfig {
     let mut slot = SlotConfig::new("f".into(), 0, Kind::Dcopy);
     (slot.source, slot.sink) = (SourceConfig::Lead(source), sink);
     slot
 }
 
-fn raw(rig: &Rig, leader: Leader) -> i128 {
+pub(super) fn raw(rig: &Rig, leader: Leader) -> i128 {
     rig.machine.state.leads.get(leader).position.raw()
 }
 
@@ -54,7 +54,7 @@ fn origin(axis: u16, position: i64) -> Action {
     Action::SetPosition(SetPosition { axis, position: Length::whole(position) })
 }
 
-fn start(slot: u16) -> Action {
+pub(super) fn start(slot: u16) -> Action {
     Action::CommandFunction(CommandFunction { slot, order: Order::Start, values: Box::new([]) })
 }
 

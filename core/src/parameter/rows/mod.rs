@@ -7,6 +7,7 @@ mod macs;
 mod native;
 mod saia;
 mod supervision;
+mod virtual_master;
 mod wf;
 
 use super::{Applies, Bare, Effect, Group, Measure, PROFILES, Range, Row, Storage, System, Value};
@@ -71,7 +72,7 @@ pub(super) const SENSE_ROW: u16 = 0;
 
 /// What the meaning of others depends on, native rows, then those of each source.
 const PARTS: &[&[&[Row]]] = &[
-    &[macs::SENSE, native::ROWS, homing::ROWS, encoder::ROWS, supervision::ROWS],
+    &[macs::SENSE, native::ROWS, homing::ROWS, encoder::ROWS, supervision::ROWS, virtual_master::ROWS],
     &macs::PARTS,
     &[amc::ROWS, saia::ROWS, wf::ROWS],
 ];

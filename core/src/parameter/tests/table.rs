@@ -126,6 +126,8 @@ fn exception(name: &str) -> Option<Vec<(i64, i64)>> {
         "CANNR" => vec![(0, 127), (9999, 9999)],
         // D05: each digit 0 to 8.
         "CANBAUD" => digits(0..=8, 8).collect(),
+        // MACS-VM-07: the index, or an edge of an input.
+        "VMENCMTYP" => std::iter::once((0, 1)).chain((1..=9).map(|tens| (10 * tens + 2, 10 * tens + 3))).collect(),
         // The optional 1000.
         "PRGPAR" => vec![(-1, 127), (999, 1127)],
         _ => return None,

@@ -147,12 +147,23 @@ fn the_machine_has_a_section_of_its_own() {
     let parameters = read.machine.global.parameters;
     assert_eq!((parameters.i_errclr, parameters.i_break, parameters.i_continue), (1, -2, 0));
     assert_eq!((parameters.o_error, parameters.ainftime), (-1, 5));
+    let read = good(&with("", "{vmenctyp: 100100, vmencres: 7, vmencmtyp: 22, pulsacc: 500}"));
+    let parameters = read.machine.global.parameters;
+    assert_eq!((parameters.virtual_source(), parameters.vmencres, parameters.pulsacc), (Some(0), 7, 500));
     for (machine, expected) in [
         ("{i_errclr: 9}", "16:21: i_errclr is `9`; -8 to 8 is allowed"),
         ("{i_errclr: 3}", "16:21: i_errclr is 3; the cell has 2 digital inputs"),
         ("{o_error: 2}", "16:20: o_error is 2; the cell has 1 digital output"),
         ("{ainftime: 1.5}", "16:21: ainftime is `1.5`; "),
         ("{prgpar: 3}", "16:19: prgpar"),
+        ("{vmencmtyp: 32}", "16:22: vmencmtyp needs input 3; the cell has 2 digital inputs"),
+        (
+            "{vmenctyp: 1200}",
+            "16:21: vmenctyp 1200 is not allowed; 100 n is, and 100000 more, with n 0 for pulsvel, 1 to ",
+        ),
+        ("{vmenctyp: 5}", "16:21: vmenctyp 5 has an encoder of type 5 in the place of the virtual master"),
+        ("{pulsvel: 100}", "16:20: pulsvel is 100; 0 is allowed at the start, as no machine begins with a virtual "),
+        ("{setsys_15: 1}", "16:22: setsys_15 is 1; 0 is allowed at the start"),
         ("{o_eror: 1}", "16:11: unknown key `o_eror` in machine, did you mean `o_error`?"),
     ] {
         let problems = said(&with("", machine));

@@ -20,13 +20,13 @@ fn cell(masters: &str) -> String {
 #[test]
 fn members_are_resolved() {
     let cell = good(&cell(
-        "  sum: {add: [belt, x.actual, other], subtract: [turret, f.sink, g.sink]}\n  other: {subtract: [line.command]}\n",
+        "  sum: {add: [belt, x.actual, other], subtract: [turret, f.sink, g.sink, machine.vmaster]}\n  other: {subtract: [line.command]}\n",
     ));
     let [sum, other] = cell.machine.masters.as_slice() else { panic!("two masters") };
     assert_eq!((sum.name.as_str(), other.name.as_str()), ("sum", "other"));
     assert_eq!(sum.add, [Leader::Encoder(0), Leader::AxisActual(1), Leader::Sum(1)]);
     // Sinks are counted in the order of the slots.
-    assert_eq!(sum.subtract, [Leader::AxisCommand(2), Leader::Sink(1), Leader::Sink(0)]);
+    assert_eq!(sum.subtract, [Leader::AxisCommand(2), Leader::Sink(1), Leader::Sink(0), Leader::Virtual]);
     assert_eq!((other.add.len(), other.subtract.as_slice()), (0, &[Leader::AxisCommand(0)][..]));
     let signals = cell.machine.directory();
     let of_sum: Vec<_> =
@@ -44,6 +44,10 @@ fn what_no_master_can_be_is_refused_where_it_stands() {
         ),
         ("{add: [^plant]}", "add[0] is `plant`, which is a backend; axis, encoder, function, master is allowed"),
         ("{subtract: [^x.target]}", "subtract[0] is `x.target`; `x`, `x.command` or `x.actual` is allowed"),
+        (
+            "{add: [^machine.vmaste]}",
+            "add[0] is `machine`; no axis, encoder, function, master has that name, there are line, x, turret, belt, f, g, sum",
+        ),
         ("{add: [^belt.velocity]}", "add[0] is `belt.velocity`; `belt` is allowed"),
         ("{add: [^f]}", "add[0] is `f`; `f.sink` is allowed"),
         ("{add: [belt, x, ^belt]}", "`belt` is a member already, at 13:15; a member stands once"),
@@ -109,7 +113,12 @@ fn functions_and_selectors_read_masters() {
     assert_eq!(cell.machine.slots[0].source, SourceConfig::Signal("sum.velocity".into()));
     let unknown = said(&with(&function("sum.speed"), masters));
     assert!(unknown.contains("no signal has that name"), "{unknown}");
+    for source in ["machine.vmaster", "machine.vmaster.position"] {
+        let cell = good(&with(&function(source), masters));
+        assert_eq!(cell.machine.slots[0].source, SourceConfig::Lead(Leader::Virtual), "{source}");
+    }
     let selector = |master: &str| cell_of_selectors(&[("x", master)]);
+    assert_eq!(good(&selector("machine.vmaster")).machine.axes[1].vocabularies.amc.master, Some(Leader::Virtual));
     assert_eq!(good(&selector("sum")).machine.axes[1].vocabularies.amc.master, Some(Leader::Sum(0)));
     let refused = said(&selector("sum.position"));
     assert!(refused.ends_with(": master is `sum.position`; `sum` is allowed"), "{refused}");

@@ -60,6 +60,10 @@ fn what_the_source_does_not_address_is_refused_where_it_stands() {
             "source is `x9.command.velocity`, axis 9 of the cell; preset amkasyn allows axes 1..8",
         ),
         (
+            "{slot: 0, type: dcopy, source: ^machine.vmaster, sink: none}",
+            "source is `machine.vmaster`, the virtual master; preset amkasyn allows an axis, an encoder or a sink",
+        ),
+        (
             "{slot: 0, type: dcopy, source: e1, sink: ^x9}",
             "sink is `x9`, axis 9 of the cell; preset amkasyn allows axes 1..8",
         ),

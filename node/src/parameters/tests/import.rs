@@ -248,6 +248,12 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
     let outputs = io.iter().filter(|entry| entry.kind == IoKind::DigitalOutput).count();
     let refused = import("machine.o_error: 8\n").unwrap_err().to_string();
     assert!(refused.starts_with(&format!("p:1:18: o_error is 8; the cell has {outputs} digital outputs")), "{refused}");
+    let refused = import("machine.vmenctyp: 9900\n").unwrap_err().to_string();
+    assert!(refused.starts_with("p:1:19: vmenctyp 9900 is not allowed; 100 n is"), "{refused}");
+    let starts = import("machine.vmenctyp: 100\nmachine.pulsacc: 5\nmachine.pulsvel: 7\n").expect("good");
+    assert_eq!(starts.changes.len(), 3);
+    let refused = import("machine.pulsvel: 7\n").unwrap_err().to_string();
+    assert!(refused.starts_with("p:1:18: pulsvel 7 starts the virtual master, and pulsacc is 0; above 0"), "{refused}");
     // The outputs of revers: for a velocity only, and as the cell has them.
     let refused = import("slide.revers: 10\n").unwrap_err().to_string();
     assert!(refused.starts_with("p:1:15: revers 10 asks for outputs, which tell the sign of a velocity"), "{refused}");

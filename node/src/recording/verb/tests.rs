@@ -225,6 +225,8 @@ fn couplings_name_their_leader() {
     let actual = Coupling { leader: Some(Leader::AxisActual(0)), ..coupling };
     let sum = Coupling { leader: Some(Leader::Sum(0)), ..coupling };
     desk.is(&Action::Synchronize(sum), &format!(r#"{head}"sum","mode":"position"}}}}"#));
+    let of_machine = Coupling { leader: Some(Leader::Virtual), ..coupling };
+    desk.is(&Action::Synchronize(of_machine), &format!(r#"{head}"machine.vmaster","mode":"position"}}}}"#));
     let by_parameter = Coupling { leader: None, ..coupling };
     desk.is(&Action::Synchronize(by_parameter), r#"{"synchronize":{"id":"17","axis":"turret","mode":"position"}}"#);
     desk.is(&Action::Synchronize(actual), &format!(r#"{head}"x.actual","mode":"position"}}}}"#));

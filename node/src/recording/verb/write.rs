@@ -8,7 +8,7 @@ use lineshaft_core::command::{
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::function::Order;
 use lineshaft_core::modulo::Direction;
-use lineshaft_core::object::{AxisSet, Leader, Object};
+use lineshaft_core::object::{AxisSet, Leader, Object, VIRTUAL_MASTER};
 use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
 use lineshaft_core::position::Length;
 use lineshaft_core::sync::gear::Ratio;
@@ -452,6 +452,7 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
         master: request.leader.map(|leader| match leader {
             // A command never names it: its axis does.
             Leader::Simulated(_) => NAMELESS.to_owned(),
+            Leader::Virtual => VIRTUAL_MASTER.to_owned(),
             Leader::AxisCommand(index) => axis(index, config).to_owned(),
             Leader::Sink(index) => format!("{}.sink", config.name(Object::Function(index))),
             Leader::AxisActual(index) => format!("{}.actual", axis(index, config)),

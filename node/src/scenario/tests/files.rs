@@ -93,6 +93,11 @@ fn a_flying_shear_cuts_with_its_web() {
 }
 
 #[test]
+fn a_virtual_master_leads_and_follows() {
+    assert!(passes("vmaster.yaml", "scenarios/masters/virtual.yaml") >= 12);
+}
+
+#[test]
 fn a_bus_that_goes_off_passes() {
     passes_on("buses.yaml", "buses/bus_lost.yaml");
 }

@@ -375,7 +375,7 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{move_axis: {axis: x, mode: ^300}}"), "mode is 300; 0..255 is allowed");
     assert_eq!(
         bad("{synchronize: ^{axis: x, master: mark}}"),
-        "`mark` cannot lead; line, line.actual, x, x.actual, turret, turret.actual, belt can"
+        "`mark` cannot lead; line, line.actual, x, x.actual, turret, turret.actual, belt, machine.vmaster can"
     );
     assert_eq!(
         bad("{synchronize: {axis: x, master: line, master_increments: ^5}}"),

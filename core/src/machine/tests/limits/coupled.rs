@@ -6,7 +6,7 @@ use crate::command::{Action, Move, MoveMode, Synchronize};
 use crate::config::SumConfig;
 use crate::event::Kind;
 use crate::object::{AxisSet, Leader};
-use crate::parameter::{Change, Row, Value};
+use crate::parameter::{Change, MACHINE, Row, Value};
 use crate::position::Length;
 use crate::sync::{Disengage, SyncMode};
 use proptest::prelude::*;
@@ -321,9 +321,10 @@ enum Happening {
         ratio: (i64, i64),
         offset: i64,
     },
-    /// The line, the simulated master of x, or x itself at a velocity.
+    /// The line, the simulated master of x, the virtual master, or x itself at a velocity.
     Line(f64),
     Simulated(f64),
+    Virtual(f64),
     Velocity(f64),
     Stream(f64, u64),
     Position(i64),
@@ -344,7 +345,7 @@ fn speed() -> impl Strategy<Value = f64> {
 
 fn happening() -> impl Strategy<Value = Happening> {
     use Happening::*;
-    let couple = (0_usize..5, any::<bool>(), any::<bool>(), (-5_i64..6, 1_i64..4), -20_i64..20);
+    let couple = (0_usize..6, any::<bool>(), any::<bool>(), (-5_i64..6, 1_i64..4), -20_i64..20);
     let couple = couple.prop_map(|(leader, velocity_only, keeps, ratio, offset)| Couple {
         leader,
         velocity_only,
@@ -356,6 +357,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         6 => couple,
         4 => speed().prop_map(Line),
         2 => speed().prop_map(Simulated),
+        2 => speed().prop_map(Virtual),
         1 => speed().prop_map(Velocity),
         1 => (speed(), 1_u64..50).prop_map(|(speed, cycles)| Stream(speed, cycles)),
         2 => prop_oneof![Just(LOW), Just(HIGH), Just(LOW + 1), Just(HIGH - 1), LOW..=HIGH].prop_map(Position),
@@ -421,7 +423,7 @@ proptest! {
                 Happening::Couple { leader, velocity_only, keeps, ratio, offset } => {
                     let leader = [
                         Leader::AxisCommand(LINE), Leader::AxisActual(Y), Leader::Encoder(0), Leader::Simulated(X),
-                        Leader::Sum(0),
+                        Leader::Sum(0), Leader::Virtual,
                     ][leader];
                     goal = rig.give(Action::Synchronize(Synchronize {
                         mode: if velocity_only { SyncMode::Velocity } else { SyncMode::Position },
@@ -432,6 +434,11 @@ proptest! {
                 }
                 Happening::Line(velocity) => {
                     rig.give_all(vec![Action::Move(at(LINE, velocity)), Action::Move(at(Y, velocity))]);
+                }
+                Happening::Virtual(velocity) => {
+                    // It jumps, too.
+                    set(&mut rig, MACHINE, "pulsacc", Value::Int(-1));
+                    set(&mut rig, MACHINE, "setsys_15", Value::Int(velocity as i64));
                 }
                 Happening::Simulated(velocity) => {
                     set(&mut rig, X, "master_simulation_velocity", Value::Real(velocity));

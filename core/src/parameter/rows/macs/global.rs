@@ -15,6 +15,17 @@ const CANBAUD: [(i64, i64); 9] = {
     ranges
 };
 
+/// VMENCMTYP: the index, or an edge of input 1 to 9 (MACS-VM-07, A-46).
+const VMENCMTYP: [(i64, i64); 10] = {
+    let mut ranges = [(0, 1); 10];
+    let mut input = 1;
+    while input < 10 {
+        ranges[input as usize] = (input * 10 + 2, input * 10 + 3);
+        input += 1;
+    }
+    ranges
+};
+
 pub(in super::super) const ROWS: &[Row] = &[
     Row {
         key: "cannr",
@@ -163,9 +174,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
         effect: Effect::NextVirtualMaster,
-        missing: "the virtual master of MACS",
-        description: "Virtual master: hundreds the axis whose command it is, 0 a velocity of its own; the rest the encodertype while it is off; 100000 more: not put out.",
-        source: "MACS-VM-01",
+        description: "Whose velocity machine.vmaster has: hundreds the axis, in the order of the cell, whose command it is, 0 pulsvel; the rest, the \
+                      encodertype while it is off, is 0: it stands. 100000 more is the same: there is no output in any case.",
+        source: "MACS-VM-01, MACS-VM-03, MACS-VM-05",
+        get_machine: |m| Value::Int(m.vmenctyp),
+        set_machine: |m, v| m.vmenctyp = int(v).unwrap_or(0),
         ..GLOBAL_ROW
     },
     Row {
@@ -175,21 +188,23 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, 65_535),
         default: Value::Int(500),
-        missing: "the virtual master of MACS",
-        description: "Increments between two marks of the virtual master; 0 none.",
+        description: "Increments between two index pulses of machine.vmaster, which stand at its multiples; 0 none.",
         source: "MACS-VM-06",
+        get_machine: |m| Value::Int(m.vmencres),
+        set_machine: |m, v| m.vmencres = int(v).unwrap_or(0),
         ..GLOBAL_ROW
     },
     Row {
         key: "vmencmtyp",
         mnemonic: "VMENCMTYP",
         number: "118",
-        range: Range::Int(0, MLONG),
+        range: Range::Among(&VMENCMTYP),
         default: Value::Int(0),
-        missing: "the virtual master of MACS",
-        description: "Mark of the virtual master: 0, 1 its index, 2, 3 an input up, down; the tens digit is the input.",
+        description: "What machine.vmaster.index counts: 0, 1 the index pulses; 2, 3 the rising, falling edges of an input, whose number is the tens digit.",
         source: "MACS-VM-07",
-        note: "A-46: value 1 is missing in the text; it is taken as 0.",
+        note: "A-46: value 1 is missing in the text; it is taken as 0. The range in the overview has no end; an edge needs its input.",
+        get_machine: |m| Value::Int(m.vmencmtyp),
+        set_machine: |m, v| m.vmencmtyp = int(v).unwrap_or(0),
         ..GLOBAL_ROW
     },
 ];

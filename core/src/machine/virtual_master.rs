@@ -1,0 +1,153 @@
+//! The virtual master in its machine: when it moves, what starts and ends it, what its index counts.
+//!
+//! Law      it moves before the axes, or behind the axis that it follows, which moves before all that follow it. Slots see what the last cycle has left.
+//!          A set of pulsvel starts it in the cycle of the set and takes vmenctyp over; pulsacc 0, i_break and abort end it in theirs
+//! Refuses  a source that closes a loop, a start without a ramp
+//! Source   MACS-VM-01..08, MACS-ERR-09
+
+use super::{Machine, State, Told};
+use crate::code::Code;
+use crate::config::IoKind;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::object::{AxisSet, Object};
+use crate::parameter::{Change, MACHINE, MachineParameters, Marker, Row, Value, VirtualMasterProblem};
+use crate::position::Position;
+use crate::sync::{VirtualMaster, VirtualSource};
+
+const PULSVEL: u16 = Row::place("pulsvel");
+const PULSACC: u16 = Row::place("pulsacc");
+const SETSYS_15: u16 = Row::place("setsys_15");
+
+fn names(changes: &[Change], row: u16) -> bool {
+    changes.iter().any(|change| change.axis == MACHINE && change.row == row)
+}
+
+/// Does a set start it?
+fn starts(changes: &[Change]) -> bool {
+    names(changes, PULSVEL)
+}
+
+fn refusal(problem: &VirtualMasterProblem) -> Refusal {
+    let row = Row::find(problem.key).map(|(row, _)| row);
+    let [asked, limit] = [problem.value, problem.limit].map(Number::Count);
+    Refusal { parameter: row, ..Refusal::new(problem.code, Object::Machine).with(asked, limit) }
+}
+
+impl Machine {
+    /// May the machine have these parameters, as far as its virtual master is concerned?
+    pub(super) fn admit_virtual_master(
+        &self,
+        changes: &[Change],
+        candidate: &MachineParameters,
+    ) -> Result<(), Refusal> {
+        candidate.check_virtual_source(self.state.axes.len()).map_err(|problem| refusal(&problem))?;
+        if !starts(changes) {
+            return Ok(());
+        }
+        candidate.check_virtual_start(names(changes, PULSACC)).map_err(|problem| refusal(&problem))?;
+        match self.state.virtual_master.source().after(candidate, true) {
+            VirtualSource::Axis(axis) if self.led_by(AxisSet::one(axis), Some(axis)).contains(axis) => {
+                Err(refusal(&VirtualMasterProblem {
+                    key: "vmenctyp",
+                    value: candidate.vmenctyp,
+                    code: Code::LEADER_LOOP,
+                    limit: 0,
+                }))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Other parameters of the machine are in force, which these changes have set.
+    pub(super) fn take_virtual_master(&mut self, changes: &[Change]) {
+        let source = self.state.virtual_master.source().after(&self.state.panel.parameters, starts(changes));
+        self.lead_virtually(source);
+    }
+
+    /// An abort ends it (MACS-ERR-09).
+    #[cold]
+    #[inline(never)]
+    pub(super) fn stop_virtual_master(&mut self, sequence: Option<u64>) {
+        let parameters = &mut self.state.panel.parameters;
+        for (row, velocity) in [(PULSVEL, &mut parameters.pulsvel), (SETSYS_15, &mut parameters.setsys_15)] {
+            if std::mem::take(velocity) != 0 {
+                let event = Event::new(Severity::Info, Kind::Parameter, Object::Machine, Code::NONE);
+                let event = sequence.map_or(event, |sequence| event.of_command(sequence));
+                let number = Change { axis: MACHINE, row, value: Value::Int(0) }.number();
+                self.events.push(Event { parameter: Some(row), ..event.with(number, Number::None) });
+                self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
+            }
+        }
+        // Without a ramp it stands with its velocity.
+        if self.state.virtual_master.source() != VirtualSource::Direct {
+            self.lead_virtually(VirtualSource::Off);
+        }
+    }
+
+    fn lead_virtually(&mut self, source: VirtualSource) {
+        let before = self.state.virtual_master.axis();
+        if source == self.state.virtual_master.source() {
+            return;
+        }
+        self.state.virtual_master.take(source, &mut self.state.leads.virtual_master);
+        self.state.leads.virtual_mark = None;
+        self.publish_virtual_master();
+        if before != self.state.virtual_master.axis() {
+            // The axis that it follows moves before all that follow it from this cycle on.
+            self.sort_axes();
+        }
+    }
+
+    /// As after the power came back.
+    pub(super) fn power_up_virtual_master(&mut self) {
+        self.state.virtual_master = VirtualMaster::new(&self.state.panel.parameters);
+    }
+
+    /// The axes of a cycle with a virtual master that is on: those that move before it, it, and the others.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn begin_around_virtual_master(&mut self, told: Told<'_>) -> (bool, bool) {
+        let State { virtual_master, order, .. } = &self.state;
+        let followed = virtual_master.axis().and_then(|axis| order.iter().position(|&other| other == axis));
+        let (ahead, count) = (followed.map_or(0, |place| place + 1), order.len());
+        let first = self.begin_some(0..ahead, told);
+        self.move_virtual_master(told);
+        let second = self.begin_some(ahead..count, told);
+        (first.0 && second.0, first.1 && second.1)
+    }
+
+    fn move_virtual_master(&mut self, told: Told<'_>) {
+        let State { virtual_master, leads, panel, .. } = &mut self.state;
+        let (parameters, cycle_ns) = (&panel.parameters, self.config.cycle_ns);
+        let axis = virtual_master.axis().and_then(|axis| leads.of_axes.get(usize::from(axis)));
+        let change = axis.map_or_else(Default::default, |of| of.command.change);
+        let lead = &mut leads.virtual_master;
+        let marks = virtual_master.count;
+        virtual_master.step(parameters, change, cycle_ns, lead);
+        match parameters.virtual_marker() {
+            Marker::Index => virtual_master.count_pulses(parameters.vmencres, lead),
+            Marker::Input { place, rising } => {
+                let entry = self.digital_inputs.get(place).copied().unwrap_or(u16::MAX);
+                let is_latching = |io: &crate::config::IoConfig| io.kind == IoKind::DigitalInput && io.latch;
+                if self.config.io.get(usize::from(entry)).is_some_and(is_latching) {
+                    let of_input = |latch: &&crate::vocabulary::Latched| {
+                        latch.object == Object::Io(entry) && latch.rising == rising
+                    };
+                    for latch in self.latched.iter().filter(of_input) {
+                        virtual_master.count_latch(latch.age_ns, cycle_ns, lead);
+                    }
+                } else {
+                    virtual_master.count_level(parameters, told.inputs.digital(place), lead);
+                }
+            }
+        }
+        // Of several the last one counts.
+        leads.virtual_mark = (virtual_master.count != marks).then(|| Position::whole(virtual_master.mark));
+        self.publish_virtual_master();
+    }
+
+    fn publish_virtual_master(&mut self) {
+        let State { virtual_master, leads, board, .. } = &mut self.state;
+        self.signals.publish_virtual_master(board, &leads.virtual_master, virtual_master);
+    }
+}
