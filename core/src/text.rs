@@ -100,6 +100,10 @@ fn latched(event: &Event, config: &MachineConfig) -> String {
 }
 
 fn marked(event: &Event, config: &MachineConfig) -> String {
+    if let (Number::Real(error), Number::Real(correction)) = (event.asked, event.limit) {
+        // To what a drive could do at best.
+        return format!("marks {error:.3} inc apart, corrected by {correction:.3} inc");
+    }
     let position = number_text(Number::Position(event.position.floor()), event.source, config);
     format!("mark at {position}, {} us before the cycle", event.age_ns / 1000)
 }

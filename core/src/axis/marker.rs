@@ -179,6 +179,11 @@ impl Axis {
         if !matches!(marks.start, 0..=6 | 1_000..=1_006) {
             return Err(self.refuse(Code::MARK_START).with(Number::Count(marks.start), Number::None));
         }
+        // One mark may lie between master and slave; more would have narrower numbers (O-42).
+        let (distance, most) = (self.parameters.sync.mark_distance, self.parameters.largest_mark_distance(1));
+        if distance > most {
+            return Err(self.refuse(Code::MARK_DISTANCE).with(Number::Count(distance), Number::Count(most)));
+        }
         let own_index = !self.is_virtual() && self.check_zero_moves().is_ok();
         let sides =
             [(marks.master_type, number_of(leader), has_index, 0), (marks.slave_type, self.setup.index, own_index, 1)];

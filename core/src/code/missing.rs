@@ -43,7 +43,6 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::NO_REVERSING_OUTPUTS => {
             "asks for a node on a bus, which key node of the drive does; below 100 is allowed"
         }
-        Code::MARK_DISTANCE => "is beyond its range; at most 2147483646 / (syncmarkm * syncfacts) is allowed",
         Code::MARK_WINDOW => {
             "is larger than the distance of the marks; 0 to syncmpulsm, for syncmwins to syncmpulss, is allowed"
         }

@@ -250,7 +250,7 @@ codes! {
 
     /// A distance of marks beyond what the gear factor allows.
     MARK_DISTANCE = 10059, NoError {
-        says: "",
+        says: "syncmpulsm {asked} inc is too far for marks; at most {limit} inc is allowed with this syncfacts and syncmarkm",
         cause: "syncmpulsm times syncmarkm times syncfacts is more than 2147483646.",
         remedy: "Give a smaller distance, or a gear factor in lower terms.",
     }

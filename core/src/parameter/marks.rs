@@ -65,18 +65,18 @@ impl MarkSignal {
 }
 
 impl AxisParameters {
+    /// The largest distance of the master's marks for a coupling by marks, where so many may lie between master and slave (inc of the master).
+    pub fn largest_mark_distance(&self, between: i64) -> i64 {
+        [self.marks.per_master, self.sync_slave, between].iter().fold(2 * MLONG, |most, factor| most / (*factor).max(1))
+    }
+
     /// What of the marks cannot be had together.
     ///
     /// # Errors
     /// The key, and why.
     pub(super) fn check_marks(&self) -> Result<(), (&'static str, Code)> {
         let marks = &self.marks;
-        let product = i128::from(self.sync.mark_distance)
-            * i128::from(marks.per_master.max(1))
-            * i128::from(self.sync_slave.max(1));
         let checks = [
-            // One mark may lie between master and slave; more would have narrower numbers (O-42).
-            ("syncmpulsm", product > i128::from(2 * MLONG), Code::MARK_DISTANCE),
             ("syncmwinm", marks.master_window > self.sync.mark_distance, Code::MARK_WINDOW),
             ("syncmwins", marks.slave_window > marks.slave_distance, Code::MARK_WINDOW),
             ("syncmfpar", marks.options & 64 != 0, Code::MARKS_INACTIVE),
@@ -88,6 +88,7 @@ impl AxisParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameter::{Row, Value};
 
     /// Proves: MACS-MARK-05, MACS-MARK-06, MACS-O-51
     #[test]
@@ -111,12 +112,21 @@ mod tests {
         parameters.check_marks()
     }
 
-    /// 2147483646 / 1000, with one mark between; a window is no larger than its distance.
-    /// Proves: MACS-SYNC-03, MACS-MARK-07
+    /// SYNCFACTS 1000, SYNCMARKM 1 and two marks between: 1073741; SYNCMPULSS times 9 is at most 2147483646.
+    /// Proves: MACS-SYNC-03, MACS-MARK-03, MACS-MARK-04, MACS-O-42
     #[test]
-    fn distances_and_windows_fit() {
-        let distance = |distance| checked(|p| (p.sync_slave, p.sync.mark_distance) = (1_000, distance));
-        assert_eq!((distance(2_147_483), distance(2_147_484)), (Ok(()), Err(("syncmpulsm", Code::MARK_DISTANCE))));
+    fn distances_have_a_largest_one() {
+        let parameters = AxisParameters { sync_slave: 1_000, ..AxisParameters::new(1e5, 1e6) };
+        assert_eq!([1, 2].map(|between| parameters.largest_mark_distance(between)), [2_147_483, 1_073_741]);
+        let (_, row) = Row::find("syncmpulss").expect("a row");
+        let takes = |distance| row.check(Value::Int(distance)).is_ok();
+        assert_eq!([238_609_294, 238_609_295].map(takes), [true, false]);
+    }
+
+    /// A window is no larger than its distance.
+    /// Proves: MACS-MARK-07
+    #[test]
+    fn windows_fit() {
         let window = |window| checked(|p| (p.sync.mark_distance, p.marks.master_window) = (100, window));
         assert_eq!((window(100), window(101)), (Ok(()), Err(("syncmwinm", Code::MARK_WINDOW))));
         let window = |window| checked(|p| (p.marks.slave_distance, p.marks.slave_window) = (100, window));

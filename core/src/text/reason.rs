@@ -112,7 +112,6 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         | Code::NO_VELOCITY_LOOP
         | Code::NO_REVERSING_OUTPUTS
         | Code::SYNC_OFFSET_RANGE
-        | Code::MARK_DISTANCE
         | Code::MARK_WINDOW
         | Code::MARKS_INACTIVE => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))

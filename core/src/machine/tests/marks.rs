@@ -140,6 +140,11 @@ fn labels_come_with_their_products() {
 fn a_correction_in_its_time_leaves_the_axis_synchronized() {
     let mut world = World::new(500.0, &[("syncmstart", 6), ("syncofftime", 400)]);
     world.couple();
+    world.run(50, 10);
+    let pair = world.rig.events.iter().find(|event| event.kind == Kind::Mark).expect("a pair");
+    let sentence = crate::text::sentence(pair, world.rig.machine.config());
+    // A cycle of the belt, in which nothing was coupled, is 20 inc of x.
+    assert_eq!(sentence, "x: marks -679.500 inc apart, corrected by -679.500 inc");
     let mut fastest = [f64::INFINITY, f64::NEG_INFINITY];
     for k in 0..3_000 {
         world.cycle(10);
@@ -353,6 +358,7 @@ fn what_gives_no_marks_is_refused() {
         ),
         (("syncmtypm", 512), "x: syncmtypm names digital input 5, which the cell"),
         (("syncmtypm", 1), "x: syncmtypm 1 asks for an index pulse that there is not"),
+        (("syncfacts", 2_147_484), "x: syncmpulsm 1000 inc is too far for marks; at most 999 inc is allowed"),
         (("syncmstart", 7), "x: syncmstart 7 does not exist in mode MARKER; 0 to 6 and 1000 to 1006 do"),
         (("syncmstart", 2_000), "x: syncmstart 2000 does not exist in mode MARKER"),
     ] {

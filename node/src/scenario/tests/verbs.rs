@@ -325,7 +325,7 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
         report.to_string(),
         "scenario `s`: PASSED\n  20 cycles, 0.02 s\n  2 expectations, 3 of 3 steps fired\n  refused as expected:\n    \
          s.yaml:4:16: move_axis: no axis is called `z`; there are line, x, turret; in cycle 1 (0.001 s)\n    \
-         s.yaml:5:16: synchronize: offset is 1 mm: 0 is allowed with mode MARKER, where parameter syncposoffs shifts the axis against the marks; in cycle 2 (0.002 s)\n    \
+         s.yaml:5:16: synchronize: offset is `1 mm`; 0 is allowed with mode MARKER, where parameter syncposoffs shifts the axis against the marks; in cycle 2 (0.002 s)\n    \
          s.yaml:6:16: set_parameters: x: kprop is 3: the position loop of MACS does not exist yet; only 30 is allowed; in cycle 3 (0.003 s)\n"
     );
 }
@@ -333,7 +333,7 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
 #[test]
 fn verbs_that_are_not_built_are_refused_by_name() {
     assert!(
-        bad("{synchronize: {axis: x, master: line, mode: marker, offset: ^1 mm}}")
+        bad("{synchronize: ^{axis: x, master: line, mode: marker, offset: 1 mm}}")
             .contains("0 is allowed with mode MARKER")
     );
 }
