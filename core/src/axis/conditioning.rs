@@ -4,7 +4,8 @@
 //!          (SYNCVFTIME). An offset is a way of the master that is added, at once or as a trapezoid (SYNCPOSOFFS, SYNCOFFTIME): the gear
 //!          makes of it what it makes of any motion, so that an offset taken back leaves nothing. What the rule of reversing has kept a
 //!          slave from is worked off by the same trapezoid, geared. The slave is led ahead by a share of its velocity (SYNCFFVEL).
-//!          No increment is lost on any of these ways: what one gives up while it is switched off in motion comes at once
+//!          But for the filter in modes that keep no position of the master, no increment is lost on these ways: what one gives up while it is
+//!          switched off in motion comes at once
 //! Reads    the parameters of synchronization; SYNCTYPE as the coupling began
 //! Refuses  nothing: its axis follows within its limits
 //! Source   MACS-SYNC-05, -08 to -15, MACS-DIR-07, A-30, A-57
@@ -20,13 +21,16 @@ use crate::sync::{Shift, SyncMode};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
+/// Time over which the velocity of a counted master is smoothed for the band (ms).
+const MEAN_TIME: f64 = 64.0;
+/// Cycles without the rule of reversing before it is told again.
+const SILENCE: u16 = 250;
+
 /// What an axis follows in a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Conditioned {
     pub lead: Lead,
     pub beside: Beside,
-    /// More comes at once than it can follow, as it was asked to.
-    pub is_sudden: bool,
 }
 
 /// What a coupling keeps of its master's motion.
@@ -44,8 +48,12 @@ pub(super) struct Conditioning {
     shift: Option<Shift>,
     /// The way on which a slave makes up for what the rule has kept it from.
     pub(super) late: Option<Shift>,
-    /// The rule keeps it from that now.
-    barred: bool,
+    /// It is what the rule has kept it from, and no correction for marks.
+    by_rule: bool,
+    /// Cycles until the rule is told again once it keeps the slave from something.
+    silent: u16,
+    /// The master's geared velocity for the band (inc per cycle), smoothed.
+    mean: Option<f64>,
     /// Of a coupling by marks.
     pub(super) marks: Option<MarkPath>,
 }
@@ -66,6 +74,7 @@ impl Conditioning {
         self.filter.is_none_or(|filter| filter.is_sound())
             && self.backward >= Position::ZERO
             && self.backward.is_legal()
+            && self.mean.is_none_or(f64::is_finite)
             && self.marks.is_none_or(|marks| marks.is_sound())
             && shifts.into_iter().all(|shift| shift.is_none_or(|shift| shift.is_sound()))
     }
@@ -77,6 +86,7 @@ impl Conditioning {
             && self.shift.is_none()
             && self.late.is_none()
             && self.marks.is_none()
+            && self.silent == 0
     }
 
     /// What is left of a change when backward motion is stored; a turned master goes backwards where it counts up.
@@ -94,8 +104,21 @@ impl Conditioning {
         turn(goes_on)
     }
 
-    /// What a new offset, or one under way, adds to the master's change; and whether all of it comes at once.
-    fn step_offset(&mut self, wanted: i64, rates: Option<OffsetRates>, cycle_s: f64, most: f64) -> (Position, bool) {
+    /// The band in which the slave stays while it catches up, with a velocity of its master (geared, inc per cycle) that may be one of single counts.
+    fn band(&mut self, share: i64, velocity: f64, is_uneven: bool, cycle_s: f64) -> Option<Band> {
+        if share == 0 {
+            self.mean = None;
+            return None;
+        }
+        let before = self.mean.unwrap_or(velocity);
+        let weight = if is_uneven { (cycle_s * 1e3 / MEAN_TIME).min(1.0) } else { 1.0 };
+        let mean = before + (velocity - before) * weight;
+        self.mean = Some(mean);
+        Some(Band { velocity: mean, share: share as f64 / 100.0 })
+    }
+
+    /// What a new offset, or one under way, adds to the master's change.
+    fn step_offset(&mut self, wanted: i64, rates: Option<OffsetRates>, cycle_s: f64, most: f64) -> Position {
         let mut way = Position::ZERO;
         if wanted != self.offset {
             let left = self.shift.map_or(Position::ZERO, |shift| shift.left());
@@ -106,7 +129,7 @@ impl Conditioning {
                 way = whole;
             }
         }
-        (way + step(&mut self.shift, most), way != Position::ZERO)
+        way + step(&mut self.shift, most)
     }
 }
 
@@ -139,7 +162,7 @@ impl Axis {
         let by_position = follower.mode().keeps_position();
         let is_gear = follower.transmission().cam().is_none();
         self.conditioning.keeps_backward
-            || by_position && p.sync.feed_forward != 0
+            || by_position && (p.sync.feed_forward != 0 || p.sync.velocity_band != 0)
             || is_gear && p.master_tau(by_position).is_some()
             || is_gear && by_position && p.sync.offset != self.conditioning.offset
             || !self.conditioning.is_empty()
@@ -163,16 +186,19 @@ impl Axis {
             SyncMode::Marker => Keeps::Marks,
         };
         let filtering = tau.map(|tau| Filtering { tau, keeps, limit: sync.filter_limit as f64 });
-        let marks = self.step_marks(cx, lead, tau);
+        let fastest = follower.catch_up_velocity() * cycle_s;
         let state = &mut self.conditioning;
 
         let mut next = lead;
         if state.keeps_backward {
             next.change = state.store(next.change, is_turned);
         }
+        let passed_on = next.change;
+        // Of a master that goes backwards, and is not followed, it has none.
+        let velocity = if state.keeps_backward { passed_on.to_f64() } else { lead.velocity * cycle_s };
         if let Some(filtering) = filtering {
             let cycle_us = cycle_s * 1e6;
-            let filter = state.filter.get_or_insert(MasterFilter::settled(lead.velocity * cycle_s));
+            let filter = state.filter.get_or_insert(MasterFilter::settled(velocity));
             next.uneven = lead.uneven * filter.smooths(&filtering, cycle_us);
             next.change = filter.step(next.change, &filtering, cycle_us);
         } else if let Some(filter) = state.filter.take() {
@@ -181,25 +207,22 @@ impl Axis {
         if !by_position {
             return Conditioned { lead: next, ..Conditioned::default() };
         }
-        let marks = marks.unwrap_or_default();
-        let mut is_sudden = marks.is_sudden;
-        next.change += Position::from_f64(lead.change.to_f64() * marks.gear);
-        let share = sync.velocity_band as f64 / 100.0;
-        let master = lead.velocity * cycle_s;
-        // What comes beside leaves the velocity of the master by no more than the band has.
-        let most = if sync.velocity_band > 0 { (master * share).abs() } else { f64::INFINITY };
+        let band = state.band(sync.velocity_band, velocity * slope, lead.uneven > 0.0, cycle_s);
+        // What comes beside leaves the velocity of the master by no more than the band has, and is no faster than the goal.
+        let most = band.map_or(f64::INFINITY, |band| {
+            (band.velocity * band.share).abs().min((fastest - band.velocity.abs()).max(0.0))
+        });
+        let marks = self.step_marks(cx, lead, tau, most).unwrap_or_default();
+        let state = &mut self.conditioning;
+        next.change += Position::from_f64(passed_on.to_f64() * marks.gear);
         if is_gear {
             let wanted = state.marks.map_or(sync.offset, |marks| marks.offset(sync.offset));
-            let (way, all) = state.step_offset(wanted, sync.offset_rates(), cycle_s, most);
-            next.change += way;
-            is_sudden |= all;
+            next.change += state.step_offset(wanted, sync.offset_rates(), cycle_s, most / slope.abs());
         }
-        let beside = Beside {
-            way: marks.way + step(&mut state.late, most * slope.abs()),
-            ahead: sync.ahead(cycle_s),
-            band: (sync.velocity_band > 0).then_some(Band { velocity: master * slope, share }),
-        };
-        Conditioned { lead: next, beside, is_sudden }
+        let way = marks.way + step(&mut state.late, most);
+        state.by_rule &= state.late.is_some();
+        let beside = Beside { way, ahead: sync.ahead(cycle_s), band };
+        Conditioned { lead: next, beside }
     }
 
     /// What the rule of reversing has kept the slave at `position` from, it makes up for in syncofftime, where that is one.
@@ -208,7 +231,8 @@ impl Axis {
         let rates = self.parameters.sync.offset_rates().filter(|_| conditions);
         let Some(follower) = self.generator.follower_mut() else { return };
         let is_barred = follower.is_barred() && follower.mode().keeps_position();
-        self.conditioning.barred = is_barred;
+        let silent = &mut self.conditioning.silent;
+        *silent = if is_barred { SILENCE } else { silent.saturating_sub(1) };
         let Some(OffsetRates { velocity, acceleration }) = rates.filter(|_| is_barred) else { return };
         let slope = follower.transmission().slope();
         let rates = OffsetRates { velocity: velocity * slope, acceleration: acceleration * slope };
@@ -217,16 +241,17 @@ impl Axis {
         let whole = late.map_or(Position::ZERO, |late| late.left()) + lacked;
         // One that stands has nothing to make up for.
         *late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, late.as_ref()));
+        self.conditioning.by_rule = late.is_some();
     }
 
-    /// Was it kept from going backwards in the cycle before?
+    /// Was it told not long ago that it was kept from going backwards?
     pub(super) fn was_barred(&self) -> bool {
-        self.conditioning.barred
+        self.conditioning.silent > 0
     }
 
     /// Does it make up for what the rule has kept it from?
     pub(super) fn is_late(&self) -> bool {
-        self.conditioning.late.is_some()
+        self.conditioning.by_rule
     }
 
     /// What of its way the slave lacks beside what its follower knows.
@@ -263,9 +288,14 @@ impl Axis {
         self.conditioning = Conditioning::begin(&self.parameters.sync, marks);
     }
 
+    /// Goes on for another gear of the same leader.
+    pub(super) fn go_on_conditioning(&mut self) {
+        self.conditioning.keeps_backward = self.parameters.sync.keeps_backward();
+    }
+
     /// Where its coupling is over, nothing is kept.
     pub(super) fn settle_conditioning(&mut self) {
-        if self.coupling().is_none() && !self.conditioning.is_empty() {
+        if (self.coupling().is_none() || !self.conditions()) && !self.conditioning.is_empty() {
             self.conditioning = Conditioning::default();
         }
     }

@@ -145,8 +145,14 @@ impl Axis {
             return None;
         }
         let (shift, ended) = self.phase_of_master();
-        let Conditioned { lead, beside, is_sudden } = self.condition(cx, lead);
+        let Conditioned { lead, beside } = self.condition(cx, lead);
         let change = lead.change + shift;
+        if change.raw().abs() > 2 * bound.raw() {
+            let change = Number::Position(change.floor());
+            self.tell_phase(cx, ended, self.command.position);
+            self.raise(cx, Failure::of(Code::ENCODER_JUMP).with(change, Number::None).before_motion());
+            return None;
+        }
         let lead = Lead { change, ..lead };
         let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
         if follower.transmission().cam().is_some_and(|cam| !cam.bears(change, cx.tables)) {
@@ -159,7 +165,9 @@ impl Axis {
         let was = follower.phase();
         let next = follower.step_beside(slave, (lead, cx.tables), cycle_s, reserve, rule, beside);
         let (is_lost, waits) = (follower.phase() == Phase::CatchingUp, follower.is_barred());
-        if was != Phase::CatchingUp && is_lost && !is_sudden && !(waits && self.was_barred()) {
+        // What comes beside was asked for.
+        let is_told = if waits { !self.was_barred() } else { follower.is_overtaken() };
+        if was != Phase::CatchingUp && is_lost && is_told {
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
             cx.events.push(Event { position: next.position, ..event });

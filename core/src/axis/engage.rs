@@ -59,7 +59,7 @@ impl Engagement {
             Engage::InPosition { .. } => {
                 !is_cam && mode == SyncMode::Position && Pair::of(engage).is_some_and(|pair| pair.is_sound())
             }
-            Engage::OnEvent(_) => true,
+            Engage::OnEvent(_) => mode != SyncMode::Marker,
         };
         can_wait
             && cam.is_none_or(|cam| cam.is_sound())
@@ -187,7 +187,9 @@ impl Axis {
                 let goes_on = is_same && Pair::of(engagement.request.engage).is_none();
                 let shifts = if goes_on { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
                 self.take_over(cx, engagement.sequence, None);
-                if !goes_on {
+                if goes_on && engagement.request.cam.is_none() {
+                    self.go_on_conditioning();
+                } else {
                     self.begin_conditioning(engagement.request.mode, lead);
                 }
                 (self.overlay, self.phasing) = shifts;

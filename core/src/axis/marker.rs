@@ -19,30 +19,36 @@ use crate::parameter::{MarkSignal, Marks, OffsetRates};
 use crate::position::Position;
 use crate::sync::follower::Phase;
 use crate::sync::marker::{Asked, Found, Marker, Of, Situation};
-use crate::sync::status;
+use crate::sync::{SyncMode, status};
 use serde::{Deserialize, Serialize};
 
 /// SYNCMSTART from here on waits with the offset for the first correction.
 const OFFSET_LATER: i64 = 1_000;
-/// Cycles over which the speed of a counted master is smoothed, where no filter does that.
-const MEAN_CYCLES: f64 = 64.0;
+/// Time over which the speed of a counted master is smoothed, where no filter does that (ms).
+const MEAN_TIME: f64 = 64.0;
 /// A spread over so little of SYNCVFTIME.
 const SPREAD_SHARE: f64 = 100.0;
 
-/// A correction that is spread over cycles.
+/// A correction that is spread over the way of the master, or over a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Spread {
     left: Position,
-    /// (inc per cycle)
-    step: f64,
+    /// What is left of that way (inc), or of that time (cycles).
+    over: f64,
+    /// It is a time.
+    is_time: bool,
 }
 
 impl Spread {
-    /// What it gives in this cycle.
-    fn step(&mut self) -> Position {
-        let step = Position::from_f64(self.step);
-        let is_last = step.raw().unsigned_abs() >= self.left.raw().unsigned_abs();
-        let way = if is_last { self.left } else { step };
+    /// What it gives in a cycle in which the master moves by `change` (inc), `most` (inc) either way.
+    fn step(&mut self, change: f64, most: f64) -> Position {
+        let passed = if self.is_time { 1.0 } else { change.abs() };
+        let left = self.left.to_f64();
+        let wanted = if passed >= self.over { left } else { left * (passed / self.over) };
+        let step = wanted.max(-most).min(most);
+        self.over = (self.over - passed).max(0.0);
+        // Bit for bit all of it.
+        let way = if step == left { self.left } else { Position::from_f64(step) };
         self.left = self.left - way;
         way
     }
@@ -61,6 +67,9 @@ pub(super) struct MarkPath {
     spread: Spread,
     /// The offset is not in force yet.
     offset_waits: bool,
+    /// The first correction, and all of them so far.
+    first: Position,
+    ordered: Position,
     /// What is told once until it is over: marks that come where none should, of master and slave.
     extra: [bool; 2],
 }
@@ -72,8 +81,6 @@ pub(super) struct MarkStep {
     pub gear: f64,
     /// What comes to the slave beside.
     pub way: Position,
-    /// It comes all at once, and the slave has to catch up.
-    pub is_sudden: bool,
 }
 
 impl MarkPath {
@@ -87,15 +94,14 @@ impl MarkPath {
             velocity,
             spread: Spread::default(),
             offset_waits: true,
+            first: Position::ZERO,
+            ordered: Position::ZERO,
             extra: [false; 2],
         }
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        self.marker.is_sound()
-            && self.velocity.is_finite()
-            && self.spread.step.is_finite()
-            && self.spread.left.is_legal()
+        self.marker.is_sound() && self.velocity.is_finite() && self.spread.over >= 0.0 && self.spread.left.is_legal()
     }
 
     /// What of a correction is not given yet.
@@ -171,7 +177,7 @@ impl Axis {
     /// What there is not.
     pub fn check_marks(
         &self,
-        leader: Leader,
+        (leader, slave_factor): (Leader, i64),
         has_index: bool,
         latches: impl Fn(u16) -> Option<bool>,
     ) -> Result<(), Refusal> {
@@ -180,9 +186,13 @@ impl Axis {
             return Err(self.refuse(Code::MARK_START).with(Number::Count(marks.start), Number::None));
         }
         // One mark may lie between master and slave; more would have narrower numbers (O-42).
-        let (distance, most) = (self.parameters.sync.mark_distance, self.parameters.largest_mark_distance(1));
+        let (distance, most) =
+            (self.parameters.sync.mark_distance, self.parameters.largest_mark_distance(slave_factor, 1));
         if distance > most {
             return Err(self.refuse(Code::MARK_DISTANCE).with(Number::Count(distance), Number::Count(most)));
+        }
+        if matches!(marks.start % OFFSET_LATER, 3..=5) && distance == 0 {
+            return Err(self.refuse(Code::MARK_NO_DISTANCE).with(Number::Count(marks.start), Number::None));
         }
         let own_index = !self.is_virtual() && self.check_zero_moves().is_ok();
         let sides =
@@ -239,7 +249,14 @@ impl Axis {
     }
 
     /// Takes the marks of this cycle, and gives what comes of them; none without a coupling by marks.
-    pub(super) fn step_marks(&mut self, cx: &mut Context<'_>, lead: Lead, tau: Option<f64>) -> Option<MarkStep> {
+    /// What is spread is `most` (inc) in a cycle, either way.
+    pub(super) fn step_marks(
+        &mut self,
+        cx: &mut Context<'_>,
+        lead: Lead,
+        tau: Option<f64>,
+        most: f64,
+    ) -> Option<MarkStep> {
         let mut path = self.conditioning.marks?;
         let coupling = self.coupling()?;
         let (leader, ratio) = (coupling.leader, coupling.follower.transmission().signed_slope());
@@ -257,13 +274,14 @@ impl Axis {
         let change = lead.change.to_f64();
         let share = match tau {
             Some(tau) => (cycle_ms * 1e3 / tau).min(1.0),
-            None if lead.uneven > 0.0 => 1.0 / MEAN_CYCLES,
+            None if lead.uneven > 0.0 => (cycle_ms / MEAN_TIME).min(1.0),
             None => 1.0,
         };
         path.velocity += (change - path.velocity) * share;
         let asked = Asked { sync: &sync, marks: &marks, speed: (path.velocity / cycle_ms).abs(), ratio };
         path.marker.advance(lead.change, self.actual.change);
         for (of, seen, extra) in [(Of::Master, &mut of_master, 0), (Of::Slave, &mut of_slave, 1)] {
+            let before = *path.marker.side(of);
             for mark in seen.sorted() {
                 let is_extra = path.marker.take(of, *mark, &asked) == Found::Extra;
                 let told = path.extra.get(extra) == Some(&true);
@@ -274,8 +292,8 @@ impl Axis {
                     *flag = is_extra;
                 }
             }
-            let was_missed = path.marker.side(of).is_missed();
-            if path.marker.look(of, &asked) && !was_missed {
+            path.marker.look(of, &asked);
+            if path.marker.side(of).counts().0 != before.counts().0 && !before.is_missed() {
                 self.tell_marks(cx, Code::MARK_MISSED, of);
             }
         }
@@ -284,7 +302,8 @@ impl Axis {
         loop {
             let under_way = (self.under_way() + path.left() + at_once).to_f64();
             let offset = self.conditioning.offset_given() as f64;
-            let situation = Situation { asked, offset, under_way, runs };
+            let sense = if path.velocity * ratio < 0.0 { -1.0 } else { 1.0 };
+            let situation = Situation { asked, offset, under_way, runs, sense };
             let had_begun = path.marker.has_begun();
             let was_faulty = path.marker.is_faulty(&marks);
             let Some(pair) = path.marker.pair(&situation, accuracy) else { break };
@@ -292,12 +311,14 @@ impl Axis {
                 path.offset_waits = false;
             }
             let correction = Position::from_f64(pair.correction);
+            if !had_begun {
+                path.first = correction;
+            }
+            path.ordered += correction;
             if let Some(rates) = sync.offset_rates() {
                 self.add_late(correction, rates, ratio.abs());
-            } else if let Some(cycles) = cycles_of_spread(&asked, tau, cycle_ms) {
-                path.spread.left += correction;
-                // A master that stands adds nothing.
-                path.spread.step = if cycles.is_finite() { path.spread.left.to_f64() / cycles } else { 0.0 };
+            } else if let Some((over, is_time)) = spread_over(&asked, tau, cycle_ms) {
+                path.spread = Spread { left: path.spread.left + correction, over, is_time };
             } else {
                 at_once += correction;
             }
@@ -309,17 +330,24 @@ impl Axis {
                 cx.events.push(event.with(Number::Real(pair.error), Number::Count(accuracy.saturating_abs())));
             }
         }
-        let step = MarkStep {
-            gear: path.marker.law().gear_correction(&asked),
-            is_sudden: at_once != Position::ZERO,
-            way: at_once + if asked.stands() { Position::ZERO } else { path.spread.step() },
-        };
-        if path.offset_waits && path.marker.has_begun() && (self.under_way() + path.left() + at_once) == Position::ZERO
-        {
+        let step =
+            MarkStep { gear: path.marker.law().gear_correction(&asked), way: at_once + path.spread.step(change, most) };
+        let done = path.ordered - (self.under_way() + path.left());
+        let is_done = if path.first < Position::ZERO { done <= path.first } else { done >= path.first };
+        if path.marker.has_begun() && is_done {
             path.offset_waits = false;
         }
         self.conditioning.marks = Some(path);
         Some(step)
+    }
+
+    /// May something else shift the axis against its leader? Marks would take that back.
+    ///
+    /// # Errors
+    /// It is coupled by marks.
+    pub(super) fn check_no_marks(&self) -> Result<(), Refusal> {
+        let by_marks = self.coupling().is_some_and(|coupling| coupling.follower.mode() == SyncMode::Marker);
+        if by_marks { Err(self.refuse(Code::MARKS_SHIFT)) } else { Ok(()) }
     }
 
     /// Bits of SYNCSTAT that marks make.
@@ -367,7 +395,9 @@ impl Axis {
         let rates = OffsetRates { velocity: rates.velocity * slope, acceleration: rates.acceleration * slope };
         let late = &mut self.conditioning.late;
         let whole = late.map_or(Position::ZERO, |late| late.left()) + way;
-        *late = Some(shift(whole, rates, cycle_s, late.as_ref()));
+        if way != Position::ZERO {
+            *late = Some(shift(whole, rates, cycle_s, late.as_ref()));
+        }
     }
 }
 
@@ -378,10 +408,8 @@ fn index_of(cx: &Context<'_>, place: u16) -> Option<Position> {
     input.index.map(|count| Position::whole(encoder.locate(count)))
 }
 
-/// Over how many cycles a correction is spread; none: it comes at once.
-fn cycles_of_spread(asked: &Asked<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<f64> {
-    if let Some(time) = asked.time_of_distance() {
-        return Some(time / cycle_ms);
-    }
-    tau.map(|tau| (tau / SPREAD_SHARE).max(1.0) / cycle_ms)
+/// Over what way (inc) or time (cycles) a correction is spread, and whether it is a time; none: it comes at once.
+fn spread_over(asked: &Asked<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<(f64, bool)> {
+    let way = asked.spread().map(|way| (way, false));
+    way.or_else(|| tau.map(|tau| ((tau / SPREAD_SHARE).max(1.0) / cycle_ms, true)))
 }

@@ -191,6 +191,7 @@ impl Axis {
         request: &Move,
         end: Position,
     ) -> Result<(), Refusal> {
+        self.check_no_marks()?;
         let shown = self.overlay.map_or(Motion::default(), |overlay| overlay.shown);
         let share = self.parameters.velocity_override;
         let with = |ways: Ways| {

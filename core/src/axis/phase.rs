@@ -129,6 +129,7 @@ impl Axis {
         self.check_closed_loop()?;
         self.check_free()?;
         let follower = self.coupling().map(|coupling| &coupling.follower);
+        self.check_no_marks()?;
         let by_position = follower.filter(|follower| follower.mode() == SyncMode::Position);
         by_position.ok_or_else(|| self.refuse(Code::PHASE_NO_COUPLING))
     }

@@ -248,6 +248,20 @@ codes! {
         remedy: "Use 5, to which the source falls back, or another one.",
     }
 
+    /// A shift of an axis that is coupled by marks.
+    MARKS_SHIFT = 10029, NoError {
+        says: "the axis is coupled by marks, which would take that back; parameter syncposoffs shifts it",
+        cause: "A phase shift or a superimposed move was asked of an axis that is coupled in mode MARKER.",
+        remedy: "Set syncposoffs.",
+    }
+
+    /// A start that goes by the distance of marks, and there is none.
+    MARK_NO_DISTANCE = 10040, NoError {
+        says: "syncmstart {asked} goes by the distance of the marks, and syncmpulsm is 0",
+        cause: "syncmstart is 3, 4 or 5, and syncmpulsm is 0.",
+        remedy: "Set syncmpulsm, or use another start.",
+    }
+
     /// A distance of marks beyond what the gear factor allows.
     MARK_DISTANCE = 10059, NoError {
         says: "syncmpulsm {asked} inc is too far for marks; at most {limit} inc is allowed with this syncfacts and syncmarkm",

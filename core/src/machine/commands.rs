@@ -261,13 +261,13 @@ impl Machine {
             return Err(Refusal::new(Code::LEADER_LOOP, Object::Axis(request.axis)));
         }
         if request.mode == SyncMode::Marker {
-            self.check_marks(axis, leader)?;
+            self.check_marks(axis, leader, request)?;
         }
         Ok(())
     }
 
     /// Do marks come that a coupling asks for?
-    fn check_marks(&self, axis: &Axis, leader: Leader) -> Result<(), Refusal> {
+    fn check_marks(&self, axis: &Axis, leader: Leader, request: &Synchronize) -> Result<(), Refusal> {
         let has_index = match leader {
             Leader::Encoder(place) => {
                 self.state.encoders.get(usize::from(place)).is_some_and(|encoder| !encoder.is_absolute())
@@ -280,6 +280,7 @@ impl Machine {
             let io = usize::from(number).checked_sub(1).and_then(|place| self.digital_inputs.get(place))?;
             self.config.io.get(usize::from(*io)).map(|io| io.latch)
         };
-        axis.check_marks(leader, has_index, latches)
+        let factor = if request.numerator == 0 { axis.parameters.sync_slave } else { request.numerator };
+        axis.check_marks((leader, factor), has_index, latches)
     }
 }

@@ -65,9 +65,11 @@ impl MarkSignal {
 }
 
 impl AxisParameters {
-    /// The largest distance of the master's marks for a coupling by marks, where so many may lie between master and slave (inc of the master).
-    pub fn largest_mark_distance(&self, between: i64) -> i64 {
-        [self.marks.per_master, self.sync_slave, between].iter().fold(2 * MLONG, |most, factor| most / (*factor).max(1))
+    /// The largest distance of the master's marks for a coupling by marks, with that gear factor of the slave, where so many marks may lie between
+    /// master and slave (inc of the master).
+    pub fn largest_mark_distance(&self, slave_factor: i64, between: i64) -> i64 {
+        let factors = [self.marks.per_master, slave_factor.saturating_abs(), between];
+        factors.iter().fold(2 * MLONG, |most, factor| most / (*factor).max(1))
     }
 
     /// What of the marks cannot be had together.
@@ -76,9 +78,11 @@ impl AxisParameters {
     /// The key, and why.
     pub(super) fn check_marks(&self) -> Result<(), (&'static str, Code)> {
         let marks = &self.marks;
+        let is_beyond = |window: i64, distance: i64| distance > 0 && window > distance;
         let checks = [
-            ("syncmwinm", marks.master_window > self.sync.mark_distance, Code::MARK_WINDOW),
-            ("syncmwins", marks.slave_window > marks.slave_distance, Code::MARK_WINDOW),
+            // Without a distance there is no window.
+            ("syncmwinm", is_beyond(marks.master_window, self.sync.mark_distance), Code::MARK_WINDOW),
+            ("syncmwins", is_beyond(marks.slave_window, marks.slave_distance), Code::MARK_WINDOW),
             ("syncmfpar", marks.options & 64 != 0, Code::MARKS_INACTIVE),
         ];
         checks.into_iter().find(|(_, is_wrong, _)| *is_wrong).map_or(Ok(()), |(key, _, code)| Err((key, code)))
@@ -116,8 +120,8 @@ mod tests {
     /// Proves: MACS-SYNC-03, MACS-MARK-03, MACS-MARK-04, MACS-O-42
     #[test]
     fn distances_have_a_largest_one() {
-        let parameters = AxisParameters { sync_slave: 1_000, ..AxisParameters::new(1e5, 1e6) };
-        assert_eq!([1, 2].map(|between| parameters.largest_mark_distance(between)), [2_147_483, 1_073_741]);
+        let parameters = AxisParameters::new(1e5, 1e6);
+        assert_eq!([1, 2].map(|between| parameters.largest_mark_distance(1_000, between)), [2_147_483, 1_073_741]);
         let (_, row) = Row::find("syncmpulss").expect("a row");
         let takes = |distance| row.check(Value::Int(distance)).is_ok();
         assert_eq!([238_609_294, 238_609_295].map(takes), [true, false]);
@@ -129,6 +133,7 @@ mod tests {
     fn windows_fit() {
         let window = |window| checked(|p| (p.sync.mark_distance, p.marks.master_window) = (100, window));
         assert_eq!((window(100), window(101)), (Ok(()), Err(("syncmwinm", Code::MARK_WINDOW))));
+        assert_eq!(checked(|p| (p.sync.mark_distance, p.marks.master_window) = (0, 5)), Ok(()));
         let window = |window| checked(|p| (p.marks.slave_distance, p.marks.slave_window) = (100, window));
         assert_eq!((window(100), window(101)), (Ok(()), Err(("syncmwins", Code::MARK_WINDOW))));
     }

@@ -4,11 +4,11 @@
 //!          it holds back is owed, to 2^-32 inc, and T / (10 tau) of that is given in each cycle, so that no increment is lost.
 //!          Owed beyond a limit, tau falls by T a cycle, not below 5 ms; below a fifth of the limit it grows back as slowly. What is owed is
 //!          judged by what a filter would owe that has kept its tau
+//!          A coupling by marks owes nothing, as the marks take the difference out: what is held back is added up for the limit alone, anew every tau,
+//!          and the filter comes back behind a tau that has stayed below it
 //! Reads    the master's change, as it comes
 //! Writes   the change that a gear is given
 //! Refuses  nothing: what tau may be is up to its parameter
-//!          A coupling by marks owes nothing, as the marks take the difference out: what is held back is added up for the limit alone, anew every tau,
-//!          and the filter comes back behind a tau that has stayed below it
 //! Source   MACS-SYNC-08, MACS-SYNC-09, MACS-SYNC-11, A-31, A-32, A-58
 
 use crate::position::Position;

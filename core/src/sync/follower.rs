@@ -125,6 +125,8 @@ pub struct Follower {
     led_by: Position,
     /// The rule has kept it from going backwards in the last step.
     barred: bool,
+    /// Its leader alone was faster in the last step than it may be.
+    overtaken: bool,
 }
 
 /// A step that leaves the slave on its leader.
@@ -163,8 +165,21 @@ impl Follower {
     ) -> Self {
         let (phase, target) = (Phase::CatchingUp, slave.position + offset);
         let (halt, recent) = (None, [0.0; RECENT]);
-        let (led_by, barred) = (Position::ZERO, false);
-        Self { mode, transmission, phase, target, halt, bounds, lead_uneven, recent, mean: 0.0, led_by, barred }
+        let (led_by, barred, overtaken) = (Position::ZERO, false, false);
+        Self {
+            mode,
+            transmission,
+            phase,
+            target,
+            halt,
+            bounds,
+            lead_uneven,
+            recent,
+            mean: 0.0,
+            led_by,
+            barred,
+            overtaken,
+        }
     }
 
     /// The same, exactly on its leader from the first cycle on, as far as its limits allow.
@@ -286,6 +301,16 @@ impl Follower {
         self.barred
     }
 
+    /// Was its leader alone, without what came beside, faster in the last step than it may be?
+    pub fn is_overtaken(&self) -> bool {
+        self.overtaken
+    }
+
+    /// The velocity that its goal lets it catch up with (inc/s).
+    pub fn catch_up_velocity(&self) -> f64 {
+        self.bounds.velocity.min(self.bounds.max_velocity)
+    }
+
     /// Takes the slave for where it should be, and gives what it lacked of that.
     pub fn settle(&mut self, slave: Position) -> Position {
         let lacked = self.error(slave);
@@ -337,6 +362,8 @@ impl Follower {
         // A counted leader is uneven by one increment even at constant speed: that much of its change, where it did
         // change, is no acceleration.
         let uneven = self.uneven().min((geared - self.recent[0]).abs());
+        let own = self.uneven().min((led - self.recent[0]).abs());
+        let alone = self.can_follow(led, self.recent[0], own, cycle_s, bounds);
         self.note_change(led);
         let forward_only = match rule {
             Rule::Always => false,
@@ -359,6 +386,7 @@ impl Follower {
                 slave.position + change
             }
             _ => {
+                self.overtaken = !alone;
                 let slowing = if self.halt.is_some() { slowing.max(rate) } else { rate };
                 let (down, up) = if before > 0.0 { (slowing, rate) } else { (rate, slowing) };
                 let (low, high) = (before - down - uneven, before + up + uneven);

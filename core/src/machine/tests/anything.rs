@@ -221,20 +221,23 @@ fn coupling() -> impl Strategy<Value = Action> {
         2 => on_event,
         3 => pair
     ];
-    (axis(), leader, -5_i64..5, 1_i64..4, ways, -500_i64..500, (cam, engage)).prop_map(
-        |(axis, leader, numerator, denominator, (keeps, relates), offset, (cam, engage))| {
+    let by_marks = prop::bool::weighted(0.15);
+    (axis(), leader, -5_i64..5, 1_i64..4, ways, -500_i64..500, (cam, engage, by_marks)).prop_map(
+        |(axis, leader, numerator, denominator, (keeps, relates), offset, (cam, engage, by_marks))| {
+            let by_position = if relates || cam.is_some() { SyncMode::Position } else { SyncMode::Velocity };
             Action::Synchronize(Synchronize {
                 axis,
-                leader,
-                mode: if relates || cam.is_some() { SyncMode::Position } else { SyncMode::Velocity },
-                engage,
+                // Its index gives marks.
+                leader: if by_marks { Some(Leader::Encoder(0)) } else { leader },
+                mode: if by_marks { SyncMode::Marker } else { by_position },
+                engage: if by_marks { Engage::Immediately } else { engage },
                 disengage: if keeps { Disengage::KeepVelocity } else { Disengage::Stop },
                 numerator,
                 denominator,
                 offset: Length::whole(offset),
                 velocity: 0.0,
                 acceleration: 0.0,
-                cam,
+                cam: if by_marks { None } else { cam },
             })
         },
     )

@@ -25,6 +25,8 @@ mod option {
 
 /// Least number of marks that distances are averaged over.
 const LEAST_AVERAGE: f64 = 100.0;
+/// Share of the nominal distance by which a measured one may lie beside it.
+const MOST_OFF: f64 = 0.5;
 /// A PT1 has settled in so many of its tau.
 const SETTLED: f64 = 3.0;
 /// Divisor of SYNCMFTIME for a constant filter.
@@ -76,20 +78,13 @@ impl Asked<'_> {
 
     /// Is the gear corrected?
     fn corrects_gear(&self) -> bool {
-        self.filter_time().is_some() && !self.has(option::NO_GEAR) && !self.has(option::NO_AVERAGE)
+        let corrects = self.marks.largest >= 0 && !self.has(option::NO_GEAR) && !self.has(option::NO_AVERAGE);
+        self.filter_time().is_some() && corrects
     }
 
-    /// Time in which a mark follows another one (ms), where corrections are filtered; without end of a master that stands.
-    pub fn time_of_distance(&self) -> Option<f64> {
-        let distance = self.filter_time().and(self.distance())?;
-        Some(distance / self.speed)
-    }
-
-    /// Does the master stand, so that a correction that is spread over its way has to wait?
-    pub fn stands(&self) -> bool {
-        /// (inc per ms)
-        const LEAST: f64 = 1e-6;
-        self.filter_time().is_some() && self.speed < LEAST
+    /// The way of the master over which a correction is spread (inc), where corrections are filtered.
+    pub fn spread(&self) -> Option<f64> {
+        self.filter_time().and(self.distance())
     }
 
     /// A correction within SYNCMMAXCORR.
@@ -129,8 +124,15 @@ impl Average {
         }
     }
 
-    /// A measured distance, with tau of the filter of marks; `reference` is what it is held against, none: the average.
-    fn take(&mut self, measured: f64, tau: f64, reference: Option<f64>, scale: f64) {
+    /// A measured distance, below 0 of a side that went backwards, with tau of the filter of marks; `reference` is what it is held against, none: the
+    /// average. One that is far from the nominal one is none from mark to mark.
+    fn take(&mut self, measured: f64, (tau, nominal): (f64, f64), reference: Option<f64>, scale: f64) {
+        let (measured, scale) = (measured.abs(), scale * measured.signum());
+        // NaN fails the comparison.
+        let is_near = (measured - nominal).abs() <= nominal * MOST_OFF;
+        if !is_near {
+            return;
+        }
         self.sum += scale * (reference.unwrap_or(self.distance) - measured);
         let marks = (SETTLED * tau).max(LEAST_AVERAGE);
         self.distance = pt1(self.distance, measured, marks / SETTLED);
@@ -168,11 +170,6 @@ impl Law {
         if self.master.distance > 0.0 { self.master.distance } else { asked.distance().unwrap_or_default() }
     }
 
-    /// STARTKORRREST: what of the start is not corrected yet (inc of the slave).
-    pub fn start_left(&self) -> f64 {
-        self.start_left
-    }
-
     /// MMarkCorr: by what share of the master's velocity the gear is corrected.
     pub fn gear_correction(&self, asked: &Asked<'_>) -> f64 {
         match asked.distance().filter(|_| asked.corrects_gear() && self.master.distance > 0.0) {
@@ -186,7 +183,7 @@ impl Law {
         let (Some(nominal), Some(time)) = (asked.distance(), asked.filter_time()) else { return };
         self.master.begin(nominal);
         let reference = (!asked.corrects_gear()).then_some(nominal);
-        self.master.take(measured, asked.tau_of(time), reference, asked.ratio);
+        self.master.take(measured, (asked.tau_of(time), nominal), reference, asked.ratio);
     }
 
     /// A mark of the slave, so far from the one before (inc).
@@ -194,7 +191,7 @@ impl Law {
         let (time, nominal) = (asked.marks.slave_filter_time as f64, asked.marks.slave_distance as f64);
         if time > 0.0 && nominal > 0.0 && asked.distance().is_some() {
             self.slave.begin(nominal);
-            self.slave.take(measured, asked.tau_of(time), None, 1.0);
+            self.slave.take(measured, (asked.tau_of(time), nominal), None, 1.0);
         }
     }
 
@@ -209,7 +206,11 @@ impl Law {
     pub fn correct(&mut self, error: f64, asked: &Asked<'_>) -> f64 {
         let slave_tau = asked.tau_of(asked.marks.slave_filter_time as f64);
         let slave_jitter = if asked.marks.slave_filter_time > 0 { self.slave.jitter(slave_tau) } else { 0.0 };
-        let Some(time) = asked.filter_time() else { return asked.bound(error + slave_jitter) };
+        let Some(time) = asked.filter_time() else {
+            // Of a filter that was switched off nothing stays.
+            (self.correction, self.start_left, self.start_step) = (0.0, 0.0, 0.0);
+            return asked.bound(error + slave_jitter);
+        };
         let tau = asked.tau_of(time);
         let jitter = self.master.jitter(tau);
         let jitter = if asked.has(option::NO_AVERAGE) { 0.0 } else { jitter };
@@ -219,7 +220,7 @@ impl Law {
         // The last step takes what is left.
         let step = if self.start_step.abs() >= self.start_left.abs() { self.start_left } else { self.start_step };
         self.start_left -= step;
-        self.correction + step
+        asked.bound(self.correction + step)
     }
 }
 
@@ -300,7 +301,6 @@ mod tests {
             near(law.correct(left, &asked), 10.25);
             left -= 10.25;
         }
-        near(law.start_left(), 0.0);
         near(law.correct(0.0, &asked), 0.0);
         // Without a time all of it comes at once.
         let at_once = Synchronization { offset_time: 0, ..sync };
@@ -333,6 +333,34 @@ mod tests {
         }
     }
 
+    /// The same where master and slave count down, and where the gear turns round: a late mark of the master leaves 15 inc more then.
+    /// Proves: MACS-MARK-13
+    #[test]
+    fn a_side_that_goes_backwards_trembles_the_other_way_round() {
+        let (sync, marks) = (sync(), marks());
+        for (ratio, distance, error) in [(1.0, -515.0, 15.0), (-1.0, 515.0, 15.0), (-1.0, -515.0, -15.0)] {
+            let asked = Asked { ratio, ..asked(&sync, &marks) };
+            let mut law = Law::default();
+            law.take_master(distance, &asked);
+            near(law.correct(error, &asked), error / 13.333_333_333 / 20.0);
+        }
+    }
+
+    /// Chattering edges, and marks that were passed over, are no distance from mark to mark.
+    /// Proves: MACS-MARK-10
+    #[test]
+    fn what_is_no_distance_is_not_averaged() {
+        let (sync, marks) = (sync(), marks());
+        let asked = asked(&sync, &marks);
+        let mut law = Law::default();
+        for distance in [1.0, 0.0, 1_000.0, 249.0, 751.0, f64::NAN] {
+            law.take_master(distance, &asked);
+        }
+        near(law.distance(&asked), 500.0);
+        law.take_master(749.0, &asked);
+        assert!(law.distance(&asked) > 500.0);
+    }
+
     /// The same of a mark of the slave, the other way round.
     /// Proves: MACS-MARK-19
     #[test]
@@ -363,8 +391,16 @@ mod tests {
         let asked = asked(&sync, &marks);
         let mut law = Law::default();
         law.start(-200.0, &asked);
-        near(law.start_left(), -40.0);
         near(law.correct(-200.0, &asked), -2.0 - 40.0 / 20.0);
+        // Both together, too.
+        let at_once = Synchronization { offset_time: 0, ..sync };
+        let asked = Asked { sync: &at_once, ..asked };
+        let mut law = Law::default();
+        law.start(-200.0, &asked);
+        near(law.correct(-200.0, &asked), -40.0);
+        let none = Marks { largest: -1, ..marks };
+        let law = Law { master: Average { distance: 505.0, ..Average::default() }, ..Law::default() };
+        assert_eq!(law.gear_correction(&Asked { marks: &none, ..asked }), 0.0);
     }
 
     /// A distance of 0 is none: there is no filter then, and no time.
@@ -377,6 +413,6 @@ mod tests {
         let mut law = Law::default();
         law.take_master(506.0, &asked);
         law.start(50.0, &asked);
-        assert_eq!((law.start_left(), law.correct(50.0, &asked), law.gear_correction(&asked)), (0.0, 50.0, 0.0));
+        assert_eq!((law.correct(50.0, &asked), law.gear_correction(&asked)), (50.0, 0.0));
     }
 }

@@ -68,11 +68,16 @@ impl Start {
         matches!(self, Self::Forward | Self::Backward | Self::Nearest)
     }
 
-    /// What of an error is corrected where marks come every `period` (inc of the slave), 0: nobody knows.
-    fn reduce(self, error: f64, period: f64) -> f64 {
+    /// What of an error is corrected where marks come every `period` (inc of the slave), 0: nobody knows; `sense` is 1 or -1.
+    fn reduce(self, error: f64, period: f64, sense: f64) -> f64 {
         if period <= 0.0 {
             return error;
         }
+        // In the sense in which the slave runs.
+        sense * self.reduce_forward(sense * error, period)
+    }
+
+    fn reduce_forward(self, error: f64, period: f64) -> f64 {
         let forward = error - libm::floor(error / period) * period;
         match self {
             Self::Forward => forward,
@@ -104,6 +109,8 @@ pub struct Situation<'p> {
     pub under_way: f64,
     /// The slave has its master's velocity.
     pub runs: bool,
+    /// 1 where the slave counts up with its master, -1 where it counts down.
+    pub sense: f64,
 }
 
 /// A coupling by marks.
@@ -118,13 +125,15 @@ pub struct Marker {
     good: i64,
     bad: i64,
     last: Option<(f64, f64)>,
+    /// The error that the next pair will have, if nothing new happens (inc of the slave).
+    expected: f64,
 }
 
 impl Marker {
     /// Could it have come about?
     pub fn is_sound(&self) -> bool {
         let last = self.last.is_none_or(|(error, correction)| error.is_finite() && correction.is_finite());
-        self.master.is_sound() && self.slave.is_sound() && self.law.is_sound() && last
+        self.master.is_sound() && self.slave.is_sound() && self.law.is_sound() && last && self.expected.is_finite()
     }
 
     /// One side.
@@ -205,6 +214,9 @@ impl Marker {
     pub fn pair(&mut self, situation: &Situation<'_>, accuracy: i64) -> Option<Pair> {
         let error = if self.has_begun { self.next_error(situation) } else { self.first_error(situation) }?;
         let correction = self.law.correct(error, &situation.asked);
+        self.expected = error - correction;
+        // How far the marks are apart, whatever was ordered already.
+        let error = error + situation.under_way;
         if error.abs() <= accuracy.unsigned_abs() as f64 {
             (self.good, self.bad) = (self.good.saturating_add(1), 0);
         } else {
@@ -239,7 +251,7 @@ impl Marker {
             _ => {}
         }
         let error = self.error(master.place, slave.place, situation);
-        let total = start.reduce(error, self.period(&situation.asked));
+        let total = start.reduce(error, self.period(&situation.asked), situation.sense);
         self.master.forget(side::MOST_GROUPS);
         self.slave.forget(0);
         self.has_begun = true;
@@ -250,7 +262,7 @@ impl Marker {
     /// The error of the groups that are nearest to each other, if these are partners.
     fn next_error(&mut self, situation: &Situation<'_>) -> Option<f64> {
         let mut nearest: Option<(f64, usize, usize)> = None;
-        let expected = self.law.start_left();
+        let expected = self.expected;
         for (slave_place, slave) in self.slave.groups().iter().enumerate() {
             for (master_place, master) in self.master.groups().iter().enumerate() {
                 let error = self.error(master.place, slave.place, situation);
@@ -261,8 +273,9 @@ impl Marker {
         }
         let (error, master, slave) = nearest?;
         let period = self.period(&situation.asked);
-        // Beyond half of a period the partner of one of them has still to come.
-        if period > 0.0 && (error - expected).abs() > period / 2.0 {
+        // Beyond half of a period the partner of one of them has still to come; where both wait twice, it has slipped so far.
+        let waits = self.slave.groups().len() < 2 || self.master.groups().len() < 2;
+        if waits && period > 0.0 && (error - expected).abs() > period / 2.0 {
             return None;
         }
         self.master.forget(master);

@@ -48,7 +48,7 @@ impl Judged {
 pub enum Found {
     /// It counts.
     Mark {
-        /// From the one before, if that was found, too (inc, without its sign).
+        /// From the one before, if that was found, too (inc); below 0 where the side went backwards.
         distance: Option<f64>,
     },
     /// It came where none should.
@@ -121,7 +121,7 @@ impl Side {
             self.extra = self.extra.saturating_add(1);
             return Found::Extra;
         }
-        let distance = way.filter(|_| self.is_found).map(f64::abs);
+        let distance = way.filter(|_| self.is_found);
         (self.last, self.is_found, self.is_missed) = (Some(place), true, false);
         self.complete(Some(Group { place, instant_ns }), judged);
         Found::Mark { distance }
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn a_window_takes_what_lies_in_it() {
         for place in [29_000, 30_000, 31_000, -29_000, -31_000] {
-            assert_eq!(at(place, &EACH).1, Found::Mark { distance: Some(f64::from(place as i32).abs()) }, "{place}");
+            assert_eq!(at(place, &EACH).1, Found::Mark { distance: Some(f64::from(place as i32)) }, "{place}");
         }
         assert_eq!(at(28_999, &EACH).1, Found::Extra);
         let (side, found) = at(31_001, &EACH);

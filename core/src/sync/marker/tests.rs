@@ -13,25 +13,27 @@ struct Bench {
     now: u64,
     under_way: f64,
     runs: bool,
+    ratio: f64,
+    sense: f64,
 }
 
 impl Bench {
     fn new(start: i64) -> Self {
         let sync = Synchronization { mark_distance: 500, ..Synchronization::default() };
         let marks = Marks { start, ready: 2, fault: 1, ..Marks::default() };
-        Self { marker: Marker::default(), sync, marks, now: 0, under_way: 0.0, runs: true }
+        Self { marker: Marker::default(), sync, marks, now: 0, under_way: 0.0, runs: true, ratio: 2.0, sense: 1.0 }
     }
 
     fn situation(&self) -> Situation<'_> {
-        let asked = Asked { sync: &self.sync, marks: &self.marks, speed: 10.0, ratio: 2.0 };
-        Situation { asked, offset: 0.0, under_way: self.under_way, runs: self.runs }
+        let asked = Asked { sync: &self.sync, marks: &self.marks, speed: 10.0, ratio: self.ratio };
+        Situation { asked, offset: 0.0, under_way: self.under_way, runs: self.runs, sense: self.sense }
     }
 
     /// So much of the master passes, and twice that of the slave; marks of either side come at the end of that.
     fn pass(&mut self, way: i64, of: &[Of]) -> Option<Pair> {
         self.now += T;
         let mut marker = self.marker;
-        marker.advance(Position::whole(way), Position::whole(2 * way));
+        marker.advance(Position::whole(way), Position::from_f64(self.ratio * way as f64));
         for of in of {
             marker.take(*of, (Position::ZERO, self.now), &self.situation().asked);
         }
@@ -63,6 +65,51 @@ fn the_start_chooses_the_first_pair() {
     for (start, expected) in [(0, 800.0), (1, -200.0), (2, -200.0), (3, 800.0), (4, -200.0), (5, -200.0), (6, -200.0)] {
         assert_eq!(Bench::first(start, &marks), Some(expected), "{start}");
     }
+}
+
+/// Forwards is the way in which the slave runs with its master: counting down, the same marks lie the other way round.
+/// Proves: MACS-MARK-14
+#[test]
+fn forwards_is_where_the_slave_runs() {
+    use Of::{Master, Slave};
+    for (ratio, sign) in [(2.0, 1), (-2.0, 1), (2.0, -1), (-2.0, -1)] {
+        let sense = ratio / 2.0 * f64::from(sign);
+        for (start, expected) in [(3, 200.0), (4, -800.0), (5, 200.0)] {
+            let mut bench = Bench { ratio, sense, ..Bench::new(start) };
+            let first = bench.pass(0, &[Master]).or(bench.pass(100 * i64::from(sign), &[Slave]));
+            assert_eq!(first.map(|pair| pair.error), Some(expected * sense), "{ratio} {sign} {start}");
+        }
+    }
+}
+
+/// Of a start that may not be corrected at once, what is left is expected, and its partners stay.
+/// Proves: MACS-MARK-18, MACS-MARK-14
+#[test]
+fn a_start_beyond_the_bound_keeps_its_way() {
+    let mut bench = Bench::new(3);
+    bench.marks.largest = 50;
+    let mut error = bench.pass(0, &[Of::Slave]).or(bench.pass(170, &[Of::Master])).map(|pair| pair.error);
+    // 170 of the master behind: 340 back, or 660 on.
+    assert_eq!(error, Some(660.0));
+    for k in 1..=13 {
+        // 50 inc are done by the next pair, whose mark of the slave comes by half of that earlier.
+        bench.marker.advance(Position::ZERO, Position::whole(50));
+        let pair = bench.pass(330 - 25 * k, &[Of::Slave]).or(bench.pass(170 + 25 * k, &[Of::Master]));
+        error = pair.map(|pair| pair.error);
+    }
+    assert_eq!(error, Some(660.0 - 13.0 * 50.0));
+}
+
+/// Whose marks slip by more than half of a distance, they find new partners.
+/// Proves: MACS-MARK-02
+#[test]
+fn marks_that_have_slipped_find_partners_again() {
+    let mut bench = Bench::new(6);
+    assert!(bench.pass(500, &[Of::Master, Of::Slave]).is_some());
+    // The distance is said to be 500, and is 2000: 600 beside are more than half of what is said.
+    let errors: Vec<_> =
+        (0..6).filter_map(|_| bench.pass(600, &[Of::Slave]).or(bench.pass(1_400, &[Of::Master]))).collect();
+    assert!(!errors.is_empty(), "they never meet");
 }
 
 /// Starts 2 to 5 take no mark from before the slave runs as its master does.
@@ -100,9 +147,9 @@ fn without_a_partner_a_mark_corrects_nothing() {
     let pair = bench.pass(500, &[Of::Master, Of::Slave]);
     assert_eq!(pair, Some(Pair { error: 0.0, correction: 0.0 }));
     assert_eq!(bench.pass(500, &[Of::Slave]), None);
+    // The mark of the axis comes 3 inc of the master behind its own.
     assert_eq!(bench.pass(503, &[Of::Master]), None);
-    // 3 inc of the master behind its place.
-    assert_eq!(bench.pass(0, &[Of::Slave]).map(|pair| pair.error), Some(0.0));
+    assert_eq!(bench.pass(3, &[Of::Slave]).map(|pair| pair.error), Some(6.0));
 }
 
 /// What was ordered and is not done yet is ordered once.
@@ -113,7 +160,9 @@ fn what_is_under_way_is_no_error() {
     let first = bench.pass(0, &[Of::Master]).or(bench.pass(50, &[Of::Slave]));
     assert_eq!(first, Some(Pair { error: 100.0, correction: 100.0 }));
     bench.under_way = 60.0;
-    assert_eq!(bench.pass(450, &[Of::Master]).or(bench.pass(50, &[Of::Slave])).map(|pair| pair.error), Some(40.0));
+    let next = bench.pass(450, &[Of::Master]).or(bench.pass(50, &[Of::Slave]));
+    // They are 100 inc apart, and for 60 of that nothing is corrected anew.
+    assert_eq!(next, Some(Pair { error: 100.0, correction: 40.0 }));
 }
 
 /// Consecutive pairs: ready with the second accurate one, a fault with the second inaccurate one where one is tolerated.
