@@ -1,6 +1,7 @@
 //! Writing an axis' signals.
 
 use super::course::Aim;
+use super::generator::Coupling;
 use super::{Axis, AxisState, Generator};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
@@ -34,23 +35,30 @@ struct Shown {
     in_sync: bool,
 }
 
+/// What is shown of a coupling whose slave lacks so much.
+#[inline]
+fn shown_of(coupling: &Coupling, leads: &Leads, error: Position) -> Shown {
+    let (error, window) = (error.floor(), coupling.accuracy);
+    Shown {
+        master: leads.get(coupling.leader).position.floor(),
+        // MACS-SYNC-16: a positive window shows the error without its sign.
+        error: if window >= 0 { error.saturating_abs() } else { error },
+        status: if error.unsigned_abs() <= window.unsigned_abs() { status::ACCURATE } else { 0 },
+        in_sync: coupling.follower.is_in_sync(),
+    }
+}
+
 impl Axis {
     fn shown_coupling(&self, leads: &Leads) -> Shown {
         if let Some(error) = self.track_error_position() {
             return Shown { error: error.nearest(), ..Shown::default() };
         }
         let Some(coupling) = self.coupling() else { return Shown::default() };
-        let follower = &coupling.follower;
-        let error = (follower.error(self.command.position) + self.held_back()).floor();
-        let window = coupling.accuracy;
-        // MACS-SYNC-16: a positive window shows the error without its sign.
-        let shown = if window >= 0 { error.saturating_abs() } else { error };
-        let accurate = if error.unsigned_abs() <= window.unsigned_abs() { status::ACCURATE } else { 0 };
+        let shown = shown_of(coupling, leads, coupling.follower.error(self.command.position) + self.held_back());
         Shown {
-            master: leads.get(coupling.leader).position.floor(),
-            error: shown,
-            status: accurate | self.status_of_marks(),
-            in_sync: follower.is_in_sync() && !self.is_late() && self.has_marks(),
+            status: shown.status | self.status_of_marks(),
+            in_sync: shown.in_sync && !self.is_late() && self.has_marks(),
+            ..shown
         }
     }
 
@@ -132,8 +140,9 @@ impl Axis {
         if is_led || matches!(&self.generator, Generator::Plan(course) if matches!(course.aim, Aim::Velocity(_))) {
             words[AxisSignal::TargetPosition as usize] = self.command.position.floor().cast_unsigned();
         }
-        if is_led {
-            show_coupling(words, self.shown_coupling(leads));
+        // Whose cycle is short is not conditioned.
+        if let Some(coupling) = self.coupling() {
+            show_coupling(words, shown_of(coupling, leads, coupling.follower.error(self.command.position)));
         }
     }
 
