@@ -109,7 +109,7 @@ fn the_terminals_of_a_machine_play_their_scenarios() {
 /// Each cell of the examples has a scenario beside it, whose comment names it.
 #[test]
 fn function_slots_and_cams_play_their_examples() {
-    for (folder, fewest) in [("launch-configs/functions", 4), ("launch-configs/cams", 2)] {
+    for (folder, fewest) in [("launch-configs/functions", 4), ("launch-configs/cams", 2), ("launch-configs/shaft", 2)] {
         let cells = std::fs::read_dir(root().join(folder)).expect("the folder of the examples");
         let names =
             cells.map(|entry| entry.expect("a folder that can be read").file_name().to_string_lossy().into_owned());

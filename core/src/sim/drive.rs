@@ -6,7 +6,7 @@ use super::homing::{InDrive, Way};
 use super::mechanics::Brake;
 use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
 use super::word::Word;
-use super::{Fixtures, Mechanics, Model, SecondOrder, Sign};
+use super::{Fixtures, Mechanics, Model, SecondOrder, Sign, age};
 use crate::drive::{
     BusState, Capabilities, DriveInput, DriveOutput, DriveState, Emergency, HomingOrder, MODE_HOMING, Mode, Outputs,
     STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED, control,
@@ -228,12 +228,10 @@ impl SimDrive {
         }
         // Places beyond all machines are none that a switch stands at.
         let way = self.place.saturating_sub(self.place_before) as f64;
-        let newest = self.cycle_ns.saturating_sub(1).min(u64::from(u32::MAX)) as u32;
         self.fixtures.edges_passed(switch, self.place_before, self.place).map(|edge| {
             let (place, is_on) = edge?;
             let share = self.place.saturating_sub(place) as f64 / way;
-            // The cast saturates; an age is below a cycle.
-            Some((((share * self.cycle_ns as f64).round() as u32).min(newest), is_on))
+            Some((age(share, self.cycle_ns), is_on))
         })
     }
 

@@ -49,6 +49,11 @@ impl SimEncoder {
         self.way = way;
     }
 
+    /// Where it stands, whatever it has slipped.
+    pub(super) fn way(&self) -> i64 {
+        self.way
+    }
+
     /// Reads `by` more counts: one that nobody turns has been turned, else it slips.
     pub(super) fn jump(&mut self, by: i64) {
         match self.drive {

@@ -10,16 +10,20 @@ mod drive;
 mod encoder;
 mod fixtures;
 mod homing;
+mod marks;
 mod mechanics;
 mod motor;
 mod second_order;
+mod sensors;
 mod word;
 
 pub use drive::SimDrive;
 pub use fixtures::{Fixtures, Index};
+pub use marks::{Marks, Stretch};
 pub use mechanics::{Mechanics, Sign, SimBrake, Wire};
 pub use motor::{TwoSpeed, Valve, VelocityLag};
 pub use second_order::{ModelError, SecondOrder};
+pub use sensors::Carrier;
 
 use crate::axis::Source;
 use crate::config::{AxisConfig, IoKind, MachineConfig};
@@ -29,6 +33,7 @@ use crate::drive::{
 };
 use crate::object::Object;
 use encoder::SimEncoder;
+use sensors::Sensor;
 
 /// How a simulated drive follows its setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,8 +111,18 @@ pub struct Plant {
     axes: Vec<u16>,
     /// Switches that are wired to digital inputs, and whose drive they belong to.
     wires: Vec<(usize, Wire)>,
+    /// Digital inputs that see printed marks.
+    sensors: Vec<Sensor>,
     /// By place among the digital inputs: the entry of `io` that latches, if it does.
     latching: Vec<Option<u16>>,
+    cycle_ns: u64,
+}
+
+/// How long ago an edge was (ns) behind which a part of the cycle's way was left: below a cycle.
+fn age(left: f64, cycle_ns: u64) -> u32 {
+    let newest = cycle_ns.saturating_sub(1).min(u64::from(u32::MAX)) as u32;
+    // The cast saturates.
+    ((left * cycle_ns as f64).round() as u32).min(newest)
 }
 
 impl Plant {
@@ -172,7 +187,9 @@ impl Plant {
             },
             axes,
             wires: Vec::new(),
+            sensors: Vec::new(),
             latching,
+            cycle_ns: config.cycle_ns,
         }
     }
 
@@ -215,9 +232,10 @@ impl Plant {
         self.drives.get_mut(place)?.as_mut()
     }
 
-    /// Sets a digital input for good; a switch that is wired to it is stuck so.
+    /// Sets a digital input for good; a switch that is wired to it is stuck so, and it sees marks no more.
     pub fn set_digital(&mut self, place: usize, on: bool) {
         self.wires.retain(|(_, wire)| wire.input != place);
+        self.sensors.retain(|sensor| sensor.input != place);
         self.put_digital(place, on);
     }
 
@@ -333,6 +351,7 @@ impl Backend for Plant {
                 }
             }
         }
+        self.see_marks(inputs);
         for bus in self.buses.iter().filter(|bus| !bus.is_off) {
             for terminal in &bus.objects.digital_inputs {
                 inputs.set_digital(terminal.place, bit(&self.digital, terminal.place));

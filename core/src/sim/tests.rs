@@ -1,3 +1,4 @@
+mod marks;
 mod motors;
 
 use super::second_order::State;

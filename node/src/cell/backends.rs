@@ -144,7 +144,7 @@ fn backend(entry: &Entry<'_>) -> Option<(Backend, Option<CellBus>)> {
 }
 
 fn sim(map: &mut Map<'_>) -> Option<Backend> {
-    // Nothing in the plant is random yet; the seed is for what will be.
+    // Printed marks have seeds of their own, and nothing else in the plant is random yet; this one is for what will be.
     let seed = map.optional("seed").map(|value| value.integer(0..=u64::MAX));
     let delay = map.optional("delay").map_or(Some(0), |value| value.integer(0..=MAX_DELAY));
     (seed != Some(None)).then_some(Backend::Sim { delay: delay? })

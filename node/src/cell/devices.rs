@@ -2,6 +2,7 @@
 
 use super::backends::{Backend, Context, ENCODER, Hardware, address};
 use super::encoders;
+use super::marks;
 use super::names::{Entry, Once, Section, limit, quote};
 use super::scale::Travel;
 use super::terminals::{CellTerminal, FULL_SCALE, Kind};
@@ -39,7 +40,7 @@ pub(super) fn memory_name(kind: MemoryKind) -> &'static str {
 }
 
 /// Section `io`.
-pub(super) struct Io {
+pub(super) struct Io<'d> {
     /// None where one has problems.
     pub entries: Vec<Option<IoConfig>>,
     /// Where each entry is; none that is nowhere, or has problems.
@@ -47,6 +48,8 @@ pub(super) struct Io {
     pub on_can: Vec<CellTerminal>,
     pub filters: Vec<FilterConfig>,
     pub virtual_inputs: Vec<VirtualInput>,
+    /// What digital inputs see in the simulation.
+    pub marks: Vec<marks::Given<'d>>,
 }
 
 /// One entry of it.
@@ -58,20 +61,22 @@ struct Terminal<'d> {
     output: Option<(u16, Value<'d>)>,
     at: Option<Hardware>,
     full_scale: f64,
+    sim: Option<Value<'d>>,
 }
 
 /// The entries of `io`, the filters of digital inputs, and those that read an output.
-pub(super) fn io(cx: &Context<'_>) -> Io {
+pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
     let entries = cx.names.section(Section::Io);
     limit(entries, MOST);
     let mut taken = Once::new();
     let (mut filters, mut outputs, mut inputs) = (Vec::new(), Vec::new(), 0);
+    let mut marks = Vec::new();
     let mut terminals = Vec::with_capacity(entries.len());
     let (mut on_can, mut counts) = (Vec::new(), [0; IO_KINDS.len()]);
     let read = entries.iter().map(|entry| {
         let terminal = one_io(entry, cx, &mut taken);
         terminals.push(terminal.as_ref().and_then(|terminal| terminal.at));
-        let Terminal { io, filter, output, at, full_scale } = terminal?;
+        let Terminal { io, filter, output, at, full_scale, sim } = terminal?;
         let count = IO_KINDS.iter().zip(&mut counts).find(|((_, kind), _)| *kind == io.kind).map(|(_, count)| count)?;
         let index = std::mem::replace(count, *count + 1);
         on_can.extend(at.filter(|at| is_on_can(*at, cx)).map(|at| CellTerminal {
@@ -83,6 +88,7 @@ pub(super) fn io(cx: &Context<'_>) -> Io {
         }));
         filters.extend(filter.filter(|time_ns| *time_ns > 0).map(|time_ns| FilterConfig { input: inputs, time_ns }));
         outputs.extend(output.map(|(output, value)| (VirtualInput { input: inputs, output }, value)));
+        marks.extend(sim.map(|value| marks::Given { value, input: inputs, latch: io.latch, at }));
         inputs += usize::from(io.kind == IoKind::DigitalInput);
         Some(io)
     });
@@ -95,7 +101,7 @@ pub(super) fn io(cx: &Context<'_>) -> Io {
         }
         read
     });
-    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, on_can, filters }
+    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, on_can, filters, marks }
 }
 
 fn is_on_can(at: Hardware, cx: &Context<'_>) -> bool {
@@ -129,10 +135,11 @@ fn one_io<'d>(
         .optional("full_scale")
         .map_or(Some(FULL_SCALE), |value| full_scale(&value, kind.map(|(_, kind)| kind), is_on_can(true)));
     let filter = map.optional("filter").map_or(Some(None), |value| filter(&value, kind).map(Some));
+    let sim = map.optional("sim").map_or(Some(None), |value| sim(value, kind).map(Some));
     map.finish();
     let io = IoConfig { name: entry.name().to_owned(), kind: kind?.1, latch: latch? };
     let (output, at) = wire?;
-    Some(Terminal { io, filter: filter?, output, at, full_scale: full_scale? })
+    Some(Terminal { io, filter: filter?, output, at, full_scale: full_scale?, sim: sim? })
 }
 
 /// What 7FFFh of an analog channel on CAN is (V).
@@ -194,6 +201,17 @@ fn filter(value: &Value<'_>, kind: Option<(&str, IoKind)>) -> Option<u64> {
             None
         }
         _ => Some(time),
+    }
+}
+
+/// What an input sees in the simulation; read once axes and encoders are known.
+fn sim<'d>(value: Value<'d>, kind: Option<(&str, IoKind)>) -> Option<Value<'d>> {
+    match kind {
+        Some((name, kind)) if kind != IoKind::DigitalInput => {
+            value.refuse(format!("sim is for type di; this one is {name}"), Some("leave it out".to_owned()));
+            None
+        }
+        _ => Some(value),
     }
 }
 

@@ -29,6 +29,7 @@ mod functions;
 mod groups;
 mod loops;
 mod machine;
+mod marks;
 mod masters;
 mod models;
 mod names;
@@ -60,6 +61,7 @@ use lineshaft_core::drive::Objects;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
 pub(crate) use machine::{refuse_missing, refuse_virtual_master};
+pub use marks::CellMarks;
 use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
 pub use preset::Preset;
@@ -86,6 +88,8 @@ pub struct Cell {
     pub models: Vec<Model>,
     /// One for each axis that has a drive, in file order: what hangs on it in the simulation.
     pub mechanics: Vec<Mechanics>,
+    /// Marks that digital inputs see in the simulation.
+    pub marks: Vec<CellMarks>,
     /// One for each axis, in file order: where its drive is; none for a virtual one.
     pub hardware: Vec<Option<Hardware>>,
     /// One for each axis that has a drive, in file order: what the cell says of it where it is on CAN.
@@ -179,6 +183,9 @@ impl Cell {
         for (place, mechanics) in self.mechanics.iter().enumerate() {
             plant.install(place, mechanics);
         }
+        for CellMarks { input, carrier, marks } in &self.marks {
+            plant.print(*input, *carrier, *marks);
+        }
         plant
     }
 
@@ -232,7 +239,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
 
     let (backends, buses) = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
-    let devices::Io { entries: io, terminals, mut on_can, filters, virtual_inputs } = devices::io(&cx);
+    let devices::Io { entries: io, terminals, mut on_can, filters, virtual_inputs, marks } = devices::io(&cx);
     let mut named = machine::Functions::new();
     let parameters = machine::read(&mut map, &io, &mut named, cx.names.section(Section::Axes).len());
     map.finish();
@@ -283,11 +290,14 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let backends = backends
         .map(|(((entry, kind), objects), bus)| CellBackend { name: entry.name().to_owned(), kind, objects, bus })
         .collect();
-    let (models, mechanics) = simulated.into_iter().flatten().unzip();
+    let (models, mechanics): (_, Vec<_>) = simulated.into_iter().flatten().unzip();
+    let hung = marks::Hung { axes: &hardware, encoders: &encoders_at, mechanics: &mechanics };
+    let marks = marks::read(&marks, &cx, &machine, &hung);
     Some(Cell {
         machine,
         models,
         mechanics,
+        marks,
         hardware,
         on_can,
         terminals_on_can,

@@ -6,6 +6,7 @@ mod encoders;
 mod fixtures;
 mod functions;
 mod interfaces;
+mod marks;
 mod masters;
 mod preset;
 mod scale;

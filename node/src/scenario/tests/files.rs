@@ -58,8 +58,8 @@ fn what_stops_axes_passes() {
 }
 
 #[test]
-fn examples_of_function_slots_and_cams_pass() {
-    for (folder, fewest) in [("functions", 4), ("cams", 2)] {
+fn examples_of_function_slots_cams_and_shafts_pass() {
+    for (folder, fewest) in [("functions", 4), ("cams", 2), ("shaft", 2)] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs").join(folder);
         let files = std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
         let scenarios: Vec<_> = files.filter(|name| name.ends_with(".scenario.yaml")).collect();

@@ -1,0 +1,168 @@
+//! Marks printed on a way.
+//!
+//! Law      mark n begins at first + n every + every stretch (sin w + sin 2w + .. + sin nw) + jitter u, with w = 2 pi / period and
+//!          -1 <= u < 1, and is `width` long; an extra one begins half-way to mark n + 1, both without jitter. u, what is lost
+//!          and what is extra are a hash of seed and n: a mark is the same however often the way passes it. An input sees
+//!          one from its beginning on, until its end; one without a width gives an edge that rises, and no level
+//! Refuses  marks that could overlap, as [`Marks::is_sound`]
+//! Source   contract section 3, MACS-MARK-05, -07
+
+use crate::drive::Edge;
+use crate::position::Position;
+use std::f64::consts::PI;
+
+/// Marks of one cycle that are looked at; what passes beyond is more than any input tells.
+const MOST_PASSED: i128 = 4_096;
+
+/// A web that stretches and comes back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Most of it, as a part of the distance between two marks.
+    pub share: f64,
+    /// Marks until it is the same again, 2 and above.
+    pub period: u32,
+}
+
+impl Stretch {
+    /// Distances that mark n lies beside its place because of it: what the sines up to n add up to.
+    fn sum(self, n: i128) -> f64 {
+        let half = PI / f64::from(self.period);
+        let place = n.rem_euclid(i128::from(self.period).max(1)) as f64;
+        self.share * (libm::cos(half) - libm::cos((2.0 * place + 1.0) * half)) / (2.0 * libm::sin(half))
+    }
+
+    /// No fewer than that ever are.
+    fn most(self) -> f64 {
+        self.share / libm::sin(PI / f64::from(self.period))
+    }
+}
+
+/// Marks along a way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Marks {
+    /// From one to the next (inc).
+    pub every: Position,
+    /// Where mark 0 begins (inc).
+    pub first: Position,
+    /// How long one is (inc).
+    pub width: Position,
+    /// How far one may lie beside its place (inc).
+    pub jitter: Position,
+    /// What the web does between them.
+    pub stretch: Option<Stretch>,
+    /// Part of the marks that is not there.
+    pub lost: f64,
+    /// Part of the marks that is followed by another one.
+    pub extra: f64,
+    /// What all of that is drawn from.
+    pub seed: u64,
+}
+
+/// What is drawn for a mark.
+#[derive(Clone, Copy)]
+enum Drawn {
+    Jitter = 1,
+    Lost = 2,
+    Extra = 3,
+}
+
+/// The finalizer of splitmix64.
+fn mix(bits: u64) -> u64 {
+    let bits = (bits ^ bits >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let bits = (bits ^ bits >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    bits ^ bits >> 31
+}
+
+impl Marks {
+    /// The shortest way from a mark to what comes next, half-way to the next mark.
+    fn least_way(&self) -> f64 {
+        self.every.to_f64() * (1.0 - self.stretch.map_or(0.0, |stretch| stretch.share)) / 2.0
+    }
+
+    /// Do no two of them overlap, wherever they lie?
+    pub fn is_sound(&self) -> bool {
+        let is_share = |share: f64| (0.0..=1.0).contains(&share);
+        self.every >= Position::whole(1)
+            && self.width >= Position::ZERO
+            && self.jitter >= Position::ZERO
+            && is_share(self.lost)
+            && is_share(self.extra)
+            && self.stretch.is_none_or(|stretch| is_share(stretch.share) && stretch.period >= 2)
+            && self.width.to_f64() + self.jitter.to_f64() < self.least_way()
+    }
+
+    /// A number of mark n, 0 <= number < 1.
+    fn draw(&self, n: i128, what: Drawn) -> f64 {
+        // Of 128 bits the lower half tells any two marks of a way apart.
+        let bits = mix(mix(mix(self.seed) ^ n as u64).wrapping_add(what as u64));
+        (bits >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Where mark n begins without jitter (2^-32 inc).
+    fn place(&self, n: i128) -> i128 {
+        let beside = self.stretch.map_or(0.0, |stretch| self.every.to_f64() * stretch.sum(n));
+        let straight = self.every.raw().saturating_mul(n).saturating_add(self.first.raw());
+        straight.saturating_add(Position::from_f64(beside).raw())
+    }
+
+    /// The last mark that begins without jitter at a place, or before it.
+    fn last_at(&self, place: i128) -> i128 {
+        let near = place.saturating_sub(self.first.raw()).checked_div_euclid(self.every.raw()).unwrap_or(0);
+        let beside = self.stretch.map_or(0, |stretch| libm::ceil(stretch.most()) as i128) + 1;
+        let (mut low, mut high) = (near - beside, near + beside + 1);
+        while high - low > 1 {
+            let middle = low + (high - low) / 2;
+            if self.place(middle) <= place {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// Where what stands at mark n begins and ends: itself, and an extra one.
+    fn at(&self, n: i128) -> [Option<[i128; 2]>; 2] {
+        let long = |from: i128| [from, from.saturating_add(self.width.raw())];
+        let place = self.place(n);
+        let itself = (self.draw(n, Drawn::Lost) >= self.lost).then(|| {
+            let jitter = self.jitter.to_f64() * (2.0 * self.draw(n, Drawn::Jitter) - 1.0);
+            long(place.saturating_add(Position::from_f64(jitter).raw()))
+        });
+        let extra = (self.draw(n, Drawn::Extra) < self.extra).then(|| {
+            let next = self.place(n.saturating_add(1));
+            long(place.saturating_add(next.saturating_sub(place) / 2))
+        });
+        [itself, extra]
+    }
+
+    /// Does an input see one there?
+    pub(super) fn is_seen(&self, place: i64) -> bool {
+        let place = Position::whole(place).raw();
+        // What belongs to the next mark is all beyond its place without jitter, less the jitter.
+        let last = self.last_at(place.saturating_add(self.jitter.raw()));
+        self.at(last).iter().flatten().any(|[from, to]| (*from..*to).contains(&place))
+    }
+
+    /// Tells the edges on the way from one place, which is left out upwards, to another, in their order: which part of that way is left
+    /// then.
+    pub(super) fn pass(&self, from: i64, to: i64, mut tell: impl FnMut(f64, Edge)) {
+        let is_forward = to > from;
+        let [low, high, end] = [from.min(to), from.max(to), to].map(|place| Position::whole(place).raw());
+        let [first, last] = [low, high].map(|place| self.last_at(place.saturating_add(self.jitter.raw())));
+        for step in 0..=(last - first).min(MOST_PASSED) {
+            let mark = self.at(if is_forward { first + step } else { last - step });
+            let has_end = self.width > Position::ZERO;
+            let edges = |mark: Option<[i128; 2]>| {
+                mark.map_or([None; 2], |[from, to]| [Some((from, true)), has_end.then_some((to, false))])
+            };
+            let [[a, b], [c, d]] = mark.map(edges);
+            let edges = if is_forward { [a, b, c, d] } else { [d, c, b, a] };
+            for (place, begins) in edges.into_iter().flatten().filter(|(place, _)| low < *place && *place <= high) {
+                let rises = begins == is_forward || !has_end;
+                let left = end.saturating_sub(place) as f64 / end.saturating_sub(Position::whole(from).raw()) as f64;
+                tell(left, if rises { Edge::Rising } else { Edge::Falling });
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! Marks printed on a way, and the inputs that see them.
+
+use super::*;
+use crate::config::{EncoderConfig, IoConfig};
+use crate::drive::EncoderInput;
+use crate::encoder::Form;
+use crate::position::Position;
+use crate::unit::Scale;
+use proptest::prelude::*;
+
+/// Every 100 inc from 50 on, 10 long.
+fn plain() -> Marks {
+    Marks { every: Position::whole(100), first: Position::whole(50), width: Position::whole(10), ..Marks::default() }
+}
+
+/// The edges of a way, with the part of it that is left behind each.
+fn edges(marks: &Marks, from: i64, to: i64) -> Vec<(f64, Edge)> {
+    let mut edges = vec![];
+    marks.pass(from, to, |left, edge| edges.push((left, edge)));
+    edges
+}
+
+/// Where marks begin on a way upwards (inc), gone in pieces.
+fn begins(marks: &Marks, from: i64, to: i64) -> Vec<f64> {
+    let mut places = vec![];
+    for from in (from..to).step_by(4_000) {
+        let to = to.min(from + 4_000);
+        let rising = edges(marks, from, to).into_iter().filter(|(_, edge)| *edge == Edge::Rising);
+        places.extend(rising.map(|(left, _)| to as f64 - left * (to - from) as f64));
+    }
+    places
+}
+
+#[test]
+fn a_mark_rises_at_its_first_edge_either_way() {
+    use Edge::{Falling, Rising};
+    let up = [(0.75, Rising), (0.7, Falling), (0.25, Rising), (0.2, Falling)];
+    let down = [(0.8, Rising), (0.75, Falling), (0.3, Rising), (0.25, Falling)];
+    assert_eq!((edges(&plain(), 0, 200), edges(&plain(), 200, 0)), (up.to_vec(), down.to_vec()));
+    // At its beginning it is seen, at its end no more.
+    assert_eq!([49, 50, 59, 60].map(|place| plain().is_seen(place)), [false, true, true, false]);
+    assert_eq!(edges(&plain(), 40, 50), [(0.0, Rising)]);
+    assert_eq!(edges(&plain(), 50, 60), [(0.0, Falling)]);
+    assert_eq!(edges(&plain(), 60, 50), [(1.0, Rising)]);
+    assert_eq!(edges(&plain(), 50, 49), [(1.0, Falling)]);
+    assert_eq!((edges(&plain(), 7, 7), edges(&plain(), 61, 149)), (vec![], vec![]));
+    // Without a width there is an edge, and nothing to be seen.
+    let thin = Marks { width: Position::ZERO, ..plain() };
+    assert_eq!((edges(&thin, 0, 100), edges(&thin, 100, 0)), (vec![(0.5, Rising)], vec![(0.5, Rising)]));
+    assert!(!thin.is_seen(50));
+}
+
+/// A way of 1000 inc that grows by 10 % and comes back, in four marks: 1100, 1000, 900, 1000.
+#[test]
+fn a_web_stretches_and_comes_back() {
+    let stretch = Some(Stretch { share: 0.1, period: 4 });
+    let marks =
+        Marks { every: Position::whole(1_000), width: Position::ZERO, first: Position::ZERO, stretch, ..plain() };
+    let expected = [-2_900.0, -1_900.0, -1_000.0, 0.0, 1_100.0, 2_100.0, 3_000.0, 4_000.0, 5_100.0];
+    let places = begins(&marks, -3_500, 5_500);
+    assert!(places.iter().zip(expected).all(|(place, expected)| (place - expected).abs() < 1e-6), "{places:?}");
+    assert_eq!(places.len(), expected.len());
+    // Half-way between two that are 1100 apart.
+    let doubled = Marks { extra: 1.0, ..marks };
+    let places = begins(&doubled, 1, 1_200);
+    assert!(places.len() == 2 && (places[0] - 550.0).abs() < 1e-6 && (places[1] - 1_100.0).abs() < 1e-6, "{places:?}");
+    assert_eq!(begins(&Marks { lost: 1.0, ..marks }, -3_500, 5_500), []);
+}
+
+/// Of 100,000 marks 2 % are lost and 1 % are followed by one more, within four standard deviations (177 and 126); places tremble evenly.
+#[test]
+fn as_many_are_lost_and_extra_as_was_said() {
+    let marks =
+        Marks { lost: 0.02, extra: 0.01, jitter: Position::whole(5), width: Position::ZERO, seed: 7, ..plain() };
+    let places = begins(&marks, -5_000_000, 5_000_000);
+    let beside = |place: &f64| (place - 50.0 + 25.0).rem_euclid(100.0) - 25.0;
+    let (own, extra): (Vec<_>, Vec<_>) = places.iter().map(beside).partition(|beside| *beside < 25.0);
+    assert!((own.len() as i64 - 98_000).abs() < 177 && (extra.len() as i64 - 1_000).abs() < 126, "{}", own.len());
+    assert!(extra.iter().all(|beside| *beside == 50.0) && own.iter().all(|beside| (-5.0..5.0).contains(beside)));
+    let mean = own.iter().sum::<f64>() / own.len() as f64;
+    let square = own.iter().map(|beside| beside * beside).sum::<f64>() / own.len() as f64;
+    // Evenly spread: 5^2 / 3.
+    assert!(mean.abs() < 0.04 && (square - 25.0 / 3.0).abs() < 0.1, "{mean} {square}");
+    assert_eq!(places, begins(&marks, -5_000_000, 5_000_000));
+    assert_ne!(places, begins(&Marks { seed: 8, ..marks }, -5_000_000, 5_000_000));
+}
+
+#[test]
+fn marks_that_could_overlap_are_not_sound() {
+    let stretch = |share, period| Some(Stretch { share, period });
+    for (marks, is_sound) in [
+        (plain(), true),
+        (Marks { width: Position::whole(50), ..plain() }, false),
+        (Marks { jitter: Position::whole(39), ..plain() }, true),
+        (Marks { jitter: Position::whole(40), ..plain() }, false),
+        (Marks { stretch: stretch(0.79, 2), ..plain() }, true),
+        (Marks { stretch: stretch(0.8, 2), ..plain() }, false),
+        (Marks { stretch: stretch(0.1, 1), ..plain() }, false),
+        (Marks { width: Position::whole(-1), ..plain() }, false),
+        (Marks { jitter: Position::whole(-1), ..plain() }, false),
+        (Marks { lost: 1.01, ..plain() }, false),
+        (Marks { extra: f64::NAN, ..plain() }, false),
+        (Marks { every: Position::ZERO, width: Position::ZERO, ..plain() }, false),
+    ] {
+        assert_eq!(marks.is_sound(), is_sound, "{marks:?}");
+    }
+}
+
+/// A free encoder that carries marks for the second of two inputs, of which only that one latches.
+fn plant(marks: Marks) -> Plant {
+    let input = |name: &str, latch| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch };
+    let belt =
+        EncoderConfig { name: "belt".into(), form: Form::Incremental(32), check: None, scale: Scale::increments() };
+    let io = vec![input("gate", false), input("product", true)];
+    let config = MachineConfig { cycle_ns: MS, io, encoders: vec![belt], ..MachineConfig::default() };
+    let mut plant = Plant::new(&config, &[]);
+    assert!(!plant.print(0, Carrier::Encoder(0), marks), "it latches nothing");
+    assert!(!plant.print(2, Carrier::Encoder(0), marks), "there is none");
+    assert!(!plant.print(1, Carrier::Encoder(0), Marks { lost: 2.0, ..marks }));
+    assert!(plant.print(1, Carrier::Encoder(0), marks));
+    plant
+}
+
+fn read(plant: &mut Plant) -> Inputs {
+    let latch = Vec::with_capacity(MAX_LATCHES);
+    let mut inputs = Inputs { digital: vec![0], encoder: vec![EncoderInput::default()], latch, ..Inputs::default() };
+    plant.read(&mut inputs);
+    inputs
+}
+
+/// Proves: MACS-MARK-05
+#[test]
+fn an_input_latches_what_passes_it() {
+    let mut plant = plant(plain());
+    let seen = |plant: &mut Plant, by: i64| {
+        plant.jump_encoder(0, by);
+        let inputs = read(plant);
+        assert!(inputs.latch.iter().all(|latch| latch.object == Object::Io(1) && latch.position.is_none()));
+        let latches: Vec<_> = inputs.latch.iter().map(|latch| (latch.edge, latch.age_ns)).collect();
+        (latches, inputs.digital(1))
+    };
+    use Edge::{Falling, Rising};
+    let mut see = |by| seen(&mut plant, by);
+    // Where it stands at the start is no edge.
+    assert_eq!(see(55), (vec![], true));
+    assert_eq!(see(0), (vec![], true));
+    assert_eq!(see(15), (vec![(Falling, Some(666_667))], false));
+    // 120 inc in the cycle: 150 comes after 80, 160 after 90.
+    assert_eq!(see(120), (vec![(Rising, Some(333_333)), (Falling, Some(250_000))], false));
+    assert_eq!(see(-30), (vec![], false));
+    // From 160: an age is below a cycle.
+    assert_eq!(see(-5), (vec![(Rising, Some(999_999))], true));
+    // A slip of the encoder leaves the web where it is.
+    plant.slip_encoder(0, 1_000);
+    let inputs = read(&mut plant);
+    assert_eq!((inputs.encoder[0].count, inputs.latch.len(), inputs.digital(1)), (1_155, 0, true));
+    // An input that is stuck sees nothing more.
+    plant.set_digital(1, false);
+    plant.jump_encoder(0, 1_000);
+    let inputs = read(&mut plant);
+    assert_eq!((inputs.latch.len(), inputs.digital(1)), (0, false));
+}
+
+/// Ten marks of two edges: 16 are told, 4 counted.
+#[test]
+fn more_than_fit_are_counted() {
+    let mut plant = plant(plain());
+    read(&mut plant);
+    plant.jump_encoder(0, 1_000);
+    let inputs = read(&mut plant);
+    assert_eq!((inputs.latch.len(), inputs.latches_lost), (16, 4));
+    // As far as a way goes; more than any input tells is not looked at.
+    plant.jump_encoder(0, i64::MAX - 1_000);
+    assert_eq!(read(&mut plant).latches_lost, 2 * 4_096 - 16);
+}
+
+#[test]
+fn a_bus_that_is_off_tells_of_none() {
+    let mut plant = plant(plain());
+    read(&mut plant);
+    assert!(plant.lose_bus(0));
+    plant.jump_encoder(0, 155);
+    let inputs = read(&mut plant);
+    assert_eq!((inputs.latch.len(), inputs.latches_lost, inputs.digital(1)), (0, 0, false));
+}
+
+/// A drive carries marks from where it starts.
+#[test]
+fn a_drive_carries_marks_by_its_place() {
+    let mut drive = switched_on(Model::Ideal, 0);
+    drive.read();
+    drive.fit(Fixtures { start: 40, ..Fixtures::default() });
+    let io = vec![IoConfig { name: "label".into(), kind: IoKind::DigitalInput, latch: true }];
+    let mut plant = Plant::new(&MachineConfig { cycle_ns: MS, io, ..MachineConfig::default() }, &[]);
+    plant.drives.push(Some(drive));
+    assert!(plant.print(0, Carrier::Drive(0), plain()));
+    assert_eq!(read(&mut plant).latch, []);
+    plant.drives[0].as_mut().unwrap().write(output(20, control::ENABLE));
+    plant.drives[0].as_mut().unwrap().read();
+    let inputs = read(&mut plant);
+    // From 40 to 60: the end of the mark is reached.
+    let told: Vec<_> = inputs.latch.iter().map(|latch| (latch.edge, latch.age_ns)).collect();
+    assert_eq!(told, [(Edge::Rising, Some(500_000)), (Edge::Falling, Some(0))]);
+    assert!(!inputs.digital(0));
+}
+
+fn any_marks() -> impl Strategy<Value = Marks> {
+    let stretch =
+        prop_oneof![Just(None), (0.0..0.4, 2_u32..2_000).prop_map(|(share, period)| Some(Stretch { share, period }))];
+    (2.0..5_000.0, -1e4..1e4, 0.0..0.49, 0.0..0.49, stretch, 0.0..=1.0, 0.0..=1.0, any::<u64>()).prop_map(
+        |(every, first, width, jitter, stretch, lost, extra, seed)| {
+            // Within what is left between two.
+            let room = every * (1.0 - stretch.map_or(0.0, |stretch: Stretch| stretch.share)) / 2.0;
+            let [every, first, width, jitter] = [every, first, width * room, jitter * room].map(Position::from_f64);
+            Marks { every, first, width, jitter, stretch, lost, extra, seed }
+        },
+    )
+}
+
+proptest! {
+    /// Whatever way is gone: an input sees a mark where it has seen one more beginning than ends, edges alternate, and a way in two pieces
+    /// passes what the whole one does.
+    #[test]
+    fn edges_make_the_level(
+        marks in any_marks(), from in -1_000_000_i64..1_000_000, ways in prop::collection::vec(-3_000_i64..3_000, 1..20),
+    ) {
+        prop_assert!(marks.is_sound());
+        let has_width = marks.width > Position::ZERO;
+        let mut at = from;
+        for way in ways {
+            let to = at + way;
+            let passed = edges(&marks, at, to);
+            let middle = at + way / 3;
+            let pieces = [edges(&marks, at, middle), edges(&marks, middle, to)].concat();
+            let kinds = |edges: &[(f64, Edge)]| edges.iter().map(|(_, edge)| *edge).collect::<Vec<_>>();
+            prop_assert_eq!(kinds(&passed), kinds(&pieces));
+            prop_assert!(passed.is_sorted_by(|a, b| a.0 >= b.0) && passed.iter().all(|(left, _)| (0.0..=1.0).contains(left)));
+            let mut back = edges(&marks, to, at);
+            back.reverse();
+            prop_assert_eq!(back.len(), passed.len());
+            for ((there, edge), (again, other)) in passed.iter().zip(&back) {
+                prop_assert!((there + again - 1.0).abs() < 1e-12);
+                prop_assert_eq!(edge == other, !has_width);
+            }
+            if has_width {
+                let mut level = marks.is_seen(at);
+                for (_, edge) in &passed {
+                    prop_assert_eq!(*edge == Edge::Rising, !level);
+                    level = !level;
+                }
+                prop_assert_eq!(level, marks.is_seen(to));
+            }
+            at = to;
+        }
+    }
+
+    /// Marks lie where the distances up to them add up to, whatever the stretch.
+    #[test]
+    fn places_are_the_distances_added_up(
+        every in 2.0..5_000.0_f64, first in -1e4..1e4_f64, share in 0.0..0.9_f64, period in 2_u32..500,
+    ) {
+        let stretch = Some(Stretch { share, period });
+        let [every, first] = [every, first].map(Position::from_f64);
+        let marks = Marks { every, first, stretch, ..Marks::default() };
+        let (mut place, mut expected) = (first.to_f64(), vec![]);
+        for n in 1..=1_000 {
+            expected.push(place);
+            let phase = std::f64::consts::TAU * f64::from(n) / f64::from(period);
+            place += every.to_f64() * (1.0 + share * phase.sin());
+        }
+        let (from, to) = (first.floor() - 1, place.floor() as i64 - 1);
+        let places = begins(&marks, from, to);
+        // The first one may be mark -1, of which nothing is expected here.
+        let places = &places[usize::from(places[0] < first.to_f64() - 1e-3)..];
+        prop_assert!(places.len() >= 999, "{}", places.len());
+        prop_assert!(places.iter().zip(&expected).all(|(place, expected)| (place - expected).abs() < 1e-5));
+    }
+}
