@@ -25,6 +25,7 @@ import objects
 import outputs
 import parameters
 import ros2wire as rw
+import shaft
 import streams
 import trajectories
 import watch
@@ -227,16 +228,24 @@ def synchronize(peer, a):
     client = peer.action(a.node, "synchronize")
     ratio = (0, 0) if a.mode == "cam" else (a.numerator, a.denominator)
     gid = send(client, SyncGoal(axis=a.axis, master=a.master, mode=SYNC_MODES.index(a.mode), numerator=ratio[0],
-                                engage=ENGAGES.index(a.engage), master_increments=a.master_increments,
+                                engage=ENGAGES.index(a.engage), master_increments=a.master_increments, event=a.event,
+                                slave_increments=a.slave_increments,
+                                start_distance_increments=a.start_distance_increments, offset=a.offset,
                                 denominator=ratio[1], table=a.table, cam_start=CAM_STARTS.index(a.cam_start),
                                 master_scale=a.master_scale, slave_scale=a.slave_scale,
                                 master_offset=a.master_offset, slave_offset=a.slave_offset))
+
+    if a.expect:
+        finish(client, gid, a.expect)
+        return
 
     def coupled():
         f = client.feedback(gid)
         return f and f[-1].phase == 2
     rw.wait_until(coupled, rw.REPLY_S, "the axis is not synchronized")
-    show(phase=2, feedback=client.feedback(gid)[-1], phases=sorted({f.phase for f in client.feedback(gid)}))
+    phases = [f.phase for f in client.feedback(gid)]
+    show(phase=2, feedback=client.feedback(gid)[-1], phases=sorted(set(phases)),
+         order=[now for before, now in zip([None] + phases, phases) if now != before])
     if a.seconds is not None:
         time.sleep(a.seconds)
         cancel_goal(client, gid)
@@ -324,13 +333,15 @@ def parser():
     p.add_argument("--units", choices=UNITS, default="si")
     p.add_argument("--edge", choices=EDGES, default="rising")
     p = command("synchronize", synchronize, numerator=1, denominator=1, master_scale=0.0, slave_scale=0.0,
-                master_offset=0.0, slave_offset=0.0, table="", master_increments=0)
+                master_offset=0.0, slave_offset=0.0, table="", master_increments=0,
+                slave_increments=0, start_distance_increments=0, event="", offset=0.0)
     p.add_argument("--engage", choices=ENGAGES, default="immediately")
     p.add_argument("--cam-start", choices=CAM_STARTS, default="absolute")
     p.add_argument("--axis", required=True)
     p.add_argument("--master", required=True)
     p.add_argument("--mode", choices=SYNC_MODES, default="position")
     p.add_argument("--seconds", type=float, help="cancel after this time; left out: stay coupled")
+    p.add_argument("--expect", choices=rw.STATUS.values(), help="how the goal ends, instead of waiting for the coupling")
     p = command("phase", phase, shift=0.0, velocity=0.0, acceleration=0.0, expect="")
     p.add_argument("--axis", required=True)
     p.add_argument("--side", choices=SIDES, default="slave")
@@ -348,6 +359,7 @@ def parser():
     objects.add_commands(command)
     outputs.add_commands(command)
     functions.add_commands(command)
+    shaft.add_commands(command)
     streams.add_commands(command)
     trajectories.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)

@@ -402,7 +402,12 @@ impl MachineConfig {
 
     /// The scale of what leads, of a sum that of all of its members; increments where it has no other.
     pub fn scale_of(&self, leader: Leader) -> Scale {
-        self.scale_within(leader, MAX_MASTERS).unwrap_or_else(Scale::increments)
+        self.known_scale_of(leader).unwrap_or_else(Scale::increments)
+    }
+
+    /// The same, where it has one.
+    pub fn known_scale_of(&self, leader: Leader) -> Option<Scale> {
+        self.scale_within(leader, MAX_MASTERS)
     }
 
     /// The same through so many sums.

@@ -31,13 +31,14 @@ pub(super) struct Signals {
     memory: Vec<(Signal, MemoryKind)>,
     /// First of: count, position, velocity, error, errors.
     encoders: Vec<Signal>,
-    /// First of: position, velocity, valid.
+    /// First of: position, velocity, valid, fraction.
     masters: Vec<Signal>,
     /// First of those of each slot.
     pub slots: Vec<Signal>,
     /// First of [`AxisSignal`].
     pub axes: Vec<Signal>,
-    /// First of: state, error, overruns; of the virtual master: position, velocity, count and position of its index.
+    /// First of: state, error, overruns; of the virtual master: position, velocity, count and position of its index,
+    /// fraction.
     machine: Signal,
 }
 
@@ -193,6 +194,7 @@ impl Signals {
             board.set_int(first, lead.position.floor());
             board.set_real(first.plus(1), lead.velocity);
             board.set_int(first.plus(2), i64::from(lead.valid));
+            board.set_real(first.plus(3), lead.position.fraction());
         }
     }
 
@@ -217,6 +219,7 @@ impl Signals {
         board.set_real(self.machine.plus(4), lead.velocity + 0.0);
         board.set_int(self.machine.plus(5), master.count);
         board.set_int(self.machine.plus(6), master.mark);
+        board.set_real(self.machine.plus(7), lead.position.fraction());
     }
 }
 
@@ -239,6 +242,7 @@ fn add_master(directory: &mut Directory, name: &str) -> Signal {
     let first = add("position", Type::Int, Measure::Position, "sum of its members");
     add("velocity", Type::Real, Measure::Velocity, "sum of the velocities of its members");
     add("valid", Type::Bit, Measure::None, "no member is lost");
+    add("fraction", Type::Real, Measure::None, "fraction of its position, 0 to 1");
     first
 }
 
@@ -286,6 +290,7 @@ fn add_machine(directory: &mut Directory) -> Signal {
     add("vmaster.velocity", Type::Real, Measure::Velocity, "velocity of the virtual master");
     add("vmaster.index.count", Type::Int, Measure::None, "marks of the virtual master so far, as vmencmtyp has them");
     add("vmaster.index.position", Type::Int, Measure::Position, "where its last mark was");
+    add("vmaster.fraction", Type::Real, Measure::None, "fraction of its position, 0 to 1");
     first
 }
 

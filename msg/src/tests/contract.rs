@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 29] = [
+const OWN_INTERFACES: [(&str, &str); 31] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -201,6 +201,20 @@ const OWN_INTERFACES: [(&str, &str); 29] = [
         "std_msgs/Header header
         string[] axes
         float64[] velocities",
+    ),
+    (
+        "msg/LeaderState",
+        "string name
+        bool valid has_scale
+        float64 position velocity
+        int64 position_increments
+        float64 fraction velocity_increments",
+    ),
+    (
+        "msg/ShaftStates",
+        "std_msgs/Header header
+        uint64 cycle
+        lineshaft_msgs/LeaderState[] leaders",
     ),
     (
         "msg/Signals",

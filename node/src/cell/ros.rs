@@ -20,6 +20,8 @@ pub struct RosOptions {
     pub joint_states_rate: f64,
     /// ~/axis_states per second, 1 to 1000.
     pub axis_states_rate: f64,
+    /// ~/shaft per second, 1 to 1000; none: there is no such topic.
+    pub shaft_rate: Option<f64>,
     /// Go to active by itself.
     pub autostart: bool,
     /// The URDF file, from the folder of the cell; none: nothing is described.
@@ -48,6 +50,7 @@ impl Default for RosOptions {
             namespace: "/".to_owned(),
             joint_states_rate: 100.0,
             axis_states_rate: 100.0,
+            shaft_rate: Some(100.0),
             autostart: true,
             robot_description: None,
             interfaces: Vec::new(),
@@ -71,6 +74,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
     let namespace = map.optional("namespace").map(|value| namespace(&value));
     let joint_states_rate = map.optional("joint_states_rate").map(|value| rate(&value));
     let axis_states_rate = map.optional("axis_states_rate").map(|value| rate(&value));
+    let shaft_rate = map.optional("shaft_rate").map(|value| rate_or_off(&value));
     let autostart = map.optional("autostart").map(|value| value.boolean());
     let robot_description = map.optional("robot_description").map(|value| file_name(&value));
     let interfaces = map.optional("interfaces").map(|value| interfaces(&value));
@@ -82,6 +86,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
         namespace: namespace.unwrap_or(Some(usual.namespace))?,
         joint_states_rate: joint_states_rate.unwrap_or(Some(usual.joint_states_rate))?,
         axis_states_rate: axis_states_rate.unwrap_or(Some(usual.axis_states_rate))?,
+        shaft_rate: shaft_rate.unwrap_or(Some(usual.shaft_rate))?,
         autostart: autostart.unwrap_or(Some(usual.autostart))?,
         robot_description: robot_description.map_or(Some(None), |file| file.map(Some))?,
         interfaces: interfaces.unwrap_or(Some(usual.interfaces))?,
@@ -152,11 +157,26 @@ fn is_token(text: &str) -> bool {
 /// Messages per second.
 fn rate(value: &Value<'_>) -> Option<f64> {
     let rate = value.quantity(&[Dimension::Frequency], &crate::document::Allowed::Any)?.si();
-    if (1.0..=1000.0).contains(&rate) {
-        return Some(rate);
+    if is_rate(rate) { Some(rate) } else { refuse_rate(value, "1 Hz..1000 Hz") }
+}
+
+/// The same of a topic that need not be there: 0 is none.
+fn rate_or_off(value: &Value<'_>) -> Option<Option<f64>> {
+    let rate = value.quantity(&[Dimension::Frequency], &crate::document::Allowed::Any)?.si();
+    match rate {
+        0.0 => Some(None),
+        _ if is_rate(rate) => Some(Some(rate)),
+        _ => refuse_rate(value, "0, or 1 Hz..1000 Hz,"),
     }
+}
+
+fn is_rate(rate: f64) -> bool {
+    (1.0..=1000.0).contains(&rate)
+}
+
+fn refuse_rate<T>(value: &Value<'_>, allowed: &str) -> Option<T> {
     let given = quote(value.peek().unwrap_or_default());
-    value.refuse(format!("{} is {given}; 1 Hz..1000 Hz is allowed", value.label()), None);
+    value.refuse(format!("{} is {given}; {allowed} is allowed", value.label()), None);
     None
 }
 

@@ -355,11 +355,14 @@ impl Bridge {
             if sample.axis_states {
                 states.axis_states(&snapshot);
             }
+            if sample.shaft {
+                states.shaft(&snapshot);
+            }
         });
         let left_out = samples.lost() + states.left_out();
         if left_out > self.told_samples {
             self.lines.say(Line::SamplesLeftOut, |more| {
-                tracing::warn!("{left_out} samples of joint_states and axis_states were left out so far: ROS had no time for them{more}");
+                tracing::warn!("{left_out} samples of joint_states, axis_states and shaft were left out so far: ROS had no time for them{more}");
             });
             self.told_samples = left_out;
         }

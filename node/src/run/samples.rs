@@ -17,6 +17,8 @@ pub struct Cadences {
     pub joint_states: Cadence,
     /// ~/axis_states
     pub axis_states: Cadence,
+    /// ~/shaft; none: it is off.
+    pub shaft: Option<Cadence>,
 }
 
 /// The signals of a cycle, and which topics take it.
@@ -28,6 +30,8 @@ pub struct Sample {
     pub joint_states: bool,
     /// For ~/axis_states.
     pub axis_states: bool,
+    /// For ~/shaft.
+    pub shaft: bool,
 }
 
 /// The end in the cycle thread.
@@ -46,7 +50,7 @@ pub struct SampleReceiver {
 /// Makes the way for a machine with this board.
 pub fn samples(cadences: Cadences, cycle_ns: u64, board: &Board) -> (SampleSender, SampleReceiver) {
     let first = Snapshot { cycle: 0, stamp_ns: 0, board: board.clone() };
-    let sample = Sample { snapshot: first, joint_states: false, axis_states: false };
+    let sample = Sample { snapshot: first, joint_states: false, axis_states: false, shaft: false };
     let (filler, emptier) = pool(ROOM.count(cycle_ns, 8 * board.len()), || sample.clone());
     (SampleSender { cadences, pool: filler }, SampleReceiver { pool: emptier })
 }
@@ -56,11 +60,12 @@ impl SampleSender {
     pub fn send(&mut self, cycle: u64, stamp_ns: u64, board: &Board) {
         let joint_states = self.cadences.joint_states.is_due(cycle);
         let axis_states = self.cadences.axis_states.is_due(cycle);
-        if !joint_states && !axis_states {
+        let shaft = self.cadences.shaft.as_mut().is_some_and(|shaft| shaft.is_due(cycle));
+        if !joint_states && !axis_states && !shaft {
             return;
         }
         self.pool.send(|sample| {
-            (sample.joint_states, sample.axis_states) = (joint_states, axis_states);
+            (sample.joint_states, sample.axis_states, sample.shaft) = (joint_states, axis_states, shaft);
             (sample.snapshot.cycle, sample.snapshot.stamp_ns) = (cycle, stamp_ns);
             sample.snapshot.board.copy_from(board);
         });
@@ -88,15 +93,21 @@ mod tests {
     use crate::cell::Cell;
     use lineshaft_core::machine::Machine;
 
-    fn both(joint_states: f64, axis_states: f64, board: &Board) -> (SampleSender, SampleReceiver) {
+    /// Of rates (1/s) of joint_states, ~/axis_states and ~/shaft.
+    fn at([joint_states, axis_states]: [f64; 2], shaft: Option<f64>, board: &Board) -> (SampleSender, SampleReceiver) {
         let cadence = |rate| Cadence::new(rate, 1_000_000);
-        samples(Cadences { joint_states: cadence(joint_states), axis_states: cadence(axis_states) }, 1_000_000, board)
+        let cadences = Cadences {
+            joint_states: cadence(joint_states),
+            axis_states: cadence(axis_states),
+            shaft: shaft.map(cadence),
+        };
+        samples(cadences, 1_000_000, board)
     }
 
     #[test]
     fn each_topic_gets_the_cycles_of_its_rate_however_late_they_are_taken() {
         let machine = Machine::new(Cell::demo().machine).unwrap();
-        let (mut sender, mut receiver) = both(100.0, 50.0, machine.board());
+        let (mut sender, mut receiver) = at([100.0, 50.0], None, machine.board());
         let mut seen = Vec::new();
         for cycle in 0..300_u64 {
             sender.send(cycle, 7 * cycle, machine.board());
@@ -112,10 +123,25 @@ mod tests {
         assert_eq!((seen, receiver.lost()), (wanted, 0));
     }
 
+    /// 25 in a second: each 40th, also where no other topic takes it; without a rate none.
+    #[test]
+    fn the_shaft_has_cycles_of_its_own() {
+        let machine = Machine::new(Cell::demo().machine).unwrap();
+        let seen = |shaft| {
+            let (mut sender, mut receiver) = at([1.0, 1.0], shaft, machine.board());
+            (0..100).for_each(|cycle| sender.send(cycle, 0, machine.board()));
+            let mut seen = Vec::new();
+            receiver.take(|sample| seen.push((sample.snapshot.cycle, sample.axis_states, sample.shaft)));
+            seen
+        };
+        assert_eq!(seen(Some(25.0)), [(0, true, true), (40, false, true), (80, false, true)]);
+        assert_eq!(seen(None), [(0, true, false)]);
+    }
+
     #[test]
     fn samples_that_nobody_takes_are_counted_and_the_first_ones_kept() {
         let machine = Machine::new(Cell::demo().machine).unwrap();
-        let (mut sender, mut receiver) = both(1000.0, 1.0, machine.board());
+        let (mut sender, mut receiver) = at([1000.0, 1.0], None, machine.board());
         (0..507).for_each(|cycle| sender.send(cycle, 0, machine.board()));
         let mut seen = Vec::new();
         receiver.take(|sample| seen.push(sample.snapshot.cycle));

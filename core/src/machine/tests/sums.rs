@@ -75,6 +75,7 @@ fn a_follower_of_a_sum_is_exact_over_many_reversals() {
         let members = raw(&rig, BELT) + raw(&rig, actual) - raw(&rig, line);
         assert_eq!(raw(&rig, Leader::AxisCommand(X)), (members * 355).div_euclid(113), "in cycle {cycle}");
         assert_eq!((rig.int("sum.position"), rig.int("sum.valid")), ((members >> 32) as i64, 1));
+        assert_eq!(rig.real("sum.fraction") * 4_294_967_296.0, f64::from(members as u32), "in cycle {cycle}");
         turns += i64::from((members < before) != (cycle / 1_000 % 2 == 1));
         before = members;
     }

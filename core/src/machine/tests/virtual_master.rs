@@ -585,6 +585,7 @@ proptest! {
                 let now = rig.machine.state.leads.virtual_master;
                 prop_assert_eq!(before.position + now.change, now.position);
                 prop_assert_eq!(rig.int("machine.vmaster.position"), now.position.floor());
+                prop_assert_eq!(rig.real("machine.vmaster.fraction"), now.position.fraction());
                 prop_assert_eq!(rig.real("machine.vmaster.velocity"), now.velocity);
                 let most = parameters(&rig).pulsacc as f64 / 1e3;
                 match rig.machine.state.virtual_master.source() {

@@ -16,6 +16,7 @@ mod home_axis;
 mod hub;
 #[cfg(any(test, feature = "fuzz"))]
 mod laws;
+mod leaders;
 mod lifecycle;
 mod loggers;
 pub mod messages;

@@ -1,6 +1,7 @@
-//! `joint_states` and `~/axis_states`.
+//! `joint_states`, `~/axis_states` and `~/shaft`.
 
 use super::host::{Host, Snapshot};
+use super::leaders::{LeaderView, shaft_states};
 use super::messages::{AxisView, axis_states, joint_states};
 use super::table;
 use crate::layer::{Clock, CreateError, Node, PublishError, Publisher};
@@ -18,6 +19,7 @@ const WAITING: usize = 256;
 pub struct StateSender {
     joint_states: Sender<Arc<Snapshot>>,
     axis_states: Sender<Arc<Snapshot>>,
+    shaft: Option<Sender<Arc<Snapshot>>>,
     left_out: u64,
 }
 
@@ -26,13 +28,17 @@ pub struct StateSender {
 pub struct StateReceiver {
     joint_states: Receiver<Arc<Snapshot>>,
     axis_states: Receiver<Arc<Snapshot>>,
+    /// None: the topic is off.
+    shaft: Option<Receiver<Arc<Snapshot>>>,
 }
 
-/// The way of the state topics into the surface.
-pub fn states() -> (StateSender, StateReceiver) {
+/// The way of the state topics into the surface, with or without ~/shaft.
+pub fn states(with_shaft: bool) -> (StateSender, StateReceiver) {
     let (joints, joint_states) = channel(WAITING);
     let (axes, axis_states) = channel(WAITING);
-    (StateSender { joint_states: joints, axis_states: axes, left_out: 0 }, StateReceiver { joint_states, axis_states })
+    let (leaders, shaft) = with_shaft.then(|| channel(WAITING)).unzip();
+    let sender = StateSender { joint_states: joints, axis_states: axes, shaft: leaders, left_out: 0 };
+    (sender, StateReceiver { joint_states, axis_states, shaft })
 }
 
 impl StateSender {
@@ -44,6 +50,11 @@ impl StateSender {
     /// Gives a sample to ~/axis_states; never waits.
     pub fn axis_states(&mut self, snapshot: &Arc<Snapshot>) {
         self.left_out += left_out(&self.axis_states, snapshot);
+    }
+
+    /// Gives a sample to ~/shaft, where there is one; never waits.
+    pub fn shaft(&mut self, snapshot: &Arc<Snapshot>) {
+        self.left_out += self.shaft.as_ref().map_or(0, |way| left_out(way, snapshot));
     }
 
     /// Samples so far for which there was no room.
@@ -74,6 +85,15 @@ pub(super) fn start(
     let message =
         move |snapshot: &Snapshot| axis_states(&views, &snapshot.board, snapshot.cycle, clock.stamp(snapshot.stamp_ns));
     tasks.spawn(publish(publisher, states.axis_states, message));
+    if let Some(samples) = states.shaft {
+        let leaders = LeaderView::all(host.config(), host.directory());
+        let publisher = table::SHAFT.publisher(node)?;
+        let clock: Clock = node.clock().clone();
+        let message = move |snapshot: &Snapshot| {
+            shaft_states(&leaders, &snapshot.board, snapshot.cycle, clock.stamp(snapshot.stamp_ns))
+        };
+        tasks.spawn(publish(publisher, samples, message));
+    }
     Ok(())
 }
 

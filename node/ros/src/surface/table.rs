@@ -23,7 +23,7 @@ use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::foreign::std_msgs::msg::String as Text;
 use lineshaft_msgs::foreign::std_srvs::srv::Trigger;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
-use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, FunctionStates, Setpoints};
+use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, FunctionStates, Setpoints, ShaftStates};
 use lineshaft_msgs::srv::{
     AxesCommand, CommandFunction, ExportParameters, GetTable, ImportParameters, LoadTable, Record, ResetParameters,
     SdoRead, SdoWrite, SetMemory, SetOutput, SetPosition, Vocabulary,
@@ -164,6 +164,11 @@ pub(super) const JOINT_STATES: Topic<JointState> = Topic::published(
 );
 pub(super) const AXIS_STATES: Topic<AxisStates> =
     Topic::published("~/axis_states", Qos::STREAM, "all axes in file order; each cycle of `axis_states_rate`");
+pub(super) const SHAFT: Topic<ShaftStates> = Topic::published(
+    "~/shaft",
+    Qos::STREAM,
+    "what leads: encoders, commands of virtual axes, masters of several, machine.vmaster; each cycle of `shaft_rate`, only where that is not 0; see [shaft.md](shaft.md#for-other-hosts-and-tools)",
+);
 pub(super) const FUNCTIONS: Topic<FunctionStates> = Topic::published(
     "~/functions",
     Qos::STREAM,
@@ -407,6 +412,7 @@ const fn parameters<S: Service>(name: &'static str, text: &'static str) -> Serve
 pub const ROWS: &[Row] = &[
     JOINT_STATES.0,
     AXIS_STATES.0,
+    SHAFT.0,
     FUNCTIONS.0,
     EVENTS.0,
     ERRORS.0,

@@ -155,7 +155,7 @@ async fn a_surface_opens_what_the_table_says_and_nothing_else() {
     let node = Node::with(options, &environment).unwrap();
     let opened = node.opened();
     let (_events, events) = unbounded_channel();
-    let (_states, states) = states();
+    let (_states, states) = states(true);
     let surface = Surface::start(node, Arc::new(Still::new()), events, states, &[]).unwrap();
 
     let opened = opened.lock().unwrap().clone();

@@ -31,7 +31,7 @@ fn members_are_resolved() {
     let signals = cell.machine.directory();
     let of_sum: Vec<_> =
         signals.iter().map(|(_, entry)| entry.name.as_str()).filter(|name| name.starts_with("sum.")).collect();
-    assert_eq!(of_sum, ["sum.position", "sum.velocity", "sum.valid"]);
+    assert_eq!(of_sum, ["sum.position", "sum.velocity", "sum.valid", "sum.fraction"]);
     assert!(Machine::new(cell.machine).is_ok());
 }
 

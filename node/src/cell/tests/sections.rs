@@ -63,7 +63,7 @@ fn format_and_cycle() {
 #[test]
 fn ros_options() {
     let text = "ros: {name: Press_2, namespace: /cell_1/left, joint_states_rate: 1, axis_states_rate: 1 kHz,\n  \
-                autostart: false, robot_description: a/r.urdf, interfaces: [lo, 192.168.0.1],\n  \
+                shaft_rate: 50 Hz, autostart: false, robot_description: a/r.urdf, interfaces: [lo, 192.168.0.1],\n  \
                 on_loss: none, request_timeout: 500 ms}\n";
     assert_eq!(
         good(&format!("{HEAD}{text}")).ros,
@@ -72,6 +72,7 @@ fn ros_options() {
             namespace: "/cell_1/left".into(),
             joint_states_rate: 1.0,
             axis_states_rate: 1000.0,
+            shaft_rate: Some(50.0),
             autostart: false,
             robot_description: Some("a/r.urdf".into()),
             interfaces: vec!["lo".into(), "192.168.0.1".into()],
@@ -80,6 +81,10 @@ fn ros_options() {
         }
     );
     assert_eq!(good(&format!("{HEAD}ros:\n")).ros, RosOptions::default());
+    assert_eq!(RosOptions::default().shaft_rate, Some(100.0));
+    for off in ["0", "0 Hz", "0.0"] {
+        assert_eq!(good(&format!("{HEAD}ros: {{shaft_rate: {off}}}\n")).ros.shaft_rate, None, "{off}");
+    }
     let namespace = "/ or names that each follow a /, such as /cell_1/press, is allowed";
     for (text, sentence) in [
         ("name: ^2nd", "name is `2nd`; a letter or _, then letters, digits and _, is allowed"),
@@ -88,6 +93,9 @@ fn ros_options() {
         ("namespace: ^/a-b", &format!("namespace is `/a-b`; {namespace}")),
         ("axis_states_rate: ^1001 Hz", "axis_states_rate is `1001 Hz`; 1 Hz..1000 Hz is allowed"),
         ("axis_states_rate: ^10 ms", "axis_states_rate: `10 ms` is a time; a frequency such as `10 Hz` is expected"),
+        ("shaft_rate: ^0.5", "shaft_rate is `0.5`; 0, or 1 Hz..1000 Hz, is allowed"),
+        ("shaft_rate: ^-1 Hz", "shaft_rate is `-1 Hz`; 0, or 1 Hz..1000 Hz, is allowed"),
+        ("shaft_rate: ^1001", "shaft_rate is `1001`; 0, or 1 Hz..1000 Hz, is allowed"),
         ("on_loss: ^stop", "on_loss is `stop`; halt or none is allowed"),
         ("request_timeout: ^99 ms", "request_timeout is `99 ms`; 0.1 s..3600 s is allowed"),
         ("request_timeout: ^3601", "request_timeout is `3601`; 0.1 s..3600 s is allowed"),
@@ -96,8 +104,8 @@ fn ros_options() {
         ("interfaces: [^'', lo]", "interfaces[0] is ``; a network interface such as eth0 or its address is allowed"),
         (
             "^domain: 3",
-            "unknown key `domain` in ros, known are name, namespace, joint_states_rate, axis_states_rate, autostart, \
-             robot_description, interfaces, on_loss, request_timeout",
+            "unknown key `domain` in ros, known are name, namespace, joint_states_rate, axis_states_rate, shaft_rate, \
+             autostart, robot_description, interfaces, on_loss, request_timeout",
         ),
     ] {
         assert_said(&format!("{HEAD}ros: {{{text}}}"), sentence);

@@ -158,6 +158,7 @@ impl Prepared {
         let cadences = Cadences {
             joint_states: Cadence::new(cell.ros.joint_states_rate, cycle_ns),
             axis_states: Cadence::new(cell.ros.axis_states_rate, cycle_ns),
+            shaft: cell.ros.shaft_rate.map(|rate| Cadence::new(rate, cycle_ns)),
         };
         let (samples, samples_out) = samples(cadences, cycle_ns, machine.board());
         let image = machine.parameter_image();
@@ -190,7 +191,7 @@ impl Prepared {
         let handle = Arc::new(handle);
         let encoder = Encoder::new(cell, machine.config(), machine.directory());
         let (listener, events_heard) = unbounded_channel();
-        let (states, states_heard) = states();
+        let (states, states_heard) = states(cell.ros.shaft_rate.is_some());
         let (play, report) = match scenario {
             None => (None, None),
             Some(scenario) => {

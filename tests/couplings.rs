@@ -1,0 +1,77 @@
+//! Couplings that begin at their moment, and what they are refused for, as a client on Cyclone DDS asks for them, with launch-configs/shear.yaml.
+
+mod support;
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use support::{domain::Domain, peer::Peer, program::Program};
+
+struct Web {
+    cyclone: Peer,
+    _program: Program,
+}
+
+impl Web {
+    fn start() -> Self {
+        let cell = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/shear.yaml");
+        let cell = cell.to_str().expect("a path of text");
+        let domain = Domain::take();
+        let mut cyclone = Peer::cyclone(&domain);
+        let program = Program::start(&["run", cell, "--store", "none", "--flight-recorder", "0"], &domain);
+        cyclone.run("axis-states /lineshaft");
+        cyclone.run("axes /lineshaft enable shear");
+        Self { cyclone, _program: program }
+    }
+
+    /// State of the shear, and the commands of web and shear in one cycle.
+    fn seen(&mut self) -> (Value, [i64; 2]) {
+        let axes = self.cyclone.run("axis-states /lineshaft")["axes"].clone();
+        let command = |axis: &str| axes[axis]["command_increments"].as_i64().expect("increments");
+        (axes["shear"]["state"].clone(), ["web", "shear"].map(command))
+    }
+}
+
+/// The cell has one digital input, which latches.
+#[test]
+fn marks_of_an_input_that_does_not_exist_are_refused_with_its_name() {
+    let mut web = Web::start();
+    web.cyclone.run("params /lineshaft set shear.syncmpulsm=10000 shear.syncmpulss=10000");
+    let marker = "synchronize /lineshaft --axis shear --master web --mode marker --expect ABORTED";
+    for (set, side, number) in [
+        ("shear.syncmtypm=52 shear.syncmtyps=12", "syncmtypm", 5),
+        ("shear.syncmtypm=12 shear.syncmtyps=72", "syncmtyps", 7),
+    ] {
+        web.cyclone.run(&format!("params /lineshaft set {set}"));
+        let result = web.cyclone.run(marker)["result"].clone();
+        let sentence = format!("{side} names digital input {number}, which the cell does not have");
+        assert_eq!(result["code"], 10_037, "{result}");
+        assert!(result["message"].as_str().expect("a sentence").contains(&sentence), "{result}");
+        assert_eq!(web.seen(), (json!("STANDSTILL"), [0, 0]));
+    }
+}
+
+/// The shear waits for the web, goes 5 mm while that goes 10, and is where the pair of places says from then on: shear - 5000 = web - 40000.
+#[test]
+fn a_gear_meets_a_pair_of_places() {
+    let mut web = Web::start();
+    let gear = "synchronize /lineshaft --axis shear --master web --engage at_position --master-increments 40000 --slave-increments 5000";
+    let said = web.cyclone.fails(&format!("{gear} --offset 0.001"));
+    let log = web.cyclone.run("log --seconds 1");
+    assert!(format!("{said}{log:?}").contains("offset"), "{said} {log:?}");
+    assert_eq!(web.seen(), (json!("STANDSTILL"), [0, 0]));
+    // 10 inc a cycle: 3 s until it begins, 1 s until it is there.
+    web.cyclone.run("move /lineshaft --axis web --mode velocity --velocity 0.01");
+    let seen = web.cyclone.run(&format!("{gear} --start-distance-increments 10000"));
+    assert_eq!(seen["order"], json!([0, 1, 2]), "WAITING, CATCHING_UP, SYNCHRONIZED");
+    assert_eq!(seen["feedback"]["sync_error_increments"], 0);
+    for _ in 0..10 {
+        let (state, [leader, shear]) = web.seen();
+        assert!(state == "SYNCHRONIZED_MOTION" && leader >= 40_000, "{state} {leader}");
+        assert_eq!(shear - 5_000, leader - 40_000);
+    }
+    for (place, shear) in [(60_000, 25_000), (45_000, 10_000)] {
+        web.cyclone.run(&format!("move /lineshaft --axis web --units increments --position {place} --wait"));
+        assert_eq!(web.seen(), (json!("SYNCHRONIZED_MOTION"), [place, shear]));
+    }
+}
