@@ -293,6 +293,11 @@ impl Axis {
         self.conditioning.keeps_backward = self.parameters.sync.keeps_backward();
     }
 
+    /// A pair of places says where the slave is: it has its offset by then, and what is given later shifts it by the difference.
+    pub(super) fn take_offset_for_given(&mut self) {
+        self.conditioning.offset = self.parameters.sync.offset;
+    }
+
     /// Where its coupling is over, nothing is kept.
     pub(super) fn settle_conditioning(&mut self) {
         if (self.coupling().is_none() || !self.conditions()) && !self.conditioning.is_empty() {

@@ -39,14 +39,28 @@ pub(super) struct Engagement {
     seen: Position,
     /// The cycle of its command: its latches were before.
     since: u64,
-    /// Change of its leader in a cycle (inc), smoothed.
-    mean: f64,
+    /// Changes of its leader (inc) in the last cycles that it has waited, the newest first, and how many there are.
+    recent: [f64; RECENT],
+    count: u8,
 }
 
-/// Cycles over which the speed of a leader is smoothed.
-const MEAN_CYCLES: f64 = 64.0;
+/// Cycles from which the speed of a leader is told.
+const RECENT: usize = 8;
 
 impl Engagement {
+    /// A cycle more, with that change of its leader (inc).
+    fn note_change(mut self, change: f64) -> Self {
+        self.recent.rotate_right(1);
+        let [newest, ..] = &mut self.recent;
+        *newest = change;
+        Self { count: self.count.saturating_add(1).min(RECENT as u8), ..self }
+    }
+
+    /// Mean change of its leader in a cycle (inc).
+    fn mean(&self) -> f64 {
+        self.recent.iter().take(self.count.into()).sum::<f64>() / f64::from(self.count.max(1))
+    }
+
     pub(super) fn is_sound(&self) -> bool {
         let Synchronize { velocity, acceleration, cam, engage, mode, .. } = self.request;
         let is_cam = cam.is_some();
@@ -65,7 +79,8 @@ impl Engagement {
             && cam.is_none_or(|cam| cam.is_sound())
             && velocity.is_finite()
             && acceleration.is_finite()
-            && self.mean.is_finite()
+            && self.recent.iter().all(|change| change.is_finite())
+            && usize::from(self.count) <= RECENT
     }
 }
 
@@ -103,8 +118,8 @@ impl Axis {
                 Synchronize { numerator: ratio.numerator(), denominator: ratio.denominator(), ..*request }
             }
         };
-        let (seen, mean) = (lead.position - lead.change, lead.change.to_f64());
-        let engagement = Engagement { sequence, leader, request, seen, since: cx.cycle, mean };
+        let (seen, since) = (lead.position - lead.change, cx.cycle);
+        let engagement = Engagement { sequence, leader, request, seen, since, recent: [0.0; RECENT], count: 0 };
         if !engagement.is_sound() {
             return Err(self.refuse(Code::BAD_REQUEST));
         }
@@ -165,8 +180,7 @@ impl Axis {
         if !lead.valid {
             return self.end_engagement(cx, Code::LEADER_LOST, NO_NUMBERS);
         }
-        let mean = engagement.mean + (lead.change.to_f64() - engagement.mean) / MEAN_CYCLES;
-        let engagement = Engagement { mean, ..engagement };
+        let engagement = engagement.note_change(lead.change.to_f64());
         let moment = match self.moment_of(cx, &engagement, lead) {
             Ok(Some(moment)) => moment,
             Ok(None) => {
@@ -191,6 +205,9 @@ impl Axis {
                     self.go_on_conditioning();
                 } else {
                     self.begin_conditioning(engagement.request.mode, lead);
+                }
+                if Pair::of(engagement.request.engage).is_some() {
+                    self.take_offset_for_given();
                 }
                 (self.overlay, self.phasing) = shifts;
                 let reference = if engagement.request.cam.is_some() { Reference::Cam } else { Reference::Gear };
@@ -243,13 +260,13 @@ impl Axis {
         let bad_request = || self.refuse(Code::BAD_REQUEST);
         let Some(cam) = &request.cam else {
             let Due::Behind(after) = moment else { return Err(bad_request()) };
-            let started = Started { leader: *leader, lead, mean: engagement.mean, after };
+            let started = Started { leader: *leader, lead, mean: engagement.mean(), after };
             let follower = self.engaged_gear(tables, request, started)?;
             return Ok(self.coupling_by(*leader, request, follower));
         };
         let bounds = self.bounds_of(request)?;
         let before = self.follows_by_position(*leader);
-        let stands = before.map_or(self.present().position, Follower::target);
+        let stands = before.map_or(self.present().position, Follower::place);
         let (next, offset) = self.cam_of(tables, lead, (cam, request.disengage), stands)?;
         let next = next.with_mean(self.mean_of(*leader, lead));
         // Where the slave is to be, and the cam as it is then.

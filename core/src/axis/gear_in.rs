@@ -5,8 +5,8 @@
 //!          begins where the leader passes its start, though that lies between two cycles, with place, velocity and acceleration of the axis;
 //!          without a distance the gear of the pair, which the axis catches up. On an axis with a turn the pair is in the turn that the mean
 //!          of both slopes leads to, or in the nearest one
-//! Reads    the leader, this cycle's, of a counted one its mean speed while it was waited for
-//! Refuses  at the request, as far as the leader moves and the axis rests, and at the moment: a leader past its start, a way too short for
+//! Reads    the leader, this cycle's, of a counted one its mean speed in the last cycles
+//! Refuses  at the request, as far as the leader moves, is not counted, and the axis rests, and at the moment: a leader past its start, a way too short for
 //!          velocity and acceleration of the goal, one that leads backwards against revers
 //! Source   contract section 7, PLCopen (MC_GearInPos), AMC-EVT-05
 
@@ -19,7 +19,7 @@ use crate::event::{Number, Refusal};
 use crate::modulo::{Direction, Modulo};
 use crate::parameter::Rule;
 use crate::position::Position;
-use crate::sync::approach::{Approach, Begin, least_length};
+use crate::sync::approach::{Approach, Begin, Shape, enough_length};
 use crate::sync::follower::{Bounds, Follower, Phase};
 use crate::sync::gear::{Gear, Ratio};
 use crate::sync::{SyncMode, Transmission};
@@ -44,7 +44,9 @@ impl Axis {
     /// May it wait for that pair? What moves is judged again at its moment.
     pub(super) fn check_pair(&self, pair: Pair, request: &Synchronize, lead: Lead) -> Result<(), Refusal> {
         self.passed_start(pair, lead)?;
-        if pair.distance == 0 || !pair.lies_ahead(lead) || !matches!(self.generator, Generator::Rest) {
+        // One change of a counted leader says nothing of its speed.
+        let is_even = lead.uneven == 0.0;
+        if pair.distance == 0 || !is_even || !pair.lies_ahead(lead) || !matches!(self.generator, Generator::Rest) {
             return Ok(());
         }
         let from = Begin { place: self.command.position, slope: 0.0, bend: 0.0 };
@@ -79,7 +81,7 @@ impl Axis {
         let back = before.map(|before| {
             let mut old = *before.transmission();
             let way = old.step(Lead { change: -after, ..Lead::default() }, tables);
-            (before, Begin { place: before.target() + way, slope: old.signed_slope(), bend: 0.0 }, old)
+            (before, Begin { place: before.place() + way, slope: old.signed_slope(), bend: 0.0 }, old)
         });
         let (transmission, target, goes_on) = match Pair::of(request.engage) {
             Some(pair) if pair.distance == 0 => {
@@ -101,14 +103,16 @@ impl Axis {
                 (transmission, target, true)
             }
             None => {
-                let (stands, mut gear) = match back {
-                    Some((_, from, Transmission::Gear(old))) => (from.place, old.with_ratio(ratio)),
-                    Some((_, from, _)) => (from.place, Gear::new(ratio)),
-                    None => (present.position, Gear::new(ratio)),
+                let (stands, mut gear, is_same) = match back {
+                    Some((_, from, Transmission::Gear(old))) => {
+                        (from.place, old.with_ratio(ratio), old.ratio() == ratio)
+                    }
+                    Some((_, from, _)) => (from.place, Gear::new(ratio), false),
+                    None => (present.position, Gear::new(ratio), false),
                 };
                 let offset = request.offset.exact();
                 let target = stands + offset + gear.step(after);
-                (Transmission::Gear(gear), target, offset == Position::ZERO)
+                (Transmission::Gear(gear), target, is_same && offset == Position::ZERO)
             }
         };
         Ok(match before {
@@ -124,7 +128,7 @@ impl Axis {
         let bend = present.acceleration * cycle_s * cycle_s / speed / speed;
         let after = after.to_f64();
         let way = Position::from_f64(slope * after - bend * after * after / 2.0);
-        Begin { place: present.position - way, slope, bend }
+        Begin { place: present.position - way, slope: slope - bend * after, bend }
     }
 
     /// The way to a pair.
@@ -138,22 +142,23 @@ impl Axis {
             let numbers = (Number::Velocity(geared), Number::Velocity(most));
             return Err(self.refuse(Code::VELOCITY_TOO_HIGH).with(numbers.0, numbers.1));
         }
-        let approach = self.approach_over(pair, pair.distance, way).ok_or_else(|| self.refuse(Code::BAD_REQUEST))?;
+        let (approach, shape) =
+            self.approach_over(pair, pair.distance, way).ok_or_else(|| self.refuse(Code::BAD_REQUEST))?;
         if !self.leads_forward(&approach, way.speed) {
             return Err(self.refuse(Code::REVERSE_FORBIDDEN).with(Number::Position(pair.slave), Number::None));
         }
-        if self.bears(&approach, way) {
+        if self.bears(shape, way) {
             return Ok(approach);
         }
         let fits = |distance| {
             let longer = self.approach_over(pair, distance, way);
-            longer.is_some_and(|longer| self.leads_forward(&longer, way.speed) && self.bears(&longer, way))
+            longer.is_some_and(|(longer, shape)| self.leads_forward(&longer, way.speed) && self.bears(shape, way))
         };
-        let least = least_length(pair.distance, fits).map_or(Number::None, Number::Count);
-        Err(self.refuse(Code::ENGAGE_TOO_SHORT).with(Number::Count(pair.distance), least))
+        let enough = enough_length(pair.distance, fits).map_or(Number::None, Number::Count);
+        Err(self.refuse(Code::ENGAGE_TOO_SHORT).with(Number::Count(pair.distance), enough))
     }
 
-    fn approach_over(&self, pair: Pair, distance: i64, way: Way) -> Option<Approach> {
+    fn approach_over(&self, pair: Pair, distance: i64, way: Way) -> Option<(Approach, Shape)> {
         let Way { ratio, speed, from, .. } = way;
         let length = if speed < 0.0 { -distance } else { distance };
         let even = (from.slope + ratio.to_f64()) / 2.0 * length as f64;
@@ -169,8 +174,7 @@ impl Axis {
     }
 
     /// Can it go that way while its leader runs so fast? What it does already counts as possible.
-    fn bears(&self, approach: &Approach, way: Way) -> bool {
-        let shape = approach.shape();
+    fn bears(&self, shape: Shape, way: Way) -> bool {
         let (present, speed) = (self.present(), way.speed.abs() / self.cycle_s());
         let steepest = shape.most.max(-shape.least);
         let geared = speed * way.ratio.to_f64().abs();

@@ -156,17 +156,18 @@ impl Seen {
     }
 }
 
-/// The number of the input that gives marks, from 1; the one of its encoder where the type names none.
-fn input_of(signal: MarkSignal, encoder: u16) -> Option<u16> {
-    signal.input.map(|input| if input == 0 { encoder.saturating_add(1) } else { input })
+/// The number of the input that gives marks, from 1; the one of its encoder where the type names none, 0 where that has no number either.
+fn input_of(signal: MarkSignal, encoder: Option<u16>) -> Option<u16> {
+    let own = encoder.map_or(0, |encoder| encoder.saturating_add(1));
+    signal.input.map(|input| if input == 0 { own } else { input })
 }
 
-/// The number of what leads, by which an input is found.
-fn number_of(leader: Leader) -> u16 {
+/// The number of what leads, by which an input is found; the virtual master has none.
+fn number_of(leader: Leader) -> Option<u16> {
     match leader {
-        Leader::AxisCommand(place) | Leader::AxisActual(place) | Leader::Simulated(place) => place,
-        Leader::Encoder(place) | Leader::Sink(place) | Leader::Sum(place) => place,
-        Leader::Virtual => 0,
+        Leader::AxisCommand(place) | Leader::AxisActual(place) | Leader::Simulated(place) => Some(place),
+        Leader::Encoder(place) | Leader::Sink(place) | Leader::Sum(place) => Some(place),
+        Leader::Virtual => None,
     }
 }
 
@@ -195,8 +196,8 @@ impl Axis {
             return Err(self.refuse(Code::MARK_NO_DISTANCE).with(Number::Count(marks.start), Number::None));
         }
         let own_index = !self.is_virtual() && self.check_zero_moves().is_ok();
-        let sides =
-            [(marks.master_type, number_of(leader), has_index, 0), (marks.slave_type, self.setup.index, own_index, 1)];
+        let own = Some(self.setup.index);
+        let sides = [(marks.master_type, number_of(leader), has_index, 0), (marks.slave_type, own, own_index, 1)];
         for (number, encoder, has_index, side) in sides {
             let signal = MarkSignal::decode(number);
             let refuse = |code, asked: i64| Err(self.refuse(code).with(Number::Count(asked), Number::Count(side)));
@@ -217,7 +218,7 @@ impl Axis {
         &self,
         cx: &Context<'_>,
         signal: MarkSignal,
-        (encoder, lead): (u16, Lead),
+        (encoder, lead): (Option<u16>, Lead),
         index: Option<Position>,
     ) -> Seen {
         let mut seen = Seen::new();
@@ -269,7 +270,7 @@ impl Axis {
             _ => None,
         };
         let mut of_master = self.seen(cx, path.master, (number_of(leader), lead), index);
-        let mut of_slave = self.seen(cx, path.slave, (self.setup.index, self.actual), self.index_of_cycle());
+        let mut of_slave = self.seen(cx, path.slave, (Some(self.setup.index), self.actual), self.index_of_cycle());
 
         let change = lead.change.to_f64();
         let share = match tau {

@@ -9,6 +9,9 @@ use super::{ConfigError, MachineConfig, SourceConfig};
 use crate::object::{AxisSet, Leader};
 use crate::sync::{MOST_TERMS, Sum};
 
+/// How names of signals of the virtual master begin.
+const OF_VIRTUAL: &str = "machine.vmaster.";
+
 /// Most entries of `masters`.
 pub const MAX_MASTERS: usize = 64;
 /// Most members of one of them.
@@ -158,12 +161,11 @@ impl MachineConfig {
                 | Leader::Encoder(_)
                 | Leader::Simulated(_)
                 | Leader::Virtual => {}
-                Leader::Sink(slot) => {
-                    if let Some(SourceConfig::Lead(source)) = self.slots.get(usize::from(slot)).map(|slot| &slot.source)
-                    {
-                        reach(*source);
-                    }
-                }
+                Leader::Sink(slot) => match self.slots.get(usize::from(slot)).map(|slot| &slot.source) {
+                    Some(SourceConfig::Lead(source)) => reach(*source),
+                    Some(SourceConfig::Signal(name)) if name.starts_with(OF_VIRTUAL) => reach(Leader::Virtual),
+                    _ => {}
+                },
                 Leader::Sum(place) => {
                     let members = self.masters.get(usize::from(place)).into_iter().flat_map(SumConfig::members);
                     members.for_each(|(member, _)| reach(member));

@@ -8,13 +8,14 @@ use crate::config::IoKind;
 use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{Leader, Object};
+use crate::parameter::Marker;
 use crate::sync::SyncMode;
 
 impl Machine {
     /// Carries out and answers what is of the machine, before its inputs are read, and returns as bits which commands are left for
     /// the axes.
     pub(super) fn admit(&mut self, commands: Commands<'_>) -> u64 {
-        let mut admitted = 0;
+        let (mut admitted, mut aborted_by) = (0, None);
         for (place, command) in commands.iter().enumerate() {
             let result = if place < MAX_COMMANDS {
                 self.admit_one(command)
@@ -22,9 +23,18 @@ impl Machine {
                 Err(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine))
             };
             match result {
-                Ok(to_axes) => admitted |= u64::from(to_axes) << place,
+                Ok(to_axes) => {
+                    admitted |= u64::from(to_axes) << place;
+                    if matches!(command.action, Action::Abort) {
+                        aborted_by = Some(command.sequence);
+                    }
+                }
                 Err(refusal) => self.events.push(refusal.event(command.sequence)),
             }
+        }
+        // The stop wins in its cycle, whichever command stands behind the other.
+        if aborted_by.is_some() {
+            self.stop_virtual_master(aborted_by);
         }
         admitted
     }
@@ -58,7 +68,6 @@ impl Machine {
                 let outputs = self.config.count_io(IoKind::DigitalOutput);
                 self.state.panel.abort(&self.state.axes, outputs);
                 self.accept(command, Object::Machine);
-                self.stop_virtual_master(Some(command.sequence));
                 Ok(true)
             }
             Action::Enable(_)
@@ -272,8 +281,11 @@ impl Machine {
             Leader::Encoder(place) => {
                 self.state.encoders.get(usize::from(place)).is_some_and(|encoder| !encoder.is_absolute())
             }
-            // Its mark is what vmencmtyp says.
-            Leader::Virtual => true,
+            // Its mark is what vmencmtyp says, its own pulses where that names no input.
+            Leader::Virtual => {
+                let parameters = &self.state.panel.parameters;
+                parameters.vmencres > 0 || parameters.virtual_marker() != Marker::Index
+            }
             _ => false,
         };
         let latches = |number: u16| {

@@ -203,7 +203,7 @@ impl Machine {
             Layer::Init => self.config.global.parameters,
         };
         let old = std::mem::replace(&mut self.state.panel.parameters, new);
-        self.take_virtual_master(&[]);
+        self.reset_virtual_master();
         for (row, entry) in ROWS.iter().enumerate().filter(|(_, row)| row.is_kept_by_machine()) {
             let value = entry.machine_value(&new);
             if value != entry.machine_value(&old) {

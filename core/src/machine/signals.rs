@@ -218,7 +218,7 @@ impl Signals {
         // There is one zero.
         board.set_real(self.machine.plus(4), lead.velocity + 0.0);
         board.set_int(self.machine.plus(5), master.count);
-        board.set_int(self.machine.plus(6), master.mark);
+        board.set_int(self.machine.plus(6), master.mark.floor());
         board.set_real(self.machine.plus(7), lead.position.fraction());
     }
 }

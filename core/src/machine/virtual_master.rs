@@ -11,7 +11,6 @@ use crate::config::IoKind;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{AxisSet, Object};
 use crate::parameter::{Change, MACHINE, MachineParameters, Marker, Row, Value, VirtualMasterProblem};
-use crate::position::Position;
 use crate::sync::{VirtualMaster, VirtualSource};
 
 const PULSVEL: u16 = Row::place("pulsvel");
@@ -61,6 +60,12 @@ impl Machine {
     /// Other parameters of the machine are in force, which these changes have set.
     pub(super) fn take_virtual_master(&mut self, changes: &[Change]) {
         let source = self.state.virtual_master.source().after(&self.state.panel.parameters, starts(changes));
+        self.lead_virtually(source);
+    }
+
+    /// The parameters of a layer are in force: none of them starts anything, and without a start it follows nobody.
+    pub(super) fn reset_virtual_master(&mut self) {
+        let source = self.state.virtual_master.source().after_reset(&self.state.panel.parameters);
         self.lead_virtually(source);
     }
 
@@ -133,16 +138,15 @@ impl Machine {
                     let of_input = |latch: &&crate::vocabulary::Latched| {
                         latch.object == Object::Io(entry) && latch.rising == rising
                     };
-                    for latch in self.latched.iter().filter(of_input) {
-                        virtual_master.count_latch(latch.age_ns, cycle_ns, lead);
-                    }
+                    let ages = self.latched.iter().filter(of_input).map(|latch| latch.age_ns);
+                    virtual_master.count_latches(ages, cycle_ns, lead);
                 } else {
                     virtual_master.count_level(parameters, told.inputs.digital(place), lead);
                 }
             }
         }
         // Of several the last one counts.
-        leads.virtual_mark = (virtual_master.count != marks).then(|| Position::whole(virtual_master.mark));
+        leads.virtual_mark = (virtual_master.count != marks).then_some(virtual_master.mark);
         self.publish_virtual_master();
     }
 

@@ -4,7 +4,7 @@
 //! Refuses  axes that the cell has not, an encodertype but 0, a start without a ramp, a cell that begins with a master that runs
 //! Source   MACS-VM-01, -02, -03, -05, -07, A-46
 
-use super::MachineParameters;
+use super::{MachineParameters, Row};
 use crate::code::Code;
 use std::fmt;
 
@@ -61,6 +61,13 @@ impl fmt::Display for VirtualMasterProblem {
                 "{key} is {value}; 0 is allowed at the start, as no machine begins with a virtual master that runs"
             ),
         }
+    }
+}
+
+impl Row {
+    /// Does its set move the virtual master? No text of parameters says it, as reading one starts no motion.
+    pub fn moves_virtual_master(&self) -> bool {
+        matches!(self.key, "pulsvel" | "setsys_15")
     }
 }
 

@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 /// A polynomial, the constant first.
 type Polynomial = [f64; 6];
 
-/// Halvings to find a root: more than 40 bits are no use to a limit.
-const HALVINGS: u32 = 40;
+/// Halvings of what lies between two lengths of which one is twice the other: a quarter of it is left.
+const HALVINGS: u32 = 2;
 
 /// Where a follower is as its approach begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,15 +61,16 @@ pub struct Shape {
 }
 
 impl Approach {
-    /// An approach that begins now, with its leader at the start.
-    pub fn new(ratio: Ratio, length: i64, begin: Begin) -> Option<Self> {
+    /// An approach that begins now, with its leader at the start, and what it asks for.
+    pub fn new(ratio: Ratio, length: i64, begin: Begin) -> Option<(Self, Shape)> {
         let Begin { place, slope, bend } = begin;
         let (left, value) = (Position::whole(length), place);
         let new = Self { ratio, left, begin: place, value, length, slope, bend, sense: 0 };
         if !new.is_sound() {
             return None;
         }
-        let Shape { least, most, .. } = new.shape();
+        let shape = new.shape();
+        let Shape { least, most, .. } = shape;
         let sense = if least >= -rounding(most) {
             1
         } else if most <= rounding(least) {
@@ -77,7 +78,7 @@ impl Approach {
         } else {
             0
         };
-        Some(Self { sense, ..new })
+        Some((Self { sense, ..new }, shape))
     }
 
     /// Does it lead into a gear that turns its leader round?
@@ -115,17 +116,16 @@ impl Approach {
         }
     }
 
-    /// What the whole curve asks for.
+    /// What the whole curve asks for, in 8 evaluations: its slopes are extreme where the bend is 0, which it is at the pair, so that a polynomial of 2nd order is
+    /// left of it, and its bends where the third derivative is.
     pub fn shape(&self) -> Shape {
         let length = self.length as f64;
         let slope = derivative(&self.curve());
         let bend = derivative(&slope);
-        let third = derivative(&bend);
-        let roots = third.roots(derivative(&third).roots(Stops::ends()));
-        let bends = roots.values(&bend);
-        let slopes = bend.roots(roots).values(&slope);
-        let [one, other] = slopes.map(|slope| slope / length);
-        let [low, high] = bends.map(|bend| (bend / length / length).abs());
+        let [third, more, most, ..] = derivative(&bend);
+        let [at_start, linear, _, cubic, ..] = bend;
+        let [one, other] = range(&slope, roots([at_start, at_start + linear, -cubic])).map(|slope| slope / length);
+        let [low, high] = range(&bend, roots([third, more, most])).map(|bend| (bend / length / length).abs());
         Shape { least: one.min(other), most: one.max(other), bend: low.max(high) }
     }
 
@@ -199,8 +199,9 @@ fn rounding(other: f64) -> f64 {
     other.abs() * 1e-9
 }
 
-/// The shortest length from `asked` on that fits, to an increment, if any does.
-pub fn least_length(asked: i64, fits: impl Fn(i64) -> bool) -> Option<i64> {
+/// A length from `asked` on that fits, where any does that is a power of two of it: no more than a quarter above one that does not. It asks at most 34
+/// times.
+pub fn enough_length(asked: i64, fits: impl Fn(i64) -> bool) -> Option<i64> {
     let mut low = asked.max(1);
     let mut high = low;
     while !fits(high) {
@@ -210,8 +211,11 @@ pub fn least_length(asked: i64, fits: impl Fn(i64) -> bool) -> Option<i64> {
         low = high;
         high = high.saturating_mul(2).min(Gear::MAX_CHANGE);
     }
-    while high - low > 1 {
+    for _ in 0..HALVINGS {
         let middle = low + (high - low) / 2;
+        if middle == low {
+            break;
+        }
         if fits(middle) { high = middle } else { low = middle }
     }
     Some(high)
@@ -226,58 +230,18 @@ fn derivative(polynomial: &Polynomial) -> Polynomial {
     [a, 2.0 * b, 3.0 * c, 4.0 * d, 5.0 * e, 0.0]
 }
 
-/// Between which a polynomial rises or falls all the way: 0, its stops, 1.
-#[derive(Clone, Copy, Debug)]
-struct Stops {
-    at: [f64; 7],
-    count: usize,
+/// Least and largest value of a polynomial in 0 to 1, where it turns nowhere but at these places.
+fn range(polynomial: &Polynomial, turns: [f64; 2]) -> [f64; 2] {
+    let [one, other] = turns;
+    let values = [0.0, 1.0, one, other].map(|at| value(polynomial, at));
+    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
-impl Stops {
-    fn ends() -> Self {
-        Self { at: [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0], count: 2 }
-    }
-
-    fn iter(&self) -> impl Iterator<Item = f64> + '_ {
-        self.at.iter().take(self.count).copied()
-    }
-
-    /// Least and largest value of a polynomial whose stops these are.
-    fn values(&self, polynomial: &Polynomial) -> [f64; 2] {
-        let start = [f64::INFINITY, f64::NEG_INFINITY];
-        self.iter().map(|at| value(polynomial, at)).fold(start, |[low, high], value| [low.min(value), high.max(value)])
-    }
-
-    fn add(&mut self, stop: f64) {
-        if let Some(at) = self.at.get_mut(self.count) {
-            (*at, self.count) = (stop, self.count + 1);
-        }
-    }
-}
-
-trait Rooted {
-    /// Its roots, with 0 and 1, given the stops between which it is monotone.
-    fn roots(&self, monotone: Stops) -> Stops;
-}
-
-impl Rooted for Polynomial {
-    fn roots(&self, monotone: Stops) -> Stops {
-        let mut roots = Stops { at: [1.0; 7], count: 0 };
-        roots.add(0.0);
-        for (low, high) in monotone.iter().zip(monotone.iter().skip(1)) {
-            let rises = value(self, low) < 0.0;
-            // Without a change of sign there is none.
-            if rises != (value(self, high) < 0.0) {
-                let halve = |(low, high): (f64, f64), _| {
-                    let middle = low + (high - low) / 2.0;
-                    if (value(self, middle) < 0.0) == rises { (middle, high) } else { (low, middle) }
-                };
-                roots.add((0..HALVINGS).fold((low, high), halve).1);
-            }
-        }
-        roots.add(1.0);
-        roots
-    }
+/// The roots of a polynomial of 2nd order, the constant first; 0 for one that does not lie in 0 to 1.
+fn roots([constant, first, second]: [f64; 3]) -> [f64; 2] {
+    let half = -(first + (first * first - 4.0 * constant * second).sqrt().copysign(first)) / 2.0;
+    // What is no number lies nowhere.
+    [half / second, constant / half].map(|root| if (0.0..=1.0).contains(&root) { root } else { 0.0 })
 }
 
 #[cfg(test)]

@@ -194,11 +194,12 @@ impl Follower {
         Self { phase: Phase::Passing, ..self }
     }
 
-    /// The same by another transmission from now on, which wants the slave at `target`; where it `goes_on` from the one before, the slave
+    /// The same by another transmission from now on, which wants the slave at `place`, without what it is led ahead; where it `goes_on` from the one before, the slave
     /// comes there in one cycle, else it is led there.
     #[must_use]
-    pub fn handed_over(self, transmission: Transmission, target: Position, bounds: Bounds, goes_on: bool) -> Self {
+    pub fn handed_over(self, transmission: Transmission, place: Position, bounds: Bounds, goes_on: bool) -> Self {
         let is_there = self.phase != Phase::CatchingUp;
+        let target = place + self.led_by;
         let phase = if is_there && goes_on { Phase::Passing } else { Phase::CatchingUp };
         Self { transmission, phase, target, halt: None, bounds, ..self }
     }
@@ -225,6 +226,11 @@ impl Follower {
     /// Where the transmission wants the slave.
     pub fn target(&self) -> Position {
         self.target
+    }
+
+    /// Where the transmission alone wants the slave, without what it is led ahead.
+    pub fn place(&self) -> Position {
+        self.target - self.led_by
     }
 
     /// What it keeps equal.

@@ -40,12 +40,12 @@ pub struct VirtualMaster {
     rate: i128,
     /// What the position leaves out (2^-32 inc / [`PARTS`]).
     rest: i64,
-    /// VMENCMTYP of the last cycle and the level of its input, where that does not latch.
+    /// VMENCMTYP of the last cycle and the level of its input, where it was one that does not latch.
     level: Option<(i64, bool)>,
     /// Marks that its index has counted.
     pub count: i64,
-    /// Where the last one was (inc).
-    pub mark: i64,
+    /// Where the last one was.
+    pub mark: Position,
 }
 
 impl VirtualMaster {
@@ -111,6 +111,7 @@ impl VirtualMaster {
 
     /// Counts the index pulses of this cycle.
     pub fn count_pulses(&mut self, distance: i64, lead: &Lead) {
+        self.level = None;
         let (before, after) = ((lead.position - lead.change).raw(), lead.position.raw());
         let whole = i128::from(distance) << 32;
         if whole <= 0 || before == after {
@@ -123,7 +124,7 @@ impl VirtualMaster {
             (ceiling(before, whole), ceiling(after, whole))
         };
         if from != to {
-            let place = saturated(to.saturating_mul(distance.into()));
+            let place = Position::from_raw(to.saturating_mul(whole));
             self.note_marks(saturated((to - from).saturating_abs()), place);
         }
     }
@@ -133,18 +134,22 @@ impl VirtualMaster {
         let Marker::Input { rising, .. } = parameters.virtual_marker() else { return };
         let before = self.level.replace((parameters.vmencmtyp, level));
         if level == rising && before == Some((parameters.vmencmtyp, !level)) {
-            self.note_marks(1, lead.position.floor());
+            self.note_marks(1, lead.position);
         }
     }
 
-    /// Counts what the input of its marker has latched, so long before t_k.
-    pub fn count_latch(&mut self, age_ns: u32, cycle_ns: u64, lead: &Lead) {
-        let age = i128::from(age_ns).min(cycle_ns.into());
-        let back = lead.change.raw().saturating_mul(age).div_euclid(i128::from(cycle_ns.max(1)));
-        self.note_marks(1, (lead.position - Position::from_raw(back)).floor());
+    /// Counts what the input of its marker has latched, so long before t_k each; the newest is the last one, wherever it stands.
+    pub fn count_latches(&mut self, ages_ns: impl Iterator<Item = u32>, cycle_ns: u64, lead: &Lead) {
+        self.level = None;
+        let (count, newest) = ages_ns.fold((0, u32::MAX), |(count, newest), age| (count + 1, newest.min(age)));
+        if count > 0 {
+            let age = i128::from(newest).min(cycle_ns.into());
+            let back = lead.change.raw().saturating_mul(age).div_euclid(i128::from(cycle_ns.max(1)));
+            self.note_marks(count, lead.position - Position::from_raw(back));
+        }
     }
 
-    fn note_marks(&mut self, count: i64, place: i64) {
+    fn note_marks(&mut self, count: i64, place: Position) {
         self.count = self.count.saturating_add(count);
         self.mark = place;
     }
@@ -161,6 +166,15 @@ impl VirtualSource {
             // The velocity that it had is obsolete, and nothing has started another one.
             (_, Self::Direct) => Self::Off,
             (_, other) => other,
+        }
+    }
+
+    /// Whose velocity it has once a layer is in force: where it followed an axis its own, which is 0 then.
+    #[must_use]
+    pub fn after_reset(self, parameters: &MachineParameters) -> Self {
+        match self.after(parameters, false) {
+            Self::Axis(_) => Self::Own,
+            other => other,
         }
     }
 }

@@ -98,7 +98,9 @@ impl<'d> Lines<'d> {
             root.refuse("no parameter stands there; lines `axis.key: value` are expected", None);
         }
         for (key, value) in entries {
-            if let Some(change) = change(&key, &value, config, directory) {
+            if let Some(change) =
+                change(&key, &value, config, directory).filter(|change| starts_nothing(change, &value))
+            {
                 lines.push(Line { change, value }, &key);
             }
         }
@@ -134,10 +136,6 @@ impl<'d> Lines<'d> {
         let given = self.given(usize::from(MACHINE));
         refuse_missing(IoCounts::of(config).check_machine(&after).err(), &given);
         refuse_virtual_master(after.check_virtual_source(config.axes.len()), &given);
-        let names = |key| given.iter().any(|(known, _)| *known == key);
-        if names("pulsvel") {
-            refuse_virtual_master(after.check_virtual_start(names("pulsacc")), &given);
-        }
         after
     }
 
@@ -187,6 +185,18 @@ fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory:
     let highest = highest_of(row, config.cycle_ns);
     taken.map_err(|why| value.refuse(refused_text(row, why, change.value, &scale, highest), None)).ok()?;
     Some(change)
+}
+
+/// Is it a change that moves nothing by itself? A velocity of the virtual master is no line of a text but 0, which is none of a start either: it is
+/// passed over, and any other one is a problem.
+fn starts_nothing(change: &Change, value: &Value<'_>) -> bool {
+    let Some(row) = change.row().filter(|row| row.moves_virtual_master()) else { return true };
+    if let parameter::Value::Int(number @ (..=-1 | 1..)) = change.value {
+        let sentence =
+            format!("{} is {number}; 0 is allowed in a text of parameters, as reading one starts no motion", row.key);
+        value.refuse(sentence, Some("set it while the machine runs".to_owned()));
+    }
+    false
 }
 
 /// PROFTIME in ms, also where it was written in us; what is no whole number of ms is a problem.

@@ -9,10 +9,10 @@ use std::fmt::Write;
 /// Every parameter of the machine and of every axis in increments, exactly: a line `x.max_velocity: 125829120 inc/s` for each.
 /// What is left out is `~`, with what that means.
 pub fn parameters_text(config: &MachineConfig, machine: &MachineParameters, axes: &[AxisParameters]) -> String {
-    machine_lines(machine, None) + &lines(config, axes, |_, _| true)
+    machine_lines(machine, |_| true) + &lines(config, axes, |_, _| true)
 }
 
-/// The parameters in force of some axes, as [`read_changes`](super::read_changes) takes them.
+/// The parameters in force of some axes, as [`read_changes`](super::read_changes) takes them; without what moves the virtual master.
 pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet, what: Listing) -> String {
     let defaults = AxisParameters::new(0.0, 0.0);
     // Reading the text begins with the sense of rotation.
@@ -41,15 +41,16 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
         Listing::NotCell => Some(config.global.parameters),
         Listing::NotSaved => Some(*user),
     };
-    machine_lines(now, other.as_ref()) + &text
+    let differs = |row: &Row| other.is_none_or(|other| row.machine_value(&other) != row.machine_value(now));
+    // Who reads the text back sets what it says, and that would start the virtual master.
+    machine_lines(now, |row| differs(row) && !row.moves_virtual_master()) + &text
 }
 
-/// A line for each parameter of the machine, or for those that differ from another set.
-fn machine_lines(now: &MachineParameters, other: Option<&MachineParameters>) -> String {
+/// A line for each parameter of the machine that `takes`.
+fn machine_lines(now: &MachineParameters, takes: impl Fn(&Row) -> bool) -> String {
     let mut text = String::new();
-    for row in ROWS.iter().filter(|row| row.is_kept_by_machine()) {
-        let value = row.machine_value(now);
-        if let (Value::Int(number), true) = (value, other.is_none_or(|other| row.machine_value(other) != value)) {
+    for row in ROWS.iter().filter(|row| row.is_kept_by_machine() && takes(row)) {
+        if let Value::Int(number) = row.machine_value(now) {
             let _ = writeln!(text, "machine.{}: {number}", row.key);
         }
     }

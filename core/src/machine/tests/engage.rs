@@ -96,6 +96,24 @@ fn run_line(rig: &mut Rig, to_place: i64) {
     rig.give(Action::Move(Move { velocity: 700.0, acceleration: 1e4, deceleration: 1e4, ..to(LINE, to_place) }));
 }
 
+/// Led 10 cycles ahead by a gear and then by a table: it is where that says once its leader rests.
+///
+/// Proves: MACS-SYNC-15
+#[test]
+fn a_table_that_is_absolute_is_one_of_places_without_the_lead() {
+    let mut rig = rig_of(|axis| axis.parameters.sync.feed_forward = 10_000);
+    rig.give(Action::Synchronize(couple(X, TO_LINE, 1, 4)));
+    run_line(&mut rig, 2_000);
+    rig.run(1_000);
+    // A quarter of 0.7 inc in each of 10 cycles.
+    let lead = place(&rig, X).to_f64() - place(&rig, LINE).to_f64() / 4.0;
+    assert!((lead - 1.75).abs() < 1e-6, "{lead}");
+    rig.give(Action::Synchronize(on(FEED, CamStart::Absolute, at_position(1_000))));
+    rig.run(3_000);
+    assert_eq!((rig.int("x.sync.waiting"), rig.int("x.in_sync"), rig.int("line.command.position")), (0, 1, 2_000));
+    assert_eq!(place(&rig, X).raw(), way(FEED, 2_000 << 32));
+}
+
 #[test]
 fn at_the_end_the_next_table_begins_between_two_cycles() {
     let mut rig = rig();

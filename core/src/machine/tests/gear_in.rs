@@ -147,6 +147,72 @@ fn a_slave_that_moves_goes_on_from_its_velocity() {
     assert!(passed > 300 && rig.done(goal).is_empty() && warnings(&rig) == 0);
 }
 
+/// x gains 1 inc a cycle in each, all that it may, and its start lies 19/20 of a cycle before the moment. Velocities from v to 60 over 200 cycles, from a
+/// gain of 1 to none, are a polynomial of 3rd order with a mean of (v + 60) / 2 + 200 / 12 that never gains more than at its start.
+#[test]
+fn a_slave_that_speeds_up_goes_on_from_its_velocity_at_the_start() {
+    let mut rig = rig();
+    rig.give(line(100_000, 20.0));
+    rig.run(300);
+    rig.give(Action::Move(Move { acceleration: 1e6, ..at(X, 90_000.0) }));
+    let velocity = rig.real("x.command.velocity") / 1e3;
+    let stands = real(&rig, X) + velocity * 28.0 + 28.0 * 28.0 / 2.0;
+    let start = real(&rig, LINE).floor() as i64 + 541;
+    let slave = stands + 200.0 * ((velocity + 28.0 + 60.0) / 2.0 + 200.0 / 12.0);
+    let engage = pair(start + 4_000, slave.round() as i64, 4_000);
+    // In the middle it is faster than at the end.
+    let goal = rig.give(Action::Synchronize(Synchronize { engage, velocity: 1e5, ..couple(X, TO_LINE, 3, 1) }));
+    watch(&mut rig, 26, |_| {});
+    assert_eq!(rig.int("x.sync.waiting"), goal as i64);
+    watch(&mut rig, 1, |_| {});
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+    watch(&mut rig, 300, |_| {});
+    assert_eq!((warnings(&rig), rig.done(goal).len(), rig.int("x.in_sync")), (0, 0, 1));
+    let way = place(&rig, LINE) - Position::whole(start + 4_000);
+    assert_eq!(place(&rig, X).raw(), (i128::from(slave.round() as i64) << 32) + way.raw() * 3);
+}
+
+/// Led 10 cycles ahead by the gear before, and by that of the pair: there, as behind it, the slave is where the pair says, and as far ahead as its velocity asks for.
+///
+/// Proves: MACS-SYNC-15
+#[test]
+fn a_pair_that_is_taken_over_is_one_of_places_without_the_lead() {
+    for (numerator, slave, distance, lead) in [(3, 12_000, 4_000, 300.0), (1, 10_000, 0, 100.0)] {
+        let mut rig = rig_of(|axis| axis.parameters.sync.feed_forward = 10_000);
+        rig.give(Action::Synchronize(couple(X, TO_LINE, 1, 2)));
+        rig.give(line(60_000, 20.0));
+        rig.run(300);
+        assert_eq!(rig.int("x.in_sync"), 1);
+        assert!((real(&rig, X) - real(&rig, LINE) / 2.0 - 100.0).abs() < 1e-6);
+        rig.give(geared(numerator, 2, pair(20_000, slave, distance)));
+        rig.run(1_200);
+        assert_eq!((rig.int("x.sync.waiting"), rig.int("x.in_sync")), (0, 1));
+        let geared = slave as f64 + (real(&rig, LINE) - 20_000.0) * numerator as f64 / 2.0;
+        assert!((real(&rig, X) - geared - lead).abs() < 1e-6, "{}", real(&rig, X) - geared);
+        rig.run(3_000);
+        assert_eq!(place(&rig, X), Position::whole(slave + 20_000 * numerator));
+    }
+}
+
+/// The offset that stands when it begins is in the pair already; a new one shifts it by the difference.
+///
+/// Proves: MACS-SYNC-14
+#[test]
+fn the_offset_of_before_is_in_the_pair() {
+    let mut rig = rig_of(|axis| axis.parameters.sync.offset = 500);
+    waiting(&mut rig);
+    rig.give(line(30_000, 19.7));
+    watch(&mut rig, 700, |rig| {
+        let now = real(rig, LINE);
+        assert!(now >= 10_000.0 || (real(rig, X) - even(now)).abs() < 1e-3, "{now}");
+    });
+    assert_eq!((warnings(&rig), place(&rig, X) - place(&rig, LINE)), (0, Position::whole(-7_000)));
+    let given = super::direction::set(&mut rig, &[("syncposoffs", 700)]);
+    assert!(rig.was_accepted(given));
+    watch(&mut rig, 400, |_| {});
+    assert_eq!((rig.int("x.in_sync"), place(&rig, X) - place(&rig, LINE)), (1, Position::whole(-6_800)));
+}
+
 /// Geared 1 : 2 to the line before, it takes 3 : 2 over from there without a jump of velocity.
 #[test]
 fn a_gear_of_the_same_leader_passes_into_the_pair() {
@@ -266,7 +332,9 @@ fn a_way_too_short_is_refused_with_the_least_that_is_enough() {
             "x: start_distance_increments 100 is too short for what the slave may do at the present speed of its leader; {least} is enough"
         )
     );
-    assert_eq!(ask(&mut rig, least - 1).1.map(|event| event.limit), Some(Number::Count(least)));
+    // No more than a quarter above one that is not.
+    let short = least * 4 / 5 - 1;
+    assert_eq!(ask(&mut rig, short).1.map(|event| event.code), Some(Code::ENGAGE_TOO_SHORT));
     assert_eq!(ask(&mut rig, least).1, None);
     // Faster than x may at all.
     rig.give(line(200_000_000, 90.0));
@@ -437,6 +505,31 @@ fn a_counted_leader_leads_along_the_curve() {
     assert_eq!((rig.int("belt.position") > 14_000, warnings(&rig)), (true, 0));
 }
 
+/// 3 counts in 10 cycles, at 100 : 1 over 100: 150 * 0.3^2 / 100 is less than half of what x may, as one count in a cycle it were three times as much.
+#[test]
+fn a_counted_leader_is_judged_by_its_speed_and_not_by_a_count() {
+    let mut rig = rig();
+    let belt = Leader::Encoder(0);
+    let mut goal = 0;
+    for cycle in 0..600 {
+        let counts = i64::from(matches!(cycle % 10, 0 | 3 | 6));
+        rig.plant.jump_encoder(0, counts);
+        if cycle == 100 {
+            assert_eq!(counts, 1);
+            // 30 cycles before its start.
+            let engage = pair(rig.int("belt.position") + 110, 5_000, 100);
+            goal = rig.give(Action::Synchronize(Synchronize { engage, ..couple(X, belt, 100, 1) }));
+            assert_eq!(rig.answer(goal), Ok(()));
+        } else {
+            rig.run(1);
+        }
+        if cycle == 120 {
+            assert_eq!(rig.int("x.sync.waiting"), goal as i64);
+        }
+    }
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x"), rig.done(goal).len()), (0, "SYNCHRONIZED_MOTION", 0));
+}
+
 /// Without a start distance it begins at the place, and catches up what it is away.
 #[test]
 fn without_a_distance_the_pair_is_caught_up() {
@@ -552,6 +645,24 @@ fn the_first_rising_latch_behind_the_command_engages() {
     latch(&mut rig, MARK, Edge::Rising, 250_000);
     rig.run(50);
     assert_eq!((place(&rig, X), rig.done(goal).len()), (place(&rig, LINE) - origin, 0));
+}
+
+/// Of the same ratio it goes on; with another one it catches up what one cycle cannot give, which is nothing to warn of.
+#[test]
+fn another_ratio_at_a_latch_is_no_loss_of_synchronism() {
+    for (numerator, cycles) in [(1, 1), (20, 400), (-5, 400)] {
+        let mut rig = rig();
+        rig.give(Action::Synchronize(couple(X, TO_LINE, 1, 5)));
+        rig.give(line(90_000, 15.0));
+        rig.run(300);
+        let goal = rig.give(on_event(numerator, 5));
+        rig.run(5);
+        latch(&mut rig, MARK, Edge::Rising, 400_000);
+        rig.run(1);
+        assert_eq!((rig.int("x.sync.waiting"), rig.int("x.in_sync")), (0, i64::from(numerator == 1)));
+        watch(&mut rig, cycles, |_| {});
+        assert_eq!((rig.int("x.in_sync"), warnings(&rig), rig.done(goal).len()), (1, 0, 0), "{numerator}");
+    }
 }
 
 /// What an encoder captures of itself is where it was, whatever the age.

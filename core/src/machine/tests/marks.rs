@@ -351,6 +351,40 @@ fn the_virtual_master_has_marks() {
     assert!((way - 300).rem_euclid(2_000).min((300 - way).rem_euclid(2_000)) <= 1, "{way}");
 }
 
+/// It is no encoder that would have an input of its own, and an index that counts nothing gives no mark; an input that it names does.
+/// Proves: MACS-MARK-05, MACS-VM-07
+#[test]
+fn a_virtual_master_without_marks_is_refused() {
+    let of_machine = |key, value| {
+        let (row, _) = Row::find(key).expect("a row");
+        Change { axis: MACHINE, row, value: Value::Int(value) }
+    };
+    let input = "x: syncmtypm names digital input 0, which the cell does not have, or which has not latch: true";
+    let index = "x: syncmtypm 0 asks for an index pulse that there is not";
+    for (master_type, distance, marker, sentence) in [
+        (2, 500, 0, Some(input)),
+        (3, 500, 12, Some(input)),
+        (0, 0, 0, Some(index)),
+        (0, 0, 1, Some(index)),
+        (0, 0, 12, None),
+        (0, 500, 0, None),
+        (12, 0, 0, None),
+    ] {
+        let mut rig = marked(&[("syncmtypm", master_type)]);
+        let given = rig.give(Action::SetParameters(
+            [("vmencres", distance), ("vmencmtyp", marker)].map(|(key, value)| of_machine(key, value)).into(),
+        ));
+        assert!(rig.was_accepted(given));
+        let line = Synchronize { mode: SyncMode::Marker, ..couple(X, Leader::Virtual, 2, 1) };
+        let goal = rig.give(Action::Synchronize(line));
+        let refused = rig.answer(goal).err().map(|_| rig.refusal(goal));
+        match sentence {
+            Some(sentence) => assert!(refused.as_ref().is_some_and(|said| said.starts_with(sentence)), "{refused:?}"),
+            None => assert_eq!(refused, None, "{master_type} {distance} {marker}"),
+        }
+    }
+}
+
 /// What cannot give marks, and starts that do not exist, are refused by name.
 /// Proves: MACS-MARK-14, MACS-CMD-20
 #[test]

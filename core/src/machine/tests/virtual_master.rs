@@ -4,7 +4,7 @@ use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use super::sums::{copying, enabled, master, raw, start};
 use crate::code::Code;
 use crate::command::{Action, SetPosition};
-use crate::config::{ConfigError, IoConfig, IoKind, MachineConfig, MemoryConfig, MemoryKind, SinkConfig};
+use crate::config::{ConfigError, IoConfig, IoKind, MachineConfig, MemoryConfig, MemoryKind, SinkConfig, SourceConfig};
 use crate::drive::{Edge, Latch};
 use crate::event::Kind;
 use crate::machine::{Machine, StateError};
@@ -323,6 +323,12 @@ fn loops_are_refused() {
     }
     let mut rig = enabled(with(vec![copying(VIRTUAL, SinkConfig::Axis(X))]));
     assert_eq!(refused(&mut rig, &[("vmenctyp", 200), ("pulsacc", 1), ("pulsvel", 0)]), names);
+    // A function that reads one of its signals.
+    let mut slot = copying(VIRTUAL, SinkConfig::Axis(X));
+    slot.source = SourceConfig::Signal("machine.vmaster.velocity".to_owned());
+    let mut rig = enabled(with(vec![slot]));
+    assert_eq!(refused(&mut rig, &[("vmenctyp", 200), ("pulsacc", 1), ("pulsvel", 0)]), names);
+    set(&mut rig, &[("vmenctyp", 300), ("pulsacc", 1), ("pulsvel", 0)]);
 }
 
 /// A selector that may couple at any time counts as if it did.
@@ -372,6 +378,39 @@ fn an_abort_ends_it() {
             set(&mut rig, &[(key, 1_000)]);
             rig.run(10);
             assert!(rig.int("machine.vmaster.position") > place, "{key}");
+        }
+    }
+}
+
+/// A set of the same cycle does not start it again, whichever of both was given first.
+///
+/// Proves: MACS-ERR-09
+#[test]
+fn an_abort_wins_over_a_start_in_its_cycle() {
+    let starts: [&[(&str, i64)]; 3] = [
+        &[("pulsacc", 1_000_000), ("pulsvel", 5_000)],
+        &[("pulsacc", -1), ("setsys_15", 5_000)],
+        &[("pulsacc", 1_000_000), ("vmenctyp", 300), ("pulsvel", 0)],
+    ];
+    for values in starts {
+        for is_behind in [false, true] {
+            let mut rig = enabled(cell());
+            set(&mut rig, values);
+            rig.give(Action::Move(at(Y, 20_000.0)));
+            rig.run(100);
+            let place = rig.int("machine.vmaster.position");
+            assert!(place > 0);
+            let mut both = vec![sets(values), Action::Abort];
+            if is_behind {
+                both.reverse();
+            }
+            let last = rig.give_all(both);
+            assert!(rig.was_accepted(last) && rig.was_accepted(last - 1));
+            let shown = |rig: &Rig| (rig.int("machine.vmaster.position"), rig.real("machine.vmaster.velocity"));
+            assert_eq!(shown(&rig), (place, 0.0), "{values:?} {is_behind}");
+            assert_eq!((parameters(&rig).pulsvel, parameters(&rig).setsys_15), (0, 0));
+            rig.run(100);
+            assert_eq!(shown(&rig), (place, 0.0), "{values:?} {is_behind}");
         }
     }
 }
@@ -489,6 +528,78 @@ fn a_reset_and_the_power_end_it() {
             assert!((rig.int("machine.vmaster.position") - place - 71).abs() <= 1);
         }
     }
+}
+
+/// line goes on with 20 mm/s, and its follower comes to rest: by the ramp of the cell, 10 inc/s less in each of 2000 cycles, or at once.
+///
+/// Proves: MACS-VM-01, MACS-VM-03
+#[test]
+fn a_reset_ends_following() {
+    for (ramp, way) in [(10_000, 20_000), (0, 0)] {
+        let mut cell = cell();
+        cell.global.parameters.pulsacc = ramp;
+        let mut rig = enabled(cell);
+        set(&mut rig, &[("vmenctyp", 100), ("pulsacc", 1 << 29), ("pulsvel", 0)]);
+        rig.give(Action::Move(at(LINE, 20_000.0)));
+        rig.run(500);
+        assert!((rig.real("machine.vmaster.velocity") - 20_000.0).abs() < 1e-3);
+        let place = rig.int("machine.vmaster.position");
+        let all = AxisSet::first(3);
+        let given = rig.give(Action::ResetParameters { axes: all, layer: Layer::Init });
+        assert!(rig.was_accepted(given));
+        assert_eq!((parameters(&rig).vmenctyp, rig.machine.state.virtual_master.axis()), (0, None));
+        rig.run(2_010);
+        assert_eq!((rig.real("machine.vmaster.velocity"), rig.real("line.command.velocity")), (0.0, 20_000.0));
+        let gone = rig.int("machine.vmaster.position") - place;
+        assert!((gone - way).abs() <= 20, "{gone}");
+        // line goes on, and nobody follows it, also where a ramp is set again.
+        set(&mut rig, &[("pulsacc", 1 << 29)]);
+        rig.run(10);
+        assert_eq!(rig.real("machine.vmaster.velocity"), 0.0);
+    }
+}
+
+/// The level of before is forgotten while another marker counts: what has changed meanwhile is no edge.
+///
+/// Proves: MACS-VM-07
+#[test]
+fn a_marker_that_was_away_sees_no_edge_of_before() {
+    for other in [0, 22] {
+        let mut rig = enabled(cell());
+        let count = |rig: &Rig| rig.int("machine.vmaster.index.count");
+        set(&mut rig, &[("pulsacc", -1), ("setsys_15", 1_000), ("vmencres", 0), ("vmencmtyp", 32)]);
+        rig.run(3);
+        set(&mut rig, &[("vmencmtyp", other)]);
+        rig.plant.set_digital(2, true);
+        rig.run(3);
+        set(&mut rig, &[("vmencmtyp", 32)]);
+        rig.run(3);
+        assert_eq!(count(&rig), 0, "{other}");
+        rig.plant.set_digital(2, false);
+        rig.run(1);
+        rig.plant.set_digital(2, true);
+        rig.run(1);
+        assert_eq!(count(&rig), 1, "{other}");
+    }
+}
+
+/// A mark has its place within the increment, and of several the newest is the last, wherever it stands among the latches: at 1.25 inc in each
+/// cycle 1/8 of it before the tenth is 12.5 - 0.15625.
+///
+/// Proves: MACS-VM-07
+#[test]
+fn the_newest_latch_is_the_mark_to_its_fraction() {
+    let mut rig = enabled(cell());
+    set(&mut rig, &[("pulsacc", -1), ("setsys_15", 1_250), ("vmencmtyp", 22)]);
+    rig.run(8);
+    let latch = |age_ns| Latch { object: Object::Io(1), edge: Edge::Rising, age_ns: Some(age_ns), position: None };
+    rig.plant.add_latch(latch(125_000));
+    rig.plant.add_latch(latch(900_000));
+    rig.run(1);
+    assert_eq!(raw(&rig, VIRTUAL), 25 << 31);
+    let mark = rig.machine.state.leads.virtual_mark.map(|mark| mark.to_f64());
+    assert_eq!((mark, rig.int("machine.vmaster.index.count")), (Some(12.5 - 0.156_25), 2));
+    assert_eq!(rig.int("machine.vmaster.index.position"), 12);
 }
 
 /// A slot reads what the last cycle has left, a sum what is.

@@ -14,7 +14,7 @@ fn from_rest(ratio: Ratio, length: i64, place: i64) -> Approach {
 }
 
 fn approach(ratio: Ratio, length: i64, begin: Begin) -> Approach {
-    Approach::new(ratio, length, begin).expect("an approach")
+    Approach::new(ratio, length, begin).expect("an approach").0
 }
 
 /// The curve by its boundary values, each times the polynomial of 5th order that has it alone (Hermite).
@@ -79,11 +79,13 @@ fn the_even_way_from_rest_has_its_bend_in_the_middle() {
 }
 
 #[test]
-fn the_least_length_is_the_first_one_that_fits() {
-    assert_eq!(least_length(10, |length| length >= 1_234_567), Some(1_234_567));
-    assert_eq!(least_length(10, |length| length >= Gear::MAX_CHANGE), Some(Gear::MAX_CHANGE));
-    assert_eq!(least_length(10, |_| false), None);
-    assert_eq!(least_length(10, |length| length >= 11), Some(11));
+fn a_length_that_is_enough_is_found() {
+    // 10 * 2^17 = 1310720 is the first; of what lies below, 983040 and then 1146880 do not fit.
+    assert_eq!(enough_length(10, |length| length >= 1_234_567), Some(1_310_720));
+    assert_eq!(enough_length(10, |length| length >= Gear::MAX_CHANGE), Some(Gear::MAX_CHANGE));
+    assert_eq!(enough_length(10, |_| false), None);
+    assert_eq!(enough_length(10, |length| length >= 11), Some(12));
+    assert_eq!(enough_length(1, |length| length >= 3), Some(3));
 }
 
 #[test]
@@ -116,6 +118,21 @@ fn begins() -> impl Strategy<Value = Begin> {
 
 proptest! {
     #![proptest_config(cases(300))]
+
+    /// Within a quarter of the shortest one, in a number of questions that does not grow with it.
+    #[test]
+    fn an_answer_is_enough_and_no_quarter_too_long(asked in 1_i64..1 << 31, least in 1_i64..1 << 31) {
+        let questions = std::cell::Cell::new(0);
+        let found = enough_length(asked, |length| {
+            questions.set(questions.get() + 1);
+            length >= least
+        });
+        prop_assert!(questions.get() <= 34, "{}", questions.get());
+        let shortest = asked.max(least).min(Gear::MAX_CHANGE);
+        if least <= Gear::MAX_CHANGE {
+            prop_assert!(found.is_some_and(|found| found >= shortest && (found - shortest) * 4 <= shortest), "{:?}", found);
+        }
+    }
 
     /// Whatever ratio and start, and however the leader came there: behind the pair the slave is at floor(ratio * (leader - pair)) in units of
     /// 2^-32 inc, without end.

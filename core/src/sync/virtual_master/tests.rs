@@ -54,6 +54,9 @@ fn parameters_say_whose_velocity_it_has() {
         assert_eq!(before.after(&of(1, 100_200), true), Axis(1));
         let goes_on = if before == Direct { Off } else { before };
         assert_eq!(before.after(&of(1, 200), false), goes_on);
+        // A layer starts nothing, and an axis is followed by a start alone.
+        let after_reset = if before == Axis(3) { Own } else { goes_on };
+        assert_eq!([-1, 0, 1].map(|pulsacc| before.after_reset(&of(pulsacc, 200))), [Direct, Off, after_reset]);
     }
 }
 
@@ -83,7 +86,7 @@ fn counted(distance: i64, places: &[i64]) -> (i64, i64) {
         let lead = Lead { position: to, change: to - from, valid: true, ..Lead::default() };
         master.count_pulses(distance, &lead);
     }
-    (master.count, master.mark)
+    (master.count, master.mark.floor())
 }
 
 /// Places in thousandths of an inc.
@@ -113,7 +116,7 @@ fn edges_and_latches_count_where_it_was() {
         let parameters = MachineParameters { vmencmtyp, ..MachineParameters::default() };
         let mut master = VirtualMaster::default();
         levels.iter().for_each(|&level| master.count_level(&parameters, level, &lead));
-        (master.count, master.mark)
+        (master.count, master.mark.floor())
     };
     // The first level is no edge.
     assert_eq!(counted(12, &[true, true]), (0, 0));
@@ -127,10 +130,25 @@ fn edges_and_latches_count_where_it_was() {
     master.count_level(&of(22), true, &lead);
     assert_eq!(master.count, 0);
     // A quarter of a cycle before: 2.5 inc back.
-    master.count_latch(250_000, MS, &lead);
-    assert_eq!((master.count, master.mark), (1, 97));
-    master.count_latch(200_000, MS, &lead);
-    assert_eq!((master.count, master.mark), (2, 98));
+    master.count_latches([250_000].into_iter(), MS, &lead);
+    assert_eq!((master.count, master.mark), (1, Position::from_raw((97 << 32) + (1 << 31))));
+    master.count_latches([200_000].into_iter(), MS, &lead);
+    assert_eq!((master.count, master.mark), (2, Position::whole(98)));
+    master.count_latches(std::iter::empty(), MS, &lead);
+    assert_eq!((master.count, master.mark), (2, Position::whole(98)));
+}
+
+/// Whatever their order is: the newest one, 1 inc before the end of the cycle, is the last.
+///
+/// Proves: MACS-VM-07
+#[test]
+fn of_several_latches_the_newest_is_the_mark() {
+    let lead = Lead { position: Position::whole(100), change: Position::whole(10), valid: true, ..Lead::default() };
+    for ages in [[100_000, 500_000, 900_000], [900_000, 500_000, 100_000], [500_000, 100_000, 900_000]] {
+        let mut master = VirtualMaster::default();
+        master.count_latches(ages.into_iter(), MS, &lead);
+        assert_eq!((master.count, master.mark), (3, Position::whole(99)), "{ages:?}");
+    }
 }
 
 proptest! {
@@ -200,7 +218,7 @@ proptest! {
         for cycle_ns in [125_000, 20_000_000] {
             master.step(&parameters, Position::from_raw(raw), cycle_ns, &mut lead);
             master.count_pulses(distance, &lead);
-            master.count_latch(age, cycle_ns, &lead);
+            master.count_latches([age].into_iter(), cycle_ns, &lead);
             prop_assert!(master.is_sound(&parameters, 1));
         }
     }

@@ -125,6 +125,9 @@ fn every_row_takes_the_same_values_at_every_door() {
             let text = written(row, value);
             for door in TEXT_DOORS.into_iter().filter(|door| has(*door, row)) {
                 let outcome = rig.give_text(door, object, row.key, &text);
+                // A file starts no motion.
+                let expected =
+                    expected && (door != Door::Import || !row.moves_virtual_master() || value == Value::Int(0));
                 assert_eq!(outcome.is_ok(), expected, "{}: {door:?}: {text}: {outcome:?}", row.key);
                 if let Ok(Some(parameters)) = outcome {
                     assert_eq!(row.value(&parameters), value, "{}: {door:?}: {text}", row.key);

@@ -7,7 +7,7 @@ use crate::parameters::{Filter, Import, check_import, differences, export_text, 
 use lineshaft_core::config::IoKind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
-use lineshaft_core::parameter::{AxisParameters, Row, Value};
+use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImage, Row, Value};
 use lineshaft_ros::surface::host::Listing;
 
 fn read(text: &str) -> Result<AxisParameters, String> {
@@ -250,10 +250,25 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
     assert!(refused.starts_with(&format!("p:1:18: o_error is 8; the cell has {outputs} digital outputs")), "{refused}");
     let refused = import("machine.vmenctyp: 9900\n").unwrap_err().to_string();
     assert!(refused.starts_with("p:1:19: vmenctyp 9900 is not allowed; 100 n is"), "{refused}");
-    let starts = import("machine.vmenctyp: 100\nmachine.pulsacc: 5\nmachine.pulsvel: 7\n").expect("good");
-    assert_eq!(starts.changes.len(), 3);
-    let refused = import("machine.pulsvel: 7\n").unwrap_err().to_string();
-    assert!(refused.starts_with("p:1:18: pulsvel 7 starts the virtual master, and pulsacc is 0; above 0"), "{refused}");
+    // A file starts no motion: 0 is none of a start, and all else is refused.
+    let rests = "machine.vmenctyp: 100\nmachine.pulsacc: 5\nmachine.pulsvel: 0\nmachine.setsys_15: 0\n";
+    assert_eq!(import(rests).expect("good").changes.len(), 2);
+    for (line, place) in
+        [("machine.pulsvel: 7", "1:18: pulsvel is 7"), ("machine.SETSYS_15: -7", "1:20: setsys_15 is -7")]
+    {
+        let refused = import(&format!("{line}\nmachine.pulsacc: 5\n")).unwrap_err().to_string();
+        let expected = format!("p:{place}; 0 is allowed in a text of parameters, as reading one starts no motion");
+        assert!(refused.starts_with(&expected), "{refused}");
+    }
+    let moving = MachineParameters { pulsvel: 7, pulsacc: 5, setsys_15: 9, ..MachineParameters::default() };
+    let image = ParameterImage { machine: [moving; 2], ..machine.parameter_image() };
+    let all = AxisSet::first(cell.machine.axes.len());
+    for what in [Listing::All, Listing::NotDefault, Listing::NotCell] {
+        let text = export_text(&cell.machine, &image, all, what);
+        assert!(text.contains("machine.pulsacc: 5\n"), "{text}");
+        assert!(!text.contains("pulsvel") && !text.contains("setsys"), "{text}");
+        assert!(import(&text).is_ok());
+    }
     // The outputs of revers: for a velocity only, and as the cell has them.
     let refused = import("slide.revers: 10\n").unwrap_err().to_string();
     assert!(refused.starts_with("p:1:15: revers 10 asks for outputs, which tell the sign of a velocity"), "{refused}");

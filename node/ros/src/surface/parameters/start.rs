@@ -7,7 +7,7 @@ use crate::layer::{Given, Overrides};
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::machine::Machine;
-use lineshaft_core::parameter::{Change, ParameterImage, Storage};
+use lineshaft_core::parameter::{Change, ParameterImage, Storage, Value};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::Parameter;
 use std::collections::{BTreeMap, HashSet};
 
@@ -37,6 +37,15 @@ pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<V
             continue;
         }
         let declared = catalogue.find(name);
+        // A start of the program is none of the virtual master: 0 of a dump is passed over.
+        if let Some(declared) = declared.filter(|known| known.row.moves_virtual_master()) {
+            match change(&catalogue, config, &parameter, &ParameterImage::default()) {
+                Ok(change) if change.iter().all(|change| change.value == Value::Int(0)) => {}
+                Ok(_) => drop(wrong.insert(name, format!("{}: {}", given.place, moves(&declared.name)))),
+                Err(sentence) => drop(wrong.insert(name, format!("{}: {sentence}", given.place))),
+            }
+            continue;
+        }
         let is_shown = |known: &&Declared| known.repeats(&names) || known.is_only_shown(config, &parameter.value);
         if let Some(declared) = declared.filter(is_shown) {
             shown.push((declared, parameter, given));
@@ -76,6 +85,10 @@ pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<V
     of_axes.into_iter().chain(stage).collect()
 }
 
+fn moves(name: &str) -> String {
+    format!("{name} moves the virtual master; 0 is allowed at the start, as no machine begins with one that runs")
+}
+
 /// The parameters of a machine that begins with these changes; of the cell, where it refuses them.
 fn in_force(config: &MachineConfig, changes: Vec<Change>) -> Result<ParameterImage, String> {
     let mut machine = Machine::new(config.clone()).map_err(|error| error.to_string())?;
@@ -96,7 +109,6 @@ mod tests {
     use lineshaft_core::command::CommandFunction;
     use lineshaft_core::config::SlotConfig;
     use lineshaft_core::function::{Kind, Order};
-    use lineshaft_core::parameter::Value;
 
     fn given(line: &str) -> Overrides {
         let words = line.split_whitespace().flat_map(|word| ["-p".to_owned(), word.to_owned()]);
@@ -129,6 +141,25 @@ mod tests {
         assert!(error.starts_with(expected), "{error}");
         let empty = start_commands(&config, &mut given("x.min_position:=[]")).unwrap_err();
         assert!(empty.starts_with("-p x.min_position: x.min_position cannot be a list;"), "{empty}");
+    }
+
+    /// Proves: MACS-VM-02, MACS-VM-04
+    #[test]
+    fn a_start_of_the_program_is_none_of_the_virtual_master() {
+        let config = fake::config();
+        let mut all = given("machine.pulsvel:=0 machine.setsys_15:=0 machine.pulsacc:=7");
+        let commands = start_commands(&config, &mut all).unwrap();
+        let [Action::SetParameters(changes)] = commands.as_slice() else { panic!("a command") };
+        assert_eq!(changes.iter().map(|change| change.value).collect::<Vec<_>>(), [Value::Int(7)]);
+        assert_eq!(start_commands(&config, &mut given("machine.pulsvel:=0")), Ok(vec![]));
+        for name in ["machine.pulsvel", "machine.setsys_15"] {
+            let error = start_commands(&config, &mut given(&format!("{name}:=-5 machine.pulsacc:=7"))).unwrap_err();
+            let expected =
+                format!("-p {name}: {name} moves the virtual master; 0 is allowed at the start, as no machine");
+            assert!(error.starts_with(&expected), "{error}");
+        }
+        let error = start_commands(&config, &mut given("machine.pulsvel:=1.5")).unwrap_err();
+        assert!(error.starts_with("-p machine.pulsvel: machine.pulsvel cannot be a double"), "{error}");
     }
 
     #[test]
