@@ -254,7 +254,7 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
     let rests = "machine.vmenctyp: 100\nmachine.pulsacc: 5\nmachine.pulsvel: 0\nmachine.setsys_15: 0\n";
     assert_eq!(import(rests).expect("good").changes.len(), 2);
     for (line, place) in
-        [("machine.pulsvel: 7", "1:18: pulsvel is 7"), ("machine.SETSYS_15: -7", "1:20: setsys_15 is -7")]
+        [("machine.pulsvel: 7", "1:18: pulsvel is 7"), ("machine.setsys_15: -7", "1:20: setsys_15 is -7")]
     {
         let refused = import(&format!("{line}\nmachine.pulsacc: 5\n")).unwrap_err().to_string();
         let expected = format!("p:{place}; 0 is allowed in a text of parameters, as reading one starts no motion");
