@@ -414,3 +414,33 @@ fn spread_over(asked: &Asked<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<(f6
     let way = asked.spread().map(|way| (way, false));
     way.or_else(|| tau.map(|tau| ((tau / SPREAD_SHARE).max(1.0) / cycle_ms, true)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameter::{Marks, Synchronization};
+
+    /// Tau 100000 us: over 1000 ms, 50000 us: over 500 ms; with SYNCMFTIME over the distance of the marks, else at once.
+    /// Proves: MACS-SYNC-10, MACS-MARK-13, MACS-O-37
+    #[test]
+    fn a_correction_is_spread_as_slowly_as_the_filter_gives_back() {
+        let sync = Synchronization { mark_distance: 500, ..Synchronization::default() };
+        let marks = [Marks::default(), Marks { filter_time: 1_000, ..Marks::default() }];
+        let over = |marks: &Marks, tau, cycle_ms| {
+            spread_over(&Asked { sync: &sync, marks, speed: 10.0, ratio: 1.0 }, tau, cycle_ms)
+        };
+        let [plain, filtered] = marks.each_ref();
+        assert_eq!(over(plain, Some(100_000.0), 1.0), Some((1_000.0, true)));
+        assert_eq!(over(plain, Some(50_000.0), 1.0), Some((500.0, true)));
+        assert_eq!(over(plain, Some(50_000.0), 4.0), Some((125.0, true)));
+        assert_eq!(over(plain, Some(50.0), 1.0), Some((1.0, true)));
+        assert_eq!(over(filtered, Some(50_000.0), 1.0), Some((500.0, false)));
+        assert_eq!(over(plain, None, 1.0), None);
+        // 100 inc over 1000 cycles: 0.1 in each, and all of it in the end.
+        let mut spread = Spread { left: Position::whole(100), over: 1_000.0, is_time: true };
+        let first = spread.step(10.0, f64::INFINITY);
+        assert!((first.to_f64() - 0.1).abs() < 1e-9);
+        let rest = (1..1_000).fold(first, |sum, _| sum + spread.step(0.0, f64::INFINITY));
+        assert_eq!((rest, spread.left), (Position::whole(100), Position::ZERO));
+    }
+}

@@ -386,7 +386,7 @@ fn a_virtual_master_without_marks_is_refused() {
 }
 
 /// What cannot give marks, and starts that do not exist, are refused by name.
-/// Proves: MACS-MARK-14, MACS-CMD-20
+/// Proves: MACS-MARK-14
 #[test]
 fn what_gives_no_marks_is_refused() {
     for (changes, sentence) in [

@@ -25,8 +25,8 @@ fn a_velocity_comes_by_its_share_each_ms() {
     assert_eq!(filter.step(Position::whole(64), &keeping(400.0), MS).to_f64(), 64.0);
 }
 
-/// |tau| 100000 us gives 1/1000 of the error back per ms, 50000 us 2/1000; a correction of a mark spread as slowly takes 10 tau.
-/// Proves: MACS-SYNC-09, MACS-SYNC-10, MACS-O-37
+/// |tau| 100000 us gives 1/1000 of the error back per ms, 50000 us 2/1000.
+/// Proves: MACS-SYNC-09, MACS-O-37
 #[test]
 fn what_is_owed_comes_back_in_ten_tau() {
     for (tau, per_ms) in [(100_000.0, 0.001), (50_000.0, 0.002)] {
