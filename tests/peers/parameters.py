@@ -13,7 +13,8 @@ BOOL, INTEGER, DOUBLE, STRING, INTEGERS = 1, 2, 3, 4, 7
 LOWEST, HIGHEST = -2 ** 63, 2 ** 63 - 1
 
 # Values that agree with the rest of an axis of the demo, where one from the range alone may not.
-AGREED = {"syncmfpar": [23], "syncmwinm": [300], "syncmwins": [300], "dfltvel": [30], "dfltacc": [30], "home_vel": [-30], "home_ramp": [30], "neglimit": [-1000],
+AGREED = {"syncmfpar": [23], "syncmwinm": [300], "syncmwins": [300],
+          "dfltvel": [30], "dfltacc": [30], "home_vel": [-30], "home_ramp": [30], "neglimit": [-1000],
           "poslimit": [1000], "velmax": [65535.0], "wf.md7": [1],
           "amc.speed_reference": [0.001], "min_position": [-0.01, None], "max_position": [0.3, None]}
 # What is said of a parameter whose function is missing.
@@ -27,6 +28,7 @@ FORBIDDEN = {"amc.action_on_event": "waits for a latch", "amc.reference_select":
              "posdrct": "inverts the position loop", "velmax": "must not lie below", "revers": "asks for outputs",
              **dict.fromkeys(("encodertype", "mencodertype"), "is no type of encoder"), "encoderfreq": "is no clock rate",
              "wf.md4": "asks for words in Gray code",
+             "pulsvel": "starts the virtual master", "vmenctyp": "is not allowed", "vmencmtyp": "digital inputs",
              **{f"wf.md{n}": "breaks the falling order" for n in range(43, 49)}}
 
 
