@@ -1,8 +1,8 @@
 //! Marks of master and slave, brought together (SYNCM).
 //!
-//! Law      error of a pair = ratio * (way of the master since its mark + offset) - way of the slave since its mark, less what was ordered before
-//!          and not done yet (MACS-MARK-13, A-39, A-40). Pairs are the groups that are nearest to each other by that; which is the first
-//!          one, and what of its error is corrected, says SYNCMSTART
+//! Law      error of a pair = ratio * (way of the master since its mark + offset) - way of the slave since its mark; what was ordered before and is
+//!          not done yet is not ordered again (MACS-MARK-13, A-39, A-40). Pairs are the groups that are nearest to each other by what is not
+//!          corrected yet; which is the first one, and what of its error is corrected, says SYNCMSTART
 //! Reads    both sides, what is under way, parameters
 //! Writes   the correction that each pair asks for; how good the pairs are
 //! Refuses  nothing
