@@ -50,7 +50,7 @@ impl Axis {
         if !lead.valid {
             return Err(self.refuse(Code::LEADER_LOST));
         }
-        if request.engage != Engage::Immediately {
+        if request.engage != Engage::Immediately || self.smooth_start(request.mode, lead).is_some() {
             return self.wait_to_engage(cx, sequence, (request, leader));
         }
         let (transmission, offset) = match &request.cam {

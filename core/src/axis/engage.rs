@@ -13,6 +13,7 @@ use super::alarm::{NO_NUMBERS, Numbers};
 use super::generator::Coupling;
 use super::pair::{Pair, Started};
 use super::probe::first_latch;
+use super::smooth::Smooth;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::command::{CamIn, Engage, ProbeEdge, Synchronize};
@@ -33,8 +34,8 @@ use std::sync::Arc;
 pub(super) struct Engagement {
     /// Number of its command.
     pub sequence: u64,
-    leader: Leader,
-    request: Synchronize,
+    pub leader: Leader,
+    pub request: Synchronize,
     /// Where its leader was when it was looked at last.
     seen: Position,
     /// The cycle of its command: its latches were before.
@@ -42,6 +43,8 @@ pub(super) struct Engagement {
     /// Changes of its leader (inc) in the last cycles that it has waited, the newest first, and how many there are.
     recent: [f64; RECENT],
     count: u8,
+    /// It waits for a smooth start by marks.
+    pub smooth: Option<Smooth>,
 }
 
 /// Cycles from which the speed of a leader is told.
@@ -65,7 +68,7 @@ impl Engagement {
         let Synchronize { velocity, acceleration, cam, engage, mode, .. } = self.request;
         let is_cam = cam.is_some();
         let can_wait = match engage {
-            Engage::Immediately => false,
+            Engage::Immediately => mode == SyncMode::Marker && self.smooth.is_some_and(|smooth| smooth.is_sound()),
             Engage::AtPosition { turn, .. } => {
                 turn.is_none_or(Modulo::is_sound) && (is_cam || mode == SyncMode::Velocity)
             }
@@ -119,7 +122,8 @@ impl Axis {
             }
         };
         let (seen, since) = (lead.position - lead.change, cx.cycle);
-        let engagement = Engagement { sequence, leader, request, seen, since, recent: [0.0; RECENT], count: 0 };
+        let smooth = self.smooth_start(request.mode, lead);
+        let engagement = Engagement { sequence, leader, request, seen, since, recent: [0.0; RECENT], count: 0, smooth };
         if !engagement.is_sound() {
             return Err(self.refuse(Code::BAD_REQUEST));
         }
@@ -180,6 +184,9 @@ impl Axis {
         if !lead.valid {
             return self.end_engagement(cx, Code::LEADER_LOST, NO_NUMBERS);
         }
+        if engagement.smooth.is_some() {
+            return self.engage_smoothly(cx, &engagement, lead);
+        }
         let engagement = engagement.note_change(lead.change.to_f64());
         let moment = match self.moment_of(cx, &engagement, lead) {
             Ok(Some(moment)) => moment,
@@ -213,6 +220,15 @@ impl Axis {
                 let reference = if engagement.request.cam.is_some() { Reference::Cam } else { Reference::Gear };
                 self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
             }
+            Err(refusal) => self.end_engagement(cx, refusal.code, (refusal.asked, refusal.limit)),
+        }
+    }
+
+    /// A cycle of one that waits for a smooth start by marks.
+    fn engage_smoothly(&mut self, cx: &mut Context<'_>, engagement: &Engagement, lead: Lead) {
+        match self.start_smoothly(cx, engagement, lead) {
+            Ok(None) => self.engagement = None,
+            Ok(smooth) => self.engagement = Some(Engagement { smooth, ..*engagement }),
             Err(refusal) => self.end_engagement(cx, refusal.code, (refusal.asked, refusal.limit)),
         }
     }

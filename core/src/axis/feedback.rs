@@ -30,6 +30,8 @@ pub(super) struct Sensor {
     pub raw: i64,
     /// An index pulse came in this cycle.
     marked: bool,
+    /// Where the last one was holds in the coordinate of the axis.
+    pub index_known: bool,
     /// Where the axis was when it was read last (inc).
     seen: i64,
     pulses: Pulses,
@@ -77,6 +79,7 @@ impl Sensor {
             starts: matches!(source, Source::Encoder(_)).then_some(None),
             raw: 0,
             marked: false,
+            index_known: false,
             seen: 0,
             pulses: Pulses::default(),
             found: None,
@@ -121,6 +124,7 @@ impl Axis {
         self.sensor = Sensor {
             source,
             starts: Some(soft.then_some(self.counter.position())),
+            index_known: false,
             pulses: Pulses::default(),
             ..self.sensor
         };
@@ -253,6 +257,7 @@ impl Axis {
         self.sensor.marked = index.is_some();
         if let Some(mark) = index {
             self.index = (self.index.0.wrapping_add(1), Position::whole(self.turn_counts(mark)));
+            self.sensor.index_known = true;
         }
         self.check_pulses(changed, index);
         self.actual = Lead {
@@ -285,6 +290,11 @@ impl Axis {
             std::cmp::Ordering::Less => (ahead > here).then_some(behind.saturating_add(every)),
             std::cmp::Ordering::Equal => None,
         }
+    }
+
+    /// The place of its last index pulse, where that still holds.
+    pub(super) fn known_index(&self) -> Option<Position> {
+        self.sensor.index_known.then_some(self.index.1)
     }
 
     /// The place of the index pulse of this cycle, of whatever encoder it reads.

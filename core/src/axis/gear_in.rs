@@ -31,13 +31,13 @@ const SLACK: f64 = 1.0 + 1e-9;
 
 /// What a curve is judged by.
 #[derive(Clone, Copy, Debug)]
-struct Way {
-    ratio: Ratio,
+pub(super) struct Way {
+    pub ratio: Ratio,
     /// Of the leader (inc per cycle).
-    speed: f64,
+    pub speed: f64,
     /// Where the axis begins.
-    from: Begin,
-    bounds: Bounds,
+    pub from: Begin,
+    pub bounds: Bounds,
 }
 
 impl Axis {
@@ -174,7 +174,7 @@ impl Axis {
     }
 
     /// Can it go that way while its leader runs so fast? What it does already counts as possible.
-    fn bears(&self, shape: Shape, way: Way) -> bool {
+    pub(super) fn bears(&self, shape: Shape, way: Way) -> bool {
         let (present, speed) = (self.present(), way.speed.abs() / self.cycle_s());
         let steepest = shape.most.max(-shape.least);
         let geared = speed * way.ratio.to_f64().abs();
@@ -184,7 +184,7 @@ impl Axis {
     }
 
     /// Does it go backwards nowhere, but where revers permits it wherever the leader turns?
-    fn leads_forward(&self, approach: &Approach, speed: f64) -> bool {
+    pub(super) fn leads_forward(&self, approach: &Approach, speed: f64) -> bool {
         match self.parameters.reversing().rule {
             Rule::Always => true,
             Rule::WithMaster => approach.keeps_sense(approach.ratio().to_f64()),

@@ -9,6 +9,7 @@
 //! Source   MACS-MARK-01, -05, -06, -11 to -14, -20, -21, A-33, A-39
 
 use super::conditioning::shift;
+use super::smooth::{Curve, fallback};
 use super::{Axis, Context};
 use crate::code::Code;
 use crate::drive::MAX_LATCHES;
@@ -17,9 +18,8 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{Leader, Object};
 use crate::parameter::{MarkSignal, Marks, OffsetRates};
 use crate::position::Position;
-use crate::sync::follower::Phase;
 use crate::sync::marker::{Asked, Found, Marker, Of, Situation};
-use crate::sync::{SyncMode, status};
+use crate::sync::{Leads, SyncMode, Transmission, status};
 use serde::{Deserialize, Serialize};
 
 /// SYNCMSTART from here on waits with the offset for the first correction.
@@ -72,6 +72,8 @@ pub(super) struct MarkPath {
     ordered: Position,
     /// What is told once until it is over: marks that come where none should, of master and slave.
     extra: [bool; 2],
+    /// The smooth start under way.
+    curve: Option<Curve>,
 }
 
 /// What marks make of a cycle.
@@ -97,11 +99,39 @@ impl MarkPath {
             first: Position::ZERO,
             ordered: Position::ZERO,
             extra: [false; 2],
+            curve: None,
         }
     }
 
+    /// Begins with a smooth start.
+    pub(super) fn begin_curve(&mut self, curve: Curve) {
+        self.curve = Some(curve);
+    }
+
+    /// Starts as a smooth start falls back to.
+    pub(super) fn fall_back(&mut self) {
+        (self.start, self.curve) = (fallback(self.start), None);
+    }
+
+    /// Does it give its curve up, in a cycle in which the master moves by so much (inc)? Behind its end there is none.
+    pub(super) fn leaves_curve(&mut self, change: f64, cycle_ms: f64, is_under_way: bool) -> bool {
+        let Some(curve) = self.curve.as_mut().filter(|_| is_under_way) else {
+            self.curve = None;
+            return false;
+        };
+        let leaves = !curve.step(change, cycle_ms);
+        if leaves {
+            self.fall_back();
+        }
+        leaves
+    }
+
     pub(super) fn is_sound(&self) -> bool {
-        self.marker.is_sound() && self.velocity.is_finite() && self.spread.over >= 0.0 && self.spread.left.is_legal()
+        self.marker.is_sound()
+            && self.velocity.is_finite()
+            && self.spread.over >= 0.0
+            && self.spread.left.is_legal()
+            && self.curve.is_none_or(|curve| curve.is_sound())
     }
 
     /// What of a correction is not given yet.
@@ -183,7 +213,7 @@ impl Axis {
         latches: impl Fn(u16) -> Option<bool>,
     ) -> Result<(), Refusal> {
         let marks = &self.parameters.marks;
-        if !matches!(marks.start, 0..=6 | 1_000..=1_006) {
+        if !matches!(marks.start, 0..=7 | 1_000..=1_007) {
             return Err(self.refuse(Code::MARK_START).with(Number::Count(marks.start), Number::None));
         }
         // One mark may lie between master and slave; more would have narrower numbers (O-42).
@@ -192,7 +222,7 @@ impl Axis {
         if distance > most {
             return Err(self.refuse(Code::MARK_DISTANCE).with(Number::Count(distance), Number::Count(most)));
         }
-        if matches!(marks.start % OFFSET_LATER, 3..=5) && distance == 0 {
+        if matches!(marks.start % OFFSET_LATER, 3..=5 | 7) && distance == 0 {
             return Err(self.refuse(Code::MARK_NO_DISTANCE).with(Number::Count(marks.start), Number::None));
         }
         let own_index = !self.is_virtual() && self.check_zero_moves().is_ok();
@@ -249,6 +279,32 @@ impl Axis {
         seen
     }
 
+    /// The marks of master and axis in this cycle.
+    fn seen_of_both(
+        &self,
+        cx: &Context<'_>,
+        [master, slave]: [MarkSignal; 2],
+        (leader, lead): (Leader, Lead),
+    ) -> [Seen; 2] {
+        let index = match leader {
+            Leader::Encoder(place) => index_of(cx, place),
+            Leader::Virtual => cx.leads.virtual_mark,
+            _ => None,
+        };
+        let of_master = self.seen(cx, master, (number_of(leader), lead), index);
+        [of_master, self.seen(cx, slave, (Some(self.setup.index), self.actual), self.index_of_cycle())]
+    }
+
+    /// How far master and axis are past the last marks that came in this cycle.
+    pub(super) fn marks_of_cycle(
+        &self,
+        cx: &Context<'_>,
+        signals: [MarkSignal; 2],
+        leads: (Leader, Lead),
+    ) -> [Option<Position>; 2] {
+        self.seen_of_both(cx, signals, leads).map(|mut seen| seen.sorted().last().map(|(before, _)| *before))
+    }
+
     /// Takes the marks of this cycle, and gives what comes of them; none without a coupling by marks.
     /// What is spread is `most` (inc) in a cycle, either way.
     pub(super) fn step_marks(
@@ -260,19 +316,20 @@ impl Axis {
     ) -> Option<MarkStep> {
         let mut path = self.conditioning.marks?;
         let coupling = self.coupling()?;
-        let (leader, ratio) = (coupling.leader, coupling.follower.transmission().signed_slope());
-        let (runs, accuracy) = (coupling.follower.phase() != Phase::CatchingUp, coupling.accuracy);
+        // On a curve that of the gear behind it.
+        let ratio = match coupling.follower.transmission() {
+            Transmission::Approach(approach) => approach.ratio().to_f64(),
+            gear => gear.signed_slope(),
+        };
+        let leader = coupling.leader;
+        let (runs, accuracy) = (coupling.follower.is_in_sync(), coupling.accuracy);
         let (sync, marks) = (self.parameters.sync, Marks { start: path.start, ..self.parameters.marks });
         let cycle_ms = self.cycle_s() * 1e3;
-        let index = match leader {
-            Leader::Encoder(place) => index_of(cx, place),
-            Leader::Virtual => cx.leads.virtual_mark,
-            _ => None,
-        };
-        let mut of_master = self.seen(cx, path.master, (number_of(leader), lead), index);
-        let mut of_slave = self.seen(cx, path.slave, (Some(self.setup.index), self.actual), self.index_of_cycle());
-
+        let [mut of_master, mut of_slave] = self.seen_of_both(cx, [path.master, path.slave], (leader, lead));
         let change = lead.change.to_f64();
+        if path.curve.is_some() {
+            self.watch_curve(&mut path, change);
+        }
         let share = match tau {
             Some(tau) => (cycle_ms * 1e3 / tau).min(1.0),
             None if lead.uneven > 0.0 => (cycle_ms / MEAN_TIME).min(1.0),
@@ -382,6 +439,14 @@ impl Axis {
             missed: master.0.saturating_add(slave.0),
             extra: master.1.saturating_add(slave.1),
         }
+    }
+
+    /// Where the axis and its leader were at their last marks (inc); 0 before the first one, and without a coupling by marks.
+    pub(super) fn places_of_marks(&self, leads: &Leads) -> (i64, i64) {
+        let (Some(path), Some(coupling)) = (&self.conditioning.marks, self.coupling()) else { return (0, 0) };
+        let place = |of, now: Position| path.marker.side(of).since_mark().map_or(0, |since| (now - since).floor());
+        let leader = leads.get(coupling.leader).position;
+        (place(Of::Slave, self.actual.position), place(Of::Master, leader))
     }
 
     fn tell_marks(&self, cx: &mut Context<'_>, code: Code, of: Of) {

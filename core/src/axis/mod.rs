@@ -41,6 +41,7 @@ mod reaction;
 mod rhythm;
 mod safety;
 mod shown;
+mod smooth;
 mod source;
 mod stops;
 mod stream;

@@ -122,6 +122,9 @@ impl Axis {
         set(MarkerDistance, real(marks.distance));
         set(MarkerMissed, marks.missed);
         set(MarkerExtra, marks.extra);
+        let (at_mark, master_at_mark) = self.places_of_marks(leads);
+        set(MarkerPosition, int(at_mark));
+        set(MarkerMaster, int(master_at_mark));
         set(SyncBuffer, int(backward.floor()));
         set(SyncFilterError, real(owed.to_f64()));
         set(PhaseSlave, real(slave));

@@ -243,9 +243,9 @@ codes! {
 
     /// A start by marks that does not exist.
     MARK_START = 10039, NoError {
-        says: "syncmstart {asked} does not exist in mode MARKER; 0 to 6 and 1000 to 1006 do",
-        cause: "syncmstart 7 and 1007, the smooth curve, do not exist yet, and 2000 belongs to cams.",
-        remedy: "Use 5, to which the source falls back, or another one.",
+        says: "syncmstart {asked} does not exist in mode MARKER; 0 to 7 and 1000 to 1007 do",
+        cause: "syncmstart 2000 belongs to cams.",
+        remedy: "Use one that exists.",
     }
 
     /// A shift of an axis that is coupled by marks.
@@ -258,7 +258,7 @@ codes! {
     /// A start that goes by the distance of marks, and there is none.
     MARK_NO_DISTANCE = 10040, NoError {
         says: "syncmstart {asked} goes by the distance of the marks, and syncmpulsm is 0",
-        cause: "syncmstart is 3, 4 or 5, and syncmpulsm is 0.",
+        cause: "syncmstart is 3, 4, 5 or 7, and syncmpulsm is 0.",
         remedy: "Set syncmpulsm, or use another start.",
     }
 

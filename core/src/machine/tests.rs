@@ -34,6 +34,7 @@ mod probe;
 mod reactions;
 mod resets;
 mod sets;
+mod smooth;
 mod state;
 mod stops;
 mod stream;

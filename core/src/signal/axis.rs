@@ -69,6 +69,8 @@ signal_block! {
     MarkerDistance "marker.distance" Real, None; "average distance of the marks of the leader (inc of it, SYSVAR 4238)"
     MarkerMissed "marker.missed" Int, None; "marks of leader and axis that stayed away in this coupling"
     MarkerExtra "marker.extra" Int, None; "marks that came where none should"
+    MarkerPosition "marker.position" Int, Position; "position of the axis at its last mark, floor (IPOS)"
+    MarkerMaster "marker.master" Int, None; "position of the leader at its last mark, floor (inc of it, MIPOS)"
     SyncBuffer "sync.buffer" Int, None; "backward motion of the leader that synctype 4 keeps back (inc of it)"
     SyncFilterError "sync.filter_error" Real, None; "what the filter of syncvftime holds back of the leader (inc of it)"
     PhaseSlave "phase.slave" Real, None; "what is left of a phase shift of the slave, or of a superimposed move, 1 to 0 of all of it"

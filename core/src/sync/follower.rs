@@ -12,6 +12,7 @@
 //! Refuses  nothing here: ratio, velocity and acceleration were checked by the axis
 //! Source   MACS-SYNC-02, -04, -06, -07, -12, -15, A-30
 
+use super::gear::Gear;
 use super::{Stepped, SyncMode, Transmission};
 use crate::encoder::Lead;
 use crate::parameter::Rule;
@@ -202,6 +203,14 @@ impl Follower {
         let target = place + self.led_by;
         let phase = if is_there && goes_on { Phase::Passing } else { Phase::CatchingUp };
         Self { transmission, phase, target, halt: None, bounds, ..self }
+    }
+
+    /// Leaves the way to a pair of places for its gear, which takes the slave where it is.
+    pub fn give_approach_up(&mut self, slave: Motion) {
+        if let Transmission::Approach(approach) = &self.transmission {
+            self.transmission = Transmission::Gear(Gear::new(approach.ratio()));
+            (self.phase, self.target) = (Phase::CatchingUp, slave.position);
+        }
     }
 
     /// Says whether a cam lets its slave rest at its end.

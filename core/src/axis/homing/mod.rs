@@ -382,6 +382,7 @@ impl Axis {
     /// The raw coordinate of the drive was set anew: what was known of it does not hold any more, but where homing did that.
     pub(super) fn note_new_coordinate(&mut self) {
         self.vocabularies.notice(Notice::Jumped);
+        self.sensor.index_known = false;
         if !self.homing.is_in_drive() {
             self.homing.forget();
             self.homing.broken = self.homing.is_running();

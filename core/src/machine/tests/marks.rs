@@ -305,7 +305,7 @@ fn a_condition_lets_marks_count() {
 }
 
 /// Index pulses of belt and drive.
-/// Proves: MACS-MARK-05, MACS-MARK-06
+/// Proves: MACS-MARK-05, MACS-MARK-06, MACS-CMD-20
 #[test]
 fn index_pulses_are_marks() {
     let mut config = config(0);
@@ -321,6 +321,10 @@ fn index_pulses_are_marks() {
         rig.run(1);
     }
     assert_eq!((rig.int("x.in_sync"), rig.real("x.marker.error").abs() < 1.0), (1, true));
+    // IPOS and MIPOS: the last index of each.
+    let (x, belt) = (rig.int("x.marker.position"), rig.int("x.marker.master"));
+    assert_eq!((x.rem_euclid(2_000), belt % 1_000, belt), (300, 0, rig.int("belt.position") / 1_000 * 1_000));
+    assert!((0..2_000).contains(&(rig.int("x.actual.position") - x)), "{x}");
     // Zero at the belt is 300 at x, as seen a cycle later.
     let way = rig.int("x.actual.position") - rig.int("belt.position") * 2;
     assert!((way - 300).abs() <= 1, "{way}");
@@ -400,8 +404,7 @@ fn what_gives_no_marks_is_refused() {
         ),
         (("syncmtypm", 512), "x: syncmtypm names digital input 5, which the cell"),
         (("syncmtypm", 1), "x: syncmtypm 1 asks for an index pulse that there is not"),
-        (("syncmstart", 7), "x: syncmstart 7 does not exist in mode MARKER; 0 to 6 and 1000 to 1006 do"),
-        (("syncmstart", 2_000), "x: syncmstart 2000 does not exist in mode MARKER"),
+        (("syncmstart", 2_000), "x: syncmstart 2000 does not exist in mode MARKER; 0 to 7 and 1000 to 1007 do"),
     ] {
         let mut rig = marked(&[changes]);
         let goal = rig.give(by_marks());

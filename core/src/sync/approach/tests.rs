@@ -40,6 +40,23 @@ fn the_middle_of_a_way_from_rest_is_where_the_polynomial_has_it() {
     }
 }
 
+/// From rest to the velocity of the leader, v T / 2 before: s = v T (x^3 - x^4 / 2), at most 1.5 v / T and 6 v / T^2.
+/// Proves: MACS-MARK-17
+#[test]
+fn half_the_way_of_its_leader_is_the_way_that_it_takes_by_itself() {
+    let mut of = from_rest(ratio(2, 1), 1_024, -1_024);
+    let shape = of.shape();
+    let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 1e-9, "{value} is not {expected}");
+    near(shape.bend, 1.5 * 2.0 / 1_024.0);
+    near(of.jerk(), 6.0 * 2.0 / 1_024.0 / 1_024.0);
+    near(shape.most, 2.0);
+    for (share, way) in [(0.25, 28.0), (0.5, 192.0), (0.75, 540.0), (1.0, 1_024.0)] {
+        of = from_rest(ratio(2, 1), 1_024, -1_024);
+        let (moved, _) = of.step(Position::from_f64(1_024.0 * share));
+        near(moved.to_f64(), way);
+    }
+}
+
 /// Down, the other way round: the leader comes from above.
 #[test]
 fn a_leader_from_above_goes_the_same_curve_the_other_way() {

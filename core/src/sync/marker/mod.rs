@@ -42,6 +42,8 @@ enum Start {
     Forward,
     Backward,
     Nearest,
+    /// None: the curve has brought them together.
+    Smooth,
 }
 
 impl Start {
@@ -53,7 +55,7 @@ impl Start {
             3 => Self::Forward,
             4 => Self::Backward,
             6 => Self::First { waits: false },
-            // 7 is refused before.
+            7 => Self::Smooth,
             _ => Self::Nearest,
         }
     }
@@ -182,6 +184,11 @@ impl Marker {
         self.slave.advance(slave);
     }
 
+    /// A side has passed its last mark so far (inc of it).
+    pub fn know(&mut self, of: Of, since: Position) {
+        self.side_mut(of).know(since);
+    }
+
     /// A mark of a side, so far (inc of it) before where it is now, and when it came.
     pub fn take(&mut self, of: Of, (before, instant_ns): (Position, u64), asked: &Asked<'_>) -> Found {
         let found = self.side_mut(of).take(before, instant_ns, &judged(of, asked));
@@ -233,6 +240,12 @@ impl Marker {
             // What came before says nothing.
             self.master.forget(side::MOST_GROUPS);
             self.slave.forget(side::MOST_GROUPS);
+            return None;
+        }
+        if start == Start::Smooth {
+            self.master.forget(side::MOST_GROUPS);
+            self.slave.forget(side::MOST_GROUPS);
+            self.has_begun = true;
             return None;
         }
         let of_master =

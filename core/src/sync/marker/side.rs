@@ -73,6 +73,8 @@ pub struct Side {
     last: Option<Position>,
     /// The last mark was found.
     is_found: bool,
+    /// Where one was found last.
+    seen: Option<Position>,
     /// Marks of the group under way.
     count: i64,
     /// The last marks of groups that the other side has not taken, the oldest first.
@@ -97,6 +99,11 @@ impl Side {
         self.way
     }
 
+    /// Its way since the last mark that was found.
+    pub fn since_mark(&self) -> Option<Position> {
+        self.seen.map(|place| self.way - place)
+    }
+
     /// Was one missed since the last one that counts?
     pub fn is_missed(&self) -> bool {
         self.is_missed
@@ -112,6 +119,12 @@ impl Side {
         self.way += change;
     }
 
+    /// The last mark of a group was passed so far (inc) before.
+    pub fn know(&mut self, since: Position) {
+        let place = Some(self.way - since);
+        (self.last, self.seen, self.is_found, self.count) = (place, place, true, 0);
+    }
+
     /// A mark, so far (inc) before where the side is now, and when it came.
     pub fn take(&mut self, before: Position, instant_ns: u64, judged: &Judged) -> Found {
         let place = self.way - before;
@@ -122,7 +135,7 @@ impl Side {
             return Found::Extra;
         }
         let distance = way.filter(|_| self.is_found);
-        (self.last, self.is_found, self.is_missed) = (Some(place), true, false);
+        (self.last, self.seen, self.is_found, self.is_missed) = (Some(place), Some(place), true, false);
         self.complete(Some(Group { place, instant_ns }), judged);
         Found::Mark { distance }
     }

@@ -1,0 +1,278 @@
+//! The start of a coupling by marks over a polynomial of 5th order (SYNCMSTART 7).
+//!
+//! Law      what moves the axis goes on until the place of a mark of its master is known, and of one of its own; of an index pulse the last one is
+//!          known before. Then the curve is an [`Approach`] to the pair of marks that lies k groups of the master ahead: k is the least number at which a
+//!          curve that ends where it does by itself, half-way between both velocities, stays below acceleration and jerk. It begins as soon
+//!          as the mark of the axis nearest to that end can be reached with velocity and acceleration of the goal, for k or k + 1: from rest
+//!          within a distance of marks; each distance that it waits in vain allows one group more. Behind the curve marks correct as always, and nothing is left of
+//!          the start. It is start 5 instead where the master stands, the axis rests without a known mark, or 8 groups have passed;
+//!          on the curve, where the velocity of the master leaves a tenth around that of its begin
+//! Reads    marks of both sides, the leader
+//! Refuses  nothing: it falls back
+//! Source   MACS-MARK-14 to -17
+
+use super::engage::Engagement;
+use super::gear_in::Way;
+use super::marker::MarkPath;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::encoder::Lead;
+use crate::event::Refusal;
+use crate::parameter::MarkSignal;
+use crate::position::Position;
+use crate::sync::approach::{Approach, Begin};
+use crate::sync::follower::Follower;
+use crate::sync::gear::Ratio;
+use crate::sync::marker::Of;
+use crate::sync::{SyncMode, Transmission};
+use serde::{Deserialize, Serialize};
+
+/// Time over which the velocity of the master is smoothed (ms).
+const MEAN_TIME: f64 = 50.0;
+/// Share of its velocity by which a master may change on the curve.
+const MOST_CHANGE: f64 = 0.1;
+/// Groups of the master that pass before it is given up.
+const MOST_GROUPS: f64 = 8.0;
+/// Peak of the acceleration, and of the jerk, of the curve that ends by itself: s = v T (x^3 - x^4 / 2) (MACS-MARK-17).
+const PEAK_ACCELERATION: f64 = 1.5;
+const PEAK_JERK: f64 = 6.0;
+/// From a smooth start to the one that takes its place.
+const FALLS_BACK_BY: i64 = 2;
+
+/// Is that SYNCMSTART the smooth one?
+pub(super) fn is_smooth(start: i64) -> bool {
+    start % 1_000 == 7
+}
+
+/// The SYNCMSTART that takes the place of a smooth one.
+pub(super) fn fallback(start: i64) -> i64 {
+    start - FALLS_BACK_BY
+}
+
+/// The velocity of a master (inc per cycle), smoothed.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Mean {
+    velocity: f64,
+    /// Since it was begun (ms), to MEAN_TIME.
+    since: f64,
+}
+
+impl Mean {
+    fn step(&mut self, change: f64, cycle_ms: f64) {
+        self.since = (self.since + cycle_ms).min(MEAN_TIME);
+        // A mean of all that came, until that is long enough.
+        self.velocity += (change - self.velocity) * (cycle_ms / self.since).min(1.0);
+    }
+
+    /// Does it stand: is it slower than an increment in that time?
+    fn stands(&self, cycle_ms: f64) -> bool {
+        self.velocity.abs() * MEAN_TIME < cycle_ms
+    }
+}
+
+/// A curve under way.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Curve {
+    mean: Mean,
+    /// Of the master as it began (inc per cycle).
+    velocity: f64,
+}
+
+impl Curve {
+    pub(super) fn is_sound(&self) -> bool {
+        self.mean.velocity.is_finite() && self.velocity.is_finite()
+    }
+
+    /// A cycle in which the master moves by so much (inc); false where its velocity has left that of the begin.
+    pub(super) fn step(&mut self, change: f64, cycle_ms: f64) -> bool {
+        self.mean.step(change, cycle_ms);
+        (self.mean.velocity - self.velocity).abs() <= self.velocity.abs() * MOST_CHANGE
+    }
+}
+
+/// What is known while it waits.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Smooth {
+    start: i64,
+    /// Ways of master and axis since their last marks.
+    master: Option<Position>,
+    slave: Option<Position>,
+    mean: Mean,
+    /// Way of the master since it waits (inc), without its sign.
+    waited: f64,
+}
+
+impl Smooth {
+    pub(super) fn is_sound(&self) -> bool {
+        let ways = [self.master, self.slave].into_iter().flatten().all(Position::is_legal);
+        ways && self.mean.velocity.is_finite() && self.waited >= 0.0 && is_smooth(self.start)
+    }
+}
+
+/// What came of a cycle of waiting.
+enum Outcome {
+    Waits,
+    FallsBack,
+    Begins(Follower),
+}
+
+impl Axis {
+    /// What a coupling by marks waits with, where SYNCMSTART asks for a smooth start and one may come.
+    pub(super) fn smooth_start(&self, mode: SyncMode, lead: Lead) -> Option<Smooth> {
+        let start = self.parameters.marks.start;
+        if mode != SyncMode::Marker || !is_smooth(start) {
+            return None;
+        }
+        let by_index = MarkSignal::decode(self.parameters.marks.slave_type).input.is_none();
+        // The cycle that begins it is counted at its end.
+        let was_at = self.actual.position - self.actual.change;
+        let slave = self.known_index().filter(|_| by_index).map(|index| was_at - index);
+        let mean = Mean { velocity: lead.velocity * self.cycle_s(), since: 0.0 };
+        Some(Smooth { start, master: None, slave, mean, waited: 0.0 })
+    }
+
+    /// A cycle of a coupling that waits for a smooth start; true where it is over.
+    pub(super) fn start_smoothly(
+        &mut self,
+        cx: &mut Context<'_>,
+        engagement: &Engagement,
+        lead: Lead,
+    ) -> Result<Option<Smooth>, Refusal> {
+        let Some(mut smooth) = engagement.smooth else { return Ok(None) };
+        let (request, leader) = (&engagement.request, engagement.leader);
+        let cycle_ms = self.cycle_s() * 1e3;
+        smooth.mean.step(lead.change.to_f64(), cycle_ms);
+        smooth.waited += lead.change.to_f64().abs();
+        let marks = &self.parameters.marks;
+        let signals = [marks.master_type, marks.slave_type].map(MarkSignal::decode);
+        let [of_master, of_slave] = self.marks_of_cycle(cx, signals, (leader, lead));
+        let since = |way: Option<Position>, change, seen: Option<Position>| seen.or(way.map(|way| way + change));
+        smooth.master = since(smooth.master, lead.change, of_master);
+        smooth.slave = since(smooth.slave, self.actual.change, of_slave);
+
+        self.check_closed_loop()?;
+        self.check_free()?;
+        let follower = match self.outcome(engagement, &smooth, lead)? {
+            Outcome::Waits => return Ok(Some(smooth)),
+            Outcome::Begins(follower) => Some(follower),
+            Outcome::FallsBack => None,
+        };
+        let begun = follower.is_some();
+        let follower = match follower {
+            Some(follower) => follower,
+            None => {
+                let (gear, offset) = self.gear_of(request)?;
+                Follower::new(lead.uneven, gear, request.mode, self.present(), offset, self.bounds_of(request)?)
+            }
+        };
+        let coupling = self.coupling_by(leader, request, follower);
+        self.take_over(cx, engagement.sequence, None);
+        self.begin_conditioning(request.mode, lead);
+        if let Some(path) = &mut self.conditioning.marks {
+            if begun {
+                path.begin_curve(Curve { mean: smooth.mean, velocity: smooth.mean.velocity });
+                for (of, since) in [(Of::Master, smooth.master), (Of::Slave, smooth.slave)] {
+                    since.into_iter().for_each(|since| path.marker.know(of, since));
+                }
+            } else {
+                path.fall_back();
+            }
+        }
+        self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Gear, Generator::Follow(coupling));
+        Ok(None)
+    }
+
+    fn outcome(&self, engagement: &Engagement, smooth: &Smooth, lead: Lead) -> Result<Outcome, Refusal> {
+        let Smooth { master, slave, mean, waited, .. } = *smooth;
+        let cycle_ms = self.cycle_s() * 1e3;
+        let group = self.parameters.sync.mark_distance as f64 * self.parameters.marks.per_master.max(1) as f64;
+        let rests = matches!(self.generator, Generator::Rest);
+        // A counted master shows its speed only after a while.
+        let is_known = lead.uneven == 0.0 || mean.since >= MEAN_TIME;
+        if is_known && mean.stands(cycle_ms) || slave.is_none() && rests || waited > MOST_GROUPS * group {
+            return Ok(Outcome::FallsBack);
+        }
+        let (Some(master), Some(slave)) = (master, slave) else { return Ok(Outcome::Waits) };
+        if !is_known {
+            return Ok(Outcome::Waits);
+        }
+        let request = &engagement.request;
+        let ratio = self.ratio_of(request)?;
+        let bounds = self.bounds_of(request)?;
+        let (present, cycle_s, speed) = (self.present(), self.cycle_s(), mean.velocity);
+        // One that is coupled to a counted master shows single counts.
+        let velocity = if self.coupling().is_some() { self.steady_velocity() } else { present.velocity };
+        let from = Begin {
+            place: present.position,
+            slope: velocity * cycle_s / speed,
+            bend: present.acceleration * cycle_s * cycle_s / speed / speed,
+        };
+        let way = Way { ratio, speed, from, bounds };
+        let since = if speed < 0.0 { -master } else { master };
+        let least = self.least_length(&way) + since.to_f64();
+        let fewest = (least / group).ceil().max(1.0);
+        let most = fewest + 1.0 + (waited / group).floor();
+        let mut groups = fewest;
+        while groups <= most {
+            let left = Position::from_f64(groups * group) - since;
+            if let Some(approach) = self.curve(&way, left, slave) {
+                let transmission = Transmission::Approach(approach);
+                let follower = Follower::new(lead.uneven, transmission, request.mode, present, Position::ZERO, bounds);
+                return Ok(Outcome::Begins(follower.passing()));
+            }
+            groups += 1.0;
+        }
+        Ok(Outcome::Waits)
+    }
+
+    /// The shortest way of the master (inc) in which a curve that ends by itself stays below acceleration and jerk.
+    fn least_length(&self, way: &Way) -> f64 {
+        let cycle_s = self.cycle_s();
+        let turn = (way.ratio.to_f64() - way.from.slope).abs();
+        let speed = way.speed.abs() / cycle_s;
+        let by_acceleration = PEAK_ACCELERATION * turn * speed * speed / way.bounds.acceleration;
+        let by_jerk = self.parameters.max_jerk.map_or(0.0, |most| (PEAK_JERK * turn * speed / most).sqrt() * speed);
+        by_acceleration.max(by_jerk)
+    }
+
+    /// The curve to the pair that lies so far ahead of the master, where the axis can go it; it has passed its last mark so far.
+    fn curve(&self, way: &Way, left: Position, since: Position) -> Option<Approach> {
+        let Way { ratio, speed, from, .. } = *way;
+        // Whole increments; what is left of the pair lies behind it.
+        let whole = left.floor();
+        let rest = left - Position::whole(whole);
+        let length = if speed < 0.0 { whole.checked_neg()? } else { whole };
+        let geared = ratio.to_f64() * if speed < 0.0 { -rest.to_f64() } else { rest.to_f64() };
+        let by_itself = (from.slope + ratio.to_f64()) / 2.0 * length as f64;
+        let end = from.place + Position::from_f64(by_itself + geared);
+        let mark = self.actual.position - since;
+        let period = self.slave_period(ratio);
+        let marks = ((end - mark).to_f64() / period).round();
+        let pair = mark + Position::from_f64(marks * period) - Position::from_f64(geared);
+        let (approach, shape) = Approach::new(ratio, length, Begin { place: from.place - pair, ..from })?;
+        let jerk = approach.jerk() * (speed.abs() / self.cycle_s()).powi(3);
+        let is_smooth = self.parameters.max_jerk.is_none_or(|most| jerk <= most);
+        (is_smooth && self.leads_forward(&approach, speed) && self.bears(shape, *way)).then_some(approach)
+    }
+
+    /// From group to group of its own marks (inc).
+    fn slave_period(&self, ratio: Ratio) -> f64 {
+        let marks = &self.parameters.marks;
+        match marks.slave_distance {
+            0 => {
+                let group = self.parameters.sync.mark_distance as f64 * marks.per_master.max(1) as f64;
+                ratio.to_f64().abs() * group
+            }
+            distance => distance as f64 * marks.per_slave.max(1) as f64,
+        }
+    }
+
+    /// Gives a curve up where its master has changed its velocity: the gear takes the axis as it is, and marks start as 5 does.
+    pub(super) fn watch_curve(&mut self, path: &mut MarkPath, change: f64) {
+        let cycle_ms = self.cycle_s() * 1e3;
+        let slave = self.underlying();
+        let Generator::Follow(coupling) = &mut self.generator else { return };
+        if path.leaves_curve(change, cycle_ms, coupling.follower.transmission().approaches()) {
+            coupling.follower.give_approach_up(slave);
+        }
+    }
+}

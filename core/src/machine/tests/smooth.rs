@@ -1,0 +1,276 @@
+//! Coupled by marks over a curve (SYNCMSTART 7): index pulses of a belt every 1000 inc, and of a roll that turns twice as far, every 2000 from 300 on.
+
+use super::direction::set;
+use super::rig::{Rig, X, at, config, couple, to};
+use crate::code::Code;
+use crate::command::{Action, Synchronize};
+use crate::encoder::PulseCheck;
+use crate::object::{AxisSet, Leader};
+use crate::sim::{Fixtures, Index};
+use crate::sync::SyncMode;
+use proptest::prelude::*;
+
+const TO_BELT: Leader = Leader::Encoder(0);
+/// Of goals that give none (inc per cycle^2).
+const ACCELERATION: f64 = 0.5;
+
+fn by_marks(ratio: i64) -> Action {
+    Action::Synchronize(Synchronize { mode: SyncMode::Marker, ..couple(X, TO_BELT, ratio, 1) })
+}
+
+/// The roll rests at `place`, and has passed an index pulse on its way there; the belt goes by `speed` then, for 100 cycles so far.
+fn world(place: i64, speed: i64, changes: &[(&str, i64)]) -> Rig {
+    let mut config = config(0);
+    config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
+    let mut rig = Rig::of(config);
+    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.enable();
+    for target in [5_000, place] {
+        rig.give(Action::Move(to(X, target)));
+        rig.run(1_200);
+    }
+    assert_eq!(rig.int("x.command.position"), place);
+    for changes in [&[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 7)], changes] {
+        let given = set(&mut rig, changes);
+        assert!(rig.was_accepted(given), "{}", rig.refusal(given));
+    }
+    run(&mut rig, speed, 100);
+    rig
+}
+
+/// Gives in a cycle in which the belt moves on.
+fn give(rig: &mut Rig, speed: i64, action: Action) -> u64 {
+    rig.plant.jump_encoder(0, speed);
+    rig.give(action)
+}
+
+fn run(rig: &mut Rig, speed: i64, cycles: usize) {
+    for _ in 0..cycles {
+        rig.plant.jump_encoder(0, speed);
+        rig.run(1);
+    }
+}
+
+/// What a smooth start was like.
+#[derive(Debug)]
+struct Seen {
+    /// Way of the belt while it has waited, and on the curve.
+    waited: i64,
+    led: i64,
+    /// Of the axis (inc per cycle), without signs.
+    acceleration: f64,
+    velocity: f64,
+    /// The most that it has gone against its way in a cycle.
+    back: f64,
+    /// From the places that marks ask for (inc), as the curve ended.
+    apart: i64,
+}
+
+/// Couples, and runs until the coupling is in step, at a speed of the belt that may change once the curve is so many cycles old.
+fn start(rig: &mut Rig, ratio: i64, speed: i64, change: Option<(u32, i64)>) -> Seen {
+    let goal = give(rig, speed, by_marks(ratio));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    let mut seen = Seen { waited: 0, led: 0, acceleration: 0.0, velocity: 0.0, back: 0.0, apart: 0 };
+    let mut before = rig.real("x.command.velocity") / 1e3;
+    let (mut now, mut age) = (speed, 0);
+    for _ in 0..3_000 {
+        if rig.int("x.sync.waiting") != 0 {
+            seen.waited += now.abs();
+        } else {
+            seen.led += now.abs();
+            age += 1;
+        }
+        if let Some((_, later)) = change.filter(|(when, _)| age == *when) {
+            now = later;
+        }
+        run(rig, now, 1);
+        let velocity = rig.real("x.command.velocity") / 1e3;
+        // One inc of the belt is uneven even at constant speed.
+        seen.acceleration = seen.acceleration.max((velocity - before).abs());
+        seen.velocity = seen.velocity.max(velocity.abs());
+        let sense = (speed * ratio).signum() as f64;
+        seen.back = seen.back.max(-velocity * sense);
+        before = velocity;
+        if rig.int("x.sync.waiting") == 0 && rig.int("x.in_sync") == 1 {
+            // The belt has a mark at 0, the roll at 300.
+            let apart = rig.int("x.command.position") - 300 - ratio * rig.int("belt.position");
+            let apart = apart.rem_euclid(2_000);
+            seen.apart = if apart > 1_000 { apart - 2_000 } else { apart };
+            return seen;
+        }
+    }
+    panic!("never in step: {seen:?}");
+}
+
+/// From rest, wherever that is: within two marks of the belt the curve begins, it ends with the marks together, without a jump, a step
+/// back, or more than acceleration and jerk allow; marks have nothing left to correct but what the drive lags, 20 inc.
+/// Proves: MACS-MARK-14, MACS-MARK-15
+#[test]
+fn a_roll_at_rest_comes_to_its_marks_on_a_curve() {
+    for (ratio, speed) in [(2, 10), (-2, 10), (2, -10), (-2, -10)] {
+        for place in [300, 700, 1_234, 1_299, 1_300, 1_301, 2_299] {
+            let mut rig = world(place, speed, &[]);
+            let seen = start(&mut rig, ratio, speed, None);
+            assert!(seen.waited <= 2_000 && seen.led > 0, "{place}: {seen:?}");
+            assert!(seen.acceleration <= ACCELERATION * 1.001 && seen.back == 0.0, "{place}: {seen:?}");
+            assert!(seen.apart.abs() <= 1, "{ratio} {speed} {place}: {seen:?}");
+            run(&mut rig, speed, 1_000);
+            assert!(rig.real("x.marker.error").abs() <= 1.0 && rig.int("x.in_sync") == 1);
+            let first = rig.events.iter().find(|event| event.kind == crate::event::Kind::Mark).unwrap();
+            let corrected = format!("{:?}", first.limit);
+            assert!(corrected.contains("20") || corrected.contains("19."), "{corrected}");
+        }
+    }
+}
+
+/// At 10 inc a cycle and 1 : 2 a curve that ends by itself takes a way of 1.5 * 2 * 10^2 / a: with a = 0.5 that is 600, with 0.05 it is 6000, where the
+/// marks lie at least that far.
+/// Proves: MACS-MARK-15, MACS-MARK-17
+#[test]
+fn the_number_of_marks_goes_by_the_acceleration() {
+    for (acceleration, least, most) in [(500_000.0, 500, 2_000), (50_000.0, 5_500, 8_000), (10_000.0, 29_000, 33_000)] {
+        let mut rig = world(1_234, 10, &[]);
+        let request = Synchronize { mode: SyncMode::Marker, acceleration, ..couple(X, TO_BELT, 2, 1) };
+        give(&mut rig, 10, Action::Synchronize(request));
+        let mut led = 0;
+        let mut before = rig.real("x.command.velocity");
+        while rig.int("x.in_sync") == 0 && led < 100_000 {
+            led += i64::from(rig.int("x.sync.waiting") == 0) * 10;
+            run(&mut rig, 10, 1);
+            let velocity = rig.real("x.command.velocity");
+            assert!((velocity - before).abs() <= acceleration / 1e3 * 1.001);
+            before = velocity;
+        }
+        assert!((least..=most).contains(&led), "{acceleration}: {led}");
+    }
+}
+
+/// A belt that stands, or a roll that rests and has shown no mark: it is start 5, at once.
+/// Proves: MACS-MARK-16
+#[test]
+fn without_a_speed_or_a_mark_it_is_start_five() {
+    let mut rig = world(1_000, 10, &[]);
+    run(&mut rig, 0, 1_000);
+    let goal = rig.give(by_marks(2));
+    run(&mut rig, 0, 51);
+    assert!(rig.was_accepted(goal));
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+    run(&mut rig, 10, 1_500);
+    assert_eq!((rig.int("x.in_sync"), rig.real("x.marker.error").abs() < 1.0), (1, true));
+
+    let mut config = config(0);
+    config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
+    let mut rig = Rig::of(config);
+    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.enable();
+    set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 1_007)]);
+    run(&mut rig, 10, 100);
+    rig.give(by_marks(2));
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+    run(&mut rig, 10, 1_500);
+    assert_eq!((rig.int("x.in_sync"), rig.real("x.marker.error").abs() < 1.0), (1, true));
+}
+
+/// The belt becomes faster on the way: by 5 % the curve holds, and ends where it should; by 20 % it is given up, without a jump, and marks bring the rest.
+/// Proves: MACS-MARK-16
+#[test]
+fn a_master_that_changes_its_speed_ends_the_curve() {
+    let mut rig = world(1_234, 20, &[]);
+    let seen = start(&mut rig, 2, 20, Some((30, 21)));
+    assert!(seen.apart.abs() <= 1, "{seen:?}");
+    for later in [24, 14] {
+        let mut rig = world(1_234, 20, &[]);
+        give(&mut rig, 20, by_marks(2));
+        while rig.int("x.sync.waiting") != 0 {
+            run(&mut rig, 20, 1);
+        }
+        let mut before = rig.real("x.command.velocity") / 1e3;
+        run(&mut rig, 20, 30);
+        assert_eq!(rig.int("x.in_sync"), 0);
+        let mut steepest: f64 = 0.0;
+        for _ in 0..3_000 {
+            run(&mut rig, later, 1);
+            let velocity = rig.real("x.command.velocity") / 1e3;
+            steepest = steepest.max((velocity - before).abs());
+            before = velocity;
+        }
+        assert_eq!(rig.int("x.in_sync"), 1);
+        assert!(rig.real("x.marker.error").abs() < 2.0, "{}", rig.real("x.marker.error"));
+    }
+}
+
+/// From another motion, whose own index pulses tell where the marks are; and from another coupling to the same belt.
+/// Proves: MACS-MARK-15
+#[test]
+fn it_begins_from_any_motion() {
+    for jog in [4_000.0, -3_000.0, 30_000.0] {
+        let mut rig = world(1_234, 10, &[]);
+        give(&mut rig, 10, Action::Move(at(X, jog)));
+        run(&mut rig, 10, 500);
+        let seen = start(&mut rig, 2, 10, None);
+        assert!(seen.apart.abs() <= 1 && seen.acceleration <= ACCELERATION * 1.001, "{jog}: {seen:?}");
+    }
+    let mut rig = world(1_234, 10, &[]);
+    give(&mut rig, 10, Action::Synchronize(Synchronize { mode: SyncMode::Position, ..couple(X, TO_BELT, 2, 1) }));
+    run(&mut rig, 10, 500);
+    let seen = start(&mut rig, 2, 10, None);
+    assert!(seen.apart.abs() <= 1 && seen.acceleration <= ACCELERATION * 1.001, "{seen:?}");
+}
+
+/// The offset is in force once the curve has ended.
+/// Proves: MACS-SYNC-13
+#[test]
+fn an_offset_comes_behind_the_curve() {
+    for number in [7, 1_007] {
+        let mut rig = world(1_234, 10, &[("syncposoffs", 40), ("syncmstart", number)]);
+        let seen = start(&mut rig, 2, 10, None);
+        assert!((seen.apart - 80).abs() <= 1, "{seen:?}");
+        run(&mut rig, 10, 1_500);
+        // Ahead by 40 inc of the belt, and by the 20 that the drive lags.
+        let apart = (rig.int("x.command.position") - 300 - 2 * rig.int("belt.position")).rem_euclid(2_000);
+        assert!((apart - 100).abs() <= 1, "{apart}");
+    }
+}
+
+/// While it waits a cancel, a halt or an error ends it; a belt that is lost, too.
+#[test]
+fn the_wait_ends_as_any_wait_does() {
+    let mut rig = world(300, 10, &[]);
+    rig.give(Action::Move(at(X, 1.0)));
+    let goal = rig.give(by_marks(2));
+    rig.run(3);
+    assert_eq!(rig.int("x.sync.waiting"), goal as i64);
+    rig.give(Action::Halt(AxisSet::one(X)));
+    rig.run(3);
+    assert_eq!((rig.int("x.sync.waiting"), rig.done(goal).len()), (0, 1));
+    assert_ne!(rig.done(goal)[0].code, Code::NONE);
+}
+
+/// A recording that begins in the middle goes on as the machine did: while it waits, and on the curve.
+#[test]
+fn it_is_restored() {
+    for cycles in [5, 80, 130] {
+        let mut rig = world(1_000, 10, &[]);
+        give(&mut rig, 10, by_marks(2));
+        run(&mut rig, 10, cycles);
+        rig.mirror();
+        run(&mut rig, 10, 500);
+        assert_eq!(rig.int("x.in_sync"), 1);
+    }
+}
+
+proptest! {
+    #![proptest_config(super::rig::cases(24))]
+    /// Wherever the roll rests and however fast the belt: the curve ends with the marks together, within the limits, and never goes back.
+    /// Proves: MACS-MARK-15
+    #[test]
+    fn marks_come_together_from_anywhere(place in 0_i64..4_000, speed in 3_i64..40, turned in any::<bool>(), up in any::<bool>(), old in 0_usize..300) {
+        let (ratio, speed) = (if turned { -2 } else { 2 }, if up { speed } else { -speed });
+        let mut rig = world(place, speed, &[]);
+        run(&mut rig, speed, old);
+        let seen = start(&mut rig, ratio, speed, None);
+        prop_assert!(seen.apart.abs() <= 1, "{seen:?}");
+        prop_assert!(seen.acceleration <= ACCELERATION * 1.001 && seen.back == 0.0 && seen.velocity <= 100.0, "{seen:?}");
+        prop_assert!(seen.waited <= 2_000 + 60 * speed.abs(), "{seen:?}");
+    }
+}
