@@ -79,6 +79,18 @@ impl Conditioning {
             && shifts.into_iter().all(|shift| shift.is_none_or(|shift| shift.is_sound()))
     }
 
+    /// What is left of a shift of the master.
+    pub(super) fn shift_left(&self) -> Position {
+        self.shift.map_or(Position::ZERO, |shift| shift.left())
+    }
+
+    /// Shifts the master by so much more.
+    pub(super) fn shift_master(&mut self, way: Position, rates: OffsetRates, cycle_s: f64) {
+        if way != Position::ZERO {
+            self.shift = Some(shift(self.shift_left() + way, rates, cycle_s, self.shift.as_ref()));
+        }
+    }
+
     /// Is there nothing that it has to give?
     fn is_empty(&self) -> bool {
         self.backward == Position::ZERO
@@ -183,7 +195,7 @@ impl Axis {
         let keeps = match mode {
             SyncMode::Velocity => Keeps::Velocity,
             SyncMode::Position => Keeps::Position,
-            SyncMode::Marker => Keeps::Marks,
+            _ => Keeps::Marks,
         };
         let filtering = tau.map(|tau| Filtering { tau, keeps, limit: sync.filter_limit as f64 });
         let fastest = follower.catch_up_velocity() * cycle_s;
@@ -212,12 +224,23 @@ impl Axis {
         let most = band.map_or(f64::INFINITY, |band| {
             (band.velocity * band.share).abs().min((fastest - band.velocity.abs()).max(0.0))
         });
-        let marks = self.step_marks(cx, lead, tau, most).unwrap_or_default();
+        let marks = self.step_marks(cx, (lead, passed_on), tau, most).unwrap_or_default();
         let state = &mut self.conditioning;
-        next.change += Position::from_f64(passed_on.to_f64() * marks.gear);
+        if marks.holds {
+            (next.change, next.uneven) = (marks.master, lead.uneven);
+            return Conditioned { lead: next, ..Conditioned::default() };
+        }
+        next.change += Position::from_f64(passed_on.to_f64() * marks.gear) + marks.master;
         if is_gear {
             let wanted = state.marks.map_or(sync.offset, |marks| marks.offset(sync.offset));
             next.change += state.step_offset(wanted, sync.offset_rates(), cycle_s, most / slope.abs());
+        }
+        if !is_gear && state.marks.is_some() {
+            // Of the master of a cam.
+            next.change += step(&mut state.shift, most);
+            if let Some(path) = &mut state.marks {
+                path.cam.given = next.change - passed_on;
+            }
         }
         let way = marks.way + step(&mut state.late, most);
         state.by_rule &= state.late.is_some();
@@ -263,6 +286,8 @@ impl Axis {
         let late = self.conditioning.late.map_or(Position::ZERO, |late| late.left());
         let owed = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.owed());
         let spread = self.conditioning.marks.map_or(Position::ZERO, |marks| marks.left());
+        let of_master = self.conditioning.marks.is_some_and(|marks| marks.mode == SyncMode::MasterMarker);
+        let spread = if of_master { Position::from_f64(spread.to_f64() * slope) } else { spread };
         Position::from_f64(owed.to_f64() * slope) + late + spread
     }
 
@@ -284,7 +309,7 @@ impl Axis {
     /// Begins for a coupling to that lead.
     pub(super) fn begin_conditioning(&mut self, mode: SyncMode, lead: Lead) {
         let velocity = lead.velocity * self.cycle_s();
-        let marks = (mode == SyncMode::Marker).then(|| MarkPath::new(&self.parameters.marks, velocity));
+        let marks = mode.has_marks().then(|| MarkPath::new(mode, &self.parameters.marks, velocity));
         self.conditioning = Conditioning::begin(&self.parameters.sync, marks);
     }
 

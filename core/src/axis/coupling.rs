@@ -55,7 +55,10 @@ impl Axis {
         }
         let (transmission, offset) = match &request.cam {
             Some(cam) => {
+                let start = cam.start;
                 let (cam, way) = self.cam_of(cx.tables, lead, (cam, request.disengage), self.present().position)?;
+                self.check_cam_marks(request.mode, &cam, start, cx.tables)?;
+                let cam = self.cam_before_mark(request.mode, cam, cx.tables);
                 (Transmission::Cam(cam.with_mean(self.mean_of(leader, lead))), way)
             }
             None => self.gear_of(request)?,
@@ -113,8 +116,8 @@ impl Axis {
     pub(super) fn gear_of(&self, request: &Synchronize) -> Result<(Transmission, Position), Refusal> {
         let ratio = self.ratio_of(request)?;
         let offset = match request.mode {
-            SyncMode::Position | SyncMode::Marker => request.offset.exact(),
             SyncMode::Velocity => Position::ZERO,
+            _ => request.offset.exact(),
         };
         // From one gear to the next the remainder passes on.
         let before = self.coupling().map(|coupling| coupling.follower.transmission());

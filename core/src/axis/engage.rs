@@ -76,7 +76,7 @@ impl Engagement {
             Engage::InPosition { .. } => {
                 !is_cam && mode == SyncMode::Position && Pair::of(engage).is_some_and(|pair| pair.is_sound())
             }
-            Engage::OnEvent(_) => mode != SyncMode::Marker,
+            Engage::OnEvent(_) => !mode.has_marks(),
         };
         can_wait
             && cam.is_none_or(|cam| cam.is_sound())
@@ -147,7 +147,8 @@ impl Axis {
         let numbers = tables.get(usize::from(cam.table)).ok_or_else(|| self.refuse(Code::BAD_REQUEST))?;
         numbers.cam().map_err(|error| super::no_cam(cam.table, error))?;
         if request.engage == Engage::AtEnd {
-            let under_way = self.coupling().filter(|coupling| coupling.leader == leader);
+            let by_place = |coupling: &&Coupling| coupling.leader == leader && !coupling.follower.mode().has_marks();
+            let under_way = self.coupling().filter(by_place);
             let cam = under_way.and_then(|coupling| coupling.follower.transmission().cam());
             if cam.is_none_or(|cam| cam.has_ended(tables)) {
                 return Err(self.refuse(Code::ENGAGE_NO_CAM));

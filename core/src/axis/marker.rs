@@ -8,6 +8,7 @@
 //! Refuses  nothing: who gives marks was checked when the axis was coupled
 //! Source   MACS-MARK-01, -05, -06, -11 to -14, -20, -21, A-33, A-39
 
+use super::cam_marks::CamMarks;
 use super::conditioning::shift;
 use super::smooth::{Curve, fallback};
 use super::{Axis, Context};
@@ -16,7 +17,7 @@ use crate::drive::MAX_LATCHES;
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{Leader, Object};
-use crate::parameter::{MarkSignal, Marks, OffsetRates};
+use crate::parameter::{MarkSignal, Marks, OffsetRates, Synchronization};
 use crate::position::Position;
 use crate::sync::marker::{Asked, Found, Marker, Of, Situation};
 use crate::sync::{Leads, SyncMode, Transmission, status};
@@ -57,7 +58,9 @@ impl Spread {
 /// A coupling by marks.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct MarkPath {
+    pub(super) mode: SyncMode,
     pub(super) marker: Marker,
+    pub(super) cam: CamMarks,
     master: MarkSignal,
     slave: MarkSignal,
     /// SYNCMSTART, as the coupling began.
@@ -83,13 +86,20 @@ pub(super) struct MarkStep {
     pub gear: f64,
     /// What comes to the slave beside.
     pub way: Position,
+    /// What comes to the master of a cam beside; all of it while it holds.
+    pub master: Position,
+    /// The cam does not count yet.
+    pub holds: bool,
 }
 
 impl MarkPath {
     /// While the master moves by `velocity` (inc) in a cycle.
-    pub(super) fn new(marks: &Marks, velocity: f64) -> Self {
+    pub(super) fn new(mode: SyncMode, marks: &Marks, velocity: f64) -> Self {
+        let cam = if mode == SyncMode::Marker { CamMarks::default() } else { CamMarks::new(marks.start) };
         Self {
+            mode,
             marker: Marker::default(),
+            cam,
             master: MarkSignal::decode(marks.master_type),
             slave: MarkSignal::decode(marks.slave_type),
             start: marks.start,
@@ -131,6 +141,7 @@ impl MarkPath {
             && self.velocity.is_finite()
             && self.spread.over >= 0.0
             && self.spread.left.is_legal()
+            && self.cam.is_sound()
             && self.curve.is_none_or(|curve| curve.is_sound())
     }
 
@@ -160,26 +171,36 @@ pub(super) struct ShownMarks {
     pub extra: u64,
 }
 
+/// Two sides in a cycle, master first, and what they are judged by.
+pub(super) struct Sides {
+    pub seen: [Seen; 2],
+    pub changes: [Position; 2],
+    pub sync: Synchronization,
+    pub marks: Marks,
+    /// Increments of the second per increment of the first.
+    pub ratio: f64,
+}
+
 /// Marks of one side in a cycle: so far (inc) before where it is now, and when they came (ns). The oldest first.
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+pub(super) struct Seen {
     marks: [(Position, u64); MAX_LATCHES],
     count: usize,
 }
 
 impl Seen {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { marks: [(Position::ZERO, 0); MAX_LATCHES], count: 0 }
     }
 
-    fn push(&mut self, before: Position, instant_ns: u64) {
+    pub(super) fn push(&mut self, before: Position, instant_ns: u64) {
         if let Some(free) = self.marks.get_mut(self.count) {
             *free = (before, instant_ns);
             self.count += 1;
         }
     }
 
-    fn sorted(&mut self) -> &[(Position, u64)] {
+    pub(super) fn sorted(&mut self) -> &[(Position, u64)] {
         let marks = self.marks.get_mut(..self.count).unwrap_or(&mut []);
         marks.sort_unstable_by_key(|(_, instant)| *instant);
         marks
@@ -208,10 +229,38 @@ impl Axis {
     /// What there is not.
     pub fn check_marks(
         &self,
-        (leader, slave_factor): (Leader, i64),
+        (mode, leader, slave_factor): (SyncMode, Leader, i64),
         has_index: bool,
         latches: impl Fn(u16) -> Option<bool>,
     ) -> Result<(), Refusal> {
+        let marks = &self.parameters.marks;
+        if mode == SyncMode::Marker {
+            self.check_marks_of_gear(slave_factor)?;
+        }
+        let own_index = !self.is_virtual() && self.check_zero_moves().is_ok();
+        let own = Some(self.setup.index);
+        let sides = [(marks.master_type, number_of(leader), has_index, 0), (marks.slave_type, own, own_index, 1)];
+        for (number, encoder, has_index, side) in sides {
+            // The other side of a cam is the cam.
+            if mode == SyncMode::MasterMarker && side == 1 || mode == SyncMode::SlaveMarker && side == 0 {
+                continue;
+            }
+            let signal = MarkSignal::decode(number);
+            let refuse = |code, asked: i64| Err(self.refuse(code).with(Number::Count(asked), Number::Count(side)));
+            match input_of(signal, encoder) {
+                Some(input) if latches(input) != Some(true) => return refuse(Code::MARK_NO_INPUT, input.into()),
+                None if !has_index || !signal.rising => return refuse(Code::MARK_NO_INDEX, number),
+                _ => {}
+            }
+            if let Some((input, _)) = signal.condition.filter(|(input, _)| latches(*input).is_none()) {
+                return refuse(Code::MARK_NO_INPUT, input.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Has a gear what marks need, and is there such a start?
+    fn check_marks_of_gear(&self, slave_factor: i64) -> Result<(), Refusal> {
         let marks = &self.parameters.marks;
         if !matches!(marks.start, 0..=7 | 1_000..=1_007) {
             return Err(self.refuse(Code::MARK_START).with(Number::Count(marks.start), Number::None));
@@ -224,21 +273,6 @@ impl Axis {
         }
         if matches!(marks.start % OFFSET_LATER, 3..=5 | 7) && distance == 0 {
             return Err(self.refuse(Code::MARK_NO_DISTANCE).with(Number::Count(marks.start), Number::None));
-        }
-        let own_index = !self.is_virtual() && self.check_zero_moves().is_ok();
-        let own = Some(self.setup.index);
-        let sides = [(marks.master_type, number_of(leader), has_index, 0), (marks.slave_type, own, own_index, 1)];
-        for (number, encoder, has_index, side) in sides {
-            let signal = MarkSignal::decode(number);
-            let refuse = |code, asked: i64| Err(self.refuse(code).with(Number::Count(asked), Number::Count(side)));
-            match input_of(signal, encoder) {
-                Some(input) if latches(input) != Some(true) => return refuse(Code::MARK_NO_INPUT, input.into()),
-                None if !has_index || !signal.rising => return refuse(Code::MARK_NO_INDEX, number),
-                _ => {}
-            }
-            if let Some((input, _)) = signal.condition.filter(|(input, _)| latches(*input).is_none()) {
-                return refuse(Code::MARK_NO_INPUT, input.into());
-            }
         }
         Ok(())
     }
@@ -310,23 +344,37 @@ impl Axis {
     pub(super) fn step_marks(
         &mut self,
         cx: &mut Context<'_>,
-        lead: Lead,
+        (lead, passed_on): (Lead, Position),
         tau: Option<f64>,
         most: f64,
     ) -> Option<MarkStep> {
         let mut path = self.conditioning.marks?;
         let coupling = self.coupling()?;
-        // On a curve that of the gear behind it.
-        let ratio = match coupling.follower.transmission() {
-            Transmission::Approach(approach) => approach.ratio().to_f64(),
-            gear => gear.signed_slope(),
-        };
-        let leader = coupling.leader;
         let (runs, accuracy) = (coupling.follower.is_in_sync(), coupling.accuracy);
-        let (sync, marks) = (self.parameters.sync, Marks { start: path.start, ..self.parameters.marks });
         let cycle_ms = self.cycle_s() * 1e3;
-        let [mut of_master, mut of_slave] = self.seen_of_both(cx, [path.master, path.slave], (leader, lead));
-        let change = lead.change.to_f64();
+        let seen = self.seen_of_both(cx, [path.master, path.slave], (coupling.leader, lead));
+        if path.cam.holds {
+            let [mut of_master, _] = seen;
+            let since = of_master.sorted().first().map(|(before, _)| *before);
+            path.cam.holds = since.is_none();
+            self.conditioning.marks = Some(path);
+            return Some(MarkStep { holds: true, master: since.unwrap_or_default(), ..MarkStep::default() });
+        }
+        let Sides { mut seen, changes, sync, marks, ratio } = match path.mode {
+            SyncMode::Marker => {
+                // On a curve that of the gear behind it.
+                let ratio = match coupling.follower.transmission() {
+                    Transmission::Approach(approach) => approach.ratio().to_f64(),
+                    gear => gear.signed_slope(),
+                };
+                let marks = Marks { start: path.start, ..self.parameters.marks };
+                Sides { seen, changes: [lead.change, self.actual.change], sync: self.parameters.sync, marks, ratio }
+            }
+            _ => self.sides_of_cam(cx, &mut path, seen, (lead, passed_on))?,
+        };
+        let [of_master, of_slave] = &mut seen;
+        let change = changes[0].to_f64();
+        let most = if path.mode == SyncMode::MasterMarker { f64::INFINITY } else { most };
         if path.curve.is_some() {
             self.watch_curve(&mut path, change);
         }
@@ -337,8 +385,8 @@ impl Axis {
         };
         path.velocity += (change - path.velocity) * share;
         let asked = Asked { sync: &sync, marks: &marks, speed: (path.velocity / cycle_ms).abs(), ratio };
-        path.marker.advance(lead.change, self.actual.change);
-        for (of, seen, extra) in [(Of::Master, &mut of_master, 0), (Of::Slave, &mut of_slave, 1)] {
+        path.marker.advance(changes[0], changes[1]);
+        for (of, seen, extra) in [(Of::Master, of_master, 0), (Of::Slave, of_slave, 1)] {
             let before = *path.marker.side(of);
             for mark in seen.sorted() {
                 let is_extra = path.marker.take(of, *mark, &asked) == Found::Extra;
@@ -358,7 +406,7 @@ impl Axis {
 
         let mut at_once = Position::ZERO;
         loop {
-            let under_way = (self.under_way() + path.left() + at_once).to_f64();
+            let under_way = (self.ordered_of(&path) + path.left() + at_once).to_f64();
             let offset = self.conditioning.offset_given() as f64;
             let sense = if path.velocity * ratio < 0.0 { -1.0 } else { 1.0 };
             let situation = Situation { asked, offset, under_way, runs, sense };
@@ -374,7 +422,11 @@ impl Axis {
             }
             path.ordered += correction;
             if let Some(rates) = sync.offset_rates() {
-                self.add_late(correction, rates, ratio.abs());
+                if path.mode == SyncMode::MasterMarker {
+                    self.conditioning.shift_master(correction, rates, cycle_ms / 1e3);
+                } else {
+                    self.add_late(correction, rates, ratio.abs());
+                }
             } else if let Some((over, is_time)) = spread_over(&asked, tau, cycle_ms) {
                 path.spread = Spread { left: path.spread.left + correction, over, is_time };
             } else {
@@ -388,9 +440,12 @@ impl Axis {
                 cx.events.push(event.with(Number::Real(pair.error), Number::Count(accuracy.saturating_abs())));
             }
         }
-        let step =
-            MarkStep { gear: path.marker.law().gear_correction(&asked), way: at_once + path.spread.step(change, most) };
-        let done = path.ordered - (self.under_way() + path.left());
+        let gear = path.marker.law().gear_correction(&asked);
+        let way = at_once + path.spread.step(change, most);
+        let (way, master) =
+            if path.mode == SyncMode::MasterMarker { (Position::ZERO, way) } else { (way, Position::ZERO) };
+        let step = MarkStep { gear, way, master, holds: false };
+        let done = path.ordered - (self.ordered_of(&path) + path.left());
         let is_done = if path.first < Position::ZERO { done <= path.first } else { done >= path.first };
         if path.marker.has_begun() && is_done {
             path.offset_waits = false;
@@ -399,12 +454,17 @@ impl Axis {
         Some(step)
     }
 
+    /// What was ordered of the side that is corrected, and is not done yet, but what is spread.
+    fn ordered_of(&self, path: &MarkPath) -> Position {
+        if path.mode == SyncMode::MasterMarker { self.conditioning.shift_left() } else { self.under_way() }
+    }
+
     /// May something else shift the axis against its leader? Marks would take that back.
     ///
     /// # Errors
     /// It is coupled by marks.
     pub(super) fn check_no_marks(&self) -> Result<(), Refusal> {
-        let by_marks = self.coupling().is_some_and(|coupling| coupling.follower.mode() == SyncMode::Marker);
+        let by_marks = self.coupling().is_some_and(|coupling| coupling.follower.mode().has_marks());
         if by_marks { Err(self.refuse(Code::MARKS_SHIFT)) } else { Ok(()) }
     }
 
@@ -483,7 +543,6 @@ fn spread_over(asked: &Asked<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<(f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameter::{Marks, Synchronization};
 
     /// Tau 100000 us: over 1000 ms, 50000 us: over 500 ms; with SYNCMFTIME over the distance of the marks, else at once.
     /// Proves: MACS-SYNC-10, MACS-MARK-13, MACS-O-37

@@ -12,6 +12,7 @@ mod brake;
 mod buffer;
 mod calm;
 mod cam;
+mod cam_marks;
 mod conditioning;
 mod coupling;
 mod course;

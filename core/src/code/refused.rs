@@ -248,6 +248,34 @@ codes! {
         remedy: "Use one that exists.",
     }
 
+    /// Marks of a cam whose periods are not whole.
+    CAM_MARKS_PERIOD = 10067, NoError {
+        says: "marks of a cam need a cyclic table, whose period is of whole increments of the side with the marks, by these scales",
+        cause: "A mode by marks of a cam was asked for, and its table is not cyclic, or a period of the side with the marks, scaled, is not of whole increments.",
+        remedy: "Use a cyclic table, and scales with which its length, or the way of the slave in a period, is whole.",
+    }
+
+    /// Marks of a slave that its cam does not feed.
+    CAM_MARKS_STROKE = 10068, NoError {
+        says: "marks of the slave need a cam that feeds; this one comes back to where its period began",
+        cause: "Mode CAM_SLAVE_MARKER with a table whose last value is its first one.",
+        remedy: "Use marks of the master (CAM_MASTER_MARKER), or a table that feeds.",
+    }
+
+    /// A sensor of marks of a cam too far away.
+    CAM_MARKS_DISTANCE = 10069, NoError {
+        says: "the sensor of the marks is {asked} inc away; at most {limit} inc, 8 periods of the cam, is allowed",
+        cause: "syncmpulsm, with marks of the slave syncmpulss, is more than 8 periods.",
+        remedy: "Give the distance from sensor to working place.",
+    }
+
+    /// A cam that counts from a mark on, and does not begin where it is.
+    CAM_MARKS_START = 10070, NoError {
+        says: "syncmstart 2000 begins a cam at the first mark of its master; cam_start RELATIVE and mode CAM_MASTER_MARKER are allowed with it",
+        cause: "syncmstart 2000 with ABSOLUTE or RAMP_IN, or with marks of the slave.",
+        remedy: "Use RELATIVE, or another syncmstart, all of which take the nearest mark.",
+    }
+
     /// A shift of an axis that is coupled by marks.
     MARKS_SHIFT = 10029, NoError {
         says: "the axis is coupled by marks, which would take that back; parameter syncposoffs shifts it",

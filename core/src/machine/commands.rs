@@ -9,7 +9,6 @@ use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{Leader, Object};
 use crate::parameter::Marker;
-use crate::sync::SyncMode;
 
 impl Machine {
     /// Carries out and answers what is of the machine, before its inputs are read, and returns as bits which commands are left for
@@ -269,7 +268,7 @@ impl Machine {
         if self.closes_loop(request.axis, leader) {
             return Err(Refusal::new(Code::LEADER_LOOP, Object::Axis(request.axis)));
         }
-        if request.mode == SyncMode::Marker {
+        if request.mode.has_marks() {
             self.check_marks(axis, leader, request)?;
         }
         Ok(())
@@ -293,6 +292,6 @@ impl Machine {
             self.config.io.get(usize::from(*io)).map(|io| io.latch)
         };
         let factor = if request.numerator == 0 { axis.parameters.sync_slave } else { request.numerator };
-        axis.check_marks((leader, factor), has_index, latches)
+        axis.check_marks((request.mode, leader, factor), has_index, latches)
     }
 }

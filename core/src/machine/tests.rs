@@ -5,6 +5,7 @@ mod amc;
 mod anything;
 mod buffer;
 mod buses;
+mod cam_marks;
 mod cams;
 mod changes;
 mod conditioning;

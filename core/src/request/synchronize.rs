@@ -21,6 +21,14 @@ const POSITION: u8 = 1;
 const CAM: u8 = 3;
 /// Mode MARKER.
 const MARKER: u8 = 2;
+/// Modes CAM_MASTER_MARKER and CAM_SLAVE_MARKER.
+const CAM_MASTER_MARKER: u8 = 4;
+const CAM_SLAVE_MARKER: u8 = 5;
+
+/// Is it a mode of cams?
+fn is_cam(mode: u8) -> bool {
+    matches!(mode, CAM | CAM_MASTER_MARKER | CAM_SLAVE_MARKER)
+}
 /// Numbers of `engage`.
 const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
@@ -122,7 +130,13 @@ impl MachineConfig {
             0 => SyncMode::Velocity,
             POSITION | CAM => SyncMode::Position,
             MARKER => SyncMode::Marker,
-            other => return Err(choice("mode", other, "0 VELOCITY, 1 POSITION, 2 MARKER, 3 CAM are allowed")),
+            CAM_MASTER_MARKER => SyncMode::MasterMarker,
+            CAM_SLAVE_MARKER => SyncMode::SlaveMarker,
+            other => {
+                let allowed =
+                    "0 VELOCITY, 1 POSITION, 2 MARKER, 3 CAM, 4 CAM_MASTER_MARKER, 5 CAM_SLAVE_MARKER are allowed";
+                return Err(choice("mode", other, allowed));
+            }
         };
         let disengage = match request.disengage {
             0 => Disengage::Stop,
@@ -138,7 +152,7 @@ impl MachineConfig {
         let leader = leader.transpose()?;
         let engage = self.resolve_engage(request, leader)?;
         let offset = length("offset", request.offset, scale)?;
-        let cam = if request.mode == CAM {
+        let cam = if is_cam(request.mode) {
             let numbers = [("numerator", request.numerator), ("denominator", request.denominator)];
             if let Some((field, value)) = numbers.into_iter().find(|(_, value)| *value != 0) {
                 return Err(choice_of_cam(field, value));
@@ -176,6 +190,10 @@ impl MachineConfig {
             (0, ..) => Ok(Engage::Immediately),
             (AT_POSITION | ON_EVENT, MARKER, _) => {
                 Err(RequestError::NotBuilt("engage AT_POSITION or ON_EVENT in mode MARKER".into()))
+            }
+            (AT_POSITION | ON_EVENT | AT_END, CAM_MASTER_MARKER | CAM_SLAVE_MARKER, _) => {
+                let what = "engage AT_POSITION, ON_EVENT or AT_END in modes CAM_MASTER_MARKER and CAM_SLAVE_MARKER";
+                Err(RequestError::NotBuilt(what.into()))
             }
             (AT_POSITION, _, None) => Err(RequestError::NoMeaning {
                 field: "engage",

@@ -38,6 +38,15 @@ pub struct Cam {
     passed: i8,
 }
 
+/// Periods of a cam: that of the master has the sign of its scale, that of the slave that of its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Periods {
+    /// (inc of the master)
+    pub master: Option<i64>,
+    /// (inc of the slave)
+    pub slave: Option<i64>,
+}
+
 /// Cycles over which the speed of a lead is smoothed.
 const MEAN_CYCLES: f64 = 64.0;
 
@@ -99,6 +108,45 @@ impl Cam {
     /// What its table has there, scaled (inc).
     pub fn scaled(&self) -> Position {
         Gear::new(self.slave.ratio()).step(self.value)
+    }
+
+    /// The same from the value at the start of the table.
+    pub fn from_start(&self, tables: &[Arc<Table>]) -> Position {
+        let first = self.find(tables).and_then(|(table, _)| table.y().first().copied()).unwrap_or_default();
+        Gear::new(self.slave.ratio()).step(self.value - Position::whole(first))
+    }
+
+    /// Where its master is in a period (inc of the master, not scaled).
+    pub fn master_place(&self) -> f64 {
+        self.place.to_f64() / self.master.ratio().to_f64()
+    }
+
+    /// Periods of a cyclic cam in increments of master and slave, as far as they are whole.
+    pub fn periods(&self, tables: &[Arc<Table>]) -> Periods {
+        let Some((_, shape)) = self.find(tables).filter(|(_, shape)| shape.is_cyclic) else {
+            return Periods::default();
+        };
+        let scaled = |way: i64, numerator: i64, denominator: i64| {
+            let product = i128::from(way) * i128::from(numerator);
+            let is_whole = denominator != 0 && product % i128::from(denominator) == 0;
+            is_whole.then(|| i64::try_from(product / i128::from(denominator)).ok()).flatten()
+        };
+        let (master, slave) = (self.master.ratio(), self.slave.ratio());
+        Periods {
+            master: scaled(shape.length, master.denominator(), master.numerator()),
+            slave: scaled(shape.way, slave.numerator(), slave.denominator()),
+        }
+    }
+
+    /// The same, whose master is so far before (inc of the master, along its way through the table).
+    #[must_use]
+    pub fn moved_back(self, way: Position, tables: &[Arc<Table>]) -> Self {
+        let ratio = self.master.ratio();
+        let scaled = Gear::new(ratio).step(way);
+        let scaled = if ratio.numerator() < 0 { -scaled } else { scaled };
+        let place = self.place - scaled;
+        Self::new(self.table, (ratio, self.slave.ratio()), place, tables)
+            .map_or(self, |cam| Self { rests: self.rests, ..cam })
     }
 
     /// Has it passed the end of a table that has one?

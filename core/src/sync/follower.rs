@@ -301,8 +301,8 @@ impl Follower {
     /// Geared leader minus slave (inc); 0 in mode velocity, which has no position relation.
     pub fn error(&self, slave: Position) -> Position {
         match self.mode {
-            SyncMode::Position | SyncMode::Marker => self.target - slave,
             SyncMode::Velocity => Position::ZERO,
+            _ => self.target - slave,
         }
     }
 
@@ -497,8 +497,8 @@ impl Follower {
         let geared = change.to_f64();
         let rate = bounds.acceleration * cycle_s * cycle_s;
         let way = match self.mode {
-            SyncMode::Position | SyncMode::Marker => (self.target - change - position).to_f64(),
             SyncMode::Velocity => 0.0,
+            _ => (self.target - change - position).to_f64(),
         };
         let (closing, arrives) = closing(way, rate);
         // A leader that is as fast as the goal's velocity can only be caught with more.
@@ -513,8 +513,8 @@ impl Follower {
         if arrives && step == geared + closing {
             self.phase = Phase::Synchronized;
             return match self.mode {
-                SyncMode::Position | SyncMode::Marker => self.target,
                 SyncMode::Velocity => position + change,
+                _ => self.target,
             };
         }
         self.phase = Phase::CatchingUp;

@@ -42,12 +42,21 @@ pub enum SyncMode {
     Position,
     /// SYNCM: the same, and marks of both are brought together.
     Marker,
+    /// SYNCCMM: a cam, and marks of its master correct where that is in the table.
+    MasterMarker,
+    /// SYNCCMS: a cam, and marks of its slave correct where that is.
+    SlaveMarker,
 }
 
 impl SyncMode {
     /// Does it keep a position?
     pub fn keeps_position(self) -> bool {
         self != Self::Velocity
+    }
+
+    /// Is it coupled by marks?
+    pub fn has_marks(self) -> bool {
+        matches!(self, Self::Marker | Self::MasterMarker | Self::SlaveMarker)
     }
 }
 

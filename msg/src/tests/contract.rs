@@ -167,7 +167,7 @@ const OWN_INTERFACES: [(&str, &str); 31] = [
     ),
     (
         "action/Synchronize",
-        "uint8 VELOCITY=0 POSITION=1 MARKER=2 CAM=3
+        "uint8 VELOCITY=0 POSITION=1 MARKER=2 CAM=3 CAM_MASTER_MARKER=4 CAM_SLAVE_MARKER=5
         uint8 IMMEDIATELY=0 AT_POSITION=1 ON_EVENT=2 AT_END=3
         uint8 STOP=0 KEEP_VELOCITY=1
         uint8 ABSOLUTE=0 RELATIVE=1 RAMP_IN=2
@@ -531,8 +531,8 @@ fn every_constant_has_its_value() {
             SEARCH_SWITCH = 1, LEAVE_SWITCH = 2, SEARCH_INDEX = 3, MOVE_TO_OFFSET = 4, IN_DRIVE = 5
         }
         SynchronizeGoal {
-            VELOCITY = 0, POSITION = 1, MARKER = 2, CAM = 3, IMMEDIATELY = 0, AT_POSITION = 1, ON_EVENT = 2, STOP = 0,
-            KEEP_VELOCITY = 1, ABSOLUTE = 0, RELATIVE = 1, RAMP_IN = 2
+            VELOCITY = 0, POSITION = 1, MARKER = 2, CAM = 3, CAM_MASTER_MARKER = 4, CAM_SLAVE_MARKER = 5,
+            IMMEDIATELY = 0, AT_POSITION = 1, ON_EVENT = 2, STOP = 0, KEEP_VELOCITY = 1, ABSOLUTE = 0, RELATIVE = 1, RAMP_IN = 2
         }
         SynchronizeFeedback { WAITING = 0, CATCHING_UP = 1, SYNCHRONIZED = 2 }
         CommandFunctionRequest { RESET = 0, START = 1, VALUE_NEW = 5, READ_VALUE = 6 }

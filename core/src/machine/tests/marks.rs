@@ -4,7 +4,7 @@ use super::direction::set;
 use super::rig::{LINE, Rig, X, config, couple};
 use crate::code::Code;
 use crate::command::{Action, Move, Phase, PhaseShift, PhaseSide, Synchronize};
-use crate::config::{IoConfig, IoKind};
+use crate::config::{IoConfig, IoKind, MachineConfig, TableConfig};
 use crate::drive::{Edge, Latch};
 use crate::encoder::PulseCheck;
 use crate::event::Kind;
@@ -21,26 +21,30 @@ const T_NS: f64 = 1e6;
 const TYPES: [(&str, i64); 2] = [("syncmtypm", 12), ("syncmtyps", 22)];
 
 /// A world with a sensor for products on the belt, and one for labels on x.
-struct World {
-    rig: Rig,
+pub(super) struct World {
+    pub(super) rig: Rig,
     /// Places of products that have not come yet, and where the belt is.
-    products: Vec<f64>,
-    belt: i64,
+    pub(super) products: Vec<f64>,
+    pub(super) belt: i64,
     /// Every so far a label, the first one there.
     labels: (f64, f64),
     /// Where x will be seen in the next cycle, and was in the last one.
     x: [i64; 2],
     /// 1 or -1: how belt and x count.
-    sense: (f64, f64),
+    pub(super) sense: (f64, f64),
     /// When the last ones came (cycles).
     product_at: f64,
     label_at: f64,
 }
 
 fn marked(changes: &[(&str, i64)]) -> Rig {
+    marked_with(vec![], changes)
+}
+
+fn marked_with(tables: Vec<TableConfig>, changes: &[(&str, i64)]) -> Rig {
     let input = |name: &str, latch| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch };
     let io = vec![input("product", true), input("label", true), input("gate", false)];
-    let mut rig = Rig::of(crate::config::MachineConfig { io, ..config(0) });
+    let mut rig = Rig::of(MachineConfig { io, tables, ..config(0) });
     rig.enable();
     for changes in [&TYPES[..], &[("syncmpulsm", 1_000), ("syncmpulss", 2_000)], changes] {
         let given = set(&mut rig, changes);
@@ -56,10 +60,18 @@ fn by_marks() -> Action {
 impl World {
     /// Products every 1000 inc from `first` on, labels every 2000 from 300 on.
     fn new(first: f64, changes: &[(&str, i64)]) -> Self {
+        Self::of(marked(changes), first)
+    }
+
+    pub(super) fn with_tables(tables: Vec<TableConfig>, first: f64, changes: &[(&str, i64)]) -> Self {
+        Self::of(marked_with(tables, changes), first)
+    }
+
+    fn of(rig: Rig, first: f64) -> Self {
         let products = (0..400).map(|place| first + f64::from(place) * 1_000.0).collect();
         let (x, labels) = ([0; 2], (2_000.0, 300.0));
         let (product_at, label_at, sense) = (f64::NAN, f64::NAN, (1.0, 1.0));
-        Self { rig: marked(changes), products, belt: 0, labels, x, sense, product_at, label_at }
+        Self { rig, products, belt: 0, labels, x, sense, product_at, label_at }
     }
 
     fn couple(&mut self) -> u64 {
@@ -68,7 +80,7 @@ impl World {
         goal
     }
 
-    fn see(&mut self) {
+    pub(super) fn see(&mut self) {
         self.x = [self.x[1], self.rig.int("x.output.position")];
     }
 
@@ -78,7 +90,7 @@ impl World {
     }
 
     /// One cycle in which the belt moves by so much.
-    fn cycle(&mut self, change: i64) {
+    pub(super) fn cycle(&mut self, change: i64) {
         let now = self.rig.machine.next_cycle() as f64;
         self.rig.plant.jump_encoder(0, change);
         let belt = self.belt as f64 * self.sense.0;
@@ -102,7 +114,7 @@ impl World {
         self.see();
     }
 
-    fn run(&mut self, cycles: usize, change: i64) {
+    pub(super) fn run(&mut self, cycles: usize, change: i64) {
         for _ in 0..cycles {
             self.cycle(change);
         }
@@ -113,7 +125,7 @@ impl World {
         (self.label_at - self.product_at) * 20.0
     }
 
-    fn events(&self, code: Code) -> usize {
+    pub(super) fn events(&self, code: Code) -> usize {
         self.rig.events.iter().filter(|event| event.kind == Kind::Warning && event.code == code).count()
     }
 }

@@ -44,10 +44,15 @@ enum Start {
     Nearest,
     /// None: the curve has brought them together.
     Smooth,
+    /// Those that are nearest to each other, at once (2000: cams).
+    Cam,
 }
 
 impl Start {
     fn of(number: i64) -> Self {
+        if number == 2_000 {
+            return Self::Cam;
+        }
         match number % 1_000 {
             0 => Self::MasterFirst,
             1 => Self::SlaveFirst,
@@ -62,7 +67,7 @@ impl Start {
 
     /// Does it wait for the velocity of the master?
     fn waits(self) -> bool {
-        !matches!(self, Self::MasterFirst | Self::SlaveFirst | Self::First { waits: false })
+        !matches!(self, Self::MasterFirst | Self::SlaveFirst | Self::First { waits: false } | Self::Cam)
     }
 
     /// Does nearness choose the mark of the master?
@@ -241,6 +246,12 @@ impl Marker {
             self.master.forget(side::MOST_GROUPS);
             self.slave.forget(side::MOST_GROUPS);
             return None;
+        }
+        if start == Start::Cam {
+            let total = self.next_error(situation)?;
+            self.has_begun = true;
+            self.law.start(total, &situation.asked);
+            return Some(total);
         }
         if start == Start::Smooth {
             self.master.forget(side::MOST_GROUPS);

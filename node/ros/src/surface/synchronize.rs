@@ -44,13 +44,17 @@ impl AxisAction for Synchronize {
     fn feedback(
         view: &AxisView,
         snapshot: &Snapshot,
-        _goal: &SynchronizeGoal,
+        goal: &SynchronizeGoal,
         progress: Progress,
     ) -> Option<SynchronizeFeedback> {
         let coupled = view.bit(&snapshot.board, AxisSignal::InSync);
         let waits = view.int(&snapshot.board, AxisSignal::SyncWaiting) == progress.sequence.cast_signed();
         let error = view.int(&snapshot.board, AxisSignal::SyncError);
         let of_marks = |signal| {
+            // Marks of the leader of a cam are counted in its increments.
+            if goal.mode == SynchronizeGoal::CAM_MASTER_MARKER {
+                return 0.0;
+            }
             let increments = view.real(&snapshot.board, signal);
             // The cast saturates.
             let whole = increments.floor();

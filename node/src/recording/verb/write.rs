@@ -466,6 +466,8 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
             }
         }),
         mode: match request.mode {
+            SyncMode::MasterMarker => "cam_master_marker",
+            SyncMode::SlaveMarker => "cam_slave_marker",
             _ if request.cam.is_some() => "cam",
             SyncMode::Velocity => "velocity",
             SyncMode::Position => "position",

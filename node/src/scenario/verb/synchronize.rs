@@ -7,7 +7,8 @@ use lineshaft_core::request::{CamRequest, SynchronizeRequest};
 use lineshaft_core::sync::CamStart;
 use lineshaft_core::unit::{Fraction, Scale};
 
-const MODES: [(&str, u8); 4] = [("velocity", 0), ("position", 1), ("marker", 2), ("cam", 3)];
+const MODES: [(&str, u8); 6] =
+    [("velocity", 0), ("position", 1), ("marker", 2), ("cam", 3), ("cam_master_marker", 4), ("cam_slave_marker", 5)];
 const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
 const ENGAGES: [(&str, u8); 4] =

@@ -1,0 +1,279 @@
+//! Cams with marks: products on a belt that a cam follows, labels on a roll that it feeds.
+//!
+//! The cam feeds 2000 inc in 1000 inc of the belt: 900 in the first half, 1100 in the second one.
+
+use super::direction::set;
+use super::marks::World;
+use super::rig::{X, cam, couple};
+use crate::code::Code;
+use crate::command::{Action, CamIn, Synchronize};
+use crate::config::TableConfig;
+use crate::event::{Event, Kind};
+use crate::object::Leader;
+use crate::sync::gear::Ratio;
+use crate::sync::{CamStart, SyncMode};
+use crate::table::{CamSetting, Form, Table};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+const TO_BELT: Leader = Leader::Encoder(0);
+const SPEED: i64 = 2;
+const FEED: u16 = 0;
+const BACK: u16 = 1;
+const ONCE: u16 = 2;
+
+fn tables() -> Vec<TableConfig> {
+    let once = CamSetting { is_cyclic: false, ..CamSetting::default() };
+    let xy = |y: [i64; 3]| Table::new(Form::Xy, &[0, 500, 1_000], &y).expect("points");
+    let tables =
+        [("feed", xy([0, 900, 2_000])), ("back", xy([0, 50, 0])), ("once", xy([0, 900, 2_000]).with_cam(once))];
+    tables.map(|(name, table)| TableConfig { name: name.into(), table: Arc::new(table) }).into()
+}
+
+/// Products every 1000 inc from 500 on.
+fn world(changes: &[(&str, i64)]) -> World {
+    World::with_tables(tables(), 500.0, changes)
+}
+
+fn request(mode: SyncMode, cam: CamIn) -> Synchronize {
+    Synchronize { mode, cam: Some(cam), ..couple(X, TO_BELT, 0, 0) }
+}
+
+fn start(world: &mut World, mode: SyncMode) -> u64 {
+    let goal = world.rig.give(Action::Synchronize(request(mode, cam(FEED, CamStart::Relative))));
+    assert!(world.rig.was_accepted(goal), "{}", world.rig.refusal(goal));
+    world.see();
+    goal
+}
+
+/// Where the cam has its slave at a place of its master, over all periods.
+fn fed(place: f64) -> f64 {
+    let (periods, x) = (place.div_euclid(1_000.0), place.rem_euclid(1_000.0));
+    2_000.0 * periods + if x < 500.0 { 1.8 * x } else { 900.0 + 2.2 * (x - 500.0) }
+}
+
+/// How far the command is from where a cam is whose master is shifted by `shift` (inc).
+fn off(world: &World, shift: f64) -> f64 {
+    world.rig.int("x.command.position") as f64 - fed(world.belt as f64 + shift)
+}
+
+/// The sensor sees a product 300 inc before its working place, and then the cam has to have 300 inc to go to its start: it has 500, so that it goes 200
+/// ahead. However that is done: in the end each product meets the start, and the slave is where the table says, exactly.
+/// Proves: MACS-CMD-14, MACS-SYNC-01, MACS-MARK-03
+#[test]
+fn products_meet_the_start_of_the_cam() {
+    let ways: [&[(&str, i64)]; 4] =
+        [&[], &[("syncofftime", 400)], &[("syncmftime", 1_000)], &[("syncmftime", 1_000), ("syncofftime", 800)]];
+    for changes in ways {
+        let mut world = world(&[&[("syncmpulsm", 300)], changes].concat());
+        start(&mut world, SyncMode::MasterMarker);
+        world.run(200, SPEED);
+        assert_eq!((world.rig.int("x.in_sync"), off(&world, 0.0).abs() <= 1.0), (0, true), "no mark yet");
+        world.run(12_000, SPEED);
+        assert!(off(&world, 200.0).abs() <= 1.0, "{changes:?}: {}", off(&world, 200.0));
+        assert_eq!(world.rig.int("x.in_sync"), 1);
+        assert!(world.rig.real("x.marker.error").abs() < 0.1);
+        let way = world.rig.int("x.marker.master");
+        assert_eq!((way - 500).rem_euclid(1_000), 0, "MIPOS");
+    }
+}
+
+/// 2300 inc away the sensor tells of a product two periods later: its mark corrects once that is as near as 300 inc.
+/// Proves: MACS-MARK-03
+#[test]
+fn marks_of_a_sensor_far_away_wait_for_their_period() {
+    let mut world = world(&[("syncmpulsm", 2_300)]);
+    start(&mut world, SyncMode::MasterMarker);
+    // Products 500, 1500, 2500; from 3500 on they come 60 inc later.
+    for product in world.products.iter_mut().skip(3) {
+        *product += 60.0;
+    }
+    let marks = |world: &World| -> Vec<Event> {
+        world.rig.events.iter().filter(|event| event.kind == Kind::Mark).cloned().collect()
+    };
+    while world.belt < 2_480 {
+        world.cycle(SPEED);
+    }
+    assert_eq!(marks(&world).len(), 0);
+    while world.belt < 4_400 {
+        world.cycle(SPEED);
+    }
+    assert_eq!(marks(&world).len(), 2);
+    // The one at 3560 was seen, and nothing is corrected for it before 5560.
+    while world.belt < 5_540 {
+        world.cycle(SPEED);
+    }
+    assert!(off(&world, 200.0).abs() <= 1.0, "{}", off(&world, 200.0));
+    world.run(300, SPEED);
+    assert!(off(&world, 140.0).abs() <= 1.0, "{}", off(&world, 140.0));
+}
+
+/// With a window a lost product corrects nothing, and is told once; one between corrects nothing, either. A correction keeps its bound.
+/// Proves: MACS-MARK-07, MACS-MARK-18
+#[test]
+fn windows_and_bounds_hold_for_cams() {
+    let mut world = world(&[("syncmpulsm", 300), ("syncmwinm", 100), ("syncmmaxcorr", 30)]);
+    start(&mut world, SyncMode::MasterMarker);
+    world.run(6_000, SPEED);
+    assert!(off(&world, 200.0).abs() <= 1.0);
+    let corrections = world.rig.events.iter().filter(|event| event.kind == Kind::Mark);
+    assert!(corrections.map(|event| event.limit).all(|limit| match limit {
+        crate::event::Number::Real(correction) => correction.abs() <= 30.0,
+        _ => false,
+    }));
+    let first = world.products[0];
+    world.products.remove(1);
+    world.products.insert(1, first + 400.0);
+    world.run(3_000, SPEED);
+    assert_eq!((world.events(Code::MARK_MISSED), world.events(Code::MARK_EXTRA)), (1, 1));
+    assert!(off(&world, 200.0).abs() <= 1.0);
+}
+
+/// Backwards, and with a master that runs through the table the other way round.
+/// Proves: MACS-CMD-14
+#[test]
+fn marks_of_cams_go_by_the_sense_of_the_cam() {
+    for (speed, scale) in [(-SPEED, 1), (SPEED, -1), (-SPEED, -1)] {
+        let mut world = world(&[("syncmpulsm", 300)]);
+        world.sense = ((speed / SPEED) as f64, 1.0);
+        let turned = CamIn { master_scale: Ratio::new(scale, 1).unwrap(), ..cam(FEED, CamStart::Relative) };
+        let goal = world.rig.give(Action::Synchronize(request(SyncMode::MasterMarker, turned)));
+        assert!(world.rig.was_accepted(goal), "{}", world.rig.refusal(goal));
+        world.see();
+        world.run(9_000, speed);
+        // Products lie at 500 and each 1000 further; there the cam has 300 to go along its way.
+        let sense = scale as f64;
+        let at_product = world.rig.int("x.command.position") as f64;
+        let shifts = [200.0, -200.0, 800.0, -800.0];
+        let of = |shift: f64| at_product - fed(sense * world.belt as f64 + shift);
+        assert!(shifts.iter().any(|shift| of(*shift).abs() <= 1.0), "{speed} {scale}: {:?}", shifts.map(of));
+        let product = speed.signum() as f64 * 500.0;
+        let place = |shift: f64| (sense * product + shift).rem_euclid(1_000.0);
+        let met = shifts.iter().filter(|shift| of(**shift).abs() <= 1.0).all(|shift| place(*shift) == 700.0);
+        assert!(met, "{speed} {scale}");
+    }
+}
+
+/// The sensor of the labels lies 500 inc before the place where a period of the slave begins: the roll is shifted by 800 inc until the cam has
+/// 1500 where a label comes, and by what the drive lags.
+/// Proves: MACS-CMD-14, MACS-MARK-04
+#[test]
+fn labels_meet_the_period_of_the_slave() {
+    for changes in [&[][..], &[("syncofftime", 400)]] {
+        let mut world = world(&[&[("syncmpulss", 500), ("syncaccuracy", 20)], changes].concat());
+        start(&mut world, SyncMode::SlaveMarker);
+        world.run(8_000, SPEED);
+        let off = off(&world, 0.0).rem_euclid(2_000.0);
+        assert!((off - 804.0).abs() <= 2.0, "{off}");
+        assert!(world.rig.real("x.marker.error").abs() < 0.5);
+        assert_eq!((world.rig.int("x.in_sync"), world.rig.int("x.sync.status") & 0b10), (1, 0b10));
+    }
+}
+
+/// With syncmstart 2000 the master counts from its first mark on, where the cam has as far to go as the sensor is away.
+/// Proves: MACS-MARK-14, MACS-CMD-13
+#[test]
+fn a_cam_begins_at_the_first_mark() {
+    let mut world = world(&[("syncmpulsm", 300), ("syncmstart", 2_000)]);
+    start(&mut world, SyncMode::MasterMarker);
+    world.run(240, SPEED);
+    assert_eq!((world.rig.int("x.command.position"), world.rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+    world.run(4_000, SPEED);
+    let expected = fed(world.belt as f64 + 200.0) - fed(700.0);
+    assert!((world.rig.int("x.command.position") as f64 - expected).abs() <= 1.0);
+    // There was nothing to correct.
+    assert!(world.rig.real("x.marker.error").abs() < 0.1 && world.rig.int("x.in_sync") == 1);
+}
+
+#[test]
+fn what_marks_of_cams_cannot_be_is_refused() {
+    let third = CamIn { master_scale: Ratio::new(3, 1).unwrap(), ..cam(FEED, CamStart::Relative) };
+    let relative = |table| cam(table, CamStart::Relative);
+    let of = |mode, cam| Action::Synchronize(request(mode, cam));
+    let (master, slave) = (SyncMode::MasterMarker, SyncMode::SlaveMarker);
+    for (changes, action, sentence) in [
+        (("syncmarkm", 1), of(master, relative(ONCE)), "x: marks of a cam need a cyclic table"),
+        (("syncmarkm", 1), of(master, third), "x: marks of a cam need a cyclic table"),
+        (("syncmarkm", 1), of(slave, relative(BACK)), "x: marks of the slave need a cam that feeds"),
+        (
+            ("syncmpulsm", 8_001),
+            of(master, relative(FEED)),
+            "x: the sensor of the marks is 8001 inc away; at most 8000 inc",
+        ),
+        (
+            ("syncmpulss", 16_001),
+            of(slave, relative(FEED)),
+            "x: the sensor of the marks is 16001 inc away; at most 16000",
+        ),
+        (("syncmstart", 2_000), of(slave, relative(FEED)), "x: syncmstart 2000 begins a cam at the first mark"),
+        (("syncmstart", 2_000), of(master, cam(FEED, CamStart::RampIn)), "x: syncmstart 2000 begins a cam"),
+        (("syncmtypm", 1), of(master, relative(FEED)), "x: syncmtypm 1 asks for an index pulse that there is not"),
+        (("syncmtyps", 33), of(slave, relative(FEED)), "x: syncmtyps names digital input 3"),
+    ] {
+        let mut world = world(&[changes]);
+        let goal = world.rig.give(action);
+        let refusal = world.rig.refusal(goal);
+        assert!(refusal.starts_with(sentence), "{refusal}");
+        assert_eq!(world.rig.state("x"), "STANDSTILL");
+    }
+    // The other side needs no marks.
+    let mut world = world(&[("syncmtyps", 33)]);
+    start(&mut world, master);
+}
+
+/// A recording that begins in the middle goes on as the machine did: with marks that wait, too.
+#[test]
+fn cams_with_marks_are_restored() {
+    for (mode, changes) in [
+        (SyncMode::MasterMarker, [("syncmpulsm", 2_300), ("syncofftime", 400)]),
+        (SyncMode::SlaveMarker, [("syncmpulss", 4_300), ("syncmftime", 1_000)]),
+    ] {
+        let mut world = world(&changes);
+        start(&mut world, mode);
+        world.run(1_333, SPEED);
+        world.rig.mirror();
+        world.run(2_000, SPEED);
+    }
+}
+
+/// A phase shift or a superimposed move would be taken back.
+#[test]
+fn nothing_else_shifts_a_cam_with_marks() {
+    let mut world = world(&[("syncmpulsm", 300)]);
+    start(&mut world, SyncMode::MasterMarker);
+    let shift =
+        crate::command::PhaseShift { shift: crate::position::Length::whole(10), velocity: 1.0, acceleration: 1.0 };
+    let side = crate::command::PhaseSide::Slave(shift);
+    let goal = world.rig.give(Action::Phase(crate::command::Phase { axis: X, side }));
+    assert!(world.rig.refusal(goal).contains("coupled by marks"), "{}", world.rig.refusal(goal));
+    set(&mut world.rig, &[("syncmpulsm", 400)]);
+    world.see();
+    world.run(3_000, SPEED);
+    // It acts at once: 400 inc before its place the product is seen.
+    assert!(off(&world, 100.0).abs() <= 1.0);
+}
+
+proptest! {
+    #![proptest_config(super::rig::cases(24))]
+    /// Wherever the sensor is and products come, whatever they did before: in the end each meets the start of the cam, by the nearest way.
+    /// Proves: MACS-CMD-14
+    #[test]
+    fn each_product_meets_the_start(
+        distance in 250_i64..8_000,
+        first in 1.0..1_000.0_f64,
+        jitter in prop::collection::vec(-90.0..90.0_f64, 6),
+        time in prop_oneof![Just(0_i64), Just(300)],
+        speed in 1_i64..4,
+    ) {
+        let mut world = World::with_tables(tables(), first, &[("syncmpulsm", distance), ("syncofftime", time), ("syncmwinm", 250)]);
+        for (product, by) in world.products.iter_mut().zip(&jitter) {
+            *product += by;
+        }
+        start(&mut world, SyncMode::MasterMarker);
+        world.run(25_000 / speed as usize, speed);
+        let shift = (-distance as f64 - first).rem_euclid(1_000.0);
+        let off = [shift, shift - 1_000.0, shift + 1_000.0].map(|shift| off(&world, shift));
+        prop_assert!(off.iter().any(|off| off.abs() <= 1.5), "{off:?}");
+        prop_assert_eq!(world.rig.int("x.in_sync"), 1);
+    }
+}
