@@ -109,6 +109,7 @@ impl Smooth {
 }
 
 /// What came of a cycle of waiting.
+#[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 enum Outcome {
     Waits,
     FallsBack,
@@ -249,7 +250,8 @@ impl Axis {
         let marks = ((end - mark).to_f64() / period).round();
         let pair = mark + Position::from_f64(marks * period) - Position::from_f64(geared);
         let (approach, shape) = Approach::new(ratio, length, Begin { place: from.place - pair, ..from })?;
-        let jerk = approach.jerk() * (speed.abs() / self.cycle_s()).powi(3);
+        let per_s = speed.abs() / self.cycle_s();
+        let jerk = approach.jerk() * per_s * per_s * per_s;
         let is_smooth = self.parameters.max_jerk.is_none_or(|most| jerk <= most);
         (is_smooth && self.leads_forward(&approach, speed) && self.bears(shape, *way)).then_some(approach)
     }

@@ -131,13 +131,13 @@ impl Approach {
 
     /// The largest change of its bends, without its sign (1/inc^2): they are straight but for a parabola, so that ends and apex tell.
     pub fn jerk(&self) -> f64 {
-        let length = self.length as f64;
+        let length = (self.length as f64).abs();
         let third = derivative(&derivative(&derivative(&self.curve())));
         let [_, linear, square, ..] = third;
         let apex = -linear / (2.0 * square);
         let apex = if (0.0..=1.0).contains(&apex) { apex } else { 0.0 };
         let largest = [0.0, 1.0, apex].map(|at| value(&third, at).abs()).into_iter().fold(0.0, f64::max);
-        largest / length.abs().powi(3)
+        largest / length / length / length
     }
 
     /// The follower's change by one of its leader, and the gear that takes it from here on.

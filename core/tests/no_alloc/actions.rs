@@ -140,7 +140,11 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
         11 if number % 5 == 4 => Action::Synchronize(Synchronize {
             axis,
             leader: Some(Leader::Encoder(0)),
-            mode: SyncMode::Marker,
+            mode: match number % 4 {
+                0 => SyncMode::MasterMarker,
+                2 => SyncMode::SlaveMarker,
+                _ => SyncMode::Marker,
+            },
             engage: Engage::Immediately,
             disengage: Disengage::Stop,
             numerator: number,
@@ -148,7 +152,7 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             offset: Length::default(),
             velocity: 0.0,
             acceleration: 0.0,
-            cam: None,
+            cam: (number % 2 == 0).then(|| cam(number)),
         }),
         11 => Action::Synchronize(Synchronize {
             axis,

@@ -229,7 +229,12 @@ fn coupling() -> impl Strategy<Value = Action> {
                 axis,
                 // Its index gives marks.
                 leader: if by_marks { Some(Leader::Encoder(0)) } else { leader },
-                mode: if by_marks { SyncMode::Marker } else { by_position },
+                mode: match (by_marks, cam.is_some(), relates) {
+                    (false, ..) => by_position,
+                    (true, false, _) => SyncMode::Marker,
+                    (true, true, false) => SyncMode::MasterMarker,
+                    (true, true, true) => SyncMode::SlaveMarker,
+                },
                 engage: if by_marks { Engage::Immediately } else { engage },
                 disengage: if keeps { Disengage::KeepVelocity } else { Disengage::Stop },
                 numerator,
@@ -237,7 +242,7 @@ fn coupling() -> impl Strategy<Value = Action> {
                 offset: Length::whole(offset),
                 velocity: 0.0,
                 acceleration: 0.0,
-                cam: if by_marks { None } else { cam },
+                cam,
             })
         },
     )
@@ -454,6 +459,7 @@ proptest! {
         modulo in any::<bool>(),
         sense in (posdrct(), 0_i64..3),
         is_braked in any::<bool>(),
+        start in prop_oneof![Just(0), Just(7), Just(1_005), Just(2_000)],
         happenings in prop::collection::vec((happening(), any::<bool>()), 1..40),
     ) {
         let mut config = config(delay);
@@ -463,6 +469,8 @@ proptest! {
         for axis in &mut config.axes {
             axis.parameters.error_reaction = reaction;
             axis.parameters.max_jerk = Some(2e7);
+            axis.parameters.marks.start = start;
+            (axis.parameters.sync.mark_distance, axis.parameters.marks.slave_distance) = (1_000, 2_000);
         }
         for (axis, interface) in config.axes[1..].iter_mut().zip(interfaces) {
             axis.interface = interface;

@@ -1,6 +1,7 @@
-use super::rig::{LINE, Rig, X, Y, at, couple, to};
+use super::rig::{LINE, Rig, X, Y, at, config, couple, parameters, scale, to};
 use crate::code::Code;
 use crate::command::{Action, Commands, Move, Synchronize};
+use crate::config::AxisConfig;
 use crate::drive::{Backend, EncoderInput};
 use crate::object::{AxisSet, Leader};
 use crate::sync::Disengage;
@@ -84,6 +85,30 @@ fn a_chain_of_gears_adds_no_delay_whatever_the_order_of_the_file() {
         rig.run(1);
         assert_eq!(rig.int("x.command.position"), rig.int("line.command.position"));
     }
+}
+
+/// 64 axes, each the master of the one before it in the file, at 1 : 1, with every other one turned round: the last one is where the first one is, in every cycle.
+#[test]
+fn a_chain_of_sixty_four_adds_no_delay() {
+    let mut config = config(0);
+    let line = config.axes.remove(usize::from(LINE));
+    let axis = |name: String| AxisConfig::new(name, scale(), None, parameters());
+    config.axes = std::iter::once(line).chain((1..=64).map(|place| axis(format!("s{place}")))).collect();
+    let mut rig = Rig::of(config);
+    rig.enable();
+    let couplings = (1..=64_u16).map(|place| {
+        // The last one of the file is the first one of the chain.
+        let leader = if place == 64 { LINE } else { place + 1 };
+        Action::Synchronize(couple(place, Leader::AxisCommand(leader), if place % 2 == 0 { 1 } else { -1 }, 1))
+    });
+    let last = rig.give_all(couplings.collect());
+    assert!(rig.was_accepted(last));
+    rig.give(Action::Move(Move { velocity: 20_000.0, ..to(LINE, 20_000) }));
+    for _ in 0..1_500 {
+        rig.run(1);
+        assert_eq!(rig.int("s1.command.position"), rig.int("line.command.position"));
+    }
+    assert_eq!(rig.int("s1.command.position"), 20_000);
 }
 
 #[test]
