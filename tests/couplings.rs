@@ -75,3 +75,45 @@ fn a_gear_meets_a_pair_of_places() {
         assert_eq!(web.seen(), (json!("SYNCHRONIZED_MOTION"), [place, shear]));
     }
 }
+
+/// The web at 10 inc a cycle, the shear 5; it leaves its gear where the web is at 20000, stops or goes on, and its goal succeeds. By its goal's own words it
+/// leaves where it is at 30000 itself. What cannot be asked for is refused by name, and ends nothing.
+#[test]
+fn a_gear_is_left_at_a_place() {
+    let mut web = Web::start();
+    let refused = |web: &mut Web, arguments: &str, sentence: &str| {
+        let said = web.cyclone.fails(&format!("gear-out /lineshaft {arguments}"));
+        assert!(said.contains(sentence), "{said}");
+    };
+    refused(&mut web, "--axis shear", "shear: no goal of synchronize couples the axis");
+    refused(&mut web, "--axis shears --at now", "no axis is called `shears`");
+    refused(&mut web, "--axis shear --at 3", "at is 3; 0 NOW, 1 MASTER_POSITION, 2 POSITION are allowed");
+    refused(&mut web, "--axis shear --disengage 3", "disengage is 3; 0 STOP, 1 KEEP_VELOCITY, 2 AS_GOAL are allowed");
+    refused(&mut web, "--axis shear --increments 5", "increments is 5; 0 is allowed with at NOW");
+    let far = "--axis shear --at position --increments 4611686018427387904";
+    refused(&mut web, far, "increments is 4611686018427387904; within +-2^62 is allowed");
+
+    for (disengage, at, left_at, state) in [
+        ("stop", "--at master_position --increments 20000 --disengage stop", 20_000, "STANDSTILL"),
+        ("stop", "--at master_position --increments 60000 --disengage keep_velocity", 60_000, "CONTINUOUS_MOTION"),
+        ("keep_velocity", "--at position --increments 20000 --disengage as_goal", 40_000, "CONTINUOUS_MOTION"),
+    ] {
+        web.cyclone.run("move /lineshaft --axis web --position 0 --wait");
+        web.cyclone.run("move /lineshaft --axis shear --position 0 --wait");
+        let gear = format!("synchronize /lineshaft --axis shear --master web --denominator 2 --disengage {disengage}");
+        let goal = web.cyclone.run(&gear)["goal"].as_str().expect("an id").to_owned();
+        web.cyclone.run("events /lineshaft");
+        web.cyclone.run("move /lineshaft --axis web --mode velocity --velocity 0.02");
+        web.cyclone.run(&format!("gear-out /lineshaft --axis shear {at}"));
+        let ended = web.cyclone.run(&format!("result /lineshaft synchronize {goal}"));
+        let result = &ended["result"];
+        assert_eq!((&result["code"], ended["status"].as_str()), (&json!(0), Some("SUCCEEDED")), "{ended:?}");
+        assert_eq!(result["message"], "shear: gear_out has uncoupled the axis");
+        let place = result["position_increments"].as_i64().expect("increments");
+        // Half the place, a cycle later at the most, and the way to rest of 10 inc a cycle at 10 m/s^2: 5 inc.
+        assert!((left_at / 2..=left_at / 2 + 20).contains(&place), "{at}: {place}");
+        let (seen, [leader, _]) = web.seen();
+        assert!(seen == state && leader >= left_at, "{seen} {leader}");
+        web.cyclone.run("axes /lineshaft halt");
+    }
+}

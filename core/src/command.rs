@@ -96,6 +96,8 @@ pub enum Action {
     Synchronize(Synchronize),
     /// Shifts one axis against its leader.
     Phase(Phase),
+    /// Ends the coupling of one axis at a place (MC_GearOut, MC_CamOut).
+    GearOut(GearOut),
     /// A verb of a vocabulary on one axis.
     Vocabulary(Request),
     /// Ends the goal that the command of this sequence number started, with a controlled stop.
@@ -391,6 +393,28 @@ pub enum MasterPosition {
     Increments(Length),
     /// As `x.master.position` shows it: in master units where MENCODER is negative (MACS-UNIT-09), else in increments.
     Shown(f64),
+}
+
+/// Where a coupling is left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LeaveAt {
+    /// In the cycle of the command.
+    Now,
+    /// Where the leader is there (inc), within its turn where it has one.
+    Leader(i64),
+    /// Where the axis itself is there (inc), likewise.
+    Axis(i64),
+}
+
+/// The end of the coupling that one axis has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GearOut {
+    /// The axis that follows.
+    pub axis: u16,
+    /// Where.
+    pub at: LeaveAt,
+    /// What happens then; none: what the coupling was asked for with.
+    pub disengage: Option<Disengage>,
 }
 
 /// A coupling of one axis to a leader.

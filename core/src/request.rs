@@ -5,6 +5,7 @@
 
 mod error;
 mod function;
+mod gear_out;
 mod homing;
 mod meaning;
 mod memory;
@@ -18,6 +19,7 @@ mod trajectory;
 
 pub use error::RequestError;
 pub use function::{FieldValue, FunctionRequest};
+pub use gear_out::GearOutRequest;
 pub use homing::{HomeRequest, SetPositionRequest};
 pub use phase::PhaseRequest;
 pub use rates::Rates;

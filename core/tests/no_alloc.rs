@@ -5,7 +5,7 @@ mod actions;
 #[path = "no_alloc/cell.rs"]
 mod cell;
 
-use actions::{Numbers, action, command, trajectory};
+use actions::{Numbers, action, command, leaving, trajectory};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use cell::{absolute, config, long_table, model, slots, table};
 use lineshaft_core::code::Code;
@@ -49,7 +49,7 @@ macro_rules! kinds {
 
 kinds! {
     Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, Trajectory, HomeAxis,
-    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, Cancel, SetParameters, SaveParameters,
+    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, GearOut, Cancel, SetParameters, SaveParameters,
     ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, LoadTable, SetOutputs, Refuse, Note,
 }
 
@@ -142,6 +142,16 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
         if pause.is_none() && orders.below(25) == 0 {
             sequence += 1;
             commands.push(Command { sequence, source: Source::Scenario, action: command(&mut orders) });
+        }
+        // A coupling is to be left as soon as it is asked for: later it is seldom there.
+        let coupled = commands.iter().find_map(|command| match &command.action {
+            Action::Synchronize(request) => Some(request.axis),
+            _ => None,
+        });
+        if let Some(axis) = coupled {
+            sequence += 1;
+            let action = Action::GearOut(leaving(axis, cycle.cast_signed()));
+            commands.push(Command { sequence, source: Source::Scenario, action });
         }
         if pause.is_none() && orders.below(60) == 0 {
             let table = table(2 + orders.below(5) as i64);

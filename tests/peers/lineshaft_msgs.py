@@ -12,6 +12,8 @@ UNITS = ("si", "axis_unit", "increments")
 SIDES = ("slave", "master")
 ENGAGES = ("immediately", "at_position", "on_event", "at_end")
 SYNC_MODES = ("velocity", "position", "marker", "cam", "cam_master_marker", "cam_slave_marker")
+LEAVE_AT = ("now", "master_position", "position")
+DISENGAGES = ("stop", "keep_velocity", "as_goal")
 CAM_STARTS = ("absolute", "relative", "ramp_in")
 EDGES = ("rising", "falling", "both")
 LAYERS = ("user", "init")
@@ -237,6 +239,14 @@ class VocabularyRequest(IdlStruct, typename="VocabularyRequest"):
     axis: str = ""
     verb: str = ""
     arguments: str = ""
+
+
+@dataclass
+class GearOutRequest(IdlStruct, typename="GearOutRequest"):
+    axis: str = ""
+    at: t.uint8 = 0
+    increments: t.int64 = 0
+    disengage: t.uint8 = 0
 
 
 @dataclass

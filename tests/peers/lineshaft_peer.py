@@ -30,7 +30,7 @@ import streams
 import trajectories
 import watch
 from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, ENGAGES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
-                            AxesRequest, AxisStates, Event, ImportRequest, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest,
+                            AxesRequest, AxisStates, DISENGAGES, Event, GearOutRequest, ImportRequest, LEAVE_AT, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest,
                             RecordResponse, ResetRequest, SyncGoal, VocabularyRequest)
 from report import Failure, plain, show, told
 
@@ -233,6 +233,7 @@ def synchronize(peer, a):
                                 start_distance_increments=a.start_distance_increments, offset=a.offset,
                                 denominator=ratio[1], table=a.table, cam_start=CAM_STARTS.index(a.cam_start),
                                 master_scale=a.master_scale, slave_scale=a.slave_scale,
+                                disengage=DISENGAGES.index(a.disengage),
                                 master_offset=a.master_offset, slave_offset=a.slave_offset))
 
     if a.expect:
@@ -250,6 +251,12 @@ def synchronize(peer, a):
         time.sleep(a.seconds)
         cancel_goal(client, gid)
         finish(client, gid, "CANCELED")
+
+
+def gear_out(peer, a):
+    client = peer.service(a.node, "gear_out", "GearOut", GearOutRequest, Answer)
+    number = lambda given, names: names.index(given) if given in names else int(given)
+    told(client.call(GearOutRequest(a.axis, number(a.at, LEAVE_AT), a.increments, number(a.disengage, DISENGAGES))))
 
 
 def phase(peer, a):
@@ -336,12 +343,15 @@ def parser():
                 master_offset=0.0, slave_offset=0.0, table="", master_increments=0,
                 slave_increments=0, start_distance_increments=0, event="", offset=0.0)
     p.add_argument("--engage", choices=ENGAGES, default="immediately")
+    p.add_argument("--disengage", choices=DISENGAGES[:2], default="stop")
     p.add_argument("--cam-start", choices=CAM_STARTS, default="absolute")
     p.add_argument("--axis", required=True)
     p.add_argument("--master", required=True)
     p.add_argument("--mode", choices=SYNC_MODES, default="position")
     p.add_argument("--seconds", type=float, help="cancel after this time; left out: stay coupled")
     p.add_argument("--expect", choices=rw.STATUS.values(), help="how the goal ends, instead of waiting for the coupling")
+    p = command("gear-out", gear_out, at="now", increments=0, disengage="stop")
+    p.add_argument("--axis", required=True)
     p = command("phase", phase, shift=0.0, velocity=0.0, acceleration=0.0, expect="")
     p.add_argument("--axis", required=True)
     p.add_argument("--side", choices=SIDES, default="slave")

@@ -53,10 +53,12 @@ impl Axis {
         if request.engage != Engage::Immediately || self.smooth_start(request.mode, lead).is_some() {
             return self.wait_to_engage(cx, sequence, (request, leader));
         }
+        let led = self.led_ahead(request.mode);
         let (transmission, offset) = match &request.cam {
             Some(cam) => {
                 let start = cam.start;
-                let (cam, way) = self.cam_of(cx.tables, lead, (cam, request.disengage), self.present().position)?;
+                let stands = self.present().position - led;
+                let (cam, way) = self.cam_of(cx.tables, lead, (cam, request.disengage), stands)?;
                 self.check_cam_marks(request.mode, &cam, start, cx.tables)?;
                 let cam = self.cam_before_mark(request.mode, cam, cx.tables);
                 (Transmission::Cam(cam.with_mean(self.mean_of(leader, lead))), way)
@@ -64,12 +66,20 @@ impl Axis {
             None => self.gear_of(request)?,
         };
         let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
+        let follower = follower.led_ahead(led);
         let coupling = self.coupling_by(leader, request, follower);
         self.begin_goal(cx, sequence, None);
         self.begin_conditioning(request.mode, lead);
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
+    }
+
+    /// How far it is led ahead of what it follows, where a coupling in `mode` goes on with that: what it leads itself is then no way to go, and
+    /// where it begins not beside its drive.
+    pub(super) fn led_ahead(&self, mode: SyncMode) -> Position {
+        let before = self.coupling().filter(|_| mode.keeps_position());
+        before.map_or(Position::ZERO, |coupling| coupling.follower.led_by())
     }
 
     /// The coupling that a request asks for.

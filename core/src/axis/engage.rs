@@ -283,7 +283,8 @@ impl Axis {
         };
         let bounds = self.bounds_of(request)?;
         let before = self.follows_by_position(*leader);
-        let stands = before.map_or(self.present().position, Follower::place);
+        let led = self.led_ahead(request.mode);
+        let stands = before.map_or_else(|| self.present().position - led, Follower::place);
         let (next, offset) = self.cam_of(tables, lead, (cam, request.disengage), stands)?;
         let next = next.with_mean(self.mean_of(*leader, lead));
         // Where the slave is to be, and the cam as it is then.
@@ -303,7 +304,8 @@ impl Axis {
             Some(before) => before.handed_over(transmission, target, bounds, goes_on),
             None => {
                 let present = self.present();
-                Follower::new(lead.uneven, transmission, request.mode, present, target - present.position, bounds)
+                let offset = target + led - present.position;
+                Follower::new(lead.uneven, transmission, request.mode, present, offset, bounds).led_ahead(led)
             }
         };
         Ok(self.coupling_by(*leader, request, follower))
@@ -336,7 +338,7 @@ fn begun_before(old: Option<Transmission>, next: Cam, after: Position, tables: &
 
 /// How far behind a place the leader is that has come to it in this cycle, from either side, or stands there. Where it was `seen` last it was
 /// in the cycle before; it may have been set there since.
-fn passed(place: Position, lead: Lead, seen: Position) -> Option<Position> {
+pub(super) fn passed(place: Position, lead: Lead, seen: Position) -> Option<Position> {
     let (before, now) = (lead.position - lead.change, lead.position);
     let is_there = place == now || place == before && before != seen;
     let is_passed = is_there || (before < place && place < now) || (now < place && place < before);

@@ -68,10 +68,12 @@ impl Axis {
         started: Started,
     ) -> Result<Follower, Refusal> {
         let Started { leader, lead, after, .. } = started;
-        let (bounds, present) = (self.bounds_of(request)?, self.present());
+        let (bounds, present, led) = (self.bounds_of(request)?, self.present(), self.led_ahead(request.mode));
         let new = |transmission, target: Position| {
-            Follower::new(lead.uneven, transmission, request.mode, present, target - present.position, bounds)
+            let offset = target + led - present.position;
+            Follower::new(lead.uneven, transmission, request.mode, present, offset, bounds).led_ahead(led)
         };
+        let stands = present.position - led;
         if request.mode == SyncMode::Velocity {
             let (transmission, _) = self.gear_of(request)?;
             return Ok(new(transmission, present.position));
@@ -87,13 +89,13 @@ impl Axis {
             Some(pair) if pair.distance == 0 => {
                 let mut gear = Gear::new(ratio);
                 let way = gear.step(after);
-                let slave = self.turn_of(pair.slave, present.position - way);
+                let slave = self.turn_of(pair.slave, stands - way);
                 (Transmission::Gear(gear), slave + way, false)
             }
             Some(pair) => {
                 let on_leader = back.filter(|(before, ..)| before.phase() != Phase::CatchingUp);
                 let speed = started.speed();
-                let from = on_leader.map_or_else(|| self.beginning(speed, after), |(_, from, _)| from);
+                let from = on_leader.map_or_else(|| self.beginning(stands, speed, after), |(_, from, _)| from);
                 let approach = self.approach(pair, Way { ratio, speed, from, bounds })?;
                 let mut transmission = Transmission::Approach(approach);
                 let target = from.place + transmission.step(Lead { change: after, ..Lead::default() }, tables);
@@ -108,7 +110,7 @@ impl Axis {
                         (from.place, old.with_ratio(ratio), old.ratio() == ratio)
                     }
                     Some((_, from, _)) => (from.place, Gear::new(ratio), false),
-                    None => (present.position, Gear::new(ratio), false),
+                    None => (stands, Gear::new(ratio), false),
                 };
                 let offset = request.offset.exact();
                 let target = stands + offset + gear.step(after);
@@ -121,14 +123,14 @@ impl Axis {
         })
     }
 
-    /// The present motion where the leader was so far behind where it is, by its way at so many increments a cycle.
-    fn beginning(&self, speed: f64, after: Position) -> Begin {
+    /// The present motion of an axis that `stands` there, where the leader was so far behind where it is, by its way at so many increments a cycle.
+    fn beginning(&self, stands: Position, speed: f64, after: Position) -> Begin {
         let (present, cycle_s) = (self.present(), self.cycle_s());
         let slope = present.velocity * cycle_s / speed;
         let bend = present.acceleration * cycle_s * cycle_s / speed / speed;
         let after = after.to_f64();
         let way = Position::from_f64(slope * after - bend * after * after / 2.0);
-        Begin { place: present.position - way, slope: slope - bend * after, bend }
+        Begin { place: stands - way, slope: slope - bend * after, bend }
     }
 
     /// The way to a pair.

@@ -69,6 +69,7 @@ impl Axis {
         self.end_overlay(cx, code, numbers);
         self.end_phase(cx, code, numbers);
         self.end_engagement(cx, code, numbers);
+        self.end_leaving(cx, code, numbers);
         self.buffer.end(cx.events, self.setup.index, code, self.command.position, numbers);
         self.owner = Owner::Native;
         // Switched off and on again it follows on.

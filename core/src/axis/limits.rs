@@ -101,6 +101,14 @@ impl Axis {
         self.judge_limit(cx, next, watched, is_added)
     }
 
+    /// Its power goes, or its command begins anew where it is: what it lacks of the stop at a limit then is no way that it has left it by
+    /// (MACS-LIM-05).
+    pub(super) fn note_stop_given_up(&mut self) {
+        let Some(stopped) = self.at_limits.stopped else { return };
+        let room = self.room(stopped.up, self.actual.position).max(stopped.room);
+        self.at_limits.stopped = Some(Stopped { room, ..stopped });
+    }
+
     fn judge_limit(&mut self, cx: &mut Context<'_>, next: Motion, watched: bool, is_added: bool) -> bool {
         let crossed = self.crossed_limit(next, is_added);
         let Some(up) = crossed.or_else(|| self.passed_limit(next).filter(|_| watched)) else { return false };

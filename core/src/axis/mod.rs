@@ -26,6 +26,7 @@ mod goal;
 mod homing;
 mod in_force;
 mod judge;
+mod leave;
 mod limit_switch;
 mod limits;
 mod marker;
@@ -95,6 +96,7 @@ use generator::Generator;
 use goal::Goal;
 use homing::Homing;
 use judge::Judge;
+use leave::Leaving;
 use limits::AtLimits;
 use master::Sight;
 use overlay::Overlay;
@@ -253,6 +255,7 @@ pub struct Axis {
     phasing: Option<Phasing>,
     conditioning: Conditioning,
     engagement: Option<Engagement>,
+    leaving: Option<Leaving>,
     buffer: Buffer,
     waiting: Waiting,
 }
@@ -298,6 +301,7 @@ impl Axis {
             phasing: None,
             conditioning: Conditioning::default(),
             engagement: None,
+            leaving: None,
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
@@ -373,6 +377,7 @@ impl Axis {
         self.follow_stream(cx);
         self.follow_function(cx);
         self.engage(cx);
+        self.leave(cx);
         self.end_cam(cx);
         self.obey_inputs(cx);
         self.heed_stop(cx);
@@ -386,8 +391,12 @@ impl Axis {
     fn settle_step(&mut self, cx: &mut Context<'_>) {
         self.settle_vocabularies(cx);
         self.settle_phase(cx);
+        self.settle_leaving(cx);
         self.settle_conditioning();
         self.switch_drive(cx);
+        if self.holding.had_power && !self.at_limits.is_free() && !self.is_on() {
+            self.note_stop_given_up();
+        }
         self.work_brake(cx.cycle);
         self.settle_waiting(cx);
     }
@@ -438,7 +447,8 @@ impl Axis {
             && self.overlay.is_none_or(|overlay| overlay.is_sound())
             && self.phasing.is_none_or(|phasing| phasing.is_sound() && self.coupling().is_some())
             && self.conditioning.is_sound()
-            && self.engagement.is_none_or(|engagement| engagement.is_sound());
+            && self.engagement.is_none_or(|engagement| engagement.is_sound())
+            && self.leaving.is_none_or(|leaving| leaving.is_sound() && self.coupling().is_some());
         let fits = match self.generator {
             Generator::Rest => true,
             Generator::Open { .. } | Generator::Coast { .. } => self.is_open_loop(),

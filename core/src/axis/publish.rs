@@ -115,6 +115,7 @@ impl Axis {
         set(EncoderErrors, self.encoder_errors());
         let (slave, master) = self.phase_left();
         set(SyncWaiting, self.engaging());
+        set(SyncLeaving, self.leaving());
         let (backward, owed) = self.kept_of_master();
         let marks = self.shown_marks();
         set(MarkerError, real(marks.error));

@@ -159,6 +159,7 @@ impl Axis {
             && self.phasing.is_none()
             && !self.is_conditioned()
             && self.engagement.is_none()
+            && self.leaving.is_none()
             && self.buffer.is_empty()
             && self.waiting.is_empty()
             && self.left.is_none()

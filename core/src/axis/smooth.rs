@@ -162,7 +162,9 @@ impl Axis {
             Some(follower) => follower,
             None => {
                 let (gear, offset) = self.gear_of(request)?;
-                Follower::new(lead.uneven, gear, request.mode, self.present(), offset, self.bounds_of(request)?)
+                let bounds = self.bounds_of(request)?;
+                let follower = Follower::new(lead.uneven, gear, request.mode, self.present(), offset, bounds);
+                follower.led_ahead(self.led_ahead(request.mode))
             }
         };
         let coupling = self.coupling_by(leader, request, follower);
@@ -200,10 +202,11 @@ impl Axis {
         let ratio = self.ratio_of(request)?;
         let bounds = self.bounds_of(request)?;
         let (present, cycle_s, speed) = (self.present(), self.cycle_s(), mean.velocity);
+        let led = self.led_ahead(request.mode);
         // One that is coupled to a counted master shows single counts.
         let velocity = if self.coupling().is_some() { self.steady_velocity() } else { present.velocity };
         let from = Begin {
-            place: present.position,
+            place: present.position - led,
             slope: velocity * cycle_s / speed,
             bend: present.acceleration * cycle_s * cycle_s / speed / speed,
         };
@@ -218,7 +221,7 @@ impl Axis {
             if let Some(approach) = self.curve(&way, left, slave) {
                 let transmission = Transmission::Approach(approach);
                 let follower = Follower::new(lead.uneven, transmission, request.mode, present, Position::ZERO, bounds);
-                return Ok(Outcome::Begins(follower.passing()));
+                return Ok(Outcome::Begins(follower.led_ahead(led).passing()));
             }
             groups += 1.0;
         }

@@ -199,6 +199,7 @@ impl Axis {
         } else if was_braked && matches!(self.power, Power::On | Power::Opening { .. }) {
             if lasting.is_some() && self.own_brake().is_some() {
                 // The brake holds it away from its command: it begins where it is, as with enable.
+                self.note_stop_given_up();
                 self.stand_on_actual();
                 self.judge.fill(self.asked());
                 lasting = None;
@@ -248,15 +249,21 @@ impl Axis {
     }
 
     fn cancel_active(&mut self, cx: &mut Context<'_>) {
-        let limits = self.active_limits();
         self.homing.stop();
         self.end_overlay(cx, Code::CANCELLED, NO_NUMBERS);
         self.end_phase(cx, Code::CANCELLED, NO_NUMBERS);
         self.end_engagement(cx, Code::NOT_REACHED, NO_NUMBERS);
+        self.end_leaving(cx, Code::NOT_REACHED, NO_NUMBERS);
         self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
-        let goes_on = self.coupling().is_some_and(|coupling| coupling.disengage == Disengage::KeepVelocity);
-        if goes_on {
-            self.end_goal(cx, Code::CANCELLED);
+        let disengage = self.coupling().map_or(Disengage::Stop, |coupling| coupling.disengage);
+        self.uncouple(cx, disengage, Code::CANCELLED);
+    }
+
+    /// Ends the active goal with `code`: at once where the axis goes on alone at the velocity of its coupling, else once it stands.
+    pub(super) fn uncouple(&mut self, cx: &mut Context<'_>, disengage: Disengage, code: Code) {
+        let limits = self.active_limits();
+        if disengage == Disengage::KeepVelocity {
+            self.end_goal(cx, code);
             let steady = self.steady_velocity();
             // Alone it may not go where its master led it.
             let velocity = if self.reverses_alone() { steady } else { steady.max(0.0) };
@@ -266,7 +273,7 @@ impl Axis {
             self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
         } else {
             if let Some(goal) = &mut self.goal {
-                goal.ending = Some(Code::CANCELLED);
+                goal.ending = Some(code);
             }
             self.brake_to_rest(cx, &limits);
         }

@@ -299,6 +299,20 @@ codes! {
         remedy: "Nothing, if that was meant.",
     }
 
+    /// gear_out has uncoupled the axis, as was asked for: its goal has succeeded.
+    GEARED_OUT = 10240, NoError {
+        says: "gear_out has uncoupled the axis",
+        cause: "gear_out has ended the coupling, at once or where its place was passed; the goal of synchronize has succeeded.",
+        remedy: "Nothing: that was asked for.",
+    }
+
+    /// gear_out of an axis that no goal of `synchronize` couples.
+    NOT_COUPLED = 10241, NoError {
+        says: "no goal of synchronize couples the axis: there is nothing to leave",
+        cause: "gear_out was asked of an axis that no goal of synchronize couples: it waits to engage, stops already, or something else moves it.",
+        remedy: "Couple it first; cancel a goal that waits to engage.",
+    }
+
     /// halt ended the goal.
     HALTED = 10102, NoError {
         says: "halt ended the goal",

@@ -103,6 +103,11 @@ impl Code {
         self.row().map(|row| row.class).filter(|class| *class != Class::NoError)
     }
 
+    /// Is a goal that ends with it one that has succeeded?
+    pub fn succeeds(self) -> bool {
+        self.is_none() || self == Self::GEARED_OUT
+    }
+
     /// True where nothing is wrong.
     pub const fn is_none(self) -> bool {
         self.0 == 0

@@ -8,6 +8,7 @@ use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
     self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word,
 };
+use crate::modulo::Modulo;
 use crate::object::{Leader, Object, VIRTUAL_MASTER};
 use crate::signal::{Directory, Measure, Signal};
 use crate::table::Table;
@@ -403,6 +404,14 @@ impl MachineConfig {
     /// The scale of what leads, of a sum that of all of its members; increments where it has no other.
     pub fn scale_of(&self, leader: Leader) -> Scale {
         self.known_scale_of(leader).unwrap_or_else(Scale::increments)
+    }
+
+    /// The turn of what leads.
+    pub fn turn_of(&self, leader: Leader) -> Option<Modulo> {
+        match leader {
+            Leader::AxisCommand(axis) | Leader::AxisActual(axis) => self.axes.get(usize::from(axis))?.modulo,
+            _ => None,
+        }
     }
 
     /// The same, where it has one.

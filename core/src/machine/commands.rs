@@ -3,7 +3,9 @@
 use super::{MAX_COMMANDS, Machine, Told};
 use crate::axis::Axis;
 use crate::code::Code;
-use crate::command::{Action, Command, Commands, Engage, MemoryValue, Phase, PhaseSide, ProbeEdge, Synchronize};
+use crate::command::{
+    Action, Command, Commands, Engage, GearOut, MemoryValue, Phase, PhaseSide, ProbeEdge, Synchronize,
+};
 use crate::config::IoKind;
 use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -82,6 +84,7 @@ impl Machine {
             | Action::SetMasterPosition(_)
             | Action::Synchronize(_)
             | Action::Phase(_)
+            | Action::GearOut(_)
             | Action::Vocabulary(_)
             | Action::Cancel { .. } => Ok(true),
             Action::SetEncoderPosition(request) if usize::from(request.encoder) >= self.state.encoders.len() => {
@@ -216,6 +219,7 @@ impl Machine {
                 self.give(told, request.axis, command)
             }
             Action::Phase(request) => self.shift(told, command.sequence, request),
+            Action::GearOut(request) => self.gear_out(told, command.sequence, *request),
             Action::Vocabulary(request) => self.give(told, request.axis(), command),
             Action::Cancel { goal } => self.cancel(told, command.sequence, *goal),
             Action::CommandFunction(request) => {
@@ -246,6 +250,16 @@ impl Machine {
             }
         };
         self.act_on(index, told, |axis, cx| axis.take_phase(cx, sequence, of_slave, shift));
+        Ok(())
+    }
+
+    /// The end of a coupling, with the turn of what it waits for.
+    fn gear_out(&mut self, told: Told<'_>, sequence: u64, request: GearOut) -> Result<(), Refusal> {
+        let bad_request = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
+        let index = usize::from(request.axis);
+        let leader = self.state.axes.get(index).ok_or_else(bad_request)?.leader();
+        let turn = leader.and_then(|leader| self.config.turn_of(leader));
+        self.act_on(index, told, |axis, cx| axis.take_gear_out(cx, sequence, request, turn));
         Ok(())
     }
 

@@ -9,7 +9,6 @@ use super::meaning::no_meaning;
 use super::{Amount, RequestError, Units, bad_value};
 use crate::command::{CamIn, Engage, Synchronize};
 use crate::config::MachineConfig;
-use crate::modulo::Modulo;
 use crate::object::Leader;
 use crate::position::{Length, Position};
 use crate::sync::gear::{Gear, Ratio};
@@ -244,14 +243,6 @@ impl MachineConfig {
         Ok(Engage::AtPosition { position, turn })
     }
 
-    /// The turn of what leads.
-    fn turn_of(&self, leader: Leader) -> Option<Modulo> {
-        match leader {
-            Leader::AxisCommand(axis) | Leader::AxisActual(axis) => self.axes.get(usize::from(axis))?.modulo,
-            _ => None,
-        }
-    }
-
     fn resolve_cam(&self, request: &CamRequest, leader: Option<Leader>, slave: &Scale) -> Result<CamIn, RequestError> {
         let table = self.find_table(&request.table)?;
         let start = CamStart::ALL.iter().find(|(_, number, _)| *number == request.start).map(|(start, ..)| *start);
@@ -285,7 +276,7 @@ impl MachineConfig {
 }
 
 /// A place that a position may have.
-fn place(field: &'static str, value: i64) -> Result<i64, RequestError> {
+pub(super) fn place(field: &'static str, value: i64) -> Result<i64, RequestError> {
     if value.unsigned_abs() < Position::LIMIT.unsigned_abs() {
         return Ok(value);
     }

@@ -75,4 +75,5 @@ signal_block! {
     SyncFilterError "sync.filter_error" Real, None; "what the filter of syncvftime holds back of the leader (inc of it)"
     PhaseSlave "phase.slave" Real, None; "what is left of a phase shift of the slave, or of a superimposed move, 1 to 0 of all of it"
     PhaseMaster "phase.master" Real, None; "what is left of a phase shift of the master, 1 to 0 of all of it"
+    SyncLeaving "sync.leaving" Int, None; "number of the gear_out that waits for its place, 0 for none"
 }

@@ -195,6 +195,12 @@ impl Follower {
         Self { phase: Phase::Passing, ..self }
     }
 
+    /// The same, which is led ahead by so much already.
+    #[must_use]
+    pub fn led_ahead(self, led_by: Position) -> Self {
+        Self { led_by, ..self }
+    }
+
     /// The same by another transmission from now on, which wants the slave at `place`, without what it is led ahead; where it `goes_on` from the one before, the slave
     /// comes there in one cycle, else it is led there.
     #[must_use]
@@ -240,6 +246,11 @@ impl Follower {
     /// Where the transmission alone wants the slave, without what it is led ahead.
     pub fn place(&self) -> Position {
         self.target - self.led_by
+    }
+
+    /// How far it is led ahead, where it is there.
+    pub fn led_by(&self) -> Position {
+        if self.phase == Phase::CatchingUp { Position::ZERO } else { self.led_by }
     }
 
     /// What it keeps equal.

@@ -2,8 +2,9 @@
 
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    Action, BufferMode, CamIn, CommandFunction, Engage, HomeAxis, HomingMethod, MasterPosition, Move, MoveMode, Phase,
-    PhaseShift, PhaseSide, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Synchronize,
+    Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, MasterPosition, Move,
+    MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition,
+    Synchronize,
 };
 use lineshaft_core::function::{Order, TYPES};
 use lineshaft_core::modulo::Direction;
@@ -41,6 +42,17 @@ pub(super) fn phase(axis: u16, number: i64) -> Phase {
     let given = [Amount::default(); 3];
     let master = PhaseSide::Master { given, by_scale: [(scale, shift), (Scale::increments(), shift)].into() };
     Phase { axis, side: if number % 4 == 0 { PhaseSide::Slave(shift) } else { master } }
+}
+
+/// The end of a coupling at a place that often comes.
+pub(super) fn leaving(axis: u16, number: i64) -> GearOut {
+    let at = match number % 5 {
+        0 => LeaveAt::Now,
+        1 | -1 => LeaveAt::Axis(number / 7),
+        _ => LeaveAt::Leader(number / 7),
+    };
+    let disengage = (number % 2 == 0).then_some(Disengage::KeepVelocity);
+    GearOut { axis, at, disengage }
 }
 
 /// An order to a function with a value that is often good.

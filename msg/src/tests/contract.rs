@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 31] = [
+const OWN_INTERFACES: [(&str, &str); 32] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -279,6 +279,18 @@ const OWN_INTERFACES: [(&str, &str); 31] = [
         "string axis backend
         uint8 node
         string object type value
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/GearOut",
+        "uint8 NOW=0 MASTER_POSITION=1 POSITION=2
+        uint8 STOP=0 KEEP_VELOCITY=1 AS_GOAL=2
+        string axis
+        uint8 at
+        int64 increments
+        uint8 disengage
         ---
         bool success
         string message",

@@ -15,6 +15,7 @@ use lineshaft_core::unit::{Scale, excerpt};
 
 mod amount;
 mod function;
+mod gear_out;
 mod homing;
 mod output;
 mod phase;
@@ -33,7 +34,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 28] = [
+const VERBS: [&str; 29] = [
     "enable",
     "disable",
     "halt",
@@ -48,6 +49,7 @@ const VERBS: [&str; 28] = [
     "set_position",
     "synchronize",
     "phase",
+    "gear_out",
     "follow_joint_trajectory",
     "cancel",
     "set_parameters",
@@ -214,6 +216,7 @@ impl Reader<'_> {
                 let (deed, id) = self.phase(arguments);
                 add(deed, id);
             }
+            "gear_out" => add(self.gear_out(arguments), None),
             "follow_joint_trajectory" => {
                 let (deed, id) = self.follow_joint_trajectory(arguments);
                 add(deed, id);

@@ -7,8 +7,8 @@ mod locks;
 use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
-    Action, BufferMode, CamIn, Engage, HomeAxis, HomingMethod, Move, MoveMode, Phase, PhaseShift, PhaseSide, Probe,
-    ProbeEdge, SetPosition, Synchronize,
+    Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Move, MoveMode, Phase, PhaseShift,
+    PhaseSide, Probe, ProbeEdge, SetPosition, Synchronize,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
@@ -261,6 +261,18 @@ fn phasing() -> impl Strategy<Value = Action> {
     )
 }
 
+/// The end of a coupling, where there is one.
+fn leaving() -> impl Strategy<Value = Action> {
+    let place = -30_000_i64..30_000;
+    let at = prop_oneof![
+        1 => Just(LeaveAt::Now),
+        3 => place.clone().prop_map(LeaveAt::Leader),
+        2 => place.prop_map(LeaveAt::Axis),
+    ];
+    let disengage = prop::option::of(prop::sample::select(vec![Disengage::Stop, Disengage::KeepVelocity]));
+    (axis(), at, disengage).prop_map(|(axis, at, disengage)| Action::GearOut(GearOut { axis, at, disengage }))
+}
+
 fn probing() -> impl Strategy<Value = Action> {
     let edge = prop::sample::select(vec![ProbeEdge::Rising, ProbeEdge::Falling, ProbeEdge::Both, ProbeEdge::Index]);
     let velocity = prop_oneof![Just(0.0), 100.0..100_000.0_f64];
@@ -386,6 +398,7 @@ fn happening() -> impl Strategy<Value = Happening> {
             .prop_map(|(axis, velocity)| Happening::Stream(axis, velocity)),
         3 => command(coupling().boxed()),
         2 => command(phasing().boxed()),
+        2 => command(leaving().boxed()),
         1 => command(loading().boxed()),
         3 => command(following().boxed()),
         2 => command(probing().boxed()),

@@ -1,3 +1,4 @@
+mod attempts;
 mod chain;
 mod coupled;
 mod stopped;

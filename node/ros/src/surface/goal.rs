@@ -33,7 +33,7 @@ pub(super) struct Progress {
 /// How a goal ended.
 pub(super) struct Ending {
     pub code: Code,
-    /// Why, where it did not succeed.
+    /// Why, where it did not succeed, or by what it was ended that has.
     pub message: String,
     /// Command position at the end.
     pub position: Position,
@@ -98,7 +98,7 @@ async fn run<A: AxisAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<
     let code = ending.code;
     let result = A::result(&view, ending);
     match code {
-        Code::NONE => handle.succeed(result),
+        code if code.succeeds() => handle.succeed(result),
         Code::CANCELLED if handle.is_cancel_requested() => handle.canceled(result),
         _ => handle.abort(result),
     }

@@ -9,6 +9,7 @@ mod axes;
 mod cycle_statistics;
 mod diagnostics;
 mod functions;
+mod gear_out;
 mod goal;
 mod history;
 mod home;
@@ -95,6 +96,7 @@ impl Surface {
         goal::start::<Phase>(&node, &hub, &mut tasks)?;
         home::start(&node, &hub, &mut tasks)?;
         set_position::start(&node, &hub, &mut tasks)?;
+        gear_out::start(&node, &hub, &mut tasks)?;
         sdo::start(&node, &hub, &mut tasks)?;
         set_values::start(&node, &hub, &mut tasks)?;
         functions::start(&node, &hub, &mut tasks)?;

@@ -7,11 +7,11 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{
 };
 use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
 use lineshaft_msgs::srv::{
-    AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest, CommandFunctionResponse, ImportParametersRequest,
-    ImportParametersResponse, LoadTableRequest, LoadTableResponse, RecordRequest, RecordResponse,
-    ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest,
-    SdoWriteResponse, SetMemoryRequest, SetMemoryResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest,
-    SetPositionResponse, VocabularyRequest, VocabularyResponse,
+    AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest, CommandFunctionResponse, GearOutRequest,
+    GearOutResponse, ImportParametersRequest, ImportParametersResponse, LoadTableRequest, LoadTableResponse,
+    RecordRequest, RecordResponse, ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse,
+    SdoWriteRequest, SdoWriteResponse, SetMemoryRequest, SetMemoryResponse, SetOutputRequest, SetOutputResponse,
+    SetPositionRequest, SetPositionResponse, VocabularyRequest, VocabularyResponse,
 };
 
 /// An answer to requests of type `Q`.
@@ -32,6 +32,7 @@ macro_rules! with_a_message {
 
 with_a_message! {
     AxesCommandRequest, AxesCommandResponse;
+    GearOutRequest, GearOutResponse;
     ImportParametersRequest, ImportParametersResponse;
     LoadTableRequest, LoadTableResponse;
     ResetParametersRequest, ResetParametersResponse;

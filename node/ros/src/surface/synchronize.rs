@@ -4,6 +4,7 @@ use super::goal::{AxisAction, Ending, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
+use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::request::{Amount, CamRequest, RequestError, SynchronizeRequest, factor};
@@ -75,6 +76,8 @@ impl AxisAction for Synchronize {
 
     fn result(_view: &AxisView, ending: Ending) -> SynchronizeResult {
         let Ending { code, message, position, .. } = ending;
+        // Who was asked to leave has succeeded; the sentence says by what.
+        let code = if code.succeeds() { Code::NONE } else { code };
         SynchronizeResult { code: code.0, message, position_increments: position.floor() }
     }
 }

@@ -25,8 +25,8 @@ use lineshaft_msgs::foreign::std_srvs::srv::Trigger;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, FunctionStates, Setpoints, ShaftStates};
 use lineshaft_msgs::srv::{
-    AxesCommand, CommandFunction, ExportParameters, GetTable, ImportParameters, LoadTable, Record, ResetParameters,
-    SdoRead, SdoWrite, SetMemory, SetOutput, SetPosition, Vocabulary,
+    AxesCommand, CommandFunction, ExportParameters, GearOut, GetTable, ImportParameters, LoadTable, Record,
+    ResetParameters, SdoRead, SdoWrite, SetMemory, SetOutput, SetPosition, Vocabulary,
 };
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
@@ -234,6 +234,12 @@ pub(super) const SET_POSITION: Served<SetPosition> = Served::new(
     Qos::SERVICE,
     "the present position of an axis that stands gets a new value, or that of an encoder, or of a master (`x.master`); nothing moves; see [homing.md](homing.md) and [encoders.md](encoders.md)",
 ).in_time();
+pub(super) const GEAR_OUT: Served<GearOut> = Served::new(
+    "~/gear_out",
+    Qos::SERVICE,
+    "ends the coupling of an axis now, or where its leader or it comes to a place; its goal of `~/synchronize` succeeds; see [shaft.md](shaft.md#leaving)",
+)
+.in_time();
 pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
     "~/set_output",
     Qos::SERVICE,
@@ -323,7 +329,7 @@ pub(super) const HOME_AXIS: Acted<HomeAxis> = Acted::new(
     "homing of one axis, by its method or another one; cancel stops it; see [homing.md](homing.md)",
 );
 pub(super) const SYNCHRONIZE: Acted<Synchronize> =
-    Acted::new("~/synchronize", "open while coupled; cancel uncouples, a dead client does not");
+    Acted::new("~/synchronize", "open while coupled; cancel and `~/gear_out` uncouple, a dead client does not");
 pub(super) const PHASE: Acted<Phase> =
     Acted::new("~/phase", "a shift of an axis against its leader in motion; see [cams.md](cams.md#phase)");
 pub(super) const FOLLOW_JOINT_TRAJECTORY: Acted<FollowJointTrajectory> = Acted::new(
@@ -438,6 +444,7 @@ pub const ROWS: &[Row] = &[
     RESET_ERRORS.0,
     HOME.0,
     SET_POSITION.0,
+    GEAR_OUT.0,
     SET_OUTPUT.0,
     SET_MEMORY.0,
     COMMAND_FUNCTION.0,

@@ -6,8 +6,9 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, CamIn, Engage, HomeAxis, HomingMethod, MasterPosition, MemoryValue, Move, MoveMode, OutputValue, Probe,
-    ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, Synchronize as Coupling,
+    BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, MasterPosition, MemoryValue, Move, MoveMode,
+    OutputValue, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint,
+    Synchronize as Coupling,
 };
 use lineshaft_core::machine::Machine;
 use lineshaft_core::modulo::Direction;
@@ -307,6 +308,19 @@ fn phase_shifts_of_slave_and_master() {
     let master = of(1, [degrees("0.1 deg", 0), degrees("2 inc/s", 1), number(1e-3)]);
     let fields = r#""shift":"0.1 deg","velocity":"2 inc/s","acceleration":0.001"#;
     desk.is(&master, &format!(r#"{{"phase":{{"id":"17","axis":"turret","side":"master",{fields}}}}}"#));
+}
+
+#[test]
+fn the_end_of_a_coupling_names_its_place() {
+    let desk = Desk::new();
+    let out = |at, disengage| Action::GearOut(GearOut { axis: 1, at, disengage });
+    let head = r#"{"gear_out":{"axis":"turret","at":"#;
+    desk.is(&out(LeaveAt::Now, Some(Disengage::Stop)), &format!(r#"{head}"now"}}}}"#));
+    let kept = out(LeaveAt::Leader(-9_000), Some(Disengage::KeepVelocity));
+    let fields = r#""master_position","increments":-9000,"disengage":"keep_velocity""#;
+    desk.is(&kept, &format!("{head}{fields}}}}}"));
+    let fields = r#""position","disengage":"as_goal""#;
+    desk.is(&out(LeaveAt::Axis(0), None), &format!("{head}{fields}}}}}"));
 }
 
 #[test]

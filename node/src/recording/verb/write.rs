@@ -2,8 +2,8 @@
 
 use super::{saia, trajectory, wf};
 use lineshaft_core::command::{
-    Action, BufferMode, Command, CommandFunction, Engage, HomeAxis as Homing, HomingMethod, MasterPosition, Move,
-    MoveMode, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
+    Action, BufferMode, Command, CommandFunction, Engage, GearOut, HomeAxis as Homing, HomingMethod, LeaveAt,
+    MasterPosition, Move, MoveMode, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::function::Order;
@@ -82,6 +82,14 @@ enum Verb<'a> {
         velocity: Option<Scalar>,
         #[serde(skip_serializing_if = "Option::is_none")]
         acceleration: Option<Scalar>,
+    },
+    GearOut {
+        axis: &'a str,
+        at: &'static str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        increments: Option<i64>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        disengage: Option<&'static str>,
     },
     FollowJointTrajectory(trajectory::FollowJointTrajectory<'a>),
     Cancel {
@@ -293,6 +301,7 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         }
         Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
         Action::Phase(request) => phase(id, request, config),
+        Action::GearOut(request) => gear_out(*request, config),
         Action::Vocabulary(Request::Saia(request)) => Verb::Saia(saia::saia(request, axis(request.axis, config))),
         Action::Vocabulary(Request::Wf(request)) => Verb::Wf(wf::wf(request, axis(request.axis, config))),
         Action::Cancel { goal } => Verb::Cancel { id: goal.to_string() },
@@ -508,6 +517,25 @@ fn phase<'a>(id: String, request: &Phase, config: &'a MachineConfig) -> Verb<'a>
         PhaseSide::Master { given, .. } => ("master", given.map(amount)),
     };
     Verb::Phase { id, axis: axis(request.axis, config), side, shift, velocity, acceleration }
+}
+
+fn gear_out(request: GearOut, config: &MachineConfig) -> Verb<'_> {
+    let (at, increments) = match request.at {
+        LeaveAt::Now => ("now", 0),
+        LeaveAt::Leader(place) => ("master_position", place),
+        LeaveAt::Axis(place) => ("position", place),
+    };
+    let disengage = match request.disengage {
+        Some(Disengage::Stop) => None,
+        Some(Disengage::KeepVelocity) => Some("keep_velocity"),
+        None => Some("as_goal"),
+    };
+    Verb::GearOut {
+        axis: axis(request.axis, config),
+        at,
+        increments: (increments != 0).then_some(increments),
+        disengage,
+    }
 }
 
 /// As it was given; nothing for a bare 0.

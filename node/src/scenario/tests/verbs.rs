@@ -154,6 +154,40 @@ fn a_phase_shifts_a_coupled_axis_and_its_leader() {
     assert_eq!(bad("{phase: {axis: x, side: ^both, shift: 1 mm}}"), "side is `both`; one of slave, master is allowed");
 }
 
+/// At 5 inc a cycle and half of 360 deg/s^2, 18 inc/s in each, the turret needs some 694 inc to rest; where it goes on it keeps its 5.
+#[test]
+fn a_coupling_is_left_at_a_place() {
+    for (arguments, code, expected) in [
+        ("at: master_position, increments: 60000", "GEARED_OUT", "{signal: turret.state, at: end, is: STANDSTILL}"),
+        ("at: position, increments: 600", "GEARED_OUT", "{signal: turret.command.velocity, at: end, is: 0}"),
+        ("at: now, disengage: keep_velocity", "GEARED_OUT", "{signal: turret.state, at: end, is: CONTINUOUS_MOTION}"),
+        (
+            "at: 1, increments: 60000, disengage: as_goal",
+            "GEARED_OUT",
+            "{signal: turret.state, at: end, is: STANDSTILL}",
+        ),
+    ] {
+        passes(&enabled(&format!(
+            "do: {{synchronize: {{id: gear, axis: turret, master: line, mode: position, numerator: 1, denominator: 100}}}}}}\n\
+             - {{name: run, when: {{signal: turret.in_sync, is: 1}}, do: {{move_axis: {{axis: line, position: 900 mm, velocity: 0.5 m/s}}}}}}\n\
+             - {{name: out, when: {{signal: line.command.position, min: 20 mm}}, do: {{gear_out: {{axis: turret, {arguments}}}}}}}\n\
+             - {{name: left, when: {{signal: turret.sync.leaving, is: 0}}, do: {{gear_out: {{axis: turret}}}}, refused: no goal of synchronize}}\n\
+             expect:\n\
+             - {{signal: turret.state, since: run, from: 0, to: 40, is: SYNCHRONIZED_MOTION}}\n\
+             - {expected}\n\
+             - {{event: {{kind: done, source: turret, code: {code}}}, since: out, from: 0, to: end, count: 1}}\n"
+        )));
+    }
+    assert_eq!(
+        bad("{gear_out: {axis: turret, at: ^later}}"),
+        "at is `later`; one of now, master_position, position is allowed"
+    );
+    assert_eq!(
+        bad("{gear_out: ^{axis: turret, increments: 5}}"),
+        "increments is 5; 0 is allowed with at NOW, which waits for no place"
+    );
+}
+
 #[test]
 fn an_id_names_the_last_command_that_carried_it_and_a_goal_that_is_none_cannot_be_cancelled() {
     passes(&enabled(

@@ -3,8 +3,8 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    CamRequest, HomeRequest, MoveRequest, PhaseRequest, PointRequest, ProbeRequest, Rates, SetPositionRequest,
-    SetpointRequest, SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units, factor,
+    CamRequest, GearOutRequest, HomeRequest, MoveRequest, PhaseRequest, PointRequest, ProbeRequest, Rates,
+    SetPositionRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units, factor,
 };
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
 use proptest::prelude::*;
@@ -423,6 +423,14 @@ proptest! {
         let request = PhaseRequest { axis, side, shift, velocity, acceleration };
         if let Ok(request) = DESK.config.resolve_phase(&request) {
             comes_back(&Action::Phase(request))?;
+        }
+    }
+
+    #[test]
+    fn every_end_of_a_coupling_that_a_request_makes(axis in axis(), at in 0..4_u8, increments in any::<i64>(), disengage in 0..4_u8) {
+        let increments = if at == 0 { 0 } else { increments };
+        if let Ok(request) = DESK.config.resolve_gear_out(&GearOutRequest { axis, at, increments, disengage }) {
+            comes_back(&Action::GearOut(request))?;
         }
     }
 

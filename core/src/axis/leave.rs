@@ -1,0 +1,128 @@
+//! The end of a coupling at a place (MC_GearOut, MC_CamOut).
+//!
+//! Law      the coupling goes on until the cycle in which its leader, or the axis itself, comes to the place, from either side, or in which it stands
+//!          there; within the turn of what has one. In that cycle the axis leaves it with the velocity that it has, and comes to rest or goes on
+//!          at that velocity. A second one takes the place of the first; what ends the coupling otherwise ends the wait
+//! Reads    the leader, or the command of the axis as its followers see it
+//! Refuses  an axis that no goal couples
+//! Source   PLCopen (MC_GearOut, MC_CamOut)
+
+use super::alarm::{NO_NUMBERS, Numbers};
+use super::engage::passed;
+use super::{Axis, Context};
+use crate::code::Code;
+use crate::command::{GearOut, LeaveAt};
+use crate::event::{Event, Refusal};
+use crate::modulo::Modulo;
+use crate::object::Leader;
+use crate::position::Position;
+use crate::sync::Disengage;
+use serde::{Deserialize, Serialize};
+
+/// A coupling that is to be left.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Leaving {
+    /// Number of its command.
+    sequence: u64,
+    at: LeaveAt,
+    /// The turn of the leader, where its place counts.
+    turn: Option<Modulo>,
+    disengage: Disengage,
+    /// Where what it waits for was when it was looked at last.
+    seen: Position,
+}
+
+impl Leaving {
+    /// Could it have come about? One that was read from outside may hold anything.
+    pub(super) fn is_sound(&self) -> bool {
+        let place = match self.at {
+            LeaveAt::Now => 0,
+            LeaveAt::Leader(place) | LeaveAt::Axis(place) => place,
+        };
+        Position::whole(place).is_legal() && self.turn.is_none_or(Modulo::is_sound)
+    }
+}
+
+impl Axis {
+    /// Takes a command to leave the coupling; `turn` is that of its leader.
+    pub fn take_gear_out(&mut self, cx: &mut Context<'_>, sequence: u64, request: GearOut, turn: Option<Modulo>) {
+        match self.leaving_of(cx, sequence, request, turn) {
+            Ok(leaving) => {
+                self.end_leaving(cx, Code::REPLACED, NO_NUMBERS);
+                self.leaving = Some(leaving);
+                self.accepted(cx, sequence);
+            }
+            Err(refusal) => cx.events.push(Event { position: self.command.position, ..refusal.event(sequence) }),
+        }
+    }
+
+    fn leaving_of(
+        &self,
+        cx: &Context<'_>,
+        sequence: u64,
+        request: GearOut,
+        turn: Option<Modulo>,
+    ) -> Result<Leaving, Refusal> {
+        let GearOut { at, disengage, .. } = request;
+        let coupling = self.coupling().filter(|_| self.goal.is_some());
+        let coupling = coupling.ok_or_else(|| self.refuse(Code::NOT_COUPLED))?;
+        let lead = cx.leads.get(self.left_by(at, coupling.leader));
+        let turn = turn.filter(|_| matches!(at, LeaveAt::Leader(_)));
+        let disengage = disengage.unwrap_or(coupling.disengage);
+        let leaving = Leaving { sequence, at, turn, disengage, seen: lead.position - lead.change };
+        if leaving.is_sound() { Ok(leaving) } else { Err(self.refuse(Code::BAD_REQUEST)) }
+    }
+
+    /// Whose place counts.
+    fn left_by(&self, at: LeaveAt, leader: Leader) -> Leader {
+        match at {
+            LeaveAt::Now | LeaveAt::Leader(_) => leader,
+            LeaveAt::Axis(_) => Leader::AxisCommand(self.setup.index),
+        }
+    }
+
+    /// Number of the command that waits to leave the coupling; 0 for none.
+    pub(super) fn leaving(&self) -> u64 {
+        self.leaving.map_or(0, |leaving| leaving.sequence)
+    }
+
+    /// Ends the wait.
+    pub(super) fn end_leaving(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
+        if let Some(leaving) = self.leaving.take() {
+            let done = Event::done(self.object(), leaving.sequence, code, self.command.position);
+            cx.events.push(done.with(numbers.0, numbers.1));
+        }
+    }
+
+    /// Where its coupling is over, however that came, there is nothing to leave.
+    pub(super) fn settle_leaving(&mut self, cx: &mut Context<'_>) {
+        if self.leaving.is_some() && self.coupling().is_none() {
+            self.end_leaving(cx, Code::NOT_REACHED, NO_NUMBERS);
+        }
+    }
+
+    /// Leaves the coupling, if this cycle is where it is to be left.
+    pub(super) fn leave(&mut self, cx: &mut Context<'_>) {
+        let (Some(leaving), Some(coupling)) = (self.leaving, self.coupling()) else { return };
+        let lead = cx.leads.get(self.left_by(leaving.at, coupling.leader));
+        let (place, turn) = match leaving.at {
+            LeaveAt::Now => (None, None),
+            LeaveAt::Leader(place) => (Some(place), leaving.turn),
+            LeaveAt::Axis(place) => (Some(place), self.setup.modulo),
+        };
+        let is_there = place.is_none_or(|place| {
+            let place = Position::whole(place);
+            let place = turn.map_or(place, |turn| turn.last_passed(place, lead.position, lead.change));
+            passed(place, lead, leaving.seen).is_some()
+        });
+        if !is_there {
+            self.leaving = Some(Leaving { seen: lead.position, ..leaving });
+            return;
+        }
+        self.end_leaving(cx, Code::NONE, NO_NUMBERS);
+        // What shifts it against its leader ends with the coupling, with the velocity that it has added.
+        self.end_overlay(cx, Code::NOT_REACHED, NO_NUMBERS);
+        self.end_phase(cx, Code::NOT_REACHED, NO_NUMBERS);
+        self.uncouple(cx, leaving.disengage, Code::GEARED_OUT);
+    }
+}

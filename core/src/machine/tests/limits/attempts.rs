@@ -1,0 +1,210 @@
+//! Whatever has led an axis into its software limit: the first new attempt is 98, and back it may be led.
+
+use super::super::direction::set;
+use super::super::rig::{LINE, Rig, X, at, cam, config, couple, scale};
+use crate::code::Code;
+use crate::command::{Action, Engage, Phase, PhaseShift, PhaseSide, Synchronize};
+use crate::config::{IoConfig, IoKind, TableConfig};
+use crate::drive::{Edge, Latch};
+use crate::event::Kind;
+use crate::object::{AxisSet, Leader, Object};
+use crate::parameter::{Change, MACHINE, Row, Value};
+use crate::position::Length;
+use crate::request::Amount;
+use crate::sim::{Model, SecondOrder};
+use crate::sync::{CamStart, SyncMode};
+use crate::table::{CamSetting, Form, Table};
+use std::sync::Arc;
+
+const HIGH: i64 = 4_000;
+const LOW: i64 = -2_000;
+const TO_LINE: Leader = Leader::AxisCommand(LINE);
+
+/// What leads x on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Led {
+    Gear,
+    Velocity,
+    AtPosition,
+    OnEvent,
+    Cam,
+    Marks,
+    VirtualMaster,
+    ShiftOfMaster,
+    ShiftOfSlave,
+}
+
+const ALL: [Led; 9] = [
+    Led::Gear,
+    Led::Velocity,
+    Led::AtPosition,
+    Led::OnEvent,
+    Led::Cam,
+    Led::Marks,
+    Led::VirtualMaster,
+    Led::ShiftOfMaster,
+    Led::ShiftOfSlave,
+];
+
+/// x from -2 mm to 4 mm with 2 m/s^2; the line is at its velocity at once.
+fn rig(reaction: i64, model: Model) -> Rig {
+    let mut config = config(0);
+    let input = |name: &str| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: true };
+    config.io = vec![input("product"), input("label")];
+    // Half an increment further for each one of the master, out and back again.
+    let table = Table::new(Form::Xy, &[0, 8_000, 16_000], &[0, 8_000, 0]).expect("points");
+    let table = Arc::new(table.with_cam(CamSetting::default()));
+    config.tables = vec![TableConfig { name: "knife".into(), table }];
+    config.axes[usize::from(LINE)].parameters.max_acceleration = 1e9;
+    let p = &mut config.axes[usize::from(X)].parameters;
+    (p.min_position, p.max_position) = (Some(LOW), Some(HIGH));
+    (p.max_acceleration, p.max_following_error, p.error_reaction) = (2e6, 50_000, reaction);
+    let mut rig = Rig::with(config, [model, Model::Ideal]);
+    rig.enable();
+    let given = set(&mut rig, &[("syncmtypm", 12), ("syncmtyps", 22), ("syncmpulsm", 1_000), ("syncmpulss", 1_000)]);
+    assert!(rig.was_accepted(given));
+    rig
+}
+
+fn machine(rig: &mut Rig, values: &[(&str, i64)]) {
+    let change = |&(key, value): &(&str, i64)| {
+        let row = Row::find(key).expect("a row").0;
+        Change { axis: MACHINE, row, value: Value::Int(value) }
+    };
+    let given = rig.give(Action::SetParameters(values.iter().map(change).collect()));
+    assert!(rig.was_accepted(given));
+}
+
+/// Leads x on, `way` 1 up, -1 down, until it is stopped, or for 300 cycles.
+fn lead(rig: &mut Rig, led: Led, way: i64) {
+    let gear = couple(X, TO_LINE, 1, 1);
+    let runs = at(LINE, way as f64 * 20_000.0);
+    let goal = match led {
+        Led::Gear | Led::ShiftOfMaster | Led::ShiftOfSlave => Synchronize { offset: Length::default(), ..gear },
+        Led::Velocity => Synchronize { mode: SyncMode::Velocity, ..gear },
+        Led::AtPosition => {
+            let here = rig.int("line.command.position");
+            let engage = Engage::AtPosition { position: here + way * 400, turn: None };
+            Synchronize { mode: SyncMode::Velocity, engage, ..gear }
+        }
+        Led::OnEvent => Synchronize { engage: Engage::OnEvent(Object::Io(0)), ..gear },
+        Led::Cam => {
+            // Downwards where the table leads there.
+            let mut cam = cam(0, CamStart::Relative);
+            cam.master_offset = Length::whole(if way > 0 { 0 } else { 8_000 });
+            Synchronize { cam: Some(cam), ..couple(X, TO_LINE, 0, 0) }
+        }
+        Led::Marks => Synchronize { mode: SyncMode::Marker, ..gear },
+        Led::VirtualMaster => couple(X, Leader::Virtual, 1, 1),
+    };
+    let shift = PhaseShift { shift: Length::whole(way * 20_000), velocity: 20_000.0, acceleration: 1e6 };
+    match led {
+        Led::ShiftOfMaster | Led::ShiftOfSlave => {
+            rig.give(Action::Move(at(LINE, 0.0)));
+            rig.run(2);
+            rig.give(Action::Synchronize(goal));
+            let side = match led {
+                Led::ShiftOfSlave => PhaseSide::Slave(shift),
+                _ => PhaseSide::Master { given: [Amount::default(); 3], by_scale: [(scale(), shift)].into() },
+            };
+            rig.give(Action::Phase(Phase { axis: X, side }));
+        }
+        Led::VirtualMaster => {
+            machine(rig, &[("pulsvel", way * 20_000), ("pulsacc", 10_000_000)]);
+            rig.give(Action::Synchronize(goal));
+        }
+        Led::Cam => {
+            rig.give(Action::Move(at(LINE, 20_000.0)));
+            rig.run(3);
+            rig.give(Action::Synchronize(goal));
+        }
+        _ => {
+            rig.give(Action::Move(runs));
+            rig.run(3);
+            rig.give(Action::Synchronize(goal));
+        }
+    }
+    if led == Led::OnEvent {
+        rig.run(5);
+        let latch = Latch { object: Object::Io(0), edge: Edge::Rising, age_ns: Some(300_000), position: None };
+        assert!(rig.plant.add_latch(latch));
+    }
+    for _ in 0..600 {
+        if rig.state("x") == "ERROR_STOP" {
+            break;
+        }
+        rig.run(1);
+    }
+}
+
+fn errors(rig: &Rig) -> Vec<Code> {
+    let found = rig.events.iter().filter(|event| event.kind == Kind::Error);
+    found.map(|event| event.code).collect()
+}
+
+/// Until it stands, and may be moved again.
+fn reset(rig: &mut Rig) {
+    rig.run_until("x.state", 7);
+    rig.run(20);
+    for _ in 0..3_000 {
+        if rig.real("x.command.velocity") == 0.0 && rig.int("x.output.control") != 1 {
+            break;
+        }
+        rig.run(1);
+    }
+    rig.give(Action::ResetErrors(AxisSet::one(X)));
+    rig.run(3_000);
+    assert_eq!(rig.int("x.error"), 0);
+    if rig.state("x") == "DISABLED" {
+        rig.enable();
+    }
+    assert_eq!(rig.state("x"), "STANDSTILL");
+}
+
+/// Whatever leads it, on whichever side; the way back is no error, and what leads there again from behind is a first error again.
+///
+/// Proves: MACS-LIM-05
+#[test]
+fn whatever_leads_into_a_limit_again_is_error_98_at_its_first_attempt() {
+    for led in ALL {
+        for way in [1, -1] {
+            let mut rig = rig(2, Model::Ideal);
+            let first = if way > 0 { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
+            lead(&mut rig, led, way);
+            assert_eq!(errors(&rig), [first], "{led:?} {way}");
+            reset(&mut rig);
+            lead(&mut rig, led, way);
+            assert_eq!(errors(&rig), [first, Code::LIMIT_VIOLATION], "{led:?} {way}, again");
+            let limit = if way > 0 { HIGH } else { LOW };
+            assert!(rig.int("x.command.position").abs() <= limit.abs(), "{led:?} {way}");
+            reset(&mut rig);
+            // 98 is cleared as the first error, and back is no error until the other limit.
+            lead(&mut rig, led, -way);
+            assert_eq!(errors(&rig).len(), 3, "{led:?} {way}, back");
+            assert_ne!(errors(&rig)[2], first);
+            assert_ne!(errors(&rig)[2], Code::LIMIT_VIOLATION, "{led:?} {way}, back");
+        }
+    }
+}
+
+/// The power went before the drive was where its command had come to rest.
+///
+/// Proves: MACS-LIM-05
+#[test]
+fn a_drive_that_is_behind_when_its_power_goes_has_not_left_the_limit() {
+    for led in ALL {
+        for (way, reaction) in [(1, 0), (-1, 0), (1, 3), (1, 4)] {
+            let lagging = Model::SecondOrder(SecondOrder::new(5.0, 1.0, 1_000_000).expect("a drive"));
+            let mut rig = rig(reaction, lagging);
+            let first = if way > 0 { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
+            lead(&mut rig, led, way);
+            assert_eq!(errors(&rig), [first], "{led:?} {way}");
+            reset(&mut rig);
+            // Under power its drive comes to its command.
+            let short = (rig.int("x.command.position") - if way > 0 { HIGH } else { LOW }) * way;
+            assert!((-4_000..-2).contains(&short) || reaction == 3 && short == 0, "{led:?} {way} {reaction}: {short}");
+            lead(&mut rig, led, way);
+            assert_eq!(errors(&rig), [first, Code::LIMIT_VIOLATION], "{led:?} {way}, again");
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! The end of a coupling at a place, in names.
+//!
+//! Law      the place is in increments, as those of `synchronize` are: of the leader, which the machine knows once it takes the command, or of the axis
+//! Reads    the names of the cell
+//! Refuses  numbers without a meaning, a place beyond all positions, a place that nothing asks for
+//! Source   contract section 7, PLCopen (MC_GearOut, MC_CamOut)
+
+use super::RequestError;
+use super::synchronize::place;
+use crate::command::{GearOut, LeaveAt};
+use crate::config::MachineConfig;
+use crate::sync::Disengage;
+
+/// The end of a coupling, with names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct GearOutRequest {
+    /// Axis that follows.
+    pub axis: String,
+    /// 0 now, 1 at a position of its master, 2 at one of its own.
+    pub at: u8,
+    /// That position (inc).
+    pub increments: i64,
+    /// 0 stop, 1 keep velocity, 2 as its goal says.
+    pub disengage: u8,
+}
+
+impl MachineConfig {
+    /// The end of a coupling as a command's content.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_gear_out(&self, request: &GearOutRequest) -> Result<GearOut, RequestError> {
+        let (axis, _) = self.find_axis(&request.axis)?;
+        let choice = |field, value: i64, allowed| RequestError::BadChoice { field, value, allowed };
+        let increments = request.increments;
+        let at = match (request.at, increments) {
+            (0, 0) => LeaveAt::Now,
+            (0, given) => {
+                return Err(choice("increments", given, "0 is allowed with at NOW, which waits for no place"));
+            }
+            (1, given) => LeaveAt::Leader(place("increments", given)?),
+            (2, given) => LeaveAt::Axis(place("increments", given)?),
+            (other, _) => {
+                return Err(choice("at", other.into(), "0 NOW, 1 MASTER_POSITION, 2 POSITION are allowed"));
+            }
+        };
+        let disengage = match request.disengage {
+            0 => Some(Disengage::Stop),
+            1 => Some(Disengage::KeepVelocity),
+            2 => None,
+            other => {
+                let allowed = "0 STOP, 1 KEEP_VELOCITY, 2 AS_GOAL are allowed";
+                return Err(choice("disengage", other.into(), allowed));
+            }
+        };
+        Ok(GearOut { axis, at, disengage })
+    }
+}
