@@ -79,6 +79,16 @@ impl Conditioning {
             && shifts.into_iter().all(|shift| shift.is_none_or(|shift| shift.is_sound()))
     }
 
+    /// The filter of its master, while there is one.
+    pub(super) fn filter(&self) -> Option<MasterFilter> {
+        self.filter
+    }
+
+    /// Goes on with the filter of the coupling before.
+    pub(super) fn go_on_with(&mut self, filter: Option<MasterFilter>) {
+        self.filter = filter;
+    }
+
     /// What is left of a shift of the master.
     pub(super) fn shift_left(&self) -> Position {
         self.shift.map_or(Position::ZERO, |shift| shift.left())

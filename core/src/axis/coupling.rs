@@ -54,6 +54,9 @@ impl Axis {
             return self.wait_to_engage(cx, sequence, (request, leader));
         }
         let led = self.led_ahead(request.mode);
+        // Of the same leader it goes on, with what it owes.
+        let by_gear = request.mode == SyncMode::Position && request.cam.is_none();
+        let filter = self.follows_by_position(leader).filter(|_| by_gear).and(self.conditioning.filter());
         let (transmission, offset) = match &request.cam {
             Some(cam) => {
                 let start = cam.start;
@@ -70,6 +73,7 @@ impl Axis {
         let coupling = self.coupling_by(leader, request, follower);
         self.begin_goal(cx, sequence, None);
         self.begin_conditioning(request.mode, lead);
+        self.conditioning.go_on_with(filter);
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())

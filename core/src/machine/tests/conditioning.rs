@@ -348,6 +348,37 @@ fn each_coupling_begins_with_nothing_kept() {
     assert_eq!(rig.int("x.command.position"), 1_000);
 }
 
+/// A ratio that changes behind a filter, on a belt that shows 10 or 11 counts a cycle: the filter goes on with what it owes, so that the slave has no step in its velocity but
+/// that of the ratios, and at rest it lacks nothing of the belt.
+/// Proves: MACS-SYNC-09, MACS-SYNC-02
+#[test]
+fn a_filter_goes_on_through_a_change_of_the_ratio() {
+    let mut rig = on(TO_BELT, (2, 1), &[("syncvftime", -20_000)]);
+    let run = |rig: &mut Rig, cycles: u32, halves: i64| {
+        let mut most: f64 = 0.0;
+        for cycle in 0..cycles {
+            let before = rig.real("x.command.velocity");
+            rig.plant.jump_encoder(0, halves / 2 + i64::from(cycle % 2) * (halves % 2));
+            rig.run(1);
+            most = most.max((rig.real("x.command.velocity") - before).abs());
+        }
+        most
+    };
+    run(&mut rig, 3_000, 21);
+    rig.plant.jump_encoder(0, 10);
+    rig.give(Action::Synchronize(couple(X, TO_BELT, 3, 1)));
+    // From 21 to 31.5 inc a cycle, half an increment in each; the filter leaves a twentieth of a count, three times, beside.
+    let most = run(&mut rig, 1_000, 21);
+    assert!(most <= 650.1, "{most}");
+    run(&mut rig, 4_000, 0);
+    assert_eq!((rig.int("x.in_sync"), rig.int("x.sync.error")), (1, 0));
+    let belt = rig.int("belt.position");
+    let led = rig.int("x.command.position");
+    let (first, second) = (21 * 1_500, belt - 21 * 1_500);
+    // What was owed at the change, at most 20 cycles of it, came by the new ratio.
+    assert!((2 * first + 3 * second..=2 * first + 3 * second + 220).contains(&led), "{led} {belt}");
+}
+
 proptest! {
     #![proptest_config(cases(24))]
     /// Whatever is changed on the way, at rest the slave is where its gear wants it, to 2^-32 inc: nothing of the master is lost, nor of
