@@ -117,6 +117,46 @@ expect:
     }
 }
 
+/// Two nodes carry one axis: both go the same way, to the increment, and where one of them fails neither has voltage any more.
+#[test]
+fn two_drives_carry_one_axis() {
+    let mut drives = CanDrives::boot("4-5");
+    let one = "drive: {backend: bus0, node: 4, eds: cia402_sim.eds}";
+    let both = "drives: [{backend: bus0, node: 4, eds: cia402_sim.eds}, {backend: bus0, node: 5, eds: cia402_sim.eds}]";
+    let portal = axis("portal", 4, "", ", max_skew: 1 mm").replace(one, both);
+    let cell = CanCell::new(&drives.address().to_string(), "10 ms", &portal);
+    let before = [4, 5].map(|node| drives.shown(node).position);
+    let run = cell.run(
+        "scenario: two drives of one axis
+for: 8 s
+steps:
+  - {when: {all: [{signal: portal.drive_state, is: SWITCH_ON_DISABLED}, {signal: portal.second.drive_state, is: SWITCH_ON_DISABLED}]}, after: 500 ms, do: {enable: {axes: [portal]}}}
+  - {when: {signal: portal.state, is: STANDSTILL}, do: {move_axis: {axis: portal, mode: relative, position: 5 mm}}}
+expect:
+  - {signal: portal.skew, max: 1 mm}
+  - {signal: portal.skew, min: -1 mm}
+  - {event: {kind: error, source: portal, code: 0x18611}, count: 1}
+  - {event: {kind: error}, count: 1}
+  - {signal: portal.output.control, at: end, is: 0}
+",
+    );
+    run.until_told(2, "ready after");
+    let stand = |drives: &mut CanDrives| [4, 5].map(|node| drives.shown(node).position);
+    let there = before.map(|position| position + WAY);
+    for _ in 0..300 {
+        if stand(&mut drives) == there {
+            break;
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(stand(&mut drives), there);
+    assert!([4, 5].iter().all(|&node| drives.shown(node).is_enabled()));
+    drives.tell("fault 5 0x8611");
+    thread::sleep(Duration::from_millis(500));
+    assert!(drives.shown(4).is_off(), "{:?}", drives.shown(4));
+    run.passes();
+}
+
 /// Positions end to the increment, also after 5 s on the way; with interface velocity the core ends within its window of 5 increments. No
 /// cycle is without a PDO for the drive.
 #[test]

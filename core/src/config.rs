@@ -1,12 +1,13 @@
 //! What a machine is made of, in the core's units.
 
+mod drives;
 mod error;
 mod functions;
 mod masters;
 mod numbers;
 mod slots;
 
-pub use error::ConfigError;
+pub use error::{ConfigError, GantryProblem};
 pub use functions::{Function, OutputShared, Switcher};
 pub use masters::{MAX_MASTERS, MAX_MEMBERS, SumConfig, SumProblem, sums};
 pub use numbers::{IoCounts, NoSuchIo, names_no_io};
@@ -15,16 +16,17 @@ pub use slots::{
 };
 
 use crate::axis::{
-    AxisSetup, BrakeConfig, MAX_DELAY, MISSED_CYCLES, Safety, Wired, may_name, may_read, may_tell_sign, may_turn_loop,
+    AxisSetup, BrakeConfig, MISSED_CYCLES, Safety, Wired, may_carry, may_name, may_read, may_tell_sign, may_turn_loop,
 };
 use crate::code::Code;
-use crate::drive::{Backend, Capabilities, Interface, SpeedOutputs};
+use crate::drive::{Capabilities, Interface, SpeedOutputs};
 use crate::encoder::{Form, PulseCheck};
 use crate::modulo::Modulo;
 use crate::object::{MAX_AXES, Object};
 use crate::parameter::{Applies, AxisParameters, Contradiction, MachineParameters, Row};
 use crate::unit::{Fraction, Scale, fraction_to_f64};
 use crate::vocabulary::{self, Setting, Wiring};
+use drives::{check_drive, check_gantry};
 
 /// Increments that an axis may move in one cycle.
 const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
@@ -37,25 +39,6 @@ pub fn highest_velocity(cycle_ns: u64) -> f64 {
 /// The end that a cycle of that length sets to the range of a row (inc/s); none for what is no limit of a velocity.
 pub fn highest_of(row: &Row, cycle_ns: u64) -> Option<f64> {
     row.is_bound_by_cycle().then(|| highest_velocity(cycle_ns))
-}
-
-/// Does the drive of an axis offer what the axis asks of it?
-fn check_drive(axis: &AxisConfig, offers: &Capabilities) -> Result<(), ConfigError> {
-    let name = || axis.name.clone();
-    if offers.delay > MAX_DELAY {
-        return Err(ConfigError::Delay { axis: name(), delay: offers.delay });
-    }
-    if axis.interface == Interface::Torque {
-        return Err(ConfigError::Torque { axis: name() });
-    }
-    if !offers.offers(axis.interface) {
-        return Err(ConfigError::NotOffered { axis: name(), interface: axis.interface });
-    }
-    let homes = [Some(axis.parameters), axis.saved].into_iter().flatten().any(|p| p.homing.in_drive);
-    if homes && !offers.homes {
-        return Err(ConfigError::HomesNot { axis: name() });
-    }
-    Ok(())
 }
 
 /// Kind of an input or output.
@@ -132,6 +115,8 @@ pub struct AxisConfig {
     pub modulo: Option<Modulo>,
     /// What its drive offers, as its backend says; none for a virtual axis.
     pub drive: Option<Capabilities>,
+    /// What its second drive offers; none where it has one drive alone.
+    pub second: Option<Capabilities>,
     /// How its drive is commanded.
     pub interface: Interface,
     /// Cycles without new data from its drive that are waited for.
@@ -158,6 +143,7 @@ impl AxisConfig {
             scale,
             modulo: None,
             drive,
+            second: None,
             interface: Interface::Position,
             missed_cycles: MISSED_CYCLES,
             vocabularies: Wiring::default(),
@@ -190,7 +176,7 @@ impl AxisConfig {
 impl Applies {
     /// Has that axis it?
     pub fn to(self, axis: &AxisConfig) -> bool {
-        self.to_interface(axis.drive.map(|_| axis.interface))
+        self.to_interface(axis.drive.map(|_| axis.interface), axis.second.is_some())
     }
 }
 
@@ -288,6 +274,10 @@ impl MachineConfig {
             if let Some(offers) = axis.drive {
                 check_drive(axis, &offers)?;
             }
+            if let Some(offers) = axis.second {
+                check_drive(axis, &offers)?;
+                check_gantry(axis, &offers)?;
+            }
             self.check_outputs(axis)?;
             for parameters in [Some(axis.parameters), axis.saved].into_iter().flatten() {
                 parameters.check().map_err(|contradiction| match contradiction {
@@ -304,6 +294,13 @@ impl MachineConfig {
                 if !may_tell_sign(axis.drive.map(|_| axis.interface), &parameters) {
                     let code = Code::REVERSING_BY_POSITION;
                     return Err(ConfigError::NotBuilt { axis: name(), key: "revers", code });
+                }
+                if axis.second.is_some() {
+                    may_carry(axis.wired, &parameters).map_err(|(key, code)| ConfigError::NotBuilt {
+                        axis: name(),
+                        key,
+                        code,
+                    })?;
                 }
                 vocabulary::check(&parameters, &self.setting(axis))
                     .map_err(|problem| ConfigError::Selector { axis: name(), key: problem.key() })?;
@@ -418,24 +415,6 @@ impl MachineConfig {
         Ok(())
     }
 
-    /// Does each drive hang on one of these backends, which offers what the cell says of it? To be asked before they start.
-    ///
-    /// # Errors
-    /// The first drive that nobody serves, or another one than the cell describes.
-    pub fn check_backends(&self, backends: &[&dyn Backend]) -> Result<(), ConfigError> {
-        for (place, axis) in self.axes.iter().filter(|axis| axis.drive.is_some()).enumerate() {
-            let mut offers = backends.iter().filter_map(|backend| backend.capabilities(place));
-            let name = axis.name.clone();
-            match (offers.next(), offers.next()) {
-                (None, _) => return Err(ConfigError::NotServed { axis: name }),
-                (_, Some(_)) => return Err(ConfigError::ServedTwice { axis: name }),
-                (offers, None) if offers != axis.drive => return Err(ConfigError::OtherDrive { axis: name }),
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
     /// The name of an object.
     pub fn name(&self, object: Object) -> &str {
         let name = match object {
@@ -476,21 +455,18 @@ impl MachineConfig {
         })
     }
 
-    /// How many axes have a drive.
-    pub fn count_drives(&self) -> usize {
-        self.axes.iter().filter(|axis| axis.drive.is_some()).count()
-    }
-
     /// The setups of the axes, in file order.
     pub(crate) fn setups(&self) -> Vec<AxisSetup> {
         let mut drives = 0..;
-        let drive_count = self.count_drives() as u32;
+        let drive_count = self.count_driven() as u32;
+        let mut gantries = 0..;
         self.axes
             .iter()
             .enumerate()
             .map(|(index, axis)| AxisSetup {
                 index: index as u16,
                 drive: axis.drive.and_then(|offers| drives.next().map(|place| (place, offers))),
+                gantry: axis.second.and_then(|_| gantries.next()),
                 modulo: axis.modulo,
                 interface: axis.interface,
                 missed_cycles: axis.missed_cycles,

@@ -15,6 +15,7 @@ pub mod drive;
 pub mod encoder;
 pub mod event;
 pub mod function;
+pub mod gantry;
 pub mod law;
 pub mod machine;
 pub mod modulo;

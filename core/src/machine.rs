@@ -10,6 +10,7 @@ mod activity;
 mod commands;
 mod encoders;
 mod functions;
+mod gantries;
 mod order;
 mod panel;
 mod parameters;
@@ -73,6 +74,8 @@ pub struct Machine {
     set_by: Vec<u64>,
     /// Room for the inputs as the machine sees them.
     seen: Inputs,
+    /// Room for the inputs with one drive in the place of two.
+    joined: Inputs,
     /// Through which axes sinks and masters lead.
     ways: Ways,
     /// What the slots are wired to.
@@ -136,6 +139,7 @@ impl Machine {
             runs: axes.iter().map(|_| None).collect(),
             virtual_master: VirtualMaster::new(&config.global.power_on()),
             panel: Panel::new(&config),
+            gantries: config.gantries(),
             axes,
             encoders,
             slots,
@@ -154,6 +158,7 @@ impl Machine {
             couples: false,
             set_by,
             seen: Inputs::default(),
+            joined: Inputs::default(),
             ended_by_errors: functions::ended_by_errors(&wires),
             movers: functions::movers(&wires),
             ways: Ways::of(&config),
@@ -168,6 +173,9 @@ impl Machine {
             config,
         };
         machine.seen = machine.inputs();
+        if !machine.state.gantries.is_empty() {
+            machine.joined = machine.inputs();
+        }
         machine.sort_axes();
         Ok(machine)
     }
@@ -205,7 +213,15 @@ impl Machine {
         let mut room = std::mem::take(&mut self.seen);
         let read = self.signals.virtual_inputs(&self.state.board);
         let inputs = self.state.panel.condition(inputs, &self.config, read, self.state.cycle, &mut room);
-        self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
+        if self.state.gantries.is_empty() {
+            self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
+        } else {
+            let mut joined = std::mem::take(&mut self.joined);
+            let inputs = self.join_drives(inputs, &mut joined);
+            self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
+            self.lead_seconds(outputs);
+            self.joined = joined;
+        }
         self.seen = room;
     }
 
@@ -391,7 +407,7 @@ impl Machine {
         told: Told<'_>,
         act: impl FnOnce(&mut Axis, &mut Context<'_>) -> T,
     ) -> Option<T> {
-        let State { axes, cycle, leads, encoders, runs, tables, parameter_version, .. } = &mut self.state;
+        let State { axes, gantries, cycle, leads, encoders, runs, tables, parameter_version, .. } = &mut self.state;
         let axis = axes.get_mut(index)?;
         let mut cx = Context {
             cycle: *cycle,
@@ -404,6 +420,7 @@ impl Machine {
             latches: &self.latched,
             stream: told.stream,
             runs,
+            gantry: axis.gantry().and_then(|place| gantries.get_mut(usize::from(place))),
             events: &mut self.events,
         };
         let result = act(axis, &mut cx);

@@ -7,7 +7,7 @@ mod cell;
 
 use actions::{Numbers, action, command, leaving, trajectory};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
-use cell::{absolute, config, long_table, model, slots, table};
+use cell::{absolute, config, long_table, models, slots, table};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
     Action, Command, CommandFunction, Commands, HomeAxis, HomingMethod, SetPosition, Setpoint, Setpoints, Source,
@@ -98,7 +98,7 @@ fn no_cycle_of_absolute_encoders_takes_or_gives_back_memory() {
 
 /// Everything that there is comes by chance; the number of words of an encoder that were replaced.
 fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
-    let models: Vec<_> = (1..AXES).map(|index| Some(model(index))).collect();
+    let models = models();
     let mut plant = Plant::new(&config, &models);
     let index = Some(Index { every: 2_000, at: 300 });
     let fixtures = Fixtures { index, home: Some((2_000, 4_000)), ..Fixtures::default() };
@@ -247,7 +247,7 @@ fn the_watch_sees_an_allocation() {
 #[test]
 fn no_change_of_a_layer_takes_or_gives_back_memory() {
     let config = config();
-    let models: Vec<_> = (1..AXES).map(|index| Some(model(index))).collect();
+    let models = models();
     let mut plant = Plant::new(&config, &models);
     let mut machine = Machine::new(config).unwrap();
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
@@ -285,7 +285,7 @@ fn no_change_of_a_layer_takes_or_gives_back_memory() {
 #[test]
 fn homing_takes_no_memory() {
     let config = config();
-    let models: Vec<_> = (1..AXES).map(|index| Some(model(index))).collect();
+    let models = models();
     let mut plant = Plant::new(&config, &models);
     let index = Some(Index { every: 2_000, at: 300 });
     let fixtures = Fixtures { index, home: Some((2_000, 4_000)), positive: Some(30_000), ..Fixtures::default() };

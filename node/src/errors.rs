@@ -35,7 +35,7 @@ The reaction is one of:
 A following error that 5 has told, and that lasts or comes again after another value was set, is answered as that says. A brake that
 `o_brake` names closes with 1 and 3 also where a fault takes the power at once.
 
-What becomes of that, by what column *reaction* says of a code (its text, as far as it stands here), and by `error_reaction`:
+What becomes of that, by what column *reaction* says of a code (its text, as far as it stands here), and by `error_reaction`, of a skew by `skew_reaction`:
 
 | reaction | where | 0 | 1 | 2 | 3 | 4 | 5 |
 |-|-|-|-|-|-|-|-|
@@ -44,6 +44,7 @@ What becomes of that, by what column *reaction* says of a code (its text, as far
 | where it ends a homing or a search | | off | off + brake | hold | hold + brake | drive | end |
 | `endswmod` 1: stop and hold | `endswmod` 0 | off | off + brake | hold | hold + brake | drive | hold |
 | `endswmod` 1: stop and hold | `endswmod` 1 | hold | hold | hold | hold | hold | hold |
+| as `skew_reaction` says | | off | off + brake | hold | hold + brake | drive | go on |
 | stops at the limit | | stop, off | stop, off + brake | hold | hold + brake | stop, drive | hold |
 | drive off where the position loop is closed here | loop closed here | off | off + brake | off + brake | off + brake | off + brake | off + brake |
 | drive off where the position loop is closed here | loop in the drive | off | off + brake | hold | hold + brake | drive | hold |

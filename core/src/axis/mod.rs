@@ -43,6 +43,7 @@ mod reaction;
 mod rhythm;
 mod safety;
 mod shown;
+mod skew;
 mod smooth;
 mod source;
 mod stops;
@@ -64,7 +65,7 @@ pub use master::may_name;
 pub use reaction::stops_all;
 pub use rhythm::Pace;
 pub use safety::Safety;
-pub use source::{Source, Wired, may_read};
+pub use source::{Source, Wired, may_carry, may_read};
 pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
@@ -76,6 +77,7 @@ use crate::command::{Action, Command, Setpoints};
 use crate::drive::{Capabilities, DriveInput, DriveOutput, EncoderInput, Inputs, Interface, SpeedOutputs};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
+use crate::gantry::Gantry;
 use crate::modulo::Modulo;
 use crate::object::Object;
 use crate::parameter::AxisParameters;
@@ -120,6 +122,8 @@ pub struct AxisSetup {
     pub index: u16,
     /// Place among the drives and what the drive offers; none for a virtual axis.
     pub drive: Option<(usize, Capabilities)>,
+    /// Place among the gantries, where it has two drives.
+    pub gantry: Option<u16>,
     /// Length of a turn.
     pub modulo: Option<Modulo>,
     /// How its drive is commanded.
@@ -177,6 +181,8 @@ pub struct Context<'a> {
     pub stream: Option<&'a Setpoints>,
     /// The trajectories that run.
     pub runs: &'a [Option<Run>],
+    /// Its two drives, where it has two.
+    pub gantry: Option<&'a mut Gantry>,
     /// Where events go.
     pub events: &'a mut EventQueue,
 }
@@ -361,6 +367,7 @@ impl Axis {
         (self.holding.had_power, self.holding.asks_anew) = (self.is_on(), false);
         self.watch_contacts(cx);
         self.supervise(cx);
+        self.supervise_gantry(cx);
         self.tell_switches(cx);
         self.advance(cx);
         self.take_mark(cx);

@@ -118,7 +118,7 @@ impl Deed {
         };
         let ending = if by_parameter == Self::Report { Self::Stop { then: 2 } } else { by_parameter };
         match class {
-            Class::NoError | Class::Parameter => by_parameter,
+            Class::NoError | Class::Parameter | Class::Skew => by_parameter,
             Class::Search if by_parameter == Self::Report => Self::End,
             Class::Search => by_parameter,
             Class::Ends => ending,
@@ -148,7 +148,8 @@ impl Deed {
 impl Axis {
     fn deed(&self, class: Class) -> Deed {
         let p = &self.parameters;
-        Deed::of(class, p.error_reaction, p.supervision.endswmod, self.closes_loop_here())
+        let reaction = if class == Class::Skew { p.gantry.skew_reaction } else { p.error_reaction };
+        Deed::of(class, reaction, p.supervision.endswmod, self.closes_loop_here())
     }
 
     /// Does an error of this code stop nothing?
@@ -223,7 +224,7 @@ impl Axis {
     fn raise_beside(&mut self, cx: &mut Context<'_>, failure: Failure, class: Class, deed: Deed) {
         match (class, deed) {
             // What was to stop it cannot any more.
-            (Class::Drive | Class::Feedback, Deed::Off { brake }) => {
+            (Class::Drive | Class::Feedback | Class::Skew, Deed::Off { brake }) => {
                 self.end_all(cx, failure);
                 self.tell_beside(cx, failure);
                 self.take_power(failure.code, class, brake);

@@ -1,9 +1,11 @@
 //! The source of an axis' position, as the cell and its parameters name it.
 //!
 //! Law      ENCODERTYPE chooses among what the cell has: the drive's words, an entry of section `encoders`, the command
-//! Refuses  sources that the cell does not have, sources that a drive which closes the loop itself does not read
+//! Refuses  sources that the cell does not have, sources that a drive which closes the loop itself does not read; of an axis with two drives
+//!          what both cannot do together
 //! Source   MACS-ENC-01, -04, -07, -13; WF-ABS; contract section 8
 
+use super::homing::methods::squares;
 use crate::code::Code;
 use crate::drive::Interface;
 use crate::encoder::source::AbsoluteSources;
@@ -138,5 +140,26 @@ pub fn may_read(
         _ if source.fits(interface) => Ok(()),
         1 => Err((ENCODER_KIND, Code::WF_LOOP_IN_DRIVE)),
         _ => Err(("encodertype", Code::ENCODER_LOOP_IN_DRIVE)),
+    }
+}
+
+/// Can two drives carry an axis with these parameters?
+///
+/// # Errors
+/// The key of the parameter that does not let them, and why not.
+pub fn may_carry(wired: Wired, p: &AxisParameters) -> Result<(), (&'static str, Code)> {
+    if p.gantry.max_skew.is_none() {
+        return Err(("max_skew", Code::GANTRY_NO_LIMIT));
+    }
+    if p.homing.in_drive {
+        return Err(("homing.in_drive", Code::GANTRY_IN_DRIVE));
+    }
+    if p.homing.method != 0 && !squares(p.homing.method) {
+        return Err(("homing.method", Code::GANTRY_HOMING));
+    }
+    match (wired, Source::of(wired, 0, p)) {
+        (Wired::Drive(form), Ok(source)) if source == Source::Drive(form) => Ok(()),
+        _ if p.encoder.kind == 1 => Err((ENCODER_KIND, Code::GANTRY_SOURCE)),
+        _ => Err(("encodertype", Code::GANTRY_SOURCE)),
     }
 }

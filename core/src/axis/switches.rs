@@ -47,5 +47,9 @@ impl Axis {
         let drive = self.drive().and_then(|drive| all.drive.get(drive));
         self.switches_before = self.switches;
         self.switches = Switches::read(drive, all, &self.parameters.assigned);
+        if self.gantry().is_some() {
+            // Those of both drives are in the word of the drive already.
+            self.switches.home = drive.is_some_and(|drive| drive.inputs & inputs::HOME != 0);
+        }
     }
 }

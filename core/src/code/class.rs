@@ -18,6 +18,8 @@ pub enum Class {
     /// Its own encoder cannot be trusted: where the position loop is closed here the drive is switched off, with the brake
     /// for all but error_reaction 0; else as [`Class::Ends`].
     Feedback,
+    /// Its two drives are too far from square: as skew_reaction says.
+    Skew,
     /// Nothing is left to command: the drive gets no voltage, and the brake closes for 1 and 3.
     Drive,
     /// The axis stops with max_deceleration and holds; with error_reaction 3 the brake closes then.
@@ -42,6 +44,7 @@ impl Class {
             Self::Switch => "`endswmod` 1: stop and hold; else as `error_reaction` says, 5 as 2",
             Self::SoftwareLimit => "stops at the limit, then as `error_reaction` says; 5 holds",
             Self::Feedback => "drive off where the position loop is closed here; else as `error_reaction` says, 5 as 2",
+            Self::Skew => "as `skew_reaction` says",
             Self::Drive => "drive off",
             Self::Interlock => "stop with `max_deceleration`, then hold",
             Self::EmergencyStop => "stop with `max_deceleration`, then drive off and brake closed",

@@ -554,6 +554,57 @@ codes! {
         remedy: "Widen in_position_window, or tune the drive; halt ends the wait.",
     }
 
+    /// The two drives of the axis are too far from square.
+    SKEW = 10233, Skew {
+        says: "the two drives are {asked} from square; max_skew {limit} is allowed",
+        cause: "The second drive of an axis is further from square with the first one than max_skew: one of them is blocked, weak or has \
+            slipped; or it was moved by hand while it was off.",
+        remedy: "Free it and bring it square by hand, then reset_errors and home the axis.",
+    }
+
+    /// Homing finds the two drives further from square than it may bring them.
+    NOT_SQUARE = 10234, Search {
+        says: "the reference switches find the two drives {asked} from square; squaring_distance {limit} is allowed",
+        cause: "The reference switch of one drive of an axis came further behind that of the other than squaring_distance: it is stuck, cut \
+            off or out of its place, or the axis is bent.",
+        remedy: "Check both switches, bring the axis square by hand; or raise squaring_distance; then reset_errors and home again.",
+    }
+
+    /// The second drive of the axis tells no position.
+    SECOND_UNREAD = 10235, Drive {
+        says: "the second drive tells no position",
+        cause: "The words of the second drive of an axis cannot be used, so nobody knows whether it is square.",
+        remedy: "Check its encoder and cable, then reset_errors.",
+    }
+
+    /// A way of homing that squares nothing.
+    GANTRY_HOMING = 10361, NoError {
+        says: "",
+        cause: "The method of homing does not square an axis with two drives.",
+        remedy: "Choose one that seeks a reference switch, or 35 or 37, which take the zero where the axis stands.",
+    }
+
+    /// Another source of its position than the drives of an axis with two.
+    GANTRY_SOURCE = 10362, NoError {
+        says: "",
+        cause: "A parameter names another source of the position than the words of both drives of the axis.",
+        remedy: "Leave it out; give the form of the words in feedback.",
+    }
+
+    /// An axis with two drives and no limit of its skew.
+    GANTRY_NO_LIMIT = 10363, NoError {
+        says: "max_skew is missing; a distance above 0 is expected",
+        cause: "An axis with two drives is to have no max_skew.",
+        remedy: "Give it one.",
+    }
+
+    /// Homing in the drives of an axis with two.
+    GANTRY_IN_DRIVE = 10364, NoError {
+        says: "",
+        cause: "The drives of an axis with two are to home by themselves: each would move alone.",
+        remedy: "Leave homing.in_drive out.",
+    }
+
     /// An abort ended the goal, and has locked the axis.
     ABORTED = 10228, NoError {
         says: "abort has stopped the axis; reset_errors lets it go on",

@@ -28,6 +28,14 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::ENCODER_LOOP_IN_DRIVE => {
             "names an encoder that a drive with interface position does not close its loop with; 0, 1, 2, 5 and 9 are allowed"
         }
+        Code::GANTRY_HOMING => {
+            "does not square an axis with two drives; 0, 3 to 14, 19 to 30, 35, 37 and -1 to -4 are allowed"
+        }
+        Code::GANTRY_SOURCE => {
+            "names another source than the two drives of the axis, which close their loops themselves"
+        }
+        Code::GANTRY_IN_DRIVE => "would let each of two drives of the axis move alone; false is allowed",
+        Code::GANTRY_NO_LIMIT => "is missing for an axis with two drives; a distance above 0 is expected",
         Code::ENCODER_CHOSEN_TWICE => {
             "names another encoder than key feedback of the axis or its wf.md4 does; one of them may choose"
         }

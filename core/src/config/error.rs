@@ -53,6 +53,14 @@ pub enum ConfigError {
         /// Whose.
         axis: String,
     },
+    /// Two drives that cannot carry one axis.
+    #[error("drives of {axis}: {problem}")]
+    Gantry {
+        /// Whose.
+        axis: String,
+        /// Why not.
+        problem: GantryProblem,
+    },
     /// A drive without a backend.
     #[error("drive of {axis}: no backend serves it")]
     NotServed {
@@ -199,4 +207,18 @@ pub enum ConfigError {
         /// The other one.
         high: &'static str,
     },
+}
+
+/// Why two drives cannot carry one axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GantryProblem {
+    /// There is a second drive and no first one.
+    #[error("the second one has no first one")]
+    NoFirst,
+    /// An interface that two drives do not share.
+    #[error("interface is {}; two drives of one axis have interface position", .0.name())]
+    Interface(Interface),
+    /// They would be asked for the same at different times.
+    #[error("the first one has a delay of {0} cycles, the second one of {1}; the same delay is expected")]
+    Delays(u32, u32),
 }

@@ -76,6 +76,7 @@ impl IoCounts {
             ("i_refswitch", inputs.refswitch, false),
             ("i_poslimitsw", inputs.poslimitsw, false),
             ("i_neglimitsw", inputs.neglimitsw, false),
+            ("i_refswitch_second", parameters.gantry.second_refswitch, false),
             ("o_brake", outputs.brake, true),
             ("o_axmove", outputs.axmove, true),
             ("revers", parameters.reversing().last_output(), true),

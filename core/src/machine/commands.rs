@@ -187,6 +187,7 @@ impl Machine {
                 self.check_axes(*axes)?;
                 let mut named = axes.iter().filter_map(|index| self.state.axes.get(usize::from(index)));
                 named.try_for_each(|axis| axis.admits(&command.action))?;
+                self.admit_skews(&command.action, *axes)?;
                 self.accept(command, Object::Machine);
                 axes.iter().try_for_each(|axis| self.give(told, axis, command))
             }

@@ -6,7 +6,7 @@
 //! Source   MACS-STO-02..08
 
 use super::Machine;
-use crate::axis::may_name;
+use crate::axis::{may_carry, may_name};
 use crate::code::Code;
 use crate::command::Command;
 use crate::config::{IoCounts, NoSuchIo, OutputShared, highest_velocity};
@@ -301,6 +301,7 @@ impl Machine {
         self.state.axes[index].admits_source(candidate)?;
         self.check_named(index)?;
         self.check_offered(index)?;
+        self.check_carried(index)?;
         self.state.axes[index].admits_zero(candidate)?;
         IoCounts::of(&self.config).check_axis(candidate).map_err(|missing| no_such_io(index as u16, missing))?;
         let of_axis = || changes.iter().filter(|change| usize::from(change.axis) == index);
@@ -377,6 +378,7 @@ impl Machine {
         axis.admits_source(candidate)?;
         self.check_named(index)?;
         self.check_offered(index)?;
+        self.check_carried(index)?;
         axis.admits_zero(candidate)?;
         match self.left_out(index) {
             Some(place) => {
@@ -406,6 +408,16 @@ impl Machine {
         }
         let change = Change { axis: index as u16, row: const { Row::place("homing.in_drive") }, value: Value::Int(1) };
         Err(blame(&change, Code::HOMING_NOT_OFFERED))
+    }
+
+    /// Can the two drives of an axis carry it with the candidate?
+    fn check_carried(&self, index: usize) -> Result<(), Refusal> {
+        let Some(axis) = self.config.axes.get(index).filter(|axis| axis.second.is_some()) else { return Ok(()) };
+        let candidate = &self.candidates[index];
+        may_carry(axis.wired, candidate).map_err(|(key, code)| {
+            let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
+            blame(&Change { value: value_of(&change, candidate), ..change }, code)
+        })
     }
 
     /// A place that the motion under way reaches and new limits would leave out.

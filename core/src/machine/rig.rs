@@ -92,6 +92,7 @@ fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refu
         latches: &[],
         stream: None,
         runs: &[],
+        gantry: None,
         events: &mut *events,
     };
     state.axes[usize::from(axis)].disturb();

@@ -11,6 +11,7 @@ use crate::function::{LINES, Quantity, SHOWS};
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
+use crate::signal::gantry::GantrySignal;
 use crate::signal::{Board, Directory, Entry, Measure, Signal, Type};
 use crate::sync::{Leads, VirtualMaster};
 use crate::vocabulary::{self, Latched};
@@ -37,6 +38,8 @@ pub(super) struct Signals {
     pub slots: Vec<Signal>,
     /// First of [`AxisSignal`].
     pub axes: Vec<Signal>,
+    /// First of [`GantrySignal`] of each axis with two drives.
+    pub gantries: Vec<Signal>,
     /// First of: state, error, overruns; of the virtual master: position, velocity, count and position of its index,
     /// fraction.
     machine: Signal,
@@ -75,8 +78,14 @@ impl Signals {
         let encoders = config.encoders.iter().map(|entry| add_encoder(directory, &entry.name)).collect();
         let masters = config.masters.iter().map(|master| add_master(directory, &master.name)).collect();
         let slots = config.slots.iter().map(|slot| add_slot(directory, slot)).collect();
-        let axes = config.axes.iter().map(|axis| add_axis(directory, &axis.name)).collect();
-        Self { io, virtual_inputs, memory, encoders, masters, slots, axes, machine: add_machine(directory) }
+        let (mut axes, mut gantries) = (Vec::new(), Vec::new());
+        for axis in &config.axes {
+            axes.push(add_axis(directory, &axis.name));
+            if axis.second.is_some() {
+                gantries.push(GantrySignal::add_all(directory, &axis.name));
+            }
+        }
+        Self { io, virtual_inputs, memory, encoders, masters, slots, axes, gantries, machine: add_machine(directory) }
     }
 
     /// The inputs that read an output, with the levels that the last cycle has left there.

@@ -9,6 +9,7 @@ use crate::axis::{Axis, Run};
 use crate::config::{ConfigError, MachineConfig};
 use crate::encoder::Encoder;
 use crate::function::Slot;
+use crate::gantry::Gantry;
 use crate::parameter::{AxisParameters, MachineParameters};
 use crate::signal::Board;
 use crate::sync::{Leads, VirtualMaster};
@@ -21,6 +22,8 @@ use std::sync::Arc;
 pub struct State {
     pub(super) board: Board,
     pub(super) axes: Vec<Axis>,
+    /// Axes with two drives, in file order.
+    pub(super) gantries: Vec<Gantry>,
     pub(super) encoders: Vec<Encoder>,
     /// Function slots, by their numbers.
     pub(super) slots: Vec<Slot>,
@@ -129,6 +132,7 @@ impl State {
         let Self {
             board,
             axes,
+            gantries,
             encoders,
             slots,
             tables,
@@ -147,6 +151,7 @@ impl State {
         } = first;
         self.board.copy_from(board);
         self.axes.clone_from(axes);
+        self.gantries.clone_from(gantries);
         self.encoders.clone_from(encoders);
         self.slots.clone_from(slots);
         // Who gave a table frees it: here only counts change.
@@ -170,6 +175,7 @@ impl State {
         };
         shape("signals", self.board.len(), fresh.board.len())?;
         shape("axes", self.axes.len(), fresh.axes.len())?;
+        shape("axes with two drives", self.gantries.len(), fresh.gantries.len())?;
         shape("saved sets of parameters", self.user.len(), fresh.user.len())?;
         shape("encoders", self.encoders.len(), fresh.encoders.len())?;
         shape("functions", self.slots.len(), fresh.slots.len())?;
@@ -210,6 +216,12 @@ impl State {
             }
             if !mine.is_sound() {
                 return Err(StateError::Unsound { axis: axis.name.clone() });
+            }
+        }
+        for (mine, fresh) in std::iter::zip(&self.gantries, &fresh.gantries) {
+            if !mine.is_sound(fresh) {
+                let axis = machine.config.axes.get(usize::from(fresh.setup().axis));
+                return Err(StateError::Unsound { axis: axis.map_or_else(String::new, |axis| axis.name.clone()) });
             }
         }
         if !self.panel.fits(&fresh.panel) {
@@ -267,6 +279,7 @@ impl Clone for State {
         Self {
             board: self.board.clone(),
             axes: self.axes.clone(),
+            gantries: self.gantries.clone(),
             encoders: self.encoders.clone(),
             slots: self.slots.clone(),
             tables: self.tables.clone(),
@@ -285,6 +298,7 @@ impl Clone for State {
         let Self {
             board,
             axes,
+            gantries,
             encoders,
             slots,
             tables,
@@ -303,6 +317,7 @@ impl Clone for State {
         } = other;
         self.board.copy_from(board);
         self.axes.clone_from(axes);
+        self.gantries.clone_from(gantries);
         self.encoders.clone_from(encoders);
         self.slots.clone_from(slots);
         // Who gave a table frees it: here only counts change.

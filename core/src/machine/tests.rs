@@ -17,6 +17,7 @@ mod exact;
 mod faults;
 mod feedback;
 mod functions;
+mod gantry;
 mod gear_in;
 mod homing;
 mod layers;

@@ -3,7 +3,8 @@
 use super::rows::ROWS;
 use super::vocabularies::{self, Vocabularies};
 use super::{
-    Assigned, AssignedOutputs, Encoders, Homing, Macs, Marks, PositionLoop, Row, Supervision, Synchronization, Value,
+    Assigned, AssignedOutputs, Encoders, GantryParameters, Homing, Macs, Marks, PositionLoop, Row, Supervision,
+    Synchronization, Value,
 };
 use crate::code::Code;
 use crate::position::Position;
@@ -70,6 +71,8 @@ pub struct AxisParameters {
     pub supervision: Supervision,
     /// Outputs that are assigned to it.
     pub outputs: AssignedOutputs,
+    /// How its two drives are held together, where it has two.
+    pub gantry: GantryParameters,
     /// What MACS gives relative to others.
     pub macs: Macs,
     /// The position loop that is closed here.
@@ -109,6 +112,7 @@ impl AxisParameters {
             assigned: Assigned::default(),
             supervision: Supervision::default(),
             outputs: AssignedOutputs::default(),
+            gantry: GantryParameters::default(),
             macs: Macs::default(),
             position_loop: PositionLoop::default(),
             vocabularies: Vocabularies::default(),

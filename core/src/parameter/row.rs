@@ -201,15 +201,18 @@ pub enum Applies {
     Regulator,
     /// Axes with interface open_loop.
     OpenLoop,
+    /// Axes with two drives.
+    Gantry,
     /// The machine.
     Machine,
 }
 
 impl Applies {
-    /// Has an axis it whose drive is commanded so; none for a virtual one?
-    pub fn to_interface(self, interface: Option<Interface>) -> bool {
+    /// Has an axis it whose drive, or both of whose drives, are commanded so; none for a virtual one?
+    pub fn to_interface(self, interface: Option<Interface>, has_two: bool) -> bool {
         match self {
             Self::Any => true,
+            Self::Gantry => has_two,
             Self::Drive => interface.is_some(),
             Self::Regulator => matches!(interface, Some(Interface::Velocity | Interface::Torque)),
             Self::OpenLoop => interface == Some(Interface::OpenLoop),
@@ -224,6 +227,7 @@ impl Applies {
             Self::Drive => "axes with a drive",
             Self::Regulator => "axes with interface velocity or torque",
             Self::OpenLoop => "axes with interface open_loop",
+            Self::Gantry => "axes with two drives",
             Self::Machine => "the machine",
         }
     }

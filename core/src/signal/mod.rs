@@ -6,6 +6,7 @@
 
 pub mod axis;
 mod block;
+pub mod gantry;
 pub mod sysvar;
 
 pub(crate) use block::signal_block;

@@ -75,6 +75,8 @@ pub struct SimDrive {
     homing: InDrive,
     /// The index gives no pulses any more.
     index_lost: bool,
+    /// Something holds it: it does not move, whatever it is asked for.
+    jammed: bool,
     /// Bits of the digital inputs that are stuck, and how.
     stuck: (u32, u32),
     /// Bits of switches that are wired to somewhere else.
@@ -125,6 +127,7 @@ impl SimDrive {
             place_before: 0,
             homing: InDrive::default(),
             index_lost: false,
+            jammed: false,
             stuck: (0, 0),
             hidden: 0,
             load: 0.0,
@@ -233,6 +236,11 @@ impl SimDrive {
             let share = self.place.saturating_sub(place) as f64 / way;
             Some((age(share, self.cycle_ns), is_on))
         })
+    }
+
+    /// Lets something hold it where it stands, or lets it go.
+    pub fn jam(&mut self, jammed: bool) {
+        self.jammed = jammed;
     }
 
     /// Puts the drive into fault with a code of object 603Fh.
@@ -344,7 +352,7 @@ impl SimDrive {
         self.last_control = output.control;
         let is_on = self.state == DriveState::Enabled;
         self.homing.runs &= matches!(output.mode, Mode::Homing(_)) && is_on;
-        if self.brake.is_some_and(|brake| brake.closed) {
+        if self.jammed || self.brake.is_some_and(|brake| brake.closed) {
             self.stand();
         } else if !is_on && self.state != DriveState::QuickStop && self.load != 0.0 {
             self.fall();

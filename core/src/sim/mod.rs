@@ -149,11 +149,11 @@ impl Plant {
     pub fn with_buses(config: &MachineConfig, models: &[Option<Model>], buses: Vec<Objects>) -> Self {
         let count = config.encoders.len();
         let source = |axis: &AxisConfig| Source::of(axis.wired, count, &axis.power_on()).ok();
-        let (axes, drives): (Vec<u16>, Vec<&AxisConfig>) =
-            (0..).zip(&config.axes).filter(|(_, axis)| axis.drive.is_some()).unzip();
+        let (axes, drives): (Vec<u16>, Vec<(&AxisConfig, Capabilities)>) =
+            config.drives().map(|(index, axis, offers)| (index, (axis, offers))).unzip();
         // An encoder that an axis reads is turned by it; of several axes, by the first.
         let turned_by = |encoder: usize| {
-            let reads = |axis: &&AxisConfig| matches!(source(axis), Some(Source::Encoder(place)) if usize::from(place) == encoder);
+            let reads = |(axis, _): &(&AxisConfig, Capabilities)| matches!(source(axis), Some(Source::Encoder(place)) if usize::from(place) == encoder);
             drives.iter().position(reads)
         };
         let inputs = config.io.iter().enumerate().filter(|(_, io)| io.kind == IoKind::DigitalInput);
@@ -164,9 +164,8 @@ impl Plant {
         let drives = drives
             .iter()
             .zip(models)
-            .map(|(axis, model)| {
-                let offers = axis.drive?;
-                let mut drive = SimDrive::new((*model)?, offers.delay, config.cycle_ns).offering(offers);
+            .map(|((axis, offers), model)| {
+                let mut drive = SimDrive::new((*model)?, offers.delay, config.cycle_ns).offering(*offers);
                 if let Some(Source::Drive(form)) = source(axis) {
                     drive.speak(form);
                 }

@@ -142,6 +142,13 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             "i_refswitch is 0, and {} needs a reference switch; n or -n, the n-th digital input, is allowed",
             method(event.asked)
         ),
+        Code::GANTRY_HOMING if event.parameter.is_none() => {
+            let allowed = "3 to 14, 19 to 30, 35, 37 and home_type 0 to 3 are allowed";
+            format!("{} does not square an axis with two drives; {allowed}", method(event.asked))
+        }
+        Code::GANTRY_HOMING | Code::GANTRY_SOURCE | Code::GANTRY_IN_DRIVE => {
+            format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
+        }
         Code::HOMING_NEEDS_DRIVE => match event.asked {
             Number::None => by_row(),
             asked => {

@@ -9,7 +9,9 @@ use lineshaft_core::drive::{Capabilities, Interface, SpeedOutputs};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
 use lineshaft_core::function::{self, Room, TYPES};
 use lineshaft_core::object::{Leader, Object};
-use lineshaft_core::parameter::{AssignedOutputs, AxisParameters, Encoders, MachineParameters, Supervision};
+use lineshaft_core::parameter::{
+    AssignedOutputs, AxisParameters, Encoders, GantryParameters, MachineParameters, Supervision,
+};
 use lineshaft_core::sim::{Model, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::table::{CamSetting, Form as Numbering, Interpolation, Table};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
@@ -17,6 +19,9 @@ use lineshaft_core::vocabulary::{Wiring, amc};
 use std::sync::Arc;
 
 use super::AXES;
+
+/// The axis with two drives.
+const GANTRY: u16 = 4;
 
 /// The first axis has no drive.
 pub(super) fn interface(index: u16) -> Interface {
@@ -39,6 +44,11 @@ pub(super) fn model(index: u16) -> Model {
         7 => Model::Valve(Valve::new(50 * ms, 20 * ms + 1, 1_000_000).expect("a legal valve")),
         _ => Model::Ideal,
     }
+}
+
+/// Those of all drives: behind that of each axis stands the second one of the axis that has two.
+pub(super) fn models() -> Vec<Option<Model>> {
+    (1..AXES).chain([GANTRY]).map(|index| Some(model(index))).collect()
 }
 
 /// The same machine where every kind of absolute encoder is read: words in Gray code with turns that are corrected, binary ones of a
@@ -71,6 +81,7 @@ pub(super) fn config() -> MachineConfig {
             error_reaction: i64::from(index % 6),
             encoder: Encoders { mencodertype: if index == 2 { 10 } else { 0 }, ..Encoders::default() },
             outputs: AssignedOutputs { brake: if index == 3 { -2 } else { 0 }, axmove: if index == 3 { 5 } else { 0 } },
+            gantry: GantryParameters { max_skew: (index == GANTRY).then_some(100_000), ..GantryParameters::default() },
             ..AxisParameters::new(1e5, 1e6)
         };
         let interface = interface(index);
@@ -81,6 +92,7 @@ pub(super) fn config() -> MachineConfig {
             BrakeConfig { output: 1 + index, closes_with_one: true, release_ns: 9_000_000, engage_ns: 7_000_000 };
         AxisConfig {
             interface,
+            second: drive.map(Capabilities::all).filter(|_| index == GANTRY),
             brake: Some(brake).filter(|_| index == 4),
             open_loop,
             modulo: lineshaft_core::modulo::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),

@@ -1,9 +1,10 @@
 //! Section `axes`: what an axis is made of. Its parameters are read beside.
 
 use super::amc;
-use super::backends::{Backend, Context, Hardware, backend_of, name_of};
+use super::backends::{Context, Hardware};
 use super::brake;
-use super::can::{self, CellDrive};
+use super::can::CellDrive;
+use super::drives::{self, Drive, interface_of};
 use super::encoders::{self, Reads};
 use super::fixtures;
 use super::loops::Chains;
@@ -13,8 +14,8 @@ use super::names::{Entry, Once, Section, limit, quote};
 use super::parameters;
 use super::scale::Travel;
 use super::wiring;
-use crate::document::{Allowed, Map, Value};
-use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_read, may_tell_sign};
+use crate::document::{Allowed, Value};
+use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_carry, may_read, may_tell_sign};
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, TableConfig};
 use lineshaft_core::drive::Interface;
@@ -29,32 +30,23 @@ use std::cmp::Ordering;
 /// For the ranges of a model while the cycle has a problem.
 const SOME_CYCLE_NS: u64 = 1_000_000;
 
-/// An axis, how its drive is simulated and what it is called; none for a virtual one.
-pub(super) type Axis = (AxisConfig, Option<(Model, Mechanics)>, Option<(Hardware, Option<CellDrive>)>);
+/// An axis, its drive and its second one; none for a virtual one, and for one with one drive alone.
+pub(super) struct Axis {
+    pub config: AxisConfig,
+    pub first: Option<Driven>,
+    pub second: Option<Driven>,
+}
 
-/// Address of a drive and what it is called, by backend.
-type Taken = Once<(usize, &'static str, u16)>;
-
-/// Key `drive`, and what it says of a drive on CAN.
-type Described = (Drive, Option<CellDrive>);
-
-/// Key `drive`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Drive {
-    Virtual,
-    Real {
-        at: Hardware,
-        /// What it hangs on.
-        kind: Backend,
-        interface: Interface,
-        /// Cycles without new data that are waited for.
-        missed_cycles: u32,
-    },
+/// A drive: how it is simulated, where it hangs, what the cell says of it on CAN.
+pub(super) struct Driven {
+    pub simulated: (Model, Mechanics),
+    pub at: Hardware,
+    pub on_can: Option<CellDrive>,
 }
 
 /// What may stand once in all axes.
 struct Onces<'d> {
-    taken: Taken,
+    taken: drives::Taken,
     outputs: wiring::Taken,
     switches: fixtures::Taken,
     masters: amc::Masters<'d>,
@@ -95,8 +87,11 @@ fn axis<'d>(
     let mut map = entry.value.map(format!("axis `{name}`"))?;
     map.explain_by(parameters::word_of_source);
     let (travel, factors) = Travel::read_axis(&mut map);
-    let described = map.required("drive").and_then(|value| drive(&value, name, &travel, cx, taken));
+    let ((described, second), has_two) = drives::read(&mut map, name, &travel, cx, taken);
     let (drive, on_can) = described.map_or((None, None), |(drive, on_can)| (Some(drive), on_can));
+    if has_two && !map.has("max_skew") {
+        map.required("max_skew");
+    }
     let modulo = map.optional("modulo").map(|value| modulo(&value, &travel));
     let sim = map.optional("sim");
     let reads = if drive == Some(Drive::Virtual) { Reads::Nothing(name) } else { Reads::Something };
@@ -108,7 +103,7 @@ fn axis<'d>(
     let who = drive.map(|drive| interface_of(Some(drive)));
     let form = |place| Some(coded.get(usize::from(place))?.as_ref()?.form);
     let absolute = wired.unwrap_or_default().absolute_sources(form);
-    let new = parameters::Axis { who, absolute, cycle_ns: cx.cycle_ns };
+    let new = parameters::Axis { who, has_two, absolute, cycle_ns: cx.cycle_ns };
     let (mut parameters, given) = parameters::read(&mut map, &mut sections, &travel, new);
     parameters.macs.scale = factors;
     machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_tell_sign(who, &parameters)));
@@ -143,33 +138,48 @@ fn axis<'d>(
                 let has_brake = brake != Some(None) || parameters.outputs.brake != 0;
                 let times = fixtures::brake_times(&mut map, has_brake);
                 let load = fixtures::load(&mut map, &travel);
+                let beside = fixtures::second(&mut map, has_two, &travel, cx, io, switches);
                 map.finish();
                 let brake = brake::simulated(brake.flatten(), parameters.outputs.brake, io, times?);
-                Some((model?, Mechanics { load: load?, brake, ..mechanics? }))
+                let mechanics = Mechanics { load: load?, brake, ..mechanics? };
+                // What nobody says of the second drive stands along its way as along that of the first.
+                let beside = beside?.unwrap_or(Mechanics { wires: [None; 3], ..mechanics });
+                Some((model?, mechanics, Mechanics { load: mechanics.load, brake, ..beside }))
             };
             let brake = brake::simulated(brake.flatten(), parameters.outputs.brake, io, [0; 2]);
-            let bare = (Model::Ideal, Mechanics { brake, ..Mechanics::default() });
-            let (model, mechanics) = sim.map_or(Some(bare), read)?;
-            Some((model, Mechanics { sign: fixtures::sign(&parameters), ..mechanics }))
+            let bare = Mechanics { brake, ..Mechanics::default() };
+            let (model, mechanics, beside) = sim.map_or(Some((Model::Ideal, bare, bare)), read)?;
+            Some((model, Mechanics { sign: fixtures::sign(&parameters), ..mechanics }, beside))
         }
     };
     let interface = interface_of(drive).unwrap_or_default();
-    let missed_cycles = match drive {
+    let missed = |drive: Option<Drive>| match drive {
         Some(Drive::Real { missed_cycles, .. }) => missed_cycles,
         _ => MISSED_CYCLES,
     };
-    let (drive, hardware) = match drive? {
+    let beside = second.as_ref().map(|(drive, _)| *drive);
+    let missed_cycles = missed(drive).min(beside.map_or(u32::MAX, |drive| missed(Some(drive))));
+    let driven = |drive: Drive, on_can: Option<CellDrive>, simulated: (Model, Mechanics)| match drive {
         Drive::Virtual => (None, None),
         Drive::Real { at, kind, .. } => {
-            let model = simulated.as_ref().map_or(Model::Ideal, |(model, _)| *model);
-            (Some(kind.offers(interface, model, on_can.as_ref())), Some((at, on_can)))
+            let offers = kind.offers(interface, simulated.0, on_can.as_ref());
+            (Some(offers), Some(Driven { simulated, at, on_can }))
         }
+    };
+    let (model, mechanics, of_second) = simulated.unwrap_or_default();
+    let (drive, first) = driven(drive?, on_can, (model, mechanics));
+    let (second_offers, second) = match second {
+        Some((drive, on_can)) => driven(drive, on_can, (model, of_second)),
+        // One of two with problems.
+        None if has_two => return None,
+        None => (None, None),
     };
     let modulo = modulo.map_or(Some(None), |modulo| modulo.map(Some))?;
     let open_loop = open_loop?;
     let config = AxisConfig::new(name.to_owned(), travel.scale?, drive, parameters);
     let config = AxisConfig {
         modulo,
+        second: second_offers,
         interface,
         missed_cycles,
         open_loop,
@@ -180,8 +190,17 @@ fn axis<'d>(
     };
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
+    check_carried(&config, &given);
     amc::check(&config, &given, cx.cycle_ns);
-    Some((config, simulated, hardware))
+    Some(Axis { config, first, second })
+}
+
+/// Refuses what two drives of one axis cannot do.
+fn check_carried(axis: &AxisConfig, given: &parameters::Given<'_>) {
+    let Some(Err((key, code))) = axis.second.map(|_| may_carry(axis.wired, &axis.parameters)) else { return };
+    if let Some((_, value)) = given.iter().find(|(given, _)| *given == key) {
+        value.refuse(format!("{key} {} {}", value.peek().unwrap_or_default(), not_built_here(code)), None);
+    }
 }
 
 /// Refuses a source that is not there, or that its drive does not close its loop with.
@@ -228,17 +247,8 @@ fn check_master(axis: &AxisConfig, place: usize, given: &parameters::Given<'_>, 
     value.refuse(format!("{key} {number} {wrong}; {} are allowed", allowed.join(", ")), None);
 }
 
-/// Most cycles without new data from a drive that may be waited for.
-const MOST_MISSED: u32 = 1000;
 /// Encoders that MENCODERTYPE has numbers for.
 const TERMINALS: usize = 3;
-
-fn interface_of(drive: Option<Drive>) -> Option<Interface> {
-    match drive {
-        Some(Drive::Real { interface, .. }) => Some(interface),
-        _ => None,
-    }
-}
 
 /// Why an axis switches no outputs, if that is known.
 fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
@@ -246,68 +256,6 @@ fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
         Drive::Virtual => Some(format!("axis {} is virtual", quote(axis))),
         Drive::Real { interface: Interface::OpenLoop, .. } => None,
         Drive::Real { interface, .. } => Some(format!("axis {} has interface {}", quote(axis), interface.name())),
-    }
-}
-
-fn drive<'d>(value: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, taken: &mut Taken) -> Option<Described> {
-    if !value.is_map() {
-        let text = value.text()?;
-        if text == "virtual" {
-            return Some((Drive::Virtual, None));
-        }
-        value.refuse(format!("drive is {}; virtual or {{backend: .., address: ..}} is allowed", quote(text)), None);
-        return None;
-    }
-    let mut map = value.map(format!("drive of axis `{axis}`"))?;
-    let place = backend_of(&mut map, &cx.names);
-    let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
-    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
-    let missed = map.optional("missed_cycles").map_or(Some(MISSED_CYCLES), |value| value.integer(1..=MOST_MISSED));
-    let (number, on_can) = match (place, backend) {
-        (Some(place), Some(Backend::Sim { .. })) => {
-            (take(&mut map, place, "address", 0..=u16::MAX, cx, taken), Some(None))
-        }
-        (Some(place), Some(Backend::Can)) => {
-            let node = take(&mut map, place, "node", 1..=127, cx, taken);
-            (node, can::drive(&mut map, node, interface, travel).map(Some))
-        }
-        // The keys depend on a backend that is not known.
-        (None, _) | (_, None) => {
-            map.allow(&["address", "node"]);
-            map.allow(&can::DRIVE_KEYS);
-            (None, None)
-        }
-    };
-    map.finish();
-    let number = number?;
-    let (at, kind) = (Hardware { backend: place?, number }, backend?);
-    Some((Drive::Real { at, kind, interface: interface?, missed_cycles: missed? }, on_can?))
-}
-
-/// Key `key`, which numbers the drives of a backend.
-fn take(
-    map: &mut Map<'_>,
-    backend: usize,
-    key: &'static str,
-    range: std::ops::RangeInclusive<u16>,
-    cx: &Context<'_>,
-    taken: &mut Taken,
-) -> Option<u16> {
-    let value = map.required(key)?;
-    let number = value.integer(range)?;
-    let what = || format!("drive {key} {number} of backend {}", name_of(backend, &cx.names));
-    taken.take((backend, key, number), &value, what).then_some(number)
-}
-
-fn interface(value: &Value<'_>) -> Option<Interface> {
-    let all = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
-    let interface = value.choice(&all.map(|interface| (interface.name(), interface)))?;
-    match interface {
-        Interface::Torque => {
-            value.refuse("interface torque needs the velocity loop, which does not exist yet", None);
-            None
-        }
-        _ => Some(interface),
     }
 }
 

@@ -17,6 +17,7 @@ use lineshaft_can::drive::layout::Extras;
 use lineshaft_can::eds::{self, Dictionary};
 use lineshaft_can::load::Load;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
+use lineshaft_core::drive::Capabilities;
 use lineshaft_ros::layer::open_file;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -28,7 +29,8 @@ const MAX_BYTES: usize = 8 << 20;
 /// What of a cell makes its buses.
 pub(super) struct Parts<'a> {
     pub(super) machine: &'a MachineConfig,
-    pub(super) hardware: &'a [Option<Hardware>],
+    /// Where the drives are, in their order.
+    pub(super) hardware: Vec<Hardware>,
     pub(super) on_can: &'a [Option<CellDrive>],
     pub(super) terminals: &'a [CellTerminal],
     pub(super) backends: &'a [CellBackend],
@@ -39,24 +41,23 @@ impl Parts<'_> {
     pub(super) fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
         let problems = Problems::new(&file.map_or("the cell".to_owned(), |file| file.display().to_string()));
         let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
-        let axes = (0_u16..).zip(&self.machine.axes).filter(|(_, axis)| axis.drive.is_some());
-        let axes: Vec<_> = axes.collect();
+        let axes: Vec<_> = self.machine.drives().collect();
         let of = |(at, backend): (usize, &CellBackend)| {
             let bus = backend.bus.as_ref()?;
-            let places = self.hardware.iter().flatten().enumerate().filter(|(_, hardware)| hardware.backend == at);
+            let places = self.hardware.iter().enumerate().filter(|(_, hardware)| hardware.backend == at);
             let drives: Vec<_> = places
                 .filter_map(|(place, _)| Some((place, *axes.get(place)?, self.on_can.get(place)?.as_ref()?)))
                 .collect();
             let is_drive = |node| drives.iter().any(|(.., drive)| drive.device.node == node);
             let mut terminals = terminals::by_node(self.terminals, at, is_drive, &problems);
             let maker = Maker { folder, problems: &problems };
-            let of_drive = |(place, axis, described): &(usize, (u16, &AxisConfig), &CellDrive)| {
+            let of_drive = |(place, axis, described): &(usize, Driven<'_>, &CellDrive)| {
                 maker.drive(*place, *axis, described, terminals.remove(&described.device.node).unwrap_or_default())
             };
             let mut devices: Vec<_> = drives.iter().filter_map(of_drive).collect();
             for node in &bus.nodes {
                 let number = node.node;
-                if let Some((_, (_, axis), _)) = drives.iter().find(|(.., drive)| drive.device.node == number) {
+                if let Some((_, (_, axis, _), _)) = drives.iter().find(|(.., drive)| drive.device.node == number) {
                     let axis = quote(&axis.name);
                     let sentence =
                         format!("{number} of nodes is the drive of axis {axis}; what is said of it stands there");
@@ -91,7 +92,7 @@ impl Parts<'_> {
     pub(super) fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let is_at = |at: usize| self.backends.get(at).is_some_and(|known| known.name == backend);
-        let drives = self.hardware.iter().flatten().zip(self.on_can).filter(|(hardware, _)| is_at(hardware.backend));
+        let drives = self.hardware.iter().zip(self.on_can).filter(|(hardware, _)| is_at(hardware.backend));
         let drives = drives.filter_map(|(_, drive)| drive.as_ref().map(|drive| &drive.device));
         let buses = self.backends.iter().filter(|known| known.name == backend).filter_map(|known| known.bus.as_ref());
         let devices = drives.chain(buses.flat_map(|bus| &bus.nodes));
@@ -99,6 +100,9 @@ impl Parts<'_> {
         named.map(|(node, name)| Ok((node, device_file("eds", &folder.join(name), node)?))).collect()
     }
 }
+
+/// The axis of a drive, and what the drive offers.
+type Driven<'a> = (u16, &'a AxisConfig, Capabilities);
 
 /// Makes devices of what the cell and their files say.
 struct Maker<'a> {
@@ -110,7 +114,7 @@ impl Maker<'_> {
     fn drive(
         &self,
         place: usize,
-        (object, axis): (u16, &AxisConfig),
+        (object, axis, offers): Driven<'_>,
         drive: &CellDrive,
         terminals: Terminals,
     ) -> Option<DeviceConfig> {
@@ -137,7 +141,7 @@ impl Maker<'_> {
             probes,
             mode,
             drive_type,
-            offers: axis.drive?,
+            offers,
             per_revolution: drive.per_revolution,
             velocity: drive.velocity,
             missed: Missed { cycles: axis.missed_cycles, extrapolates: drive.extrapolates },

@@ -105,6 +105,13 @@ pub struct CellDrive {
     pub(super) rated_effort: Option<f64>,
 }
 
+impl CellDrive {
+    /// Has it touch probes?
+    pub(super) fn probes(&self) -> bool {
+        self.probes.iter().any(Option::is_some)
+    }
+}
+
 /// What such a drive offers, by the cell alone; the drive itself is asked when it is there.
 pub(super) fn offers(interface: Interface, drive: Option<&CellDrive>) -> Capabilities {
     let catches = |probe: &Option<Probe>| probe.is_some_and(|probe| probe != Probe::Index);

@@ -61,6 +61,26 @@ pub(super) fn read<'d>(
     Some(Mechanics { fixtures, wires, ..Mechanics::default() })
 }
 
+/// Key `second`: what stands along the way of the second of two drives.
+pub(super) fn second<'d>(
+    map: &mut Map<'d>,
+    has_two: bool,
+    travel: &Travel,
+    cx: &Context<'d>,
+    io: &[Option<IoConfig>],
+    taken: &mut Taken,
+) -> Option<Option<Mechanics>> {
+    let Some(value) = map.optional("second") else { return Some(None) };
+    if !has_two {
+        value.refuse("second is for an axis with two drives; this one has one", Some("leave it out".to_owned()));
+        return None;
+    }
+    let mut map = value.map("second")?;
+    let mechanics = read(&mut map, travel, cx, io, taken, None);
+    map.finish();
+    mechanics.map(Some)
+}
+
 /// How long the brake takes to open and to close (ns), of an axis that has one.
 pub(super) fn brake_times(map: &mut Map<'_>, has_brake: bool) -> Option<[u64; 2]> {
     let [opens, closes] = ["brake_opens", "brake_closes"].map(|key| match map.optional(key) {

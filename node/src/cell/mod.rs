@@ -23,6 +23,7 @@ mod brake;
 mod buses;
 mod can;
 mod devices;
+mod drives;
 mod encoders;
 mod fixtures;
 mod functions;
@@ -84,15 +85,17 @@ const DEMO_ROBOT: &str = include_str!("../../../launch-configs/demo.urdf");
 pub struct Cell {
     /// What the core needs.
     pub machine: MachineConfig,
-    /// One for each axis that has a drive, in file order: how it is simulated.
+    /// One for each drive, in their order: how it is simulated.
     pub models: Vec<Model>,
-    /// One for each axis that has a drive, in file order: what hangs on it in the simulation.
+    /// One for each drive, in their order: what hangs on it in the simulation.
     pub mechanics: Vec<Mechanics>,
     /// Marks that digital inputs see in the simulation.
     pub marks: Vec<CellMarks>,
     /// One for each axis, in file order: where its drive is; none for a virtual one.
     pub hardware: Vec<Option<Hardware>>,
-    /// One for each axis that has a drive, in file order: what the cell says of it where it is on CAN.
+    /// One for each axis, in file order: where its second drive is; none where it has one alone.
+    pub second_hardware: Vec<Option<Hardware>>,
+    /// One for each drive, in their order: what the cell says of it where it is on CAN.
     pub on_can: Vec<Option<CellDrive>>,
     /// Inputs, outputs and encoders on CAN.
     pub terminals_on_can: Vec<CellTerminal>,
@@ -172,9 +175,8 @@ impl Cell {
     /// A simulation of what hangs on some of its backends.
     pub fn plant_of(&self, is_simulated: impl Fn(&CellBackend) -> bool) -> Plant {
         let is_at_simulated = |at: Hardware| self.backends.get(at.backend).is_some_and(&is_simulated);
-        let drives = self.hardware.iter().flatten();
-        let models: Vec<_> =
-            drives.zip(&self.models).map(|(at, model)| is_at_simulated(*at).then_some(*model)).collect();
+        let models = self.drives().zip(&self.models);
+        let models: Vec<_> = models.map(|(at, model)| is_at_simulated(at).then_some(*model)).collect();
         let objects = |backend: &CellBackend| match is_simulated(backend) {
             true => backend.objects.clone(),
             false => Objects::default(),
@@ -189,11 +191,20 @@ impl Cell {
         plant
     }
 
-    /// What the drive of each axis is called, `backend:address`; none for a virtual one.
+    /// Where the drives are, in their order: the second ones behind those of all axes.
+    pub fn drives(&self) -> impl Iterator<Item = Hardware> {
+        self.hardware.iter().chain(&self.second_hardware).flatten().copied()
+    }
+
+    /// What the drive of each axis is called, `backend:address`, of two `backend:address, backend:address`; none for a virtual one.
     pub fn hardware_names(&self) -> Vec<Option<String>> {
         let name =
             |at: Hardware| format!("{}:{}", self.backends.get(at.backend).map_or("", |found| &found.name), at.number);
-        self.hardware.iter().map(|at| at.map(name)).collect()
+        let names = |(first, second): (&Option<Hardware>, &Option<Hardware>)| {
+            let drives: Vec<_> = [*first, *second].into_iter().flatten().map(name).collect();
+            (!drives.is_empty()).then(|| drives.join(", "))
+        };
+        self.hardware.iter().zip(&self.second_hardware).map(names).collect()
     }
 
     /// The buses of its backends on CAN, in the order of the section. `file` is the cell as it was named, beside which the files of devices
@@ -214,7 +225,8 @@ impl Cell {
     }
 
     fn parts(&self) -> buses::Parts<'_> {
-        let Self { machine, hardware, on_can, terminals_on_can, backends, .. } = self;
+        let Self { machine, on_can, terminals_on_can, backends, .. } = self;
+        let hardware = self.drives().collect();
         buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
     }
 
@@ -258,14 +270,17 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let groups = groups::read(&cx);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
-    let (mut hardware, mut on_can) = (Vec::new(), Vec::new());
-    let parts = axes.into_iter().map(|(axis, model, drive)| {
-        let (at, described) = drive.unzip();
-        hardware.push(at);
-        on_can.extend(described);
-        (axis, model)
-    });
-    let (axes, simulated): (_, Vec<_>) = parts.unzip();
+    let mut configs = Vec::new();
+    let (mut firsts, mut seconds) = (Vec::new(), Vec::new());
+    for axes::Axis { config, first, second } in axes {
+        configs.push(config);
+        firsts.push(first);
+        seconds.push(second);
+    }
+    let places =
+        |drives: &[Option<axes::Driven>]| drives.iter().map(|drive| drive.as_ref().map(|drive| drive.at)).collect();
+    let (hardware, second_hardware): (Vec<_>, Vec<_>) = (places(&firsts), places(&seconds));
+    let drives: Vec<axes::Driven> = firsts.into_iter().chain(seconds).flatten().collect();
     let machine = MachineConfig {
         cycle_ns: cycle_ns?,
         io: io.into_iter().collect::<Option<_>>()?,
@@ -274,7 +289,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         tables: tables.into_iter().collect::<Option<_>>()?,
         slots: slots.slots.into_iter().collect::<Option<_>>()?,
         masters: masters.into_iter().collect::<Option<_>>()?,
-        axes,
+        axes: configs,
         safety: safety?,
         global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },
     };
@@ -283,14 +298,15 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     if let Some((preset, cycle)) = preset.zip(cycle_at) {
         preset::hold(preset, &cx, &machine, &terminals, &cycle);
     }
-    let drives: Vec<_> = hardware.iter().flatten().copied().collect();
-    let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &drives);
+    let at: Vec<_> = drives.iter().map(|drive| drive.at).collect();
+    let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &at);
     let kinds: Vec<_> = cx.backends.iter().map(|backend| backend.map(Backend::kind)).collect::<Option<_>>()?;
     let backends = cx.names.section(Section::Backends).iter().zip(kinds).zip(objects).zip(buses);
     let backends = backends
         .map(|(((entry, kind), objects), bus)| CellBackend { name: entry.name().to_owned(), kind, objects, bus })
         .collect();
-    let (models, mechanics): (_, Vec<_>) = simulated.into_iter().flatten().unzip();
+    let (models, mechanics): (_, Vec<_>) = drives.iter().map(|drive| drive.simulated).unzip();
+    let on_can = drives.into_iter().map(|drive| drive.on_can).collect();
     let hung = marks::Hung { axes: &hardware, encoders: &encoders_at, mechanics: &mechanics };
     let marks = marks::read(&marks, &cx, &machine, &hung);
     Some(Cell {
@@ -299,6 +315,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         mechanics,
         marks,
         hardware,
+        second_hardware,
         on_can,
         terminals_on_can,
         ros: ros?,

@@ -77,6 +77,8 @@ impl<'d> Sections<'d> {
 pub(super) struct Axis {
     /// Its interface, none of a virtual one, where that is known.
     pub who: Option<Option<Interface>>,
+    /// It has two drives.
+    pub has_two: bool,
     pub absolute: AbsoluteSources,
     pub cycle_ns: Option<u64>,
 }
@@ -86,7 +88,7 @@ pub(super) fn read<'d>(
     map: &mut Map<'d>,
     sections: &mut Sections<'d>,
     travel: &Travel,
-    Axis { who, absolute, cycle_ns }: Axis,
+    Axis { who, has_two, absolute, cycle_ns }: Axis,
 ) -> (AxisParameters, Given<'d>) {
     // With no limit given, nothing else must seem to lie above it.
     let mut parameters = AxisParameters::new(MOST, MOST).reading(absolute);
@@ -96,7 +98,7 @@ pub(super) fn read<'d>(
         let needs = row.required && !ROWS.iter().any(|view| view.view_of == row.key && map.has(view.key));
         let value = if needs { map.required(row.key) } else { sections.value(map, row.key) };
         let Some(value) = value else { continue };
-        let is_there = row.applies != Applies::Machine && who.is_none_or(|who| row.applies.to_interface(who));
+        let is_there = row.applies != Applies::Machine && who.is_none_or(|who| row.applies.to_interface(who, has_two));
         if !is_there {
             let sentence = format!("{} is for {}", row.key, row.applies.text());
             value.refuse(sentence, Some("leave it out".to_owned()));

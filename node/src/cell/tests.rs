@@ -5,6 +5,7 @@ mod axes;
 mod encoders;
 mod fixtures;
 mod functions;
+mod gantry;
 mod interfaces;
 mod marks;
 mod masters;

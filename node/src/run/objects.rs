@@ -231,6 +231,13 @@ impl ObjectDesk {
         let mut devices = devices.filter(|(bus, _)| backend.is_empty() || bus.name == backend);
         let is_it = |device: &Device| device.axis.as_deref() == Some(axis);
         let found = devices.find(|(_, device)| is_it(device)).map(|(bus, device)| (bus, device.node));
+        if let Some((other, second)) = devices.find(|(_, device)| is_it(device)) {
+            let first = found.map_or_else(String::new, |(bus, node)| format!("{} {node}", bus.name));
+            return Err(format!(
+                "{axis} has two drives, {first} and {} {}; give backend and node of one",
+                other.name, second.node
+            ));
+        }
         found.ok_or_else(|| format!("no axis with a drive on CAN is called {axis:?}"))
     }
 }

@@ -258,6 +258,16 @@ impl Reader<'_> {
             let index = config.axes.iter().position(|entry| entry.name == axis)?;
             return self.names.drive_of(index as u16).map(Target::Drive);
         }
+        let second = |axis: &str| {
+            let index = config.axes.iter().position(|entry| entry.name == axis)?;
+            config.second_drive(index as u16)
+        };
+        if let Some(axis) = name.strip_suffix(".second.count") {
+            return second(axis).map(Target::Drive);
+        }
+        if let Some(axis) = name.strip_suffix(".second.reference_switch") {
+            return second(axis).map(|place| Target::Switch(place, drive::inputs::HOME));
+        }
         let switches = [
             (".limit.positive", drive::inputs::POSITIVE_LIMIT),
             (".limit.negative", drive::inputs::NEGATIVE_LIMIT),

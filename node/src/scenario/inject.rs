@@ -3,7 +3,7 @@
 use super::moment;
 use super::names::{Names, did_you_mean, nearest};
 use super::ruler::Ruler;
-use crate::document::Value;
+use crate::document::{Map, Value};
 use lineshaft_core::config::IoKind;
 use lineshaft_core::drive::{Edge, Emergency, Latch, inputs};
 use lineshaft_core::object::Object;
@@ -48,6 +48,11 @@ pub(super) enum Injection {
     },
     IndexLost {
         drive: usize,
+    },
+    /// Something holds the drive where it stands, or lets it go.
+    Jam {
+        drive: usize,
+        jammed: bool,
     },
     /// Bits of the digital inputs (60FDh) that do not move any more, and how they stand; the others move again.
     StuckSwitch {
@@ -106,6 +111,7 @@ impl Injection {
             | Self::Emergency { drive, .. }
             | Self::DriveJump { drive, .. }
             | Self::IndexLost { drive }
+            | Self::Jam { drive, .. }
             | Self::StuckSwitch { drive, .. } => {
                 let Some(drive) = plant.drive(drive) else { return false };
                 match self {
@@ -113,6 +119,7 @@ impl Injection {
                     Self::DriveJump { by, .. } => drive.jump(by),
                     Self::Emergency { emergency, .. } => drive.send_emergency(emergency),
                     Self::IndexLost { .. } => drive.lose_index(),
+                    Self::Jam { jammed, .. } => drive.jam(jammed),
                     Self::StuckSwitch { mask, value, .. } => drive.stick(mask, value),
                     _ => drive.lose(),
                 }
@@ -125,7 +132,7 @@ impl Injection {
 /// Reads what to inject.
 pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     const KINDS: &str = "latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, encoder_cut, \
-                         encoder_slip, index_lost, stuck_switch, power_cycle";
+                         encoder_slip, index_lost, jam, stuck_switch, power_cycle";
     let entries = value.entries()?;
     let [(kind, arguments)] = entries.as_slice() else {
         value.refuse(format!("inject does one thing: one of {KINDS}"), None);
@@ -140,6 +147,7 @@ pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         "emergency" => emergency(arguments, names),
         "encoder_jump" => encoder_jump(arguments, names),
         "index_lost" => drive_alone("index_lost", arguments, names).map(|drive| Injection::IndexLost { drive }),
+        "jam" => jam(arguments, names),
         "stuck_switch" => stuck_switch(arguments, names),
         "encoder_bits" => encoder_bits(arguments, names),
         "encoder_cut" => {
@@ -231,7 +239,7 @@ fn input(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
 
 fn fault(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("fault")?;
-    let axis = map.required("axis").and_then(|axis| drive(&axis, names));
+    let axis = drive_in(&mut map, names);
     let code = map.required("code").and_then(|code| code.integer(1..=u16::MAX));
     map.finish();
     Some(Injection::Fault { drive: axis?.0, code: code? })
@@ -254,7 +262,7 @@ fn bus_lost(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
 /// An emergency message: `{axis: x, code: 0x8130, register: 0x11, data: [1, 2, 3, 4, 5]}`.
 fn emergency(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("emergency")?;
-    let axis = map.required("axis").and_then(|axis| drive(&axis, names));
+    let axis = drive_in(&mut map, names);
     let code = map.required("code").and_then(|code| code.integer(0..=u16::MAX));
     let register = map.optional("register").map_or(Some(0), |register| register.integer(0..=u8::MAX));
     let data = map.optional("data").map_or(Some([0; 5]), |data| bytes(&data));
@@ -279,14 +287,19 @@ fn bytes(value: &Value<'_>) -> Option<[u8; 5]> {
 fn encoder_jump(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("encoder_jump")?;
     let axis = map.required("axis");
+    let which = map.optional("drive");
     let by = map.required("by");
     map.finish();
     let (axis, by) = (axis?, by?);
     if let Some(encoder) = names.config.encoders.iter().position(|entry| Some(entry.name.as_str()) == axis.peek()) {
         let by = whole(&by, Ruler::of_positions(names.config.encoders[encoder].scale))?;
+        if let Some(which) = which {
+            which.refuse("drive is for an axis; this is an entry of encoders", Some("leave it out".to_owned()));
+            return None;
+        }
         return Some(Injection::EncoderJump { encoder, by });
     }
-    let (drive, index) = drive(&axis, names)?;
+    let (drive, index) = which_drive(&axis, which.as_ref(), names)?;
     let by = whole(&by, Ruler::of_positions(names.config.axes[index].scale))?;
     Some(Injection::DriveJump { drive, by })
 }
@@ -296,10 +309,10 @@ fn stuck_switch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     const SWITCHES: [(&str, u32); 3] =
         [("home", inputs::HOME), ("positive", inputs::POSITIVE_LIMIT), ("negative", inputs::NEGATIVE_LIMIT)];
     let mut map = value.map("stuck_switch")?;
-    let axis = map.required("axis");
+    let axis = drive_in(&mut map, names);
     let stuck = SWITCHES.map(|(name, bit)| (bit, map.optional(name).map(|level| level.integer(0..=1_u32))));
     map.finish();
-    let (drive, _) = drive(&axis?, names)?;
+    let (drive, _) = axis?;
     let (mut mask, mut levels) = (0, 0);
     for (bit, level) in stuck {
         if let Some(level) = level {
@@ -313,9 +326,42 @@ fn stuck_switch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
 /// The drive of `{axis: NAME}`, which is all there is to say.
 fn drive_alone(what: &str, value: &Value<'_>, names: &Names<'_>) -> Option<usize> {
     let mut map = value.map(what)?;
-    let axis = map.required("axis");
+    let axis = drive_in(&mut map, names);
     map.finish();
-    drive(&axis?, names).map(|(drive, _)| drive)
+    axis.map(|(drive, _)| drive)
+}
+
+/// Something that holds a drive where it stands, or lets it go: `{axis: x, drive: 2, jammed: false}`.
+fn jam(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
+    let mut map = value.map("jam")?;
+    let axis = drive_in(&mut map, names);
+    let jammed = map.optional("jammed").map_or(Some(true), |jammed| jammed.boolean());
+    map.finish();
+    Some(Injection::Jam { drive: axis?.0, jammed: jammed? })
+}
+
+/// Keys `axis` and, of an axis with two drives, `drive`: the drive, and the axis.
+fn drive_in(map: &mut Map<'_>, names: &Names<'_>) -> Option<(usize, usize)> {
+    let axis = map.required("axis");
+    let which = map.optional("drive");
+    which_drive(&axis?, which.as_ref(), names)
+}
+
+/// The drive of an axis, the first one where nothing else is said, and the axis.
+fn which_drive(axis: &Value<'_>, which: Option<&Value<'_>>, names: &Names<'_>) -> Option<(usize, usize)> {
+    let (first, index) = drive(axis, names)?;
+    let Some(which) = which else { return Some((first, index)) };
+    if which.integer(1..=2_u8)? == 1 {
+        return Some((first, index));
+    }
+    let second = names.config.second_drive(index as u16);
+    if second.is_none() {
+        which.refuse(
+            format!("drive is 2; {} has one drive", names.config.axes[index].name),
+            Some("leave it out".to_owned()),
+        );
+    }
+    Some((second?, index))
 }
 
 /// An entry of section `encoders`, or the encoder of an axis' drive.

@@ -4,7 +4,7 @@ use crate::cell::CellBackend;
 use crate::document::Value;
 use lineshaft_core::config::{IoKind, MachineConfig};
 use lineshaft_core::object::Object;
-use lineshaft_core::parameter::{ROWS, Row, Word};
+use lineshaft_core::parameter::{Applies, ROWS, Row, Word};
 use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::unit::{Scale, excerpt};
@@ -52,7 +52,7 @@ impl Names<'_> {
         found
             .map_err(|error| {
                 let is_unknown = matches!(error, RequestError::UnknownParameter { .. });
-                value.refuse(error.to_string(), is_unknown.then(|| meant_parameter(name)).flatten());
+                value.refuse(error.to_string(), is_unknown.then(|| meant_parameter(name, self.config)).flatten());
             })
             .ok()
     }
@@ -97,13 +97,16 @@ impl Names<'_> {
 }
 
 /// The parameter that a name without a parameter may mean.
-pub(super) fn meant_parameter(name: &str) -> Option<String> {
+pub(super) fn meant_parameter(name: &str, config: &MachineConfig) -> Option<String> {
     let (object, key) = name.split_once('.')?;
     if key.starts_with(object) && key[object.len()..].starts_with('.') {
         return Some(format!("`{}` stands twice", excerpt(object)));
     }
     // The sentence itself tells where a word of a source lives.
-    let near = nearest(key, ROWS.iter().map(|row| row.key));
+    let axis = config.axes.iter().find(|axis| axis.name == object);
+    // Of an axis one that is for axes with two drives alone is none that it may mean.
+    let has = |row: &&Row| row.applies != Applies::Gantry || axis.is_some_and(|axis| row.applies.to(axis));
+    let near = nearest(key, ROWS.iter().filter(has).map(|row| row.key));
     let meant = near.filter(|_| Word::find(key).is_none())?;
     Some(did_you_mean(&format!("{}.{meant}", excerpt(object))))
 }

@@ -366,7 +366,10 @@ impl Reader<'_> {
                 None => is_good = false,
                 Some(Ok(change)) => changes.push(change),
                 Some(Err(error @ RequestError::UnknownParameter { .. })) if self.refused.is_none() => {
-                    input.refuse(error.to_string(), key.peek().and_then(meant_parameter));
+                    input.refuse(
+                        error.to_string(),
+                        key.peek().and_then(|name| meant_parameter(name, self.names.config)),
+                    );
                     is_good = false;
                 }
                 Some(Err(error)) => {

@@ -126,6 +126,13 @@ pub(crate) fn seeks_switch(method: i64) -> bool {
     legs(method).iter().any(|leg| leg.until != Index)
 }
 
+/// Does it square an axis with two drives, by the reference switch of each, or take its zero where it stands?
+pub(crate) fn squares(method: i64) -> bool {
+    let ends_at = legs(method).iter().rev().find(|leg| leg.until != Index);
+    let has_switch = ends_at.is_some_and(|leg| matches!(leg.until, On(Home) | Off(Home)));
+    matches!(method, 35 | 37) || has_switch && !is_travel(method)
+}
+
 /// Is it reference travel of the positioning modules?
 pub(crate) fn is_travel(method: i64) -> bool {
     matches!(method, REFERENCE_TRAVEL | REFERENCE_TRAVEL_BACK)

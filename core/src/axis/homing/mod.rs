@@ -193,6 +193,7 @@ impl Axis {
     /// Reference travel of the positioning modules (WF-REF-01): there are no more legs than one way leads along.
     pub(super) fn start_reference_travel(&mut self, cx: &mut Context<'_>, travel: &Travel) -> Result<(), Refusal> {
         self.check_homing()?;
+        self.check_squares(methods::REFERENCE_TRAVEL)?;
         let way = f64::from(travel.direction);
         let [fast, reduced, _] = travel.speeds;
         let is_open = self.is_open_loop();
@@ -253,6 +254,7 @@ impl Axis {
             // Here is the reference.
             None => self.take_zero(cx, self.command.position + Position::whole(self.parameters.homing.offset)),
             Some(run) => {
+                self.forget_edges(cx);
                 self.homing.run = Some(run);
                 self.begin_leg(cx);
             }
@@ -261,6 +263,7 @@ impl Axis {
 
     /// What homing begins with; none where there is no way to go.
     fn homing_run(&self, cycle: u64, method: i64, p: &AxisParameters) -> Result<Option<Run>, Refusal> {
+        self.check_squares(method)?;
         if matches!(method, 35 | 37) && !p.homing.in_drive {
             return Ok(None);
         }
@@ -308,6 +311,14 @@ impl Axis {
         Ok(Some(run))
     }
 
+    /// An axis with two drives homes in no way that squares nothing.
+    fn check_squares(&self, method: i64) -> Result<(), Refusal> {
+        if self.gantry().is_none() || methods::squares(method) {
+            return Ok(());
+        }
+        Err(self.refuse(Code::GANTRY_HOMING).with(Number::Count(method), Number::None))
+    }
+
     /// The method by the numbers of parameter `homing.method`: of CiA 402, and -1 - HOME_TYPE of MACS.
     fn homing_method(&self, method: HomingMethod) -> Result<i64, Refusal> {
         let unknown =
@@ -346,6 +357,9 @@ impl Axis {
     /// The axis stands: is that the end of homing?
     pub(super) fn settle_homing(&mut self, cx: &mut Context<'_>) {
         let Some(Run { stage: Stage::Found { zero, .. }, .. }) = self.homing.run else { return };
+        if self.judge.in_position && Self::is_squaring(cx) {
+            return;
+        }
         if self.judge.in_position {
             self.take_zero(cx, zero);
         } else {
@@ -396,7 +410,9 @@ impl Axis {
     /// The zero that is being found would not be theirs, or a switch would change where nothing has moved.
     pub fn admits_zero(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let p = &self.parameters;
-        let rewires = p.assigned != candidate.assigned || p.homing.cam_source != candidate.homing.cam_source;
+        let rewires = p.assigned != candidate.assigned
+            || p.gantry.second_refswitch != candidate.gantry.second_refswitch
+            || p.homing.cam_source != candidate.homing.cam_source;
         if self.homing.is_running() && (rewires || p.loses_zero_to(candidate)) {
             Err(self.refuse(Code::HOMING_UNDER_WAY))
         } else {

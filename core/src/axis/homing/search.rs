@@ -112,6 +112,9 @@ impl Axis {
         let was_on = std::mem::replace(&mut search.was_on, is_on);
         run.stage = Stage::Search(search);
         self.homing.run = Some(run);
+        if let Some((gone, most)) = self.parted(cx).filter(|_| self.watched(leg) == Some(Switch::Home)) {
+            return self.fail_homing(cx, Code::NOT_SQUARE, Number::Position(gone), Number::Position(most));
+        }
         if passes {
             match leg.until {
                 Until::On(switch) if !was_on && is_on => return self.pass_edge(cx, switch, true),
@@ -160,8 +163,16 @@ impl Axis {
     /// The edge of a leg: the next one begins, or it is the reference.
     fn pass_edge(&mut self, cx: &mut Context<'_>, switch: Switch, rising: bool) {
         let Some((mut run, search)) = self.searching() else { return };
-        let place = self.edge_place(cx, switch, rising);
+        let mut place = self.edge_place(cx, switch, rising);
         let next = Search { leg: search.leg.saturating_add(1), turned: false, ..search };
+        if next.leg(run.method).is_none_or(|leg| leg.until == Until::Index) {
+            match self.square(cx) {
+                Ok(edge) => place = edge.unwrap_or(place),
+                Err((way, most)) => {
+                    return self.fail_homing(cx, Code::NOT_SQUARE, Number::Position(way), Number::Position(most));
+                }
+            }
+        }
         if next.leg(run.method).is_none() {
             return self.find(cx, place);
         }

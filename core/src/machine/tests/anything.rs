@@ -473,6 +473,7 @@ proptest! {
         sense in (posdrct(), 0_i64..3),
         is_braked in any::<bool>(),
         start in prop_oneof![Just(0), Just(7), Just(1_005), Just(2_000)],
+        has_two in any::<bool>(),
         happenings in prop::collection::vec((happening(), any::<bool>()), 1..40),
     ) {
         let mut config = config(delay);
@@ -494,8 +495,15 @@ proptest! {
                 axis.parameters.max_following_error = 10_000;
             }
         }
-        let mut rig = Rig::with(config, interfaces.map(|interface| model(interface).wired(sense.0.abs() == 2)));
-        (0..2).for_each(|drive| rig.plant.drive(drive).unwrap().fit(fixtures()));
+        let models = interfaces.map(|interface| model(interface).wired(sense.0.abs() == 2));
+        let x = &mut config.axes[1];
+        if has_two && x.interface == Interface::Position {
+            x.second = x.drive;
+            x.parameters.gantry.max_skew = Some(2_000);
+        }
+        let drives = config.count_drives();
+        let mut rig = Rig::with(config, models.into_iter().chain([models[0]]).take(drives));
+        (0..drives).for_each(|drive| rig.plant.drive(drive).unwrap().fit(fixtures()));
         (0..2).for_each(|contact| rig.plant.set_digital(contact, true));
         rig.run(1);
         rig.give(Action::Enable(AxisSet::first(3)));

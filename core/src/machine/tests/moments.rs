@@ -348,6 +348,9 @@ const AT_ONCE: &[&str] = &[
     "i_neglimitsw",
     // tests/feedback.rs.
     "max_encoder_jump",
+    "max_skew",
+    "skew_reaction",
+    "i_refswitch_second",
     "enccontrol",
     "menccontrol",
     // tests/master.rs

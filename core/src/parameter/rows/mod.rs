@@ -2,6 +2,7 @@
 
 mod amc;
 mod encoder;
+mod gantry;
 mod homing;
 mod macs;
 mod native;
@@ -72,7 +73,7 @@ pub(super) const SENSE_ROW: u16 = 0;
 
 /// What the meaning of others depends on, native rows, then those of each source.
 const PARTS: &[&[&[Row]]] = &[
-    &[macs::SENSE, native::ROWS, homing::ROWS, encoder::ROWS, supervision::ROWS, virtual_master::ROWS],
+    &[macs::SENSE, native::ROWS, homing::ROWS, encoder::ROWS, supervision::ROWS, gantry::ROWS, virtual_master::ROWS],
     &macs::PARTS,
     &[amc::ROWS, saia::ROWS, wf::ROWS],
 ];

@@ -2,6 +2,7 @@
 
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_core::signal::gantry::GantrySignal;
 use lineshaft_core::signal::{Board, Directory, Signal};
 use lineshaft_core::unit::Scale;
 use lineshaft_msgs::msg::AxisState;
@@ -12,6 +13,8 @@ pub struct AxisView {
     pub(super) name: String,
     pub(super) is_virtual: bool,
     first: Signal,
+    /// First of [`GantrySignal`], where it has two drives.
+    gantry: Option<Signal>,
     scale: Scale,
 }
 
@@ -22,7 +25,8 @@ impl AxisView {
         let axes = config.axes.iter();
         axes.filter_map(|axis| {
             let is_virtual = axis.drive.is_none();
-            Some(Self { name: axis.name.clone(), is_virtual, first: first(&axis.name)?, scale: axis.scale })
+            let gantry = axis.second.and_then(|_| directory.find(&format!("{}.skew", axis.name)));
+            Some(Self { name: axis.name.clone(), is_virtual, first: first(&axis.name)?, gantry, scale: axis.scale })
         })
         .collect()
     }
@@ -57,6 +61,12 @@ impl AxisView {
     /// Increments in the axis' unit, with the unit.
     pub(super) fn length_text(&self, board: &Board, signal: AxisSignal) -> String {
         self.scale.format_increments(self.int(board, signal))
+    }
+
+    /// State of its second drive, and how far it is ahead of square, with the unit; none where it has one drive.
+    pub(super) fn second_drive(&self, board: &Board) -> Option<(i64, String)> {
+        let int = |signal: GantrySignal| self.gantry.map(|first| board.int(signal.of(first)));
+        Some((int(GantrySignal::SecondState)?, self.scale.format_increments(int(GantrySignal::Skew)?)))
     }
 
     /// A velocity in the axis' unit, with the unit.

@@ -11,10 +11,12 @@ const TEXT_DOORS: [Door; 4] = [Door::Cell, Door::Scenario, Door::Import, Door::V
 /// It is 0 when a machine starts: a cell cannot give it.
 const TRIGGER: &str = "amc.reference_select_trigger";
 
-/// An object that has the row.
+/// An object that has the row; one with two drives where no other has it.
 fn object(row: &Row, rig: &Rig) -> &'static str {
     let axes = DRIVES.iter().zip(&rig.config().axes);
-    let axis = axes.map(|((name, _), axis)| (*name, axis)).rfind(|(_, axis)| row.applies.to(axis));
+    let axis = axes
+        .map(|((name, _), axis)| (*name, axis))
+        .rfind(|(name, axis)| row.applies.to(axis) && (*name != "g" || row.applies == Applies::Gantry));
     axis.map_or("machine", |(name, _)| name)
 }
 

@@ -80,7 +80,7 @@ fn all_that_is_wrong_is_told_at_once_with_its_place() {
     assert_eq!(
         refused(text),
         "p:1:1: no parameter is called `x.max_velocty`, did you mean `x.max_velocity`?\n\
-         p:2:1: no axis is called `q`; there are line, x, v, o\n\
+         p:2:1: no axis is called `q`; there are line, x, v, o, g\n\
          p:3:10: kprop is 31: the position loop of MACS does not exist yet; only 30 is allowed\n\
          p:4:1: line.kprop is not there; it is for axes with a drive\n\
          p:6:19: error_reaction is 6; 0 to 5 is allowed\n\

@@ -35,11 +35,15 @@ fn cell_text(axis: &str, key: &str, value: &str) -> String {
     let mut text = "lineshaft: 1\ncycle: 1 ms\nbackends: {plant: {type: sim}}\naxes:\n".to_owned();
     for (place, (name, drive)) in DRIVES.iter().enumerate() {
         let drive = match *drive {
-            "virtual" => "virtual".to_owned(),
-            interface => format!("{{backend: plant, address: {place}, interface: {interface}}}"),
+            "virtual" => "drive: virtual".to_owned(),
+            GANTRY => "drives: [{backend: plant, address: 100}, {backend: plant, address: 101}]".to_owned(),
+            interface => format!("drive: {{backend: plant, address: {place}, interface: {interface}}}"),
         };
-        text += &format!("  {name}:\n    type: linear\n    drive: {drive}\n");
+        text += &format!("  {name}:\n    type: linear\n    {drive}\n");
         let is_here = *name == axis;
+        if *name == "g" && !(is_here && key == "max_skew") {
+            text += "    max_skew: 0.2 mm\n";
+        }
         let root = Row::find(key).map_or(key, |(_, row)| row.root());
         let root = if root.starts_with("pos") && root.contains("fact") { "scale" } else { root };
         let is_factor = matches!(key, "posfact_z" | "posfact_n" | "feedrev" | "feeddist" | "posencqc" | "posencrev");
@@ -57,8 +61,10 @@ fn cell_text(axis: &str, key: &str, value: &str) -> String {
 }
 
 /// The axes of the rig, and how their drives are commanded.
-pub(super) const DRIVES: [(&str, &str); 4] =
-    [("line", "virtual"), ("x", "position"), ("v", "velocity"), ("o", "open_loop")];
+pub(super) const DRIVES: [(&str, &str); 5] =
+    [("line", "virtual"), ("x", "position"), ("v", "velocity"), ("o", "open_loop"), ("g", GANTRY)];
+/// It has two drives, which the others have not.
+const GANTRY: &str = "gantry";
 
 pub(super) struct Rig {
     pub cell: Cell,

@@ -255,6 +255,7 @@ fn the_plant_is_made_to_fail() {
     inject("{stuck_switch: {axis: x, home: 1}}", &format!("signal: x.reference_switch, {stuck}, is: 1"));
     inject("{stuck_switch: {axis: x, positive: 1, home: 0}}", &format!("signal: x.limit.positive, {stuck}, is: 1"));
     inject("{stuck_switch: {axis: x, negative: 1}}", &format!("signal: x.limit.negative, {stuck}, is: 1"));
+    inject("{jam: {axis: x}}", "signal: x.actual.position, since: go, from: 1, to: 20, is: 0, within: 20 mm");
     inject("{latch: {input: x}}", "signal: x.latch.count, since: go, from: 0, to: end, is: 1");
     inject("{latch: {input: belt}}", "event: {kind: latch, source: belt, increments: 0 mm, age_ns: 0}, count: 1");
 }
@@ -486,15 +487,22 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{inject: {stuck_switch: {axis: ^line, home: 1}}}"), "line is virtual: it has no drive");
     assert_eq!(bad("{inject: {stuck_switch: {axis: x, home: ^2}}}"), "home is 2; 0..1 is allowed");
     assert_eq!(bad("{inject: {stuck_switch: ^{home: 1}}}"), "missing key `axis` in stuck_switch");
+    assert_eq!(bad("{inject: {jam: {axis: ^line}}}"), "line is virtual: it has no drive");
+    assert_eq!(bad("{inject: {jam: {axis: x, drive: ^2}}}"), "drive is 2; x has one drive, leave it out");
+    assert_eq!(bad("{inject: {drive_lost: {axis: x, drive: ^3}}}"), "drive is 3; 1..2 is allowed");
+    assert_eq!(
+        bad("{inject: {encoder_jump: {axis: belt, drive: ^1, by: 3}}}"),
+        "drive is for an axis; this is an entry of encoders, leave it out"
+    );
     assert_eq!(
         bad("{inject: {^explode: {}}}"),
         "`explode` cannot be injected; latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, \
-         encoder_cut, encoder_slip, index_lost, stuck_switch, power_cycle can"
+         encoder_cut, encoder_slip, index_lost, jam, stuck_switch, power_cycle can"
     );
     assert_eq!(
         bad("{inject: ^{}}"),
         "inject does one thing: one of latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, \
-         encoder_cut, encoder_slip, index_lost, stuck_switch, power_cycle"
+         encoder_cut, encoder_slip, index_lost, jam, stuck_switch, power_cycle"
     );
     let refused = problem("steps", "{at: 1, refused: x, do: {inject: ^{latch: {input: mark}}}}");
     assert_eq!(refused, "inject is never refused; leave `refused` out of this step");

@@ -23,7 +23,7 @@ pub(crate) fn parameter_change(
         Reader { names: &Names { config, backends: &[], directory }, ids: &mut ids, refused: None, recorded: true }
             .change(Some(name), value)?;
     let noted = change.map_err(|error| match &error {
-        RequestError::UnknownParameter { .. } => key.refuse(error.to_string(), meant_parameter(name)),
+        RequestError::UnknownParameter { .. } => key.refuse(error.to_string(), meant_parameter(name, config)),
         RequestError::UnknownAxis { .. } | RequestError::NotApplicable { .. } => key.refuse(error.to_string(), None),
         _ => value.refuse(error.to_string(), None),
     });

@@ -8,7 +8,7 @@ use crate::axis::Wired;
 use crate::code::{Class, Code, DRIVE_FAULT};
 use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
-use crate::drive::{Interface, STATUS_WARNING, control, inputs};
+use crate::drive::{Capabilities, Interface, STATUS_WARNING, control, inputs};
 use crate::encoder::{Absolute, Form};
 use crate::event::{Kind, Number};
 use crate::object::{AxisSet, Leader, Object};
@@ -50,6 +50,7 @@ ways! {
     Estop,
     Command,
     OwnCommand,
+    Skew,
 }
 
 use Way::*;
@@ -98,9 +99,10 @@ impl Case {
         config.io.extend(["error", "hold"].map(|name| io(name, IoKind::DigitalOutput)));
         config.safety = crate::axis::Safety { estop: Some(ESTOP as u32), interlock: Some(DOOR as u32) };
         config.global.parameters.o_error = 1;
-        let mut models = [Model::Ideal; 2];
+        let mut models = [Model::Ideal; 3];
         self.shape(&mut config, &mut models);
-        let mut rig = Rig::with(config, models);
+        let count = config.count_drives();
+        let mut rig = Rig::with(config, models.into_iter().take(count));
         rig.plant.set_digital(ESTOP, true);
         rig.plant.set_digital(DOOR, true);
         if self.way == IntoSwitch {
@@ -111,7 +113,7 @@ impl Case {
         rig
     }
 
-    fn shape(&self, config: &mut MachineConfig, models: &mut [Model; 2]) {
+    fn shape(&self, config: &mut MachineConfig, models: &mut [Model; 3]) {
         let (axis, _) = self.axis();
         let axis = &mut config.axes[usize::from(axis)];
         let p = &mut axis.parameters;
@@ -119,6 +121,10 @@ impl Case {
         axis.interface = self.interface.unwrap_or(axis.interface);
         if self.way == Cut {
             axis.wired = Wired::Drive(Form::Absolute(Absolute::single_turn(1 << 20)));
+        }
+        if self.way == Skew {
+            axis.second = Some(Capabilities::all(0));
+            (p.gantry.max_skew, p.gantry.skew_reaction) = (Some(200), self.errcond);
         }
         if self.way == Jump {
             p.encoder.max_jump = Some(150);
@@ -179,6 +185,10 @@ impl Case {
             Jump => {
                 drive.jump(300);
                 Code::ENCODER_JUMP
+            }
+            Skew => {
+                rig.plant.drive(2).unwrap().jump(5_000);
+                Code::SKEW
             }
             Switch => {
                 drive.stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
@@ -411,6 +421,10 @@ impl Case {
             let drive = rig.plant.drive(place).unwrap();
             drive.stick(all, 0);
             drive.find();
+        }
+        if self.way == Skew {
+            let skew = rig.int("x.skew");
+            rig.plant.drive(2).unwrap().jump(-skew);
         }
         rig.plant.set_digital(ESTOP, true);
         rig.plant.set_digital(DOOR, true);

@@ -231,9 +231,10 @@ fn machine_signals(directory: &Directory) -> Option<[Signal; 3]> {
 impl Drive {
     fn describe(&self, finding: Finding, snapshot: &Snapshot, words: &Words<'_>) -> DiagnosticStatus {
         let (view, board) = (&self.view, &snapshot.board);
-        let name = |names: &[&'static str], signal| {
-            usize::try_from(view.int(board, signal)).ok().and_then(|place| names.get(place).copied()).unwrap_or("?")
+        let named = |names: &[&'static str], place: i64| {
+            usize::try_from(place).ok().and_then(|place| names.get(place).copied()).unwrap_or("?")
         };
+        let name = |names: &[&'static str], signal| named(names, view.int(board, signal));
         let state = name(AXIS_STATES, AxisSignal::State);
         let code = Code(u32::try_from(view.int(board, AxisSignal::Error)).unwrap_or(u32::MAX));
         let error = || (words.error)(self.axis, code).unwrap_or_else(|| format!("{}: {}", view.name, of_code(code)));
@@ -250,7 +251,7 @@ impl Drive {
         let (cause, remedy) = row.map_or(("none", "none"), |row| (row.cause, row.remedy));
         let last = view.int(board, AxisSignal::FaultCode);
         let bit = |signal| if view.bit(board, signal) { "yes" } else { "no" };
-        let values = vec![
+        let mut values = vec![
             pair("state", state),
             pair("drive state", name(DRIVE_STATES, AxisSignal::DriveState)),
             pair("enabled", bit(AxisSignal::Enabled)),
@@ -266,6 +267,9 @@ impl Drive {
             pair("effort", format!("{} (drive unit)", view.effort(board))),
             pair("drive warns", bit(AxisSignal::Warning)),
         ];
+        if let Some((second, skew)) = view.second_drive(board) {
+            values.extend([pair("second drive state", named(DRIVE_STATES, second)), pair("skew", skew)]);
+        }
         status(finding, words.node, &view.name, message, &self.hardware, values)
     }
 }

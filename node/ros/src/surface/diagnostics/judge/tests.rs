@@ -1,5 +1,6 @@
 use super::*;
 use crate::surface::parameters::fake;
+use lineshaft_core::config::MachineConfig;
 use lineshaft_core::drive::Health;
 use lineshaft_core::machine::Machine;
 use lineshaft_msgs::srv::RecordResponse;
@@ -19,7 +20,11 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let machine = Machine::new(fake::config()).expect("a sound config");
+        Self::of(fake::config())
+    }
+
+    fn of(config: MachineConfig) -> Self {
+        let machine = Machine::new(config).expect("a sound config");
         let begin = Instant::now();
         let views = AxisView::all(machine.config(), machine.directory());
         let hardware = vec![None, Some("plant:0".to_owned())];
@@ -138,6 +143,20 @@ fn values_have_their_units() {
     let texts = texts.map(|key| value(&all[1], key));
     assert_eq!(texts, ["12.345 mm", "-0.5 mm", "0.007 mm", "2.5 mm/s", "0", "SWITCH_ON_DISABLED"]);
     assert_eq!((value(&all[0], "cycle"), value(&all[0], "lifecycle")), ("1", "active"));
+}
+
+#[test]
+fn an_axis_with_two_drives_tells_of_both() {
+    let mut config = fake::config();
+    config.axes[1].second = config.axes[1].drive;
+    config.axes[1].parameters.gantry.max_skew = Some(200);
+    let mut bench = Bench::of(config);
+    bench.set("x.second.drive_state", 7);
+    bench.set("x.skew", -150);
+    let all = bench.describe(0, &Recorder::Unknown);
+    assert_eq!((value(&all[1], "second drive state"), value(&all[1], "skew")), ("FAULT", "-0.15 mm"));
+    let one = Bench::new().describe(0, &Recorder::Unknown);
+    assert!(one[1].values.iter().all(|pair| pair.key != "skew"));
 }
 
 #[test]

@@ -1,0 +1,94 @@
+//! The drives of a machine: that of each axis that has one, in file order, and behind them the second ones of axes with two.
+
+use super::{AxisConfig, ConfigError, GantryProblem, MachineConfig};
+use crate::axis::{MAX_DELAY, Source};
+use crate::drive::{Backend, Capabilities, Interface};
+use crate::gantry::{Gantry, GantrySetup};
+
+/// Does the drive of an axis offer what the axis asks of it?
+pub(super) fn check_drive(axis: &AxisConfig, offers: &Capabilities) -> Result<(), ConfigError> {
+    let name = || axis.name.clone();
+    if offers.delay > MAX_DELAY {
+        return Err(ConfigError::Delay { axis: name(), delay: offers.delay });
+    }
+    if axis.interface == Interface::Torque {
+        return Err(ConfigError::Torque { axis: name() });
+    }
+    if !offers.offers(axis.interface) {
+        return Err(ConfigError::NotOffered { axis: name(), interface: axis.interface });
+    }
+    let homes = [Some(axis.parameters), axis.saved].into_iter().flatten().any(|p| p.homing.in_drive);
+    if homes && !offers.homes {
+        return Err(ConfigError::HomesNot { axis: name() });
+    }
+    Ok(())
+}
+
+/// Can the second drive of an axis carry it with the first?
+pub(super) fn check_gantry(axis: &AxisConfig, offers: &Capabilities) -> Result<(), ConfigError> {
+    let problem = match axis.drive {
+        None => GantryProblem::NoFirst,
+        Some(_) if axis.interface != Interface::Position => GantryProblem::Interface(axis.interface),
+        Some(first) if first.delay != offers.delay => GantryProblem::Delays(first.delay, offers.delay),
+        Some(_) => return Ok(()),
+    };
+    Err(ConfigError::Gantry { axis: axis.name.clone(), problem })
+}
+
+impl MachineConfig {
+    /// Does each drive hang on one of these backends, which offers what the cell says of it? To be asked before they start.
+    ///
+    /// # Errors
+    /// The first drive that nobody serves, or another one than the cell describes.
+    pub fn check_backends(&self, backends: &[&dyn Backend]) -> Result<(), ConfigError> {
+        for (place, (_, axis, expected)) in self.drives().enumerate() {
+            let mut offers = backends.iter().filter_map(|backend| backend.capabilities(place));
+            let name = axis.name.clone();
+            match (offers.next(), offers.next()) {
+                (None, _) => return Err(ConfigError::NotServed { axis: name }),
+                (_, Some(_)) => return Err(ConfigError::ServedTwice { axis: name }),
+                (offers, None) if offers != Some(expected) => return Err(ConfigError::OtherDrive { axis: name }),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// How many drives there are: that of each axis that has one, in file order, and behind them the second ones.
+    pub fn count_drives(&self) -> usize {
+        self.count_driven() + self.axes.iter().filter(|axis| axis.second.is_some()).count()
+    }
+
+    /// How many axes have a drive.
+    pub(super) fn count_driven(&self) -> usize {
+        self.axes.iter().filter(|axis| axis.drive.is_some()).count()
+    }
+
+    /// The axes of the drives with what these offer, in the order of the drives.
+    pub fn drives(&self) -> impl Iterator<Item = (u16, &AxisConfig, Capabilities)> {
+        let of = |offers: fn(&AxisConfig) -> Option<Capabilities>| {
+            (0..).zip(&self.axes).filter_map(move |(index, axis)| Some((index, axis, offers(axis)?)))
+        };
+        of(|axis| axis.drive).chain(of(|axis| axis.second))
+    }
+
+    /// The place of the second drive of an axis among the drives; none where it has one drive alone.
+    pub fn second_drive(&self, axis: u16) -> Option<usize> {
+        let behind = |(_, (index, ..)): &(usize, (u16, &AxisConfig, Capabilities))| *index == axis;
+        self.drives().enumerate().skip(self.count_driven()).find(behind).map(|(place, _)| place)
+    }
+
+    /// The axes with two drives, in file order.
+    pub(crate) fn gantries(&self) -> Vec<Gantry> {
+        let first = |of: u16| self.drives().position(|(index, ..)| index == of);
+        let seconds = self.drives().enumerate().skip(self.count_driven());
+        let made = seconds.filter_map(|(second, (axis, config, _))| {
+            let Ok(Source::Drive(form)) = Source::of(config.wired, self.encoders.len(), &config.power_on()) else {
+                return None;
+            };
+            let drives = [first(axis)?, second];
+            Some(Gantry::new(GantrySetup { axis, drives, form, cycle_ns: self.cycle_ns }))
+        });
+        made.collect()
+    }
+}

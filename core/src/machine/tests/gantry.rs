@@ -1,0 +1,471 @@
+//! Axes with two drives: switched on and off together, held together, supervised.
+
+mod homing;
+
+use super::rig::{Rig, X, at, cases, config, to};
+use crate::axis::Wired;
+use crate::code::Code;
+use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
+use crate::config::{ConfigError, GantryProblem, MachineConfig};
+use crate::drive::{BusState, Capabilities, DriveInput, DriveState, Inputs, Interface, control, inputs};
+use crate::encoder::{Absolute, Form};
+use crate::event::Kind;
+use crate::object::AxisSet;
+use crate::parameter::{Change, Row, Value};
+use crate::position::Length;
+use crate::sim::{Model, SecondOrder};
+use proptest::prelude::*;
+
+/// Places of the drives of x.
+const FIRST: usize = 0;
+const SECOND: usize = 2;
+/// 0.2 mm.
+const MAX_SKEW: i64 = 200;
+
+/// x has two drives.
+fn cell() -> MachineConfig {
+    let mut config = config(0);
+    let x = &mut config.axes[usize::from(X)];
+    x.second = Some(Capabilities::all(0));
+    x.parameters.gantry.max_skew = Some(MAX_SKEW);
+    x.parameters.homing.index_velocity = Some(1_000.0);
+    config
+}
+
+/// The second drive reads that many counts more when the first inputs come.
+fn apart(by: i64) -> Rig {
+    let mut rig = Rig::of(cell());
+    rig.plant.drive(SECOND).expect("it is simulated").jump(by);
+    rig.run(2);
+    rig
+}
+
+fn enabled(by: i64) -> Rig {
+    let mut rig = apart(by);
+    rig.enable();
+    rig
+}
+
+fn controls(rig: &Rig) -> [u16; 2] {
+    [FIRST, SECOND].map(|place| rig.outputs().drive[place].control)
+}
+
+fn setpoints(rig: &Rig) -> [i64; 2] {
+    [FIRST, SECOND].map(|place| rig.outputs().drive[place].position)
+}
+
+fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
+    let (row, _) = Row::find(key).expect("a row");
+    rig.give(Action::SetParameters([Change { axis: X, row, value }].into()))
+}
+
+fn errors(rig: &Rig) -> Vec<Code> {
+    rig.events.iter().filter(|event| event.kind == Kind::Error).map(|event| event.code).collect()
+}
+
+/// In each cycle both get the same control word, and the axis is on once both are.
+#[test]
+fn it_is_on_once_both_drives_are() {
+    let mut rig = apart(0);
+    // The second one is slow: for 30 cycles it shows no more than switched on.
+    rig.tamper = |inputs: &mut Inputs| {
+        if inputs.cycle < 30 && DriveState::from_status(inputs.drive[SECOND].status) == DriveState::Enabled {
+            inputs.drive[SECOND].status = DriveState::SwitchedOn.status();
+        }
+    };
+    rig.give(Action::Enable(AxisSet::one(X)));
+    while rig.machine.next_cycle() < 30 {
+        rig.run(1);
+        let [first, second] = controls(&rig);
+        assert_eq!((first, rig.int("x.enabled")), (second, 0));
+    }
+    assert_eq!(controls(&rig), [control::ENABLE; 2]);
+    rig.run(1);
+    assert_eq!((rig.state("x"), rig.int("x.second.drive_state")), ("STANDSTILL", DriveState::Enabled as i64));
+    rig.give(Action::Disable(AxisSet::one(X)));
+    assert_eq!(controls(&rig), [control::DISABLE_VOLTAGE; 2]);
+}
+
+/// One that never comes on keeps the axis off, with the error of one drive.
+#[test]
+fn a_drive_that_does_not_come_on_switches_both_off() {
+    let mut rig = apart(0);
+    rig.tamper = |inputs: &mut Inputs| inputs.drive[SECOND].status = DriveState::SwitchedOn.status();
+    rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run(5_010);
+    assert_eq!((errors(&rig), controls(&rig)), (vec![Code::ENABLE_TIMEOUT], [control::DISABLE_VOLTAGE; 2]));
+}
+
+/// Whatever counts the drives begin with, that is no skew: the second is led by what both stood apart.
+#[test]
+fn where_both_stand_is_square_unless_something_says_otherwise() {
+    for by in [0, 7, -150, 1_000_000, i64::from(i32::MIN)] {
+        let mut rig = enabled(by);
+        assert_eq!((rig.int("x.skew"), rig.int("x.second.count")), (0, by));
+        rig.give(Action::Move(to(X, 20_000)));
+        rig.run(1_000);
+        assert_eq!((rig.int("x.actual.position"), rig.int("x.second.count")), (20_000, 20_000 + by));
+        assert_eq!((rig.int("x.second.position"), rig.int("x.skew")), (20_000, 0));
+    }
+}
+
+/// `square_offset` says where square is: the rest is skew, which it keeps up to max_skew, and with more is not switched on.
+#[test]
+fn it_keeps_a_skew_within_the_limit_and_is_not_switched_on_beyond_it() {
+    for by in [-201, -200, -1, 0, 200, 201] {
+        let mut config = cell();
+        config.axes[usize::from(X)].parameters.gantry.square_offset = Some(5_000);
+        let mut rig = Rig::of(config);
+        rig.plant.drive(SECOND).unwrap().jump(5_000 + by);
+        rig.run(2);
+        assert_eq!(rig.int("x.skew"), by);
+        let sequence = rig.give(Action::Enable(AxisSet::one(X)));
+        rig.run(20);
+        if by.abs() > MAX_SKEW {
+            let sign = if by < 0 { "-" } else { "" };
+            assert_eq!(
+                rig.refusal(sequence),
+                format!("x: the two drives are {sign}0.201 mm from square; max_skew 0.2 mm is allowed")
+            );
+            assert_eq!((rig.state("x"), controls(&rig)), ("DISABLED", [control::DISABLE_VOLTAGE; 2]));
+            continue;
+        }
+        rig.give(Action::Move(to(X, -3_000)));
+        rig.run(1_000);
+        assert_eq!((rig.int("x.actual.position"), rig.int("x.skew")), (-3_000, by));
+        assert_eq!(rig.int("x.second.count"), -3_000 + 5_000 + by);
+    }
+}
+
+/// One side is held while the axis moves: in the cycle in which the skew is 201 inc both drives are without voltage.
+#[test]
+fn a_skew_beyond_the_limit_takes_the_power_of_both_in_its_cycle() {
+    for jammed in [FIRST, SECOND] {
+        let mut rig = enabled(40);
+        // Nothing else is to stop it first.
+        set(&mut rig, "max_following_error", Value::Int(1_000_000));
+        rig.give(Action::Move(at(X, 10_000.0)));
+        rig.run(100);
+        rig.plant.drive(jammed).unwrap().jam(true);
+        let mut before = 0;
+        while rig.int("x.error") == 0 {
+            before = rig.int("x.skew").abs();
+            assert_eq!((before <= MAX_SKEW, controls(&rig)), (true, [control::ENABLE; 2]));
+            rig.run(1);
+        }
+        // 10 inc in a cycle.
+        assert_eq!((before, rig.int("x.skew").abs()), (200, 210));
+        assert_eq!(controls(&rig), [control::DISABLE_VOLTAGE; 2]);
+        assert_eq!((errors(&rig), rig.state("x")), (vec![Code::SKEW], "ERROR_STOP"));
+        // It stays so: reset it may be, on it does not come.
+        rig.run(5);
+        rig.give(Action::ResetErrors(AxisSet::one(X)));
+        rig.run(20);
+        let sequence = rig.give(Action::Enable(AxisSet::one(X)));
+        assert!(rig.refusal(sequence).contains("max_skew 0.2 mm"), "{}", rig.refusal(sequence));
+    }
+}
+
+/// A limit that is set counts in its cycle.
+#[test]
+fn a_new_limit_counts_at_once() {
+    let mut rig = enabled(0);
+    set(&mut rig, "max_following_error", Value::Int(1_000_000));
+    rig.give(Action::Move(at(X, 10_000.0)));
+    rig.run(100);
+    rig.plant.drive(SECOND).unwrap().jam(true);
+    while rig.int("x.skew").abs() < 100 {
+        rig.run(1);
+    }
+    set(&mut rig, "max_skew", Value::Int(99));
+    assert_eq!((rig.int("x.error"), controls(&rig)), (i64::from(Code::SKEW.0), [control::DISABLE_VOLTAGE; 2]));
+}
+
+/// What the reaction is asked to be.
+#[test]
+fn the_skew_has_a_reaction_of_its_own() {
+    for (reaction, expected) in
+        [(0, control::DISABLE_VOLTAGE), (1, control::DISABLE_VOLTAGE), (2, control::ENABLE), (4, control::QUICK_STOP)]
+    {
+        let mut rig = enabled(0);
+        set(&mut rig, "skew_reaction", Value::Int(reaction));
+        set(&mut rig, "max_following_error", Value::Int(1_000_000));
+        rig.give(Action::Move(at(X, 10_000.0)));
+        rig.run(100);
+        rig.plant.drive(SECOND).unwrap().jam(true);
+        while rig.int("x.error") == 0 {
+            rig.run(1);
+        }
+        assert_eq!((controls(&rig), rig.int("x.error")), ([expected; 2], i64::from(Code::SKEW.0)), "{reaction}");
+        assert_eq!(rig.int("x.brake"), i64::from(reaction == 1), "{reaction}");
+    }
+}
+
+/// A skew that grows in a stop, or while another error stops the axis, still takes the power of both.
+#[test]
+fn the_skew_is_supervised_in_stops_too() {
+    for stop in [Action::Halt(AxisSet::one(X)), Action::QuickStop(AxisSet::one(X)), Action::Disable(AxisSet::one(X))] {
+        let mut rig = enabled(0);
+        set(&mut rig, "max_following_error", Value::Int(1_000_000));
+        set(&mut rig, "max_deceleration", Value::Real(20_000.0));
+        rig.give(Action::Move(at(X, 10_000.0)));
+        rig.run(100);
+        rig.plant.drive(SECOND).unwrap().jam(true);
+        rig.give(stop);
+        rig.run(25);
+        assert_eq!((errors(&rig), controls(&rig)), (vec![Code::SKEW], [control::DISABLE_VOLTAGE; 2]));
+    }
+    let mut rig = enabled(0);
+    set(&mut rig, "max_deceleration", Value::Real(20_000.0));
+    set(&mut rig, "max_following_error", Value::Int(50));
+    rig.give(Action::Move(at(X, 10_000.0)));
+    rig.run(100);
+    rig.plant.drive(FIRST).unwrap().jam(true);
+    rig.run(30);
+    assert_eq!(
+        (errors(&rig), controls(&rig)),
+        (vec![Code::FOLLOWING_ERROR, Code::SKEW], [control::DISABLE_VOLTAGE; 2])
+    );
+}
+
+/// What befalls the first drive, and the same of the second one.
+type OfEither = [fn(&mut Inputs); 2];
+
+fn absent(drive: &mut DriveInput) {
+    drive.online = false;
+}
+
+fn without_bus(drive: &mut DriveInput) {
+    drive.bus = BusState::Off;
+}
+
+fn not_enabled(drive: &mut DriveInput) {
+    drive.status = DriveState::Ready.status();
+}
+
+fn in_fault(drive: &mut DriveInput) {
+    (drive.status, drive.fault) = (DriveState::Fault.status(), 0x2310);
+}
+
+/// An absence, a loss of the bus, a drive that switches itself off, a fault: of either, and both are without voltage in that cycle.
+#[test]
+fn what_fails_of_either_drive_stops_both_in_its_cycle() {
+    let harms: [(OfEither, Code); 4] = [
+        ([|all| absent(&mut all.drive[FIRST]), |all| absent(&mut all.drive[SECOND])], Code::DRIVE_LOST),
+        ([|all| without_bus(&mut all.drive[FIRST]), |all| without_bus(&mut all.drive[SECOND])], Code::BUS_ERROR),
+        ([|all| not_enabled(&mut all.drive[FIRST]), |all| not_enabled(&mut all.drive[SECOND])], Code::DRIVE_DISABLED),
+        ([|all| in_fault(&mut all.drive[FIRST]), |all| in_fault(&mut all.drive[SECOND])], Code::drive_fault(0x2310)),
+    ];
+    for (harms, code) in harms {
+        for harm in harms {
+            let mut rig = enabled(0);
+            rig.give(Action::Move(at(X, 10_000.0)));
+            rig.run(100);
+            rig.tamper = harm;
+            rig.run(1);
+            let found = (rig.int("x.error"), controls(&rig));
+            assert_eq!(found, (i64::from(code.0), [control::DISABLE_VOLTAGE; 2]));
+            // The drive beside them is another axis'.
+            assert_eq!(rig.outputs().drive[1].control, control::ENABLE);
+        }
+    }
+}
+
+/// Without new data from either for longer than missed_cycles.
+#[test]
+fn a_silence_of_either_drive_counts() {
+    let silences: [fn(&mut Inputs); 2] = [|all| all.drive[FIRST].fresh = false, |all| all.drive[SECOND].fresh = false];
+    for silence in silences {
+        let mut rig = enabled(0);
+        rig.tamper = silence;
+        rig.run(10);
+        assert_eq!((rig.int("x.error"), controls(&rig)), (0, [control::ENABLE; 2]));
+        rig.run(1);
+        let expected = (i64::from(Code::DRIVE_STALE.0), [control::DISABLE_VOLTAGE; 2]);
+        assert_eq!((rig.int("x.error"), controls(&rig)), expected);
+    }
+}
+
+/// A word that is waited for is that of an earlier cycle, and no skew.
+#[test]
+fn words_that_are_waited_for_are_no_skew() {
+    let stale: [fn(&mut Inputs); 2] = [
+        |all| (all.drive[FIRST].fresh, all.drive[FIRST].count) = (false, all.drive[FIRST].count - 500),
+        |all| (all.drive[SECOND].fresh, all.drive[SECOND].count) = (false, all.drive[SECOND].count - 500),
+    ];
+    for stale in stale {
+        let mut rig = enabled(0);
+        rig.give(Action::Move(at(X, 100_000.0)));
+        rig.run(300);
+        rig.tamper = stale;
+        rig.run(9);
+        rig.tamper = |_| {};
+        rig.run(3);
+        assert_eq!((errors(&rig), rig.int("x.skew"), controls(&rig)), (vec![], 0, [control::ENABLE; 2]));
+    }
+}
+
+/// A fault of either is reset at both.
+#[test]
+fn a_fault_of_the_second_drive_is_reset() {
+    let mut rig = enabled(0);
+    rig.plant.drive(SECOND).unwrap().inject_fault(0x7121);
+    rig.run(5);
+    assert_eq!(errors(&rig), [Code::drive_fault(0x7121)]);
+    let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
+    rig.run(10);
+    assert_eq!((rig.done(sequence)[0].code, rig.state("x")), (Code::NONE, "DISABLED"));
+    rig.enable();
+    assert_eq!(rig.state("x"), "STANDSTILL");
+}
+
+/// A coordinate of the second drive that begins anew, as when its power comes back, is no motion and no skew; but nobody knows any more whether
+/// it was moved meanwhile, and so the zero is lost.
+#[test]
+fn a_new_coordinate_of_the_second_drive_is_no_motion() {
+    let mut rig = enabled(0);
+    rig.give(Action::Move(to(X, 20_000)));
+    rig.run(600);
+    rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(35) }));
+    rig.run(2);
+    assert_eq!((rig.int("x.homed"), rig.int("x.actual.position")), (1, 0));
+    rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(20);
+    rig.plant.drive(SECOND).unwrap().renew_counts();
+    rig.run(1);
+    assert_eq!((rig.int("x.second.count"), rig.int("x.skew"), rig.int("x.homed")), (0, 0, 0));
+    assert_eq!((rig.int("x.second.position"), rig.int("x.actual.count")), (0, 20_000));
+    rig.enable();
+    rig.give(Action::Move(to(X, 5_000)));
+    rig.run(600);
+    assert_eq!((rig.int("x.actual.count"), rig.int("x.second.count"), rig.int("x.skew")), (25_000, 5_000, 0));
+}
+
+/// Absolute encoders know their square, wherever their words begin anew; one that tells nothing any more takes the power of both.
+#[test]
+fn absolute_encoders_know_their_square() {
+    for (by, skew) in [(300, 0), (300 - 40_000, 0), (300 + 80_000, 0), (340, 40), (260 - 40_000, -40)] {
+        let mut config = cell();
+        let x = &mut config.axes[usize::from(X)];
+        x.wired = Wired::Drive(Form::Absolute(Absolute { overflow: true, ..Absolute::single_turn(40_000) }));
+        x.parameters.gantry.square_offset = Some(300);
+        let mut rig = Rig::of(config);
+        rig.plant.drive(FIRST).unwrap().jump(39_900);
+        rig.plant.drive(SECOND).unwrap().jump(39_900 + by);
+        rig.run(2);
+        assert_eq!(rig.int("x.skew"), skew, "{by}");
+        rig.enable();
+        rig.give(Action::Move(to(X, 150_000)));
+        rig.run(2_500);
+        assert_eq!((rig.int("x.actual.position"), rig.int("x.second.position")), (150_000, 150_000 + skew), "{by}");
+        assert_eq!((rig.int("x.skew"), errors(&rig)), (skew, vec![]));
+        rig.plant.drive(SECOND).unwrap().cut_encoder();
+        rig.run(1);
+        assert_eq!((errors(&rig), controls(&rig)), (vec![Code::SECOND_UNREAD], [control::DISABLE_VOLTAGE; 2]));
+    }
+}
+
+/// The limit switch of either drive stops the axis.
+#[test]
+fn the_limit_switch_of_either_drive_stops_it() {
+    for place in [FIRST, SECOND] {
+        let mut rig = enabled(0);
+        rig.give(Action::Move(at(X, 10_000.0)));
+        rig.run(100);
+        rig.plant.drive(place).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.run(1);
+        assert_eq!((rig.int("x.limit.positive"), errors(&rig)), (1, vec![Code::HARDWARE_LIMIT_POSITIVE]), "{place}");
+    }
+}
+
+/// What parameters may not be set to.
+#[test]
+fn what_two_drives_cannot_do_is_refused_by_name() {
+    let mut rig = apart(0);
+    for (key, value, expected) in [
+        ("max_skew", Value::Unset, "max_skew is missing; a distance above 0 is expected"),
+        ("homing.method", Value::Int(33), "homing.method 33 does not square an axis with two drives"),
+        ("homing.method", Value::Int(17), "homing.method 17 does not square an axis with two drives"),
+        ("homing.in_drive", Value::Int(1), "homing.in_drive 1 would let each of two drives"),
+        ("encodertype", Value::Int(9), "encodertype 9 names another source than the two drives"),
+    ] {
+        let sequence = set(&mut rig, key, value);
+        assert!(rig.refusal(sequence).contains(expected), "{key}: {}", rig.refusal(sequence));
+    }
+    let sequence = set(&mut rig, "homing.method", Value::Int(23));
+    assert!(rig.was_accepted(sequence));
+}
+
+#[test]
+fn two_drives_that_cannot_carry_an_axis_make_no_machine() {
+    let problem = |change: fn(&mut crate::config::AxisConfig)| {
+        let mut config = cell();
+        change(&mut config.axes[usize::from(X)]);
+        match config.check() {
+            Err(ConfigError::Gantry { problem, .. }) => Some(problem),
+            _ => None,
+        }
+    };
+    assert_eq!(problem(|_| ()), None);
+    assert_eq!(problem(|x| x.drive = None), Some(GantryProblem::NoFirst));
+    assert_eq!(problem(|x| x.interface = Interface::Velocity), Some(GantryProblem::Interface(Interface::Velocity)));
+    assert_eq!(problem(|x| x.second = Some(Capabilities::all(1))), Some(GantryProblem::Delays(0, 1)));
+    let mut config = cell();
+    config.axes[usize::from(X)].parameters.gantry.max_skew = None;
+    let sentence = config.check().map_err(|error| error.to_string());
+    let expected = "x: max_skew is missing for an axis with two drives; a distance above 0 is expected";
+    assert_eq!(sentence, Err(expected.to_owned()));
+}
+
+/// What may be asked of x in a cycle.
+fn action() -> impl Strategy<Value = Option<Action>> {
+    let x = AxisSet::one(X);
+    prop_oneof![
+        8 => Just(None),
+        3 => (-60_000_i64..60_000).prop_map(|target| Some(Action::Move(to(X, target)))),
+        2 => (-90_000.0..90_000.0_f64).prop_map(|velocity| Some(Action::Move(at(X, velocity)))),
+        1 => Just(Some(Action::Halt(x))),
+        1 => Just(Some(Action::QuickStop(x))),
+        1 => Just(Some(Action::ResetErrors(x))),
+        1 => Just(Some(Action::Disable(x))),
+        2 => Just(Some(Action::Enable(x))),
+        1 => (-9_000_i64..9_000).prop_map(|place| Some(Action::SetPosition(SetPosition { axis: X, position: Length::whole(place) }))),
+    ]
+}
+
+proptest! {
+    #![proptest_config(cases(40))]
+
+    /// Whatever is commanded: both drives have the same control word, and the setpoints differ by what they stood apart when the axis came on.
+    /// A machine restored on the way does the same.
+    #[test]
+    fn both_drives_get_the_same_setpoint(
+        by in -1_000_000_i64..1_000_000,
+        actions in prop::collection::vec((action(), 1_u64..80), 1..25),
+        lag: bool,
+    ) {
+        let model = if lag { Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).unwrap()) } else { Model::Ideal };
+        let mut rig = Rig::with(cell(), [model, Model::Ideal, model]);
+        rig.plant.drive(SECOND).unwrap().jump(by);
+        rig.run(2);
+        rig.enable();
+        for (place, (action, cycles)) in actions.into_iter().enumerate() {
+            if place == 7 {
+                rig.mirror();
+            }
+            if let Some(action) = action {
+                rig.give(action);
+            }
+            for _ in 0..cycles {
+                rig.run(1);
+                let [first, second] = controls(&rig);
+                prop_assert_eq!(first, second);
+                if rig.int("x.enabled") == 1 {
+                    let [first, second] = setpoints(&rig);
+                    prop_assert_eq!(second - first, by);
+                }
+                prop_assert_eq!(rig.int("x.skew"), 0);
+            }
+        }
+    }
+}

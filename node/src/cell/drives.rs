@@ -1,0 +1,190 @@
+//! Keys `drive` and `drives` of an axis: what moves it, and where that hangs.
+//!
+//! Law      an axis has a drive, or two that carry it between them, or none: then it is virtual
+//! Refuses  two that differ in what they are asked for, or in when they do it
+
+use super::backends::{Backend, Context, Hardware, backend_of, name_of};
+use super::can::{self, CellDrive};
+use super::names::{Once, quote};
+use super::scale::Travel;
+use crate::document::{Map, Value};
+use lineshaft_core::axis::MISSED_CYCLES;
+use lineshaft_core::drive::Interface;
+use lineshaft_core::sim::Model;
+
+/// Address of a drive and what it is called, by backend.
+pub(super) type Taken = Once<(usize, &'static str, u16)>;
+
+/// Key `drive`, and what it says of a drive on CAN.
+pub(super) type Described = (Drive, Option<CellDrive>);
+
+/// Key `drive`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Drive {
+    Virtual,
+    Real {
+        at: Hardware,
+        /// What it hangs on.
+        kind: Backend,
+        interface: Interface,
+        /// Cycles without new data that are waited for.
+        missed_cycles: u32,
+    },
+}
+
+/// Most cycles without new data from a drive that may be waited for.
+const MOST_MISSED: u32 = 1000;
+pub(super) fn interface_of(drive: Option<Drive>) -> Option<Interface> {
+    match drive {
+        Some(Drive::Real { interface, .. }) => Some(interface),
+        _ => None,
+    }
+}
+
+/// The drive of an axis by either key, and the second one where there are two; none where they have problems.
+pub(super) type Read = (Option<Described>, Option<Described>);
+
+/// Reads the keys, and says whether the axis has two drives.
+pub(super) fn read<'d>(
+    map: &mut Map<'d>,
+    axis: &str,
+    travel: &Travel,
+    cx: &Context<'d>,
+    taken: &mut Taken,
+) -> (Read, bool) {
+    // Who has one is not told of the other.
+    let both = if map.has("drives") || !map.has("drive") { map.optional("drives") } else { None };
+    let Some(both) = both else {
+        let one = map.required("drive").and_then(|value| drive(&value, axis, travel, cx, taken));
+        return ((one, None), false);
+    };
+    if let Some(one) = map.optional("drive") {
+        one.refuse("drive stands beside drives; one of them is expected", None);
+        return ((None, None), true);
+    }
+    (two(&both, axis, travel, cx, taken).unwrap_or_default(), true)
+}
+
+/// Key `drives`.
+fn two<'d>(both: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, taken: &mut Taken) -> Option<Read> {
+    let items = both.list()?;
+    let [first, second] = items.as_slice() else {
+        let count = items.len();
+        both.refuse(
+            format!(
+                "drives of axis {} has {count} entr{}; 2 are expected",
+                quote(axis),
+                if count == 1 { "y" } else { "ies" }
+            ),
+            None,
+        );
+        return None;
+    };
+    let [one, other] = [first, second].map(|value| {
+        if !value.is_map() {
+            value.refuse(
+                format!(
+                    "drives has {}; {{backend: .., address: ..}} is expected",
+                    quote(value.peek().unwrap_or_default())
+                ),
+                None,
+            );
+            return None;
+        }
+        let read = drive(value, axis, travel, cx, taken)?;
+        let interface = interface_of(Some(read.0)).filter(|interface| *interface != Interface::Position);
+        if let Some(interface) = interface {
+            value.refuse(
+                format!("interface is {}; two drives of one axis have interface position", interface.name()),
+                None,
+            );
+            return None;
+        }
+        Some(read)
+    });
+    let (one, other) = (one?, other?);
+    if other.1.as_ref().is_some_and(CellDrive::probes) {
+        second.refuse("a touch probe is for the first of two drives, which tells the position", None);
+        return None;
+    }
+    let delay = |(drive, on_can): &Described| match drive {
+        Drive::Real { kind, interface, .. } => kind.offers(*interface, Model::Ideal, on_can.as_ref()).delay,
+        Drive::Virtual => 0,
+    };
+    let (before, behind) = (delay(&one), delay(&other));
+    if before != behind {
+        let sentence =
+            format!("it has a delay of {behind} cycles, the first drive one of {before}; the same delay is expected");
+        second.refuse(sentence, None);
+        return None;
+    }
+    Some((Some(one), Some(other)))
+}
+
+pub(super) fn drive<'d>(
+    value: &Value<'d>,
+    axis: &str,
+    travel: &Travel,
+    cx: &Context<'d>,
+    taken: &mut Taken,
+) -> Option<Described> {
+    if !value.is_map() {
+        let text = value.text()?;
+        if text == "virtual" {
+            return Some((Drive::Virtual, None));
+        }
+        value.refuse(format!("drive is {}; virtual or {{backend: .., address: ..}} is allowed", quote(text)), None);
+        return None;
+    }
+    let mut map = value.map(format!("drive of axis `{axis}`"))?;
+    let place = backend_of(&mut map, &cx.names);
+    let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
+    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
+    let missed = map.optional("missed_cycles").map_or(Some(MISSED_CYCLES), |value| value.integer(1..=MOST_MISSED));
+    let (number, on_can) = match (place, backend) {
+        (Some(place), Some(Backend::Sim { .. })) => {
+            (take(&mut map, place, "address", 0..=u16::MAX, cx, taken), Some(None))
+        }
+        (Some(place), Some(Backend::Can)) => {
+            let node = take(&mut map, place, "node", 1..=127, cx, taken);
+            (node, can::drive(&mut map, node, interface, travel).map(Some))
+        }
+        // The keys depend on a backend that is not known.
+        (None, _) | (_, None) => {
+            map.allow(&["address", "node"]);
+            map.allow(&can::DRIVE_KEYS);
+            (None, None)
+        }
+    };
+    map.finish();
+    let number = number?;
+    let (at, kind) = (Hardware { backend: place?, number }, backend?);
+    Some((Drive::Real { at, kind, interface: interface?, missed_cycles: missed? }, on_can?))
+}
+
+/// Key `key`, which numbers the drives of a backend.
+fn take(
+    map: &mut Map<'_>,
+    backend: usize,
+    key: &'static str,
+    range: std::ops::RangeInclusive<u16>,
+    cx: &Context<'_>,
+    taken: &mut Taken,
+) -> Option<u16> {
+    let value = map.required(key)?;
+    let number = value.integer(range)?;
+    let what = || format!("drive {key} {number} of backend {}", name_of(backend, &cx.names));
+    taken.take((backend, key, number), &value, what).then_some(number)
+}
+
+fn interface(value: &Value<'_>) -> Option<Interface> {
+    let all = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
+    let interface = value.choice(&all.map(|interface| (interface.name(), interface)))?;
+    match interface {
+        Interface::Torque => {
+            value.refuse("interface torque needs the velocity loop, which does not exist yet", None);
+            None
+        }
+        _ => Some(interface),
+    }
+}
