@@ -168,6 +168,8 @@ impl Axis {
             }
         };
         let coupling = self.coupling_by(leader, request, follower);
+        // It has begun: what takes over ends no wait of its own.
+        self.engagement = None;
         self.take_over(cx, engagement.sequence, None);
         self.begin_conditioning(request.mode, lead);
         if let Some(path) = &mut self.conditioning.marks {

@@ -279,7 +279,7 @@ impl Follower {
             sum += change * sign;
             least = least.max((sum - uneven) / cycles - rate * (cycles - 1.0) / 2.0);
         }
-        (last * sign - least).max(0.0).min(uneven)
+        (last * sign - least).min((last * sign).min(uneven)).max(0.0)
     }
 
     /// By how much the leader's last change exceeds its mean of the last cycles, in the direction of `way` (inc).

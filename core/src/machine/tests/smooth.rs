@@ -232,6 +232,22 @@ fn an_offset_comes_behind_the_curve() {
     }
 }
 
+/// The goal of one that falls back, and of one whose curve has begun, stays open until it is cancelled, and ends once.
+#[test]
+fn its_goal_ends_once() {
+    for stands in [true, false] {
+        let mut rig = world(1_234, 10, &[]);
+        let speed = if stands { 0 } else { 10 };
+        run(&mut rig, speed, 1_000);
+        let goal = give(&mut rig, speed, by_marks(2));
+        run(&mut rig, speed, 500);
+        assert_eq!((rig.done(goal).len(), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+        rig.give(Action::Cancel { goal });
+        rig.run(100);
+        assert_eq!((rig.done(goal).len(), rig.state("x")), (1, "STANDSTILL"));
+    }
+}
+
 /// While it waits a cancel, a halt or an error ends it; a belt that is lost, too.
 #[test]
 fn the_wait_ends_as_any_wait_does() {

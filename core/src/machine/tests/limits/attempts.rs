@@ -3,7 +3,7 @@
 use super::super::direction::set;
 use super::super::rig::{LINE, Rig, X, at, cam, config, couple, scale};
 use crate::code::Code;
-use crate::command::{Action, Engage, Phase, PhaseShift, PhaseSide, Synchronize};
+use crate::command::{Action, CamIn, Engage, Phase, PhaseShift, PhaseSide, Synchronize};
 use crate::config::{IoConfig, IoKind, TableConfig};
 use crate::drive::{Edge, Latch};
 use crate::event::Kind;
@@ -12,6 +12,7 @@ use crate::parameter::{Change, MACHINE, Row, Value};
 use crate::position::Length;
 use crate::request::Amount;
 use crate::sim::{Model, SecondOrder};
+use crate::sync::gear::Ratio;
 use crate::sync::{CamStart, SyncMode};
 use crate::table::{CamSetting, Form, Table};
 use std::sync::Arc;
@@ -207,4 +208,32 @@ fn a_drive_that_is_behind_when_its_power_goes_has_not_left_the_limit() {
             assert_eq!(errors(&rig), [first, Code::LIMIT_VIOLATION], "{led:?} {way}, again");
         }
     }
+}
+
+/// On a cam that makes 14.6 increments of a count of its leader, which stands: the way to catch up is no trembling of counts, so that the stop at the limit begins in time.
+/// Proves: MACS-LIM-01
+#[test]
+fn a_leader_that_stands_hides_no_velocity() {
+    let table = Table::new(Form::Xy, &[0, 1000, 1600, 4000], &[0, 300, 1700, 2500]).expect("points");
+    let mut config = config(0);
+    config.tables = vec![TableConfig { name: "steep".into(), table: Arc::new(table) }];
+    config.axes.iter_mut().for_each(|axis| axis.parameters.error_reaction = 0);
+    config.axes[usize::from(LINE)].parameters.min_position = Some(-122);
+    let mut rig = Rig::of(config);
+    rig.enable();
+    let scale = Ratio::new(5, 2).expect("a ratio");
+    let (master_offset, slave_offset) = (Length::whole(1_000), Length::whole(-191));
+    let scales = CamIn { master_scale: scale, slave_scale: scale, ..cam(0, CamStart::Relative) };
+    let cam = Some(CamIn { master_offset, slave_offset, ..scales });
+    rig.give(Action::Synchronize(Synchronize { cam, ..couple(LINE, Leader::AxisActual(X), 0, 1) }));
+    let mut before = 0.0;
+    for _ in 0..60 {
+        rig.run(1);
+        let velocity = rig.real("line.command.velocity");
+        // A stop at a limit may take twice the acceleration.
+        assert!((velocity - before).abs() <= 2_001.0, "from {before} to {velocity}");
+        before = velocity;
+    }
+    assert_eq!((rig.state("line"), before), ("ERROR_STOP", 0.0));
+    assert!((-122..0).contains(&rig.int("line.command.position")));
 }
