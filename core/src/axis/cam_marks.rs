@@ -19,7 +19,7 @@ use crate::parameter::{Marks, Synchronization};
 use crate::position::Position;
 use crate::sync::cam::{Cam, Periods};
 use crate::sync::{CamStart, SyncMode};
-use crate::table::Table;
+use crate::table::{CamShape, Table};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -34,10 +34,33 @@ pub(super) struct CamMarks {
     /// Ways since marks that wait for their period, the oldest first.
     waiting: [Position; MOST_WAITING],
     count: u8,
+    /// The side of the cam in the cycle before.
+    seen: Option<Seat>,
     /// What was added to the master in the cycle before.
     pub given: Position,
     /// The master does not count yet.
     pub holds: bool,
+}
+
+/// Where the side of a cam is in its period.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Seat {
+    /// Behind the place of its own mark, 0 to a period (inc).
+    past: f64,
+    /// Period, and how far the sensor is away (inc).
+    by: (i64, i64),
+}
+
+impl Seat {
+    /// How far behind its own mark the side is that has come here from `before` by so much (inc), if it has passed that on the way. Each is passed
+    /// once, whatever rounding leaves of the ways.
+    fn passed(self, before: Option<Self>, change: f64) -> Option<Position> {
+        let period = self.by.0 as f64;
+        let before = before.filter(|before| before.by == self.by)?;
+        let periods = libm::rint((before.past + change - self.past) / period);
+        let past = if periods < 0.0 { self.past - period } else { self.past };
+        (periods != 0.0).then(|| Position::from_f64(past))
+    }
 }
 
 /// What a cam is in this cycle to those who bring marks together with it.
@@ -58,45 +81,51 @@ impl CamMarks {
         Self { holds: start == FROM_MARK, ..Self::default() }
     }
 
-    /// Marks of a side that moves by `change`, each behind its wait.
-    fn delayed(&mut self, mut seen: Seen, change: Position, side: &CamSide, now_ns: u64) -> Seen {
-        let mut passed = Seen::new();
-        let along = |way: Position| if side.sense < 0.0 { -way } else { way };
+    /// Marks of a side that moves by `change`, each behind its wait, and how many have found no room. One that has gone back over its sensor waits no more.
+    fn delayed(&mut self, mut seen: Seen, change: Position, side: &CamSide, now_ns: u64) -> (Seen, u32) {
         let wait = Position::whole(side.wait);
         if wait == Position::ZERO {
-            return seen;
+            self.count = 0;
+            return (seen, 0);
         }
+        let along = |way: Position| if side.sense < 0.0 { -way } else { way };
+        let mut passed = Seen::new();
         let mut kept = [Position::ZERO; MOST_WAITING];
-        let mut count = 0;
+        let (mut count, mut lost) = (0, 0);
         let waiting = self.waiting.iter().take(self.count.into()).map(|way| *way + change);
         for way in waiting.chain(seen.sorted().iter().map(|(before, _)| *before)) {
             let over = along(way) - wait;
             if over >= Position::ZERO {
                 passed.push(along(over), now_ns);
+            } else if along(way) < Position::ZERO {
+                continue;
             } else if let Some(free) = kept.get_mut(count) {
                 *free = way;
                 count += 1;
+            } else {
+                lost += 1;
             }
         }
         (self.waiting, self.count) = (kept, count as u8);
-        passed
+        (passed, lost)
+    }
+
+    /// Nothing is known of the cam any more.
+    pub(super) fn forget(&mut self) {
+        (self.count, self.seen) = (0, None);
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        usize::from(self.count) <= MOST_WAITING && self.waiting.iter().all(|way| way.is_legal())
+        usize::from(self.count) <= MOST_WAITING
+            && self.waiting.iter().all(|way| way.is_legal())
+            && self.given.is_legal()
+            && self.seen.is_none_or(|seat| seat.past.is_finite())
     }
 }
 
 /// Whole periods but the last that a sensor is away (inc).
 fn wait_of(distance: i64, period: i64) -> i64 {
     if period <= 0 || distance <= 0 { 0 } else { (distance - 1) / period * period }
-}
-
-/// Where a value that has moved by `change` has passed a multiple of `period` in this cycle: so far behind now.
-fn crossed(value: f64, change: f64, period: f64) -> Option<Position> {
-    let past = value.rem_euclid(period);
-    let before = if change < 0.0 && past > 0.0 { past - period } else { past };
-    (before.abs() < change.abs()).then(|| Position::from_f64(before))
 }
 
 impl Axis {
@@ -108,21 +137,12 @@ impl Axis {
         start: CamStart,
         tables: &[Arc<Table>],
     ) -> Result<(), Refusal> {
-        let of_slave = match mode {
-            SyncMode::MasterMarker => false,
-            SyncMode::SlaveMarker => true,
-            _ => return Ok(()),
-        };
-        let refuse = |code, asked, limit| Err(self.refuse(code).with(asked, limit));
-        let Periods { master, slave } = cam.periods(tables);
-        let period = if of_slave { slave } else { master };
-        let Some(period) = period else {
-            return refuse(Code::CAM_MARKS_PERIOD, Number::None, Number::None);
-        };
-        let period = period.unsigned_abs();
-        if period == 0 {
-            return refuse(Code::CAM_MARKS_STROKE, Number::None, Number::None);
+        if !matches!(mode, SyncMode::MasterMarker | SyncMode::SlaveMarker) {
+            return Ok(());
         }
+        let of_slave = mode == SyncMode::SlaveMarker;
+        let refuse = |code, asked, limit| Err(self.refuse(code).with(asked, limit));
+        let period = self.check_periods(mode, cam.periods(tables))?;
         let marks = &self.parameters.marks;
         let distance = if of_slave { marks.slave_distance } else { self.parameters.sync.mark_distance };
         let most = period.saturating_mul(MOST_WAITING as u64);
@@ -135,6 +155,29 @@ impl Axis {
         Ok(())
     }
 
+    /// The period that marks of that side go by (inc).
+    fn check_periods(&self, mode: SyncMode, periods: Periods) -> Result<u64, Refusal> {
+        let period = if mode == SyncMode::SlaveMarker { periods.slave } else { periods.master };
+        match period.map(i64::unsigned_abs) {
+            None => Err(self.refuse(Code::CAM_MARKS_PERIOD)),
+            Some(0) => Err(self.refuse(Code::CAM_MARKS_STROKE)),
+            Some(period) => Ok(period),
+        }
+    }
+
+    /// May the table of its cam become one of that shape, as far as its marks go?
+    ///
+    /// # Errors
+    /// They would have no period.
+    pub fn check_marks_on(&self, shape: CamShape) -> Result<(), Refusal> {
+        let Some(follower) = self.coupling().map(|coupling| &coupling.follower) else { return Ok(()) };
+        let mode = follower.mode();
+        match follower.transmission().cam() {
+            Some(cam) if mode.has_marks() => self.check_periods(mode, cam.periods_in(shape)).map(|_| ()),
+            _ => Ok(()),
+        }
+    }
+
     /// A cam that counts from the first mark of its master on stands where that has its sensor.
     pub(super) fn cam_before_mark(&self, mode: SyncMode, cam: Cam, tables: &[Arc<Table>]) -> Cam {
         let from_mark = mode == SyncMode::MasterMarker && self.parameters.marks.start == FROM_MARK;
@@ -142,7 +185,7 @@ impl Axis {
     }
 
     /// The side of the cam, whose master moves by `change` in this cycle.
-    fn cam_side(&self, path: &MarkPath, change: Position, tables: &[Arc<Table>]) -> Option<CamSide> {
+    fn cam_side(&self, path: &mut MarkPath, change: Position, tables: &[Arc<Table>]) -> Option<CamSide> {
         let cam = self.coupling()?.follower.transmission().cam()?;
         let Periods { master, slave } = cam.periods(tables);
         let (way, period, distance, value) = if path.mode == SyncMode::SlaveMarker {
@@ -156,7 +199,8 @@ impl Axis {
         let sense = period.signum();
         let period = period.checked_abs().filter(|period| *period > 0)?;
         let value = value + distance.saturating_mul(sense) as f64;
-        let mark = crossed(value, way.to_f64(), period as f64);
+        let seat = Seat { past: value.rem_euclid(period as f64), by: (period, distance) };
+        let mark = seat.passed(path.cam.seen.replace(seat), way.to_f64());
         Some(CamSide { period, wait: wait_of(distance, period), sense: sense as f64, change: way, mark })
     }
 
@@ -174,13 +218,15 @@ impl Axis {
         side.mark.into_iter().for_each(|before| of_cam.push(before, now_ns));
         let [of_master, of_slave] = seen;
         let (sync, marks) = self.judged_by_cam(path, side.period);
-        let (seen, changes) = if path.mode == SyncMode::SlaveMarker {
+        let (seen, changes, lost) = if path.mode == SyncMode::SlaveMarker {
             let change = self.actual.change;
-            ([of_cam, path.cam.delayed(of_slave, change, &side, now_ns)], [side.change, change])
+            let (of_slave, lost) = path.cam.delayed(of_slave, change, &side, now_ns);
+            ([of_cam, of_slave], [side.change, change], [0, lost])
         } else {
-            ([path.cam.delayed(of_master, lead.change, &side, now_ns), of_cam], [lead.change, side.change])
+            let (of_master, lost) = path.cam.delayed(of_master, lead.change, &side, now_ns);
+            ([of_master, of_cam], [lead.change, side.change], [lost, 0])
         };
-        Some(Sides { seen, changes, sync, marks, ratio: 1.0 })
+        Some(Sides { seen, changes, lost, sync, marks, ratio: 1.0 })
     }
 
     /// The parameters with which marks of a cam are judged: their distance is its period, that of the cam itself is always met, and each is one of one.
@@ -210,16 +256,25 @@ mod tests {
         assert_eq!(wait_of(5, 0), 0);
     }
 
+    /// From seat to seat, forwards and back, also where the ways are rounded: each place is passed once.
     #[test]
-    fn a_place_is_passed_from_either_side() {
+    fn a_place_is_passed_once_from_either_side() {
+        let seat = |value: f64| Seat { past: value.rem_euclid(1_000.0), by: (1_000, 300) };
+        let passed = |from: f64, to: f64| seat(to).passed(Some(seat(from)), to - from);
         let at = |way: f64| Some(Position::from_f64(way));
-        assert_eq!(crossed(2_003.0, 10.0, 1_000.0), at(3.0));
-        assert_eq!(crossed(2_000.0, 10.0, 1_000.0), at(0.0));
-        assert_eq!(crossed(1_999.0, 10.0, 1_000.0), None);
-        // Standing on it, it was passed before.
-        assert_eq!((crossed(2_000.0, 0.0, 1_000.0), crossed(2_010.0, 10.0, 1_000.0)), (None, None));
-        assert_eq!(crossed(1_997.0, -10.0, 1_000.0), at(-3.0));
-        assert_eq!(crossed(-3.0, -10.0, 1_000.0), at(-3.0));
-        assert_eq!((crossed(-3.0, 10.0, 1_000.0), crossed(0.0, -2.0, 1_000.0)), (None, at(0.0)));
+        assert_eq!((passed(1_993.0, 2_003.0), passed(1_990.0, 2_000.0)), (at(3.0), at(0.0)));
+        assert_eq!((passed(2_000.0, 2_000.0), passed(2_000.0, 2_010.0)), (None, None));
+        assert_eq!(
+            (passed(2_007.0, 1_997.0), passed(2_002.0, 2_000.0), passed(2_000.0, 1_998.0)),
+            (at(-3.0), None, at(-2.0))
+        );
+        assert_eq!(passed(7.0, -3.0), at(-3.0));
+        // A count is 3 inc of the table, rounded down: in the cycle of the mark it is just before it.
+        let short = 1_000.0 - 4.7e-10;
+        assert_eq!(seat(short).passed(Some(seat(999.0)), 1.0), None);
+        assert!(seat(short + 1.0).passed(Some(seat(short)), 1.0).is_some());
+        // What was measured otherwise says nothing.
+        assert_eq!(seat(3.0).passed(Some(Seat { by: (1_000, 0), ..seat(993.0) }), 10.0), None);
+        assert_eq!(seat(3.0).passed(None, 10.0), None);
     }
 }

@@ -234,27 +234,32 @@ impl Axis {
         let most = band.map_or(f64::INFINITY, |band| {
             (band.velocity * band.share).abs().min((fastest - band.velocity.abs()).max(0.0))
         });
-        let marks = self.step_marks(cx, (lead, passed_on), tau, most).unwrap_or_default();
+        let of_master = if slope == 0.0 { f64::INFINITY } else { most / slope.abs() };
+        let most_of_marks = if mode == SyncMode::MasterMarker { of_master } else { most };
+        let marks = self.step_marks(cx, (lead, passed_on), tau, most_of_marks).unwrap_or_default();
         let state = &mut self.conditioning;
         if marks.holds {
+            // It counts from there on.
+            state.backward = Position::ZERO;
             (next.change, next.uneven) = (marks.master, lead.uneven);
             return Conditioned { lead: next, ..Conditioned::default() };
         }
-        next.change += Position::from_f64(passed_on.to_f64() * marks.gear) + marks.master;
+        next.change += Position::from_f64(passed_on.to_f64() * marks.gear);
+        let mut added = marks.master;
         if is_gear {
             let wanted = state.marks.map_or(sync.offset, |marks| marks.offset(sync.offset));
-            next.change += state.step_offset(wanted, sync.offset_rates(), cycle_s, most / slope.abs());
-        }
-        if !is_gear && state.marks.is_some() {
+            added += state.step_offset(wanted, sync.offset_rates(), cycle_s, most / slope.abs());
+        } else if state.marks.is_some() {
             // Of the master of a cam.
-            next.change += step(&mut state.shift, most);
-            if let Some(path) = &mut state.marks {
-                path.cam.given = next.change - passed_on;
-            }
+            added += step(&mut state.shift, of_master);
+        }
+        next.change += added;
+        if let Some(path) = state.marks.as_mut().filter(|_| !is_gear) {
+            path.cam.given = next.change - passed_on;
         }
         let way = marks.way + step(&mut state.late, most);
         state.by_rule &= state.late.is_some();
-        let beside = Beside { way, ahead: sync.ahead(cycle_s), band };
+        let beside = Beside { way, added, ahead: sync.ahead(cycle_s), band };
         Conditioned { lead: next, beside }
     }
 

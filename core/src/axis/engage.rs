@@ -70,9 +70,9 @@ impl Engagement {
         let can_wait = match engage {
             Engage::Immediately => mode == SyncMode::Marker && self.smooth.is_some_and(|smooth| smooth.is_sound()),
             Engage::AtPosition { turn, .. } => {
-                turn.is_none_or(Modulo::is_sound) && (is_cam || mode == SyncMode::Velocity)
+                turn.is_none_or(Modulo::is_sound) && !mode.has_marks() && (is_cam || mode == SyncMode::Velocity)
             }
-            Engage::AtEnd => is_cam,
+            Engage::AtEnd => is_cam && !mode.has_marks(),
             Engage::InPosition { .. } => {
                 !is_cam && mode == SyncMode::Position && Pair::of(engage).is_some_and(|pair| pair.is_sound())
             }

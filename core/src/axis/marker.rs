@@ -113,13 +113,16 @@ impl MarkPath {
         }
     }
 
-    /// Begins with a smooth start.
-    pub(super) fn begin_curve(&mut self, curve: Curve) {
-        self.curve = Some(curve);
+    /// Begins as a smooth start has waited, with the velocity of the master (inc per cycle) that it knows, on a curve or on what takes its place.
+    pub(super) fn begin_smooth(&mut self, start: i64, velocity: f64, curve: Option<Curve>) {
+        (self.start, self.velocity, self.curve) = (start, velocity, curve);
+        if curve.is_none() {
+            self.fall_back();
+        }
     }
 
     /// Starts as a smooth start falls back to.
-    pub(super) fn fall_back(&mut self) {
+    fn fall_back(&mut self) {
         (self.start, self.curve) = (fallback(self.start), None);
     }
 
@@ -138,6 +141,8 @@ impl MarkPath {
 
     pub(super) fn is_sound(&self) -> bool {
         self.marker.is_sound()
+            && self.first.is_legal()
+            && self.ordered.is_legal()
             && self.velocity.is_finite()
             && self.spread.over >= 0.0
             && self.spread.left.is_legal()
@@ -175,6 +180,8 @@ pub(super) struct ShownMarks {
 pub(super) struct Sides {
     pub seen: [Seen; 2],
     pub changes: [Position; 2],
+    /// Marks that have found no room while they waited.
+    pub lost: [u32; 2],
     pub sync: Synchronization,
     pub marks: Marks,
     /// Increments of the second per increment of the first.
@@ -360,7 +367,7 @@ impl Axis {
             self.conditioning.marks = Some(path);
             return Some(MarkStep { holds: true, master: since.unwrap_or_default(), ..MarkStep::default() });
         }
-        let Sides { mut seen, changes, sync, marks, ratio } = match path.mode {
+        let Sides { mut seen, changes, lost, sync, marks, ratio } = match path.mode {
             SyncMode::Marker => {
                 // On a curve that of the gear behind it.
                 let ratio = match coupling.follower.transmission() {
@@ -368,13 +375,20 @@ impl Axis {
                     gear => gear.signed_slope(),
                 };
                 let marks = Marks { start: path.start, ..self.parameters.marks };
-                Sides { seen, changes: [lead.change, self.actual.change], sync: self.parameters.sync, marks, ratio }
+                let changes = [lead.change, self.actual.change];
+                Sides { seen, changes, lost: [0; 2], sync: self.parameters.sync, marks, ratio }
             }
-            _ => self.sides_of_cam(cx, &mut path, seen, (lead, passed_on))?,
+            _ => match self.sides_of_cam(cx, &mut path, seen, (lead, passed_on)) {
+                Some(sides) => sides,
+                None => {
+                    path.cam.forget();
+                    self.conditioning.marks = Some(path);
+                    return None;
+                }
+            },
         };
         let [of_master, of_slave] = &mut seen;
         let change = changes[0].to_f64();
-        let most = if path.mode == SyncMode::MasterMarker { f64::INFINITY } else { most };
         if path.curve.is_some() {
             self.watch_curve(&mut path, change);
         }
@@ -388,6 +402,10 @@ impl Axis {
         path.marker.advance(changes[0], changes[1]);
         for (of, seen, extra) in [(Of::Master, of_master, 0), (Of::Slave, of_slave, 1)] {
             let before = *path.marker.side(of);
+            if let Some(lost) = lost.get(extra).filter(|lost| **lost > 0) {
+                path.marker.lose(of, *lost);
+                self.tell_marks(cx, Code::MARK_EXTRA, of);
+            }
             for mark in seen.sorted() {
                 let is_extra = path.marker.take(of, *mark, &asked) == Found::Extra;
                 let told = path.extra.get(extra) == Some(&true);

@@ -20,6 +20,7 @@ use crate::event::Refusal;
 use crate::parameter::MarkSignal;
 use crate::position::Position;
 use crate::sync::approach::{Approach, Begin};
+use crate::sync::filter::MasterFilter;
 use crate::sync::follower::Follower;
 use crate::sync::gear::Ratio;
 use crate::sync::marker::Of;
@@ -63,6 +64,10 @@ impl Mean {
         self.velocity += (change - self.velocity) * (cycle_ms / self.since).min(1.0);
     }
 
+    fn is_sound(&self) -> bool {
+        self.velocity.is_finite() && (0.0..=MEAN_TIME).contains(&self.since)
+    }
+
     /// Does it stand: is it slower than an increment in that time?
     fn stands(&self, cycle_ms: f64) -> bool {
         self.velocity.abs() * MEAN_TIME < cycle_ms
@@ -79,7 +84,7 @@ pub(super) struct Curve {
 
 impl Curve {
     pub(super) fn is_sound(&self) -> bool {
-        self.mean.velocity.is_finite() && self.velocity.is_finite()
+        self.mean.is_sound() && self.velocity.is_finite()
     }
 
     /// A cycle in which the master moves by so much (inc); false where its velocity has left that of the begin.
@@ -104,7 +109,7 @@ pub(super) struct Smooth {
 impl Smooth {
     pub(super) fn is_sound(&self) -> bool {
         let ways = [self.master, self.slave].into_iter().flatten().all(Position::is_legal);
-        ways && self.mean.velocity.is_finite() && self.waited >= 0.0 && is_smooth(self.start)
+        ways && self.mean.is_sound() && self.waited >= 0.0 && self.waited.is_finite() && is_smooth(self.start)
     }
 }
 
@@ -172,14 +177,15 @@ impl Axis {
         self.engagement = None;
         self.take_over(cx, engagement.sequence, None);
         self.begin_conditioning(request.mode, lead);
+        let velocity = smooth.mean.velocity;
+        // One count says nothing of the speed, which is known here.
+        let filter = self.parameters.master_tau(true).map(|_| MasterFilter::settled(velocity));
+        self.conditioning.go_on_with(filter);
         if let Some(path) = &mut self.conditioning.marks {
-            if begun {
-                path.begin_curve(Curve { mean: smooth.mean, velocity: smooth.mean.velocity });
-                for (of, since) in [(Of::Master, smooth.master), (Of::Slave, smooth.slave)] {
-                    since.into_iter().for_each(|since| path.marker.know(of, since));
-                }
-            } else {
-                path.fall_back();
+            path.begin_smooth(smooth.start, velocity, begun.then_some(Curve { mean: smooth.mean, velocity }));
+            let known = [(Of::Master, smooth.master), (Of::Slave, smooth.slave)];
+            for (of, since) in known.into_iter().filter(|_| begun) {
+                since.into_iter().for_each(|since| path.marker.know(of, since));
             }
         }
         self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Gear, Generator::Follow(coupling));
@@ -193,7 +199,7 @@ impl Axis {
         let rests = matches!(self.generator, Generator::Rest);
         // A counted master shows its speed only after a while.
         let is_known = lead.uneven == 0.0 || mean.since >= MEAN_TIME;
-        if is_known && mean.stands(cycle_ms) || slave.is_none() && rests || waited > MOST_GROUPS * group {
+        if is_known && mean.stands(cycle_ms) || slave.is_none() && rests || waited >= MOST_GROUPS * group {
             return Ok(Outcome::FallsBack);
         }
         let (Some(master), Some(slave)) = (master, slave) else { return Ok(Outcome::Waits) };
@@ -216,16 +222,15 @@ impl Axis {
         let since = if speed < 0.0 { -master } else { master };
         let least = self.least_length(&way) + since.to_f64();
         let fewest = (least / group).ceil().max(1.0);
-        let most = fewest + 1.0 + (waited / group).floor();
-        let mut groups = fewest;
-        while groups <= most {
-            let left = Position::from_f64(groups * group) - since;
+        // At most MOST_GROUPS have passed.
+        let more = 1 + (waited / group) as u8;
+        for more in 0..=more {
+            let left = Position::from_f64((fewest + f64::from(more)) * group) - since;
             if let Some(approach) = self.curve(&way, left, slave) {
                 let transmission = Transmission::Approach(approach);
                 let follower = Follower::new(lead.uneven, transmission, request.mode, present, Position::ZERO, bounds);
                 return Ok(Outcome::Begins(follower.led_ahead(led).passing()));
             }
-            groups += 1.0;
         }
         Ok(Outcome::Waits)
     }

@@ -134,6 +134,8 @@ impl Machine {
                 let lengths = (Number::Count(shape.length), Number::Count(followed));
                 return Err(refuse(Code::CAM_OTHER_LENGTH).with(lengths.0, lengths.1));
             }
+            let mut on_it = self.state.axes.iter().filter(|axis| axis.cam_table() == Some(index));
+            on_it.try_for_each(|axis| axis.check_marks_on(shape))?;
         }
         if let Some(place) = self.state.tables.get_mut(place) {
             // Who gave the former one keeps a reference: none is freed here.

@@ -123,9 +123,14 @@ impl Cam {
 
     /// Periods of a cyclic cam in increments of master and slave, as far as they are whole.
     pub fn periods(&self, tables: &[Arc<Table>]) -> Periods {
-        let Some((_, shape)) = self.find(tables).filter(|(_, shape)| shape.is_cyclic) else {
+        self.find(tables).map_or_else(Periods::default, |(_, shape)| self.periods_in(shape))
+    }
+
+    /// The same in a table of that shape.
+    pub fn periods_in(&self, shape: CamShape) -> Periods {
+        if !shape.is_cyclic {
             return Periods::default();
-        };
+        }
         let scaled = |way: i64, numerator: i64, denominator: i64| {
             let product = i128::from(way) * i128::from(numerator);
             let is_whole = denominator != 0 && product % i128::from(denominator) == 0;
@@ -217,6 +222,11 @@ impl Cam {
     /// Change of its lead in a cycle (inc), smoothed.
     pub fn mean(&self) -> f64 {
         self.mean
+    }
+
+    /// So much of the last change was none of the motion of its lead.
+    pub(super) fn forget(&mut self, added: f64) {
+        self.mean -= added / MEAN_CYCLES;
     }
 
     /// The slave's way to an end at which it is to rest, where the lead comes there within so many cycles.

@@ -53,6 +53,8 @@ pub struct Bounds {
 pub struct Beside {
     /// A way of this cycle.
     pub way: Position,
+    /// What of the leader's change is none of its own motion.
+    pub added: Position,
     /// Cycles of its geared velocity by which the slave is led ahead.
     pub ahead: f64,
     /// Where its velocity is while it catches up; none: anywhere.
@@ -122,6 +124,8 @@ pub struct Follower {
     recent: [f64; RECENT],
     /// The same, smoothed.
     mean: f64,
+    /// Of how many of them, at most [`MEAN_CYCLES`].
+    noted: u8,
     /// How far it is led ahead.
     led_by: Position,
     /// The rule has kept it from going backwards in the last step.
@@ -141,7 +145,7 @@ pub struct Following {
 }
 
 /// Cycles over which the speed of a counted leader is smoothed.
-const MEAN_CYCLES: f64 = 64.0;
+const MEAN_CYCLES: u8 = 64;
 /// Cycles from which the least speed of a counted leader is told.
 const RECENT: usize = 8;
 
@@ -177,6 +181,7 @@ impl Follower {
             lead_uneven,
             recent,
             mean: 0.0,
+            noted: 0,
             led_by,
             barred,
             overtaken,
@@ -208,7 +213,8 @@ impl Follower {
         let is_there = self.phase != Phase::CatchingUp;
         let target = place + self.led_by;
         let phase = if is_there && goes_on { Phase::Passing } else { Phase::CatchingUp };
-        Self { transmission, phase, target, halt: None, bounds, ..self }
+        // What another transmission made of the leader says nothing of its speed.
+        Self { transmission, phase, target, halt: None, bounds, noted: 0, ..self }
     }
 
     /// Leaves the way to a pair of places for its gear, which takes the slave where it is.
@@ -375,7 +381,11 @@ impl Follower {
         let bounds = self.bounds.less(reserve);
         let change = self.transmission.step(lead, tables);
         // What the transmission before has left, and what comes beside, is not what the leader does.
-        let led = change.to_f64();
+        let added = beside.added.to_f64();
+        if added != 0.0 {
+            self.transmission.forget(added);
+        }
+        let led = change.to_f64() - added * self.transmission.signed_slope();
         let led_by = Position::from_f64(led * beside.ahead);
         let change = change + beside.way + (led_by - self.led_by);
         self.led_by = led_by;
@@ -470,7 +480,8 @@ impl Follower {
     fn note_change(&mut self, geared: f64) {
         let [a, b, c, d, e, f, g, _] = self.recent;
         self.recent = [geared, a, b, c, d, e, f, g];
-        self.mean += (geared - self.mean) / MEAN_CYCLES;
+        self.noted = self.noted.saturating_add(1).min(MEAN_CYCLES);
+        self.mean += (geared - self.mean) / f64::from(self.noted);
     }
 
     fn can_follow(&self, geared: f64, before: f64, uneven: f64, cycle_s: f64, bounds: Bounds) -> bool {

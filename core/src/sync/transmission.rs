@@ -56,6 +56,13 @@ impl Transmission {
         change
     }
 
+    /// So much of the last change (inc of the lead) was none of its own motion.
+    pub fn forget(&mut self, added: f64) {
+        if let Self::Cam(cam) = self {
+            cam.forget(added);
+        }
+    }
+
     /// Is it on its way to a pair of places?
     #[inline]
     pub fn approaches(&self) -> bool {

@@ -11,7 +11,7 @@ use crate::config::TableConfig;
 use crate::event::{Event, Kind};
 use crate::object::Leader;
 use crate::sync::gear::Ratio;
-use crate::sync::{CamStart, SyncMode};
+use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::table::{CamSetting, Form, Table};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -251,6 +251,71 @@ fn nothing_else_shifts_a_cam_with_marks() {
     world.run(3_000, SPEED);
     // It acts at once: 400 inc before its place the product is seen.
     assert!(off(&world, 100.0).abs() <= 1.0);
+}
+
+/// A scale of 1 : 3 leaves ways that are rounded in each cycle: a mark of the cam comes in each of its periods of 3000 inc yet, also where it falls on the end of a cycle.
+/// Proves: MACS-CMD-14
+#[test]
+fn ways_that_are_rounded_lose_no_period() {
+    for speed in [1, 2, 5] {
+        let mut world = world(&[("syncmpulsm", 300)]);
+        world.products = (0..40).map(|place| 500.0 + 3_000.0 * f64::from(place)).collect();
+        let slow = CamIn { master_scale: Ratio::new(1, 3).unwrap(), ..cam(FEED, CamStart::Relative) };
+        let goal = world.rig.give(Action::Synchronize(request(SyncMode::MasterMarker, slow)));
+        assert!(world.rig.was_accepted(goal), "{}", world.rig.refusal(goal));
+        world.see();
+        world.run(20_000 / speed as usize, speed);
+        // 500 inc and a shift are 300 before 3000.
+        let off = [-800.0, 2_200.0]
+            .map(|shift| world.rig.int("x.command.position") as f64 - fed((world.belt as f64 + shift) / 3.0));
+        assert!(off.iter().any(|off| off.abs() <= 1.5), "{speed}: {off:?}");
+        assert!(world.rig.events.iter().filter(|event| event.kind == Kind::Mark).count() >= 6);
+    }
+}
+
+/// Marks that waited for a sensor that is nearer now are no marks once it is further away again.
+/// Proves: MACS-MARK-03
+#[test]
+fn a_sensor_that_is_moved_forgets_what_waited() {
+    let mut world = world(&[("syncmpulsm", 2_300)]);
+    start(&mut world, SyncMode::MasterMarker);
+    world.run(4_000, SPEED);
+    for distance in [300, 2_300] {
+        set(&mut world.rig, &[("syncmpulsm", distance)]);
+        world.see();
+        world.run(250, SPEED);
+    }
+    world.run(5_000, SPEED);
+    assert!(off(&world, 200.0).abs() <= 1.0, "{}", off(&world, 200.0));
+    assert!(world.rig.real("x.marker.error").abs() < 0.1);
+}
+
+/// What a correction adds to the master is no motion of it: the axis that is let go on goes on as fast as the belt leads it.
+/// Proves: MACS-CMD-14
+#[test]
+fn who_is_let_go_on_behind_a_correction_keeps_the_velocity_of_the_belt() {
+    let mut world = world(&[("syncmpulsm", 300)]);
+    let request = request(SyncMode::MasterMarker, cam(FEED, CamStart::Relative));
+    let goal = world.rig.give(Action::Synchronize(Synchronize { disengage: Disengage::KeepVelocity, ..request }));
+    world.see();
+    while world.rig.events.iter().all(|event| event.kind != Kind::Mark) {
+        world.cycle(SPEED);
+    }
+    world.run(30, SPEED);
+    world.rig.give(Action::Cancel { goal });
+    world.rig.run(200);
+    let velocity = world.rig.real("x.command.velocity");
+    assert!((3_500.0..=4_500.0).contains(&velocity), "{velocity}");
+}
+
+/// A table that takes the period away is refused while marks go by it.
+#[test]
+fn a_table_without_a_period_for_its_marks_is_refused() {
+    let mut world = world(&[("syncmpulss", 500)]);
+    start(&mut world, SyncMode::SlaveMarker);
+    let back = Table::new(Form::Xy, &[0, 500, 1_000], &[0, 50, 0]).expect("points");
+    let goal = world.rig.give(Action::LoadTable { index: FEED, table: Arc::new(back) });
+    assert!(world.rig.refusal(goal).contains("need a cam that feeds"), "{}", world.rig.refusal(goal));
 }
 
 proptest! {

@@ -206,6 +206,11 @@ impl Marker {
         found
     }
 
+    /// So many marks of a side are extra.
+    pub fn lose(&mut self, of: Of, count: u32) {
+        self.side_mut(of).lose(count);
+    }
+
     /// Looks whether a mark of a side has stayed away in this cycle; true where one has.
     pub fn look(&mut self, of: Of, asked: &Asked<'_>) -> bool {
         self.side_mut(of).look(&judged(of, asked))

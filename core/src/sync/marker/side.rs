@@ -140,6 +140,11 @@ impl Side {
         Found::Mark { distance }
     }
 
+    /// So many marks are extra.
+    pub(super) fn lose(&mut self, count: u32) {
+        self.extra = self.extra.saturating_add(count.into());
+    }
+
     /// Looks at the end of a cycle whether a mark has stayed away; true where one has.
     pub fn look(&mut self, judged: &Judged) -> bool {
         self.pass(self.way, judged)
