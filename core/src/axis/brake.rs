@@ -64,6 +64,10 @@ pub(super) struct Holding {
     pub(super) aborted: bool,
     /// When a stop that locks came last, and which.
     pub(super) locked: Option<(u64, Code)>,
+    /// A second drive goes its own way.
+    pub(super) second_moves: bool,
+    /// What its place changed by with its last fresh word (inc).
+    pub(super) second_change: i64,
 }
 
 impl Default for Holding {
@@ -81,6 +85,8 @@ impl Default for Holding {
             interrupted: false,
             aborted: false,
             locked: None,
+            second_moves: false,
+            second_change: 0,
         }
     }
 }
@@ -214,9 +220,9 @@ impl Axis {
         !settles || self.has_timed_out(cycle, since)
     }
 
-    /// Does its encoder stand still?
+    /// Does its encoder stand still, and that of its second drive?
     pub(super) fn encoder_stands(&self) -> bool {
-        self.actual.velocity == 0.0 && self.actual.change == Position::ZERO
+        self.actual.velocity == 0.0 && self.actual.change == Position::ZERO && self.holding.second_change == 0
     }
 
     /// Does what inputs of the machine ask.

@@ -303,7 +303,8 @@ impl Axis {
     /// Did its encoder move in this cycle, faster than one that stands may creep? One look tells, where a reset waits for a while: what
     /// is braked by its drive does not coast.
     pub(super) fn moves(&self) -> bool {
-        let moved = self.actual.change.to_f64().abs() * STILL_NS as f64;
+        let change = self.actual.change.to_f64().abs().max(self.holding.second_change.saturating_abs() as f64);
+        let moved = change * STILL_NS as f64;
         self.shown.is_awaited(self.setup.missed_cycles) || moved > self.slack().to_f64() * self.setup.cycle_ns as f64
     }
 

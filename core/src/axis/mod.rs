@@ -366,6 +366,7 @@ impl Axis {
         self.stops_others = false;
         (self.holding.had_power, self.holding.asks_anew) = (self.is_on(), false);
         self.watch_contacts(cx);
+        self.read_second(cx);
         self.supervise(cx);
         self.supervise_gantry(cx);
         self.tell_switches(cx);

@@ -110,9 +110,9 @@ fn plan(shown: Motion, end: Position, limits: &Limits, share: f64, cycle_ns: u64
 }
 
 impl Axis {
-    /// Nothing moves the command.
+    /// Nothing moves the command, nor what a second drive has beside it.
     pub(super) fn rests(&self) -> bool {
-        matches!(self.generator, Generator::Rest) && self.overlay.is_none()
+        matches!(self.generator, Generator::Rest) && self.overlay.is_none() && !self.holding.second_moves
     }
 
     /// The motion under way without what is superimposed.

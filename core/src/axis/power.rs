@@ -115,6 +115,9 @@ impl Axis {
                 if let Some(code) = failure {
                     self.raise(cx, Failure::of(code).before_motion());
                 } else if self.is_enabled_as_asked(input) && cx.cycle > since.saturating_add(self.delay()) {
+                    if let Some(failure) = self.unfit_to_come_on(cx) {
+                        return self.raise(cx, failure);
+                    }
                     self.power = self.power_is_on(cx.cycle);
                     self.command = Motion::at_rest(self.actual.position);
                     self.judge.fill(self.asked());
@@ -148,7 +151,9 @@ impl Axis {
 
     /// Would the drive take what it is asked for? In another mode it would take it for something else.
     fn is_enabled_as_asked(&self, input: &DriveInput) -> bool {
-        self.shown.state() == DriveState::Enabled && input.mode == self.setup.interface.mode().number()
+        let is_asked = self.shown.state() == DriveState::Enabled && input.mode == self.setup.interface.mode().number();
+        // Two drives are held as they stand in one cycle.
+        is_asked && (input.fresh || self.gantry().is_none())
     }
 
     /// A drive that repeats itself is told once a second, and one that says this and that eight times.

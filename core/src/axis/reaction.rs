@@ -48,12 +48,14 @@ pub(super) struct Failure {
     moment: Moment,
     /// Its cause was there in the cycle before: beside another error it is told no more.
     lasts: bool,
+    /// It takes the power, whatever its reaction is.
+    takes_power: bool,
 }
 
 impl Failure {
     /// One that comes behind the motion of its cycle.
     pub(super) fn of(code: Code) -> Self {
-        Self { code, numbers: (Number::None, Number::None), moment: Moment::Behind, lasts: false }
+        Self { code, numbers: (Number::None, Number::None), moment: Moment::Behind, lasts: false, takes_power: false }
     }
 
     /// With what was found and what is allowed.
@@ -79,6 +81,11 @@ impl Failure {
     /// Was its cause there in the cycle before?
     pub(super) fn lasting(self, lasts: bool) -> Self {
         Self { lasts, ..self }
+    }
+
+    /// It takes the power, whatever its reaction is.
+    pub(super) fn taking_power(self) -> Self {
+        Self { takes_power: true, ..self }
     }
 
     fn class(&self) -> Class {
@@ -177,7 +184,12 @@ impl Axis {
     #[cold]
     pub(super) fn raise(&mut self, cx: &mut Context<'_>, failure: Failure) {
         let class = failure.class();
-        let deed = self.deed(class);
+        let deed = match self.deed(class) {
+            Deed::Off { brake } => Deed::Off { brake },
+            _ if failure.takes_power => Deed::Off { brake: closes_brake(self.parameters.gantry.skew_reaction) },
+            Deed::Report if failure.lasts && !self.alarm.is_none() => return,
+            deed => deed,
+        };
         if self.state == AxisState::ErrorStop {
             return self.raise_beside(cx, failure, class, deed);
         }
@@ -246,6 +258,7 @@ impl Axis {
                 }
             }
             (Class::Switch, _) => self.tell_beside(cx, failure),
+            (Class::Skew, _) if !failure.lasts => self.tell_beside(cx, failure),
             _ => {}
         }
     }
@@ -264,7 +277,7 @@ impl Axis {
 
     /// The first error stands; another one that stops the axis, which the first did not, or takes its power, is told beside it.
     fn tell_beside(&self, cx: &mut Context<'_>, failure: Failure) {
-        if self.alarm.code() != failure.code {
+        if self.alarm.code() != failure.code || failure.takes_power {
             self.tell_error(cx, failure);
         }
     }

@@ -157,6 +157,10 @@ pub fn may_carry(wired: Wired, p: &AxisParameters) -> Result<(), (&'static str, 
     if p.homing.method != 0 && !squares(p.homing.method) {
         return Err(("homing.method", Code::GANTRY_HOMING));
     }
+    let (switch, second) = (p.assigned.refswitch.unsigned_abs(), p.gantry.second_refswitch.unsigned_abs());
+    if switch != 0 && switch == second {
+        return Err(("i_refswitch_second", Code::GANTRY_ONE_SWITCH));
+    }
     match (wired, Source::of(wired, 0, p)) {
         (Wired::Drive(form), Ok(source)) if source == Source::Drive(form) => Ok(()),
         _ if p.encoder.kind == 1 => Err((ENCODER_KIND, Code::GANTRY_SOURCE)),

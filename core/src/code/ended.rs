@@ -577,6 +577,14 @@ codes! {
         remedy: "Check its encoder and cable, then reset_errors.",
     }
 
+    /// What is square is where the drives stand.
+    SQUARE_ASSUMED = 10236, NoError {
+        says: "a drive counts anew; what was moved meanwhile counts as square",
+        cause: "A drive of an axis with two counts anew, and nothing tells how both stand to each other: what is square is where they \
+            stand now.",
+        remedy: "See to it that the axis is square, and home it.",
+    }
+
     /// A way of homing that squares nothing.
     GANTRY_HOMING = 10361, NoError {
         says: "",
@@ -603,6 +611,13 @@ codes! {
         says: "",
         cause: "The drives of an axis with two are to home by themselves: each would move alone.",
         remedy: "Leave homing.in_drive out.",
+    }
+
+    /// One input for the reference switches of both drives of an axis.
+    GANTRY_ONE_SWITCH = 10365, NoError {
+        says: "",
+        cause: "The reference switches of both drives of an axis are to be one input, which tells nothing of what is square.",
+        remedy: "Give each drive a reference switch of its own.",
     }
 
     /// An abort ended the goal, and has locked the axis.

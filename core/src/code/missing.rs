@@ -35,6 +35,9 @@ pub fn not_built_here(code: Code) -> &'static str {
             "names another source than the two drives of the axis, which close their loops themselves"
         }
         Code::GANTRY_IN_DRIVE => "would let each of two drives of the axis move alone; false is allowed",
+        Code::GANTRY_ONE_SWITCH => {
+            "names the input of i_refswitch; each of two drives has a reference switch of its own"
+        }
         Code::GANTRY_NO_LIMIT => "is missing for an axis with two drives; a distance above 0 is expected",
         Code::ENCODER_CHOSEN_TWICE => {
             "names another encoder than key feedback of the axis or its wf.md4 does; one of them may choose"

@@ -87,7 +87,8 @@ impl MachineConfig {
                 return None;
             };
             let drives = [first(axis)?, second];
-            Some(Gantry::new(GantrySetup { axis, drives, form, cycle_ns: self.cycle_ns }))
+            let delay = config.drive?.delay;
+            Some(Gantry::new(GantrySetup { axis, drives, form, cycle_ns: self.cycle_ns, delay }))
         });
         made.collect()
     }

@@ -2,7 +2,8 @@
 //!
 //! Law      apart = place of the second drive - place of the first (inc); skew = apart - square, the apart at which the gantry is square;
 //!          setpoint of the second = setpoint of the first + held; held = apart as the axis comes on, until squaring leads it to
-//!          the square. A new coordinate of either drive is no motion, so apart goes on
+//!          the square. A new coordinate of either drive is no motion, so apart goes on; where the words themselves tell what is square,
+//!          it is taken from them anew
 //! Reads    the inputs of both drives, the inputs that are assigned to their reference switches
 //! Writes   one input, which the axis takes for that of its drive; the outputs of the second drive
 //! Refuses  nothing: what is wrong is told to the axis, which has the reactions
@@ -28,11 +29,26 @@ struct Side {
     home: bool,
     /// The outermost place at which that was so, at its last edge since it was sought.
     edge: Option<i64>,
+    /// It came since the leg under way began.
+    came: bool,
+    /// Where it was left again before the other one came.
+    left: Option<i64>,
+    /// What the place changed by with its last fresh word (inc).
+    change: i64,
 }
 
 impl Side {
     fn new(form: Form) -> Self {
-        Self { reader: Reader::new(form), raw: 0, valid: false, home: false, edge: None }
+        Self {
+            reader: Reader::new(form),
+            raw: 0,
+            valid: false,
+            home: false,
+            edge: None,
+            came: false,
+            left: None,
+            change: 0,
+        }
     }
 
     fn place(&self) -> i64 {
@@ -44,8 +60,8 @@ impl Side {
         self.place().wrapping_sub(self.reader.count().unwrap_or(self.raw))
     }
 
-    /// Reads a drive and its switch; has its coordinate begun anew?
-    fn read(&mut self, input: &DriveInput, assigned: bool) -> bool {
+    /// Reads a drive and its switch; has its coordinate begun anew? `both`: the switches of both are actuated.
+    fn read(&mut self, input: &DriveInput, assigned: bool, both: bool) -> bool {
         let before = self.place();
         let is_anew = input.online && self.reader.epoch().is_some_and(|epoch| epoch != input.epoch);
         self.raw = input.count;
@@ -53,6 +69,11 @@ impl Side {
         let home = input.inputs & inputs::HOME != 0 || assigned;
         if home != std::mem::replace(&mut self.home, home) {
             self.edge = Some(if home { self.place() } else { before });
+            self.left = (!home && self.came && !both).then_some(before);
+            self.came |= home;
+        }
+        if input.fresh {
+            self.change = self.place().wrapping_sub(before);
         }
         is_anew
     }
@@ -64,11 +85,22 @@ struct Squaring {
     plan: Plan,
     /// Cycle in which the plan begins.
     start: u64,
-    /// What was held then (inc).
+    /// What was held before (inc).
     from: i64,
     /// The square that it leads to; none of one that stops before.
     square: Option<i64>,
 }
+
+impl Squaring {
+    /// What the plan holds, `ago` cycles before that one.
+    fn held(&self, cycle: u64, ago: u64) -> i64 {
+        let elapsed = cycle.saturating_sub(self.start).checked_sub(ago);
+        elapsed.map_or(self.from, |elapsed| self.plan.at(elapsed).position.floor())
+    }
+}
+
+/// Cycles that a drive may lag behind what it is asked for, beside its delay.
+const LAG: u64 = 3;
 
 /// What is wrong with a gantry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +122,8 @@ pub struct GantrySetup {
     pub form: Form,
     /// Length of a cycle (ns).
     pub cycle_ns: u64,
+    /// Cycles until its drives can have answered, beside the one that every drive takes.
+    pub delay: u32,
 }
 
 /// What a gantry is between two cycles.
@@ -112,6 +146,12 @@ pub struct Gantry {
     is_fresh: bool,
     /// The coordinate of the second drive has begun anew in this cycle.
     is_anew: bool,
+    /// That of either has, and what is square is not taken from the words since.
+    is_unsure: bool,
+    /// What is square is where they stand, since either coordinate has begun anew in this cycle.
+    is_assumed: bool,
+    /// It was too far from where it may be in the last cycle.
+    is_beyond: bool,
     /// What the second drive shows.
     second: DriveState,
 }
@@ -130,6 +170,9 @@ impl Gantry {
             differs_since: None,
             is_fresh: false,
             is_anew: false,
+            is_unsure: false,
+            is_assumed: false,
+            is_beyond: false,
             second: DriveState::NotReady,
         }
     }
@@ -152,20 +195,25 @@ impl Gantry {
     /// it is square, where that is known beforehand.
     pub fn read(&mut self, drives: [&DriveInput; 2], assigned: [bool; 2], offset: Option<i64>) -> DriveInput {
         let [first, second] = &mut self.sides;
-        first.read(drives[0], assigned[0]);
-        self.is_anew = second.read(drives[1], assigned[1]);
+        let is_anew = first.read(drives[0], assigned[0], self.home);
+        self.is_anew = second.read(drives[1], assigned[1], self.home);
         let (one, other) = (first.home, second.home);
         self.home = if self.home { one || other } else { one && other };
         self.differs_since = (one != other).then(|| self.differs_since.unwrap_or(first.place()));
-        if self.square.is_none() && first.valid && second.valid {
-            // Words that begin anew somewhere tell the offset up to their circle.
-            let apart = self.apart();
-            let skew = offset.map_or(0, |offset| self.setup.form.circle().way(offset, apart));
-            self.square = Some(apart.saturating_sub(skew));
-        }
-        self.second = join::state(drives[1]);
         let joined = join::joined(drives);
         self.is_fresh = joined.fresh;
+        let is_known = offset.is_some() && matches!(self.setup.form, Form::Absolute(_));
+        let is_read = self.square.is_some();
+        self.is_unsure |= (is_anew || self.is_anew) && is_known && is_read;
+        self.is_assumed = (is_anew && first.valid || self.is_anew && second.valid) && !is_known && is_read;
+        if (self.is_unsure || !is_read) && first.valid && second.valid && self.is_fresh && self.squaring.is_none() {
+            // Words that begin anew somewhere tell the offset up to their circle.
+            let [count, other] = [first, second].map(|side| side.reader.count().unwrap_or(side.raw));
+            let skew = offset.map_or(0, |offset| self.setup.form.circle().way(offset, other.wrapping_sub(count)));
+            self.square = Some(self.apart().saturating_sub(skew));
+            self.is_unsure = false;
+        }
+        self.second = join::state(drives[1]);
         let switch = if self.home { inputs::HOME } else { 0 };
         DriveInput { inputs: joined.inputs & !inputs::HOME | switch, ..joined }
     }
@@ -207,6 +255,31 @@ impl Gantry {
         self.is_anew
     }
 
+    /// Is what is square where they stand, since the coordinate of either has begun anew in this cycle?
+    pub fn is_assumed(&self) -> bool {
+        self.is_assumed
+    }
+
+    /// Are the words of both of this cycle?
+    pub fn is_fresh(&self) -> bool {
+        self.is_fresh
+    }
+
+    /// Does the second drive tell its place?
+    pub fn is_second_read(&self) -> bool {
+        self.sides[1].valid
+    }
+
+    /// What the place of the second drive changed by with its last fresh word (inc).
+    pub fn second_change(&self) -> i64 {
+        self.sides[1].change
+    }
+
+    /// Notes whether it is too far from where it may be; was it before?
+    pub fn note_beyond(&mut self, is_beyond: bool) -> bool {
+        std::mem::replace(&mut self.is_beyond, is_beyond)
+    }
+
     /// The axis is not on: it holds what it finds once it is. True where that ends a squaring.
     pub fn let_go(&mut self) -> bool {
         let ended = self.squaring.take().is_some();
@@ -231,15 +304,16 @@ impl Gantry {
         }
     }
 
-    /// What is wrong with it, where it may be so far (inc) from square, while it looks for its square from what it holds.
-    pub fn trouble(&self, max_skew: i64, searches: bool) -> Option<Trouble> {
+    /// What is wrong with it in this cycle, where it may be so far (inc) from square, while it looks for its square from what it holds, and while
+    /// it is led from where that has led it to.
+    pub fn trouble(&self, cycle: u64, max_skew: i64, searches: bool) -> Option<Trouble> {
         if !self.sides[1].valid {
             return Some(Trouble::Unread);
         }
         let (low, high) = match (self.squaring, self.square) {
-            (Some(Squaring { from, square, .. }), _) => {
-                let to = square.unwrap_or(self.held);
-                (from.min(to), from.max(to))
+            (Some(squaring), _) => {
+                let ago = squaring.held(cycle, self.lag());
+                (ago.min(self.held), ago.max(self.held))
             }
             (None, Some(square)) if !searches => (square, square),
             _ => (self.held, self.held),
@@ -251,6 +325,24 @@ impl Gantry {
         }
         let beyond = apart.saturating_sub(apart.clamp(low, high));
         (beyond.saturating_abs() > max_skew).then_some(Trouble::Skewed(beyond))
+    }
+
+    /// Cycles that a drive may lag behind what it is asked for.
+    fn lag(&self) -> u64 {
+        LAG.saturating_add(self.setup.delay.into())
+    }
+
+    /// A leg of a search begins.
+    pub fn begin_leg(&mut self) {
+        for side in &mut self.sides {
+            (side.came, side.left) = (false, None);
+        }
+    }
+
+    /// Has a side gone further than `slack` (inc) beyond its reference switch, though the other one's did not come?
+    pub fn has_passed(&self, slack: i64) -> bool {
+        let gone = |side: &Side| side.left.map_or(0, |left| side.place().wrapping_sub(left).saturating_abs());
+        self.sides.iter().any(|side| gone(side) > slack)
     }
 
     /// A search for the reference switches begins: is that of both actuated?
@@ -283,6 +375,11 @@ impl Gantry {
         self.squaring = Some(Squaring { plan, start: cycle, from: self.held, square: Some(square) });
     }
 
+    /// Does the second drive go up on its way (inc)? None where it stays.
+    pub fn goes_up(&self) -> Option<bool> {
+        (self.rate != 0.0).then_some(self.rate > 0.0)
+    }
+
     /// Is the second drive on its way?
     pub fn is_squaring(&self) -> bool {
         self.squaring.is_some()
@@ -293,7 +390,8 @@ impl Gantry {
         let Some(squaring) = self.squaring.filter(|squaring| squaring.square.is_some()) else { return false };
         let now = squaring.plan.at(cycle.saturating_sub(squaring.start));
         let plan = profile::stop(now, limits, self.setup.cycle_ns);
-        self.squaring = Some(Squaring { plan, start: cycle, from: squaring.from, square: None });
+        let from = squaring.held(cycle, self.lag());
+        self.squaring = Some(Squaring { plan, start: cycle, from, square: None });
         true
     }
 

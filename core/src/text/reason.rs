@@ -146,7 +146,10 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             let allowed = "3 to 14, 19 to 30, 35, 37 and home_type 0 to 3 are allowed";
             format!("{} does not square an axis with two drives; {allowed}", method(event.asked))
         }
-        Code::GANTRY_HOMING | Code::GANTRY_SOURCE | Code::GANTRY_IN_DRIVE => {
+        Code::NOT_SQUARE if event.asked == Number::None => fixed(
+            "the reference switch of one drive did not come with that of the other, so that nothing tells what is square",
+        ),
+        Code::GANTRY_HOMING | Code::GANTRY_SOURCE | Code::GANTRY_IN_DRIVE | Code::GANTRY_ONE_SWITCH => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
         Code::HOMING_NEEDS_DRIVE => match event.asked {

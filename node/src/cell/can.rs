@@ -106,6 +106,11 @@ pub struct CellDrive {
 }
 
 impl CellDrive {
+    /// How it is commanded.
+    pub(super) fn mode(&self) -> DriveMode {
+        self.mode
+    }
+
     /// Has it touch probes?
     pub(super) fn probes(&self) -> bool {
         self.probes.iter().any(Option::is_some)

@@ -1,13 +1,14 @@
 //! Keys `drive` and `drives` of an axis: what moves it, and where that hangs.
 //!
 //! Law      an axis has a drive, or two that carry it between them, or none: then it is virtual
-//! Refuses  two that differ in what they are asked for, or in when they do it
+//! Refuses  two that differ in what they are asked for, or in how or when they do it
 
 use super::backends::{Backend, Context, Hardware, backend_of, name_of};
 use super::can::{self, CellDrive};
 use super::names::{Once, quote};
 use super::scale::Travel;
 use crate::document::{Map, Value};
+use lineshaft_can::drive::DriveMode;
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::sim::Model;
@@ -105,6 +106,21 @@ fn two<'d>(both: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, take
     let (one, other) = (one?, other?);
     if other.1.as_ref().is_some_and(CellDrive::probes) {
         second.refuse("a touch probe is for the first of two drives, which tells the position", None);
+        return None;
+    }
+    let mode = |(_, on_can): &Described| on_can.as_ref().map(CellDrive::mode);
+    for (value, read) in [(first, &one), (second, &other)] {
+        if mode(read) == Some(DriveMode::Pp) {
+            let sentence =
+                "mode is pp, in which each drive has a profile of its own; two drives of one axis have csp or ip";
+            value.refuse(sentence, None);
+            return None;
+        }
+    }
+    if let Some((before, behind)) = mode(&one).zip(mode(&other)).filter(|(before, behind)| before != behind) {
+        let sentence =
+            format!("mode is {}, that of the first drive {}; the same mode is expected", behind.name(), before.name());
+        second.refuse(sentence, None);
         return None;
     }
     let delay = |(drive, on_can): &Described| match drive {

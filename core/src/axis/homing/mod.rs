@@ -346,6 +346,9 @@ impl Axis {
         if std::mem::take(&mut self.homing.broken) && self.homing.is_running() {
             return self.fail_homing(cx, Code::HOMING_LOST, Number::None, Number::None);
         }
+        if self.homing.is_running() && self.squares_into_limit(cx) {
+            return self.fail_homing(cx, Code::HOMING_AT_LIMIT, Number::None, Number::None);
+        }
         match self.homing.run.map(|run| run.stage) {
             Some(Stage::Search(_)) => self.search(cx),
             Some(Stage::InDrive(_)) => self.watch_drive(cx),

@@ -53,6 +53,7 @@ impl Axis {
     /// Begins the leg at which homing stands; one whose switch is actuated already when homing begins is skipped.
     pub(super) fn begin_leg(&mut self, cx: &mut Context<'_>) {
         let Some((mut run, mut search)) = self.searching() else { return };
+        Self::begin_leg_of_both(cx);
         if let Some(Leg { until: Until::On(switch), .. }) = search.leg(run.method)
             && search.leg == 0
             && self.is_actuated(*switch)
@@ -107,13 +108,18 @@ impl Axis {
         let change = along(self.actual.change, way);
         // Not so an edge that its encoder passes the way of this leg: an axis that stands beside one trembles across it, and
         // another one would not come.
-        let passes = change > Position::ZERO || goes && change == Position::ZERO;
+        let trembles = change < Position::ZERO && self.gantry().is_none();
+        // That of two drives is often the second one's, of which the first one's encoder tells nothing.
+        let passes = goes && !trembles || change > Position::ZERO && self.gantry().is_none();
         let is_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         let was_on = std::mem::replace(&mut search.was_on, is_on);
         run.stage = Stage::Search(search);
         self.homing.run = Some(run);
         if let Some((gone, most)) = self.parted(cx).filter(|_| self.watched(leg) == Some(Switch::Home)) {
             return self.fail_homing(cx, Code::NOT_SQUARE, Number::Position(gone), Number::Position(most));
+        }
+        if matches!(leg.until, Until::On(Switch::Home)) && !is_on && self.has_passed_switch(cx) {
+            return self.fail_homing(cx, Code::NOT_SQUARE, Number::None, Number::None);
         }
         if passes {
             match leg.until {
@@ -169,7 +175,7 @@ impl Axis {
             match self.square(cx) {
                 Ok(edge) => place = edge.unwrap_or(place),
                 Err((way, most)) => {
-                    return self.fail_homing(cx, Code::NOT_SQUARE, Number::Position(way), Number::Position(most));
+                    return self.fail_homing(cx, Code::NOT_SQUARE, way, most);
                 }
             }
         }

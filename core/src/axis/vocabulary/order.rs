@@ -130,6 +130,7 @@ impl Axis {
                 self.check_contacts()?;
                 if self.power == Power::Off && !self.is_virtual() {
                     self.check_lock()?;
+                    cx.gantry.as_deref().map_or(Ok(()), |gantry| self.admits_skew(gantry))?;
                     self.power = Power::SwitchingOn { since: cx.cycle };
                 }
             }

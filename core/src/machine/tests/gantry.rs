@@ -2,7 +2,7 @@
 
 mod homing;
 
-use super::rig::{Rig, X, at, cases, config, to};
+use super::rig::{Rig, X, at, cases, config, saia_verb, to};
 use crate::axis::Wired;
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
@@ -14,6 +14,7 @@ use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
 use crate::position::Length;
 use crate::sim::{Model, SecondOrder};
+use crate::vocabulary::saia::Command;
 use proptest::prelude::*;
 
 /// Places of the drives of x.
@@ -226,6 +227,186 @@ fn the_skew_is_supervised_in_stops_too() {
         (errors(&rig), controls(&rig)),
         (vec![Code::FOLLOWING_ERROR, Code::SKEW], [control::DISABLE_VOLTAGE; 2])
     );
+}
+
+/// Moves at 10 inc in a cycle with one drive held, until the error.
+fn skewed(reaction: i64) -> Rig {
+    let mut rig = enabled(0);
+    set(&mut rig, "skew_reaction", Value::Int(reaction));
+    set(&mut rig, "max_following_error", Value::Int(1_000_000));
+    // It stops within 50 cycles and 250 inc.
+    set(&mut rig, "max_deceleration", Value::Real(200_000.0));
+    rig.give(Action::Move(at(X, 10_000.0)));
+    rig.run(100);
+    rig.plant.drive(SECOND).unwrap().jam(true);
+    while rig.int("x.error") == 0 {
+        rig.run(1);
+    }
+    rig
+}
+
+/// Beyond twice max_skew both are without voltage, whatever the reaction is: in a stop by itself, and where it only reports.
+#[test]
+fn beyond_twice_the_limit_the_power_goes_whatever_the_reaction_is() {
+    for reaction in [2, 3, 5] {
+        let mut rig = skewed(reaction);
+        assert_eq!(controls(&rig), [control::ENABLE; 2]);
+        while rig.int("x.skew").abs() <= 2 * MAX_SKEW {
+            assert_eq!(controls(&rig), [control::ENABLE; 2], "{reaction}");
+            rig.run(1);
+        }
+        assert_eq!((controls(&rig), rig.state("x")), ([control::DISABLE_VOLTAGE; 2], "ERROR_STOP"), "{reaction}");
+        assert_eq!((errors(&rig), rig.int("x.brake")), (vec![Code::SKEW; 2], i64::from(reaction == 3)), "{reaction}");
+    }
+}
+
+/// While another error stops the axis, a skew that stops nothing more is told once; so is one that is only reported.
+#[test]
+fn a_skew_beside_another_error_is_told_once() {
+    for reaction in [2, 3, 4, 5] {
+        let mut rig = enabled(0);
+        set(&mut rig, "skew_reaction", Value::Int(reaction));
+        rig.plant.drive(FIRST).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.run(5);
+        assert_eq!(rig.state("x"), "ERROR_STOP");
+        rig.plant.drive(SECOND).unwrap().jump(-300);
+        rig.plant.drive(SECOND).unwrap().jam(true);
+        rig.run(100);
+        assert_eq!(rig.int("x.skew"), -300);
+        let expected = [Code::HARDWARE_LIMIT_POSITIVE, Code::SKEW];
+        assert_eq!((errors(&rig), controls(&rig)), (expected.to_vec(), [control::ENABLE; 2]), "{reaction}");
+    }
+    // Beside one that only is reported, with a skew that is as well.
+    let mut rig = enabled(0);
+    set(&mut rig, "skew_reaction", Value::Int(5));
+    set(&mut rig, "error_reaction", Value::Int(5));
+    set(&mut rig, "max_following_error", Value::Int(50));
+    rig.plant.drive(FIRST).unwrap().jam(true);
+    rig.plant.drive(SECOND).unwrap().jam(true);
+    rig.give(Action::Move(to(X, 100)));
+    rig.run(200);
+    assert_eq!(errors(&rig), [Code::FOLLOWING_ERROR]);
+    for _ in 0..2 {
+        rig.plant.drive(SECOND).unwrap().jump(300);
+        rig.run(100);
+        rig.plant.drive(SECOND).unwrap().jump(-300);
+        rig.run(100);
+    }
+    let skews = errors(&rig).iter().filter(|code| **code == Code::SKEW).count();
+    assert_eq!((skews, controls(&rig)), (2, [control::ENABLE; 2]));
+}
+
+/// Reaction 4: while the second drive still runs, the axis has not stopped, though the first one stands.
+#[test]
+fn a_drive_that_still_runs_has_not_stopped_by_itself() {
+    for runs in [false, true] {
+        let mut rig = skewed(4);
+        assert_eq!(controls(&rig), [control::QUICK_STOP; 2]);
+        rig.plant.drive(FIRST).unwrap().jam(true);
+        rig.tamper = if runs { |all: &mut Inputs| all.drive[SECOND].count += all.cycle as i64 % 100 } else { |_| {} };
+        // Both show quick stop, however fast they are.
+        rig.run(20);
+        rig.give(Action::Disable(AxisSet::one(X)));
+        rig.run(30);
+        assert_eq!(controls(&rig) == [control::QUICK_STOP; 2], runs);
+    }
+}
+
+/// A vocabulary switches it on no more than a command does, and what changes on the way to being on counts too.
+#[test]
+fn nothing_switches_it_on_beyond_the_limit() {
+    let mut rig = apart(0);
+    rig.plant.drive(SECOND).unwrap().jump(MAX_SKEW + 1);
+    rig.run(2);
+    let commands = [
+        Command::Initialise,
+        Command::LoadDestination,
+        Command::LoadVelocity,
+        Command::LoadAcceleration,
+        Command::Start,
+    ];
+    rig.give(saia_verb(&commands));
+    for _ in 0..20 {
+        rig.run(1);
+        // It is not even asked.
+        assert_eq!(controls(&rig), [control::DISABLE_VOLTAGE; 2]);
+    }
+    rig.plant.drive(SECOND).unwrap().jump(-1);
+    rig.run(2);
+    rig.give(saia_verb(&commands));
+    rig.run(20);
+    assert_eq!(rig.int("x.enabled"), 1);
+    for reaction in [0, 2, 5] {
+        let mut rig = apart(0);
+        set(&mut rig, "skew_reaction", Value::Int(reaction));
+        rig.give(Action::Enable(AxisSet::one(X)));
+        rig.run(1);
+        rig.plant.drive(SECOND).unwrap().jump(MAX_SKEW + 1);
+        for _ in 0..30 {
+            rig.run(1);
+            assert_eq!(rig.int("x.enabled"), 0, "{reaction}");
+        }
+        assert_eq!((errors(&rig), controls(&rig)), (vec![Code::SKEW], [control::DISABLE_VOLTAGE; 2]), "{reaction}");
+    }
+}
+
+/// A second drive that tells no place is not switched on.
+#[test]
+fn a_second_drive_without_a_place_is_not_switched_on() {
+    let mut config = cell();
+    config.axes[usize::from(X)].wired = Wired::Drive(Form::Absolute(Absolute::single_turn(40_000)));
+    let mut rig = Rig::of(config);
+    rig.run(2);
+    rig.plant.drive(SECOND).unwrap().cut_encoder();
+    rig.run(2);
+    let sequence = rig.give(Action::Enable(AxisSet::one(X)));
+    assert_eq!(rig.refusal(sequence), "x: the second drive tells no position");
+}
+
+/// What is square, and what is held, are taken from words of one cycle.
+#[test]
+fn what_is_held_is_of_fresh_words() {
+    let mut rig = Rig::of(cell());
+    // Before it has told anything it repeats a word of long ago, and again while it is switched on.
+    rig.tamper = |all: &mut Inputs| match all.cycle {
+        0..3 => (all.drive[SECOND].fresh, all.drive[SECOND].count) = (false, -500),
+        5..14 => all.drive[SECOND].fresh = false,
+        _ => {}
+    };
+    rig.run(4);
+    assert_eq!((rig.int("x.second.count"), rig.int("x.skew")), (0, 0));
+    rig.give(Action::Enable(AxisSet::one(X)));
+    while rig.machine.next_cycle() < 14 {
+        rig.run(1);
+        assert_eq!(rig.int("x.enabled"), 0);
+    }
+    rig.run(10);
+    let [first, second] = setpoints(&rig);
+    assert_eq!((second - first, rig.int("x.skew"), rig.int("x.enabled"), errors(&rig)), (0, 0, 1, vec![]));
+}
+
+/// Absolute encoders tell anew how both stand once either counts anew; of others it is told that nobody knows.
+#[test]
+fn a_new_coordinate_of_absolute_encoders_shows_the_skew() {
+    let moved: OfEither = [
+        |all| (all.drive[FIRST].epoch, all.drive[FIRST].count) = (1, all.drive[FIRST].count + 150),
+        |all| (all.drive[SECOND].epoch, all.drive[SECOND].count) = (1, all.drive[SECOND].count + 150),
+    ];
+    for (moved, skew) in moved.into_iter().zip([-150, 150]) {
+        for is_known in [true, false] {
+            let mut config = cell();
+            let x = &mut config.axes[usize::from(X)];
+            x.wired = Wired::Drive(Form::Absolute(Absolute { overflow: true, ..Absolute::single_turn(40_000) }));
+            x.parameters.gantry.square_offset = is_known.then_some(0);
+            let mut rig = Rig::of(config);
+            rig.run(5);
+            rig.tamper = moved;
+            rig.run(3);
+            let told = rig.events.iter().filter(|event| event.code == Code::SQUARE_ASSUMED).count();
+            let expected = if is_known { (skew, 0) } else { (0, 1) };
+            assert_eq!((rig.int("x.skew"), told), expected);
+        }
+    }
 }
 
 /// What befalls the first drive, and the same of the second one.

@@ -96,6 +96,19 @@ fn what_are_no_two_drives_is_refused() {
         &format!("    drives: [{{backend: bus0, node: 4}}, ^{{backend: bus0, node: 5, probe_1: rising}}]\n{LIMIT}"),
         "a touch probe is for the first of two drives, which tells the position",
     );
+    refused(
+        &format!("    drives: [{{backend: bus0, node: 4, mode: ip}}, ^{{backend: bus0, node: 5}}]\n{LIMIT}"),
+        "mode is csp, that of the first drive ip; the same mode is expected",
+    );
+    for drives in [
+        "^{backend: bus0, node: 4, mode: pp}, {backend: bus0, node: 5}",
+        "{backend: bus0, node: 4}, ^{backend: bus0, node: 5, mode: pp}",
+    ] {
+        refused(
+            &format!("    drives: [{drives}]\n{LIMIT}"),
+            "mode is pp, in which each drive has a profile of its own; two drives of one axis have csp or ip",
+        );
+    }
 }
 
 #[test]

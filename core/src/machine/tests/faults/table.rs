@@ -187,7 +187,8 @@ impl Case {
                 Code::ENCODER_JUMP
             }
             Skew => {
-                rig.plant.drive(2).unwrap().jump(5_000);
+                // Beyond twice max_skew the power goes whatever the reaction is.
+                rig.plant.drive(2).unwrap().jump(300);
                 Code::SKEW
             }
             Switch => {

@@ -5,8 +5,8 @@ use super::{FIRST, MAX_SKEW, SECOND, cell, controls, errors, set};
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::{IoConfig, IoKind};
-use crate::drive::control;
-use crate::event::Event;
+use crate::drive::{Inputs, control, inputs};
+use crate::event::{Event, Kind};
 use crate::object::AxisSet;
 use crate::parameter::Value;
 use crate::sim::{Fixtures, Index};
@@ -233,6 +233,12 @@ fn the_reference_switches_may_be_inputs() {
     let mut rig = Rig::of(config);
     rig.run(2);
     set(&mut rig, "i_refswitch_second", Value::Int(-2));
+    // One input is no two switches.
+    for same in [2, -2] {
+        let sequence = set(&mut rig, "i_refswitch", Value::Int(same));
+        let refusal = rig.refusal(sequence);
+        assert!(refusal.contains("i_refswitch_second -2 names the input of i_refswitch"), "{refusal}");
+    }
     assert_eq!((rig.int("x.second.reference_switch"), rig.int("x.reference_switch")), (1, 0));
     set(&mut rig, "i_refswitch", Value::Int(1));
     assert_eq!(rig.int("x.reference_switch"), 0);
@@ -272,6 +278,119 @@ fn the_skew_is_supervised_while_homing() {
         assert!((MAX_SKEW + 1..=MAX_SKEW + 20).contains(&(other - one - 1_000).abs()));
         assert_eq!((errors(&rig), controls(&rig)), (vec![Code::SKEW], [control::DISABLE_VOLTAGE; 2]));
     }
+}
+
+/// From a skew of 1500 inc, on the way to the square, with 700 inc left of it.
+fn squaring(method: i8) -> (Rig, [i64; 2]) {
+    let starts = [-12_000, -10_500];
+    let mut rig = rig(starts, [(5_000, FAR); 2]);
+    set(&mut rig, "max_following_error", Value::Int(1_000_000));
+    home(&mut rig, method);
+    while skew_of(&rig, starts) > 700 {
+        rig.run(1);
+    }
+    assert_eq!((skew_of(&rig, starts), errors(&rig)), (700, vec![]));
+    (rig, starts)
+}
+
+fn skew_of(rig: &Rig, starts: [i64; 2]) -> i64 {
+    let [one, other] = places(rig, starts);
+    other - one
+}
+
+/// Either drive is held on the way to the square: both are without voltage once they are max_skew from where they are led, not at the end of
+/// the way. At 1 inc in a cycle, a lag of three cycles is allowed.
+#[test]
+fn a_drive_that_is_held_while_the_other_is_squared_is_seen() {
+    // Behind the edge the first one goes on to its index.
+    for (side, method) in [(SECOND, 19), (FIRST, 4)] {
+        let (mut rig, starts) = squaring(method);
+        rig.plant.drive(side).unwrap().jam(true);
+        for _ in 0..MAX_SKEW - 1 {
+            rig.run(1);
+            assert_eq!((errors(&rig), controls(&rig)), (vec![], [control::ENABLE; 2]), "{side}, {method}");
+        }
+        rig.run(8);
+        assert_eq!(
+            (errors(&rig), controls(&rig)),
+            (vec![Code::SKEW], [control::DISABLE_VOLTAGE; 2]),
+            "{side}, {method}"
+        );
+        assert!(skew_of(&rig, starts) > 300, "{side}, {method}");
+    }
+}
+
+/// The limit switch of the end that the second drive is led to ends homing; that of the other end does not.
+#[test]
+fn a_limit_switch_on_the_way_to_the_square_ends_homing() {
+    for side in [FIRST, SECOND] {
+        let (mut rig, starts) = squaring(19);
+        rig.plant.drive(side).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.run(20);
+        assert_eq!((errors(&rig), skew_of(&rig, starts)), (vec![], 680));
+        rig.plant.drive(side).unwrap().stick(inputs::NEGATIVE_LIMIT, inputs::NEGATIVE_LIMIT);
+        rig.run(1);
+        assert_eq!(rig.int("x.error"), i64::from(Code::HOMING_AT_LIMIT.0));
+        rig.run(100);
+        assert!((670..=680).contains(&skew_of(&rig, starts)), "{}", skew_of(&rig, starts));
+        assert_eq!(rig.int("x.homed"), 0);
+    }
+}
+
+/// A stop stops the second drive with the deceleration of stops, ten times that of homing, and the power waits for it.
+#[test]
+fn the_power_waits_for_the_second_drive_that_is_squared() {
+    for stop in [Action::Disable(AxisSet::one(X)), Action::QuickStop(AxisSet::one(X))] {
+        let starts = [-12_000, -10_500];
+        let mut rig = rig(starts, [(5_000, FAR); 2]);
+        set(&mut rig, "homing.index_velocity", Value::Real(10_000.0));
+        home(&mut rig, 19);
+        while skew_of(&rig, starts) > 700 {
+            rig.run(1);
+        }
+        // 10 inc/ms with 200 inc/s in each ms: 50 cycles and 250 inc, from 660 on: three cycles pass before it begins.
+        set(&mut rig, "max_deceleration", Value::Real(200_000.0));
+        assert!((690..=700).contains(&skew_of(&rig, starts)));
+        let disables = stop == Action::Disable(AxisSet::one(X));
+        let sequence = rig.give(stop);
+        rig.run(40);
+        assert_eq!((controls(&rig), rig.done(sequence).len()), ([control::ENABLE; 2], 0));
+        rig.run(20);
+        let expected = if disables { control::DISABLE_VOLTAGE } else { control::ENABLE };
+        assert_eq!((controls(&rig), rig.done(sequence).len(), errors(&rig)), ([expected; 2], 1, vec![]));
+        assert!((405..=420).contains(&skew_of(&rig, starts)), "{}", skew_of(&rig, starts));
+    }
+}
+
+/// A cam that is shorter than the skew: one side has passed its own before the other one comes.
+#[test]
+fn a_cam_shorter_than_the_skew_ends_homing() {
+    for skew in [-1_500, 1_500] {
+        let starts = [-12_000, -12_000 + skew];
+        let mut rig = rig(starts, [(5_000, 6_000); 2]);
+        let sequence = home(&mut rig, 23);
+        assert_eq!(run_to_end(&mut rig, sequence).code, Code::NOT_SQUARE, "{skew}");
+        let error = rig.events.iter().find(|event| event.kind == Kind::Error).expect("it was told");
+        let sentence = crate::text::sentence(error, rig.machine.config());
+        assert!(sentence.ends_with("so that nothing tells what is square"), "{sentence}");
+        // A switch may bounce for max_skew; at 20 inc in a cycle.
+        let ahead = places(&rig, starts)[usize::from(skew > 0)];
+        assert!((6_000 + MAX_SKEW..=6_060 + MAX_SKEW).contains(&ahead), "{ahead}");
+    }
+}
+
+/// The edge of both is that of the second drive: a first one that is pushed back in that very cycle does not hide it.
+#[test]
+fn the_edge_of_the_second_drive_is_not_hidden_by_a_trembling_first_one() {
+    let starts = [-12_000, -12_300];
+    let mut rig = rig(starts, [(5_000, FAR); 2]);
+    rig.tamper = |all: &mut Inputs| {
+        if all.drive[SECOND].inputs & inputs::HOME != 0 {
+            all.drive[FIRST].count -= 100;
+        }
+    };
+    let sequence = home(&mut rig, 19);
+    assert_eq!((run_to_end(&mut rig, sequence).code, rig.int("x.homed"), errors(&rig)), (Code::NONE, 1, vec![]));
 }
 
 proptest! {
