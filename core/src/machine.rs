@@ -213,12 +213,13 @@ impl Machine {
         let mut room = std::mem::take(&mut self.seen);
         let read = self.signals.virtual_inputs(&self.state.board);
         let inputs = self.state.panel.condition(inputs, &self.config, read, self.state.cycle, &mut room);
-        if self.state.gantries.is_empty() {
-            self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
-        } else {
-            let mut joined = std::mem::take(&mut self.joined);
-            let inputs = self.join_drives(inputs, &mut joined);
-            self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
+        let mut joined = (!self.state.gantries.is_empty()).then(|| std::mem::take(&mut self.joined));
+        let inputs = match &mut joined {
+            None => inputs,
+            Some(joined) => self.join_drives(inputs, joined),
+        };
+        self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
+        if let Some(joined) = joined {
             self.lead_seconds(outputs);
             self.joined = joined;
         }

@@ -480,7 +480,16 @@ impl Follower {
     fn note_change(&mut self, geared: f64) {
         let [a, b, c, d, e, f, g, _] = self.recent;
         self.recent = [geared, a, b, c, d, e, f, g];
-        self.noted = self.noted.saturating_add(1).min(MEAN_CYCLES);
+        if self.noted < MEAN_CYCLES {
+            return self.note_first(geared);
+        }
+        self.mean += (geared - self.mean) / f64::from(MEAN_CYCLES);
+    }
+
+    /// A mean of all that came, until that is enough.
+    #[cold]
+    fn note_first(&mut self, geared: f64) {
+        self.noted = self.noted.saturating_add(1);
         self.mean += (geared - self.mean) / f64::from(self.noted);
     }
 
