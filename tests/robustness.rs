@@ -9,7 +9,10 @@ use std::{
     env, fs,
     path::Path,
     process::Command,
-    sync::atomic::{AtomicBool, Ordering},
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
     thread,
     time::{Duration, Instant},
 };
@@ -27,6 +30,12 @@ use support::{
 
 const EXIT: Duration = Duration::from_secs(20);
 const NODE: &str = "/lineshaft";
+
+/// One of these tests at a time: two of them would take each other's share of the machine for lost answers.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 fn is_long() -> bool {
     env::var("LINESHAFT_LONG").is_ok_and(|value| value == "1")
@@ -75,6 +84,7 @@ fn start(args: &[&str], watchers: usize) -> (Program, Vec<Peer>, Domain) {
 /// Two clients of each RMW ask for all services and for goals at the same time, each for an axis of its own.
 #[test]
 fn of_hammered_services_and_goals_none_is_lost_doubled_or_mixed_up() {
+    let _alone = alone();
     let time = length(10, 60);
     let (program, _idle_watchers, _domain) = start(&["run"], 1);
     thread::sleep(seconds(time));
@@ -117,6 +127,7 @@ fn of_hammered_services_and_goals_none_is_lost_doubled_or_mixed_up() {
 /// last one counts.
 #[test]
 fn two_hundred_requests_at_once_are_all_done() {
+    let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     let mut peer = Peer::cyclone(&domain);
     let seen = peer.run(&format!("burst {NODE} --count 200 --axis x"));
@@ -128,6 +139,7 @@ fn two_hundred_requests_at_once_are_all_done() {
 /// A process may have two clients of one service, whose ends rmw_cyclonedds marks: an answer that goes to both of them comes twice.
 #[test]
 fn an_answer_goes_to_the_client_that_asked_and_to_no_other() {
+    let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     Peer::cyclone(&domain).run(&format!("twins {NODE} --axis x"));
     drop(program);
@@ -136,6 +148,7 @@ fn an_answer_goes_to_the_client_that_asked_and_to_no_other() {
 /// What was answered is not kept: a node that serves for months must not grow by what it is asked.
 #[test]
 fn requests_are_not_kept() {
+    let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     let mut peer = Peer::cyclone(&domain);
     peer.run(&format!("many-requests {NODE} --count 300"));
@@ -150,6 +163,7 @@ fn requests_are_not_kept() {
 /// The newest signals alone were sampled by a timer of ROS, which left samples out where its thread got its turn late.
 #[test]
 fn each_cycle_of_the_rate_is_published_on_a_busy_machine() {
+    let _alone = alone();
     let (program, mut watchers, _domain) = start(&["run"], 1);
     let is_over = AtomicBool::new(false);
     let seen = thread::scope(|scope| {
@@ -197,6 +211,7 @@ fn works_again(sleeper: &mut Peer) {
 /// keeps by itself, others come and go.
 #[test]
 fn nobody_loses_a_sample_because_of_another() {
+    let _alone = alone();
     let folder = tempfile::tempdir().expect("a folder");
     let (frozen, visits) = (length(15, 30), length(40, 200));
     let (program, mut watchers, domain) = start(&["run", &fast_cell(folder.path())], 2);
@@ -258,6 +273,7 @@ fn nobody_loses_a_sample_because_of_another() {
 /// Two clients are stopped until their leases are over, one of them twice: then what they made before works again.
 #[test]
 fn clients_that_were_frozen_beyond_their_lease_work_again() {
+    let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     let mut clients = [Peer::cyclone(&domain), Peer::fastdds(&domain)];
     for client in &mut clients {
@@ -343,6 +359,7 @@ fn same_stream(one: &Value, other: &Value) {
 /// Samples that are no messages, on everything that the node reads, and texts of 10 MB wherever a text may stand.
 #[test]
 fn nonsense_is_refused_and_does_nothing() {
+    let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     let mut peer = Peer::cyclone(&domain);
     peer.run(&format!("axes {NODE} enable x")); // so that something could move
@@ -370,6 +387,7 @@ fn nonsense_is_refused_and_does_nothing() {
 /// A full disk, a terminal that is stopped, a journal that does not keep up: requests used to wait for it.
 #[test]
 fn a_log_that_nobody_reads_holds_nobody_up() {
+    let _alone = alone();
     let folder = tempfile::tempdir().expect("a folder");
     let pipe = folder.path().join("stderr");
     mkfifoat(CWD, &pipe, Mode::RUSR | Mode::WUSR).expect("a pipe in a folder of this test");

@@ -34,7 +34,7 @@ from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES,
                             RecordResponse, ResetRequest, SyncGoal, VocabularyRequest)
 from report import Failure, plain, show, told
 
-STREAM = rw.qos(depth=1_000_000)  # nothing is lost while a command waits, or while Python reads slower than a node is hammered
+STREAM = rw.qos(depth=10_000)  # nothing is lost while a command waits for something else
 AXES_VERBS = ("enable", "disable", "halt", "quick_stop", "reset_errors")
 
 

@@ -8,9 +8,14 @@ from report import Failure, show
 CYCLES = 2 ** 64
 
 
+# Nothing is lost while Python reads slower than a node is hammered.
+WATCHED = rw.qos(depth=1_000_000)
+
+
 def watch(peer, a):
     """Reads ~/events and ~/axis_states: events without a gap in their numbers, states in the order of their cycles."""
-    states, events = peer.axis_states(a.node), peer.stream(f"{a.node}/events", Event)
+    states, topic = peer.axis_states(a.node), f"{a.node}/events"
+    events = peer.once(topic, lambda: rw.Subscription(peer.dp, topic, Event, WATCHED))
     states.take(), events.take()
     cycles, numbers, times, kinds = [], [], [], {}
     end = time.monotonic() + a.seconds
