@@ -16,13 +16,13 @@ command -v ip >/dev/null && command -v tc >/dev/null || not_tested "ip and tc ar
 
 # The packages are unpacked and not installed. Package lists that are missing or too old are renewed where that is allowed.
 kernel=(user-mode-linux busybox-static)
-if ! [ -e "$uml/root/complete" ]; then
-    rm -rf "$uml"; mkdir -p "$uml/debs" "$uml/root"
+if ! [ -e "$uml/image/complete" ]; then
+    rm -rf "$uml"; mkdir -p "$uml/debs" "$uml/image"
     fetch() { (cd "$uml/debs" && apt-get -qq download "${kernel[@]}" >/dev/null 2>&1); }
     fetch || { apt-get -qq update >/dev/null 2>&1 && fetch; } ||
         not_tested "the packages ${kernel[*]} cannot be downloaded (Debian: apt-get update as root, with a network)"
-    for deb in "$uml"/debs/*.deb; do dpkg -x "$deb" "$uml/root" || fail "$deb cannot be unpacked"; done
-    touch "$uml/root/complete"
+    for deb in "$uml"/debs/*.deb; do dpkg -x "$deb" "$uml/image" || fail "$deb cannot be unpacked"; done
+    touch "$uml/image/complete"
 fi
 
 # Built here, and the Python environment made, by a test that needs no CAN: the kernel in there has no network.
@@ -35,7 +35,7 @@ sockets=$(binary lineshaft-can --lib)
 memory=$(binary lineshaft-can --test no_alloc)
 "$drives" --quiet --exact drives_are_reached_over_slcan_behind_tcp >"$uml/log" 2>&1 || { cat "$uml/log" >&2; fail "the drives do not run outside, either"; }
 
-modules=$(echo "$uml"/root/usr/lib/uml/modules/*/kernel)
+modules=$(echo "$uml"/image/usr/lib/uml/modules/*/kernel)
 mkdir -p "$uml/tmp"; rm -f "$uml/status"
 cat >"$uml/init.sh" <<INIT
 #!/bin/sh
@@ -45,7 +45,7 @@ mount -t proc proc /proc; mount -t sysfs sys /sys; mount -t devpts devpts /dev/p
 run() {
     set -e
     for module in net/can/can net/can/can-raw drivers/net/can/dev/can-dev drivers/net/can/vcan net/sched/sch_netem; do
-        $uml/root/bin/busybox insmod $modules/\$module.ko
+        $uml/image/bin/busybox insmod $modules/\$module.ko
     done
     ip link set lo up; ip link add vcan0 type vcan; ip link set vcan0 up
     $sockets --ignored
@@ -55,11 +55,11 @@ run() {
 (run) >$uml/log 2>&1
 echo \$? >$uml/status
 sync
-$uml/root/bin/busybox poweroff -f
+$uml/image/bin/busybox poweroff -f
 INIT
 chmod +x "$uml/init.sh"
 # It writes nothing outside the target folder. Its own status does not say how the tests ended: a file does.
-TMPDIR=$uml/tmp timeout -k 10 300 "$uml/root/usr/bin/linux.uml" mem=512M rootfstype=hostfs rootflags=/ rw init="$uml/init.sh" uml_dir="$uml/tmp" \
+TMPDIR=$uml/tmp timeout -k 10 300 "$uml/image/usr/bin/linux.uml" mem=512M rootfstype=hostfs rootflags=/ rw init="$uml/init.sh" uml_dir="$uml/tmp" \
     con=null con0=fd:0,fd:1 con1=null quiet </dev/null >"$uml/console" 2>&1 || true
 [ -e "$uml/status" ] || { tail -n 30 "$uml/console" >&2; fail "the kernel has not come to the end of the tests in 300 s"; }
 cat "$uml/log"

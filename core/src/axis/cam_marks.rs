@@ -18,6 +18,7 @@ use crate::event::{Number, Refusal};
 use crate::parameter::{Marks, Synchronization};
 use crate::position::Position;
 use crate::sync::cam::{Cam, Periods};
+use crate::sync::marker::FROM_MARK;
 use crate::sync::{CamStart, SyncMode};
 use crate::table::{CamShape, Table};
 use serde::{Deserialize, Serialize};
@@ -25,8 +26,6 @@ use std::sync::Arc;
 
 /// Marks that wait, and periods that a sensor may be away.
 const MOST_WAITING: usize = 8;
-/// SYNCMSTART with which a cam begins at its first mark.
-const FROM_MARK: i64 = 2_000;
 
 /// What a coupling by marks of a cam keeps.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]

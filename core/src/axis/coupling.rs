@@ -44,7 +44,7 @@ impl Axis {
     ) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
-        let bounds = self.bounds_of(request)?;
+        self.bounds_of(request)?;
         let leader = self.leader_of(request.leader, cx.leads.axes())?;
         let lead = cx.leads.get(leader);
         if !lead.valid {
@@ -57,7 +57,7 @@ impl Axis {
         // Of the same leader it goes on, with what it owes.
         let by_gear = request.mode == SyncMode::Position && request.cam.is_none();
         let filter = self.follows_by_position(leader).filter(|_| by_gear).and(self.conditioning.filter());
-        let (transmission, offset) = match &request.cam {
+        let begins = match &request.cam {
             Some(cam) => {
                 let start = cam.start;
                 let stands = self.present().position - led;
@@ -68,8 +68,7 @@ impl Axis {
             }
             None => self.gear_of(request)?,
         };
-        let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
-        let follower = follower.led_ahead(led);
+        let follower = self.follower_of(request, lead, begins)?;
         let coupling = self.coupling_by(leader, request, follower);
         self.begin_goal(cx, sequence, None);
         self.begin_conditioning(request.mode, lead);
@@ -77,6 +76,18 @@ impl Axis {
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
+    }
+
+    /// A follower that begins at once, by a transmission and an offset of the slave.
+    pub(super) fn follower_of(
+        &self,
+        request: &Synchronize,
+        lead: Lead,
+        (transmission, offset): (Transmission, Position),
+    ) -> Result<Follower, Refusal> {
+        let bounds = self.bounds_of(request)?;
+        let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
+        Ok(follower.led_ahead(self.led_ahead(request.mode)))
     }
 
     /// How far it is led ahead of what it follows, where a coupling in `mode` goes on with that: what it leads itself is then no way to go, and

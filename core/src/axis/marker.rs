@@ -404,7 +404,10 @@ impl Axis {
             let before = *path.marker.side(of);
             if let Some(lost) = lost.get(extra).filter(|lost| **lost > 0) {
                 path.marker.lose(of, *lost);
-                self.tell_marks(cx, Code::MARK_EXTRA, of);
+                if let Some(flag) = path.extra.get_mut(extra).filter(|told| !**told) {
+                    *flag = true;
+                    self.tell_marks(cx, Code::MARK_EXTRA, of);
+                }
             }
             for mark in seen.sorted() {
                 let is_extra = path.marker.take(of, *mark, &asked) == Found::Extra;

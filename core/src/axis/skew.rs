@@ -5,7 +5,7 @@
 //!          What switches off, stops or fails, does so for both drives
 //! Reads    its gantry, as both drives were read
 //! Writes   what its gantry holds: as both stand when it comes on, the square once homing has found it
-//! Refuses  to be switched on beyond `max_skew`, or where the second drive tells no place; ways of homing that square nothing; another source than the drives
+//! Refuses  to be switched on beyond `max_skew`, or where the second drive tells no place
 //! Source   contract section 3, docs/homing.md
 
 use super::power::Power;

@@ -40,7 +40,7 @@ const PEAK_JERK: f64 = 6.0;
 const FALLS_BACK_BY: i64 = 2;
 
 /// Is that SYNCMSTART the smooth one?
-pub(super) fn is_smooth(start: i64) -> bool {
+fn is_smooth(start: i64) -> bool {
     start % 1_000 == 7
 }
 
@@ -136,7 +136,10 @@ impl Axis {
         Some(Smooth { start, master: None, slave, mean, waited: 0.0 })
     }
 
-    /// A cycle of a coupling that waits for a smooth start; true where it is over.
+    /// A cycle of a coupling that waits for a smooth start; none once it has begun.
+    ///
+    /// # Errors
+    /// A coupling that begins at once would be refused.
     pub(super) fn start_smoothly(
         &mut self,
         cx: &mut Context<'_>,
@@ -157,20 +160,10 @@ impl Axis {
 
         self.check_closed_loop()?;
         self.check_free()?;
-        let follower = match self.outcome(engagement, &smooth, lead)? {
+        let (follower, begun) = match self.outcome(engagement, &smooth, lead)? {
             Outcome::Waits => return Ok(Some(smooth)),
-            Outcome::Begins(follower) => Some(follower),
-            Outcome::FallsBack => None,
-        };
-        let begun = follower.is_some();
-        let follower = match follower {
-            Some(follower) => follower,
-            None => {
-                let (gear, offset) = self.gear_of(request)?;
-                let bounds = self.bounds_of(request)?;
-                let follower = Follower::new(lead.uneven, gear, request.mode, self.present(), offset, bounds);
-                follower.led_ahead(self.led_ahead(request.mode))
-            }
+            Outcome::Begins(follower) => (follower, true),
+            Outcome::FallsBack => (self.follower_of(request, lead, self.gear_of(request)?)?, false),
         };
         let coupling = self.coupling_by(leader, request, follower);
         // It has begun: what takes over ends no wait of its own.
@@ -195,7 +188,7 @@ impl Axis {
     fn outcome(&self, engagement: &Engagement, smooth: &Smooth, lead: Lead) -> Result<Outcome, Refusal> {
         let Smooth { master, slave, mean, waited, .. } = *smooth;
         let cycle_ms = self.cycle_s() * 1e3;
-        let group = self.parameters.sync.mark_distance as f64 * self.parameters.marks.per_master.max(1) as f64;
+        let group = self.master_group();
         let rests = matches!(self.generator, Generator::Rest);
         // A counted master shows its speed only after a while.
         let is_known = lead.uneven == 0.0 || mean.since >= MEAN_TIME;
@@ -266,14 +259,16 @@ impl Axis {
         (is_smooth && self.leads_forward(&approach, speed) && self.bears(shape, *way)).then_some(approach)
     }
 
+    /// From group to group of the marks of its master (inc of it).
+    fn master_group(&self) -> f64 {
+        self.parameters.sync.mark_distance as f64 * self.parameters.marks.per_master.max(1) as f64
+    }
+
     /// From group to group of its own marks (inc).
     fn slave_period(&self, ratio: Ratio) -> f64 {
         let marks = &self.parameters.marks;
         match marks.slave_distance {
-            0 => {
-                let group = self.parameters.sync.mark_distance as f64 * marks.per_master.max(1) as f64;
-                ratio.to_f64().abs() * group
-            }
+            0 => ratio.to_f64().abs() * self.master_group(),
             distance => distance as f64 * marks.per_slave.max(1) as f64,
         }
     }

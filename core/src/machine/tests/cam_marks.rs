@@ -8,7 +8,7 @@ use super::rig::{X, cam, couple};
 use crate::code::Code;
 use crate::command::{Action, CamIn, Synchronize};
 use crate::config::TableConfig;
-use crate::event::{Event, Kind};
+use crate::event::{Event, Kind, Number};
 use crate::object::Leader;
 use crate::sync::gear::Ratio;
 use crate::sync::{CamStart, Disengage, SyncMode};
@@ -78,6 +78,32 @@ fn products_meet_the_start_of_the_cam() {
     }
 }
 
+/// Where the master of the cam is that has its slave there.
+fn place_of(slave: f64) -> f64 {
+    let (periods, y) = (slave.div_euclid(2_000.0), slave.rem_euclid(2_000.0));
+    1_000.0 * periods + if y < 900.0 { y / 1.8 } else { 500.0 + (y - 900.0) / 2.2 }
+}
+
+/// While a correction is on its way the next pair tells how far the marks are apart by then: what was added between the mark of the cam and that of the belt counts.
+/// Proves: MACS-MARK-13
+#[test]
+fn a_pair_on_the_way_of_a_correction_tells_what_is_left() {
+    // Where a product is, the cam has 300 to go once it is 200 ahead, or 700 once it is 200 behind: then its own mark comes before that of the belt.
+    for (distance, shift) in [(300, 200.0), (700, -200.0)] {
+        let mut world = world(&[("syncmpulsm", distance), ("syncofftime", 4_000)]);
+        start(&mut world, SyncMode::MasterMarker);
+        while world.rig.events.iter().filter(|event| event.kind == Kind::Mark).count() < 2 {
+            world.cycle(SPEED);
+        }
+        let left = shift - (place_of(world.rig.int("x.command.position") as f64) - world.belt as f64);
+        let pair = world.rig.events.iter().filter(|event| event.kind == Kind::Mark).nth(1).expect("a pair");
+        let Number::Real(error) = pair.asked else { panic!("{pair:?}") };
+        assert!(left.abs() > 60.0 && left.abs() < 180.0, "under way: {left}");
+        // What is added in this cycle, and an increment of the slave.
+        assert!((error - left).abs() < 2.0, "{distance}: {error} of {left}");
+    }
+}
+
 /// 2300 inc away the sensor tells of a product two periods later: its mark corrects once that is as near as 300 inc.
 /// Proves: MACS-MARK-03
 #[test]
@@ -118,7 +144,7 @@ fn windows_and_bounds_hold_for_cams() {
     assert!(off(&world, 200.0).abs() <= 1.0);
     let corrections = world.rig.events.iter().filter(|event| event.kind == Kind::Mark);
     assert!(corrections.map(|event| event.limit).all(|limit| match limit {
-        crate::event::Number::Real(correction) => correction.abs() <= 30.0,
+        Number::Real(correction) => correction.abs() <= 30.0,
         _ => false,
     }));
     let first = world.products[0];

@@ -59,7 +59,7 @@ fn by_marks() -> Action {
 
 impl World {
     /// Products every 1000 inc from `first` on, labels every 2000 from 300 on.
-    fn new(first: f64, changes: &[(&str, i64)]) -> Self {
+    pub(super) fn new(first: f64, changes: &[(&str, i64)]) -> Self {
         Self::of(marked(changes), first)
     }
 
@@ -74,7 +74,7 @@ impl World {
         Self { rig, products, belt: 0, labels, x, sense, product_at, label_at }
     }
 
-    fn couple(&mut self) -> u64 {
+    pub(super) fn couple(&mut self) -> u64 {
         let goal = self.rig.give(by_marks());
         self.see();
         goal

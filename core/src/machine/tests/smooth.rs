@@ -1,6 +1,7 @@
 //! Coupled by marks over a curve (SYNCMSTART 7): index pulses of a belt every 1000 inc, and of a roll that turns twice as far, every 2000 from 300 on.
 
 use super::direction::set;
+use super::marks::World;
 use super::rig::{Rig, X, at, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, Synchronize};
@@ -217,6 +218,25 @@ fn it_begins_from_any_motion() {
     run(&mut rig, 10, 500);
     let seen = start(&mut rig, 2, 10, None);
     assert!(seen.apart.abs() <= 1 && seen.acceleration <= ACCELERATION * 1.001, "{seen:?}");
+}
+
+/// A mark of the master that lies half-way between two increments: what is left of the pair behind its whole increments is on the curve, too, where 1 inc of the
+/// roll would be missing.
+/// Proves: MACS-MARK-15
+#[test]
+fn a_pair_between_two_increments_is_met() {
+    let mut world = World::new(500.5, &[("syncmstart", 7)]);
+    world.rig.give(Action::Move(at(X, 3_000.0)));
+    world.see();
+    world.run(800, 10);
+    world.couple();
+    while world.rig.int("x.sync.waiting") != 0 || world.rig.int("x.in_sync") == 0 {
+        world.cycle(10);
+    }
+    // Labels come at 300 and each 2000 further, products at 500.5.
+    let place = world.rig.int("x.command.position") as f64 + world.rig.real("x.command.fraction");
+    let apart = (place - 300.0 - 2.0 * (world.belt as f64 - 500.5) + 1_000.0).rem_euclid(2_000.0) - 1_000.0;
+    assert!(apart.abs() < 0.5, "{apart}");
 }
 
 /// The offset is in force once the curve has ended.

@@ -18,6 +18,9 @@ use crate::parameter::Marks;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
+/// SYNCMSTART of cams: one begins at its first mark. Whatever it is, their first pair is the nearest one.
+pub const FROM_MARK: i64 = 2_000;
+
 /// Whose marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Of {
@@ -44,13 +47,13 @@ enum Start {
     Nearest,
     /// None: the curve has brought them together.
     Smooth,
-    /// Those that are nearest to each other, at once (2000: cams).
+    /// Those that are nearest to each other, at once (cams).
     Cam,
 }
 
 impl Start {
     fn of(number: i64) -> Self {
-        if number == 2_000 {
+        if number == FROM_MARK {
             return Self::Cam;
         }
         match number % 1_000 {
