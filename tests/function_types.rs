@@ -49,6 +49,8 @@ functions:
   follow:
     {slot: 11, type: dfkt, source: given, mult: 1, div: 1, in_final: 2000, out_max: 4000, out_min: -4000, ratio_max: 9, ratio_min: -9,
      ratio_div: 1}
+  made: {slot: 12, type: fgen, sink: none, inputs: [go], fct: 1, cycle_time: 1000, cycle_increments: 500, accel: 1000}
+  held: {slot: 13, type: regl, source: given, source_assess: 2, y_max: 1000, gain_v: -3, switch_mask: 2}
 ";
 
 /// A type in its orders.
@@ -67,7 +69,7 @@ struct Case {
     rest: u8,
 }
 
-fn cases() -> [Case; 11] {
+fn cases() -> [Case; 13] {
     [
         Case {
             function: "copy",
@@ -168,6 +170,26 @@ fn cases() -> [Case; 11] {
             shows: (21, 0),
             // RESET makes a speed 0, as this does.
             renew: Some(("mult=0 ba=2", json!({"ba": 0, "mult": 0}), (0, 0))),
+            rest: 0,
+        },
+        Case {
+            function: "made",
+            kind: "fgen",
+            start: ("cycle_time=2000 pos_limit=[5]", json!({"cycle_time": 2000, "pos_limit": [5, 0, 0, 0, 0, 0, 0]})),
+            bad: ("accel=0", "accel is 0; 1 to 500000000 is allowed (unit: inc/s^2)"),
+            shows: (0, 1),
+            // The length of a sequence counts from the next START on.
+            renew: Some(("ba=2 cycle_increments=9", json!({"ba": 2, "cycle_increments": 500}), (0, 1))),
+            rest: 1,
+        },
+        Case {
+            function: "held",
+            kind: "regl",
+            start: ("kp=256", json!({"ba": 0, "kp": 256, "gain_v": -3})),
+            bad: ("kp=16384", "kp is 16384; 0 to 16383 is allowed (unit: 1/256)"),
+            shows: (21, 0),
+            // RESET makes a speed 0, as this does.
+            renew: Some(("ba=4 i_max=9", json!({"ba": 4, "i_max": 0}), (0, 1))),
             rest: 0,
         },
     ]

@@ -62,7 +62,7 @@ fn interpolate(slot: &mut SlotConfig, movement: usize) {
     }
 }
 
-/// The cell of a seed: each type eight times, sources and sinks by chance.
+/// The cell of a seed: each type four times or more, sources and sinks by chance.
 fn cell(numbers: &mut Numbers) -> MachineConfig {
     let memory = |name: String, kind| MemoryConfig { name, kind, initial: 0.0 };
     let words = (0..WORDS).map(|n| memory(format!("w{n}"), if n % 2 == 0 { MemoryKind::I16 } else { MemoryKind::I32 }));
@@ -128,8 +128,17 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
             }
         }
         if let Some((_, ba)) = row.find("ba").filter(|_| row.kind != Kind::Imes) {
-            // A dfkt by way, and by its inputs.
+            // A dfkt by way, and by its inputs; a fgen by the way of its source, a regl with switches at its inputs.
             slot.values[ba] = if row.kind == Kind::Dfkt { 3 } else { 1 };
+        }
+        let more: &[(&str, i64)] = match row.kind {
+            Kind::Fgen => &[("fct", 7), ("cycle_increments", 900), ("accel", 90_000_000), ("aw_mask", 3)],
+            Kind::Regl => &[("kp", 300), ("ki", 20), ("kd", 9), ("y_max", 900_000), ("gain_v", -30), ("i_max", 5000)],
+            _ => &[],
+        };
+        for (name, value) in more {
+            let (_, place) = row.find(name).expect("a field");
+            slot.values[place] = *value;
         }
         interpolate(&mut slot, numbers.below(4) as usize);
         slot

@@ -60,6 +60,13 @@ impl Shop {
         self.inputs.drive.fill(drive);
     }
 
+    /// The first digital input is 1 from the next cycle on.
+    pub(crate) fn set_input(&mut self) {
+        if let Some(word) = self.inputs.digital.first_mut() {
+            *word |= 1;
+        }
+    }
+
     /// Switches all axes on.
     pub(crate) fn enable(&mut self) {
         self.switch(DriveState::Enabled);

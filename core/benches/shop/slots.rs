@@ -13,7 +13,7 @@ use lineshaft_core::unit::Scale;
 use std::sync::Arc;
 
 /// Values that an ordinary set gives, by the names of their fields.
-const VALUES: [(&str, i64); 20] = [
+const VALUES: [(&str, i64); 29] = [
     ("m1", 12_345),
     ("sak", 4032),
     ("spacing", 10_000),
@@ -34,6 +34,15 @@ const VALUES: [(&str, i64); 20] = [
     ("ratio_max", 2),
     ("ratio_min", -2),
     ("ratio_div", 1),
+    ("cycle_increments", 20_000),
+    ("accel", 1_000_000),
+    ("switch_mask", 7),
+    ("kp", 512),
+    ("ki", 128),
+    ("kd", 64),
+    ("y_max", 10_000_000),
+    ("gain_v", 1000),
+    ("i_max", 1_000_000),
 ];
 
 /// Sets of interpolators, which read a curve.
@@ -74,6 +83,9 @@ pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
         if let (Kind::Binea | Kind::Cam | Kind::Dfkt, Some((_, ba))) = (row.kind, row.find("ba")) {
             slot.values[ba] = 1;
         }
+        if let (Kind::Fgen, Some((_, time)), Some((_, fct))) = (row.kind, row.find("cycle_time"), row.find("fct")) {
+            (slot.values[time], slot.values[fct]) = (4000, 1);
+        }
         slot
     };
     let belt =
@@ -93,6 +105,10 @@ pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
         let start = |slot| Action::CommandFunction(CommandFunction { slot, order: Order::Start, values: [].into() });
         shop.give(&(0..count).map(start).collect::<Vec<_>>());
         assert!(shop.machine.slots().iter().all(|slot| slot.is_active()), "{} refuses its START", row.name);
+        if row.kind == Kind::Fgen {
+            // Its input rises: it runs.
+            shop.set_input();
+        }
     }
     shop
 }

@@ -616,4 +616,32 @@ codes! {
         cause: "active_table names a place of `tables` that is `none` or behind their end.",
         remedy: "Name a table there, or select another one.",
     }
+
+    /// A value that is not optional where it is used.
+    AMK_NOT_ZERO = 3070, NoError {
+        says: "{asked} is no value of it in this `ba`; 1 to {limit} is possible",
+        cause: "A field of a fgen that its `ba` uses is 0 or was left out.",
+        remedy: "Give cycle_time where bit 0 of `ba` is 0, accel2 where bit 2 is 1.",
+    }
+
+    /// A gain that lets nothing through.
+    AMK_NO_GAIN = 3071, NoError {
+        says: "a gain of {asked} lets nothing through; -32768 to -1 and 1 to {limit} are possible",
+        cause: "gain_v of a regl is 0 or was left out.",
+        remedy: "Give it; switch_mask or its inputs open the loop.",
+    }
+
+    /// A bit that counts from START on.
+    AMK_BA_KEPT = 3072, NoError {
+        says: "{asked} changes bits that count from START on; {limit} would change none of them",
+        cause: "VALUE_NEW has changed more of `ba` than may change while the function runs.",
+        remedy: "fgen takes bit 1, regl bits 2 and 3; RESET and START take all.",
+    }
+
+    /// A generator that goes too far in a call.
+    AMK_CALL_WAY = 3073, NoError {
+        says: "a call would go {asked} inc at the largest override; up to {limit} is possible",
+        cause: "cycle_increments in cycle_time are 32768 inc or more between two calls of a fgen, with an override at its 200 %.",
+        remedy: "Choose a longer cycle_time or fewer cycle_increments; counters of 16 bits would lose count.",
+    }
 }

@@ -6,7 +6,7 @@
 
 use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
-    self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word,
+    self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, WORDS, Width, Wires, Word,
 };
 use crate::modulo::Modulo;
 use crate::object::{Leader, Object, VIRTUAL_MASTER};
@@ -89,8 +89,8 @@ pub struct SlotConfig {
     pub outputs: [Option<Line>; LINES],
     /// Places in `tables`.
     pub tables: [Option<u16>; LINES],
-    /// The signal of the word that it reads beside its source.
-    pub word: Option<String>,
+    /// The signals of the words that it reads beside its source, in the order of its type.
+    pub words: [Option<String>; WORDS],
     /// It is called in each n-th cycle.
     pub factor: u32,
     /// What an error of the axis that it moves does.
@@ -115,7 +115,7 @@ impl SlotConfig {
             inputs: [None; LINES],
             outputs: [None; LINES],
             tables: [None; LINES],
-            word: None,
+            words: [const { None }; WORDS],
             factor: 1,
             on_axis_error: OnAxisError::Run,
             values: kind.description().defaults(),
@@ -211,7 +211,7 @@ impl MachineConfig {
         if !slot.tables.iter().enumerate().all(is_table) {
             return Err(SlotProblem::Place("tables"));
         }
-        if slot.word.is_some() && row.word.is_none() {
+        if slot.words.iter().skip(row.words.len()).any(Option::is_some) {
             return Err(SlotProblem::Place("word"));
         }
         for (nth, object) in slot.writes().enumerate() {
@@ -352,6 +352,12 @@ impl MachineConfig {
                 *to = Some(Output { to: bit, inverted });
             }
         }
+        let mut words = [None; WORDS];
+        for (to, name) in words.iter_mut().zip(&slot.words) {
+            if let Some(name) = name {
+                *to = Some(word(name).ok_or(SlotProblem::Place("word"))?);
+            }
+        }
         Ok(Wires {
             kind: slot.kind,
             first,
@@ -364,11 +370,8 @@ impl MachineConfig {
             inputs,
             outputs,
             tables: slot.tables,
-            shows: slot.kind.description().shows,
-            word: match &slot.word {
-                Some(name) => Some(word(name).ok_or(SlotProblem::Place("word"))?),
-                None => None,
-            },
+            shows: slot.kind.description().shows.len(),
+            words,
             mark: self.mark(slot),
             factor: slot.factor,
             call_ns: slot.call_ns(self.cycle_ns),

@@ -116,7 +116,7 @@ impl Binea {
 
     /// Where the table is looked up.
     fn place(&self, points: Points<'_>, seen: &Seen<'_>) -> i64 {
-        let offset = if self.has_offset_word { seen.word } else { self.course.offset };
+        let offset = if self.has_offset_word { seen.words[0] } else { self.course.offset };
         match self.course.base {
             // What saturates lies far beyond every point.
             Base::Absolute => seen.source.value.saturating_add(offset),

@@ -1,6 +1,7 @@
 //! The types of functions: what each is called, reads, writes, and of which fields its set is made.
 
 use super::field::{self, Field};
+use super::program::LINES;
 use super::types;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,10 @@ pub enum Kind {
     Xfipw,
     /// Follows a speed through a table.
     Dfkt,
+    /// Makes a master of time; zeroes and monitors actual positions.
+    Fgen,
+    /// Controls by proportion, integral and differential.
+    Regl,
 }
 
 /// May a type have a source or a sink?
@@ -82,22 +87,42 @@ pub struct Description {
     pub tables: usize,
     /// Its tables may get new numbers while it is started.
     pub edits_tables: bool,
-    /// Key of the word that it reads beside its source; none without one.
-    pub word: Option<&'static str>,
-    /// So many of [`SHOWS`] it publishes, the first ones.
-    pub shows: usize,
+    /// Keys of the words that it reads beside its source, [`WORDS`](super::program::WORDS) at most.
+    pub words: &'static [&'static str],
+    /// What it publishes beside its lines.
+    pub shows: &'static [Shown],
     /// It takes VALUE_NEW.
     pub renews: bool,
     /// READ_VALUE finds a value, at rest alone.
     pub reads_at_rest: bool,
 }
 
-/// Names of values that slots publish beside their lines, with what they are (inc).
-pub const SHOWS: [(&str, &str); 3] = [
-    ("sak_share", "what compensation of the following error adds to its sink"),
+/// The name of a value that a slot publishes beside its lines, with what it is (inc).
+pub type Shown = (&'static str, &'static str);
+
+const OF_MARKS: &[Shown] = &[
+    SAK_SHARE,
     ("correction", "what printing mark control has added to its sink so far"),
     ("deviation", "how far the last mark was from its place on the slave, 0 where there was none"),
 ];
+
+const SAK_SHARE: Shown = ("sak_share", "what compensation of the following error adds to its sink");
+
+const OF_SAK: &[Shown] = &[SAK_SHARE];
+
+/// Of AW1 to AW8.
+const OF_DRIVES: &[Shown; LINES] = &[
+    ("feedback1", FEEDBACK),
+    ("feedback2", FEEDBACK),
+    ("feedback3", FEEDBACK),
+    ("feedback4", FEEDBACK),
+    ("feedback5", FEEDBACK),
+    ("feedback6", FEEDBACK),
+    ("feedback7", FEEDBACK),
+    ("feedback8", FEEDBACK),
+];
+
+const FEEDBACK: &str = "actual position of the axis with that number, since it was zeroed";
 
 /// All types.
 pub const TYPES: &[Description] = &[
@@ -132,8 +157,8 @@ pub const TYPES: &[Description] = &[
         moves_axes: true,
         inputs: 4,
         outputs: 1,
-        word: Some("word_addr"),
-        shows: 1,
+        words: &["word_addr"],
+        shows: OF_SAK,
         ..Description::of(
             Kind::Varsync,
             "varsync",
@@ -162,7 +187,7 @@ pub const TYPES: &[Description] = &[
         inputs: 8,
         outputs: 8,
         tables: 1,
-        word: Some("mw_offset_addr"),
+        words: &["mw_offset_addr"],
         renews: true,
         ..Description::of(Kind::Binea, "binea", "switches outputs by the segments of a table", types::BINEA)
     },
@@ -178,7 +203,7 @@ pub const TYPES: &[Description] = &[
         inputs: 1,
         outputs: 1,
         tables: 8,
-        shows: SHOWS.len(),
+        shows: OF_MARKS,
         ..Description::of(Kind::Fipw, "fipw", "runs through tables by the way of its source, or by time", types::FIPW)
     },
     Description {
@@ -188,7 +213,7 @@ pub const TYPES: &[Description] = &[
         outputs: 1,
         rests: 1,
         tables: 8,
-        shows: 1,
+        shows: OF_SAK,
         ..Description::of(
             Kind::Fipz,
             "fipz",
@@ -201,7 +226,7 @@ pub const TYPES: &[Description] = &[
         inputs: 5,
         outputs: 2,
         tables: 8,
-        shows: SHOWS.len(),
+        shows: OF_MARKS,
         renews: true,
         reads_at_rest: true,
         ..Description::of(
@@ -223,6 +248,31 @@ pub const TYPES: &[Description] = &[
         renews: true,
         ..Description::of(Kind::Dfkt, "dfkt", "follows a speed through a table, within limits", types::DFKT)
     },
+    Description {
+        moves_axes: true,
+        inputs: 2,
+        outputs: 8,
+        rests: 1,
+        words: &["override_addr"],
+        shows: OF_DRIVES,
+        renews: true,
+        ..Description::of(
+            Kind::Fgen,
+            "fgen",
+            "makes a master of time, started and stopped by an input; zeroes and monitors actual positions",
+            types::FGEN,
+        )
+    },
+    Description {
+        source: Need::Must,
+        quantity: Quantity::Speed,
+        moves_axes: true,
+        inputs: 4,
+        outputs: 2,
+        words: &["src1_addr", "src2_addr"],
+        renews: true,
+        ..Description::of(Kind::Regl, "regl", "controls a speed by what a source tells (PID)", types::REGL)
+    },
 ];
 
 impl Description {
@@ -241,8 +291,8 @@ impl Description {
             rests: 0,
             tables: 0,
             edits_tables: false,
-            word: None,
-            shows: 0,
+            words: &[],
+            shows: &[],
             renews: false,
             reads_at_rest: false,
         }
@@ -310,8 +360,8 @@ mod tests {
         let names = |kind: Kind| kind.description().fields.iter().map(|field| field.name).collect::<Vec<_>>();
         assert_eq!(names(Kind::Imes), ["ba", "sf_cycle_time", "spacing", "window", "blocked"]);
         let renews: Vec<_> = TYPES.iter().filter(|row| row.renews).map(|row| row.name).collect();
-        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea", "xfipw", "dfkt"]);
-        assert_eq!((Kind::Binea.description().word, Kind::Cam.description().word), (Some("mw_offset_addr"), None));
+        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea", "xfipw", "dfkt", "fgen", "regl"]);
+        assert_eq!((Kind::Binea.description().words, Kind::Cam.description().words), (&["mw_offset_addr"][..], &[][..]));
     }
 
     #[test]

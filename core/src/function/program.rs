@@ -9,6 +9,9 @@ use std::sync::Arc;
 /// Inputs, outputs, tables and monitored drives of one function.
 pub const LINES: usize = 8;
 
+/// Words that a function reads beside its source, at most.
+pub const WORDS: usize = 2;
+
 /// What a function reads of its source in one call.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Reading {
@@ -21,7 +24,7 @@ pub(super) struct Reading {
 }
 
 /// Where no drive is watched.
-pub const NO_DRIVES: &[Drive; LINES] = &[Drive { error: 0, sak_share: 0 }; LINES];
+pub const NO_DRIVES: &[Drive; LINES] = &[Drive { error: 0, sak_share: 0, actual: 0 }; LINES];
 
 /// What is told of a monitored drive.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,6 +33,8 @@ pub struct Drive {
     pub error: i64,
     /// What the function whose sink it is adds for the following error (inc).
     pub sak_share: i64,
+    /// Actual position (inc).
+    pub actual: i64,
 }
 
 /// The tables that a function reads; those that it does not read are not looked for.
@@ -60,8 +65,8 @@ pub(super) struct Seen<'a> {
     pub inputs: u8,
     /// What the sink holds: at START what its object has, then what the function gave it.
     pub sink: i64,
-    /// What the word that the set names holds (`word_addr`, `mw_offset_addr`); 0 without one.
-    pub word: i64,
+    /// What the words hold that the cell names (`word_addr`, `mw_offset_addr`..), in the order of their type; 0 without one.
+    pub words: [i64; WORDS],
     pub tables: Tables<'a>,
     /// The first eight axes.
     pub drives: &'a [Drive; LINES],

@@ -108,7 +108,7 @@ pub struct Slot {
     /// Which outputs it writes.
     writes: u8,
     sink: i64,
-    /// What it shows, in the order of [`SHOWS`](super::kind::SHOWS).
+    /// What the last call gave to show.
     shown: [i64; 3],
     error: Code,
     lead: Lead,
@@ -123,7 +123,7 @@ impl Slot {
     /// A function at rest, with these values.
     pub(crate) fn new(wires: &Wires, values: &[i64], room: Room) -> Self {
         Self {
-            function: Any::new(wires.kind, wires.word.is_some(), room),
+            function: Any::new(wires.kind, wires.words.map(|word| word.is_some()), room),
             phase: Phase::Reset,
             since: 0,
             staged: values.into(),
@@ -191,6 +191,12 @@ impl Slot {
     /// A1 in bit 0 to A8 in bit 7, before inversion.
     pub fn outputs(&self) -> u8 {
         self.outputs
+    }
+
+    /// What it shows.
+    #[inline]
+    fn shows(&self) -> &[i64] {
+        if self.is_active() { self.function.shown().unwrap_or(&self.shown) } else { &[0; LINES] }
     }
 
     /// What compensation of the following error adds (inc).
@@ -340,7 +346,7 @@ impl Slot {
             return written;
         }
         board.set_int(wires.first, self.sink);
-        for (value, nth) in self.shown.iter().zip(0..wires.shows) {
+        for (value, nth) in self.shows().iter().zip(0..wires.shows) {
             board.set_int(wires.first.plus(signals(nth)), *value);
         }
         written
@@ -409,7 +415,7 @@ impl Slot {
             source: Reading { value: self.last, travel: self.travel.floor(), mark: self.mark },
             inputs: self.inputs,
             sink,
-            word: wires.word.map_or(0, |word| word.read(board)),
+            words: wires.words.map(|word| word.map_or(0, |word| word.read(board))),
             tables: Tables { all: cx.tables, places: &wires.tables },
             drives: cx.drives,
         }
@@ -505,7 +511,7 @@ impl Slot {
         for (bit, word) in (0..LINES).zip(lines.iter_mut().skip(LINES)) {
             *word = u64::from(self.outputs >> bit & 1);
         }
-        for (value, word) in self.shown.iter().zip(lines.iter_mut().skip(2 * LINES)) {
+        for (value, word) in self.shows().iter().zip(lines.iter_mut().skip(2 * LINES)) {
             *word = int(*value);
         }
     }

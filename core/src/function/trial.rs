@@ -1,7 +1,7 @@
 //! What tests of a type need: a set by the names of its fields, and a call in which nothing happens.
 
 use super::field::Field;
-use super::program::{LINES, NO_DRIVES, Occasion, Reading, Seen, Setting, Tables};
+use super::program::{LINES, NO_DRIVES, Occasion, Reading, Seen, Setting, Tables, WORDS};
 use crate::table::Table;
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ pub(super) fn at_rest<'a>() -> Seen<'a> {
         source: Reading::default(),
         inputs: 0,
         sink: 0,
-        word: 0,
+        words: [0; WORDS],
         tables: NO_TABLES,
         drives: NO_DRIVES,
     }

@@ -5,13 +5,15 @@ use super::cam::{self, Cam};
 use super::copy::{self, Dcopy, Ecopy};
 use super::dfkt::{self, Dfkt};
 use super::digdreh::{self, Digdreh};
+use super::fgen::{self, Fgen};
 use super::field::{Field, Words};
 use super::imes::{self, Imes};
 use super::interpolator::fipw::{self, Fipw};
 use super::interpolator::fipz::{self, Fipz};
 use super::interpolator::xfipw::{self, Xfipw};
 use super::kind::Kind;
-use super::program::{Fault, Outcome, Program, Seen, Setting};
+use super::program::{Fault, Outcome, Program, Seen, Setting, WORDS};
+use super::regl::{self, Regl};
 use super::sidiff::{self, Sidiff};
 use super::varsync::{self, Varsync};
 use super::wires::Room;
@@ -29,6 +31,8 @@ pub(super) const FIPW: &[Field] = fipw::FIELDS;
 pub(super) const FIPZ: &[Field] = fipz::FIELDS;
 pub(super) const XFIPW: &[Field] = xfipw::FIELDS;
 pub(super) const DFKT: &[Field] = dfkt::FIELDS;
+pub(super) const FGEN: &[Field] = fgen::FIELDS;
+pub(super) const REGL: &[Field] = regl::FIELDS;
 
 /// A function of any type.
 #[derive(Debug, Serialize, Deserialize)]
@@ -45,6 +49,8 @@ pub(super) enum Any {
     Fipz(Fipz),
     Xfipw(Xfipw),
     Dfkt(Dfkt),
+    Fgen(Fgen),
+    Regl(Regl),
 }
 
 /// Does the same with a function of any type.
@@ -63,13 +69,16 @@ macro_rules! each {
             Any::Fipz($function) => $do,
             Any::Xfipw($function) => $do,
             Any::Dfkt($function) => $do,
+            Any::Fgen($function) => $do,
+            Any::Regl($function) => $do,
         }
     };
 }
 
 impl Any {
     /// One at rest, with all memory that it will need.
-    pub(super) fn new(kind: Kind, has_word: bool, room: Room) -> Self {
+    pub(super) fn new(kind: Kind, has_words: [bool; WORDS], room: Room) -> Self {
+        let [has_word, _] = has_words;
         match kind {
             Kind::Dcopy => Self::Dcopy(Dcopy::new()),
             Kind::Ecopy => Self::Ecopy(Ecopy::new()),
@@ -83,6 +92,8 @@ impl Any {
             Kind::Fipz => Self::Fipz(Fipz::new()),
             Kind::Xfipw => Self::Xfipw(Xfipw::new()),
             Kind::Dfkt => Self::Dfkt(Dfkt::new()),
+            Kind::Fgen => Self::Fgen(Fgen::new(has_word)),
+            Kind::Regl => Self::Regl(Regl::new(has_words)),
         }
     }
 
@@ -100,6 +111,8 @@ impl Any {
             Self::Fipz(_) => Kind::Fipz,
             Self::Xfipw(_) => Kind::Xfipw,
             Self::Dfkt(_) => Kind::Dfkt,
+            Self::Fgen(_) => Kind::Fgen,
+            Self::Regl(_) => Kind::Regl,
         }
     }
 
@@ -134,12 +147,23 @@ impl Any {
             (Self::Varsync(mine), Self::Varsync(other)) => mine.is_set_up_as(other),
             (Self::Binea(mine), Self::Binea(other)) => mine.is_set_up_as(other),
             (Self::Cam(mine), Self::Cam(other)) => mine.is_set_up_as(other),
+            (Self::Fgen(mine), Self::Fgen(other)) => mine.is_set_up_as(other),
+            (Self::Regl(mine), Self::Regl(other)) => mine.is_set_up_as(other),
             _ => self.kind() == other.kind(),
         }
     }
 
     pub(super) fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
         each!(self, function => function.is_set(words, call_ns))
+    }
+
+    /// What it keeps to show; none where each call gives it.
+    #[inline]
+    pub(super) fn shown(&self) -> Option<&[i64]> {
+        match self {
+            Self::Fgen(function) => Some(function.shown()),
+            _ => None,
+        }
     }
 
     pub(super) fn is_sound(&self) -> bool {
@@ -162,6 +186,8 @@ impl Clone for Any {
             Self::Fipz(function) => Self::Fipz(function.clone()),
             Self::Xfipw(function) => Self::Xfipw(function.clone()),
             Self::Dfkt(function) => Self::Dfkt(function.clone()),
+            Self::Fgen(function) => Self::Fgen(function.clone()),
+            Self::Regl(function) => Self::Regl(function.clone()),
         }
     }
 

@@ -146,7 +146,7 @@ impl Varsync {
             }
             Mode::Word => {
                 // A flag word has 16 bits.
-                self.ratio = seen.word as i16;
+                self.ratio = seen.words[0] as i16;
                 false
             }
         }

@@ -1,7 +1,7 @@
 //! What a slot is wired to: handles that stay the same as long as the cell does.
 
 use super::kind::Kind;
-use super::program::LINES;
+use super::program::{LINES, WORDS};
 use crate::object::Leader;
 use crate::signal::{Signal, Type};
 use serde::{Deserialize, Serialize};
@@ -187,8 +187,8 @@ pub struct Wires {
     pub tables: [Option<u16>; LINES],
     /// So many values it publishes beside its lines.
     pub shows: usize,
-    /// The word that it reads beside its source.
-    pub word: Option<Word>,
+    /// The words that it reads beside its source.
+    pub words: [Option<Word>; WORDS],
     /// What latches its marks.
     pub mark: Mark,
     /// It is called in each n-th cycle.

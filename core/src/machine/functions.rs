@@ -155,7 +155,7 @@ impl Machine {
             }
             let watched;
             let mut drives = NO_DRIVES;
-            if wires.kind == Kind::Sidiff {
+            if matches!(wires.kind, Kind::Sidiff | Kind::Fgen) {
                 watched = self.drives();
                 drives = &watched;
             }
@@ -240,6 +240,9 @@ impl Machine {
         let mut drives = [Drive::default(); LINES];
         for (drive, first) in drives.iter_mut().zip(&self.signals.axes) {
             drive.error = self.state.board.int(AxisSignal::RegulatorError.of(*first));
+        }
+        for (drive, axis) in drives.iter_mut().zip(&self.state.leads.of_axes) {
+            drive.actual = axis.actual.position.floor();
         }
         for &(axis, slot) in &self.movers {
             if let (Some(drive), Some(slot)) = (drives.get_mut(axis), self.state.slots.get(usize::from(slot))) {

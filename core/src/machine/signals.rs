@@ -7,7 +7,7 @@ use crate::config::{IoKind, MachineConfig, MemoryKind, SlotConfig};
 use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs, SpeedOutputs, Switching};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
-use crate::function::{LINES, Quantity, SHOWS};
+use crate::function::{LINES, Quantity};
 use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
@@ -274,7 +274,7 @@ fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
         let help = "binary output of the function, before inversion";
         add(&format!("out{line}"), Type::Bit, Measure::None, help);
     }
-    for (name, help) in SHOWS.iter().take(row.shows) {
+    for (name, help) in row.shows {
         add(name, Type::Int, Measure::Position, help);
     }
     first

@@ -170,9 +170,11 @@ pub(super) fn slots() -> Vec<SlotConfig> {
     let slots = TYPES.iter().enumerate().map(|(place, row)| {
         let mut slot = SlotConfig::new(format!("f{place}"), place as u16, row.kind);
         slot.source = match row.kind {
-            function::Kind::Imes | function::Kind::Dcopy | function::Kind::Cam | function::Kind::Dfkt => {
-                SourceConfig::Lead(Leader::Encoder(0))
-            }
+            function::Kind::Imes
+            | function::Kind::Dcopy
+            | function::Kind::Cam
+            | function::Kind::Dfkt
+            | function::Kind::Regl => SourceConfig::Lead(Leader::Encoder(0)),
             function::Kind::Varsync => SourceConfig::Lead(Leader::AxisCommand(0)),
             function::Kind::Ecopy => SourceConfig::Lead(Leader::Sink(5)),
             function::Kind::Binea => SourceConfig::Lead(Leader::Sink(0)),
@@ -201,6 +203,14 @@ pub(super) fn slots() -> Vec<SlotConfig> {
             for (_, place) in values.iter().filter_map(|name| row.find(name)) {
                 slot.values[place] = 1;
             }
+        }
+        let values: &[&str] = match row.kind {
+            function::Kind::Fgen => &["fct", "cycle_time", "cycle_increments", "accel", "accel2", "aw_mask"],
+            function::Kind::Regl => &["switch_mask", "kp", "ki", "kd", "y_max", "gain_v", "i_max"],
+            _ => &[],
+        };
+        for name in values {
+            slot.values[row.find(name).expect("a field").1] = 7;
         }
         for line in slot.inputs.iter_mut().take(row.inputs) {
             *line = Some(Line { object: Object::Memory(1), inverted: false });

@@ -19,7 +19,7 @@ use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::{ScaleKind, excerpt};
 
 /// Types of the contract that are not built.
-pub(crate) const LATER: [&str; 4] = ["fgen", "regl", "apsf", "epos"];
+pub(crate) const LATER: [&str; 2] = ["apsf", "epos"];
 
 /// What has signals.
 const READABLE: [Section; 6] =
@@ -273,11 +273,11 @@ fn slot<'d>(
         note(reaction.is_some());
         slot.on_axis_error = reaction.unwrap_or_default();
     }
-    if let Some(key) = row.word
-        && let Some(value) = map.optional(key)
-    {
-        slot.word = reader.word(&value, open);
-        note(slot.word.is_some());
+    for (word, key) in slot.words.iter_mut().zip(row.words) {
+        if let Some(value) = map.optional(key) {
+            *word = reader.word(&value, open);
+            note(word.is_some());
+        }
     }
     note(fields(map, row, &mut slot.values));
     slot.room = reader.room(&slot);

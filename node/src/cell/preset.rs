@@ -127,12 +127,13 @@ impl Holder<'_, '_> {
         if let Some(value) = at(entry, "sink") {
             self.sink(&value, slot);
         }
-        if let Some((key, name)) = slot.kind.description().word.zip(slot.word.as_ref())
-            && let Some(value) = at(entry, key)
-        {
+        for (key, name) in slot.kind.description().words.iter().zip(&slot.words) {
+            let Some((name, value)) = name.as_ref().zip(at(entry, key)) else { continue };
+            // w2 of a regl is a double word.
+            let kind = if *key == "src2_addr" { MemoryKind::I32 } else { MemoryKind::I16 };
             match self.machine.memory.iter().position(|memory| memory.name == *name) {
-                Some(place) => self.memory(&value, place, &[MemoryKind::I16]),
-                None => refuse(&value, &named(&value), "a memory cell of type i16"),
+                Some(place) => self.memory(&value, place, &[kind]),
+                None => refuse(&value, &named(&value), &format!("a memory cell of type {}", memory_name(kind))),
             }
         }
         if let Some(value) = at(entry, "inputs").filter(|_| slot.kind == Kind::Imes && slot.inputs[0].is_some()) {
@@ -151,7 +152,7 @@ impl Holder<'_, '_> {
 
     /// The time between two calls, of the types whose set tells at most 131 units of it.
     fn calls(&self, entry: &Entry<'_>, slot: &SlotConfig) {
-        let tells = matches!(slot.kind, Kind::Imes | Kind::Binea | Kind::Cam);
+        let tells = matches!(slot.kind, Kind::Imes | Kind::Binea | Kind::Cam | Kind::Fgen | Kind::Regl);
         let cycle_ns = self.machine.cycle_ns;
         if let Some(value) = at(entry, "cycle_factor")
             && tells
@@ -204,7 +205,7 @@ impl Holder<'_, '_> {
             SinkConfig::Axis(place) => Self::axis(value, usize::from(place)),
             SinkConfig::Memory(place) => {
                 let kinds: &[MemoryKind] = match slot.kind {
-                    Kind::Digdreh | Kind::Cam => &[MemoryKind::I32],
+                    Kind::Digdreh | Kind::Cam | Kind::Regl => &[MemoryKind::I32],
                     Kind::Imes => &[MemoryKind::I16],
                     _ => &[MemoryKind::I16, MemoryKind::I32],
                 };

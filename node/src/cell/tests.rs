@@ -144,7 +144,7 @@ groups: {arm: [x, y]}
          16:7: missing key `scale` in axis `X2`\n\
          16:14: type is `liner`; one of linear, rotary is allowed, did you mean `linear`?\n\
          18:13: slot is 256; 0..255 is allowed\n\
-         18:24: function type epos does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt\n\
+         18:24: function type epos does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl\n\
          19:19: arm[1] is `y`; no axis has that name, there are x, X2"
     );
 }

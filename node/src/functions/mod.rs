@@ -8,7 +8,7 @@ mod terminal;
 pub use markdown::{markdown, renewed};
 pub use terminal::{details, listing};
 
-use lineshaft_core::function::{Description, Field, Need, Quantity, SHOWS};
+use lineshaft_core::function::{Description, Field, Need, Quantity, Shown};
 
 /// What is to be said of a type beside its fields: a word, and the rest of the sentence.
 fn facts(row: &Description) -> Vec<(&'static str, String)> {
@@ -24,17 +24,25 @@ fn facts(row: &Description) -> Vec<(&'static str, String)> {
         ("outputs", outputs(row)),
         ("tables", tables(row)),
     ];
-    if let Some(word) = row.word {
+    for word in row.words {
         facts.push(("word", format!("`{word}` names the signal that is read in each call beside the source")));
     }
     let value_new = if row.renews { "takes the live fields" } else { "is refused" };
     facts.push(("VALUE_NEW", value_new.to_owned()));
-    if row.shows > 0 {
-        let shown: Vec<_> =
-            SHOWS.iter().take(row.shows).map(|(name, help)| format!("`{name}`, {help} (inc)")).collect();
-        facts.push(("shows", shown.join("; ")));
+    if !row.shows.is_empty() {
+        facts.push(("shows", shown(row.shows)));
     }
     facts
+}
+
+/// Names that have one meaning are told as a range.
+fn shown(shows: &[Shown]) -> String {
+    let told = shows.chunk_by(|(_, help), (_, other)| help == other).filter_map(|chunk| {
+        let ((first, help), (last, _)) = (chunk.first()?, chunk.last()?);
+        let names = if first == last { format!("`{first}`") } else { format!("`{first}` to `{last}`") };
+        Some(format!("{names}, {help} (inc)"))
+    });
+    told.collect::<Vec<_>>().join("; ")
 }
 
 fn sink(row: &Description) -> String {

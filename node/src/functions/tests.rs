@@ -74,6 +74,15 @@ fn a_type_tells_what_it_reads_and_writes() {
         text(Kind::Varsync)
             .contains("  shows     sak_share, what compensation of the following error adds to its sink (inc)\n")
     );
+    let fgen = text(Kind::Fgen);
+    for line in [
+        "  word      override_addr names the signal that is read in each call beside the source",
+        "  shows     feedback1 to feedback8, actual position of the axis with that number, since it was zeroed (inc)",
+        "  pos_limit[0..6]  0 to 2147483647 (inc), left out: 0, live",
+    ] {
+        assert!(fgen.lines().any(|there| there == line), "{line}\n{fgen}");
+    }
+    assert_eq!(text(Kind::Regl).matches("  word      src").count(), 2);
     assert!(text(Kind::Dcopy).contains("an axis, a memory cell of numbers, an ao or none; it must be given\n"));
     assert!(text(Kind::Fipw).contains("  tables    up to 8, which keep their numbers while the function runs\n"));
     assert!(text(Kind::Cam).contains("  tables    1, which may get new numbers while the function runs\n"));

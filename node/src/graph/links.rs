@@ -28,7 +28,7 @@ pub(super) struct Port {
 pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     let Some(config) = machine.slots.get(usize::from(slot)) else { return Vec::new() };
     let mut ports = Vec::new();
-    let words = config.word.iter().flat_map(|name| signal(machine, slot, name)).map(|read| ("word", read));
+    let words = config.words.iter().flatten().flat_map(|name| signal(machine, slot, name)).map(|read| ("word", read));
     let read = sources(machine, slot, config).into_iter().map(|read| ("source", read)).chain(words);
     ports.extend(read.map(|(label, (name, object, is_late))| Port {
         label: label.to_owned(),
@@ -46,7 +46,10 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     }
     for axis in watched(config).filter(|axis| usize::from(*axis) < machine.axes.len()) {
         let object = Object::Axis(axis);
-        read(format!("AW{}", axis + 1), machine.name(object), object);
+        // Differences are those of the last cycle, positions that drives have told are not.
+        let is_late = config.kind == Kind::Sidiff || !is_told(machine, Leader::AxisActual(axis));
+        let (label, name) = (format!("AW{}", axis + 1), machine.name(object).to_owned());
+        ports.push(Port { label, name, object, is_output: false, is_late });
     }
     let sink = match config.sink {
         SinkConfig::None => None,
@@ -151,7 +154,12 @@ fn watched(config: &SlotConfig) -> impl Iterator<Item = u16> {
         let (_, place) = config.kind.description().find(name)?;
         config.values.get(place).copied()
     };
-    let is_watched = config.kind == Kind::Sidiff;
+    let is_watched = match config.kind {
+        Kind::Sidiff => true,
+        // Bits 1 and 2: zeroing and monitoring.
+        Kind::Fgen => value("fct").is_some_and(|fct| fct & 6 != 0),
+        _ => false,
+    };
     let (mask, shown) = (value("aw_mask").unwrap_or(0), value("display_aw").unwrap_or(0));
     (0..8).filter(move |axis| is_watched && (mask >> axis & 1 == 1 || shown == i64::from(axis + 1)))
 }

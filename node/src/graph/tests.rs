@@ -76,6 +76,18 @@ fn a_watch_reads_the_axes_of_its_set() {
     assert_eq!(said(&machine, 0), ["AW1 <- x (late)", "AW2 <- y (late)", "sink -> feed", "A1 -> lamp"]);
 }
 
+/// Where a drive is, it has told before the slots; and two words are two links.
+#[test]
+fn positions_that_are_watched_are_this_cycles_and_each_word_is_a_link() {
+    let functions = "  a: {slot: 0, type: fgen, fct: 4, aw_mask: 2, cycle_increments: 1, accel: 1}\n  \
+                     b: {slot: 1, type: fgen, aw_mask: 2, cycle_increments: 1, accel: 1}\n  \
+                     c: {slot: 2, type: regl, source: feed, src1_addr: a.sink, src2_addr: c.sink, gain_v: 1}\n";
+    let machine = machine(functions);
+    assert_eq!(said(&machine, 0), ["AW2 <- y"]);
+    assert_eq!(said(&machine, 1), [""; 0], "without bits 1 and 2 of fct it watches none");
+    assert_eq!(said(&machine, 2), ["source <- feed", "word <- a.sink", "word <- c.sink (late)"]);
+}
+
 /// Each member is a link of its own: an encoder is this cycle's, a command the last one's. What a master shows is the last cycle's.
 #[test]
 fn a_slot_that_reads_a_master_of_several_reads_its_members() {

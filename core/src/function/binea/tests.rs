@@ -52,7 +52,7 @@ impl Bench {
         let source = Reading { value, travel: value, mark: None };
         let drives = crate::function::NO_DRIVES;
         let Self { call_ns, word, inputs, .. } = *self;
-        let seen = Seen { call_ns, source, inputs, sink: 77, word, tables: tab0(&self.table), drives };
+        let seen = Seen { call_ns, source, inputs, sink: 77, words: [word, 0], tables: tab0(&self.table), drives };
         let Some(words) = words else { return self.binea.step(&seen) };
         assert_eq!(self.refused(words), None);
         self.binea.start(Words(words), &seen)

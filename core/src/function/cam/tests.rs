@@ -67,7 +67,7 @@ impl Bench {
         let tables = tab0(&self.table);
         let source = Reading { value, travel: value, mark: None };
         let (call_ns, inputs, drives) = (self.call_ns, self.inputs, crate::function::NO_DRIVES);
-        let seen = Seen { call_ns, source, inputs, sink: 77, word: 0, tables, drives };
+        let seen = Seen { call_ns, source, inputs, sink: 77, words: [0; 2], tables, drives };
         match words {
             Some(words) => self.cam.start(Words(words), &seen),
             None => self.cam.step(&seen),

@@ -19,7 +19,7 @@ fn call<'a>(drives: &[(i64, i64)], table: Option<&'a Arc<Table>>) -> Seen<'a> {
     let mut seen = Seen { sink: 7, tables: table.map_or(NO_TABLES, tab0), ..at_rest() };
     let mut told = *NO_DRIVES;
     for (drive, (error, sak_share)) in told.iter_mut().zip(drives) {
-        *drive = Drive { error: *error, sak_share: *sak_share };
+        *drive = Drive { error: *error, sak_share: *sak_share, actual: 0 };
     }
     // A test is over before it is missed.
     seen.drives = Box::leak(Box::new(told));

@@ -97,8 +97,8 @@ fn two_levels_choose_of_three_ratios_and_both_keep_it() {
 #[test]
 fn a_word_is_the_ratio_of_each_call() {
     let words = words(3, &RATIOS);
-    let mut varsync = started(&words, &Seen { word: 7, ..at(0, 0) });
-    let mut slave = |travel, word| varsync.step(&Seen { word, ..at(travel, 1) }).sink;
+    let mut varsync = started(&words, &Seen { words: [7, 0], ..at(0, 0) });
+    let mut slave = |travel, word| varsync.step(&Seen { words: [word, 0], ..at(travel, 1) }).sink;
     assert_eq!([slave(100, 10_000), slave(200, -10_000), slave(300, 0), slave(400, 65_535 - 9_999)], [100, 0, 0, -100]);
     // 227.67, then -100.01: both are rounded down.
     assert_eq!([slave(500, 32_767), slave(600, 32_768)], [227, -101]);

@@ -30,12 +30,25 @@ fn a_slot_knows_what_it_is_wired_to() {
     assert_eq!((&early.source, early.sink), (&SourceConfig::Lead(Leader::AxisActual(1)), SinkConfig::Axis(2)));
     let line = |object, inverted| Some(Line { object, inverted });
     assert_eq!(early.inputs[..4], [line(Object::Io(2), false), None, line(Object::Memory(1), true), None]);
-    assert_eq!((early.outputs[0], early.word.as_deref()), (line(Object::Io(0), false), Some("feed")));
+    assert_eq!((early.outputs[0], early.words[0].as_deref()), (line(Object::Io(0), false), Some("feed")));
     assert_eq!((early.on_axis_error, &early.values[..]), (OnAxisError::Reset, &[1, 0, 0, 0, 0, 0, 0, 0, 0, 0, -3][..]));
     // The sink that it reads is counted in the order of the slots.
     assert_eq!((late.number, &late.source), (9, &SourceConfig::Lead(Leader::Sink(0))));
     assert_eq!((late.source_width, late.sink_width, late.factor), (Width::W16, Width::W64, 4));
     assert_eq!(late.call_ns(cell.machine.cycle_ns), 4_000_000);
+}
+
+/// Proves: AMK-FGEN-12, AMK-FGEN-14, AMK-REGL-18, AMK-REGL-19
+#[test]
+fn a_slot_knows_the_words_that_it_reads() {
+    let cell = good(&cell(
+        "  made: {slot: 1, type: fgen, override_addr: feed, cycle_increments: 9, accel: 1, pos_limit: [7, 8]}\n  \
+         held: {slot: 2, type: regl, source: x.actual, gain_v: 1, src2_addr: made.sink}\n",
+    ));
+    let [made, held] = cell.machine.slots.as_slice() else { panic!("two slots") };
+    assert_eq!(made.words, [Some("feed".into()), None]);
+    assert_eq!(held.words, [None, Some("made.sink".into())]);
+    assert_eq!(made.values[7..], [7, 8, 0, 0, 0, 0, 0, 0]);
 }
 
 /// Proves: AMK-VARSYNC-09, AMK-BINEA-06, AMK-BINEA-09, AMK-CAM-28, AMK-CAM-30, AMK-CAM-47
@@ -46,12 +59,12 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("^{type: dcopy, source: x, sink: none}", "missing key `slot` in function `f`"),
         ("^{slot: 1}", "missing key `type` in function `f`"),
         (
-            "{slot: 1, type: ^regl}",
-            "function type regl does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt",
+            "{slot: 1, type: ^apsf}",
+            "function type apsf does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl",
         ),
         (
             "{slot: 1, type: ^camm}",
-            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt is allowed",
+            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl is allowed",
         ),
         ("^{slot: 1, type: dcopy, sink: none}", "function `f` has no source; type dcopy reads one"),
         (

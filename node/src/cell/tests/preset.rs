@@ -89,6 +89,19 @@ fn what_the_source_does_not_address_is_refused_where_it_stands() {
             "word_addr is `x1.command.position`; preset amkasyn allows a memory cell of type i16",
         ),
         (
+            "{slot: 0, type: fgen, override_addr: ^d, cycle_increments: 1, accel: 1}",
+            "override_addr is `d`, of type i32; preset amkasyn allows i16",
+        ),
+        (
+            "{slot: 0, type: regl, source: w, gain_v: 1, src2_addr: ^w}",
+            "src2_addr is `w`, of type i16; preset amkasyn allows i32",
+        ),
+        ("{slot: 0, type: regl, source: w, gain_v: 1, sink: ^w}", "sink is `w`, of type i16; preset amkasyn allows i32"),
+        (
+            "{slot: 0, type: fgen, cycle_increments: 1, accel: 1, cycle_factor: ^66}",
+            "cycle_factor is 66; preset amkasyn allows 1..65 for type fgen",
+        ),
+        (
             "{slot: 0, type: varsync, source: e1, sink: x1, on_axis_error: ^reset}",
             "on_axis_error is `reset`; preset amkasyn allows run",
         ),

@@ -75,7 +75,9 @@ fn linked(choices: &[Choice]) -> MachineConfig {
             }
         }
         slot.tables[0] = (row.tables > 0 && choice.lines[0] % 4 != 0).then_some(0);
-        slot.word = row.word.filter(|_| choice.lines[1] % 2 == 0).map(|_| "w".into());
+        for (nth, word) in slot.words.iter_mut().take(row.words.len()).enumerate() {
+            *word = (choice.lines[1] >> nth & 1 == 0).then(|| ["w", "d"][nth].into());
+        }
         let width = |nth: usize| [Width::W16, Width::W32, Width::W64][choice.widths[nth]];
         (slot.source_width, slot.sink_width) = (width(0), width(1));
         slot.factor = choice.factor;
@@ -88,6 +90,15 @@ fn linked(choices: &[Choice]) -> MachineConfig {
                 let (_, place) = row.find(name).expect("a field");
                 slot.values[place] = 7;
             }
+        }
+        let values: &[&str] = match row.kind {
+            Kind::Fgen => &["fct", "cycle_time", "cycle_increments", "accel", "accel2", "aw_mask"],
+            Kind::Regl => &["switch_mask", "kp", "ki", "kd", "y_max", "gain_v", "i_max"],
+            _ => &[],
+        };
+        for name in values {
+            let (_, place) = row.find(name).expect("a field");
+            slot.values[place] = 7;
         }
         slot
     });

@@ -1,0 +1,590 @@
+//! The oracles of the generator, its phases, zeroing and monitoring, its refusals, and its laws for all sets.
+
+use super::super::program::{Occasion, Reading};
+use super::super::trial::{at_rest, set, setting};
+use super::*;
+use proptest::prelude::*;
+
+const MS: u64 = 1_000_000;
+const AT_REST: u8 = A1;
+const MOVES: u8 = 0;
+
+/// A generator with what it sees.
+#[derive(Clone)]
+struct Bench {
+    fgen: Fgen,
+    values: Vec<(&'static str, i64)>,
+    limits: [i64; LIMITS],
+    call_ns: u64,
+    sink: i64,
+    travel: i64,
+    word: i64,
+    drives: [Drive; LINES],
+}
+
+/// The manual's example, without zeroing: 20000 inc in 2 s, ramps of 1 inc a call, a sequence.
+const EXAMPLE: [(&str, i64); 6] =
+    [("fct", 1), ("ba", 2), ("cycle_time", 4000), ("sf_cycle_time", 2), ("cycle_increments", 20_000), ("accel", 1_000_000)];
+
+fn example(more: &[(&'static str, i64)]) -> Bench {
+    let mut bench = Bench {
+        fgen: Fgen::new(true),
+        values: EXAMPLE.into(),
+        limits: [0; LIMITS],
+        call_ns: MS,
+        sink: 0,
+        travel: 0,
+        word: 1024,
+        drives: [Drive::default(); LINES],
+    };
+    bench.take(more);
+    bench
+}
+
+impl Bench {
+    fn take(&mut self, more: &[(&'static str, i64)]) {
+        for (name, value) in more {
+            self.values.retain(|(known, _)| known != name);
+            self.values.push((name, *value));
+        }
+    }
+
+    fn words(&self) -> Vec<i64> {
+        let mut words = set(FIELDS, &self.values);
+        for (nth, limit) in self.limits.into_iter().enumerate() {
+            words[at("pos_limit") + nth] = limit;
+        }
+        words
+    }
+
+    /// What START says to the set with these values changed, or VALUE_NEW while it runs.
+    fn checked(&self, more: &[(&'static str, i64)], runs: bool) -> Result<(), Fault> {
+        let mut asked = self.clone();
+        asked.take(more);
+        self.fgen.check(Words(&asked.words()), &Setting { runs, ..setting(self.call_ns, [None; LINES]) })
+    }
+
+    fn seen(&self, inputs: u8) -> Seen<'_> {
+        let source = Reading { value: self.travel, travel: self.travel, mark: None };
+        let Self { call_ns, sink, .. } = *self;
+        Seen { call_ns, source, inputs, sink, words: [self.word, 0], drives: &self.drives, ..at_rest() }
+    }
+
+    /// Sink and outputs of START.
+    fn start(&mut self, inputs: u8) -> (i64, u8) {
+        self.checked(&[], false).expect("a set that starts");
+        let mut fgen = self.fgen.clone();
+        let told = fgen.start(Words(&self.words()), &self.seen(inputs));
+        self.fgen = fgen;
+        self.sink = told.sink;
+        (told.sink, told.outputs)
+    }
+
+    fn value_new(&mut self, more: &[(&'static str, i64)]) {
+        self.checked(more, true).expect("a set that it takes");
+        self.take(more);
+        self.fgen.renew(Words(&self.words()));
+        self.is_sound();
+    }
+
+    fn is_sound(&self) {
+        let words = self.words();
+        let kept = Setting { runs: true, occasion: Occasion::Kept, ..setting(self.call_ns, [None; LINES]) };
+        assert!(self.fgen.is_sound() && self.fgen.is_set(Words(&words), self.call_ns));
+        assert_eq!(self.fgen.check(Words(&words), &kept), Ok(()));
+    }
+
+    /// Sink and outputs of a call.
+    fn step(&mut self, inputs: u8) -> (i64, u8) {
+        let mut fgen = self.fgen.clone();
+        let told = fgen.step(&self.seen(inputs));
+        self.fgen = fgen;
+        self.sink = told.sink;
+        (told.sink, told.outputs)
+    }
+
+    /// The same of the last of so many calls.
+    fn run(&mut self, inputs: u8, calls: usize) -> (i64, u8) {
+        let told = (0..calls).map(|_| self.step(inputs)).last().expect("a call");
+        self.is_sound();
+        told
+    }
+
+    /// The way of each of so many calls.
+    fn ways(&mut self, inputs: u8, calls: usize) -> Vec<i64> {
+        (0..calls)
+            .map(|_| {
+                let before = self.sink;
+                self.step(inputs).0 - before
+            })
+            .collect()
+    }
+}
+
+/// Proves: AMK-FGEN-04, AMK-FGEN-05, AMK-FGEN-06, AMK-FGEN-07, AMK-FGEN-08, AMK-FGEN-09, AMK-FGEN-10, AMK-FGEN-11, AMK-FGEN-12, AMK-FGEN-13,
+/// AMK-FGEN-14, AMK-FGEN-15
+#[test]
+fn the_fields_are_those_of_the_commanding_block() {
+    let fields: Vec<_> =
+        FIELDS.iter().map(|field| (field.name, field.count, field.min, field.max, field.live)).collect();
+    // What is needed in some modes only may be 0; the override is a word, the number of the function its name.
+    assert_eq!(
+        fields,
+        [
+            ("fct", 1, 0, 7, false),
+            ("ba", 1, 0, 7, true),
+            ("cycle_time", 1, 0, 32_767, true),
+            ("sf_cycle_time", 1, 0, 131, false),
+            ("cycle_increments", 1, 1, 2_147_483_647, false),
+            ("accel", 1, 1, 500_000_000, true),
+            ("aw_mask", 1, 0, 254, false),
+            ("pos_limit", 7, 0, 2_147_483_647, true),
+            ("accel2", 1, 0, 500_000_000, true),
+        ]
+    );
+    let row = super::super::kind::Kind::Fgen.description();
+    assert_eq!((row.words, row.inputs, row.outputs, row.tables), (&["override_addr"][..], 2, 8, 0));
+}
+
+/// Proves: AMK-FGEN-16, AMK-FGEN-25, AMK-FGEN-27, AMK-FGEN-28, AMK-FGEN-33, AMK-FGEN-39, AMK-FGEN-O1
+#[test]
+fn a_sequence_of_two_seconds_has_no_ramps_and_begins_anew_with_an_edge() {
+    let mut bench = example(&[("fct", 3), ("aw_mask", 1)]);
+    assert_eq!(bench.start(0), (0, AT_REST));
+    assert_eq!(bench.run(0, 5), (0, AT_REST));
+    bench.drives[0].actual = 777;
+    assert_eq!(bench.ways(E1, 1999), [10; 1999]);
+    assert_eq!(bench.fgen.shown()[0], 0, "zeroed by the edge, and the drive stands");
+    bench.drives[0].actual = 800;
+    assert_eq!(bench.step(E1), (20_000, AT_REST), "2000 calls, the last one ends it");
+    assert_eq!(bench.fgen.shown()[0], 23);
+    assert_eq!(bench.run(E1, 100), (20_000, AT_REST), "E1 stands");
+    assert_eq!(bench.run(0, 2), (20_000, AT_REST));
+    assert_eq!(bench.step(E1), (20_010, MOVES));
+    assert_eq!(bench.fgen.shown()[0], 0, "zeroed again");
+    assert_eq!(bench.run(E1, 1999), (40_000, AT_REST));
+}
+
+/// Proves: AMK-FGEN-20, AMK-FGEN-26, AMK-FGEN-34, AMK-FGEN-35, AMK-FGEN-36, AMK-FGEN-38, AMK-FGEN-O2
+#[test]
+fn an_interrupted_sequence_has_its_ramps_and_its_exact_total() {
+    let mut bench = example(&[("fct", 3), ("aw_mask", 1)]);
+    bench.start(0);
+    assert_eq!(bench.run(E1, 500), (5000, MOVES));
+    bench.drives[0].actual = 60;
+    assert_eq!(bench.ways(0, 9), [9, 8, 7, 6, 5, 4, 3, 2, 1]);
+    assert_eq!(bench.sink, 5045);
+    assert_eq!(bench.step(0), (5045, AT_REST), "v = 0 in cycle 510");
+    assert_eq!(bench.run(0, 30), (5045, AT_REST));
+    assert_eq!(bench.ways(E1, 10), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+    assert_eq!(bench.sink, 5100);
+    assert_eq!(bench.fgen.shown()[0], 60, "continued: not zeroed");
+    assert_eq!(bench.run(E1, 1489), (19_990, MOVES));
+    assert_eq!(bench.step(E1), (20_000, AT_REST));
+}
+
+/// Proves: AMK-FGEN-26, AMK-FGEN-37, AMK-FGEN-39
+#[test]
+fn a_ramp_may_be_taken_back_and_may_reach_the_end() {
+    let mut bench = example(&[]);
+    bench.start(0);
+    bench.run(E1, 100);
+    assert_eq!(bench.ways(0, 3), [9, 8, 7]);
+    assert_eq!(bench.ways(E1, 4), [8, 9, 10, 10], "from the present velocity");
+    // 1061 so far; 19 before the end it ramps down, and 2 of the next 7 are left.
+    bench.run(E1, 1892);
+    assert_eq!(bench.sink, 1000 + 24 + 37 + 18_920);
+    assert_eq!(bench.ways(0, 2), [9, 8]);
+    assert_eq!(bench.step(0), (20_000, AT_REST));
+    assert_eq!(bench.ways(0, 3), [0; 3]);
+}
+
+/// Proves: AMK-FGEN-19, AMK-FGEN-24, AMK-FGEN-29, AMK-FGEN-32, AMK-FGEN-40
+#[test]
+fn continuous_starts_stops_and_goes_on_by_ramps_and_zeroes_once() {
+    let mut bench = example(&[("ba", 0), ("fct", 3), ("aw_mask", 0b10), ("accel", 2_500_000)]);
+    bench.start(E1);
+    assert_eq!(bench.ways(E1, 3), [0; 3], "an input that stands at START is no edge");
+    bench.drives[0].actual = 5;
+    bench.drives[1].actual = 500;
+    bench.step(0);
+    assert_eq!(bench.fgen.shown()[..2], [5, 500], "not zeroed yet");
+    // 2.5 inc a call more: 2.5, 5, 7.5, 10; the sum is rounded down.
+    assert_eq!(bench.ways(E1, 6), [2, 5, 8, 10, 10, 10]);
+    bench.drives[1].actual = 530;
+    assert_eq!(bench.ways(0, 5), [7, 5, 3, 0, 0]);
+    assert_eq!(bench.step(0).1, AT_REST);
+    assert_eq!(bench.fgen.shown()[..2], [5, 30]);
+    assert_eq!(bench.ways(E1, 4), [2, 5, 8, 10]);
+    assert_eq!(bench.fgen.shown()[1], 30, "continued (G3)");
+    assert_eq!(bench.run(E1, 5000).1, MOVES, "without end");
+}
+
+/// Proves: AMK-FGEN-18, AMK-FGEN-19
+#[test]
+fn an_override_scales_reverses_and_holds_by_ramps() {
+    let mut bench = example(&[("ba", 0)]);
+    bench.start(0);
+    bench.run(E1, 20);
+    bench.word = 512;
+    assert_eq!(bench.ways(E1, 7), [9, 8, 7, 6, 5, 5, 5]);
+    bench.word = 9999;
+    assert_eq!(bench.run(E1, 40).1, MOVES);
+    assert_eq!(bench.ways(E1, 2), [20, 20], "200 % at most");
+    bench.word = 0;
+    bench.run(E1, 20);
+    assert_eq!(bench.ways(E1, 3), [0; 3]);
+    assert_eq!(bench.step(E1).1, MOVES, "it runs all the same (G1)");
+    bench.word = -1024;
+    assert_eq!(bench.ways(E1, 12), [-1, -2, -3, -4, -5, -6, -7, -8, -9, -10, -10, -10]);
+    bench.word = i64::MIN;
+    bench.run(E1, 40);
+    assert_eq!(bench.ways(E1, 2), [-20, -20]);
+    // Without a word nothing scales.
+    let mut bench = example(&[("ba", 0)]);
+    (bench.fgen, bench.word) = (Fgen::new(false), 0);
+    bench.start(0);
+    assert_eq!(bench.ways(E1, 12)[9..], [10, 10, 10]);
+}
+
+/// Proves: AMK-FGEN-21
+#[test]
+fn the_second_input_changes_the_slope_at_once() {
+    let mut bench = example(&[("ba", 4), ("accel2", 3_000_000)]);
+    bench.start(0);
+    assert_eq!(bench.ways(E1, 2), [1, 2]);
+    assert_eq!(bench.ways(E1 | E2, 2), [5, 8]);
+    assert_eq!(bench.ways(E1, 3), [9, 10, 10]);
+    assert_eq!(bench.ways(0, 2), [9, 8], "in the middle of the ramp");
+    assert_eq!(bench.ways(E2, 4), [5, 2, 0, 0]);
+    // With one acceleration there is no second input.
+    let mut bench = example(&[("ba", 0), ("accel2", 3_000_000)]);
+    bench.start(0);
+    assert_eq!(bench.ways(E1 | E2, 3), [1, 2, 3]);
+}
+
+/// Proves: AMK-FGEN-03, AMK-FGEN-17, AMK-FGEN-19, AMK-FGEN-30
+#[test]
+fn an_external_velocity_is_the_way_of_the_source() {
+    let mut bench = example(&[("ba", 1), ("cycle_time", 0), ("accel", 500_000_000)]);
+    let follow = |bench: &mut Bench, inputs: u8, ways: &[i64]| -> Vec<i64> {
+        ways.iter()
+            .map(|way| {
+                bench.travel += way;
+                bench.ways(inputs, 1)[0]
+            })
+            .collect()
+    };
+    bench.start(0);
+    assert_eq!(follow(&mut bench, 0, &[7, 9]), [0, 0]);
+    assert_eq!(follow(&mut bench, E1, &[7, 9, -3, 0, 400]), [7, 9, -3, 0, 400]);
+    bench.word = -512;
+    assert_eq!(follow(&mut bench, E1, &[7, 7, 7, 7]), [-4, -3, -4, -3]);
+    assert_eq!(follow(&mut bench, 0, &[7]), [0], "interrupted");
+    assert_eq!(bench.step(0).1, AT_REST);
+    // Its ramps are those of the set.
+    bench.value_new(&[("accel", 1_000_000)]);
+    bench.word = 1024;
+    assert_eq!(follow(&mut bench, E1, &[5, 5, 5, 5, 5, 5, 2, 2, 2, 2]), [1, 2, 3, 4, 5, 5, 4, 3, 2, 2]);
+    // A sequence ends at its increments.
+    let mut bench = example(&[("ba", 3), ("cycle_increments", 20), ("accel", 500_000_000)]);
+    bench.start(0);
+    assert_eq!(follow(&mut bench, E1, &[9, 9, 9, 9]), [9, 9, 2, 0]);
+    assert_eq!(follow(&mut bench, 0, &[9]), [0]);
+    assert_eq!(follow(&mut bench, E1, &[-9, -9, -9, -9]), [-9, -9, -2, 0]);
+}
+
+/// Proves: AMK-FGEN-22
+#[test]
+fn fractions_are_carried() {
+    // 1000 inc in 700 calls of 0.75 ms: 525 ms are 1050 half milliseconds.
+    let mut bench = example(&[
+        ("ba", 0),
+        ("cycle_increments", 1000),
+        ("cycle_time", 1050),
+        ("accel", 500_000_000),
+        ("sf_cycle_time", 0),
+    ]);
+    bench.call_ns = 750_000;
+    bench.start(0);
+    for turn in 1..=50 {
+        assert_eq!(bench.run(E1, 700), (1000 * turn, MOVES));
+    }
+    // A small acceleration is not rounded away: 1 inc/s^2 is 10^-6 inc a call, and more in each; n (n + 1) / 2 of them.
+    let mut bench = example(&[("ba", 0), ("accel", 1)]);
+    bench.start(0);
+    assert_eq!(bench.run(E1, 1413), (0, MOVES), "998991 of 10^6");
+    assert_eq!(bench.run(E1, 1), (1, MOVES), "1000405");
+    assert_eq!(bench.run(E1, 586), (2, MOVES), "2001000 behind 2000 calls");
+}
+
+/// Backwards, rounding down shows the last increment early: the way of a sequence does not end for that.
+///
+/// Proves: AMK-FGEN-25
+#[test]
+fn a_sequence_backwards_lasts_as_long_as_forwards() {
+    for sign in [1, -1] {
+        let mut bench = example(&[("cycle_increments", 10), ("cycle_time", 2000)]);
+        bench.word = 1024 * sign;
+        bench.start(0);
+        assert_eq!(bench.run(E1, 999).1, MOVES, "{sign}");
+        assert_eq!(bench.step(E1), (10 * sign, AT_REST), "{sign}");
+    }
+}
+
+/// Proves: AMK-FGEN-31
+#[test]
+fn continuous_becomes_a_sequence_that_ends_at_the_next_boundary_and_back() {
+    let mut bench = example(&[("ba", 0), ("cycle_increments", 100), ("cycle_time", 20), ("accel", 500_000_000)]);
+    bench.start(0);
+    assert_eq!(bench.run(E1, 23), (230, MOVES));
+    bench.value_new(&[("ba", 2)]);
+    assert_eq!(bench.run(E1, 6), (290, MOVES));
+    assert_eq!(bench.step(E1), (300, AT_REST));
+    assert_eq!(bench.run(E1, 3), (300, AT_REST));
+    bench.step(0);
+    bench.run(E1, 3);
+    bench.value_new(&[("ba", 0)]);
+    assert_eq!(bench.run(E1, 50), (830, MOVES), "runs just on");
+    // Backwards the boundaries are those below.
+    bench.word = -1024;
+    assert_eq!(bench.run(E1, 83 + 23), (-230, MOVES));
+    bench.value_new(&[("ba", 2)]);
+    // The way counts from the start at 300: it is at -530, the next boundary at -600.
+    assert_eq!(bench.run(E1, 6), (-290, MOVES));
+    assert_eq!(bench.step(E1), (-300, AT_REST));
+    for refused in [1, 3, 4, 6, 7] {
+        let fault = bench.checked(&[("ba", refused), ("accel2", 1)], true).expect_err("bits 0 and 2");
+        assert_eq!(fault, Fault::new(Code::AMK_BA_KEPT).of(1).with(refused, refused & 2));
+    }
+    assert_eq!(bench.checked(&[("ba", 1)], false), Ok(()), "START takes all");
+}
+
+#[test]
+fn a_boundary_in_the_middle_of_an_increment_is_met_too() {
+    // 2.5 inc a call, 100 to a turn.
+    let mut bench = example(&[("ba", 0), ("cycle_increments", 100), ("cycle_time", 80), ("accel", 500_000_000)]);
+    bench.word = -1024;
+    bench.start(0);
+    assert_eq!(bench.run(E1, 39), (-98, MOVES));
+    bench.value_new(&[("ba", 2)]);
+    assert_eq!(bench.step(E1), (-100, AT_REST));
+}
+
+/// Proves: AMK-FGEN-19, AMK-FGEN-23
+#[test]
+fn value_new_of_the_time_is_a_ramp_and_of_a_velocity_beyond_16_bits_is_refused() {
+    let mut bench = example(&[("ba", 0)]);
+    bench.start(0);
+    bench.run(E1, 20);
+    bench.value_new(&[("cycle_time", 8000)]);
+    assert_eq!(bench.ways(E1, 7), [9, 8, 7, 6, 5, 5, 5]);
+    bench.value_new(&[("cycle_time", 4000), ("accel", 5_000_000)]);
+    assert_eq!(bench.ways(E1, 3), [10, 10, 10]);
+    // 20000 inc in 1 ms, twice that with an override.
+    let fault = bench.checked(&[("cycle_time", 2)], true).expect_err("too fast");
+    assert_eq!(fault, Fault::new(Code::AMK_CALL_WAY).of(2).with(40_000, 32_767));
+    assert_eq!(bench.checked(&[("cycle_time", 3)], true), Ok(()), "26666.7");
+    let is_taken = |increments: i64, time: i64, has_word: bool| {
+        let mut bench = example(&[("cycle_increments", increments), ("cycle_time", time)]);
+        bench.fgen = Fgen::new(has_word);
+        bench.checked(&[], false).is_ok()
+    };
+    assert!(is_taken(32_767, 2, false) && !is_taken(32_768, 2, false));
+    assert!(is_taken(16_383, 2, true) && !is_taken(16_384, 2, true));
+    assert!(!is_taken(65_535, 4, false), "32767.5 in a call are 32768 in some");
+}
+
+/// Proves: AMK-FGEN-41, AMK-FGEN-42, AMK-FGEN-43, AMK-FGEN-O5
+#[test]
+fn limits_of_the_chosen_axes_are_outputs_in_their_order() {
+    let mut bench = example(&[("fct", 5), ("aw_mask", 129)]);
+    bench.limits[..2].copy_from_slice(&[1000, 500]);
+    bench.start(0);
+    let mut at = |first: i64, second: i64, eighth: i64| {
+        (bench.drives[0].actual, bench.drives[1].actual, bench.drives[7].actual) = (first, second, eighth);
+        bench.step(0).1 >> 1
+    };
+    assert_eq!(at(1001, 9999, 499), 0b01);
+    assert_eq!(at(1000, 0, 500), 0, "beyond, not at");
+    assert_eq!(at(-1001, 0, -501), 0b11, "by its magnitude (G7)");
+    assert_eq!(at(0, 0, i64::MIN), 0b10);
+    assert_eq!(at(0, -9999, 0), 0, "not latched");
+    bench.limits[1] = 400;
+    let words = bench.words();
+    bench.fgen.renew(Words(&words));
+    bench.drives[7].actual = 450;
+    assert_eq!(bench.step(0).1 >> 1, 0b10);
+    // A limit of 0 is one, and seven axes have seven outputs.
+    let mut bench = example(&[("fct", 4), ("aw_mask", 254)]);
+    bench.start(0);
+    bench.drives.iter_mut().for_each(|drive| drive.actual = 1);
+    assert_eq!(bench.step(0).1 >> 1, 0b111_1111);
+}
+
+/// Proves: AMK-FGEN-40, AMK-FGEN-42
+#[test]
+fn without_a_generator_edges_zero_and_the_sink_stays() {
+    let mut bench = example(&[("fct", 6), ("aw_mask", 1)]);
+    bench.limits[0] = 10;
+    bench.sink = 77;
+    bench.drives[0].actual = 1000;
+    bench.drives[1].actual = 1000;
+    assert_eq!(bench.start(0), (77, 0b11), "raw before the first edge");
+    for actual in [1000, 2000] {
+        bench.drives[0].actual = actual;
+        assert_eq!(bench.step(E1), (77, 0b01), "each edge zeroes (G11)");
+        assert_eq!(bench.fgen.shown()[..2], [0, 1000], "AW2 is not chosen");
+        bench.drives[0].actual += 11;
+        assert_eq!((bench.step(0), bench.fgen.shown()[0]), ((77, 0b11), 11));
+    }
+    let writes = |fct: i64| {
+        let mut bench = example(&[("fct", fct)]);
+        bench.start(0);
+        bench.fgen.clone().step(&bench.seen(E1)).writes
+    };
+    assert_eq!([0, 1, 2, 4, 7].map(writes), [0, 0b1, 0, 0b1111_1110, 0xFF]);
+}
+
+/// Proves: AMK-FGEN-03, AMK-FGEN-09, AMK-FGEN-15
+#[test]
+fn what_no_generator_has_is_refused_with_its_field() {
+    let refused = |more: &[(&'static str, i64)]| example(&[]).checked(more, false).err();
+    let fault = |code, field| Some(Fault::new(code).of(field));
+    assert_eq!(refused(&[]), None);
+    assert_eq!(refused(&[("cycle_time", 0)]), fault(Code::AMK_NOT_ZERO, 2).map(|fault| fault.with(0, 32_767)));
+    assert_eq!(refused(&[("ba", 6)]), fault(Code::AMK_NOT_ZERO, 8).map(|fault| fault.with(0, 500_000_000)));
+    assert_eq!(refused(&[("ba", 1), ("cycle_time", 0)]), None, "the time is not used");
+    assert_eq!(refused(&[("sf_cycle_time", 3)]).map(|fault| fault.code), Some(Code::AMK_CYCLE_MISMATCH));
+    let bench = example(&[("ba", 1)]);
+    let setting = Setting { has_source: false, ..setting(MS, [None; LINES]) };
+    let fault = bench.fgen.check(Words(&bench.words()), &setting).expect_err("no source");
+    assert_eq!(fault, Fault::new(Code::AMK_NO_SOURCE).of(1).with(1, 0));
+}
+
+#[test]
+fn it_begins_at_what_the_sink_has_and_counts_round_in_it() {
+    let mut bench = example(&[("ba", 0), ("accel", 500_000_000)]);
+    bench.sink = i64::MAX - 5;
+    assert_eq!(bench.start(0), (i64::MAX - 5, AT_REST));
+    assert_eq!(bench.step(E1).0, i64::MIN + 4, "64 bits wrap, as 16 and 32 do in the slot (FGEN-22)");
+}
+
+/// What comes: calls with these inputs and this override.
+fn course() -> impl Strategy<Value = Vec<(u8, i64, usize)>> {
+    prop::collection::vec((0_u8..4, prop_oneof![3 => Just(1024), 1 => 0_i64..=2048], 1_usize..40), 1..12)
+}
+
+proptest! {
+    /// Whatever E1, E2, override and accelerations do: a sequence is exactly its increments, and no call is faster than its rate.
+    #[test]
+    fn a_sequence_is_exact_and_never_beyond_its_rate(
+        increments in 1_i64..300_000,
+        time in 2_i64..3000,
+        accel in 1_i64..=500_000_000,
+        accel2 in 1_i64..=500_000_000,
+        call in prop::sample::select(vec![250_000_u64, 500_000, 750_000, 1_000_000, 333_333, 4_000_000]),
+        course in course(),
+        times in prop::collection::vec(2_i64..3000, 12),
+    ) {
+        let mut bench = example(&[
+            ("ba", 6), ("cycle_increments", increments), ("cycle_time", time), ("accel", accel), ("accel2", accel2), ("sf_cycle_time", 0),
+        ]);
+        bench.call_ns = call;
+        prop_assume!(bench.checked(&[], false).is_ok());
+        bench.start(0);
+        let mut fastest = 0.0_f64;
+        let mut go = |bench: &mut Bench, inputs: u8| {
+            let of_time = bench.values.iter().find(|(name, _)| *name == "cycle_time").expect("a time").1;
+            // A velocity is never above the largest target so far.
+            let rate = increments as f64 * call as f64 / (of_time as f64 * 500_000.0);
+            fastest = fastest.max(rate * bench.word as f64 / 1024.0);
+            let way = bench.ways(inputs, 1)[0];
+            assert!(way >= 0 && (way as f64) < fastest + 1.0 + 1e-6, "{way} in a call, {fastest} at most");
+        };
+        // The edge that begins it.
+        go(&mut bench, E1);
+        for ((inputs, percent, calls), time) in course.into_iter().zip(times) {
+            bench.word = percent;
+            if bench.checked(&[("cycle_time", time)], true).is_ok() {
+                bench.value_new(&[("cycle_time", time)]);
+            }
+            for _ in 0..calls {
+                // No second sequence.
+                if bench.fgen.phase == Phase::Idle {
+                    break;
+                }
+                go(&mut bench, inputs);
+                prop_assert!(bench.sink <= increments);
+            }
+        }
+        // To its end, however slow it is: by its times the rest is known to end.
+        bench.word = 2048;
+        bench.value_new(&[("accel", 500_000_000), ("accel2", 500_000_000)]);
+        let mut left = 3_000_000_u64;
+        while bench.fgen.phase != Phase::Idle && left > 0 {
+            let mut fgen = bench.fgen.clone();
+            let told = fgen.step(&bench.seen(E1));
+            bench.fgen = fgen;
+            bench.sink = told.sink;
+            left -= 1;
+        }
+        prop_assert_eq!((bench.sink, bench.fgen.phase), (increments, Phase::Idle));
+    }
+
+    /// From the moment in which the velocity is that of 100 %, k times the cycle time is k times the increments.
+    #[test]
+    fn a_continuous_way_does_not_drift(
+        increments in 1_i64..2_000_000,
+        time in 2_i64..1500,
+        accel in 1_000_i64..=500_000_000,
+        sign in prop::sample::select(vec![1_i64, -1]),
+        ramp in 1_usize..60,
+    ) {
+        // A call of 0.5 ms: the time is a number of calls.
+        let mut bench = example(&[
+            ("ba", 0), ("cycle_increments", increments), ("cycle_time", time), ("accel", accel), ("sf_cycle_time", 1),
+        ]);
+        bench.call_ns = 500_000;
+        prop_assume!(bench.checked(&[], false).is_ok());
+        bench.word = sign * 1024;
+        bench.start(0);
+        bench.run(E1, ramp);
+        bench.value_new(&[("accel", 500_000_000)]);
+        // At most 32767 inc a call, 125 more in each.
+        bench.run(E1, 300);
+        let from = bench.sink;
+        for turn in 1..=3 {
+            bench.run(E1, time as usize);
+            prop_assert!((bench.sink - from - sign * turn * increments).abs() < 1);
+        }
+    }
+
+    /// Nothing that a set, a source and drives can be makes it fail, and its state stays one that can be.
+    #[test]
+    fn nothing_overflows(
+        values in prop::collection::vec(any::<u64>(), 9),
+        call in prop_oneof![Just(1_u64), Just(1_000_000), Just(255_000_000_000), 1_u64..1_000_000_000],
+        steps in prop::collection::vec((any::<u8>(), any::<i64>(), any::<i64>(), any::<i64>()), 1..60),
+        has_word in any::<bool>(),
+    ) {
+        let mut bench = example(&[]);
+        bench.fgen = Fgen::new(has_word);
+        bench.call_ns = call;
+        bench.values.clear();
+        for (field, value) in FIELDS.iter().zip(values).filter(|(field, _)| field.name != "pos_limit") {
+            let width = field.max.abs_diff(field.min) + 1;
+            bench.values.push((field.name, field.min + (value % width) as i64));
+        }
+        bench.take(&[("sf_cycle_time", 0)]);
+        prop_assume!(bench.checked(&[], false).is_ok());
+        bench.sink = i64::MAX;
+        bench.start(0);
+        for (inputs, word, travel, actual) in steps {
+            (bench.word, bench.travel) = (word, travel);
+            bench.drives = [Drive { actual, ..Drive::default() }; LINES];
+            bench.step(inputs);
+            bench.is_sound();
+        }
+    }
+}

@@ -1,0 +1,435 @@
+//! The oracles of the regulator, its switches, limits, filters and synchronization, and its laws for all inputs.
+
+use super::super::program::{LINES, Reading};
+use super::super::trial::{at_rest, set, setting};
+use super::*;
+use proptest::prelude::*;
+
+const E2: u8 = 1 << 1;
+const E3: u8 = 1 << 2;
+/// The source as 16 bits.
+const DIRECT: i64 = 2;
+
+/// A regulator with what it sees.
+#[derive(Clone)]
+struct Bench {
+    regl: Regl,
+    values: Vec<(&'static str, i64)>,
+    words: [i64; WORDS],
+}
+
+/// The manual's example.
+const EXAMPLE: [(&str, i64); 9] = [
+    ("switch_mask", 7),
+    ("kp", 512),
+    ("ki", 128),
+    ("kd", 64),
+    ("gain_v", 1000),
+    ("y_max", 10_000_000),
+    ("i_max", 1_000_000),
+    ("cmd1", 100),
+    ("cmd2", 5_000_000),
+];
+
+fn example(more: &[(&'static str, i64)]) -> Bench {
+    let mut bench = Bench { regl: Regl::new([false; WORDS]), values: EXAMPLE.into(), words: [0; WORDS] };
+    bench.take(more);
+    bench
+}
+
+/// P alone, with gain 1 and w2 of 0, of a source of 16 bits: the output is -x.
+fn plain(more: &[(&'static str, i64)]) -> Bench {
+    let plain = [("kp", 256), ("ki", 0), ("kd", 0), ("gain_v", 1), ("cmd1", 0), ("cmd2", 0), ("source_assess", DIRECT)];
+    let mut bench = example(&plain);
+    bench.take(more);
+    bench
+}
+
+impl Bench {
+    fn take(&mut self, more: &[(&'static str, i64)]) {
+        for (name, value) in more {
+            self.values.retain(|(known, _)| known != name);
+            self.values.push((name, *value));
+        }
+    }
+
+    /// What START says to the set with these values changed, or VALUE_NEW while it runs.
+    fn checked(&self, more: &[(&'static str, i64)], runs: bool) -> Result<(), Fault> {
+        let mut asked = self.clone();
+        asked.take(more);
+        let words = set(FIELDS, &asked.values);
+        self.regl.check(Words(&words), &Setting { runs, ..setting(1_000_000, [None; LINES]) })
+    }
+
+    fn seen(&self, value: i64, inputs: u8) -> Seen<'_> {
+        let source = Reading { value, travel: value, mark: None };
+        Seen { source, inputs, words: self.words, ..at_rest() }
+    }
+
+    /// Sink and outputs of START.
+    fn start(&mut self, value: i64, inputs: u8) -> (i64, u8) {
+        assert_eq!(self.checked(&[], false), Ok(()));
+        let words = set(FIELDS, &self.values);
+        let mut regl = self.regl.clone();
+        let told = regl.start(Words(&words), &self.seen(value, inputs));
+        self.regl = regl;
+        assert!(self.regl.is_sound() && self.regl.is_set(Words(&words), 1));
+        (told.sink, told.outputs)
+    }
+
+    fn value_new(&mut self, more: &[(&'static str, i64)]) {
+        assert_eq!(self.checked(more, true), Ok(()));
+        self.take(more);
+        self.regl.renew(Words(&set(FIELDS, &self.values)));
+    }
+
+    /// Sink and outputs of a call.
+    fn step(&mut self, value: i64, inputs: u8) -> (i64, u8) {
+        let mut regl = self.regl.clone();
+        let told = regl.step(&self.seen(value, inputs));
+        self.regl = regl;
+        assert!(self.regl.is_sound() && told.writes == A1 | A2);
+        (told.sink, told.outputs)
+    }
+
+    /// The sink of START, then of calls, with these values of the source.
+    fn controls<const N: usize>(&mut self, values: [i64; N]) -> [i64; N] {
+        let mut is_first = true;
+        values.map(|value| if std::mem::take(&mut is_first) { self.start(value, 0).0 } else { self.step(value, 0).0 })
+    }
+}
+
+/// Proves: AMK-REGL-01, AMK-REGL-04, AMK-REGL-05, AMK-REGL-06, AMK-REGL-07, AMK-REGL-08, AMK-REGL-09, AMK-REGL-10, AMK-REGL-11, AMK-REGL-12,
+/// AMK-REGL-13, AMK-REGL-14, AMK-REGL-15, AMK-REGL-16, AMK-REGL-17, AMK-REGL-18, AMK-REGL-19, AMK-REGL-20, AMK-REGL-21
+#[test]
+fn the_fields_are_those_of_the_commanding_block() {
+    let fields: Vec<_> = FIELDS.iter().map(|field| (field.name, field.min, field.max, field.live)).collect();
+    assert_eq!(
+        fields,
+        [
+            ("fct", 0, 0, false),
+            ("ba", 0, 63, true),
+            ("sf_cycle_time", 0, 131, false),
+            ("switch_mask", 0, 7, true),
+            ("filter_type", 0, 2, false),
+            ("source_assess", 0, 3, false),
+            ("kp", 0, 16_383, true),
+            ("ki", 0, 16_383, true),
+            ("kd", 0, 16_383, true),
+            ("y_max", 0, 1_073_741_823, true),
+            ("gain_v", -32_768, 32_767, true),
+            ("i_max", 0, 2_097_151, false),
+            ("cmd1", -32_768, 32_767, true),
+            ("cmd2", -2_147_483_648, 2_147_483_647, true),
+        ]
+    );
+    let row = super::super::kind::Kind::Regl.description();
+    assert_eq!((row.words, row.inputs, row.outputs, row.tables), (&["src1_addr", "src2_addr"][..], 4, 2, 0));
+    let zero = Fault::new(Code::AMK_NO_GAIN).of(10).with(0, 32_767);
+    assert_eq!(example(&[]).checked(&[("gain_v", 0)], false), Err(zero));
+    assert_eq!(example(&[]).checked(&[("sf_cycle_time", 7)], false), Ok(()), "not used");
+}
+
+/// Proves: AMK-REGL-27, AMK-REGL-28, AMK-REGL-29, AMK-REGL-35, AMK-REGL-41, AMK-REGL-O1
+#[test]
+fn the_manuals_example() {
+    let mut bench = example(&[]);
+    // x is 90, then 95, of an A/D converter.
+    assert_eq!(bench.start(90 + 2048, 0), (5_025_000, 0));
+    assert_eq!(bench.step(95 + 2048, 0), (5_016_250, 0));
+    assert_eq!(example(&[("kp", 0), ("ki", 0), ("kd", 256), ("gain_v", 1)]).controls([2148, 2147]), [5_000_000, 5_000_001]);
+    // Tn = kp / ki = 4 ms: with an error that stays, I is as large as P in the fourth call. P 20, I 5, 10, 15, 20.
+    let mut bench = example(&[("cmd2", 0), ("kd", 0)]);
+    assert_eq!(bench.controls([2138; 4]), [25_000, 30_000, 35_000, 40_000]);
+    // Fractions of 1/256 stay in I: 1/256 of 1 in each call.
+    let mut bench = plain(&[("kp", 0), ("ki", 1), ("cmd1", 1)]);
+    bench.start(0, 0);
+    assert_eq!((0..254).map(|_| bench.step(0, 0).0).max(), Some(0));
+    assert_eq!(bench.step(0, 0).0, 1);
+}
+
+/// Proves: AMK-REGL-25, AMK-REGL-30, AMK-REGL-31, AMK-REGL-O3
+#[test]
+fn limits_behind_the_sum_hold_its_side() {
+    // P and I are 62.5 * 24000 each: u = 3000000 for x = -24000.
+    let one_sided = |ba: i64| {
+        plain(&[("ba", ba), ("kp", 16_000), ("ki", 16_000), ("i_max", 2_000_000), ("cmd2", 2_000_000)])
+    };
+    assert_eq!(one_sided(24).start(24_000, 0), (0, A2));
+    assert_eq!(one_sided(24).start(-24_000, 0), (5_000_000, 0));
+    assert_eq!(one_sided(20).start(-24_000, 0), (0, A1));
+    assert_eq!(one_sided(20).start(24_000, 0), (-1_000_000, 0));
+    // w2 is multiplied, too (R3); before the sum it is not, nor limited.
+    assert_eq!(plain(&[("ba", 16), ("gain_v", -3), ("cmd2", 100)]).start(10, 0), (-270, 0));
+    assert_eq!(plain(&[("ba", 0), ("gain_v", -3), ("cmd2", 100), ("y_max", 20)]).start(10, 0), (120, A1));
+}
+
+/// Proves: AMK-REGL-24, AMK-REGL-25, AMK-REGL-30, AMK-REGL-34, AMK-REGL-36
+#[test]
+fn the_outputs_tell_which_limit_binds() {
+    let mut bench = plain(&[("y_max", 50)]);
+    bench.start(0, 0);
+    assert_eq!([-49, -50, -51, 50, 51].map(|x| bench.step(x, 0)), [(49, 0), (50, 0), (50, A1), (-50, 0), (-50, A2)]);
+    let mut bench = plain(&[("y_max", 50), ("ba", 12)]);
+    assert_eq!(bench.start(0, 0), (0, 0), "at a limit of 0 nothing binds (R8)");
+    assert_eq!([bench.step(-1, 0), bench.step(1, 0)], [(0, A1), (0, A2)]);
+    // Half of one more than 50 is rounded away.
+    let mut bench = plain(&[("y_max", 50), ("kp", 128)]);
+    bench.start(0, 0);
+    assert_eq!([bench.step(-101, 0), bench.step(-102, 0)], [(50, 0), (50, A1)]);
+    // Behind the sum with w2 are 32 bits.
+    let most = i64::from(i32::MAX);
+    assert_eq!(plain(&[("cmd2", most)]).start(-7, 0), (most, 0));
+    assert_eq!(plain(&[("cmd2", -most)]).start(7, 0), (-most - 1, 0));
+    // y_max does not stop I, i_max does (AMK-REGL-34).
+    let mut bench = plain(&[("kp", 0), ("ki", 256), ("y_max", 10), ("i_max", 1000)]);
+    bench.start(-100, 0);
+    (0..50).for_each(|_| {
+        bench.step(-100, 0);
+    });
+    assert_eq!(bench.regl.integral, 1000 * 256);
+    assert_eq!([bench.step(995, 0), bench.step(100, 0)], [(5, 0), (-10, A2)]);
+}
+
+/// Proves: AMK-REGL-03, AMK-REGL-10, AMK-REGL-11, AMK-REGL-26
+#[test]
+fn a_source_is_converted_filtered_and_negated() {
+    // -x goes out.
+    let x = |more: &[(&'static str, i64)], raw: i64| -plain(more).start(raw, 0).0;
+    let converter = [0, 2048, 4095, 4096 + 2148, -1].map(|raw| x(&[("source_assess", 0)], raw));
+    assert_eq!(converter, [-2048, 0, 2047, 100, 2047], "offset binary of 12 bits (R5)");
+    assert_eq!([40_000, -40_000, 12_345].map(|raw| x(&[], raw)), [32_767, -32_768, 12_345], "16 bits, saturated (I7)");
+    assert_eq!([7, -1, -6].map(|raw| x(&[("filter_type", 1)], raw)), [4, -4, -8]);
+    assert_eq!([7, -6].map(|raw| x(&[("filter_type", 1), ("source_assess", 3)], raw)), [-4, 8], "negated behind the filter");
+    assert_eq!(x(&[("source_assess", 3)], -32_768), 32_768);
+    let mut bench = plain(&[("filter_type", 2)]);
+    // (90 * 4), (95 + 90 * 3) / 4 = 91.25, (7 + 95 + 180) / 4 = 70.5, (-500 + 7 + 95 + 90) / 4 = -77, -475 / 4 = -118.75.
+    assert_eq!(bench.controls([90, 95, 7, -500, -77]).map(|y| -y), [90, 91, 70, -77, -118]);
+}
+
+/// Proves: AMK-REGL-32, AMK-REGL-33, AMK-REGL-38, AMK-REGL-39, AMK-REGL-40, AMK-REGL-41
+#[test]
+fn switches_open_and_close_what_they_stand_for() {
+    // w1 100, w2 7000, x 30, so e is 70, and -30 with S1 open; P alone.
+    let mut bench = plain(&[("cmd1", 100), ("cmd2", 7000), ("switch_mask", 7)]);
+    bench.start(30, 0);
+    let mut outputs = [0; 8];
+    for (mask, output) in (0..).zip(&mut outputs) {
+        bench.value_new(&[("switch_mask", mask)]);
+        *output = bench.step(30, 0).0;
+    }
+    assert_eq!(outputs, [0, 0, -30, 70, 7000, 7000, 6970, 7070]);
+}
+
+/// Proves: AMK-REGL-07, AMK-REGL-32
+#[test]
+fn an_open_loop_holds_its_integrator_or_clears_it_and_closes_without_a_step_of_d() {
+    let run = |ba: i64| {
+        let mut bench = plain(&[("ba", ba), ("kp", 0), ("ki", 256), ("kd", 256), ("cmd1", 10), ("switch_mask", 3)]);
+        let mut told = vec![bench.start(0, 0).0, bench.step(0, 0).0];
+        bench.value_new(&[("switch_mask", 1)]);
+        told.extend([bench.step(0, 0).0, bench.step(9000, 0).0]);
+        bench.value_new(&[("switch_mask", 3)]);
+        // e is 3 and 4 now: D was seeded with 3.
+        told.extend([bench.step(7, 0).0, bench.step(6, 0).0]);
+        told
+    };
+    assert_eq!(run(0), [10, 20, 0, 0, 23, 28]);
+    assert_eq!(run(32), [10, 20, 0, 0, 3, 8]);
+}
+
+/// Proves: AMK-REGL-22
+#[test]
+fn inputs_are_the_switches_where_ba_says_so() {
+    let mut bench = plain(&[("ba", 1), ("cmd1", 100), ("cmd2", 7000), ("switch_mask", 7)]);
+    assert_eq!(bench.start(30, 0).0, 0, "the mask is ignored");
+    let all = [E1 | E2 | E3, E2, E3, E1 | E2].map(|inputs| bench.step(30, inputs).0);
+    assert_eq!(all, [7070, -30, 7000, 70]);
+    let mut bench = plain(&[("cmd1", 100), ("switch_mask", 3)]);
+    assert_eq!(bench.start(30, 0).0, 70);
+    assert_eq!(bench.step(30, E2 | E3).0, 70, "without bit 0 they are not looked at");
+}
+
+/// Proves: AMK-REGL-23, AMK-REGL-37
+#[test]
+fn an_edge_makes_a_control_cycle_and_w2_is_of_each_call() {
+    for (ba, edge, more) in [(2, E1, 0), (3, E4, E1 | E2 | E3)] {
+        let mut bench = plain(&[("ba", ba), ("kp", 256), ("ki", 256), ("switch_mask", 7), ("i_max", 100_000)]);
+        bench.regl = Regl::new([false, true]);
+        bench.words[1] = 1000;
+        // An input that stands at START is no edge.
+        assert_eq!(bench.start(-5, edge | more).0, 1000, "ba {ba}");
+        assert_eq!(bench.step(-5, more).0, 1000);
+        // P 5, I 5; then frozen, while the edge stands and behind it.
+        assert_eq!([bench.step(-5, edge | more).0, bench.step(-9, edge | more).0, bench.step(-9, more).0], [1010; 3]);
+        bench.words[1] = 2000;
+        assert_eq!(bench.step(-9, more).0, 2010);
+        assert_eq!(bench.step(-9, edge | more).0, 2000 + 9 + 14);
+    }
+    // S2 takes the regulator away at once; closed again it waits for its edge.
+    let mut bench = plain(&[("ba", 3), ("ki", 256), ("i_max", 100_000)]);
+    bench.start(0, E2);
+    assert_eq!(bench.step(-5, E2 | E4).0, 10);
+    assert_eq!([bench.step(-5, 0).0, bench.step(-5, E2).0], [0, 0]);
+    assert_eq!(bench.step(-5, E2 | E4).0, 15);
+}
+
+/// Proves: AMK-REGL-35
+#[test]
+fn the_first_control_cycle_seeds_mean_and_differential() {
+    let mut bench = plain(&[("ba", 2), ("filter_type", 2), ("kp", 256), ("kd", 256)]);
+    // What stands there before the first edge counts nowhere.
+    bench.start(9999, 0);
+    bench.step(-9999, 0);
+    assert_eq!(bench.step(-40, E1).0, 40);
+    bench.step(-40, 0);
+    // The mean goes to -30: e from 40 to 30, and 10 less of D.
+    assert_eq!(bench.step(0, E1).0, 20);
+}
+
+/// Proves: AMK-REGL-18, AMK-REGL-19
+#[test]
+fn commands_come_from_words_of_16_and_32_bits() {
+    let mut bench = plain(&[("cmd1", 11), ("cmd2", 22), ("switch_mask", 7)]);
+    bench.words = [300, 5000];
+    assert_eq!(bench.start(0, 0).0, 33, "no words");
+    bench.regl = Regl::new([true, false]);
+    assert_eq!(bench.start(0, 0).0, 322);
+    bench.regl = Regl::new([false, true]);
+    assert_eq!(bench.start(0, 0).0, 5011);
+    bench.regl = Regl::new([true, true]);
+    bench.words = [-40_000, 1 << 40];
+    assert_eq!(bench.start(0, 0).0, i64::from(i32::MAX) - 32_768);
+    bench.words = [40_000, 0];
+    assert_eq!(bench.step(0, 0).0, 32_767);
+    assert!(!bench.regl.is_set_up_as(&Regl::new([true, false])));
+}
+
+/// Proves: AMK-REGL-07, AMK-REGL-25
+#[test]
+fn value_new_takes_limits_gains_and_commands_and_no_other_bit_of_ba() {
+    let mut bench = plain(&[("y_max", 50), ("switch_mask", 3)]);
+    bench.start(0, 0);
+    bench.value_new(&[("ba", 4)]);
+    assert_eq!([bench.step(-60, 0), bench.step(60, 0)], [(0, A1), (-50, A2)]);
+    bench.value_new(&[("ba", 8), ("gain_v", 2), ("y_max", 90)]);
+    assert_eq!([bench.step(-60, 0), bench.step(60, 0)], [(90, A1), (0, A2)]);
+    bench.value_new(&[("ba", 0), ("kp", 512), ("cmd1", 1)]);
+    assert_eq!(bench.step(-9, 0), (40, 0));
+    for refused in [1, 2, 16, 32, 63] {
+        let fault = bench.checked(&[("ba", refused)], true);
+        assert_eq!(fault, Err(Fault::new(Code::AMK_BA_KEPT).of(1).with(refused, refused & 12)));
+        assert_eq!(bench.checked(&[("ba", refused)], false), Ok(()));
+    }
+    assert_eq!(bench.checked(&[("gain_v", 0)], true).map_err(|fault| fault.code), Err(Code::AMK_NO_GAIN));
+}
+
+/// A set, by random bits.
+fn random_set() -> impl Strategy<Value = Vec<(&'static str, i64)>> {
+    prop::collection::vec(any::<u64>(), FIELDS.len()).prop_map(|bits| {
+        let value = |field: &Field, bits: u64| field.min + (bits % (field.max.abs_diff(field.min) + 1)) as i64;
+        let values = FIELDS.iter().zip(bits).map(|(field, bits)| (field.name, value(field, bits)));
+        values.map(|(name, value)| (name, if name == "gain_v" && value == 0 { 1 } else { value })).collect()
+    })
+}
+
+/// The regulator as the spec has it, in 128 bits and from all of its past.
+struct Model {
+    set: Vec<i64>,
+    samples: Vec<i128>,
+    integral: i128,
+    error: Option<i128>,
+    share: i128,
+    before: u8,
+}
+
+impl Model {
+    fn step(&mut self, raw: i64, inputs: u8, is_start: bool) -> (i64, u8) {
+        let get = |name| i128::from(self.set[at(name)]);
+        let ba = self.set[at("ba")];
+        let switches = if ba & 1 != 0 { inputs } else { self.set[at("switch_mask")] as u8 };
+        let edge = if ba & 1 != 0 { E4 } else { E1 };
+        let is_edge = !is_start && inputs & !self.before & edge != 0;
+        self.before = inputs;
+        if switches & 2 == 0 {
+            (self.share, self.error) = (0, None);
+            if ba & 32 != 0 {
+                self.integral = 0;
+            }
+        }
+        if ba & 2 == 0 || is_edge {
+            let assess = self.set[at("source_assess")];
+            let x = if assess & 2 != 0 { raw.clamp(-32_768, 32_767) } else { raw.rem_euclid(4096) - 2048 };
+            self.samples.push(x.into());
+            let of = |back: usize| self.samples[self.samples.len().saturating_sub(1 + back)];
+            let filtered = match self.set[at("filter_type")] {
+                0 => of(0),
+                1 => of(0).div_euclid(4) * 4,
+                // Before the first sample are more of it.
+                _ => (0..4).map(of).sum::<i128>() / 4,
+            };
+            let x = if assess & 1 != 0 { -filtered } else { filtered };
+            if switches & 2 != 0 {
+                let error = if switches & 1 != 0 { get("cmd1") - x } else { -x };
+                let most = 256 * get("i_max");
+                self.integral = (self.integral + get("ki") * error).clamp(-most, most);
+                let change = error - self.error.unwrap_or(error);
+                self.error = Some(error);
+                self.share = get("kp") * error + self.integral + get("kd") * change;
+            }
+        }
+        let w2 = if switches & 4 != 0 { get("cmd2") } else { 0 };
+        let sums = ba & 16 != 0;
+        let y = get("gain_v") * (self.share + if sums { 256 * w2 } else { 0 }) / 256;
+        let most = if ba & 4 != 0 { 0 } else { get("y_max") };
+        let least = if ba & 8 != 0 { 0 } else { -get("y_max") };
+        let sum = y.clamp(least, most) + if sums { 0 } else { w2 };
+        let sink = sum.clamp(i32::MIN.into(), i32::MAX.into()) as i64;
+        (sink, u8::from(y > most) | u8::from(y < least) << 1)
+    }
+}
+
+proptest! {
+    /// Whatever comes: it is what the spec says in numbers that have room for all, and within its limits.
+    #[test]
+    fn it_is_the_law_of_the_spec(
+        values in random_set(),
+        steps in prop::collection::vec((prop_oneof![any::<i64>(), -40_000_i64..40_000], 0_u8..16), 1..60),
+    ) {
+        let mut bench = example(&[]);
+        bench.values = values;
+        let words = set(FIELDS, &bench.values);
+        let mut model =
+            Model { set: words.clone(), samples: Vec::new(), integral: 0, error: None, share: 0, before: 0 };
+        for (k, (raw, inputs)) in steps.into_iter().enumerate() {
+            let told = if k == 0 { bench.start(raw, inputs) } else { bench.step(raw, inputs) };
+            prop_assert_eq!(told, model.step(raw, inputs, k == 0));
+            prop_assert!(bench.regl.integral.abs() <= 256 * words[at("i_max")]);
+            let is_behind = words[at("ba")] & 16 != 0;
+            prop_assert!(!is_behind || told.0.abs() <= words[at("y_max")]);
+        }
+    }
+
+    /// S2 opens and closes without a bump: an error that stays gives what the integrator held, as if no time had passed.
+    #[test]
+    fn a_loop_that_was_open_goes_on_where_it_was(
+        kp in 0_i64..=16_383,
+        ki in 0_i64..=16_383,
+        kd in 0_i64..=16_383,
+        x in -2000_i64..2000,
+        before in 1_usize..20,
+        open in 1_usize..20,
+        between in -30_000_i64..30_000,
+    ) {
+        let set = [("ba", 1), ("kp", kp), ("ki", ki), ("kd", kd), ("y_max", (1 << 30) - 1), ("i_max", I_MAX)];
+        let mut bench = plain(&set);
+        let closed = E1 | E2;
+        bench.start(x, closed);
+        (0..before).for_each(|_| {
+        bench.step(x, closed);
+    });
+        let mut straight = bench.clone();
+        (0..open).for_each(|_| assert_eq!(bench.step(between, E1), (0, 0)));
+        prop_assert_eq!(bench.step(x, closed), straight.step(x, closed));
+    }
+}
