@@ -3,7 +3,7 @@
 //! Refuses  in preset amkasyn: a cycle off its grid, calls too far apart, slots above 15, axes behind the eighth, more encoders, analog
 //!          outputs and words than it addresses, sinks and lines that its types do not have, tables longer than a data block, more cams
 //! Source   AMK-GEN-01, -04, -08, -11; AMK-SRC-02 to -07; AMK-SNK-01 to -05; AMK-INIT-03, -07 to -09; AMK-BCOM-17 to -27; AMK-CTX-12 to -21;
-//!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07
+//!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07; AMK-FGEN-09, -12; AMK-REGL-08, -19
 
 use super::backends::{Backend, Context, Hardware, node_and_channel};
 use super::devices::memory_name;

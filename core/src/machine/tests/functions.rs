@@ -18,6 +18,7 @@ use crate::unit::{Fraction, Quantity, Scale, Unit};
 use std::sync::Arc;
 
 mod events;
+mod generator;
 mod integers;
 mod interpolators;
 mod links;

@@ -1,0 +1,139 @@
+//! A generator that moves and watches axes, and a regulator that moves one.
+
+use super::*;
+
+/// Moves x from 500 on at 10 inc a cycle while e1 is 1, by ramps of 1 inc a cycle, and watches x: A1 is the lamp, A2 a bit.
+fn generates() -> Rig {
+    let mut slot = slot("gen", 0, Type::Fgen);
+    slot.sink = SinkConfig::Axis(X);
+    slot.inputs[0] = Some(Line { object: Object::Io(0), inverted: false });
+    slot.outputs[0] = Some(Line { object: Object::Io(1), inverted: false });
+    slot.outputs[1] = Some(Line { object: Object::Memory(4), inverted: false });
+    slot.words[0] = Some("w".into());
+    for (name, value) in [
+        ("fct", 7),
+        ("cycle_time", 4000),
+        ("sf_cycle_time", 2),
+        ("cycle_increments", 20_000),
+        ("accel", 1_000_000),
+        // x is the second axis of the cell.
+        ("aw_mask", 2),
+        ("pos_limit", 40),
+    ] {
+        slot.values[usize::from(field(Type::Fgen, name))] = value;
+    }
+    let mut rig = Rig::of(cell(vec![slot]));
+    rig.enable();
+    rig.give(Action::set_memory(0, 1024.0));
+    rig.give(Action::Move(to(X, 500)));
+    rig.run(400);
+    rig
+}
+
+/// Proves: AMK-FGEN-01, AMK-FGEN-02, AMK-FGEN-12, AMK-FGEN-13, AMK-FGEN-24, AMK-FGEN-32, AMK-FGEN-40, AMK-FGEN-41, AMK-BCOM-07, AMK-BCOM-37
+#[test]
+fn an_axis_goes_as_a_generator_does_and_its_position_is_zeroed_and_watched() {
+    let mut rig = generates();
+    let started = rig.give(order(0, Order::Start));
+    assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
+    assert_eq!((rig.int("gen.sink"), rig.int("x.reference"), rig.int("lamp")), (500, 8, 1));
+    rig.run(3);
+    assert_eq!((rig.int("gen.feedback2"), rig.int("bit")), (500, 1), "as it is before the first edge");
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(1);
+    assert_eq!((rig.int("x.command.position"), rig.int("gen.feedback2"), rig.int("bit")), (501, 0, 0));
+    assert_eq!((rig.int("lamp"), rig.int("gen.out1")), (0, 0));
+    rig.run(9);
+    // What the drive tells is the last cycle's command: 45 of 55.
+    assert_eq!((rig.int("x.command.position"), rig.int("gen.feedback2"), rig.int("bit")), (555, 45, 1));
+    assert_eq!(rig.int("gen.out2"), 1);
+    rig.run(100);
+    assert_eq!((rig.int("x.command.position"), rig.real("x.command.velocity")), (1555, 10_000.0));
+    // What a mirror of the machine is restored from goes on alike.
+    rig.mirror();
+    rig.give(Action::set_memory(0, -1024.0));
+    rig.run(19);
+    assert_eq!((rig.int("gen.sink"), rig.int("x.command.position")), (1545, 1545), "9 + .. + 1, and 1 + .. + 10 back");
+    rig.tamper = |inputs| inputs.digital[0] = 0;
+    rig.run(9);
+    assert_eq!((rig.int("gen.sink"), rig.int("lamp")), (1500, 0));
+    rig.run(1);
+    assert_eq!((rig.int("gen.sink"), rig.int("lamp")), (1500, 1));
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(1);
+    rig.give(order(0, Order::Reset));
+    assert_eq!((rig.int("gen.sink"), rig.int("gen.active"), rig.int("lamp"), rig.int("bit")), (1499, 0, 1, 0));
+    assert_eq!((rig.int("gen.feedback2"), rig.int("gen.out2")), (0, 0));
+    rig.run(30);
+    assert_eq!((rig.int("x.command.position"), rig.state("x")), (1499, "STANDSTILL"));
+}
+
+/// The image alone is zeroed (G8).
+///
+/// Proves: AMK-FGEN-40
+#[test]
+fn zeroing_leaves_the_axis_its_zero() {
+    let mut rig = generates();
+    rig.give(order(0, Order::Start));
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(2);
+    assert_eq!((rig.int("gen.feedback2"), rig.int("x.actual.position")), (1, 501));
+}
+
+/// Proves: AMK-FGEN-31, AMK-BCOM-35, AMK-BCOM-36
+#[test]
+fn value_new_takes_the_sequence_and_no_other_bit() {
+    let mut rig = generates();
+    rig.give(order(0, Order::Start));
+    let ba = field(Type::Fgen, "ba");
+    let refused = rig.give(with(0, Order::ValueNew, &[(ba, 3)]));
+    assert_eq!(rig.answer(refused).expect_err("bit 0").code, Code::AMK_BA_KEPT);
+    assert!(rig.refusal(refused).ends_with("3 changes bits that count from START on; 2 would change none of them"));
+    let taken = rig.give(with(0, Order::ValueNew, &[(ba, 2)]));
+    assert!(rig.was_accepted(taken), "{:?}", rig.answer(taken));
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(1);
+    assert_eq!(rig.int("gen.sink"), 510, "a sequence begins with its velocity");
+    let refused = rig.give(with(0, Order::ValueNew, &[(field(Type::Fgen, "cycle_time"), 2)]));
+    assert!(rig.refusal(refused).ends_with("a call would go 40000 inc at the largest override; up to 32767 is possible"));
+    let refused = rig.give(with(0, Order::ValueNew, &[(field(Type::Fgen, "cycle_time"), 0)]));
+    assert!(rig.refusal(refused).ends_with("0 is no value of it in this `ba`; 1 to 32767 is possible"));
+}
+
+/// Proves: AMK-REGL-02, AMK-REGL-03, AMK-REGL-39, AMK-BCOM-37
+#[test]
+fn a_regulator_runs_a_rotary_axis_and_reset_ends_it() {
+    let mut held = slot("held", 0, Type::Regl);
+    (held.source, held.sink) = (SourceConfig::Signal("w".into()), SinkConfig::Axis(DISC));
+    held.outputs[0] = Some(Line { object: Object::Io(1), inverted: false });
+    held.words[1] = Some("d".into());
+    for (name, value) in
+        [("switch_mask", 7), ("source_assess", 2), ("kp", 256), ("gain_v", -1000), ("y_max", 400_000)]
+    {
+        held.values[usize::from(field(Type::Regl, name))] = value;
+    }
+    let mut rig = Rig::of(cell(vec![held]));
+    rig.enable();
+    let started = rig.give(order(0, Order::Start));
+    assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
+    // x is 100, e -100, so 100000 of 0.0001 rpm, and as much of w2: 20 rpm of 600 inc/s each.
+    rig.give(Action::set_memory(0, 100.0));
+    rig.give(Action::set_memory(1, 100_000.0));
+    assert_eq!(rig.int("held.sink"), 200_000);
+    rig.run(60);
+    assert_eq!((rig.real("disc.command.velocity"), rig.int("lamp")), (12_000.0, 0));
+    // 500 would be 50 rpm; 40 are let through, and w2 beside them.
+    rig.give(Action::set_memory(0, 500.0));
+    rig.run(100);
+    assert_eq!((rig.int("held.sink"), rig.int("lamp"), rig.real("disc.command.velocity")), (500_000, 1, 30_000.0));
+    rig.mirror();
+    rig.run(3);
+    let refused = rig.give(with(0, Order::ValueNew, &[(field(Type::Regl, "gain_v"), 0)]));
+    assert!(rig.refusal(refused).ends_with("a gain of 0 lets nothing through; -32768 to -1 and 1 to 32767 are possible"));
+    rig.give(with(0, Order::ValueNew, &[(field(Type::Regl, "switch_mask"), 4)]));
+    assert_eq!((rig.int("held.sink"), rig.int("lamp")), (100_000, 0), "w2 alone");
+    rig.give(order(0, Order::Reset));
+    assert_eq!((rig.int("held.sink"), rig.int("held.active")), (0, 0));
+    rig.run(100);
+    assert_eq!((rig.real("disc.command.velocity"), rig.state("disc")), (0.0, "STANDSTILL"));
+}
